@@ -30,12 +30,12 @@ BOX_ROUNDING = 1e-9  # [m] by which a box may reach over a side or into another 
 
 
 def with_what_is_open(written: Any) -> Any:
-    """Turn the word `absorbing` for a side into a mapping, so that a dump shows its defaults."""
+    """Turn the word `absorbing` for a side into a mapping of its keys, so that dumped configs show defaults."""
     return {"kind": "absorbing"} if written == "absorbing" else written
 
 
 def with_each_side(written: Any) -> Any:
-    """Turn the word `absorbing` for all walls into one entry each for x and z."""
+    """Turn the word `absorbing` for all walls into a mapping with one entry each for x and z."""
     return {"x": written, "z": written} if written == "absorbing" else written
 
 
@@ -71,16 +71,16 @@ class Walls(Model):
     """`periodic`: what leaves through the bed comes in at the still surface, and there is neither bed nor surface."""
 
     def key(self, side: str) -> str:
-        """Key under which the wall at `x_min`, `x_max`, `z_min` or `z_max` is written."""
+        """Config key of the wall at `x_min`, `x_max`, `z_min` or `z_max`: that side's, or that of both (`x` or `z`)."""
         return side if getattr(self, side) is not None else side[0]
 
     def at(self, side: str) -> Wall:
-        """The kind of wall at a side."""
+        """Kind of wall at a side (`x_min`, `x_max`, `z_min` or `z_max`)."""
         wall: OneSide = getattr(self, self.key(side))
         return wall.kind if isinstance(wall, Absorbing) else wall
 
     def absorbing(self, side: str) -> Absorbing | None:
-        """Absorption settings of this side, or None."""
+        """Absorption settings of a side (`x_min`, `x_max`, `z_min` or `z_max`); None if it does not absorb waves."""
         wall: OneSide = getattr(self, self.key(side))
         return wall if isinstance(wall, Absorbing) else None
 
@@ -106,6 +106,7 @@ class RoughBed(Model):
 
     @model_validator(mode="after")
     def _one_law(self) -> "RoughBed":
+        """Check that there is either a roughness or a friction factor; raises ValueError."""
         if (self.roughness is None) == (self.friction_factor is None):
             raise ValueError("give either roughness [m] or friction_factor")
         return self
@@ -163,6 +164,7 @@ class Box(Model):
 
     @model_validator(mode="after")
     def _has_an_inside(self) -> "Box":
+        """Check that each coordinate of `max` is above that of `min`; raises ValueError."""
         if len(self.min) != len(self.max) or any(a >= b for a, b in zip(self.min, self.max, strict=True)):
             raise ValueError(f"every number of max must be greater than that of min, got {self.min} and {self.max}")
         return self
@@ -183,6 +185,7 @@ class Obstacle(Box):
 
     @model_validator(mode="after")
     def _moves_in_one_way(self) -> "Obstacle":
+        """Check that `motion` is not given together with `velocity` or `until`; raises ValueError."""
         if self.motion is not None and (self.velocity is not None or self.until is not None):
             raise ValueError("give either motion, or velocity [m/s] and until [s]")
         return self
@@ -231,7 +234,7 @@ class Config(Model):
         return Basin(self, sea=sea)
 
     def problems(self, basin: "Basin", duration: float) -> list[tuple[tuple[str | int, ...], str]]:
-        """Contradictions in a run of `duration` [s]: (path below `basin`, sentence)."""
+        """Contradictions in these keys for a run of `duration` [s]: key path below `basin`, and sentence, of each."""
         found: list[tuple[tuple[str | int, ...], str]] = []
         walls = basin.walls
         for axis in "xz" if basin.dimension == 3 else "x":
@@ -263,7 +266,7 @@ class Config(Model):
 
 
 def odd_gravity(gravity: Vector3) -> list[str]:
-    """Warn of gravity [m/s2] that looks like one of another convention: z up, or another unit."""
+    """Warnings of gravity [m/s2] that looks like one of another convention: z up, or another unit."""
     size, (x, y, z) = float(np.linalg.norm(gravity)), gravity
     found = []
     if abs(y) < max(abs(x), abs(z)):
@@ -275,7 +278,7 @@ def odd_gravity(gravity: Vector3) -> list[str]:
 
 
 def box_faults(key: str, boxes: Sequence[Box], basin: "Basin", overlap: str) -> list[tuple[tuple[str | int, ...], str]]:
-    """Faults of boxes, under a config key, that reach out of the basin or overlap; `overlap`: sentence for those."""
+    """Faults (key path, sentence) of boxes out of the basin or overlapping; `overlap`: sentence on the latter."""
     found: list[tuple[tuple[str | int, ...], str]] = []
     fitting = [k for k, box in enumerate(boxes) if len(box.min) == basin.dimension]
     low = np.array([boxes[k].min for k in fitting]).reshape(-1, basin.dimension)
@@ -294,7 +297,7 @@ def box_faults(key: str, boxes: Sequence[Box], basin: "Basin", overlap: str) -> 
 
 
 def axes_beyond(low: Sequence[float], up: Sequence[float], basin: "Basin") -> list[str]:
-    """Axes along which a box from `low` to `up` [m] reaches out of the basin; upwards only a closed one ends."""
+    """Names of axes along which a box from `low` to `up` [m] reaches out of the basin; an open basin has no top."""
     return [
         axis
         for axis, a, b, least, most in zip("xyz", low, up, basin.lower, basin.upper)
@@ -305,7 +308,7 @@ def axes_beyond(low: Sequence[float], up: Sequence[float], basin: "Basin") -> li
 def path_faults(
     obstacles: tuple[Obstacle, ...], basin: "Basin", duration: float
 ) -> list[tuple[tuple[str | int, ...], str]]:
-    """Faults of the paths of moving obstacles in a run of `duration` [s]: key path and sentence of each."""
+    """Faults (key path, sentence) of the paths of moving obstacles in a run of `duration` [s]."""
     found: list[tuple[tuple[str | int, ...], str]] = []
     unread: set[int] = set()
     for k, box in enumerate(obstacles):
@@ -340,7 +343,7 @@ def path_faults(
 
 
 def crossing_time(box: Obstacle, other: Obstacle, duration: float) -> float | None:
-    """First time [s] at which two obstacles in the basin overlap, in straight motion between sampled times; or None."""
+    """First time [s] up to `duration` at which two obstacles overlap, straight between samples; None if never."""
     gates = [(sign, gate) for sign, gate in ((1.0, box.gate), (-1.0, other.gate)) if gate is not None]
     times = min((gate.moments(duration) for _, gate in gates), key=lambda moments: float(moments[-1]))
     ways = [[sign * moved.way for time in times.tolist() if (moved := gate.at(time))] for sign, gate in gates]
@@ -370,7 +373,7 @@ class Solid(Protocol):
 
     @property
     def origin(self) -> np.ndarray:
-        """(3,) centre of mass [m]."""
+        """(3,) position of the centre of mass [m]."""
 
     @property
     def extent(self) -> np.ndarray:
@@ -411,8 +414,7 @@ class Side:
 
 
 def shifts(x: np.ndarray, origin: np.ndarray, period: Sequence[float]) -> np.ndarray:
-    """Shifts (n, 3) [m] by whole periods from points (n, 3) to their periodic images nearest to an origin x, z [m]; 0
-    along axes without a period."""
+    """(n, 3) whole periods [m] from points x (n, 3) to their periodic images nearest to `origin`, an x and z [m]."""
     return whole_sides(np.insert(origin, 1, 0.0) - x, np.array([period[0], 0.0, period[2]]))
 
 
@@ -431,14 +433,17 @@ class Basin:
 
     @property
     def dimension(self) -> int:
+        """2 for a vertical slice in x-y, else 3."""
         return 2 if self.config.width is None else 3
 
     @property
     def depth(self) -> float:
+        """Depth of the still water [m]."""
         return self.config.depth
 
     @property
     def gravity(self) -> tuple[float, float, float]:
+        """Acceleration of gravity along x, y and z [m/s2]."""
         return self.config.gravity
 
     @cached_property
@@ -454,8 +459,7 @@ class Basin:
 
     @property
     def upper(self) -> tuple[float, float, float]:
-        """Highest corner [m]: y is 0 under a lid or where y is periodic, else the depth, though water may rise
-        higher."""
+        """Highest corner [m]: y is 0 in a closed basin, else the depth, though water may rise higher."""
         top = 0.0 if self.closed else self.config.depth
         return (self.config.length / 2, top, (self.config.width or 0.0) / 2)
 
@@ -500,7 +504,7 @@ class Basin:
 
     @property
     def rough_bed(self) -> RoughBed | None:
-        """The bed if it has friction, or None."""
+        """Friction settings of the bed; None if it has no friction."""
         return self.config.floor if isinstance(self.config.floor, RoughBed) else None
 
     @cached_property
@@ -510,15 +514,15 @@ class Basin:
 
     @cached_property
     def fixed(self) -> list[Corners]:
-        """Corners of the obstacles that never move."""
+        """Lowest and highest corner [m] of each obstacle that never moves."""
         return [box_corners(box) for box in self.config.obstacles if box.gate is None]
 
     def obstacles_at(self, time: float) -> list[Corners]:
-        """Corners of all obstacles present at a time [s]."""
+        """Lowest and highest corner [m] of each obstacle present at a time [s]."""
         return self.fixed + self.gates_at(time)
 
     def gates_at(self, time: float) -> list[Corners]:
-        """Corners of the moving obstacles present at a time [s]."""
+        """Lowest and highest corner [m] of each moving obstacle present at a time [s]."""
         found = []
         for k, gate in self.gates:
             moved = gate.at(time)
@@ -549,8 +553,7 @@ class Basin:
         )
 
     def stops(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-        """Positions of walls, floor and lid on each axis [m], lower and upper, with a piston at its farthest; OPEN
-        where there is none."""
+        """Lowest and highest positions by axis [m] of walls, bed, lid and a piston at its farthest; OPEN without."""
         low, up = [-OPEN] * 3, [OPEN] * 3
         for side in self.sides:
             away = side.piston.reach if side.piston is not None else 0.0

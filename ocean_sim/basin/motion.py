@@ -68,6 +68,7 @@ def ramp_law(law: Law, ramp: float) -> Law:
     """Law of motion that grows to `law` over `ramp` [s] by 10 s^3 - 15 s^4 + 6 s^5, without a jump in acceleration."""
 
     def grown(t: float) -> tuple[float, float, float]:
+        """Displacement, velocity and acceleration at a time t [s]."""
         x, v, a = law(t)
         if t >= ramp:
             return x, v, a
@@ -101,13 +102,13 @@ class Tank(Model):
     """The point about which it rolls; in 2-D [x, y]; by default the centre of the still surface."""
 
     def problems(self, basin: waves.Tank) -> Problems:
-        """Faults of this motion in this basin."""
+        """Faults (key path, sentence) of this motion in a basin."""
         if self.about is not None and len(self.about) != basin.dimension:
             return [(("about",), f"a point of this basin has {basin.dimension} numbers, got {len(self.about)}")]
         return []
 
     def warnings(self, duration: float) -> list[str]:
-        """Warn of a doubtful motion in a run of `duration` [s]."""
+        """Warnings of a doubtful motion in a run of `duration` [s]; none unless a kind overrides it."""
         return []
 
 
@@ -119,7 +120,7 @@ def overturn_warnings(axis: str, angle: float) -> list[str]:
 
 
 def axis_faults(axis: str, basin: waves.Tank) -> Problems:
-    """Fault of a motion along or about an axis that this basin does not allow; empty for any other."""
+    """Fault (key path, sentence) of an axis that a 2-D basin does not allow; empty for any other."""
     if basin.dimension == 2 and axis not in SLICE_AXES:
         return [
             (("axis",), f"a 2-D basin, in x-y, moves along x or y or about z ({', '.join(SLICE_AXES)}), not {axis!r}")
@@ -149,15 +150,19 @@ class Harmonic(Tank):
         return 2.0 * pi / self.period
 
     def problems(self, basin: waves.Tank) -> Problems:
+        """Faults (key path, sentence) of point and axis of this motion in a basin."""
         return super().problems(basin) + axis_faults(self.axis, basin)
 
     def warnings(self, duration: float) -> list[str]:
+        """Warning of a tank that turns over, as its angle may be in degrees."""
         return overturn_warnings(self.axis, abs(self.amplitude))
 
     def build(self) -> "TankMotion":
+        """Motion of the tank by these keys, growing over `ramp`."""
         omega, phase = 2.0 * pi / self.period, radians(self.phase_deg)
 
         def law(t: float) -> tuple[float, float, float]:
+            """Displacement, velocity and acceleration at a time t [s], without ramp."""
             x = self.amplitude * sin(omega * t + phase)
             return x, self.amplitude * omega * cos(omega * t + phase), -(omega**2) * x
 
@@ -176,11 +181,11 @@ class Recorded(Tank):
 
     @cached_property
     def table(self) -> csv_file.Table:
-        """Table read from the file; raises Unreadable."""
+        """Table in the file; raises Unreadable."""
         return csv_file.Table(self.file)
 
     def rows(self) -> tuple[Axis, np.ndarray, np.ndarray]:
-        """Axis, times [s] and displacements [m or rad]; raises Unreadable."""
+        """Axis, times (n,) [s] and displacements (n,) [m or rad] in the file; raises Unreadable."""
         table = self.table
         axes = {name: re.sub("(?<=roll_[xyz])_deg$|_rad$|_m$", "", name) for name in table}
         wanted = Axis.__args__ if self.axis is None else (self.axis,)  # type: ignore[attr-defined]
@@ -200,6 +205,7 @@ class Recorded(Tank):
         return float(speed / moved) if moved > 0.0 else 0.0
 
     def problems(self, basin: waves.Tank) -> Problems:
+        """Faults (key path, sentence) of the file, and of point and axis of this motion in a basin."""
         try:
             axis = self.rows()[0]
         except Unreadable as error:
@@ -207,8 +213,7 @@ class Recorded(Tank):
         return super().problems(basin) + axis_faults(axis, basin)
 
     def warnings(self, duration: float) -> list[str]:
-        """Warn of rows that a run does not reach, a roll that is very large or looks like radians, and a speed that
-        jumps where rows begin or end, as water feels only acceleration."""
+        """Warnings of rows beyond the run, of odd angles of roll, and of speeds that jump at the first or last row."""
         (axis, times, moved), law = self.rows(), self.build().law
         fastest = max(abs(law(float(t))[1]) for t in np.linspace(times[0], times[-1], FREQUENCY_SAMPLES))
         unit = "rad/s" if axis.startswith("roll") else "m/s"
@@ -227,6 +232,7 @@ class Recorded(Tank):
         return found
 
     def build(self) -> "TankMotion":
+        """Motion of the tank through the rows of the file; raises Unreadable."""
         axis, times, moved = self.rows()
         return TankMotion(axis, self.about, spline_law(times, moved))
 
@@ -249,7 +255,7 @@ Motion = Annotated[Harmonic | Recorded, Field(discriminator="kind"), BeforeValid
 
 @dataclass(frozen=True)
 class TankMotion:
-    """A tank that moves along or about one axis."""
+    """Prescribed motion of the tank along or about one axis."""
 
     axis: Axis
     about: tuple[float, ...] | None
@@ -261,7 +267,7 @@ class TankMotion:
         return np.eye(3)["xyz".index(self.axis[-1])]
 
     def at(self, time: float) -> Frame:
-        """Motion of the tank at a time [s]."""
+        """Displacement, velocity and acceleration of the tank at a time [s], or its angles and their rates."""
         x, v, a = (value * self.direction for value in self.law(time))
         still, pivot = np.zeros(3), np.array((*(self.about or (0.0, 0.0)), 0.0)[:3])
         if self.axis.startswith("roll"):
@@ -362,6 +368,7 @@ class Gate(Model):
 
     @model_validator(mode="after")
     def _moves_in_one_way(self) -> "Gate":
+        """Check that a path is given in one way and ends after it starts; raises ValueError."""
         if self.file is not None and (any(self.velocity) or any(self.acceleration)):
             raise ValueError("give either the file of its way, or velocity and acceleration")
         if self.end is not None and self.end <= self.start and self.moves:

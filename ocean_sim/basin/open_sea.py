@@ -21,12 +21,13 @@ class Sea(waves.HeadedTrain):
     """Phase added to that of each wave; without it regular waves have a crest at the origin at time 0."""
 
     def sea(self, basin: waves.Tank, count: int = waves.SPECTRUM_WAVES) -> waves.Components:
+        """Plane waves of this train in a basin, `count` of a spectrum, with `phase_deg` added to their phases."""
         sea = super().sea(basin, count)
         return replace(sea, phase=sea.phase + radians(self.phase_deg))
 
 
 class Target(Model):
-    """A motion of the water: a current and waves, either or both."""
+    """Motion of the water that an absorbing zone does not damp: a current and waves, either or both."""
 
     current: Vector3 = quantity("m/s", (0.0, 0.0, 0.0))
     """A current, the same everywhere and horizontal."""
@@ -67,8 +68,7 @@ class Absorbing(Model):
 
 
 class Rim(Model):
-    """The band in which the water of the patch is relaxed towards the sea; the ship is in the middle of the free
-    water."""
+    """The band in which the patch's water is relaxed towards the sea; the ship is in the middle of the free water."""
 
     width: float | None = quantity("m", None, gt=0.0)
     """Width of the band on either side of the seam; null: three quarters of the highest waves' length, at most a
@@ -83,14 +83,14 @@ class Rim(Model):
 
 
 class Nonlinear(NamedTuple):
-    """Settings of a nonlinear sea."""
+    """Settings of a nonlinear sea: onset of its nonlinear terms, and breaking."""
 
     onset: float  # [s] time in which the nonlinear terms set in
     breaking: bool  # True: its crests break
 
 
 class OpenSea(Protocol):
-    """The sea that a patch is part of."""
+    """Interface of the sea around a patch of particles."""
 
     rim: Rim
     feed: float | None
@@ -113,8 +113,7 @@ class OpenSea(Protocol):
 
 
 def width_over_length(periods: tuple[float, float, float]) -> Fraction | None:
-    """Width over length of a patch with these periods [m], as a ratio of whole numbers up to MOST_PARTS, 1 in 2-D; None
-    if no such ratio fits."""
+    """Width over length of a patch with these periods [m]; 1 in 2-D, None if MOST_PARTS is too small a denominator."""
     if not periods[2]:
         return Fraction(1)
     share = periods[2] / periods[0]

@@ -19,7 +19,7 @@ def count(low: float, high: float, spacing: float) -> int:
 
 
 def middles(low: float, high: float, spacing: float) -> np.ndarray:
-    """Middles of the equal cells from `low` to `high` [m], each at most `spacing` [m] wide."""
+    """Middles (n,) of the equal cells from `low` to `high` [m], each at most `spacing` [m] wide."""
     return middles_of(low, high, count(low, high, spacing))
 
 
@@ -29,7 +29,7 @@ def middles_of(low: float, high: float, n: int) -> np.ndarray:
 
 
 def grid(basin: Basin, spacing: float) -> tuple[np.ndarray, np.ndarray]:
-    """Positions x and z [m] of a horizontal grid of points, the outermost half a cell away from the walls."""
+    """Positions x (n,) and z (m,) [m] of a horizontal grid of points, the outermost half a cell away from the walls."""
     x = middles(basin.lower[0], basin.upper[0], spacing)
     z = middles(basin.lower[2], basin.upper[2], spacing) if basin.dimension == 3 else np.zeros(1)
     return x, z

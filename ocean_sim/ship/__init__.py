@@ -23,21 +23,21 @@ NO_FORCE = np.zeros((2, 3))  # a part that does not act
 
 @dataclass(frozen=True)
 class Load:
-    """Forces on a ship by part (4.27), (n, 2, 3): force [N] and torque about the centre of mass [N m], world axes."""
+    """Force [N] and torque about the centre of mass [N m] of each of n parts of a ship's load, world axes (4.27)."""
 
     parts: np.ndarray  # in the order of the ship's `parts`
 
     @classmethod
     def of(cls, forces: dict[str, np.ndarray], names: tuple[str, ...] = PARTS) -> "Load":
-        """Load from the (2, 3) force and torque of each named part; parts not named are zero. Raises ValueError for a
-        name that is not one of the ship's parts."""
+        """Build a load from `forces`, the (2, 3) force [N] and torque [N m] by name of part; parts of `names` without
+        one are zero. Raises ValueError for a part that is not in `names`."""
         for name in forces:
             if name not in names:
                 raise ValueError(f"a ship with a force {name!r} must name it in `parts`, which are {', '.join(names)}")
         return cls(np.concatenate([forces.get(name, NO_FORCE) for name in names]).reshape(-1, 2, 3))
 
     def plus(self, name: str, more: np.ndarray) -> "Load":
-        """This load with the (2, 3) force and torque `more` added to the part `name`, one of PARTS."""
+        """Copy of this load with the (2, 3) force and torque `more` added to the part `name`, one of PARTS."""
         parts = self.parts.copy()
         parts[PARTS.index(name)] += more
         return Load(parts)
@@ -59,7 +59,7 @@ class Load:
 
 
 class Look(NamedTuple):
-    """Name, immersion and breadth of a ship, which a picture needs besides her triangles."""
+    """Facts that a picture of a ship needs besides her triangles: name, submerged share of her volume, and breadth."""
 
     name: str  # of its hull, if it has one, and of its shape
     submerged: float  # share of its volume that is under water at rest
@@ -67,7 +67,7 @@ class Look(NamedTuple):
 
 
 class Afloat(NamedTuple):
-    """Hydrostatic data of a ship at rest in still water."""
+    """Hydrostatic data of a ship at rest in still water: mass, draught, metacentric heights and natural periods."""
 
     displacement: float  # [kg]
     draught: float  # [m]; infinite where she sinks
@@ -85,8 +85,7 @@ class Outline(NamedTuple):
     highest: float  # [m]
 
     def overlap(self, other: "Outline") -> float:
-        """Depth [m] of the overlap with another outline: the shortest displacement that parts them; 0 if they are
-        apart."""
+        """Shortest displacement [m] that would separate this outline from another; 0 if they do not overlap."""
         least = min(self.highest, other.highest) - max(self.lowest, other.lowest)
         for polygon in (self.plan, other.plan):
             along = np.roll(polygon, -1, axis=0) - polygon
@@ -97,8 +96,8 @@ class Outline(NamedTuple):
         return max(least, 0.0)
 
     def images(self, other: "Outline", periods: Sequence[float]) -> list["Outline"]:
-        """Periodic copies of this outline: the one nearest to another outline, and those on every side of it. `periods`
-        [m]: lengths after which the water repeats along x, y and z; 0: not periodic."""
+        """Copies of this outline in a periodic basin: the one nearest to `other`, and its neighbours one period away on
+        every side. `periods` [m]: of the basin along x, y and z; 0: not periodic."""
         apart = other.plan.mean(axis=0) - self.plan.mean(axis=0)
         sides = np.array(periods[::2])
         next_to = product(*([-side, 0.0, side] if side else [0.0] for side in sides))
@@ -106,14 +105,14 @@ class Outline(NamedTuple):
         return [self._replace(plan=self.plan + (nearest + way)) for way in next_to]
 
     def middle(self, other: "Outline") -> np.ndarray:
-        """(2,) x and z [m] of the middle of the overlap of the bounding boxes of two outlines."""
+        """(2,) x and z [m] of the middle of the overlap of both outlines' bounding boxes in plan view."""
         low = np.maximum(self.plan.min(axis=0), other.plan.min(axis=0))
         high = np.minimum(self.plan.max(axis=0), other.plan.max(axis=0))
         return 0.5 * (low + high)
 
 
 class Ship(Protocol):
-    """Interface of a ship; `ship.body.vessel.Vessel`, the base class of all kinds, derives from it."""
+    """Interface of a ship: state, loads and motion; `ship.body.vessel.Vessel` is the base class of all kinds."""
 
     name: str  # in the scene
     parts: tuple[str, ...] = PARTS  # names of the parts of its load, then those of the kind; columns of motion.csv
@@ -132,29 +131,28 @@ class Ship(Protocol):
 
     @abstractmethod
     def load(self, wind: "Wind", fluid: "Fluid", surface: "Surface | Fluid") -> Load:
-        """All forces and torques on the ship now, by part: (4.27) of the thesis."""
+        """Compute all forces and torques on the ship at her present pose, by part: (4.27) of the thesis."""
 
     def advance(self, load: Load, dt: float) -> None:
         """Advance the ship by a step of dt [s] under a load, (4.22) to (4.25) of the thesis; raises Diverged."""
 
     def hand_over(self) -> "Person":
-        """Let a person take the helm; `give(throttle, rudder)` of the Person replaces the controls of the scene."""
+        """Replace the crew by a person and return the person, whose `give(throttle, rudder)` then sets the orders."""
 
     def sail(self, route: list[tuple[float, float]], speed: float) -> "Helmsman":
-        """Let a pilot take the helm and sail along waypoints x, z [m] at a speed [m/s], in place of the controls of the
-        scene; a waypoint is reached a ship's length before it."""
+        """Replace the crew by a pilot and return the pilot, who sails along waypoints x, z [m] at a speed [m/s]; a
+        waypoint counts as reached from a ship's length before it."""
 
     def drawn(self) -> tuple[np.ndarray, np.ndarray] | None:
-        """Vertices (n, 3) from the centre of mass, body axes [m], and triangles (m, 3) of the hull as drawn; None
-        without a shape."""
+        """Hull as drawn: vertices (n, 3) from the centre of mass, body axes [m], triangles (m, 3); None without one."""
 
     def outline(self) -> Outline | None:
-        """Outline of the hull at its present pose; None where the ship has no shape."""
+        """Plan-view outline and height range of the hull at its present pose; None where the ship has no shape."""
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
-        """Positions x and z (m, 2) [m] and volumes (m,) [m3] of the water that the hull displaces, as in the last load;
-        m is 0 if the kind gives none."""
+        """Positions x and z (m, 2) [m], volumes (m,) [m3] of water that the hull displaces; m is 0 if the kind has
+        none."""
         return np.zeros((0, 2)), np.zeros(0)
 
     def limits(self) -> "Limits":
-        """Upper bounds of the time step for the fastest motion of the ship."""
+        """Time scales [s] of the fastest motion of the ship, a fraction of which bounds the time step."""

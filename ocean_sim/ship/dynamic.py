@@ -37,7 +37,7 @@ COUPLED_BY_ENDS = (("heave", "pitch"), ("sway", "yaw"), ("yaw", "roll"), ("heave
 
 
 class SeakeepingConfig(FloatingConfig):
-    """Keys of a ship with added mass."""
+    """Config keys of a ship with added mass and, by a radiation table, with waves that she radiates and scatters."""
 
     added_mass: AddedMass = AddedMass()
     damping: Damping = Damping()
@@ -53,27 +53,29 @@ class SeakeepingConfig(FloatingConfig):
     @field_validator("radiation")
     @classmethod
     def _enough_for_radiation(cls, file: str | None) -> str | None:
+        """Validate the file `radiation` by reading its table; raises ValueError if that fails."""
         if file is not None:
             Radiation(file)
         return file
 
     @cached_property
     def table(self) -> Radiation | None:
-        """Radiation table in the file of `radiation`; None without one."""
+        """Radiation table in the file `radiation`; None without one."""
         return None if self.radiation is None else Radiation(self.radiation)
 
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
+        """(6,) added mass [kg] and inertia [kg m2], given or by rule, in the order of `Motions`."""
         return self.added_mass.diagonal(still)
 
     def moved_at_once(self, still: Hydrostatics) -> np.ndarray:
-        """(6,) added mass [kg] and inertia [kg m2], A(infinity) for motions in the table, in the order of `Motions`."""
+        """(6,) added mass [kg], inertia [kg m2] of quick motions: A(infinity) of the table, else `moved_along`."""
         added = self.moved_along(still)
         if self.table is not None:
             added[self.table.numbers] = np.diag(self.table.impulse_response.added)
         return added
 
     def moved_together(self) -> np.ndarray | None:
-        """(6, 6) added mass that couples two motions each, symmetric with a diagonal of 0; None if a table has none."""
+        """(6, 6) added mass [kg], [kg m], [kg m2] that couples two motions, diagonal 0; None if there is none."""
         if self.table is None:
             return None
         own, found = self.table.impulse_response.added, np.zeros((6, 6))
@@ -81,10 +83,12 @@ class SeakeepingConfig(FloatingConfig):
         return found if found.any() else None
 
     def resistance(self, still: Hydrostatics) -> Resistance:
+        """Damping law of the hull; motions in the radiation table have no damping by rule."""
         radiated = [] if self.table is None else [Motions._fields[k] for k in self.table.numbers]
         return Resistance(self.damping, still, self.moved_at_once(still), radiated)
 
     def mismatches(self, preflight: Preflight) -> Problems:
+        """Faults (key, sentence), also of a table whose added mass is too negative or that is used among particles."""
         found = super().mismatches(preflight)
         if self.table is not None:
             still = self.hydrostatics_of(preflight)
@@ -99,6 +103,7 @@ class SeakeepingConfig(FloatingConfig):
         return found
 
     def warnings(self, preflight: Preflight) -> list[str]:
+        """Warnings of the floating hull, and of a radiation table that does not suit the ship or the water."""
         deep = "a hull that feels only the surface of the water is lifted too much by short waves"
         found = super().warnings(preflight) + ([deep] if preflight.surface is not None else [])
         still = self.hydrostatics_of(preflight)
@@ -112,7 +117,7 @@ class SeakeepingConfig(FloatingConfig):
         return found + [f"radiation: {sentence}" for sentence in said]
 
     def coverage_warnings(self, table: Radiation, still: Hydrostatics) -> Iterator[str]:
-        """Sentences on forces on free motions that are missing in the table."""
+        """Yield warnings of couplings, natural periods and wave forces of free motions that the table lacks."""
         names = [Motions._fields[k] for k in table.numbers if Motions._fields[k] in self.free]
         _, breadth, draught = still.stations
         ends = max(float(np.abs(row - row[::-1]).max() / row.max()) for row in (breadth, draught))
@@ -138,10 +143,11 @@ class SeakeepingConfig(FloatingConfig):
                 yield f"the scattered forces of the table are of {only}, and are taken for those of any waves"
 
     def feels_bed(self, depth: float) -> bool:
+        """True if the radiation table is of water of this depth [m]."""
         return self.table is not None and self.table.depth == depth
 
     def table_differences(self, table: Radiation, tank: Basin, still: Hydrostatics) -> list[str]:
-        """Sentences on differences between the table's speed, depth and axis of rotation and those of this scene."""
+        """Warnings where speed, water depth or axis of rotation of the table differ from those of this scene."""
         found = list[str]()
         if self.propeller is not None or any(self.velocity):
             found.append(
@@ -174,6 +180,7 @@ class SeakeepingShip(FloatingShip):
     samples_depth: ClassVar[bool] = True
 
     def __init__(self, name: str, config: SeakeepingConfig, basin: Basin, fluid: Fluid) -> None:
+        """Prepare added mass, damping, slamming and, with a table, radiated and scattered waves."""
         super().__init__(name, config, basin, fluid)
         self.added, self.between = config.moved_at_once(self.hydrostatics), config.moved_together()
         self.memory: Memory | None = None
@@ -194,6 +201,7 @@ class SeakeepingShip(FloatingShip):
         self.motion_limits = self.limits_of_motion(self.added)
 
     def damping(self, now: Immersion) -> np.ndarray:
+        """(2, 3) force [N] and torque [N m], world axes, of damping and, with a table, of radiated waves."""
         resisted = self.resistance.load(now.motion)
         if self.memory is not None:
             self.made = now.motion + (now.wet.velocity - self.drift_velocity(now))
@@ -201,16 +209,15 @@ class SeakeepingShip(FloatingShip):
         return now.share * to_world(resisted, now.body)
 
     def drift_velocity(self, now: Immersion) -> np.ndarray:
-        """(6,) water velocity in body axes [m/s], [rad/s] for the reaction of added mass: only the current for motions
-        of which the table has the wave force."""
+        """(6,) velocity of the water that added mass reacts to, body axes [m/s], [rad/s]: of the current alone in
+        motions whose wave force is in the table."""
         if self.scattering is None:
             return now.wet.velocity
         stream = np.concatenate([now.body.matrix.T @ self.stream, np.zeros(3)])
         return self.through * now.wet.velocity + (1.0 - self.through) * stream
 
     def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """The forces by part with the reaction of added mass: to the hull's acceleration as part of `damping`, to the
-        water's own acceleration as part of `wave`."""
+        """`forces` by part plus added mass: its reaction to the hull in `damping`, to the water's motion in `wave`."""
         force, torque = np.concatenate(list(forces.values())).reshape(-1, 2, 3).sum(axis=0)
         wet = now.wet
         if self.scattering is not None and self.sea is not None:
@@ -227,6 +234,7 @@ class SeakeepingShip(FloatingShip):
         return forces | {"wave": forces["wave"] + carried, "damping": forces["damping"] + moved}
 
     def advance(self, load: Load, dt: float) -> None:
+        """Take a step of dt [s]; the velocity before it is stored for the force of radiated waves."""
         if self.memory is not None:
             self.memory.remember(self.actuators.time, self.made)
         super().advance(load, dt)
@@ -240,4 +248,5 @@ class Config(SeakeepingConfig):
     kind: Literal["dynamic"] = "dynamic"
 
     def build(self, name: str, basin: Basin, fluid: Fluid) -> SeakeepingShip:
+        """Build the ship `name` of this config."""
         return SeakeepingShip(name, self, basin, fluid)

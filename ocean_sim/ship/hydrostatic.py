@@ -30,6 +30,7 @@ class Config(FloatingConfig):
     damping: Damping = Damping(heave=0.05, pitch=0.05, roll=0.05)
 
     def resistance(self, still: Hydrostatics) -> Resistance:
+        """Damping law of the hull, with Munk's moment, which comes from added mass in other kinds."""
         sway, _, surge = by_rule(still)[:3]
         return Resistance(self.damping, still, np.zeros(6), munk=sway - surge)
 
@@ -43,10 +44,12 @@ class Hydrostatic(FloatingShip):
     samples_depth: ClassVar[bool] = True
 
     def __init__(self, name: str, config: Config, basin: Basin, fluid: Fluid) -> None:
+        """Prepare damping, and slamming unless particles push the hull."""
         super().__init__(name, config, basin, fluid)
         self.resistance = config.resistance(self.hydrostatics)
         if self.contact is None:
             self.slamming = Slamming(self.hydrostatics, float(by_rule(self.hydrostatics)[1]))
 
     def damping(self, now: Immersion) -> np.ndarray:
+        """(2, 3) damping force [N] and torque [N m], world axes, less as the hull leaves the water."""
         return now.share * to_world(self.resistance.load(now.motion), now.body)

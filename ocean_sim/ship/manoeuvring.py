@@ -46,14 +46,16 @@ class Config(VesselConfig):
     kind: Literal["manoeuvring"] = "manoeuvring"
 
     def problems(self, preflight: Preflight) -> Problems:
+        """Faults (key, sentence) of keys that contradict the basin."""
         return self.basin_problems(preflight.tank)
 
     def warnings(self, preflight: Preflight) -> list[str]:
+        """Warnings, with one that waves and wind do not act on the ship."""
         calm = "the Otter's model is of calm water: neither waves nor wind act on it"
         return [*super().warnings(preflight), calm]
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """One row without memory: the model has no fields."""
+        """One row of 0 bytes: the model has no fields."""
         return [LedgerRow("ship", "the matrices of the Otter's model", 0, "ship.kind is manoeuvring")]
 
     def build(self, name: str, basin: Basin, fluid: Fluid) -> Ship:
@@ -61,21 +63,22 @@ class Config(VesselConfig):
 
 
 def skew_matrix(a: np.ndarray) -> np.ndarray:
-    """(3, 3) with skew(a) b = a x b."""
+    """(3, 3) matrix S of a vector a (3,), with S b = a x b for any b."""
     return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
 
 
 def shift_matrix(arm: np.ndarray) -> np.ndarray:
-    """(6, 6) transformation of a motion to a point `arm` away."""
+    """(6, 6) matrix from the linear and angular velocity at one point of a body to those at a point `arm` [m] away."""
     whole = np.eye(6)
     whole[:3, 3:] = skew_matrix(arm).T
     return whole
 
 
 class Otter:
-    """The matrices of the model, in SNAME axes about its origin, half way along at the still water."""
+    """Mass, stiffness and damping of the Otter, in SNAME axes about its origin amidships at the still water."""
 
     def __init__(self) -> None:
+        """Compute all matrices and coefficients from the constants of this module."""
         self.mass = HULL_MASS + PAYLOAD_MASS
         self.payload = np.array([0.05, 0.0, -0.35])
         self.centre = (HULL_MASS * np.array([0.2, 0.0, -0.2]) + PAYLOAD_MASS * self.payload) / self.mass
@@ -109,7 +112,7 @@ class Otter:
         self.across = float(np.interp(PONTOON_BREADTH / (2.0 * self.draught), *HOERNER_DRAG))
 
     def drag_load(self, nu: np.ndarray) -> np.ndarray:
-        """(6,) drag at a velocity `nu` (6,) relative to the water: linear, quadratic in yaw, and by cross-flow."""
+        """(6,) drag [N], [N m] at a velocity `nu` (6,) relative to the water: linear, quadratic in yaw, cross-flow."""
         load = -self.damping * nu
         load[5] -= 10.0 * self.damping[5] * abs(nu[5]) * nu[5]
         x = np.linspace(-HULL_LENGTH / 2.0, HULL_LENGTH / 2.0, 21)
@@ -120,7 +123,7 @@ class Otter:
         return load
 
     def centripetal_load(self, nu: np.ndarray) -> np.ndarray:
-        """(6,) Coriolis and centripetal load C(nu) nu of hull and added mass (Fossen 2021, 3.3)."""
+        """(6,) Coriolis and centripetal load C(nu) nu [N], [N m] of hull and added mass (Fossen 2021, 3.3)."""
         own = np.zeros((6, 6))
         own[:3, :3], own[3:, 3:] = self.mass * skew_matrix(nu[3:]), -skew_matrix(self.inertia @ nu[3:])
         moved = self.added * nu
@@ -131,11 +134,12 @@ class Otter:
 
 
 class Manoeuvring(Vessel):
-    """The Otter under way; its body is hull and payload, about their centre of mass."""
+    """Ship that moves by the Otter model; its rigid body is hull and payload, about their common centre of mass."""
 
     prompt: ClassVar[bool] = True
 
     def __init__(self, name: str, config: Config, basin: Basin) -> None:
+        """Begin at the Otter's floating height, with both propellers at rest."""
         self.model = model = Otter()
         centre = from_frame("ned", model.centre)
         keel = np.array([centre[0], model.draught + centre[1], centre[2]])
@@ -175,26 +179,26 @@ class Manoeuvring(Vessel):
         return Load.of({name: load @ r.T for name, load in shared.items()}, self.parts)
 
     def about_centre(self, load: np.ndarray) -> np.ndarray:
-        """(2, 3) force [N] and torque about the centre of mass [N m], body axes, of (6,) about the model's origin."""
+        """(2, 3) force [N], torque [N m] about the centre of mass, body axes, of a (6,) load about the origin."""
         force, torque = from_frame("ned", load[:3]), from_frame("ned", load[3:])
         return np.stack([force, torque - np.cross(self.arm, force)])
 
     def propeller_load(self) -> np.ndarray:
-        """(6,) load of both propellers about the model's origin."""
+        """(6,) force [N] and torque [N m] of both propellers about the model's origin, SNAME axes."""
         n = self.revolutions
         port, starboard = np.where(n > 0.0, AHEAD_COEFFICIENT, ASTERN_COEFFICIENT) * n * np.abs(n)
         return np.array([port + starboard, 0.0, 0.0, 0.0, 0.0, PONTOON_OFFSET * (port - starboard)])
 
     @property
     def ordered_revolutions(self) -> np.ndarray:
-        """(2,) revolutions of the port and starboard propellers that the crew orders [rad/s]."""
+        """(2,) speed [rad/s] of the port and the starboard propeller, ordered by the crew's throttle and rudder."""
         throttle, rudder = self.orders
         share = np.clip(throttle + np.array([-1.0, 1.0]) * rudder / STOPPING_RUDDER, -1.0, 1.0)
         return np.where(share > 0.0, MAX_REVOLUTIONS, MAX_ASTERN_REVOLUTIONS) * share
 
     def advance(self, load: Load, dt: float) -> None:
-        """Take a step of dt [s], second-order: from the first step on, velocities are those of half a step before the
-        position, and the propellers follow the mean of the orders before and after."""
+        """Take a step of dt [s], second-order (leapfrog): velocities stay half a step behind the position, and the
+        propellers follow the mean of the orders before and after the step, with a delay."""
         body, before, (of, *gained) = self.body, self.ordered_revolutions, self.gained
         if of is not body or not np.any(gained):  # it begins: its velocities are still of the time of its place
             slower, less = load.force / body.mass * dt / 2.0, load.torque * dt / 2.0
@@ -204,4 +208,5 @@ class Manoeuvring(Vessel):
         self.revolutions = mean + (self.revolutions - mean) * exp(-dt / PROPELLER_DELAY)
 
     def limits(self) -> Limits:
+        """Constant time scale [s] that bounds the time step."""
         return Limits(force=0.08)

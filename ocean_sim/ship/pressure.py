@@ -42,17 +42,18 @@ class Config(FloatingConfig):
     """The laws of the water itself act between particles and this hull."""
 
     def solid(self, preflight: Preflight) -> Solid:
+        """The hull at the start as a solid body in the water; in 2-D the section amidships."""
         still = self.hydrostatics_of(preflight)
         flat = preflight.tank.dimension == 2
         body = self.above_unsettled_water(self.starting_body(still, flat), preflight)
         return Solid(self.whole_hull.shape, still.matter.centre, body, flat)
 
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
-        """(6,) added mass [kg], [kg m2] by rule; the law of motion uses none, as the particles themselves react."""
+        """(6,) added mass [kg], inertia [kg m2] by rule, for natural periods alone; in a run the particles react."""
         return by_rule(still)
 
     def starting_body(self, still: Hydrostatics, flat: bool) -> RigidBody:
-        """The body at the beginning; in 2-D with the mass and inertia of a metre of the hull."""
+        """Rigid body at the start of a run; in 2-D with the mass and inertia of a metre of the hull."""
         matter = still.matter
         if flat:
             share = 1.0 / float(np.ptp(self.whole_hull.shape.bounds(), axis=0)[2])
@@ -60,6 +61,7 @@ class Config(FloatingConfig):
         return self.body_at_start(matter, *afloat_pose(still))
 
     def warnings(self, preflight: Preflight) -> list[str]:
+        """Warnings, also of wind, which does not act on the ship, and of a hull thinner than MIN_SPACINGS spacings."""
         found, spacing = super().warnings(preflight), preflight.spacing
         if not preflight.wind.still:
             found.append("a ship of kind pressure feels only the water; wind does not act on it")
@@ -70,6 +72,7 @@ class Config(FloatingConfig):
         return found
 
     def statements(self, preflight: Preflight) -> list[str]:
+        """Sentence on how far the ship heaves as the first rows of particles settle; empty if that is little."""
         draught, spacing = self.hydrostatics_of(preflight).draught, preflight.spacing
         if spacing is None or isinf(draught) or REST_SWING * spacing < STATED_SWING * draught:
             return []
@@ -80,7 +83,7 @@ class Config(FloatingConfig):
         ]
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Empty: the water has the samples of the hull among its own fields."""
+        """No rows of memory: the fluid counts the samples of the hull among its own."""
         return []
 
     def build(self, name: str, basin: Basin, fluid: Fluid) -> Ship:
@@ -88,9 +91,10 @@ class Config(FloatingConfig):
 
 
 class Pressure(Vessel):
-    """A ship whose hull is one of the solid bodies in the water."""
+    """A ship moved by the pressure of particles on her hull, which is one of the fluid's solid boundary bodies."""
 
     def __init__(self, name: str, config: Config, basin: Basin, fluid: Fluid) -> None:
+        """Find the hull among the fluid's solid bodies and begin at its pose in settled water."""
         solid, water = basin.afloat[name], with_particles(fluid)
         assert isinstance(solid, Solid) and water.boundary is not None
         felt = [ship for ship, other in basin.afloat.items() if other.is_sampled]
@@ -109,7 +113,7 @@ class Pressure(Vessel):
         self.place_hull()
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
-        """All forces and torques on the ship now (4.27); every force of the water is under `buoyancy`."""
+        """Compute all forces and torques on the ship (4.27); every force of the particles is in the part `buoyancy`."""
         forces, torques = self.boundary.forces()
         body = self.body
         motion = np.array([*body.own_velocity, *body.own_spin])
@@ -121,12 +125,13 @@ class Pressure(Vessel):
         return Load.of(forces_of | {part: to_world(force, body) for part, force in driven.items()}, self.parts)
 
     def advance(self, load: Load, dt: float) -> None:
+        """Take a step of dt [s], then give the water the hull's new pose and its relaxed acceleration."""
         super().advance(load, dt)
         self.known += self.share * (np.stack([self.acceleration, self.turning]) - self.known)
         self.place_hull()
 
     def place_hull(self) -> None:
-        """Put the hull in the water at its present pose, with its motion."""
+        """Give the fluid the pose, velocity and relaxed acceleration of its boundary body, the hull."""
         body = hold_motions(self.body, self.free)
         linear, turning = self.known
         self.boundary.place(

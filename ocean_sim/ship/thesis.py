@@ -43,11 +43,13 @@ class Thesis(FloatingShip):
     """The ship of the thesis: columns of water carry the hull, and forward Euler moves it."""
 
     def __init__(self, name: str, config: Config, basin: Basin, fluid: Fluid) -> None:
+        """Prepare the columns of water and the rates of damping."""
         super().__init__(name, config, basin, fluid)
         self.lost = np.array([config.linear_damping, config.angular_damping])  # [1/s]
         self.columns = Columns(self.hydrostatics, basin)
 
     def forces(self, now: Immersion) -> dict[str, np.ndarray]:
+        """(2, 3) force [N] and torque [N m] by name of part: buoyancy by columns of water, no wave force."""
         surface = now.surface if self.contact is None else self.water
         return super().forces(now) | {
             "buoyancy": self.columns.buoyancy_load(surface, self.body),
@@ -55,18 +57,21 @@ class Thesis(FloatingShip):
         }
 
     def damping(self, now: Immersion) -> np.ndarray:
+        """(2, 3) force [N] and torque [N m], world axes, opposite to momentum and angular momentum."""
         body = self.body
         return -self.lost[:, None] * np.stack([body.mass * body.velocity, body.angular_momentum])
 
     def free_step(self, body: RigidBody, load: Load, dt: float) -> RigidBody:
+        """The body a step of dt [s] later, by forward Euler as the thesis prints it."""
         return thesis_advance(body, load.force, load.torque, dt)
 
 
 @in_kernels
 class Columns:
-    """The bottom of a hull in squares, each of which carries a column of water."""
+    """Squares of a hull's bottom, each of which carries the weight of the column of water above it (5.3)."""
 
     def __init__(self, still: Hydrostatics, basin: Basin) -> None:
+        """Make a square of each upright stack of the hull's cubes."""
         cubes, size = still.voxels, still.voxels.size
         down = np.round(cubes.centre[:, [0, 2]] / size[[0, 2]] * 2.0).astype(int)
         _, column = np.unique(down, axis=0, return_inverse=True)
@@ -97,6 +102,7 @@ class Columns:
 
     @ti.kernel
     def sum_columns(self, surface: Template, position: tm.vec3, turn: tm.mat3):
+        """Write force [N] and torque [N m] of each column to `out`; `turn`: rotation from body to world."""
         for k in range(self.n):
             arm = turn @ self.bottom[k]
             x = position + arm

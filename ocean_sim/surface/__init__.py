@@ -43,7 +43,7 @@ class Mesh:
 
 
 def sheet(x: np.ndarray, z: np.ndarray, height: np.ndarray) -> Mesh:
-    """Mesh of heights (len(x), len(z)) [m] over a grid, two triangles a cell, with normals by central differences."""
+    """Mesh of heights (len(x), len(z)) [m] over a grid: two triangles a cell, normals by central differences."""
     along = [np.gradient(height, at, axis=k) if len(at) > 1 else 0.0 * height for k, at in enumerate((x, z))]
     normals = np.stack([-along[0], np.ones_like(height), -along[1]], axis=-1).reshape(-1, 3)
     positions = np.meshgrid(x, z, indexing="ij")
@@ -56,7 +56,7 @@ def sheet(x: np.ndarray, z: np.ndarray, height: np.ndarray) -> Mesh:
 
 @lru_cache(maxsize=4)  # a sheet that moves keeps them
 def cell_triangles(nx: int, nz: int) -> np.ndarray:
-    """Vertex numbers (m, 3) of two triangles a cell of a grid of nx x nz points; read-only, as it is cached."""
+    """Vertex numbers (m, 3), two triangles for each cell of a grid of nx x nz points; read-only, as it is cached."""
     number = np.arange(nx * nz, dtype=np.int32).reshape(nx, nz)
     a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
     corners = np.concatenate([np.stack([a, d, b], axis=1), np.stack([b, d, c], axis=1)])
@@ -71,17 +71,17 @@ class Surface(Protocol):
     measured: dict[str, str]  # further columns of accuracy.csv, and what they hold
 
     def follow(self, particles: "Particles", dt: float) -> None:
-        """Update the surface for particles that have just moved by a step of dt [s]."""
+        """Update the surface after particles have moved by a step of dt [s]; called once a step."""
 
     def elevation(self, x, z):
         """ti.func: height of the surface [m] above the still water, continuous in x and z [m]; the bed where it is dry.
         Points beyond the basin have the height at its side."""
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
-        """Heights (m,) [m] at points x, z (m, 2) [m], from Python."""
+        """Heights (m,) [m] above the still water at points x, z (m, 2) [m], from Python."""
 
     def mesh(self) -> Mesh:
-        """The surface as triangles, computed on call."""
+        """The surface as triangles, computed anew by each call."""
 
     def measures(self) -> list[float]:
-        """Present values of the columns `measured`, in their order."""
+        """Present values of the columns `measured` of accuracy.csv, in their order."""

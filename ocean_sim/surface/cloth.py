@@ -62,6 +62,7 @@ class Config(SurfaceConfig):
     """Simulated time between updates, to the nearest step."""
 
     def completed(self, preflight: Preflight) -> Self:
+        """Copy with spacing and thickness, where left open, derived from the particles."""
         assert preflight.spacing is not None
         widest = min(2.0 * preflight.spacing, preflight.support)
         return self.model_copy(
@@ -69,11 +70,13 @@ class Config(SurfaceConfig):
         )
 
     def problems(self, preflight: Preflight) -> Problems:
+        """Fault (key, sentence) of a basin without a free surface."""
         if preflight.tank.closed:
             return [(("kind",), "a basin without a free surface has nothing for a cloth to lie on; leave it out")]
         return []
 
     def mismatches(self, preflight: Preflight) -> Problems:
+        """Faults (key, sentence) of too many nodes, or of a thickness outside its limits."""
         least, most = preflight.spacing, preflight.support
         assert least is not None
         nx, nz = self.completed(preflight).nodes(preflight.tank)
@@ -91,11 +94,12 @@ class Config(SurfaceConfig):
         ]
 
     def nodes(self, basin: Basin) -> tuple[int, int]:
-        """Numbers of nodes along x and z; 1 along z in 2-D."""
+        """Numbers of nodes along x and z, of a completed config; 1 along z in 2-D."""
         assert self.spacing is not None, "completed() says how far apart nodes are"
         return column_counts(basin, self.spacing)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        """Memory of the sheet's nodes."""
         nx, nz = self.completed(preflight).nodes(preflight.tank)
         size, why = 3 * preflight.word * nx * nz, "surface.kind is cloth"
         return [LedgerRow("surface", f"{nx} x {nz} nodes", size, why)]
@@ -109,6 +113,7 @@ class Cloth:
     """A sheet of nodes, which have a height, and the springs between them; node (i, k) has the number i nz + k."""
 
     def __init__(self, config: Config, basin: Basin, fluid: Fluid) -> None:
+        """Make nodes and springs, and lay the sheet on the water."""
         water = with_particles(fluid)
         self.config, self.around, particles = config, water.around, water.particles
         self.nodes, self.flat, self.bed = config.nodes(basin), basin.dimension == 2, basin.lower[1]
@@ -133,7 +138,7 @@ class Cloth:
         self.lay_down(particles)
 
     def lay_down(self, particles: "Particles") -> None:
-        """Let the sheet down on the water from above."""
+        """Lower the sheet from above all particles until it lies at rest on the water."""
         top = float(particles.snapshot().position[:, 1].max()) + self.thickness
         self.height.fill(top)
         moves = 4.0 * (top - self.bed) / self.thickness + MAX_MOVES
@@ -165,6 +170,7 @@ class Cloth:
 
     @ti.func
     def on_edge(self, n):
+        """True if node n lies at an edge of the sheet."""
         i, k = n // self.nodes[1], n % self.nodes[1]
         side = i == 0 or i == self.nodes[0] - 1
         if ti.static(not self.flat):
@@ -173,8 +179,7 @@ class Cloth:
 
     @ti.func
     def moved_to_water(self, n, y):
-        """Height [m] of node n after it is moved from y [m] towards the surface of the water: Newton's steps, never
-        longer than at a flat surface, so they do not overshoot."""
+        """Height [m] of node n after Newton steps, which never overshoot, from y [m] towards the surface."""
         p, start, moves = self.heights.column_place(n), y, 0
         while moves < MAX_MOVES:
             move = self.newton_move(tm.vec3(p.x, y, p.y))
@@ -231,6 +236,7 @@ class Cloth:
         return self.heights.mesh()
 
     def measures(self) -> list[float]:
+        """Area of the sheet [m2] and volume of water under it [m3]; none in 2-D."""
         if self.flat:
             return []
         mesh = self.mesh()
@@ -251,14 +257,15 @@ class Contact:
 
     @ti.func
     def term(self, own, j, d, mirror):
+        """Share of water, and its upward gradient [1/m], by particle j at d [m] from the point."""
         w = self.thickness * self.thickness - d.dot(d)
         w = ti.select(w > 0.0, w, 0.0)
         return ti.static(self.constant) * w * w * ti.Vector([w, 6.0 * d.y])
 
     @cached_property
     def over_a_lattice(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Heights above flat water [m], rising; shares there, (positions between the particles, heights); and the
-        weight of each position, of which mirror images count once."""
+        """Shares of water near flat water whose particles lie on a lattice: (h,) rising heights [m], (p, h) shares at p
+        positions between the particles, and (p,) weights of positions, of which mirror images count once."""
         reach = self.thickness / self.spacing
         n = ceil(reach) + 1
         height = np.linspace(-n, n, LATTICE_HEIGHTS)
@@ -279,8 +286,7 @@ class Contact:
         return height * self.spacing, shares, weight / weight.sum()
 
     def surface_height(self, share: float) -> float:
-        """Height above water on a lattice at which it has this share, seen from above [m]; mean over all positions
-        between the particles."""
+        """Highest height [m] with this share of water over flat water on a lattice, mean over positions."""
         height, shares, weight = self.over_a_lattice
         k = LATTICE_HEIGHTS - 1 - np.argmax(shares[:, ::-1] >= share, axis=1)
         k = np.minimum(k, LATTICE_HEIGHTS - 2)
@@ -290,8 +296,7 @@ class Contact:
 
     @cached_property
     def at_surface(self) -> float:
-        """Smoothed share of water at the surface of flat water on a lattice of particles; mean over positions in the
-        lattice."""
+        """Smoothed share of water at the surface of flat water on a lattice, mean over positions."""
         low, high = 0.05, 0.95
         for _ in range(40):
             middle = 0.5 * (low + high)
@@ -300,6 +305,6 @@ class Contact:
 
     @cached_property
     def steepness(self) -> float:
-        """Gradient of the share through a flat surface [1/m]."""
+        """Steepest fall with height of the share through a flat surface [1/m]."""
         height, shares, weight = self.over_a_lattice
         return float(-np.gradient(weight @ shares, height).min())

@@ -62,6 +62,7 @@ class Config(SurfaceConfig):
     """Largest number of triangles of a mesh; more stop the run."""
 
     def completed(self, preflight: Preflight) -> Self:
+        """Copy with spacing, radius and height, where left open, derived from particles and basin."""
         assert preflight.spacing is not None
         found = {
             "spacing": self.spacing or NODE_SPACINGS * preflight.spacing,
@@ -71,6 +72,7 @@ class Config(SurfaceConfig):
         return self.model_copy(update=found)
 
     def problems(self, preflight: Preflight) -> Problems:
+        """Fault (key, sentence) of a 2-D basin, or of one without a free surface."""
         basin = preflight.tank
         if basin.dimension == 2:
             return [(("kind",), "marching cubes need a basin with a width; in 2-D use surface: cloth")]
@@ -79,6 +81,7 @@ class Config(SurfaceConfig):
         return []
 
     def mismatches(self, preflight: Preflight) -> Problems:
+        """Faults (key, sentence) of a radius outside its limits, and of too many nodes."""
         found, apart = Problems(), preflight.spacing
         assert apart is not None
         if self.radius is not None and not 1.2 * apart <= self.radius <= MAX_RADIUS * apart:
@@ -110,6 +113,7 @@ class Config(SurfaceConfig):
         return float(np.prod(extents / self.spacing + 2.0))
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        """Memory of the stored nodes, and of the particles sorted into bins."""
         completed, word, particles = self.completed(preflight), preflight.word, preflight.particles
         assert completed.radius is not None and preflight.spacing is not None
         nodes = completed.nodes(preflight.tank)
@@ -127,11 +131,12 @@ class Config(SurfaceConfig):
 
 @in_kernels
 class MarchingCubes:
-    """Surface of the smoothed share of water on a grid: triangles and column heights, each computed when read."""
+    """Surface where the smoothed share of water is `isovalue`: triangles and column heights, computed when read."""
 
     left_out = ("followed", "read_by_kernel")  # of checkpoints: what this simulation's kernels are compiled for
 
     def __init__(self, config: Config, basin: Basin, particles: "Particles") -> None:
+        """Make the grid of nodes, the bins of particles and the columns of heights; compute nothing yet."""
         assert config.radius is not None
         self.config, self.basin, self.nodes = config, basin, config.nodes(basin)
         self.map = DensityMap(particles, basin, self.nodes, config.radius)
@@ -163,7 +168,7 @@ class MarchingCubes:
         self.followed = True
 
     def update_field(self) -> None:
-        """Recompute the field if particles have moved since it was computed."""
+        """Recompute the field of shares of water if particles have moved since it was computed."""
         if self.sampled != self.moment:
             self.outside = self.map.sort_particles()
             self.map.mark_rows(self.isosurface.rows)
@@ -187,6 +192,7 @@ class MarchingCubes:
         return self.cut_surface(self.goes_on)[0]
 
     def measures(self) -> list[float]:
+        """Area [m2], volume [m3], ambiguous share, and number of particles above the grid."""
         mesh, counts = self.cut_surface(self.goes_on)
         return [mesh.area, mesh.volume(self.bed), counts.ambiguous_share, float(self.outside)]
 
@@ -204,8 +210,7 @@ class MarchingCubes:
 
     @ti.kernel
     def find_heights(self):
-        """Search each column downwards to the first node in the water, then interpolate upwards to the zero of the
-        field."""
+        """Set each column's height: the highest zero of the field, between a wet and a dry node; else the bed."""
         ny, value = ti.static(self.nodes.inner[1], self.isosurface.value)
         for n in self.heights.height:
             i, k = n // self.heights.count[1], n % self.heights.count[1]
@@ -222,8 +227,7 @@ class MarchingCubes:
             self.heights.height[n] = height
 
     def read_by_a_kernel(self) -> bool:
-        """Record that a kernel reads the heights, called while it is compiled; raises RuntimeError if they are out of
-        date."""
+        """Note, while it is compiled, that a kernel reads heights; raises RuntimeError if out of date."""
         self.read_by_kernel = True
         if self.levelled != self.moment:
             raise RuntimeError("the heights are out of date: call `level` before the first kernel that reads them")
@@ -269,7 +273,7 @@ def point_images(basin: Basin, nodes: Nodes) -> np.ndarray:
 
 @in_kernels
 class DensityMap:
-    """The particles in a box, sorted into bins at least a radius wide, and sums over them."""
+    """Particles sorted into bins at least a radius wide, and smoothed shares of water from sums over them."""
 
     def __init__(self, particles: "Particles", basin: Basin, nodes: Nodes, radius: float) -> None:
         """`radius` [m] of the sphere in which a particle counts."""
@@ -304,6 +308,7 @@ class DensityMap:
 
     @ti.func
     def bin_at(self, i, j, k):
+        """Number of the bin with indices i, j, k."""
         return (k * self.bins[1] + j) * self.bins[0] + i
 
     @ti.kernel
@@ -336,7 +341,7 @@ class DensityMap:
 
     @ti.func
     def shares_along(self, x, step, run: Template):
-        """Shares of water around `run` successive points along x, `step` [m] apart, which may lie anywhere."""
+        """Shares of water at `run` successive points from x on, `step` [m] apart along x, which may lie anywhere."""
         total = ti.Vector.zero(float, run)
         for c in range(AXIS_IMAGES):
             z = self.image[2, c, 0] * x.z + self.image[2, c, 1]
@@ -354,14 +359,13 @@ class DensityMap:
 
     @ti.func
     def in_reach(self, first, last, axis: Template):
-        """True if particles may lie within a radius of the range between two positions on an axis."""
+        """True if particles may lie within a radius of the range from `first` to `last` [m] on an axis."""
         low, high = self.lower[axis] - self.radius, self.upper[axis] + self.radius
         return tm.max(first, last) > low and tm.min(first, last) < high
 
     @ti.func
     def gather_bins(self, x, last, step, run: Template):
-        """Sums of (radius^2 - r^2)^3 over the particles of the bins around the points from x to `last`; the inner loop
-        does not branch."""
+        """Sums (run,) of (radius^2 - r^2)^3 [m6] over particles in the bins around points from x to `last`."""
         total, here, there = ti.Vector.zero(float, run), self.bin_of(x), self.bin_of(last)
         low = tm.max(tm.min(here, there) - 1, 0)
         high = tm.min(tm.max(here, there) + 1, tm.ivec3(self.bins) - 1)

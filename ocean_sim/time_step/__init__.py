@@ -21,5 +21,5 @@ class TimeStep(Protocol):
         ...
 
     def next(self, limits: Limits) -> float:
-        """Next time step [s] under these limits of the water or of the whole simulation."""
+        """Length of the next time step [s] under these limits of the water or of the whole simulation."""
         ...

@@ -23,6 +23,7 @@ class Config(TimeStepConfig):
     """The longest time step allowed."""
 
     def advice(self, limit: str, shortest: float) -> str:
+        """Advice after a run has diverged, whatever `limit` has set the time step."""
         return "try a smaller time_step.courant_number, a smaller fluid.compression (stiffer water), or a weaker wind"
 
     def build(self) -> "Courant":
@@ -42,7 +43,7 @@ class Config(TimeStepConfig):
 
 
 class Courant:
-    """Time step computed anew for every step: a fraction of the shortest limit of the water and of the ships."""
+    """Adaptive time step: the shortest of the limits of water and ships, each times its fraction in the config."""
 
     def __init__(self, config: Config) -> None:
         self.config = config
@@ -50,11 +51,14 @@ class Courant:
 
     @property
     def adjustable(self) -> dict[str, Setting]:
+        """The setting `courant_number`."""
         return {"courant_number": Setting(self.config.courant_number, "1")}
 
     def adjust(self, **values: float) -> None:
+        """Set `courant_number` from the next step on."""
         self.config = self.config.model_copy(update=values)
 
     def next(self, limits: Limits) -> float:
+        """Next time step [s]; `limited_by` becomes the name of the limit that sets it."""
         dt, self.limited_by = self.config.shortest(limits)
         return dt

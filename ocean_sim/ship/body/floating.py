@@ -37,7 +37,7 @@ MAX_LEAN = 30.0  # [deg] of trim or heel, within which a pose at rest is looked 
 
 
 class FloatingConfig(VesselConfig):
-    """Keys of a ship that floats by its volume."""
+    """Base config of ships that float by the volume of a hull: keys, checks, and data of the hull at rest."""
 
     example: ClassVar[dict[str, Any]] = {"hull": "wigley"}
 
@@ -61,6 +61,7 @@ class FloatingConfig(VesselConfig):
     @field_validator("hull")
     @classmethod
     def _existing_hull(cls, hull: str | Hull, info: ValidationInfo) -> str | Hull:
+        """Check that the hull exists, and resolve a mesh path relative to the scene; raises ValueError."""
         if not isinstance(hull, str) or hull in named("hull"):
             return hull
         hull_of(hull)
@@ -68,7 +69,7 @@ class FloatingConfig(VesselConfig):
 
     @cached_property
     def whole_hull(self) -> Hull:
-        """The hull; mass, centre of mass and inertia given for the ship replace its own."""
+        """Hull of the ship, with mass, centre of mass and inertia of this config, where given, in place of its own."""
         hull = hull_of(self.hull) if isinstance(self.hull, str) else self.hull
         own = {"mass": self.mass, "centre_of_mass": self.centre_of_mass, "inertia": self.inertia}
         return hull.model_copy(update={key: value for key, value in own.items() if value is not None})
@@ -84,25 +85,26 @@ class FloatingConfig(VesselConfig):
         return {}
 
     def in_still_water(self, gravity: float, density: float) -> Hydrostatics:
-        """Hydrostatics of the hull at a gravity [m/s2] and a water density [kg/m3]; raises ValueError."""
+        """Hydrostatics at a gravity [m/s2] and a water density [kg/m3]; raises ValueError for an unusable hull."""
         asked = gravity, density
         if asked not in self.still_water_cache:
             self.still_water_cache[asked] = self.whole_hull.in_still_water(self.cells_per_draught, density, gravity)
         return self.still_water_cache[asked]
 
     def hydrostatics_of(self, preflight: Preflight) -> Hydrostatics:
-        """Hydrostatics of the hull in the still water of a scene; raises ValueError."""
+        """Hydrostatics of the hull in the still water of a scene; raises ValueError as `in_still_water` does."""
         return self.in_still_water(-preflight.tank.gravity[1], preflight.fluid.rest_density)
 
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
-        """(6,) added mass [kg] and inertia [kg m2] in the ship's law of motion, in the order of `Motions`."""
+        """(6,) added mass [kg] and inertia [kg m2] in the ship's law of motion, order of `Motions`; default 0."""
         return np.zeros(6)
 
     def resistance(self, still: Hydrostatics) -> Resistance | None:
-        """Damping of the hull; None if nothing but particles slows it down."""
+        """Damping law of the hull; None (the default) if nothing but particles slows it down."""
         return None
 
     def floats(self, preflight: Preflight) -> Afloat:
+        """Displacement, draught, metacentric heights and natural periods in the still water of a scene."""
         still = self.hydrostatics_of(preflight)
         if isinf(still.draught):
             return Afloat(still.matter.mass, still.draught, 0.0, 0.0, {})
@@ -118,6 +120,7 @@ class FloatingConfig(VesselConfig):
         return self.face_gms[still]
 
     def look(self, preflight: Preflight) -> Look:
+        """Name, submerged share and breadth of the hull, for pictures."""
         still = self.hydrostatics_of(preflight)
         name = self.hull if isinstance(self.hull, str) else ""
         lower, upper = self.whole_hull.shape.bounds()
@@ -125,15 +128,17 @@ class FloatingConfig(VesselConfig):
         return Look(f"{name} {self.whole_hull.shape.kind}", submerged, float(upper[0] - lower[0]))
 
     def outline(self, preflight: Preflight) -> Outline:
+        """Plan-view outline and height range of the hull at the start of a run."""
         still = self.hydrostatics_of(preflight)
         corners = convex_corners(self.whole_hull.shape) - still.matter.centre
         return placed_outline(corners, self.resting_body(still))
 
     def resting_body(self, still: Hydrostatics) -> RigidBody:
-        """The body at the beginning; where no height or attitude is given, afloat at rest."""
+        """Rigid body at the start; afloat at rest where the config gives no height or attitude."""
         return self.body_at_start(still.matter, *afloat_pose(still))
 
     def solid(self, preflight: Preflight) -> Solid | None:
+        """The hull at the start as a solid body in the water; None without contact or particles."""
         if self.contact is None or preflight.spacing is None:
             return None
         still = self.hydrostatics_of(preflight)
@@ -142,13 +147,12 @@ class FloatingConfig(VesselConfig):
         return Solid(self.whole_hull.shape, still.matter.centre, body, False, is_sampled=False, reach=reach)
 
     def above_unsettled_water(self, body: RigidBody, preflight: Preflight) -> RigidBody:
-        """The body raised by the height that the water will lose as it settles, so that no gap opens under it;
-        unchanged where its height is given."""
+        """A body with a given height, raised by the water's later settling, so no gap opens; others unchanged."""
         rise = 0.0 if self.afloat_at_first else preflight.fluid.settling(preflight)
         return replace(body, position=body.position + [0.0, rise, 0.0])
 
     def oversize(self, basin: Basin) -> str:
-        """Message on a hull that is larger than the basin; empty if it is not."""
+        """Message on a hull that is longer or broader than the basin; empty if it is not."""
         beam, _, length = np.ptp(self.whole_hull.shape.bounds(), axis=0)
         ahead, abeam = abs(cos(radians(self.heading_deg))), abs(sin(radians(self.heading_deg)))
         spans = {"x": max(length * abeam, beam * ahead), "z": max(length * ahead, beam * abeam)}
@@ -158,6 +162,7 @@ class FloatingConfig(VesselConfig):
         return f"the hull takes {' and '.join(sides)}" if sides else ""
 
     def mismatches(self, preflight: Preflight) -> Problems:
+        """Faults (key, sentence): a hull too large, too small for the spacing, or through bed or walls."""
         found, basin, spacing = Problems(), preflight.tank, preflight.spacing or 0.0
         solid = self.solid(preflight)
         large = self.oversize(basin) if preflight.fluid.made_of_particles else ""
@@ -183,7 +188,7 @@ class FloatingConfig(VesselConfig):
         return found
 
     def unfollowable_orders(self) -> Problems:
-        """Problems of orders for which the ship has no propeller or rudder."""
+        """Faults (key, sentence) of orders for which the ship has no propeller or rudder."""
         found, pilot, autopilot = Problems(), self.helm, isinstance(self.controls, Autopilot)
         if pilot is not None and (self.propeller is None or "surge" not in self.free):
             lacks = "she has no propeller" if self.propeller is None else "her surge is held"
@@ -196,6 +201,7 @@ class FloatingConfig(VesselConfig):
         return found
 
     def problems(self, preflight: Preflight) -> Problems:
+        """Faults (key, sentence) of start, orders, moorings and hull, such as a draught beyond the depth."""
         basin = preflight.tank
         found = self.basin_problems(basin) + self.unfollowable_orders()
         for k, mooring in enumerate(self.moorings):
@@ -214,7 +220,7 @@ class FloatingConfig(VesselConfig):
         return found
 
     def missing_water(self, preflight: Preflight) -> list[str]:
-        """Warnings that there may be no water to bear the ship."""
+        """Warnings of water that is missing under the ship, or that does not bear her."""
         fluid, (x, z) = preflight.fluid, (self.position[0], self.position[-1])
         if not fluid.made_of_particles:
             large = self.oversize(preflight.tank)
@@ -249,7 +255,7 @@ class FloatingConfig(VesselConfig):
         return False
 
     def shallow_water_warning(self, hull: Hydrostatics, depth: float) -> str:
-        """Warning of effects of shallow water, such as squat, that are not modelled."""
+        """Warning of effects of water of a depth [m], such as squat, that are not modelled."""
         bed = "squat is" if self.feels_bed(depth) else "squat, and the bed's part in added mass and damping, are"
         message = f"the water is {depth / hull.draught:.3g} draughts deep: {bed} not modelled"
         speed = max(float(np.linalg.norm(self.velocity)), self.helm.speed if self.helm is not None else 0.0)
@@ -262,7 +268,7 @@ class FloatingConfig(VesselConfig):
         return f"{message}; at {speed:.3g} m/s her bow would lie {sunk:.2g} m deeper{touches} (ICORELS 1980)"
 
     def cube_gm_warnings(self, still: Hydrostatics) -> list[str]:
-        """Warning that GM of the cubes differs from GM of the hull that they stand for."""
+        """Warning if GM of the cubes differs from GM of the hull's faces by more than GM_TOLERANCE."""
         gm, own = still.metacentric_height(), self.gm_of_faces(still)
         if self.carried_as_body or own is None or abs(gm - own) <= GM_TOLERANCE * abs(own):
             return []
@@ -276,6 +282,7 @@ class FloatingConfig(VesselConfig):
         return [f"{than}: {rolls}; {cure}"]
 
     def warnings(self, preflight: Preflight) -> list[str]:
+        """Warnings of hull, start, orders, stability, shallow water, damping and resolution."""
         hull = self.hydrostatics_of(preflight)
         mesh = self.whole_hull.shape.closed_mesh()
         remarks = [] if mesh is None else [f"the hull's mesh: {remark}" for remark in mesh.remarks]
@@ -330,6 +337,7 @@ class FloatingConfig(VesselConfig):
         return found
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        """Memory of the hull's cubes, of the samples of water, and of the distances from the hull."""
         basin, word = preflight.tank, preflight.word
         n = len(self.in_still_water(-basin.gravity[1], WATER_DENSITY).voxels.share)
         size = Cubes.bytes(n, word) + SurroundingSea.bytes(word)
@@ -344,8 +352,8 @@ class FloatingConfig(VesselConfig):
 
 
 def afloat_pose(still: Hydrostatics) -> tuple[float, np.ndarray]:
-    """Height of the centre of mass over the still water [m] and quaternion of trim and heel, at rest; upright if there
-    is no such pose. A ship that cannot float begins with its deck awash."""
+    """Height of the centre of mass over the still water [m], and quaternion (4,) of trim and heel, of a ship at rest;
+    upright if no balance is found. A ship that cannot float has her deck awash."""
     if isinf(still.draught):
         return float(still.matter.centre[1] - still.voxels.centre[:, 1].max()), euler_quaternion(0.0, 0.0, 0.0)
     found = rest_angles(still)
@@ -357,10 +365,10 @@ def afloat_pose(still: Hydrostatics) -> tuple[float, np.ndarray]:
 
 @lru_cache(maxsize=4)
 def rest_angles(still: Hydrostatics) -> np.ndarray | None:
-    """(2,) pitch and roll [rad] at which a floating hull is in balance: upright, if it is so there; None if there is no
-    such pose within MAX_LEAN."""
+    """(2,) pitch and roll [rad] at which a floating hull balances, upright if it can; None if beyond MAX_LEAN."""
 
     def levers(angle: np.ndarray) -> np.ndarray:
+        """(2,) distances [m] ahead and to port of buoyancy from the centre of mass, at a pitch and a roll [rad]."""
         return still.buoyancy_offset(lean_matrix(angle))[::-1]
 
     upright = np.zeros(2)
@@ -372,8 +380,7 @@ def rest_angles(still: Hydrostatics) -> np.ndarray | None:
 
 
 def newton_balance(levers: Callable[[np.ndarray], np.ndarray], angle: np.ndarray) -> np.ndarray:
-    """(2,) pitch and roll [rad] at which both levers vanish, by Newton's method with differences over 1e-4 rad and at
-    most 0.1 rad a step: to 1e-10 rad, or as near as 20 steps come."""
+    """(2,) pitch and roll [rad] at which both `levers` [m] vanish, by at most 20 Newton steps from `angle`."""
     small = 1e-4
     for _ in range(20):
         here = levers(angle)
@@ -386,5 +393,5 @@ def newton_balance(levers: Callable[[np.ndarray], np.ndarray], angle: np.ndarray
 
 
 def lean_matrix(angle: np.ndarray) -> np.ndarray:
-    """(3, 3) rotation of a pitch and a roll [rad]."""
+    """(3, 3) rotation matrix, body to world, of (2,) pitch and roll [rad] without yaw."""
     return rotation_matrix(euler_quaternion(angle[0], 0.0, angle[1]))

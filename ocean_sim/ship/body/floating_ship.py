@@ -43,12 +43,13 @@ class Immersion(NamedTuple):
 
 
 class FloatingShip(Vessel):
-    """Base of ships that float by their volume: a hull of cubes in the water; damping comes with the kinds derived."""
+    """Base of ships whose hull is cubes in the water, with all forces but damping, which derived kinds add."""
 
     samples_depth: ClassVar[bool] = False  # True if it asks the water under its surface, which a closed form answers
     slamming: Slamming | None = None  # of a hull that falls into the water; particles push one themselves
 
     def __init__(self, name: str, config: FloatingConfig, basin: Basin, fluid: Fluid) -> None:
+        """Build cubes, samples of the water, contact, moorings, and the body at the start of the run."""
         particles = fluid.of_particles
         self.hydrostatics = still = config.in_still_water(-basin.gravity[1], fluid.rest_density)
         self.cubes = Cubes(still)
@@ -89,8 +90,7 @@ class FloatingShip(Vessel):
         self.relative, self.wet, self.rising, self.upwards = np.zeros(6), 0.0, 0.0, np.zeros((2, 3))
 
     def carried_along(self, body: RigidBody, fluid: Fluid) -> RigidBody:
-        """The body with the mean velocity of closed-form water around the hull added, so that it does not begin with a
-        drift through it; unchanged among particles."""
+        """The body with the mean velocity of closed-form water around it added; unchanged among particles."""
         if fluid.of_particles is not None:
             return body
         still, turn = self.hydrostatics, body.matrix
@@ -100,6 +100,7 @@ class FloatingShip(Vessel):
         return replace(body, velocity=body.velocity + flow)
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
+        """Compute all forces and torques on the ship at her present pose, by part (4.27)."""
         body = self.centred_body if self.water.samples_depth else self.body
         wet = self.cubes.sum_forces(body, self.water, surface, wind)
         # Added mass, damping and thrust are whole until half the usual volume is out of the water.
@@ -114,8 +115,7 @@ class FloatingShip(Vessel):
         return Load.of(self.answered(now, self.forces(now)), self.parts)
 
     def forces(self, now: Immersion) -> dict[str, np.ndarray]:
-        """(2, 3) force [N] and torque about the centre of mass [N m] of each part, world axes, without the reaction of
-        added mass."""
+        """(2, 3) force [N], torque [N m] of each part, world axes, without the reaction of added mass."""
         wet, density = now.wet, self.hydrostatics.density
         driven = self.actuators.load(now.motion, density, now.share)
         return {
@@ -130,20 +130,21 @@ class FloatingShip(Vessel):
         }
 
     def damping(self, now: Immersion) -> np.ndarray:
-        """(2, 3) damping force [N] and torque [N m], world axes."""
+        """(2, 3) damping force [N] and torque [N m], world axes; zero unless a kind overrides it."""
         return np.zeros((2, 3))
 
     def whole_damping(self, now: Immersion) -> np.ndarray:
-        """(2, 3) `damping` and, on a hull far from its draught, drag in heave: force [N], torque [N m], world axes."""
+        """(2, 3) `damping`, plus drag in heave of a hull far from its draught [N], [N m], world axes."""
         if self.slamming is None:
             return self.damping(now)
         return self.damping(now) + self.slamming.heave_drag(self.wet, self.rising) * self.upwards
 
     def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """The forces by part with the reaction of added mass, which depends on the sum of all parts."""
+        """The `forces` by part with the reaction of added mass to them; unchanged in kinds without added mass."""
         return forces
 
     def advance(self, load: Load, dt: float) -> None:
+        """Take a step of dt [s] with slamming; raises Diverged if a ship heavier than her volume reaches the bed."""
         if self.slamming is not None:
             push = self.slamming.push(self.wet, self.rising, dt)
             if push > 0.0:
@@ -154,6 +155,7 @@ class FloatingShip(Vessel):
             raise Diverged(f"{called(self.name)} has sunk to the bed, {-self.bed:g} m down, at ({x:.4g}, {z:.4g}) m")
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
+        """Positions x and z (m, 2) [m] and volumes (m,) [m3] of the parts of cubes under water."""
         return self.cubes.displaced_water(self.body, self.water)
 
     def limits_of_motion(self, added: np.ndarray) -> Limits:
@@ -165,4 +167,5 @@ class FloatingShip(Vessel):
         return Limits(force=min(periods) / STEPS_A_PERIOD / FORCE_NUMBER) if periods else Limits()
 
     def limits(self) -> Limits:
+        """Limit of the time step by natural periods, computed once."""
         return self.motion_limits

@@ -25,23 +25,23 @@ class RigidBody:
 
     @cached_property
     def rows(self) -> small_linalg.Rows:
-        """Rows of the rotation matrix, body to world, as plain numbers."""
+        """Rows of the (3, 3) rotation matrix, body to world, as Python floats."""
         return small_linalg.rotation_matrix(self.orientation.tolist())
 
     @cached_property
     def own_spin(self) -> small_linalg.Three:
-        """Angular velocity in body axes [rad/s], as plain numbers."""
+        """Angular velocity in body axes [rad/s], as three Python floats."""
         momentum = small_linalg.transpose_times(self.rows, self.angular_momentum.tolist())
         return small_linalg.solve_3x3(self.inertia_body.tolist(), momentum)
 
     @cached_property
     def spin(self) -> small_linalg.Three:
-        """Angular velocity in world axes [rad/s], as plain numbers."""
+        """Angular velocity in world axes [rad/s], as three Python floats."""
         return small_linalg.matrix_times(self.rows, self.own_spin)
 
     @cached_property
     def own_velocity(self) -> small_linalg.Three:
-        """Velocity of the centre of mass in body axes [m/s], as plain numbers."""
+        """Velocity of the centre of mass in body axes [m/s], as three Python floats."""
         return small_linalg.transpose_times(self.rows, self.velocity.tolist())
 
     @cached_property
@@ -79,13 +79,12 @@ class RigidBody:
 
 
 def to_world(load: np.ndarray, body: RigidBody) -> np.ndarray:
-    """(2, 3) force and torque in body axes, turned to world axes."""
+    """(2, 3) force and torque in world axes, from a `load` in the body axes of `body`."""
     return np.array([small_linalg.matrix_times(body.rows, part) for part in load.tolist()])
 
 
 def plain_components(vector: np.ndarray) -> list:
-    """Components of a vector as plain numbers, with which Python computes many times as quickly as with NumPy's; of n
-    vectors (k, n), k arrays (n,)."""
+    """Components of a vector as Python floats, for quick arithmetic; k arrays (n,) of n vectors (k, n)."""
     return vector.tolist() if vector.ndim == 1 else list(vector)
 
 
@@ -121,7 +120,7 @@ def rotation_matrix(q: np.ndarray) -> np.ndarray:
 
 
 def unit_quaternion(q: np.ndarray) -> np.ndarray:
-    """The quaternion scaled to unit length."""
+    """Quaternion (4,) scaled to unit length."""
     return np.array(small_linalg.unit_quaternion(q.tolist()))
 
 
@@ -154,7 +153,7 @@ def with_spin(body: RigidBody, omega: np.ndarray) -> RigidBody:
 
 
 def momentum_of(turn: np.ndarray, inertia_body: np.ndarray, omega: np.ndarray) -> np.ndarray:
-    """(3,) angular momentum in world axes [kg m2/s] of an angular velocity [rad/s], by the inertia of (4.19)."""
+    """(3,) angular momentum [kg m2/s] of an angular velocity [rad/s], world axes, by (4.19); `turn`: body to world."""
     return turn @ inertia_body @ turn.T @ omega
 
 
@@ -198,7 +197,7 @@ def thesis_advance(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: f
 
 
 def hold_motions(body: RigidBody, free: np.ndarray) -> RigidBody:
-    """The body with zero velocity in the motions that are not `free`, (6,) booleans in the order of `Motions`.
+    """Copy of a body with zero velocity in the motions that are not `free`, (6,) booleans in the order of `Motions`.
 
     Sway and surge are held along the ship's heading, heave along the vertical, turns about the body's axes.
     """
@@ -214,7 +213,7 @@ def hold_motions(body: RigidBody, free: np.ndarray) -> RigidBody:
 
 
 def guide_step(before: RigidBody, after: RigidBody, free: np.ndarray, dt: float) -> RigidBody:
-    """The body after a step of dt [s] in which only the free motions took place, so that the held ones do not creep."""
+    """Copy of `after`, the body dt [s] after `before`, moved in `free` motions alone, so that others do not creep."""
     if False not in free.tolist():
         return after
     heading, rates = axis_rotation(1, before.angles[1]), np.where(free[3:], after.rates, 0.0)

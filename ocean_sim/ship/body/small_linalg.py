@@ -32,7 +32,7 @@ def times(factor: float, a: Vector) -> Three:
 
 
 def times_each(factors: Vector, a: Vector) -> Three:
-    """Product of each component with a factor of its own."""
+    """Product of each component of a vector with its own factor."""
     (fx, fy, fz), (x, y, z) = factors, a
     return fx * x, fy * y, fz * z
 

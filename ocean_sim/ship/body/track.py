@@ -12,15 +12,14 @@ UNKNOWN_VELOCITY = np.full(7, np.nan)  # the velocity of a moment before which n
 
 
 class Track(NamedTuple):
-    """Motion of a body at n moments: times (n,) [s], position [m] and quaternion (7, n), and their derivatives (7,
-    n)."""
+    """Positions [m] and quaternions (7, n) of a body at times (n,) [s], and their time derivatives (7, n)."""
 
     time: np.ndarray
     place: np.ndarray
     velocity: np.ndarray
 
     def moments(self, number: np.ndarray) -> "Track":
-        """Part of the track: the moments with these numbers."""
+        """Part of the track: the moments with these indices."""
         return Track(self.time[number], self.place[:, number], self.velocity[:, number])
 
 
@@ -59,16 +58,14 @@ def pure_quaternion(vector: np.ndarray) -> np.ndarray:
 
 
 def first_derivative(velocity: np.ndarray, spin: np.ndarray, orientation: np.ndarray) -> np.ndarray:
-    """(7, n) first derivatives of position [m/s] and quaternion [1/s], from velocities and angular velocities
-    [rad/s]."""
+    """(7, n) time derivatives of position and quaternion, from velocity [m/s] and `spin` [rad/s], (3, n) each."""
     return np.concatenate([velocity, 0.5 * quaternion_product(pure_quaternion(spin), orientation)])
 
 
 def second_derivative(
     acceleration: np.ndarray, turning: np.ndarray, spin: np.ndarray, orientation: np.ndarray
 ) -> np.ndarray:
-    """(7, n) second derivatives of position [m/s2] and quaternion [1/s2], from accelerations, angular accelerations
-    [rad/s2] and angular velocities [rad/s]."""
+    """(7, n) second time derivatives of position and quaternion, from accelerations and `spin`, (3, n) each."""
     x, y, z = spin
     turned = quaternion_product(pure_quaternion(turning), orientation) - 0.5 * (x * x + y * y + z * z) * orientation
     return np.concatenate([acceleration, 0.5 * turned])
@@ -76,8 +73,7 @@ def second_derivative(
 
 def join_moments(time: np.ndarray, place: np.ndarray, bends: np.ndarray, first: np.ndarray) -> Track:
     """Track through places (7, n) at times (n,) [s]: velocities are the mean over a step, corrected by second
-    derivatives `bends` (7, n) that change linearly over it. `first`: (7,) velocity at the first moment; NaN: to be
-    estimated."""
+    derivatives `bends` (7, n), linear over it. `first`: (7,) velocity at the first moment, or NaN to estimate it."""
     step = time[1:] - time[:-1]
     mean = (place[:, 1:] - place[:, :-1]) / step
     if np.isnan(first).any():
@@ -88,9 +84,10 @@ def join_moments(time: np.ndarray, place: np.ndarray, bends: np.ndarray, first: 
 
 
 class Between:
-    """Interpolation of a track at times (n,) [s], each between the moment `number` and the one before it."""
+    """Interpolation of a track at times (n,) [s], each between two neighbouring moments."""
 
     def __init__(self, track: Track, time: np.ndarray, number: np.ndarray) -> None:
+        """Locate each time (n,) [s] in its step; `number` (n,): index of the moment that ends the step."""
         self.time, self.after, self.before = time, number, np.maximum(number - 1, 0)
         self.ends = track.moments(self.before), track.moments(self.after)
         start, end = (moment.time for moment in self.ends)
@@ -99,9 +96,8 @@ class Between:
         self.part = np.maximum(0.0, (time - start) / self.step)  # of the step that is over
 
     def interpolated_track(self) -> Track:
-        """Track at these times: cubic Hermite interpolation of place and velocity, both continuous from one step to the
-        next. If velocities of the moments are third-order in the step, so are those returned, and places are
-        fourth-order."""
+        """Track at these times: cubic Hermite interpolation, place and velocity continuous. With velocities that are
+        third-order in the step, those returned are third-order, and places fourth-order."""
         (before, after), s, step = self.ends, self.part, self.step
         moved = after.place - before.place
         start, end = step * before.velocity - moved, step * after.velocity - moved
@@ -116,7 +112,7 @@ class Between:
 
 
 def attitude_of(track: Track) -> Attitude:
-    """Attitude at the places of a track, whose quaternions may have any length."""
+    """Attitude of the body at the moments of a track, whose quaternions may have any length."""
     w, x, y, z = q = track.place[3:]
     square = w * w + x * x + y * y + z * z
     unit = q / np.sqrt(square)

@@ -42,7 +42,7 @@ Position = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_le
 
 
 class VesselConfig(Helm, ShipConfig):
-    """Keys of every kind of ship."""
+    """Base config of every kind of ship: start, held motions, named points, orders, and checks of them."""
 
     slices: ClassVar[bool] = False  # whether it also floats in 2-D
 
@@ -80,6 +80,7 @@ class VesselConfig(Helm, ShipConfig):
         return found
 
     def warnings(self, preflight: Preflight) -> list[str]:
+        """Warnings of initial motions that are held, and of orders after the end of the run."""
         return [*self.lost_at_first(), *self.late_orders(preflight.duration)]
 
     def lost_at_first(self) -> list[str]:
@@ -101,8 +102,7 @@ class VesselConfig(Helm, ShipConfig):
         return len(self.position) == 2
 
     def body_at_start(self, matter: Matter, height: float, trim: np.ndarray) -> RigidBody:
-        """The body at the beginning; `height` of the centre of mass [m] and `trim` (4,) quaternion of the ship
-        afloat."""
+        """Rigid body at the start; `height` [m] and `trim`, a quaternion, count where the config gives none."""
         pitch, yaw, roll = (radians(angle) for angle in self.attitude_deg)
         turn = euler_quaternion(pitch, yaw + radians(self.heading_deg), roll)
         if not (pitch or roll):
@@ -113,8 +113,7 @@ class VesselConfig(Helm, ShipConfig):
         return with_spin(body, rotate_vector(turn, np.array(self.rates)))
 
     def settled_body(self, body: RigidBody, fluid: Fluid) -> RigidBody:
-        """The initial body in water that has settled: lowered with the surface if the ship begins afloat, else at its
-        given height."""
+        """Initial body in settled water: lowered with the surface if afloat, else at its given height."""
         x, y, z = body.position
         level = y - fluid.surface_drop if self.afloat_at_first else self.position[1]
         return replace(body, position=np.array([x, level, z]))
@@ -134,7 +133,7 @@ class Actuators:
 
     @property
     def rudder_limit(self) -> float:
-        """The largest angle of the rudder [rad]."""
+        """Largest angle of the rudder to either side [rad]; a right angle without a rudder."""
         return self.rudder_blade.limit if self.rudder_blade else radians(90.0)
 
     def steer(self, body: RigidBody, dt: float, ahead: float = 0.0) -> None:
@@ -179,7 +178,7 @@ def placed_outline(corners: np.ndarray, body: RigidBody) -> Outline:
 
 
 class Vessel(Ship):
-    """Base class of ships: body, actuators, last load, and named points. A kind gives `load`."""
+    """Base class of ships: body, actuators, last load, named points, and the step in time. Each kind gives `load`."""
 
     left_out: ClassVar[tuple[str, ...]] = ("outline_corners",)  # of its shape, made again when asked for
     prompt: ClassVar[bool] = False  # whether a step ends with the orders of its end, not of its beginning
@@ -214,11 +213,13 @@ class Vessel(Ship):
         return self.actuators.throttle, self.actuators.rudder
 
     def hand_over(self) -> Person:
+        """Replace the crew by a person, who begins with the present orders, and return the person."""
         person = Person(*self.orders, self.actuators.rudder_limit)
         self.actuators.crew = person
         return person
 
     def sail(self, route: list[Vector2], speed: float) -> Helmsman:
+        """Replace the crew by a pilot along waypoints x, z [m] at a speed [m/s], and return the pilot."""
         shape = self.drawn()
         length = None if shape is None else float(np.ptp(shape[0][:, 2]))
         pilot = Pilot(route=route, speed=speed, arrival=length).crew()
@@ -227,6 +228,7 @@ class Vessel(Ship):
         return pilot
 
     def drawn(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """Vertices (n, 3) from the centre of mass, body axes [m], and triangles (m, 3); None without a shape."""
         if self.shape is None:
             return None
         vertices, triangles = drawn_mesh(self.shape)
@@ -238,17 +240,19 @@ class Vessel(Ship):
         return None if self.shape is None else convex_corners(self.shape) - self.actuators.centre
 
     def outline(self) -> Outline | None:
+        """Plan-view outline and height range of the hull at its present pose; None without a shape."""
         return None if self.outline_corners is None else placed_outline(self.outline_corners, self.body)
 
     @property
     def centred_body(self) -> RigidBody:
-        """The body with velocities at the time of its position. Those of the integrator are of half a step before."""
+        """The body with velocities at the time of its position; those of the integrator are half a step older."""
         body, (of, faster, more) = self.body, self.gained
         if of is not body:
             return body
         return replace(body, velocity=body.velocity + faster, angular_momentum=body.angular_momentum + more)
 
     def limits(self) -> Limits:
+        """No limits, unless a kind overrides it."""
         return Limits()
 
     def free_step(self, body: RigidBody, load: Load, dt: float) -> RigidBody:
@@ -257,15 +261,17 @@ class Vessel(Ship):
         return advance_body(body, force, torque, dt)
 
     def advance(self, load: Load, dt: float) -> None:
-        """Take a step of dt [s]; raises Diverged if the ship has left the physical world."""
+        """Take a step of dt [s]; raises Diverged if the ship exceeds MAX_SPEED or sinks below the bed."""
         before, sides = self.body, self.sides
         if sides is not None and not sides.may_touch(before, dt):
             sides = None
 
         def guided_step(load: Load) -> RigidBody:
+            """The body dt [s] later, moved in its free motions alone."""
             return guide_step(before, self.free_step(before, load, dt), self.free, dt)
 
         def walled_step(load: Load) -> RigidBody:
+            """The body dt [s] later, in its free motions, and moved back from walls and bed."""
             return guided_step(load) if sides is None else sides.moved_inside(guided_step(load))
 
         touched = False

@@ -93,8 +93,7 @@ def by_rule(hull: Hydrostatics) -> np.ndarray:
 
 
 def equivalent_breadth_4(hull: Hydrostatics, breadth: np.ndarray, draught: np.ndarray) -> np.ndarray:
-    """(n,) fourth power [m4] of the breadth of a flat plate with the same added roll inertia as each section; every
-    section counts as full as the whole hull."""
+    """(n,) breadth^4 [m4] of the flat plate with each section's added roll inertia; sections are equally full."""
     full = min(hull.needed_volume, hull.voxels.volume) / float((breadth * draught).sum() * hull.voxels.size[2])
     share = min(max((full - pi / 4.0) / (1.0 - pi / 4.0), 0.0), 1.0)
     deep = np.minimum(draught / np.maximum(breadth, 1e-9), DRAUGHT_RATIOS[-1])
@@ -103,7 +102,7 @@ def equivalent_breadth_4(hull: Hydrostatics, breadth: np.ndarray, draught: np.nd
 
 
 def pabst_factor(ratio: float) -> float:
-    """Pabst's factor of a plate with this ratio of length to breadth (or breadth to length)."""
+    """Pabst's factor on the added mass of a plate of finite length; `ratio`: length over breadth, or its inverse."""
     r = max(ratio, 1.0 / ratio)
     return r / sqrt(1.0 + r * r) * (1.0 - 0.425 * r / (1.0 + r * r))
 
@@ -149,13 +148,13 @@ def water_reaction(
 
 
 def line_and_turn(motion: np.ndarray) -> tuple[list[float], list[float]]:
-    """Linear and angular part of a motion (6,), three numbers each, as plain numbers."""
+    """Linear and angular part of a motion (6,), as two lists of three Python floats."""
     six = motion.tolist()
     return six[:3], six[3:]
 
 
 def water_momentum(water: list[float], between: np.ndarray | None, line: Vector, turn: Vector) -> tuple[Three, Three]:
-    """Momentum and angular momentum of the added mass at these velocities, or their rates at accelerations."""
+    """Linear and angular momentum of added mass (6,) at a velocity `line`, `turn`; or rates at an acceleration."""
     own = times_each(water[:3], line), times_each(water[3:], turn)
     if between is None:
         return own
@@ -166,8 +165,8 @@ def water_momentum(water: list[float], between: np.ndarray | None, line: Vector,
 def joint_acceleration(
     mass: float, inertia: Rows, water: list[float], between: np.ndarray | None, push: Vector, twisting: Vector
 ) -> tuple[Vector, Vector]:
-    """Linear [m/s2] and angular acceleration [rad/s2] of hull and water together under a force [N] and a torque [N
-    m]."""
+    """Linear [m/s2] and angular acceleration [rad/s2] of a hull and its added mass `water` (6,), coupled by `between`,
+    under a force `push` [N] and a torque `twisting` [N m]."""
     x, y, z = water[3:]
     (p, q, r), (s, t, u), (v, w, o) = inertia
     whole = (p + x, q, r), (s, t + y, u), (v, w, o + z)
@@ -181,7 +180,7 @@ def joint_acceleration(
 
 
 class Slamming:
-    """Added mass of one hull as it enters the water, by the volume under water, and the force by its growth."""
+    """Added mass of one hull in heave as it enters the water, and the slamming force by its growth."""
 
     def __init__(self, hull: Hydrostatics, usual: float) -> None:
         """`usual`: added mass in heave of the hull afloat [kg]."""
@@ -192,7 +191,7 @@ class Slamming:
         self.entering, self.moved = False, usual  # since it left the water [kg]
 
     def added(self, volume: float) -> float:
-        """Added mass in heave [kg] at a volume under water [m3]."""
+        """Added mass in heave [kg] of the entering hull at a volume under water [m3], at most that afloat."""
         return min(float(np.interp(volume, self.volumes, self.masses)), self.usual)
 
     def push(self, volume: float, speed: float, dt: float) -> float:
@@ -207,16 +206,14 @@ class Slamming:
         return -self.mass * min(speed, 0.0) * (now - before) / (self.mass + now) / dt
 
     def heave_drag(self, volume: float, speed: float) -> float:
-        """Drag upwards [N] on a hull far from its draught, at a volume under water [m3] and a vertical speed relative
-        to it [m/s]."""
+        """Drag [N] upwards on a hull far from its draught, by volume under water [m3] and upward speed [m/s]."""
         depth = volume / self.volume
         unusual = min(max(2.0 * abs(depth - 1.0) - 1.0, 0.0), 1.0)
         return -self.drag * unusual * min(1.0, 2.0 * depth) * abs(speed) * speed
 
 
 def entry_curve(hull: Hydrostatics) -> tuple[np.ndarray, np.ndarray]:
-    """Volumes under water [m3] of an upright hull, layer by layer of its cubes, and added mass in heave at each
-    [kg]."""
+    """Volumes under water [m3] of an upright hull, layer by layer of its cubes, and its added mass in heave [kg]."""
     v = hull.voxels
     lower = v.centre[:, 1:].min(axis=0)
     layer, slice_ = np.round((v.centre[:, 1:] - lower) / v.size[1:]).astype(int).T

@@ -48,7 +48,7 @@ class Damping(Model):
 
 
 class Resistance:
-    """The damping of one hull."""
+    """Damping law of one hull: linear in heave, pitch and roll, quadratic in surge, cross-flow drag, and lift."""
 
     def __init__(
         self, config: Damping, hull: Hydrostatics, added: np.ndarray, radiated: Collection[str] = (), munk: float = 0.0
@@ -87,7 +87,7 @@ class Resistance:
             self.warnings = [*self.warnings, adds]
 
     def undamped_warnings(self, free: Collection[str]) -> Iterator[str]:
-        """Warnings of free motions that nothing damps, or nothing but the waves of a table."""
+        """Yield warnings of free motions that nothing damps, or nothing but the waves of a table."""
         if "roll" in free and not (self.linear["roll"] or self.roll or self.rolling):
             left = "the waves of the table" if "roll" in self.radiated else "the drag of what crosses her"
             adds = "damping.ikeda: {} adds both by her form, damping.roll as a share of critical"
@@ -118,7 +118,7 @@ class Resistance:
         return np.array((force, torque))
 
     def ikeda_moment(self, roll: float, surge: float) -> float:
-        """Moment of roll damping by components [N m]."""
+        """Moment [N m] of Ikeda's roll damping at a roll rate [rad/s] and a speed ahead [m/s]; 0 without it."""
         return 0.0 if self.rolling is None else self.rolling.roll_moment(roll, surge)
 
 
@@ -133,7 +133,7 @@ class CrossFlow:
         self.behind: list[list[float]] = [[0.0] * 4, *moments.tolist()]  # of how many sections, from the stern on
 
     def strip_drag(self, v: float, r: float) -> tuple[float, float]:
-        """Drag [N] and its moment about z = 0 [N m] in a cross-flow v + r z: v [m/s], r [1/s]."""
+        """Drag [N] and its moment about z = 0 [N m] in a cross-flow v + r z, with v [m/s] and r [rad/s]."""
         astern = self.behind[bisect_left(self.z, -v / r)] if r else self.behind[0]
         way = copysign(1.0, r or v)  # of the water ahead of there
         c_0, c_1, c_2, c_3 = (way * (whole - 2.0 * part) for whole, part in zip(self.behind[-1], astern))
@@ -142,6 +142,6 @@ class CrossFlow:
 
 
 def lift_form_factor(hull: Hydrostatics) -> float:
-    """Form factor C_B B / T of the hull's lift: the volume under water over length and draught squared."""
+    """Form factor C_B B / T of the hull's lift: volume under water over length times draught squared."""
     _, _, draught = hull.stations
     return min(hull.needed_volume, hull.voxels.volume) / (hull.length * float(draught.max()) ** 2)

@@ -35,7 +35,7 @@ class Mooring(Model):
 
 
 class Moorings:
-    """All lines and fenders of one ship."""
+    """Forces of all lines and fenders on one ship."""
 
     def __init__(
         self, configs: list[Mooring], points: Mapping[str, tuple[float, ...]], centre: np.ndarray, body: RigidBody

@@ -33,8 +33,8 @@ MAX_INTEGRAL_RUDDER = 0.35  # [rad] by the integral of the heading's error
 
 
 class Propeller(Model):
-    """T = K (n |n| - |n| (1 - w) u / u0), n the throttle: alpha_0 n|n| + alpha_1 n V_a / D of Blanke (1981) in terms of
-    bollard pull and of the speed at which full throttle gives no thrust."""
+    """T = K (n |n| - |n| (1 - w) u / u0): throttle n, bollard pull K, wake w, speed u, and u0 where full throttle gives
+    no thrust; alpha_0 n|n| + alpha_1 n V_a / D of Blanke (1981) in these terms."""
 
     thrust: float = quantity("N", gt=0.0)
     """Thrust at rest and full throttle ahead, less the thrust deduction."""
@@ -68,8 +68,8 @@ class Propeller(Model):
 
 
 class Rudder(Model):
-    """N = 1/2 rho A U^2 6.13 L / (L + 2.25) sin(angle to the flow) (Fujii & Tuda 1961; Kose 1982), -N cos(rudder)
-    across and -N sin(rudder) along."""
+    """Normal force N = 1/2 rho A U^2 6.13 L / (L + 2.25) sin(angle to the flow), L the aspect ratio (Fujii & Tuda 1961;
+    Kose 1982): -N cos(rudder) across the ship, -N sin(rudder) along her."""
 
     area: float = quantity("m2", gt=0.0)
     """A: area of one side of the blade."""
@@ -101,7 +101,7 @@ class Rudder(Model):
 
 
 class Row(Model):
-    """Orders at a time; straight lines between rows."""
+    """Orders at one time; between rows they change linearly."""
 
     time: float = quantity("s", ge=0.0)
     """Time at which these orders hold; before the first row and after the last, that row holds."""
@@ -112,7 +112,7 @@ class Row(Model):
 
 
 class Track(Model):
-    """Orders from a file."""
+    """Orders over time, from a file."""
 
     file: FileName
     """A CSV file with columns time_s, throttle, rudder_rad."""
@@ -120,6 +120,7 @@ class Track(Model):
     @field_validator("file")
     @classmethod
     def _orders_in_range(cls, file: str) -> str:
+        """Check that all orders in the file are within MAX_ORDERS; raises Unreadable."""
         _, *orders = csv_file.Table(file).series(*ORDER_COLUMNS)
         for name, values, most in zip(ORDER_COLUMNS, orders, MAX_ORDERS, strict=True):
             row = int(np.abs(values).argmax())
@@ -148,7 +149,7 @@ class Autopilot(Model):
 
 
 class Pilot(Model):
-    """A pilot who steers the ship."""
+    """A pilot who sails a route or holds a heading, at a speed."""
 
     route: Annotated[list[Vector2], Field(min_length=1)] | None = quantity("m", None)
     """Waypoints [x, z] one after the other, from where the ship begins; after the last the ship goes on as on the last
@@ -170,11 +171,13 @@ class Pilot(Model):
 
     @model_validator(mode="after")
     def _one_goal(self) -> Self:
+        """Check that there is either a route or a heading; raises ValueError."""
         if (self.route is None) == (self.heading_deg is None):
             raise ValueError("helm: give either a route or a heading_deg to hold")
         return self
 
     def crew(self) -> "Helmsman":
+        """Helmsman that steers by these keys."""
         return Helmsman(self)
 
 
@@ -182,7 +185,7 @@ Controls = list[Row] | Track | Autopilot
 
 
 class Helm(Model):
-    """Keys that every steered ship has."""
+    """Keys of every steered ship: orders, or a pilot."""
 
     controls: Controls = []
     """Rows of time, throttle and rudder, `{file: ...}` or `{autopilot: {heading_deg: ...}}`."""
@@ -191,6 +194,7 @@ class Helm(Model):
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
+        """Check that orders come from one source, in rows of rising times; raises ValueError."""
         if self.helm is not None and self.controls != []:
             raise ValueError("helm: the ship has controls, too; leave one of them out")
         if isinstance(self.controls, list):
@@ -207,6 +211,7 @@ class Helm(Model):
         return csv_file.unreached_times_warning("controls", times, duration, "only its {} row holds")
 
     def crew(self) -> "Crew | Helmsman":
+        """Crew that gives these orders, or the helmsman of `helm`."""
         return Crew(self.controls) if self.helm is None else self.helm.crew()
 
 
@@ -214,6 +219,7 @@ class Crew:
     """Orders of a scene: throttle and rudder [rad] over time, or the autopilot's."""
 
     def __init__(self, controls: Controls) -> None:
+        """Read the orders over time; without any, throttle and rudder are 0."""
         self.course = controls.autopilot if isinstance(controls, Autopilot) else None
         self.time, self.throttle, self.rudder = np.zeros((3, 1))  # (n,) each [s], [rad]
         if isinstance(controls, Track):
@@ -222,7 +228,7 @@ class Crew:
             self.time, self.throttle, self.rudder = np.array([[r.time, r.throttle, r.rudder] for r in controls]).T
 
     def order(self, time: float, body: RigidBody) -> tuple[float, float]:
-        """Ordered throttle and rudder [rad]; those of a scene lie on straight lines between its rows."""
+        """Throttle (-1 to 1) and rudder [rad] ordered at a time [s]: linear between rows, or the autopilot's."""
         if self.course is None:
             return float(np.interp(time, self.time, self.throttle)), float(np.interp(time, self.time, self.rudder))
         error = remainder(radians(self.course.heading_deg) - body.angles[1], 2.0 * pi)
@@ -231,11 +237,12 @@ class Crew:
 
 
 class Helmsman:
-    """A pilot at the helm, with the state of steering: present leg, drift integral, throttle."""
+    """A pilot at the helm, with the state of steering: present leg, integrals of drift, heading and speed."""
 
     start: tuple[float, float] | None
 
     def __init__(self, config: Pilot) -> None:
+        """Begin on the first leg, with all integrals 0."""
         self.config = config
         self.route = [place for place, _ in groupby(config.route or [])]  # a place twice in a row is no leg
         self.reach = config.look_ahead or LOOK_AHEAD_TIME * config.speed  # [m]
@@ -263,7 +270,7 @@ class Helmsman:
         return min(max(wanted, -1.0), 1.0), rudder
 
     def wanted_heading(self, body: RigidBody, dt: float) -> float:
-        """Heading [rad] that the pilot steers: along the route by line of sight, or the one given."""
+        """Heading [rad] to steer: along the route by line of sight, or the given one; dt [s] since the last order."""
         if not self.route:
             return radians(self.config.heading_deg or 0.0)
         route, x, z = self.route, float(body.position[0]), float(body.position[2])
@@ -282,7 +289,7 @@ class Helmsman:
 
     @property
     def ahead(self) -> list[Vector2]:
-        """The waypoints that are not passed yet."""
+        """Waypoints x, z [m] that are not passed yet."""
         return self.route[self.leg :]
 
     def has_arrived(self, body: RigidBody) -> bool:
@@ -292,7 +299,7 @@ class Helmsman:
         return self.leg_position(float(body.position[0]), float(body.position[2]))[1] < self.near
 
     def leg_position(self, x: float, z: float) -> tuple[float, float, float]:
-        """Heading of the present leg [rad], distance along it to its end, and distance to port of it, from x, z [m]."""
+        """Heading of the present leg [rad], distance along it to its end [m], and offset to port of it [m], at x, z."""
         assert self.start is not None
         (x_0, z_0), (x_1, z_1) = self.start, self.route[self.leg]
         along = atan2(x_1 - x_0, z_1 - z_0)
@@ -301,7 +308,7 @@ class Helmsman:
 
 
 class Person:
-    """A person at the helm; the last order stands."""
+    """A person at the helm, whose last order holds until the next."""
 
     def __init__(self, throttle: float, rudder: float, limit: float) -> None:
         """Throttle and rudder [rad] at first; `limit`: largest rudder angle [rad]."""
@@ -313,11 +320,11 @@ class Person:
         self.rudder = min(max(rudder, -self.limit), self.limit)
 
     def order(self, time: float, body: RigidBody) -> tuple[float, float]:
-        """The last order: throttle and rudder [rad]."""
+        """Throttle (-1 to 1) and rudder [rad] of the last order, at any time."""
         return self.throttle, self.rudder
 
 
 def rate_limited(now: float, wanted: float, rate: float | None, dt: float, limit: float) -> float:
-    """Position of an actuator dt [s] later on its way to `wanted`, within its limit and by at most `rate` a second."""
+    """Position of an actuator dt [s] later, towards `wanted` within +-`limit`, by at most `rate` a second."""
     wanted = min(max(wanted, -limit), limit)
     return wanted if rate is None else now + min(max(wanted - now, -rate * dt), rate * dt)

@@ -82,18 +82,19 @@ class BemTable(NamedTuple):
 
 
 def columns_of(motion: str, other: str) -> tuple[str, str]:
-    """Column names of a motion, or of the coupling of two motions: added mass, damping."""
+    """Names of the columns of added mass and damping of a motion, or of the coupling of two motions."""
     whole = motion if motion == other else f"{motion}_{other}"
     unit = ADDED_UNITS[motion] if ADDED_UNITS[motion] == ADDED_UNITS[other] else "kg_m"
     return f"{whole}_added_{unit}", f"{whole}_damping_{unit}_s"
 
 
 def read_bem_table(file: str) -> BemTable:
-    """The table in a file; raises ValueError if it gives too little."""
+    """Read a table from a CSV or Capytaine's NetCDF file (.nc); raises ValueError if it lacks something."""
     return read_capytaine(file) if Path(file).suffix == ".nc" else read_csv_table(file)
 
 
 def read_csv_table(file: str) -> BemTable:
+    """Read a table from a CSV file; raises ValueError for a column that is missing or unknown."""
     table = csv_file.Table(file)
     names = [motion for motion in Motions._fields if columns_of(motion, motion)[0] in table]
     given = [(a, b) for a, b in product(names, names) if a == b or any(column in table for column in columns_of(a, b))]
@@ -138,6 +139,7 @@ def scattering_columns(table: dict[str, np.ndarray]) -> Iterator[tuple[str, tupl
 
 
 def read_capytaine(file: str) -> BemTable:
+    """Read a table from Capytaine's NetCDF file; raises Unreadable if it is damaged or of a hull under way."""
     import h5py
 
     content = BytesIO(input_file.read_bytes(file))
@@ -178,7 +180,7 @@ def read_capytaine(file: str) -> BemTable:
 
 
 def symmetric_part(file: str, names: list[str], matrix: np.ndarray) -> np.ndarray:
-    """(m, m, n) mean of each entry and its mirror image; raises Unreadable if they differ."""
+    """(m, m, n) mean of each entry and its mirror image; raises Unreadable beyond RECIPROCITY_TOLERANCE."""
     most = np.sqrt(np.abs(matrix[np.diag_indices(len(names))]).max(axis=1))
     mirrored = matrix.transpose(1, 0, 2)
     apart = np.median(np.abs(matrix - mirrored), axis=2) / np.maximum(np.outer(most, most), 1e-300)
@@ -190,7 +192,7 @@ def symmetric_part(file: str, names: list[str], matrix: np.ndarray) -> np.ndarra
 
 
 def in_axis_order(data: Any, name: str, axes: tuple[str, ...]) -> np.ndarray:
-    """Array `name` of an HDF5 file, transposed to this order of axes."""
+    """Array `name` of an HDF5 file, transposed to the axes of these names."""
     numbers = read_data_set(data, name)
     names = [dimension[0].name.strip("/") for dimension in data[name].dims]
     return np.transpose(numbers, [names.index(axis) for axis in axes])
@@ -205,6 +207,7 @@ class Scattering:
     """
 
     def __init__(self, table: BemTable) -> None:
+        """Take frequencies, added mass and damping from a table that has scattered waves."""
         assert table.scattered is not None
         self.omega, self.scattered = table.omega, table.scattered
         self.numbers = [Motions._fields.index(motion) for motion in table.motions]
@@ -213,8 +216,7 @@ class Scattering:
         self.known: tuple[float, np.ndarray, np.ndarray] | None = None  # a heading, frequencies, what is given (6, n)
 
     def load(self, waves: Arriving, yaw: float, velocity: np.ndarray) -> np.ndarray:
-        """(2, 3) force [N] and torque [N m] in world axes, on a hull of this heading [rad] and velocity through the
-        water (3,) [m/s]."""
+        """(2, 3) scattering force [N], torque [N m], world axes; `yaw` [rad], `velocity` in the water (3,) [m/s]."""
         if (
             self.known is None
             or abs(yaw - self.known[0]) > HEADING_STEP
@@ -230,11 +232,11 @@ class Scattering:
         return rate
 
     def given_momentum(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
-        """(6, n) momentum that unit waves give a hull at rest, over its `complex_inertia` at their frequency."""
+        """(6, n) momentum that waves of unit amplitude give a hull at rest, divided by its `complex_inertia`."""
         return self.unit_wave_forces(omega, heading) / (-1j * omega * self.complex_inertia(omega))
 
     def complex_inertia(self, omega: np.ndarray) -> np.ndarray:
-        """(6, n) A + i B / omega [kg], [kg m2] of each motion in the table, 1 of any other."""
+        """(6, n) A + i B / omega [kg], [kg m2] at frequencies (n,) [rad/s] of motions in the table; 1 of others."""
         found, met = np.ones((6, len(omega)), dtype=complex), np.abs(omega)
         for number, added, lost in zip(self.numbers, self.added, self.lost, strict=True):
             found[number] = np.interp(met, self.omega, added) + 1j * np.sign(omega) * np.interp(met, self.omega, lost)
@@ -285,6 +287,7 @@ class Radiation:
     """
 
     def __init__(self, file: str) -> None:
+        """Read and check the table in a file; raises ValueError if it is unusable."""
         table = read_bem_table(file)
         self.numbers = [Motions._fields.index(motion) for motion in table.motions]
         omega, back = table.omega, np.flatnonzero(np.diff(table.omega, prepend=0.0) <= 0.0)
@@ -304,7 +307,7 @@ class Radiation:
                 raise END_RULE.broken(file, f"at {omega[-1]:g} rad/s {still}")
 
     def has_coupling(self, one: str, other: str) -> bool:
-        """True if the table has the coupling of two motions."""
+        """True if the table has added mass or damping that couples two motions."""
         pair = tuple(self.numbers.index(Motions._fields.index(motion)) for motion in (one, other))
         return bool(self.mass[pair].any() or self.damping[pair].any())
 
@@ -348,8 +351,8 @@ class Radiation:
         return Response(times, kernels, whole - whole[:, :, -1:], added)
 
     def retardation_kernel(self, times: np.ndarray, damping: np.ndarray) -> np.ndarray:
-        """Retardation kernel K at times [s] from damping over frequency; beyond the table damping falls on as at its
-        end, by a power of the frequency."""
+        """Kernel K (n,) at times (n,) [s] from damping at the table's frequencies; beyond these, damping falls on as at
+        their end, by a power of the frequency."""
         from scipy.interpolate import PchipInterpolator
 
         omega = self.omega
@@ -365,16 +368,17 @@ class Radiation:
 
 
 class Memory:
-    """Radiation force on one hull by its past motions (Cummins 1962)."""
+    """Radiation force on one hull by the waves of its past motions (Cummins 1962)."""
 
     def __init__(self, radiation: Radiation) -> None:
+        """Begin with the impulse response of a table and without past motions."""
         self.impulse_response, self.numbers = radiation.impulse_response, np.array(radiation.numbers)
         self.pairs = np.argwhere(self.impulse_response.kernels.any(axis=2)).tolist()  # which motions act on which
         self.often = float(self.impulse_response.times[1])  # [s] at least between what is kept
         self.when, self.moved = np.zeros(0), np.zeros((0, len(radiation.numbers)))  # [s], [m/s] or [rad/s]
 
     def load(self, time: float, motion: np.ndarray) -> np.ndarray:
-        """(2, 3) radiation force [N] and torque [N m] at a velocity relative to the water (6,), all in body axes."""
+        """(2, 3) radiation force [N], torque [N m] at a time [s] and velocity relative to the water (6,), body axes."""
         times = np.append(self.when, time)
         moved = np.concatenate([self.moved, motion[None, self.numbers]])
         known, ago, rate, momentum = self.impulse_response, time - times, np.zeros(6), np.zeros(6)
@@ -387,7 +391,7 @@ class Memory:
         return -rate.reshape(2, 3) - [cross(omega, line), cross(omega, turn) + cross(v, line)]
 
     def remember(self, time: float, motion: np.ndarray) -> None:
-        """Store the velocity (6,) at a time [s], unless the last one was stored too short a time before."""
+        """Store the velocity (6,) at a time [s], unless one was stored less than a step of the kernel before."""
         if len(self.when) == 0 or time - self.when[-1] >= self.often * (1.0 - 1e-9):
             near = self.when >= time - self.impulse_response.times[-1] - self.often
             self.when = np.append(self.when[near], time)

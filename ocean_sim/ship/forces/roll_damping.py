@@ -87,7 +87,7 @@ EDDIES_SECTION = (-219.2, 443.7, -283.3, 59.6)  # in C_B
 
 
 def polynomial_at(coefficients: Sequence[float], x: float) -> float:
-    """Value of a polynomial whose coefficients stand by falling powers."""
+    """Value at x of a polynomial whose coefficients stand by falling powers."""
     return float(np.polyval(coefficients, x))
 
 
@@ -110,7 +110,7 @@ class Ikeda(Model):
 
 
 class Form(NamedTuple):
-    """Ratios of a hull from which the regressions take roll damping."""
+    """Ratios of a rolling hull, arguments of the regressions of roll damping."""
 
     length: float  # of the waterline [m]
     breadth: float  # [m]
@@ -138,8 +138,7 @@ class Form(NamedTuple):
 
 
 class Components(NamedTuple):
-    """Components of roll damping at one amplitude and frequency: moments over the rate of roll, as B / (rho V B^2)
-    sqrt(B / 2g)."""
+    """Dimensionless components of roll damping, B44 / (rho V B^2) sqrt(B / 2g), at one amplitude and frequency."""
 
     friction: float
     wave: float
@@ -148,7 +147,7 @@ class Components(NamedTuple):
 
 
 def form_of(hull: Hydrostatics, omega: float, keels: BilgeKeels | None) -> Form:
-    """Form of a hull that rolls at a frequency [rad/s]."""
+    """Form of a hull that rolls at a frequency [rad/s], with its bilge keels, if any."""
     _, breadth, draught = hull.stations
     length, broad = hull.length, float(breadth.max())
     deep = float(draught.max())
@@ -166,7 +165,7 @@ def form_of(hull: Hydrostatics, omega: float, keels: BilgeKeels | None) -> Form:
 
 
 def ratios_beyond(form: Form) -> list[str]:
-    """Texts on ratios of a hull that lie beyond the limits of the regressions."""
+    """Texts on each ratio of a hull beyond REGRESSION_LIMITS: name, value and limits."""
     return [
         f"{name} {value:.3g} ({REGRESSION_LIMITS[name][0]:g} to {REGRESSION_LIMITS[name][1]:g})"
         for name, value in form.limited_ratios.items()
@@ -175,7 +174,8 @@ def ratios_beyond(form: Form) -> list[str]:
 
 
 def damping_components(form: Form, amplitude: float, viscosity: float, gravity: float) -> Components:
-    """Components of roll damping at an amplitude [deg]; ratios beyond REGRESSION_LIMITS count as those at the limit."""
+    """Components of roll damping at an amplitude [deg], kinematic viscosity [m2/s] and gravity [m/s2]; ratios beyond
+    REGRESSION_LIMITS count as those at the limit."""
     held = {
         name: min(max(value, REGRESSION_LIMITS[name][0]), REGRESSION_LIMITS[name][1])
         for name, value in form.limited_ratios.items()
@@ -190,7 +190,8 @@ def damping_components(form: Form, amplitude: float, viscosity: float, gravity: 
 
 
 def skin_friction(form: Form, amplitude: float, viscosity: float, gravity: float) -> float:
-    """Roll damping by skin friction (Kato 1958): Blasius's boundary layer on a cylinder of the hull's mean radius."""
+    """Roll damping by skin friction, in the units of `Components`, at an amplitude [deg] (Kato 1958): Blasius's
+    boundary layer on a cylinder of the hull's mean radius."""
     _, broad, deep, cb, _, og, frequency, _ = form
     phi, omega = radians(amplitude), frequency * sqrt(2.0 * gravity / broad)
     radius = deep * ((0.887 + 0.145 * cb) * (1.7 + cb * broad / deep) - 2.0 * og) / pi
@@ -201,7 +202,8 @@ def skin_friction(form: Form, amplitude: float, viscosity: float, gravity: float
 
 
 def waves_made(cb: float, cm: float, bd: float, og: float, frequency: float) -> float:
-    """Roll damping by the waves of a hull without forward speed."""
+    """Roll damping by waves without forward speed, in the units of `Components`, by C_B, C_M, breadth over draught,
+    depth of the centre of mass over draught, and omega sqrt(B / 2g)."""
     if frequency == 0.0:
         return 0.0
     over = 1.0 - og
@@ -216,8 +218,8 @@ def waves_made(cb: float, cm: float, bd: float, og: float, frequency: float) -> 
 
 
 def eddy_damping(cb: float, cm: float, bd: float, og: float, amplitude: float) -> float:
-    """Roll damping by eddies of the naked hull, over the frequency; 0 where the regression, beyond a block coefficient
-    of 0.84, is negative: a drag takes energy."""
+    """Roll damping of the naked hull by eddies at an amplitude [deg], in the units of `Components` over the frequency;
+    0 where the regression, beyond a block coefficient of 0.84, is negative: a drag takes energy."""
     form = max((-0.0182 * cb + 0.0155) * (bd - 1.8) ** 3 + polynomial_at(EDDIES_FORM, cb), 0.0)
     axis = (3.98 * cb - 5.1525) * (-0.2 * bd + 1.6) * og
     axis *= (0.9717 * cb**2 - 1.55 * cb + 0.723) * og + 0.04567 * cb + 0.9408
@@ -228,7 +230,8 @@ def eddy_damping(cb: float, cm: float, bd: float, og: float, amplitude: float) -
 
 
 def keel_damping(cb: float, cm: float, bd: float, og: float, amplitude: float, long: float, broad: float) -> float:
-    """Roll damping by bilge keels, over the frequency; `long` and `broad`: their length and breadth over the hull's."""
+    """Roll damping by bilge keels at an amplitude [deg], in the units of `Components` over the frequency; `long` and
+    `broad`: length and breadth of the keels over those of the hull."""
     form = (-0.3651 * cb + 0.3907) * (bd - 2.83) ** 2 - 2.21 * cb + 2.632
     swing = 0.00255 * amplitude**2 + 0.122 * amplitude + 0.4794
     size = (-0.8913 * broad**2 - 0.0733 * broad) * long**2
@@ -283,7 +286,7 @@ class RollDamping:
         return said
 
     def critical_share(self, amplitude: float) -> float:
-        """Share of critical damping by all components at one of FIT_AMPLITUDES [deg]; 0 without righting moment."""
+        """Damping by all components over critical damping at one of FIT_AMPLITUDES [deg]; 0 if nothing rights her."""
         return self.scale * sum(self.parts[amplitude]) / self.critical if self.parts else 0.0
 
     def roll_moment(self, rate: float, ahead: float) -> float:

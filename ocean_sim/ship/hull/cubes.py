@@ -46,8 +46,8 @@ FACE_COLUMNS = Columns(
 
 
 class Wetted(NamedTuple):
-    """Forces [N] and torques about the centre of mass [N m] on all cubes, (2, 3) each, world axes, and the water at
-    them."""
+    """Sums over all cubes of a hull: forces [N] and torques about the centre of mass [N m] by part, (2, 3) each, world
+    axes; their volume under water, and the motion of the water around them."""
 
     buoyancy: np.ndarray
     wave: np.ndarray
@@ -60,9 +60,10 @@ class Wetted(NamedTuple):
 
 @in_kernels
 class Cubes:
-    """The cubes of a hull in its body axes, from the centre of mass."""
+    """Cubes of a hull in Taichi fields, in body axes from the centre of mass, and kernels that sum forces over them."""
 
     def __init__(self, hull: Hydrostatics) -> None:
+        """Copy the cubes to fields, the lowest first, in blocks of BLOCK_CUBES."""
         cubes, matter = hull.voxels, hull.matter
         self.n, self.cubes = len(cubes.share), cubes
         self.blocks = -(-self.n // BLOCK_CUBES)
@@ -92,6 +93,7 @@ class Cubes:
 
     @ti.kernel
     def upload_cubes(self, arm: Array2, area: Array2, volume: Array, box: Array2, key: Integers):
+        """Copy arrays of the cubes (n, ...) and of the blocks' boxes to the fields."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for k in range(self.n):
             self.arm[k] = tm.vec3(arm[k, 0], arm[k, 1], arm[k, 2])
@@ -103,13 +105,13 @@ class Cubes:
 
     @staticmethod
     def bytes(n: int, word: int) -> int:
-        """Memory [bytes] of n cubes with floats of `word` bytes."""
+        """Memory [bytes] of the fields of n cubes with floats of `word` bytes."""
         return n * (7 * word + 4) + (n // BLOCK_CUBES + 1) * (SUM_COLUMNS.size * 8 + 6 * word)
 
     def sum_forces(
         self, body: RigidBody, around: SurroundingWater | SurroundingSea, water: Surface | Fluid, wind: Wind
     ) -> Wetted:
-        """Loads of water and wind on the hull at its present pose."""
+        """Loads of water and wind on the hull at the pose of a body; `around`: samples of the `water` there."""
         table = self.table
         write_pose(table[0], body)
         around.place(body, table[0])
@@ -132,8 +134,8 @@ class Cubes:
     def displaced_water(
         self, body: RigidBody, around: SurroundingWater | SurroundingSea
     ) -> tuple[np.ndarray, np.ndarray]:
-        """x and z (m, 2) [m] of the cubes under water at the body's pose, and the volume that each displaces [m3]. The
-        water surface is that of the last load, moved on by its current."""
+        """x and z (m, 2) [m] of the cubes under water at the pose of a body, and the volume that each displaces (m,)
+        [m3]. The water surface is that of the last load, moved on by its current."""
         write_pose(self.table[0], body)
         middle = around.middle_now()
         self.table[0, [pose.position, pose.position + 2]] -= middle
@@ -143,6 +145,7 @@ class Cubes:
 
     @ti.kernel
     def find_immersed(self, around: Template, table: Array2, found: Array2):
+        """Write x, z [m] and volume under water [m3] of each cube to `found` (n, 3), at the pose in `table`."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for block in range(self.blocks):
             position, turn = row_vector(table, pose.position), row_matrix(table)
@@ -161,6 +164,7 @@ class Cubes:
         wind: Template,
         table: Array2,
     ):
+        """Sample the water, then write the sums of SUM_COLUMNS over each block of cubes to its row of `table`."""
         around.read_water(water, table)
         wind.set_clock(ti.cast(table[0, ROW_COLUMNS.since], float), ti.cast(table[0, ROW_COLUMNS.step], float))
         ti.loop_config(serialize=ti.static(runs_alone()))
@@ -195,6 +199,7 @@ class Cubes:
         velocity,
         omega,
     ):
+        """Add the loads of water and wind on cube k to `total`, the sums of SUM_COLUMNS of its block."""
         arm = turn @ self.arm[k]
         x, wet = position + arm, 0.0
         if x.y - 0.5 * tall < water.frame[HIGHEST_LEVEL]:
@@ -209,7 +214,7 @@ class Cubes:
 
     @ti.func
     def add_water(self, total: Template, k, water: Template, tall, arm, x, turn: Template):
-        """Add the loads of the water on cube k, which it may reach, to `total`; returns the share under water."""
+        """Add the loads of the water on cube k to `total`; returns the share of the cube that is under water."""
         corner = water.cell_at(x.x, x.z)
         eta, slope = water.surface_at(corner)
         depth = eta - x.y
@@ -240,10 +245,12 @@ class Cubes:
 
     @ti.func
     def add_number(self, total: Template, column: Template, number):
+        """Add a number to a column of `total`, in f64."""
         total[column] += ti.cast(number, ti.f64)
 
     @ti.func
     def add_force(self, total: Template, column: Template, arm, force):
+        """Add a force [N] at `arm` from the centre of mass [m], and its torque, to six columns of `total`."""
         torque = arm.cross(force)
         for c in ti.static(range(3)):
             self.add_number(total, column + c, force[c])
@@ -251,8 +258,8 @@ class Cubes:
 
     @ti.func
     def add_motion(self, total: Template, column: Template, own, face, moved):
-        """Add to `total` the velocity or acceleration `moved` of water at a cube times the area that it meets, and
-        their moments for pitch, yaw and roll."""
+        """Add to `total` the velocity or acceleration `moved` of water at a cube, times the area `face` (3,) of the
+        cube, and its moments for pitch, yaw and roll about `own` (3,), the cube's position from the centre of mass."""
         for c in ti.static(range(3)):
             self.add_number(total, column + c, face[c] * moved[c])
         self.add_number(total, column + 3, -face.y * own.z * moved.y)
@@ -282,5 +289,5 @@ def as_one_body(moved: list[float], faces: list[float], size: list[float]) -> np
 
 @ti.func
 def three_of(six: Template, first: Template):
-    """Vector of three of six numbers, those from `first` on."""
+    """Vector of three components of a vector of six, from component `first` on."""
     return tm.vec3(six[first], six[first + 1], six[first + 2])

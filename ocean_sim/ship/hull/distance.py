@@ -15,8 +15,8 @@ SMOOTHING_CUBES = 0.5  # [cubes] over which steps of cubes are smoothed
 
 
 def lattice_shape(shape: HullShape, side: float, reach: float) -> tuple[float, np.ndarray, np.ndarray]:
-    """Side of the cubes [m], `side` or, if larger, that of a lattice of USUAL_CUBES; their (3,) sides as they fill the
-    box around a hull [m]; and (3,) numbers of cubes that are added on each side of it."""
+    """Lattice of cubes around a hull, of USUAL_CUBES at most: side of a cube [m], at least `side`; (3,) sides with
+    which cubes fill the hull's box [m]; (3,) numbers of cubes beyond the box on each side, to cover `reach` [m]."""
     lower, upper = shape.bounds()
     side = max(side, float((upper - lower + 2.0 * reach).prod() / USUAL_CUBES) ** (1.0 / 3.0))
     size = (upper - lower) / np.maximum(1, np.ceil((upper - lower) / side - 1e-6))
@@ -24,7 +24,7 @@ def lattice_shape(shape: HullShape, side: float, reach: float) -> tuple[float, n
 
 
 def lattice_memory(shape: HullShape, side: float, reach: float, word: int) -> tuple[int, int]:
-    """Number of nodes of a lattice, and their memory [bytes]."""
+    """Number of nodes of the lattice around a hull, and their memory [bytes] with floats of `word` bytes."""
     _, size, margin = lattice_shape(shape, side, reach)
     lower, upper = shape.bounds()
     n = int((np.round((upper - lower) / size) + 2 * margin).prod())
@@ -34,9 +34,9 @@ def lattice_memory(shape: HullShape, side: float, reach: float, word: int) -> tu
 def distance_lattice(
     shape: HullShape, side: float, support: float, reach: float
 ) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
-    """Lattice around a hull: `distance` [m] at nodes (i, j, k), negative inside, and `share` of the hull, smoothed by
-    Wendland's kernel (C2) of a support; position of the first node in the hull's axes, and steps (3,) [m]. `side` of a
-    cube, `reach` of the lattice over the hull [m]."""
+    """Lattice around a hull: arrays `distance` [m] of nodes (i, j, k) from the hull, negative inside, and `share` of
+    the hull, smoothed by Wendland's kernel (C2) of this support [m]; position (3,) of the first node in the hull's
+    axes, and steps (3,) [m]. `side`: of a cube [m]; `reach`: of the lattice beyond the hull [m]."""
     lower, upper = shape.bounds()
     side, size, margin = lattice_shape(shape, side, reach)
     cubes = voxels(shape, side, 1.0)
@@ -68,11 +68,10 @@ def distance_lattice(
 
 @in_kernels
 class Distance:
-    """Signed distance from a hull, and the outward normal, in body axes from the centre of mass."""
+    """Signed distance from a hull and its outward normal, for kernels, in body axes from the centre of mass."""
 
     def __init__(self, shape: HullShape, centre: np.ndarray, side: float, support: float, reach: float) -> None:
-        """`centre` of mass from the hull's origin, `side` of cubes, `support` of the water's kernel, `reach` over the
-        hull [m]."""
+        """`centre` of mass from the origin, `side` of cubes, `support` of the kernel, `reach` over the hull [m]."""
         values, first, step = distance_lattice(shape, side, support, reach)
         size = values["share"].shape
         self.lower = first - centre  # [m]

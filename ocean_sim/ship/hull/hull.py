@@ -22,7 +22,7 @@ MESH_ENDINGS = (".stl", ".obj", ".ply")
 
 
 def check_inertia(inertia: tuple[float, float, float]) -> tuple[float, float, float]:
-    """The principal moments of inertia if some distribution of mass has them; raises ValueError if none has."""
+    """Return principal moments of inertia [kg m2] unchanged; raises ValueError if no distribution of mass has them."""
     if not min(inertia) > 0.0:
         raise ValueError(f"each moment of inertia must be above 0, got {list(inertia)}")
     if 2.0 * max(inertia) > (1.0 + 1e-9) * sum(inertia):
@@ -46,7 +46,7 @@ class Hull(Model):
     density."""
 
     def matter_of(self, cubes: Voxels) -> Matter:
-        """Mass, centre of mass and inertia, given or of uniform density; raises ValueError if there is no mass."""
+        """Mass, centre of mass and inertia, given or of uniform density; raises ValueError without a mass."""
         if self.mass is None:
             raise ValueError("has no mass; give mass [kg]")
         centre = cubes.centroid if self.centre_of_mass is None else np.array(self.centre_of_mass)
@@ -54,7 +54,7 @@ class Hull(Model):
         return Matter(self.mass, centre, own)
 
     def in_still_water(self, cells: float, density: float, gravity: float) -> Hydrostatics:
-        """Hydrostatics of the hull with so many cubes over its draught; raises ValueError."""
+        """Hydrostatics with `cells` cubes over the draught, by density and gravity; raises ValueError."""
         lower, upper = self.shape.bounds()
         breadth, height, length = (upper - lower).tolist()
         least, flat = self.smallest_side, MAX_FLATNESS if cells <= FLAT_CUBES_LIMIT else 1.0
@@ -71,19 +71,18 @@ class Hull(Model):
 
     @property
     def smallest_side(self) -> float:
-        """Side [m] of the smallest cubes for finding where the hull floats."""
+        """Least side [m] of cubes that are tried: that of CUBE_BUDGET cubes in the box around the hull."""
         lower, upper = self.shape.bounds()
         return float((upper - lower).prod() / CUBE_BUDGET) ** (1.0 / 3.0)
 
     def in_cubes(self, side: float, density: float, gravity: float, flat: float = MAX_FLATNESS) -> Hydrostatics:
-        """Hydrostatics of the hull in cubes of a given height [m], up to `flat` times as long."""
+        """Hydrostatics of the hull in cubes `side` [m] high and up to `flat` times as long; raises ValueError."""
         cubes = voxels(self.shape, side, flat)
         return Hydrostatics(cubes, self.matter_of(cubes), density, gravity)
 
 
 def hull_of(name: str, up: AxisName | None = None, bow: AxisName | None = None, scale: float | None = None) -> Hull:
-    """The hull of a name in configs/hull/, or in a mesh file, read with these axes and metres per unit where they are
-    given; raises ValueError."""
+    """Hull of a name in configs/hull/ or of a mesh file, read with these axes and scale; raises ValueError."""
     if name in named("hull"):
         return Hull.model_validate(preset("hull", name))
     if Path(name).suffix.lower() in MESH_ENDINGS:
@@ -95,7 +94,7 @@ def hull_of(name: str, up: AxisName | None = None, bow: AxisName | None = None, 
 
 
 def error_sentence(error: ValidationError | ValueError) -> str:
-    """Text of an error as one sentence."""
+    """Message of an error as one sentence, without Pydantic's layout and links."""
     if isinstance(error, ValidationError):
         return "; ".join(f"{'.'.join(map(str, e['loc']))}: {e['msg']}" for e in error.errors(include_url=False))
     return str(error)

@@ -38,13 +38,14 @@ class BadMesh(ValueError):
     """Error of a mesh that is no hull; `problems` are sentences on the fault and its place."""
 
     def __init__(self, *problems: Unreadable) -> None:
+        """Join the sentences of all problems to one message."""
         self.problems = [str(problem) for problem in problems]
         super().__init__("; ".join(self.problems))
 
 
 @dataclass(frozen=True, eq=False)
 class ClosedMesh:
-    """A mesh in the hull's axes, keel at y = 0, amidships at x = z = 0."""
+    """Closed triangle mesh of a hull in the hull's axes, keel at y = 0, amidships at x = z = 0."""
 
     vertices: np.ndarray  # (n, 3) [m]
     faces: np.ndarray  # (m, 3) corners, anticlockwise seen from outside
@@ -70,24 +71,24 @@ class ClosedMesh:
 
     @cached_property
     def _column_plan(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Positions of columns along x and z [m], and (len(x), len(z)) the area of each [m2]."""
+        """Positions of upright columns along x and z [m], and (len(x), len(z)) cross-section of each [m2]."""
         (x, across), (z, along) = (gauss_points(self.vertices[:, axis]) for axis in (0, 2))
         return x, z, across[:, None] * along
 
     @cached_property
     def has_overlaps(self) -> bool:
-        """True if faces pass through each other: skins wind around a point more than once or less than never."""
+        """True if faces pass through each other: some point has a winding number other than 0 and 1."""
         line, height, winding = line_crossings(self.triangles, *self._column_plan[:2])
         thick = (np.diff(height) > ROUNDING_SHARE * self.size[1]) & (np.diff(line) == 0)
         return bool((thick & ((winding[:-1] > 1) | (winding[:-1] < 0))).any())
 
     @cached_property
     def inside_columns(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Segments of the lines of `_column_plan` inside the mesh: number of the line, lower and upper end [m]."""
+        """Segments of the columns of `_column_plan` inside the mesh: column number, lower and upper end [m]."""
         return inside_stretches(self.triangles, *self._column_plan[:2])
 
     def column_integral(self, of_heights: Callable[[np.ndarray], np.ndarray]) -> float:
-        """Sum over all segments inside of their column's area times the rise of a function from lower to upper end."""
+        """Sum over all segments inside: area of the column times the rise of `of_heights` over the segment."""
         line, low, high = self.inside_columns
         return float(self._column_plan[2].ravel()[line] @ (of_heights(high) - of_heights(low)))
 
@@ -100,7 +101,7 @@ class ClosedMesh:
 
     @cached_property
     def mean_thickness(self) -> float:
-        """Mean thickness of a shell of this volume and of these faces [m]."""
+        """Thickness [m] of a shell with the mesh's volume and the mesh's faces on both of its sides."""
         a, b, c = np.moveaxis(self.triangles, 1, 0)
         return 4.0 * self.volume / float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
 
@@ -112,8 +113,7 @@ class ClosedMesh:
         return f"{size}, read with {axes}; watertight, {len(self.faces)} faces"
 
     def unlike_a_ship(self, draught: float, kb: float) -> list[str]:
-        """Sentences on proportions of a hull afloat that ships do not have: `draught`, and height of the centre of
-        buoyancy over the keel [m]."""
+        """Warnings of proportions that ships do not have, by draught and height of buoyancy over the keel [m]."""
         broad, tall, long = self.size.tolist()
         odd = [
             f"{what} is {ratio:.2g} ({low:g} to {high:g} for ships)"
@@ -133,7 +133,7 @@ class ClosedMesh:
 
     @cached_property
     def remarks(self) -> list[str]:
-        """Sentences on possible mistakes: several closed skins, and a shell open at the top that would hold water."""
+        """Warnings of possible mistakes: several closed skins, or a shell open at the top that would hold water."""
         from scipy.ndimage import binary_propagation
 
         area, room = self._column_plan[2], 0.0
@@ -161,8 +161,7 @@ def axis_vector(name: str) -> np.ndarray:
 
 @lru_cache(maxsize=4)
 def closed_mesh(file: str, data: bytes, scale: float | None, up: str | None, bow: str | None) -> ClosedMesh:
-    """The hull in the content of a mesh file, with metres per unit and the file's axes up and to the bow, guessed where
-    they are None; raises BadMesh."""
+    """Closed mesh of a hull, from the `data` of a file; scale and axes are guessed where None. Raises BadMesh."""
     vertices, faces = read_mesh(file, data)
     problems = mesh_flaws(vertices, faces)
     if problems:
@@ -180,7 +179,7 @@ def closed_mesh(file: str, data: bytes, scale: float | None, up: str | None, bow
 
 
 def read_mesh(file: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
-    """(n, 3) corners [units of the file] and (m, 3) faces that have three of them; raises BadMesh."""
+    """(n, 3) corners [units of the file] and (m, 3) faces with three different corners; raises BadMesh."""
     import trimesh
 
     kind = file.lower().rpartition(".")[2]
@@ -235,8 +234,7 @@ def edge_uses(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def closed_skins(faces: np.ndarray) -> np.ndarray:
-    """(m,) number of the closed skin of each face, the faces joined by shared edges; all 0 if these are not closed by
-    themselves."""
+    """(m,) number of each face's closed skin, of faces joined by edges; all 0 if these are not closed by themselves."""
     from trimesh.graph import connected_component_labels, face_adjacency
 
     labels = np.asarray(connected_component_labels(face_adjacency(faces), node_count=len(faces)))
@@ -245,15 +243,13 @@ def closed_skins(faces: np.ndarray) -> np.ndarray:
 
 
 def signed_volumes(triangles: np.ndarray) -> np.ndarray:
-    """(m,) volume between each face and the middle of the mesh, positive where the face looks away from it, in the cube
-    of its unit."""
+    """(m,) volume [units3] between each face (3, 3) and the mesh's middle, positive if it looks away from it."""
     a, b, c = np.moveaxis(triangles - 0.5 * (triangles.min(axis=(0, 1)) + triangles.max(axis=(0, 1))), 1, 0)
     return np.asarray((a * np.cross(b, c)).sum(axis=1) / 6.0)
 
 
 def turned_outwards(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, list[str]]:
-    """(m, 3) faces turned so that each closed skin looks outwards, and sentences on several skins and on those that did
-    not look the way of the largest."""
+    """(m, 3) faces turned so that each closed skin faces outwards, and sentences on multiple or inverted skins."""
     labels = closed_skins(faces)
     volumes = np.bincount(labels, signed_volumes(vertices[faces]))
     inverted = volumes < 0.0
@@ -277,20 +273,20 @@ def turned_outwards(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray
 
 
 def is_inside(triangles: np.ndarray, point: np.ndarray) -> bool:
-    """True if faces (m, 3, 3) wind around a point (3,)."""
+    """True if closed faces (m, 3, 3) enclose a point (3,), by winding number."""
     _, height, winding = line_crossings(triangles, point[:1], point[2:])
     below = np.count_nonzero(height < point[1])
     return bool(below and winding[below - 1] > 0)
 
 
 def point_text(position: np.ndarray) -> str:
-    """Position in the form of messages."""
+    """Position (3,) as text for messages, such as (1, 0.25, -3)."""
     return "(" + ", ".join(f"{x:.4g}" for x in position) + ")"
 
 
 def guess_axes(triangles: np.ndarray, scale: float | None, up: str | None, bow: str | None) -> tuple[float, str, str]:
-    """Unit, up and bow if they are not given: the longest axis is the ship's; of the other two the one about whose
-    plane the mesh is symmetric is athwart."""
+    """Metres per unit, up axis and bow axis; those not given are guessed: the longest axis is the ship's; of the other
+    two the one about whose plane the mesh is symmetric is athwart."""
     lower, upper = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
     extents, middle = upper - lower, 0.5 * (lower + upper)
     scale = scale or (1.0 / MAX_METRES if extents.max() > MAX_METRES else 1.0)
@@ -336,7 +332,7 @@ def line_crossings(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tuple
 
 
 def pairs_within(low: np.ndarray, high: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Numbers of the intervals low <= value < high and of the ascending values in them, pair by pair."""
+    """Pairs of an interval low <= value < high and an ascending value in it: the indices of both."""
     first, last = np.searchsorted(values, low), np.searchsorted(values, high)
     count = last - first
     interval = np.repeat(np.arange(len(count)), count)
@@ -344,8 +340,8 @@ def pairs_within(low: np.ndarray, high: np.ndarray, values: np.ndarray) -> tuple
 
 
 def lone_corner_first(faces: np.ndarray, beyond: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Corners a, b, c, (n, 3) each, of faces (n, 3, 3) that a plane cuts, in their order from the one alone on its
-    side; and (n,) True if a is beyond the plane. `beyond`: (n, 3) True for corners beyond it."""
+    """Corners a, b, c, (n, 3) each, of faces (n, 3, 3) that a plane cuts: a is alone on its side, b and c follow in the
+    order of the face; and (n,) True if a is beyond the plane. `beyond`: (n, 3) True for corners beyond it."""
     alone = np.count_nonzero(beyond, axis=1) == 1
     first = np.argmax(beyond == alone[:, None], axis=1)[:, None]
     a, b, c = np.moveaxis(np.take_along_axis(faces, ((first + range(3)) % 3)[..., None], axis=1), 1, 0)
@@ -353,14 +349,13 @@ def lone_corner_first(faces: np.ndarray, beyond: np.ndarray) -> tuple[np.ndarray
 
 
 def on_edge(a: np.ndarray, b: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """(n, 3) points at z (n,) on edges between a and b (n, 3) on either side of it; the same if a and b are
-    exchanged."""
+    """(n, 3) points at z (n,) on edges from a to b (n, 3), exactly the same if a and b are exchanged."""
     low, high = np.where((a[:, 2] < b[:, 2])[:, None], [a, b], [b, a])
     return np.asarray(low + ((z - low[:, 2]) / (high[:, 2] - low[:, 2]))[:, None] * (high - low))
 
 
 def inside_stretches(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Segments inside a mesh of lines along y at x and z: number of the line, lower and upper end."""
+    """Segments inside a mesh of lines along y at x and z [m]: number of the line, lower and upper end [m]."""
     line, height, winding = line_crossings(triangles, x, z)
     inside = winding > 0
     before = np.r_[False, inside[:-1]]
@@ -369,8 +364,7 @@ def inside_stretches(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tup
 
 
 def column_shares(triangles: np.ndarray, x: np.ndarray, z: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """(len(x), len(edges) - 1, len(z)): the share of each interval between `edges` along y that lies inside, on
-    columns at x and z [m]."""
+    """(len(x), len(edges) - 1, len(z)) share inside a mesh of each interval along y, in columns at x and z."""
     line, low, high = inside_stretches(triangles, x, z)
     parts = np.diff(np.clip(edges, low[:, None], high[:, None])) / np.diff(edges)
     shares = np.zeros((len(x) * len(z), len(edges) - 1))

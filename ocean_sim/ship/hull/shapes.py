@@ -18,12 +18,12 @@ Box3 = tuple[np.ndarray, np.ndarray]
 
 
 class HullShape(Model):
-    """Base of all shapes."""
+    """Base class of hull shapes: bounds, inside test, and corners or a mesh."""
 
     rounded: ClassVar[bool] = False  # whether the faces that it is drawn with only approach it
 
     def content(self) -> bytes:
-        """Bytes that identify the shape in the cache of its voxels."""
+        """Bytes that identify the shape, and name its voxels and lattices in the cache."""
         return self.model_dump_json().encode()
 
     @abstractmethod
@@ -35,7 +35,7 @@ class HullShape(Model):
         raise NotImplementedError
 
     def vertices(self) -> np.ndarray | None:
-        """(n, 3) points [m] whose convex hull is the shape; None if its sections must be found."""
+        """(n, 3) points [m] whose convex hull is the shape; None if it is not given by points."""
         return None
 
     def fill_lattice(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -43,12 +43,12 @@ class HullShape(Model):
         return self.inside(np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1))
 
     def closed_mesh(self) -> ClosedMesh | None:
-        """The mesh in the hull's axes; raises BadMesh. None if the shape is no mesh."""
+        """The mesh in the hull's axes; None if the shape is not a mesh. Raises BadMesh."""
         return None
 
 
 def box_on_keel(breadth: float, height: float, length: float) -> Box3:
-    """Corners of a box on its keel, in the middle of x and z [m]."""
+    """Lower and upper corner (3,) [m] of a box that stands on y = 0, in the middle of x and z."""
     half = np.array([breadth / 2, 0.0, length / 2])
     return -half, half + [0.0, height, 0.0]
 
@@ -65,9 +65,11 @@ class Box(HullShape):
     """Height from keel to deck."""
 
     def bounds(self) -> Box3:
+        """Lower and upper corner (3,) [m]."""
         return box_on_keel(self.breadth, self.height, self.length)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
+        """True for points (..., 3) [m] in the box."""
         lower, upper = self.bounds()
         return np.all((x >= lower) & (x <= upper), axis=-1)
 
@@ -87,9 +89,11 @@ class Wigley(HullShape):
     """Height from keel to deck."""
 
     def bounds(self) -> Box3:
+        """Lower and upper corner (3,) [m] of the box around the hull."""
         return box_on_keel(self.breadth, self.height, self.length)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
+        """True for points (..., 3) [m] between the parabolic sides, keel and deck."""
         below = np.clip(1.0 - x[..., 1] / self.draught, 0.0, 1.0)
         half = self.breadth / 2 * (1.0 - (2.0 * x[..., 2] / self.length) ** 2) * (1.0 - below**2)
         return (np.abs(x[..., 0]) <= half) & (x[..., 1] >= 0.0) & (x[..., 1] <= self.height)
@@ -106,9 +110,11 @@ class Cylinder(HullShape):
     """Radius of the circle."""
 
     def bounds(self) -> Box3:
+        """Lower and upper corner (3,) [m] of the box around the cylinder."""
         return box_on_keel(2.0 * self.radius, 2.0 * self.radius, self.length)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
+        """True for points (..., 3) [m] in the cylinder."""
         return (np.hypot(x[..., 0], x[..., 1] - self.radius) <= self.radius) & (np.abs(x[..., 2]) <= self.length / 2)
 
 
@@ -121,9 +127,11 @@ class Sphere(HullShape):
     """Radius of the ball."""
 
     def bounds(self) -> Box3:
+        """Lower and upper corner (3,) [m] of the box around the ball."""
         return box_on_keel(*[2.0 * self.radius] * 3)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
+        """True for points (..., 3) [m] in the ball."""
         return np.linalg.norm(x - [0.0, self.radius, 0.0], axis=-1) <= self.radius
 
 
@@ -135,16 +143,17 @@ class Outline(HullShape):
     """Vertices [m]; each with x > 0 also stands for its mirror image on starboard."""
 
     def vertices(self) -> np.ndarray:
-        """(n, 3) points of both sides [m]."""
+        """(n, 3) points of both sides [m], port and its mirror image."""
         port = np.array(self.points, dtype=float)
         return np.concatenate([port, port[port[:, 0] > 0.0] * [-1.0, 1.0, 1.0]])
 
     def bounds(self) -> Box3:
+        """Lower and upper corner (3,) [m] of the box around the points."""
         x = self.vertices()
         return x.min(axis=0), x.max(axis=0)
 
     def fill_lattice(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
-        """True for lattice points inside, by the part of each column along y that lies between the planes."""
+        """(len(x), len(y), len(z)) True for lattice points [m] between the planes of the convex hull."""
         from scipy.spatial import ConvexHull
 
         low, high = np.full((len(x), len(z)), -np.inf), np.full((len(x), len(z)), np.inf)
@@ -174,15 +183,18 @@ class MeshFile(HullShape):
     """The file's axis that points to the bow; null takes the longest."""
 
     def content(self) -> bytes:
+        """Bytes that identify the shape: its keys, and the content of the file."""
         return super().content() + read_bytes(self.file)
 
     def closed_mesh(self) -> ClosedMesh:
+        """The mesh of the file in the hull's axes; raises BadMesh if it cannot be read or is not closed."""
         try:
             return closed_mesh(self.file, read_bytes(self.file), self.scale, self.up, self.bow)
         except Unreadable as error:
             raise BadMesh(error) from None
 
     def bounds(self) -> Box3:
+        """Lower and upper corner (3,) [m] of the box around the mesh; raises BadMesh."""
         return self.closed_mesh().bounds
 
 
@@ -190,8 +202,7 @@ Shape = Annotated[Box | Wigley | Cylinder | Sphere | Outline | MeshFile, Field(d
 
 
 def drawn_mesh(shape: HullShape) -> tuple[np.ndarray, np.ndarray]:
-    """(n, 3) vertices [m] in the hull's axes and (m, 3) triangles that face outwards: those of a mesh, or the convex
-    hull of a shape's sections."""
+    """(n, 3) vertices [m] in the hull's axes and (m, 3) outward triangles, of the mesh or the shape's convex hull."""
     mesh = shape.closed_mesh()
     if mesh is not None:
         return mesh.vertices, mesh.faces

@@ -28,7 +28,7 @@ COLUMN_OFFSET = 1.0e-4  # of a cube: columns do not run through the edges of a m
 
 @dataclass(frozen=True, eq=False)
 class Voxels:
-    """Cubes of a hull, in its axes."""
+    """Cubes of the box around a hull that are not empty, in the hull's axes, with the part of each inside the hull."""
 
     lower: np.ndarray  # (3,) corner of the box that they fill [m]
     size: np.ndarray  # (3,) of each [m]
@@ -47,12 +47,11 @@ class Voxels:
         return float(self.share.sum() * self.size.prod())
 
     def centre_heights(self, up: np.ndarray) -> np.ndarray:
-        """(n,) heights of the cubes' centres along a unit vector [m]; summed term by term, so that the bytes do not
-        depend on threads."""
+        """(n,) height of each cube's centre along a unit vector `up` [m]; not threaded, so the same bytes always."""
         return up[0] * self.centre[:, 0] + up[1] * self.centre[:, 1] + up[2] * self.centre[:, 2]
 
     def height_spread(self, up: np.ndarray) -> float:
-        """Height of each cube along a unit vector [m]: that of a linear ramp with the variance of a box."""
+        """Effective height [m] of a cube along a unit vector `up`: of a linear ramp with a box's variance."""
         return float(np.linalg.norm(self.size * up))
 
     def cut_offset(self, turn: small_linalg.Rows, cut: float) -> tuple[float, float]:
@@ -83,7 +82,7 @@ class Voxels:
 
 
 def voxels(shape: HullShape, side: float, flat: float = MAX_FLATNESS) -> Voxels:
-    """The cubes of a shape, `side` [m] tall and up to `flat` times as long; raises ValueError if they are too many."""
+    """Cubes of a shape, `side` [m] tall and up to `flat` times as long; raises ValueError if they are too many."""
     lower, upper = shape.bounds()
     sides = np.clip((upper - lower) / SUFFICIENT_CUBES, side, flat * side)
     counts = np.maximum(1, np.ceil((upper - lower) / sides - 1e-6).astype(int))
@@ -110,8 +109,7 @@ def voxels(shape: HullShape, side: float, flat: float = MAX_FLATNESS) -> Voxels:
 def sample_cubes(
     shape: HullShape, counts: np.ndarray, lower: np.ndarray, upper: np.ndarray, samples: int
 ) -> dict[str, np.ndarray]:
-    """Arrays `share`, `centre` and outward `area` of the cubes not empty, by `samples` columns along x and z of
-    each."""
+    """Arrays `share`, `centre` [m], outward `area` [m2] of all cubes not empty, by `samples` columns along x and z."""
     size = (upper - lower) / counts
     per_cube = (samples, EDGE_SAMPLES, samples)
     axes = [lower[a] + size[a] * (np.arange(counts[a] * per_cube[a]) + 0.5) / per_cube[a] for a in range(3)]

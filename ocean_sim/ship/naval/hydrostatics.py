@@ -41,7 +41,7 @@ class Matter:
 
 @dataclass(frozen=True, eq=False)
 class Hydrostatics:
-    """A hull of given mass and centre of mass in still water."""
+    """Draught, stability and periods of a hull of given mass and centre of mass in still water."""
 
     voxels: Voxels
     matter: Matter
@@ -59,7 +59,7 @@ class Hydrostatics:
         return self.cube_volumes * np.clip(self.wet_shares(up, level), 0.0, 1.0)
 
     def wet_shares(self, up: np.ndarray, level: float) -> np.ndarray:
-        """(n,) share of each cube under a level: 0 as it touches the water, 1 as it is wholly wet; not clipped."""
+        """(n,) share of each cube under a level [m] along `up`: 0 as it touches the water, 1 when wet; not clipped."""
         return (level - self.voxels.centre_heights(up)) / self.voxels.height_spread(up) + 0.5
 
     @cached_property
@@ -68,7 +68,7 @@ class Hydrostatics:
         return self.voxels.size.prod() * self.voxels.share
 
     def water_level(self, up: np.ndarray) -> float:
-        """Height of the water along a unit vector [m] at which the hull floats; infinite if it cannot."""
+        """Height of the water along a unit vector `up` [m] at which the hull floats; infinite if it sinks."""
         if self.needed_volume >= self.voxels.volume:
             return inf
         height, spread = self.voxels.centre_heights(up), self.voxels.height_spread(up)
@@ -162,13 +162,13 @@ class Hydrostatics:
 
     @cached_property
     def at_the_water(self) -> np.ndarray:
-        """(n,) volume of each cube within a quarter of a cube's height of the still water [m3]."""
+        """(n,) volume [m3] of each cube in the layer a quarter of its height above and below the still water."""
         step = 0.25 * self.voxels.size[1]
         return self.wet_volumes(UPRIGHT, self.waterline + step) - self.wet_volumes(UPRIGHT, self.waterline - step)
 
     @cached_property
     def stations(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Position along z, breadth at the still water and draught of every slice of cubes, (m,) each [m]."""
+        """Position along z, breadth at the still water, and draught of each slice of cubes, (m,) each [m]."""
         v, level = self.voxels, self.waterline
         _, tall, long = v.size
         number, n = self.cube_slices
@@ -186,6 +186,7 @@ class Hydrostatics:
         long = float(self.voxels.size[2])
 
         def end(k: int, way: int) -> float:
+            """Position along z [m] of the waterline's end in slice k; `way`: 1 bow, -1 stern."""
             inner, there = float(along[k]) - 0.5 * way * long, number == k
             middle = np.average(self.voxels.centre[there, 2], weights=self.at_the_water[there])
             reach = 2.0 * abs(float(middle) - inner)
@@ -220,8 +221,7 @@ class Hydrostatics:
 
 
 def volume_under(level: float, height: np.ndarray, spread: float, whole: np.ndarray) -> float:
-    """Volume [m3] under a level [m] of cubes with centres at `height`, a height `spread` [m], and volumes `whole`
-    [m3]."""
+    """Volume [m3] under a level [m] of cubes: centres at `height` [m], `spread` [m] high, `whole` volumes [m3]."""
     return float((whole * np.clip((level - height) / spread + 0.5, 0.0, 1.0)).sum())
 
 
@@ -262,6 +262,7 @@ def wet_part(faces: np.ndarray, level: float) -> Wet:
     x, y, z = np.moveaxis(0.5 * (cut + np.roll(cut, -1, axis=1)), 2, 0)  # middles of the edges: exact to second order
 
     def over(values: np.ndarray) -> float:
+        """Integral over the wet faces, weighted by n_y, of values (m, 3) at the middles of edges."""
         return float(upwards @ values.mean(axis=1))
 
     plane = [np.ones_like(x), x, z, x * x, z * z]
@@ -315,7 +316,7 @@ class Slender(NamedTuple):
 
     @property
     def end_sinkage(self) -> float:
-        """Sinkage of the lower of her ends [m]."""
+        """Sinkage of the lower end of the ship, bow or stern [m]."""
         return self.sinkage + self.trim * (self.levers[1] if self.trim > 0.0 else -self.levers[0])
 
     def at_speed(self, speed: float, depth: float) -> "Slender":
@@ -343,6 +344,7 @@ def slender_squat(hull: Hydrostatics) -> Slender:
         return np.diff(np.diff(values) / np.diff(x), prepend=0.0, append=0.0)
 
     def pulled(values: np.ndarray) -> float:
+        """Double integral of `slender_squat` with `values` in place of B, times rho g / (2 pi)."""
         return -float(bends(values) @ kernel @ bends(s)) * hull.density * hull.gravity / (2.0 * pi)
 
     stiff = hull.stiffness

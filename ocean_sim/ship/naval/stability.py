@@ -49,6 +49,7 @@ class Liquid(Weight):
 
     @model_validator(mode="after")
     def _both_or_neither(self) -> "Liquid":
+        """Check that a free surface has both length and breadth; raises ValueError."""
         if (self.length is None) != (self.breadth is None):
             raise ValueError("a free surface has a length and a breadth; a tank that is full or empty has neither")
         return self
@@ -88,8 +89,7 @@ class Loading(Model):
         return float(across), float(along)
 
     def outside_hull(self, lower: np.ndarray, upper: np.ndarray) -> list[str]:
-        """Sentences on points outside the box of the hull, by its lower and upper corner (3,) [m]. Masses and openings
-        above the deck are allowed."""
+        """Sentences on points outside the hull's box, by its corners (3,) [m]; above the deck is allowed."""
         low, high = np.array(lower), np.array([upper[0], inf, upper[2]])
         found = []
         for what, point in self.named_points.items():
@@ -122,6 +122,7 @@ class Criterion(NamedTuple):
 
     @property
     def ok(self) -> bool:
+        """True if the ship's value is at least the one required."""
         return self.value >= self.least
 
 
@@ -158,8 +159,7 @@ class Stability:
 
     @cached_property
     def flooding_heel(self) -> tuple[float, str]:
-        """The least heel [deg] to either side at which an opening comes to the water, up to 90, and its name; infinite
-        if none does."""
+        """Least heel up to 90 [deg], to either side, that floods an opening, and its name; infinite if none does."""
         found = (inf, "")
         for name, point in (self.openings or {}).items():
             for side in (1.0, -1.0):
@@ -184,7 +184,7 @@ class Stability:
 
     @cached_property
     def curve(self) -> tuple[np.ndarray, np.ndarray]:
-        """(m,) heels [deg] and (m,) righting levers [m] on a cubic spline through `levers`."""
+        """Heels (m,) [deg] and righting levers (m,) [m] on a cubic spline through `levers`."""
         from scipy.interpolate import CubicSpline
 
         fine = np.linspace(0.0, LAST_HEEL, CURVE_POINTS)
@@ -197,8 +197,7 @@ class Stability:
 
     @cached_property
     def rest_heel(self) -> float | None:
-        """Heel [deg] at which the ship rests, 0 if upright: of a list, or of a loll if she is unstable upright; None if
-        no lever rights her."""
+        """Heel [deg] of the ship at rest, a list or a loll; 0 if upright, None if no lever rights her."""
         righted = np.flatnonzero(self.levers[1:] > 0.0)
         if not len(righted):
             return None

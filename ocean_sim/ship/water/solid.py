@@ -75,6 +75,7 @@ class Solid:
         content = self.shape.content() + numbers + positions.tobytes() + beyond.tobytes()
 
         def made() -> dict[str, np.ndarray]:
+            """Indices of particles `gone` and `near`, and positions `moved`, to be cached."""
             if self.is_sampled:
                 return self.fit_room(positions, beyond, boxes, spacing, volume)
             return self.carve_room(positions, boxes, spacing)
@@ -85,8 +86,8 @@ class Solid:
         return gone, moved
 
     def carve_room(self, positions: np.ndarray, boxes: Boxes, spacing: float) -> dict[str, np.ndarray]:
-        """Numbers of the particles that are `gone`, and of those `near`, with the positions to which these are `moved`:
-        half a spacing off the hull and away from each other [m]."""
+        """Indices of particles that are `gone` and of those `near` the hull, and the latter's positions [m] `moved` to
+        half a spacing off the hull and away from each other."""
         values, first, step = distance_lattice(self.shape, spacing / CUBES_A_SPACING, spacing, 2.0 * spacing)
         distance, order = self.deepest_first((positions - self.origin) @ self.turn + self.centre, spacing)
         gone = np.zeros(len(positions), dtype=bool)
@@ -106,9 +107,9 @@ class Solid:
     def fit_room(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, spacing: float, volume: float
     ) -> dict[str, np.ndarray]:
-        """Numbers of the particles that are `gone`, and of those `near`, with the positions to which these are `moved`
-        to minimise a kernel's sum over particles and samples of the hull, so that an even pressure pushes none
-        (particle packing, Colagrossi et al. 2012)."""
+        """Indices of particles that are `gone` and of those `near` the hull, and the latter's positions [m] `moved` to
+        minimise a kernel's sum over particles and samples of the hull, so that an even pressure pushes none (particle
+        packing, Colagrossi et al. 2012)."""
         points = np.concatenate([positions, beyond])
         water = np.arange(len(points)) < len(positions)
         # To a thousandth of a spacing, since minimisation would make rounding of a pose a hundred times as large.
@@ -129,8 +130,8 @@ class Solid:
         return {"gone": np.flatnonzero(gone & water), "near": moved, "moved": points[moved]}
 
     def deepest_first(self, own: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) distances from the hull [m] of points (n, 3) in its axes, and their order, the deepest in the hull
-        first, spread evenly along rows of the same depth."""
+        """(n,) distances from the hull [m] of points `own` (n, 3) in its axes, and the order of the points, the deepest
+        in the hull first, spread evenly along rows of the same depth."""
         values, first, step = distance_lattice(self.shape, spacing / CUBES_A_SPACING, spacing, 2.0 * spacing)
         if self.flat:
             own[:, 2] = first[2] + 0.5 * step[2] * (values["distance"].shape[2] - 1)
@@ -139,7 +140,7 @@ class Solid:
         return distance, np.lexsort((np.arange(len(own)) * GOLDEN_RATIO % 1.0, rows))
 
     def displaced_volume(self, spacing: float, boxes: Boxes) -> float:
-        """Volume of the hull inside boxes [m3]; in 2-D its area [m2]."""
+        """Volume of the hull inside `boxes` [m3]; in 2-D its area [m2]."""
         cubes = voxels(self.shape, spacing / CUBES_A_SPACING, 1.0)
         positions, tall = (cubes.centre - self.centre) @ self.turn.T + self.origin, cubes.height_spread(self.turn[1])
         found, across, met = 0.0, [0] if self.flat else [0, 2], self.met_cubes(cubes)
@@ -149,7 +150,7 @@ class Solid:
         return found * float(cubes.size[: self.dimension].prod())
 
     def met_cubes(self, cubes: Voxels) -> np.ndarray:
-        """(n,) True for the cubes that are part of the body in the water: all, in 2-D those amidships."""
+        """(n,) True for cubes that belong to the body in the water: all of them, in 2-D those amidships."""
         if not self.flat:
             return np.ones(len(cubes.share), dtype=bool)
         lower, upper = self.shape.bounds()
@@ -179,8 +180,8 @@ class Solid:
 
 
 def face_normals(slopes: Sequence[np.ndarray], at: np.ndarray, turn: np.ndarray) -> np.ndarray:
-    """(n, 3) outward normals of the nearest face, by the `slopes` of the distance along x, y and z on its lattice, at
-    (n, 3) positions there [nodes]; then turned by a (3, 3) matrix from the right."""
+    """(n, 3) outward unit normals of the nearest face at positions `at` (n, 3) [nodes] of a lattice, by the distance's
+    `slopes` along x, y and z at its nodes; turned by the (3, 3) matrix `turn` from the right."""
     from scipy.ndimage import map_coordinates
 
     found = np.stack([map_coordinates(slope, at.T, order=1, mode="nearest") for slope in slopes], axis=1) @ turn
@@ -190,10 +191,10 @@ def face_normals(slopes: Sequence[np.ndarray], at: np.ndarray, turn: np.ndarray)
 def pack_particles(
     free: np.ndarray, others: np.ndarray, spacing: float, off: Callable[[np.ndarray], np.ndarray]
 ) -> np.ndarray:
-    """(m, 3) positions of the particles near a hull at which they neither touch it nor crowd each other or the `others`
-    (k, 3), which stay. Those nearer than a spacing push each other half of the way apart, again and again (a particle
-    packing as in Colagrossi et al. 2012, Comput. Phys. Commun. 183). Crowded ones would burst into the hull at once.
-    They do not rise above the highest nor sink below the lowest of the water around them."""
+    """(m, 3) positions of the `free` particles near a hull, moved so that they neither touch it nor crowd each other or
+    the `others` (k, 3), which stay; `off` moves points off the hull. Those nearer than a spacing push each other half
+    of the way apart, again and again (particle packing, Colagrossi et al. 2012, Comput. Phys. Commun. 183), within the
+    heights of the water around; crowded ones would burst into the hull at once."""
     from scipy.spatial import cKDTree
 
     if len(free) == 0:
@@ -216,14 +217,14 @@ def pack_particles(
 
 
 def lattice_values(values: np.ndarray, at: np.ndarray, outside: float) -> np.ndarray:
-    """(n,) values of a lattice at (n, 3) positions [nodes], linear between nodes; `outside` beyond it."""
+    """(n,) values of a lattice at (n, 3) positions [nodes], linear between nodes; `outside` beyond the lattice."""
     from scipy.ndimage import map_coordinates
 
     return np.asarray(map_coordinates(values, at.T, order=1, cval=outside))
 
 
 def near_to(points: np.ndarray, others: np.ndarray, reach: float) -> np.ndarray:
-    """(n,) True for (n, 3) points nearer than `reach` to one of (m, 3) others [m]."""
+    """(n,) True for `points` (n, 3) [m] nearer than `reach` [m] to any of `others` (m, 3) [m]."""
     from scipy.spatial import cKDTree
 
     return np.asarray(cKDTree(others).query(points, distance_upper_bound=reach)[0] < reach)

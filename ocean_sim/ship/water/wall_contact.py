@@ -21,7 +21,7 @@ MAX_TOUCHING = 8  # points of a side that are looked at: the deepest
 
 
 class Sides:
-    """Contact of one hull with walls and bed."""
+    """Contact of one hull with walls and bed, as impulses on its corners."""
 
     def __init__(
         self, shape: HullShape, centre: np.ndarray, basin: Basin, room: float = 0.0, axes: tuple[int, ...] = (0, 1, 2)
@@ -47,20 +47,19 @@ class Sides:
         return any(way * (position[axis] - side) < reach[axis] + along for axis, way, side in self.stops)
 
     def penetrations(self, body: RigidBody) -> list[tuple[int, float, np.ndarray]]:
-        """Axis, inward direction (1 or -1), and depth of each corner of the hull beyond it [m], of every side."""
+        """Axis, inward direction (1 or -1), and (n,) depths [m] of the hull's corners beyond each side."""
         positions = self.points @ body.matrix.T + body.position
         return [(axis, way, way * (side - positions[:, axis])) for axis, way, side in self.stops]
 
     def moved_inside(self, body: RigidBody) -> RigidBody:
-        """The body moved back until its hull only touches the sides."""
+        """The body moved back by the penetration of its deepest corner, until the hull only touches the sides."""
         move = np.zeros(3)
         for axis, way, depth in self.penetrations(body):
             move[axis] += way * max(0.0, float(depth.max()))
         return replace(body, position=body.position + move) if move.any() else body
 
     def with_impulses(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> Load:
-        """The load with the impulses of walls and bed over a step of dt [s] added to `wave`; `after` gives the body
-        after a load without contact."""
+        """Load with the impulses of walls and bed over dt [s] added to `wave`; `after`: body after a load."""
         body = after(load)
         normals, arms = [], []
         self.bed = False
@@ -77,8 +76,8 @@ class Sides:
         return load.plus("wave", total / dt)
 
     def contact_impulses(self, body: RigidBody, normals: np.ndarray, arms: np.ndarray) -> np.ndarray:
-        """(2, 3) impulse [N s] and moment [N m s] that keep points `arms` (n, 3) from the centre of mass from moving
-        against `normals` (n, 3): one after the other, in sweeps."""
+        """(2, 3) impulse [N s] and moment [N m s] that stop points at `arms` (n, 3) [m] from the centre of mass from
+        moving against the inward `normals` (n, 3): one after the other, in sweeps."""
         turn = body.matrix
         heavy = turn @ np.linalg.inv(body.inertia_body) @ turn.T
         velocity, omega = body.velocity.copy(), body.angular_velocity.copy()
@@ -105,7 +104,6 @@ class Sides:
 
 
 def effective_mass(mass: float, heavy: np.ndarray, arm: np.ndarray, along: np.ndarray) -> float:
-    """Effective mass [kg] of a body for a push at `arm` from its centre of mass in the direction of a unit vector;
-    `heavy`: inverse of its inertia, world axes."""
+    """Mass [kg] that a push at `arm` [m] along a unit vector feels; `heavy`: inverse of inertia, world axes."""
     lever = cross(arm, along)
     return float(1.0 / (1.0 / mass + lever @ heavy @ lever))

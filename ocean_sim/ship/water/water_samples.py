@@ -36,7 +36,7 @@ ROW_COLUMNS = Columns(**POSE_COLUMNS, since=1, step=1, middle=2, heading=2, late
 
 
 def write_pose(row: np.ndarray, body: RigidBody) -> None:
-    """Write a body into the first numbers of a row."""
+    """Write pose and velocities of a body, world axes, into the first numbers of a row."""
     across, up, ahead = body.rows
     row[: pose.size] = *body.position.tolist(), *across, *up, *ahead, *body.velocity.tolist(), *body.spin
 
@@ -56,7 +56,7 @@ def row_matrix(table: Template):
 
 
 class SampleLattice:
-    """A lattice around a hull, and the height of the water at its nodes."""
+    """Lattice around a hull that turns with its heading, and the height of the water at its nodes."""
 
     samples_depth: ClassVar[bool]  # True if the water is asked under its surface, too
     middle: tuple[float, float] = (0.0, 0.0)  # x, z from which kernels count places [m]
@@ -64,7 +64,7 @@ class SampleLattice:
     frame: ti.Field  # x, z of the middle [m], cosine and sine of the heading, highest level [m]
 
     def size_lattice(self, length: float, breadth: float, height: float, rim: float = 0.0) -> None:
-        """Size the lattice for a hull of this size [m], and `rim` [m] beyond."""
+        """Make the fields of a lattice for a hull of this size [m], and `rim` [m] beyond."""
         self.half = tuple(LATTICE_REACH * np.hypot(side / 2, height) + rim for side in (length, breadth))  # [m]
         self.step = (2.0 * self.half[0] / (NODES_ALONG - 1), 2.0 * self.half[1] / (NODES_ACROSS - 1))  # [m]
         self.level = ti.field(float, shape=(NODES_ALONG, NODES_ACROSS))
@@ -76,7 +76,7 @@ class SampleLattice:
         return word * (NODES_ALONG * NODES_ACROSS + HIGHEST_LEVEL + 1)
 
     def place(self, body: RigidBody, row: np.ndarray) -> None:
-        """Place the lattice: write its part of ROW_COLUMNS, and the body's position from its middle."""
+        """Place the lattice around a body and write it to `row`, as ROW_COLUMNS say; nothing by default."""
 
     def middle_now(self) -> np.ndarray:
         """(2,) x, z [m] of the lattice's middle after the bodies have taken their step."""
@@ -84,8 +84,7 @@ class SampleLattice:
 
     @ti.func
     def node_place(self, n, sine, cosine):
-        """Indices of node n along and across the lattice, and its x and z [m] from the centre of the lattice, which is
-        turned by the heading with this sine and cosine."""
+        """Indices of node n along and across the lattice, and its x and z [m] from the middle at this heading."""
         i, k = n // NODES_ACROSS, n % NODES_ACROSS
         along, across = i * self.step[0] - self.half[0], k * self.step[1] - self.half[1]
         return i, k, along * sine + across * cosine, along * cosine - across * sine
@@ -104,7 +103,7 @@ class SampleLattice:
 
     @ti.func
     def cell_at(self, x, z):
-        """Indices of the node below x, z [m], and the shares of the way to the next node, along and across."""
+        """Indices of the node below x, z [m], along and across, and shares of the distance to the next node."""
         dx, dz = x - self.frame[0], z - self.frame[1]
         a = (dx * self.frame[3] + dz * self.frame[2] + self.half[0]) / self.step[0]
         b = (dx * self.frame[2] - dz * self.frame[3] + self.half[1]) / self.step[1]
@@ -114,7 +113,7 @@ class SampleLattice:
 
     @ti.func
     def elevation(self, x, z):
-        """Elevation of the water at x, z [m]."""
+        """Elevation [m] of the water at x, z [m], bilinear between nodes."""
         return self.surface_at(self.cell_at(x, z))[0]
 
     @ti.func
@@ -160,8 +159,7 @@ class SurroundingWater(SampleLattice):
 
     @ti.func
     def read_water(self, water: Template, table: Template):
-        """Sample the water [ti.func elevation] around a ship, along its heading, at the pose in the first row of a
-        table. Call it at the top of a kernel."""
+        """Sample the elevation around a ship at the pose in row 0 of `table`. Call it at the top of a kernel."""
         position, turn = row_vector(table, pose.position), row_matrix(table)
         ahead, heading = tm.vec2(turn[0, 2], turn[2, 2]), tm.vec2(0.0, 1.0)
         if ahead.norm() > 0.0:
@@ -217,9 +215,11 @@ class SurroundingSea(SampleLattice):
 
     @staticmethod
     def bytes(word: int) -> int:
+        """Memory [bytes] of the lattice's fields with floats of `word` bytes."""
         return SampleLattice.bytes(word) + 6 * word * NODES_ALONG * NODES_ACROSS * DEPTH_LEVELS
 
     def place(self, body: RigidBody, row: np.ndarray) -> None:
+        """Carry the lattice with the current, or lay it anew when it is too old or astray; write it to `row`."""
         x, _, z = body.position.tolist()
         late, share, holds = self.window.now()
         flow = self.window.current
@@ -233,6 +233,7 @@ class SurroundingSea(SampleLattice):
         row[ROW_COLUMNS.middle : ROW_COLUMNS.size] = *middle, *self.heading, late, share
 
     def middle_now(self) -> np.ndarray:
+        """(2,) x, z [m] of the lattice's middle after the step, carried on by the current."""
         return super().middle_now() + self.window.step_taken * np.array(self.window.current)
 
     def is_astray(self, x: float, z: float) -> bool:
@@ -269,8 +270,8 @@ class SurroundingSea(SampleLattice):
 
     @ti.func
     def motion_at(self, corner: Template, eta, depth):
-        """Velocity of the water [m/s] in a cell (from `cell_at`) at a depth [m] under an elevation, and the wave force
-        over the weight of the displaced water there: the pressure gradient."""
+        """(6,) velocity of the water [m/s], and its acceleration over gravity, the wave force over the weight of
+        displaced water, in a cell (from `cell_at`) at a depth [m] under an elevation `eta` [m]."""
         h = ti.static(self.window.depth)
         stretched = h * depth / ti.max(h + eta, 1e-6 * h)  # Wheeler's
         level = tm.clamp(stretched / self.layer, 0.0, DEPTH_LEVELS - 1.0)
@@ -280,6 +281,6 @@ class SurroundingSea(SampleLattice):
 
     @ti.func
     def on_level(self, i, k, a, b, l):
-        """Bilinear interpolation of the water's motion in a cell of depth level l."""
+        """(6,) velocity [m/s] and acceleration over gravity, bilinear in a cell of depth level l."""
         near = (1.0 - b) * self.moved[i, k, l] + b * self.moved[i, k + 1, l]
         return (1.0 - a) * near + a * ((1.0 - b) * self.moved[i + 1, k, l] + b * self.moved[i + 1, k + 1, l])

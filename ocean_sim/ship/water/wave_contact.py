@@ -58,8 +58,7 @@ class MovingHull:
     def __init__(
         self, distance: Distance, bounds: np.ndarray, reach: float, periods: tuple[float, ...], gravity: float
     ) -> None:
-        """`bounds` (2, 3) of the hull from its centre of mass [m], `reach` of its push [m]. Set `water` to the samples
-        of its ship."""
+        """`bounds` (2, 3) from the centre of mass [m], `reach` of the push [m]. Set `water` after construction."""
         self.distance, self.reach, self.periods, self.gravity = distance, reach, periods, gravity
         self.middle, self.half = tm.vec3(bounds.mean(axis=0)), tm.vec3(0.5 * np.ptp(bounds, axis=0))  # [m]
         self.pose = ti.field(float, shape=BOX_COLUMNS.size)
@@ -109,12 +108,12 @@ class MovingHull:
 
     @ti.func
     def point_velocity(self, d):
-        """Velocity of the hull at a position from the centre of mass [m/s]."""
+        """Velocity of the hull [m/s] at a position d from the centre of mass [m], world axes."""
         return self.pose_vector(BOX_COLUMNS.velocity) + self.pose_vector(BOX_COLUMNS.spin).cross(d)
 
     @ti.func
     def sample(self, d, turn: Template):
-        """Outward normal, distance [m] and thinning [1/m] by `Distance.at`, d from the centre of mass, world axes."""
+        """Outward normal, distance [m], thinning [1/m] of `Distance.at`, world axes; d from the centre of mass."""
         normal, away, thinning = self.distance.at(turn.transpose() @ d)
         return turn @ normal, away, turn @ thinning
 
@@ -175,8 +174,7 @@ class WaveContact:
         self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s], [J]
 
     def begin(self, body: RigidBody) -> None:
-        """Put the hull at its first pose by a push that moves nothing, so that the kernel is compiled before the
-        run."""
+        """Set the hull's first pose, and compile the push's kernel before the run by a push that moves nothing."""
         write_pose(self.table[0], body)
         self.push_particles(self.table)
 
@@ -245,7 +243,7 @@ class WaveContact:
 
     @ti.func
     def home_cell(self, cell, k: Template):
-        """Cell inside the grid along an axis of which a cell beyond a periodic side is the image."""
+        """Cell inside the grid, along axis k, of which a cell beyond a periodic side is the image."""
         if ti.static(self.hull.periods[k] > 0.0):
             n = ti.static(self.grid.cells[k] - 2)
             cell = (cell - 1) - n * int(ti.floor((cell - 1) / n)) + 1
@@ -302,8 +300,7 @@ class WaveContact:
 
     @ti.kernel
     def push_particles(self, table: Array2):
-        """Collide listed particles with the hull as it will move, and move them off it; sums impulse, moment and
-        work."""
+        """Collide listed particles with the hull as it will move; sum impulse, moment and work to `table`."""
         self.hull.take_pose(table)
         ti.loop_config(serialize=True)
         for _ in range(1):
@@ -320,7 +317,8 @@ class WaveContact:
 
     @ti.func
     def collide_particle(self, total: Template, i, first, spin, slipping):
-        """Collide particle i with a hull that moved at `first` and `spin` before."""
+        """Collide particle i with the hull, which had velocity `first` and `spin` before the step, move it off, and add
+        impulse, moment and work to `total`."""
         p, u = self.particles.position, self.particles.velocity
         x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
         d = self.hull.offset_to(x)
@@ -347,8 +345,7 @@ class WaveContact:
 
     @ti.func
     def move_off(self, i, x):
-        """Put a particle off the hull, by whole quanta of the grid, but not through a wall; returns its displacement
-        [m]."""
+        """Move particle i off the hull, by quanta of the grid, not through walls; returns its displacement [m]."""
         start, turn = x, self.hull.rotation()
         for _ in range(EXIT_STEPS):
             normal, away, _thinning = self.hull.sample(self.hull.offset_to(x), turn)

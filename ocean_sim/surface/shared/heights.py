@@ -17,7 +17,7 @@ def column_counts(basin: Basin, spacing: float) -> tuple[int, int]:
 
 @in_kernels
 class Heights:
-    """Heights [m] of columns; column (i, k) is number i nz + k. A point beyond the sides has the height at the side."""
+    """Heights of water [m] on columns; (i, k) is number i nz + k. A point beyond a side has the height at that side."""
 
     def __init__(
         self,
@@ -67,6 +67,7 @@ class Heights:
 
     @ti.kernel
     def fill_heights(self, points: Array2, heights: Array):
+        """Write the height [m] at each of the points x, z (m, 2) [m] to `heights` (m,)."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for n in range(points.shape[0]):
             heights[n] = self.height_at(points[n, 0], points[n, 1])

@@ -45,11 +45,12 @@ FACES = tuple(face_corners(axis, side) for axis in range(3) for side in (0, 1))
 
 
 def edge_between(p: int, q: int) -> int:
+    """Number of the cube's edge between corners p and q."""
     return EDGE_NUMBERS[frozenset((p, q))]
 
 
 def face_lines(case: int, corners: list[int]) -> list[tuple[int, int]]:
-    """Lines (from edge, to edge) that cut off the runs of wet corners of a face, with the water always on one hand."""
+    """Lines (from edge, to edge) that cut off each run of wet corners of a face, with the water always on one hand."""
     wet = [bool(case >> c & 1) for c in corners]
     found = []
     for k in range(4):
@@ -83,7 +84,7 @@ def case_loops(case: int) -> list[Loop]:
 
 
 def polygon_cuts(first: int, last: int) -> Iterator[Cut]:
-    """Yield every way to cut the polygon first, first + 1, ... last into triangles."""
+    """Yield each way to cut the polygon of corners first, first + 1, ..., last into triangles."""
     if last - first < 2:
         yield ()
     for k in range(first + 1, last):
@@ -93,7 +94,7 @@ def polygon_cuts(first: int, last: int) -> Iterator[Cut]:
 
 
 def diagonal_lengths() -> np.ndarray:
-    """(12, 12) squared lengths between the middles of edges; infinite where both lie on one face of the cube."""
+    """(12, 12) squared lengths between the middles of a cube's edges; infinite for two edges of the same face."""
     squared = ((EDGE_MIDDLES[:, None] - EDGE_MIDDLES[None]) ** 2).sum(axis=-1)
     for corners in FACES:
         on_it = [e for e, edge in enumerate(EDGES) if set(edge) <= set(corners)]
@@ -102,10 +103,11 @@ def diagonal_lengths() -> np.ndarray:
 
 
 def triangles(loop: Loop, lengths: np.ndarray) -> list[tuple[int, int, int]]:
-    """A loop cut into triangles: no diagonal on a face of the cube, and the diagonals as short as can be."""
+    """Triangles of a closed loop of edges, with the shortest diagonals of which none lies on a face of the cube."""
     n = len(loop)
 
     def length(cut: Cut) -> float:
+        """Sum of squared lengths of the diagonals of a cut."""
         pairs = {pair for corners in cut for pair in combinations(corners, 2) if pair[1] - pair[0] not in (1, n - 1)}
         return sum(lengths[loop[a], loop[b]] for a, b in sorted(pairs))
 
@@ -114,7 +116,7 @@ def triangles(loop: Loop, lengths: np.ndarray) -> list[tuple[int, int, int]]:
 
 
 def case_table() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(256,) triangles of each case, (256, 3 * MAX_TRIANGLES) their edges, and (256,) 1 if the case is ambiguous."""
+    """(256,) number of triangles of each case, (256, 3 * MAX_TRIANGLES) their edges, (256,) 1 if it is ambiguous."""
     lengths = diagonal_lengths()
     counts, edges = np.zeros(256, dtype=np.int32), np.zeros((256, 3 * MAX_TRIANGLES), dtype=np.int32)
     for case in range(256):
@@ -178,8 +180,7 @@ class Isosurface:
     @ti.kernel
     def pad_field(self, goes_on: int):
         """Write the field beyond the sides of the box: the surface goes on through a side whose bit is set (2 * axis, +
-        1 for the upper one), level or into the next period, and closes at the others, where the field turns its
-        sign."""
+        1 for the upper one), level or into the next period; elsewhere it closes, as the field turns its sign."""
         for n in range(self.rows.count[None] * self.rows.length):
             node = self.node_indices(n)
             inner = tm.clamp(node, 1, tm.ivec3(self.shape) - 2)
@@ -224,13 +225,13 @@ class Isosurface:
 
     @ti.func
     def edge_rows(self, j, k):
-        """First nodes of the four rows along x that bound the cubes at row (j, k), which stops at the last row."""
+        """First nodes of the four rows along x that bound the cubes at row (j, k), clamped to the last row."""
         up, on = tm.min(j + 1, self.shape[1] - 1), tm.min(k + 1, self.shape[2] - 1)
         return tm.ivec4(self.node_at(0, j, k), self.node_at(0, up, k), self.node_at(0, j, on), self.node_at(0, up, on))
 
     @ti.func
     def wet_corners(self, rows, i):
-        """Case bits of the nodes of the four rows that are in the water, for the corners at x = 0."""
+        """Case bits of the cube corners at x = 0, set where node i of one of the four `rows` is in the water."""
         wet = 0
         for corner in ti.static(range(4)):
             wet |= int(self.value[rows[corner] + i] >= 0.0) << 2 * corner
@@ -238,11 +239,12 @@ class Isosurface:
 
     @ti.func
     def first_row(self, slab):
-        """First stored row of a slab."""
+        """Index of the first stored row of a slab of rows."""
         return slab * self.rows.count[None] // ROW_SLABS
 
     @ti.kernel
     def number_slabs(self, totals: Array):
+        """Count vertices, triangles, cut and ambiguous cubes per slab; write their sums to `totals` (4,)."""
         for s in range(ROW_SLABS * TASK_ITERATIONS):
             if s % TASK_ITERATIONS == 0:
                 self.count_slab(s // TASK_ITERATIONS)
@@ -257,6 +259,7 @@ class Isosurface:
 
     @ti.func
     def count_slab(self, slab):
+        """Count vertices, triangles, cut and ambiguous cubes of one slab, and number its vertices."""
         nx, ny, nz = ti.static(self.shape)
         vertices, triangles, cut, ambiguous = 0, 0, 0, 0
         for n in range(self.first_row(slab), self.first_row(slab + 1)):
@@ -284,6 +287,7 @@ class Isosurface:
         normals: Array2,
         triangles: Array2,
     ):
+        """Write vertices (n, 3) [m], unit normals (n, 3) and triangles (m, 3) of the numbered surface."""
         for s in range(ROW_SLABS * TASK_ITERATIONS):
             if s % TASK_ITERATIONS == 0:
                 slab = s // TASK_ITERATIONS
@@ -298,8 +302,7 @@ class Isosurface:
 
     @ti.func
     def write_vertices(self, n, vertices: Template, normals: Template):
-        """Write vertices at the zeros of the field on the edges of a node, by linear interpolation, and their
-        normals."""
+        """Write the vertices on the edges of node n, where the linear field is 0, and their normals."""
         node = self.node_indices(n)
         vertex, mask = self.owned[n] >> 3, self.owned[n] & 7
         own, slope = self.value[n], self.gradient(node)
@@ -332,6 +335,7 @@ class Isosurface:
 
     @ti.func
     def write_triangles(self, slab, triangles: Template):
+        """Write the vertex numbers of all triangles of one slab."""
         nx, ny, nz = ti.static(self.shape)
         written = self.counted[slab, TRIANGLES]
         for n in range(self.first_row(slab), self.first_row(slab + 1)):

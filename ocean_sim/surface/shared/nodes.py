@@ -26,28 +26,29 @@ class Nodes:
 
     @cached_property
     def inner(self) -> tuple[int, int, int]:
-        """Numbers of nodes within the box on each axis."""
+        """Numbers of nodes within the box along x, y and z."""
         extents = np.subtract(self.upper, self.lower)
         return tuple(max(1, int(np.ceil(extent / self.cell - 1.0e-6))) for extent in extents)  # type: ignore[return-value]
 
     @cached_property
     def shape(self) -> tuple[int, int, int]:
-        """Numbers of nodes on each axis, with those beyond the sides."""
+        """Numbers of nodes along x, y and z, with the row beyond each side."""
         nx, ny, nz = self.inner
         return nx + 2, ny + 2, nz + 2
 
     @property
     def count(self) -> int:
+        """Number of all nodes of the grid."""
         nx, ny, nz = self.shape
         return nx * ny * nz
 
     @cached_property
     def width(self) -> tuple[float, float, float]:
-        """Distance between nodes on each axis [m]."""
+        """Distance between nodes along x, y and z [m]."""
         return tuple(np.subtract(self.upper, self.lower) / self.inner)
 
     def axis(self, k: int) -> np.ndarray:
-        """Positions of all nodes along an axis [m]."""
+        """Positions of all nodes along axis k [m]."""
         return self.lower[k] + (np.arange(self.shape[k]) - 0.5) * self.width[k]
 
     def positions(self) -> np.ndarray:
@@ -61,7 +62,7 @@ class Rows:
     """Rows of nodes along x whose field is stored. All others share one dry row, which is read and never written."""
 
     def __init__(self, nodes: Nodes, most_nodes: int) -> None:
-        """Store all rows, or at first none if that would be more than `most_nodes`."""
+        """Store all rows, or none at first if that would be more than `most_nodes` nodes."""
         self.length, self.across, along = nodes.shape
         self.all, self.most_nodes = self.across * along, most_nodes
         self.most = self.fitting_rows(nodes, most_nodes)
@@ -80,11 +81,11 @@ class Rows:
 
     @classmethod
     def bytes(cls, nodes: Nodes, most_nodes: int) -> int:
-        """Memory of the fields [bytes]."""
+        """Memory [bytes] of the fields of `Rows`."""
         return 4 * (2 * nodes.shape[1] * nodes.shape[2] + cls.fitting_rows(nodes, most_nodes) + 1)
 
     def keep_rows(self) -> None:
-        """Store the rows marked `near` from now on; raises Diverged if they are too many."""
+        """Store only the rows marked `near` from now on; raises Diverged if their nodes exceed `most_nodes`."""
         if (wanted := self.renew_rows()) > self.most:
             raise Diverged(
                 f"{wanted * self.length} nodes of the surface lie near water, more than surface.most_nodes "
@@ -93,6 +94,7 @@ class Rows:
 
     @ti.kernel
     def renew_rows(self) -> int:
+        """Number the rows marked `near` in the order of the grid; returns how many there are."""
         wanted = 0
         ti.loop_config(serialize=True)
         for row in range(self.all):

@@ -67,8 +67,8 @@ class Exposure(Law):
         self.add_bodies(boundary)
 
     def renew_if_due(self, dt: float, speed: float) -> None:
-        """Compute the areas anew if water and crests may have gone half a spacing since the last time; `speed`: the
-        fastest of both in this step [m/s]."""
+        """Compute the areas anew if water and crests may have gone half a spacing since the last time; `speed`: fastest
+        water plus crests [m/s]."""
         if self.left <= 0.0:
             self.find_areas()
             self.left = RENEWAL_DISTANCE * self.particles.spacing

@@ -1,4 +1,4 @@
-"""Keys of water made of particles, for every scheme."""
+"""Config keys of water made of particles, common to every scheme."""
 
 from collections.abc import Iterator
 from math import sqrt
@@ -70,7 +70,7 @@ class WaterConfig(FluidConfig):
         return self
 
     def sums_impulses(self, read: bool) -> bool:
-        """True if impulses are summed; independent of `read`, since no observer changes a step."""
+        """True if the key `impulses` asks for sums; independent of `read`, since no observer changes a step."""
         return self.impulses
 
     def statements(self, preflight: Preflight) -> list[str]:
@@ -109,8 +109,8 @@ class WaterConfig(FluidConfig):
         return found
 
     def losses(self, lattice: Lattice, sea: Components) -> np.ndarray | None:
-        """(n,) complex decay rate of each wave of a sea by the scheme, less i times the fall of its frequency [1/s];
-        None if it has not been measured."""
+        """Complex decay rate (n,) [1/s] of each wave of a sea by the scheme, whose imaginary part is minus the fall of
+        its frequency; None if it has not been measured."""
         return None
 
     @property
@@ -122,21 +122,21 @@ class WaterConfig(FluidConfig):
         return self.emitter is not None
 
     def start_lattice(self, preflight: Preflight) -> Lattice:
-        """The lattice that this water starts on in a scene."""
+        """Lattice on which this water starts in a scene, floating bodies considered."""
         lattice = preflight.lattice
         assert isinstance(lattice, Lattice)
         return lattice
 
     @property
     def sized_by(self) -> str:
-        """Name of the key that sets how fine the water is: spacing or particles."""
+        """Name of the key that sets the resolution: `spacing` or `particles`."""
         return "spacing" if self.spacing is not None else "particles"
 
     def most_particles(self, preflight: Preflight) -> int:
         return MOST_PARTICLES
 
     def lattice(self, basin: Basin) -> Lattice:
-        """Lattice of the first places of the particles, counted but not yet made."""
+        """Lattice on which the particles start; nothing is allocated yet."""
         return Lattice(self, basin)
 
     def problems(self, preflight: Preflight) -> Problems:
@@ -181,7 +181,7 @@ class WaterConfig(FluidConfig):
 
 
 def falling_warnings(basin: Basin) -> Iterator[str]:
-    """Yield warnings of water that falls out of its basin."""
+    """Yield a warning if gravity lets the water fall out of its basin."""
     if basin.gravity[1] > 0.0 and basin.walls.y != "periodic" and not basin.closed:
         yield f"gravity points upwards, {list(basin.gravity)} m/s2: the water falls out of the basin"
     elif basin.gravity[1] < 0.0 and basin.config.floor == "none" and basin.walls.y != "periodic":
@@ -189,7 +189,7 @@ def falling_warnings(basin: Basin) -> Iterator[str]:
 
 
 def rounding_warnings(preflight: Preflight) -> Iterator[str]:
-    """Yield a warning if positions are so far from the origin that single precision leaves them few digits."""
+    """Yield a warning if positions are so far from the origin that single precision rounds them coarsely."""
     basin, spacing = preflight.tank, preflight.spacing
     far = float(np.abs([*basin.lower, *basin.upper]).max())
     step = far * float(np.finfo(np.float32).eps)
@@ -201,5 +201,5 @@ def rounding_warnings(preflight: Preflight) -> Iterator[str]:
 
 
 def free_fall_speed(basin: Basin) -> float:
-    """Speed scale of water under gravity, sqrt(|g| depth) [m/s]."""
+    """Speed scale of water under gravity, sqrt(|g| depth) [m/s], depth of the basin."""
     return sqrt(float(np.linalg.norm(basin.gravity)) * basin.depth)

@@ -230,8 +230,8 @@ class Fluid(Protocol):
         return self.velocities(np.insert(points, 1, self.elevations(points), axis=1))
 
     def foam(self, points: np.ndarray) -> np.ndarray | None:
-        """(m, 2) points x, z [m] -> (m,) share of the surface that broken crests have made white; None where breaking
-        is not modelled."""
+        """Share (m,) of the surface that is white with foam at points x, z (m, 2) [m]; None if breaking is not
+        modelled."""
         return None
 
     def limits(self) -> Limits:
@@ -244,8 +244,7 @@ class Fluid(Protocol):
 
 
 class Arriving(NamedTuple):
-    """Plane waves at one place, (n,) numbers each, at the beginning of the water's last step (the time of the
-    bodies)."""
+    """Plane waves at one place, (n,) numbers each, when the water's last step began (the time of the bodies)."""
 
     amplitude: np.ndarray  # [m]
     angle: np.ndarray  # phase [rad]: amplitude cos(angle) is the elevation
@@ -254,8 +253,7 @@ class Arriving(NamedTuple):
     wavenumber: np.ndarray  # [rad/m]
 
     def encounter_frequencies(self, velocity: np.ndarray) -> np.ndarray:
-        """(n,) encounter frequency [rad/s] at a place that moves through the water (3,) [m/s]; negative where the place
-        overtakes a wave."""
+        """Encounter frequencies (n,) [rad/s] at a place of this velocity (3,) [m/s]; negative if it overtakes."""
         ahead = np.sin(self.heading) * velocity[0] + np.cos(self.heading) * velocity[2]
         return self.omega - self.wavenumber * ahead
 

@@ -204,8 +204,7 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def artificial_viscosity(self, closing):
-        """Artificial viscosity of approaching particles: alpha h c u_ij / rho0 (Monaghan 1992, eq. 4.2); `closing` is
-        u_ij [1/s]."""
+        """Artificial viscosity of approaching particles: alpha h c u_ij / rho0 (Monaghan 1992, eq. 4.2)."""
         return self.artificial * positive(closing)
 
     @ti.func
@@ -301,8 +300,8 @@ class Continuity(Law):
     @ti.func
     def sample(self, own, s, d, mirror):
         """Row of sample s of a solid body: it moves with the body, and no density diffuses into it. Only so does water
-        that comes to a face gain the density that the samples add to its sum, and lose it as it goes: with the opposed
-        velocity of an image, a sample at rest would add twice that, and press twice as hard on water that streams
+        that comes to a face gain the density that the samples add to its sum, and lose it as it goes: moved against the
+        water, as images are, a sample at rest would add twice that, and press twice as hard on water that streams
         by."""
         other = row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
         still = self.still_gradient(vec3(own, self.row.position) + 0.5 * d)
@@ -370,8 +369,7 @@ class Continuity(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Advance density and pressure of particle i to the end of the step; store its share of diffusion, or its
-        shift."""
+        """Advance density and pressure of particle i to the end of the step; store its diffusion share or its shift."""
         fluid, particles, rho_0 = self.fluid, self.fluid.particles, ti.static(self.fluid.rest_density)
         dt, deviation = fluid.dt[None], own[self.row.deviation]
         if ti.static(fluid.bodies):
@@ -508,8 +506,7 @@ class DeltaSph(Sph):
         self.begin()
 
     def lower_particles(self, bed: np.ndarray) -> None:
-        """Lower the particles by the settlement of the column below each, down to the bed (n,) [m]: the integral of p /
-        (rho0 c^2)."""
+        """Lower each particle by the settlement of its column down to the bed (n,) [m]: integral of p / (rho0 c^2)."""
         pull = -self.pull.constant.y
         if pull > 0.0 and not self.closed:
             x, p = self.particles.position.to_numpy().astype(float), self.particles.pressure.to_numpy().astype(float)
@@ -522,8 +519,7 @@ class DeltaSph(Sph):
 
     @property
     def listed_positions(self) -> tuple[ti.Field, ...]:
-        """Fields of the positions at the end of the step [m], sorted as in mid-step, not wrapped into the period
-        since."""
+        """Fields of the positions at the end of the step [m], sorted as in mid-step and not wrapped since."""
         return self.grid.moved[: STATE_COLUMNS.velocity]
 
     def arrive(self) -> None:
@@ -545,15 +541,13 @@ class DeltaSph(Sph):
 
     @ti.func
     def closeness(self, r):
-        """Ratio W(r) / W(spacing) of Wendland's kernel NEAR_SUPPORT_SPACINGS wide; a narrow one lets neighbours
-        explode."""
+        """Ratio W(r) / W(spacing) of Wendland's kernel, NEAR_SUPPORT_SPACINGS wide: a narrower one is unstable."""
         q = positive(1.0 - r * self.per_reach)
         return self.per_W_spacing * q * q * q * q * (5.0 - 4.0 * q)
 
     @ti.func
     def equation_of_state(self, excess):
-        """Pressure [Pa] at an excess of density [kg/m3]: c^2 rho0 / gamma ((1 + e)^gamma - 1), expanded so that no
-        digits cancel."""
+        """Pressure [Pa] at an excess of density [kg/m3]: c^2 rho0 / gamma ((1 + e)^gamma - 1), without cancellation."""
         e, total = excess / self.particles.rest_density, 0.0
         for _ in ti.static(range(self.config.exponent)):
             total = 1.0 + (1.0 + e) * total
@@ -564,8 +558,7 @@ class DeltaSph(Sph):
 
     @ti.kernel
     def settle(self, summary: Array):
-        """Sort the particles, and compute the present rate of the density, without a step; reduce extremes to
-        `summary`."""
+        """Sort the particles, compute the present rate of the density, and reduce extremes to `summary`; no step."""
         self.dt[None] = 0.0
         for i in range(self.particles.count.there()):
             self.next_deviation[i] = self.excess_of(self.particles.pressure[i])
@@ -630,8 +623,7 @@ class DeltaSph(Sph):
         return self.config.limits_at(self.smoothing, self.sound_speed, self.max_speed, self.status.max_acceleration)
 
     def internal_energy(self) -> float:
-        """Energy of compression [J], m times the integral of p / rho^2 from the rest density; raise Diverged if a
-        density is not positive."""
+        """Energy of compression [J]: m times the integral of p / rho^2; raise Diverged if a density is not positive."""
         gamma = self.config.exponent
         ratio = 1.0 + self.excesses.values().astype(float) / self.particles.rest_density
         if not ratio.min() > 0.0:

@@ -219,8 +219,7 @@ class Density(Law):
 
 @in_kernels
 class Forces(Force):
-    """Pair law for all forces but new pressures, plus the last step's pressures, from which the divergence solver
-    starts."""
+    """Pair law for all forces but new pressures, plus the last step's pressures, where the divergence solver starts."""
 
     fluid: "Dfsph"
     row = FORCE_ROW
@@ -236,8 +235,7 @@ class Forces(Force):
 
     @ti.func
     def prefactor(self, own):
-        """Factor of the pressure sum: m / rho0^2 times the constant of grad W, over the lattice's gradient of a unit
-        gradient."""
+        """Factor of the pressure sum: m / rho0^2 times the constant of grad W, over the lattice's `gain`."""
         return self.fluid.pressing
 
     @ti.func
@@ -288,8 +286,7 @@ class Forces(Force):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Predict the velocity of particle i at the end of the step under all these forces, and start the divergence
-        solver there."""
+        """Predict the velocity of particle i at the end of the step, where the divergence solver starts."""
         fluid, u = self.fluid, self.fluid.particles.velocity
         dt, x, v = fluid.dt[None], vec3(own, self.row.position), tm.vec3(u.x[i], u.y[i], u.z[i])
         beyond = self.with_bodies(beyond, x, own)
@@ -412,8 +409,7 @@ class Dfsph(Sph):
             self.book_pressures(solver)
 
     def iterate_to(self, solver: Solver, enough: float) -> tuple[int, float]:
-        """Iterate a solver until the error is at most `enough`; return the number of iterations and the remaining
-        error."""
+        """Iterate a solver until the error is at most `enough`; return the number of iterations and the error left."""
         done, along = 0, 1.0
         while not self.error <= enough and done < solver.most:
             if self.report[UPHILL_SLOPE] > 0.0:
@@ -425,8 +421,7 @@ class Dfsph(Sph):
 
     @property
     def error(self) -> float:
-        """Mean error of the density over the rest density: of particles too dense, or of those too thin if that is
-        more."""
+        """Mean error of the density over the rest density: of too dense or of too thin particles, whichever is more."""
         scale = 1.0 / (self.particles.count.now * self.particles.rest_density)
         return scale * float(self.report[:UPHILL_SLOPE].max())
 
@@ -455,8 +450,8 @@ class Dfsph(Sph):
 
     @ti.kernel
     def predict_density(self, speed: float, report: Array):
-        """Predict the density from the predicted velocities, and from shifts of particles at `speed` [m/s] in closed
-        water; sum the errors to `report`. Without shifts the divergence solver has left the compression."""
+        """Predict the density from the predicted velocities and, in closed water, from shifts of particles at `speed`
+        [m/s]; sum the errors to `report`. Without shifts the divergence solver has computed the compression already."""
         self.momentum[None] = 0.0
         for i in range(self.particles.count.there()):
             self.incompressible.begin(i)
@@ -484,8 +479,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def displace_and_react(self):
-        """Move the particles, store new velocities and those pressures that are forces, and sum the forces on solid
-        bodies."""
+        """Move the particles, store new velocities and pressures, and sum the forces on solid bodies."""
         for i in range(self.particles.count.there()):
             self.held_pressure[i] = self.held_pressure[i] + self.divergence.gain[i]
             if ti.static(not self.closed):
@@ -508,8 +502,7 @@ class Dfsph(Sph):
 
     @ti.func
     def landing(self, i, way, u):
-        """Position [m] of particle i after a move `way` [m] at velocity u [m/s], and its velocity there, after the
-        walls."""
+        """Position [m] and velocity [m/s] of particle i after a move `way` [m] at velocity u [m/s] and the walls."""
         p = self.particles.position
         return self.walls.bounce(tm.vec3(p.x[i], p.y[i], p.z[i]) + self.grid.whole_quanta(i, way), u)
 
@@ -558,8 +551,7 @@ class Dfsph(Sph):
 
     @ti.func
     def apply_pressures(self, i, dt, total, beyond):
-        """Change of velocity [m/s] of particle i over dt [s] by pressure sums `total` and, over walls, `beyond`; also
-        recorded."""
+        """Change of velocity [m/s] of particle i over dt [s] by pressure sums (`beyond`: over walls), also booked."""
         scale = dt * self.pressing
         return self.change_velocity(i, PRESSURE, scale * total) + self.change_velocity(i, WALLS, scale * beyond)
 

@@ -138,8 +138,7 @@ class Density(Law):
 
 @in_kernels
 class Momentum(MomentumLaw):
-    """Pair law for accelerations by pressure (2.16) with the spiky kernel, and by viscosity (2.18) with the viscosity
-    kernel."""
+    """Pair law for accelerations by pressure (2.16), with the spiky kernel, and viscosity (2.18), with its own."""
 
     fluid: "Mueller"
     row = Columns(position=3, velocity=3, pressure=1, volume=1)
@@ -210,8 +209,7 @@ class Mueller(PairSph):
 
     @property
     def adjustable(self) -> dict[str, Setting]:
-        """Settings that `adjust` takes, by name, with units; viscosity only if the scene has it, as its term is else
-        not compiled."""
+        """Settings that `adjust` takes, by name; viscosity only if the scene has it, else its term is not compiled."""
         found = {"stiffness": Setting(self.stiffness, "m2/s2")}
         if self.viscous:
             found["kinematic_viscosity"] = Setting(self.kinematic_viscosity, "m2/s")

@@ -85,8 +85,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return min(step, self.highest[1] / STEPS_PER_WAVE) if self.order == 3 and self.highest is not None else step
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence) of these keys in this basin, such as obstacles, a rough bed, or waves that fit no
-        tile."""
+        """Faults (key, sentence) of these keys in this basin: obstacles, a rough bed, or waves that fit no tile."""
         basin = preflight.tank
         found = self.sea_faults(basin)
         if basin.obstacles:
@@ -100,8 +99,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return found
 
     def unfitted(self, basin: Basin) -> Problems:
-        """Faults (key, sentence) of waves that are not periodic on the tile, or of a tile that holds too little of the
-        sea's energy."""
+        """Faults (key, sentence) of waves not periodic on the tile, or of a tile with too little of the energy."""
         tile, found = self.tile_of(basin), Problems()
         for _, train in self.trains:
             if train.spectrum is not None or not train.scale[0]:
@@ -268,8 +266,7 @@ class Steep(OnTile):
         return TileModes(*(grown * ((1.0 - late) * a + late * b) for a, b in zip(*self.slots)))
 
     def grown(self, slot: int) -> np.ndarray:
-        """Fourier modes (3, cells, columns) of the earlier (`slot` 0) or later (1) state, times the ramp at its
-        time."""
+        """Fourier modes (3, cells, columns) of the earlier (`slot` 0) or later (1) state, times its ramp."""
         return waves.ramp_share(self.step * (self.number - 1 + slot), self.ramp) * self.slots[slot]
 
 
@@ -387,8 +384,7 @@ class SpectralSea(OpenWater):
         self.set_clocks()
 
     def push(self) -> None:
-        """Advance the tiles of ships and wind to the present time under the pressure of their makers, and publish their
-        waves to kernels."""
+        """Advance the waves of ships and wind to the present time under their pressures; update kernel sheets."""
         dt = self.time - self.then
         for made in self.made:
             made.time = self.time
@@ -407,8 +403,7 @@ class SpectralSea(OpenWater):
             self.show(made, sheet)
 
     def leaning(self, raised: Made, time: float) -> tuple[np.ndarray, np.ndarray]:
-        """Slopes along x and z, (cells, rows) each, of the sea from afar plus the wind's waves on the wind's tile at a
-        time [s]."""
+        """Slopes along x and z, (cells, rows) each, of sea and wind waves on the wind's tile at a time [s]."""
         along, across = (self.tile.to_values(slope) for slope in self.tile.slopes(raised.modes_at(time).e))
         if self.steep is not None:
             afar = [self.steep.tile.to_values(of) for of in self.steep.tile.slopes(self.steep.modes_at(self.time).e)]
@@ -443,8 +438,7 @@ class SpectralSea(OpenWater):
             made.begun = True
 
     def middle(self) -> np.ndarray:
-        """Centre (2,) of the wind's tile in axes that move with the current [m]: the first ship, or the middle of the
-        basin."""
+        """Centre (2,) of the wind's tile in axes that move with the current [m]: first ship, or middle of the basin."""
         first = next((made.ship for made in self.made if made.ship is not None), None)
         at = np.zeros(2) if first is None else np.array([first.body.position[0], first.body.position[2]])
         return at - self.drift

@@ -244,8 +244,7 @@ class Boundary:
 
     @ti.kernel
     def sort_samples(self, motion: Doubles2):
-        """Move the samples by `motion`, a row of MOTION_COLUMNS a body, and sort them by cell (stable counting
-        sort)."""
+        """Move the samples by `motion`, a row of MOTION_COLUMNS a body, and sort them by cell (stably)."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             for c in range(self.grid.cell_count + 1):
@@ -352,8 +351,7 @@ class Boundary:
 
     @ti.func
     def react(self, law: Template, dt):
-        """Sum the force [N] of the water on each sample by a pair law, and its impulse over dt [s]; call at the top of
-        a kernel."""
+        """Sum the force [N] of the water on each sample, and its impulse over dt [s]; call at the top of a kernel."""
         for t in range(self.blocks * self.stride):
             if t % self.stride == 0:
                 b = t // self.stride

@@ -67,8 +67,7 @@ class Jet:
 
     @cached_property
     def sites(self) -> np.ndarray:
-        """Positions (k, 3) [m] of the particles of one layer: the points of a square lattice nearest to the mouth's
-        middle."""
+        """Positions (k, 3) [m] of the particles of one layer: points of a square lattice around the mouth's middle."""
         ahead = self.velocity / np.linalg.norm(self.velocity)
         apart = self.spacing ** (self.dimension - 1)
         k = max(1, round(self.area / apart))

@@ -29,8 +29,7 @@ RENEWAL_DISTANCE = 0.5
 
 
 def memory(n: int, word: int, bends: bool) -> int:
-    """Bytes of the fields of an Exposure of n particles; `word`: size of a `float` [bytes]; `bends`: with the surface's
-    bend."""
+    """Bytes of the fields of an Exposure of n particles; `word`: bytes of a `float`; `bends`: with surface bend."""
     return ((9 if bends else 3) * n + 1) * word + 8 * -(-n // AREAS_PER_THREAD)
 
 
@@ -133,8 +132,7 @@ class Exposure(Law):
 
     @ti.func
     def bend_of(self, i):
-        """Bend at particle i [1], zero inside the water: d(slope_x)/dx, d(slope_x)/dz and d(slope_z)/dz times the depth
-        `skin`."""
+        """Bend at particle i [1]: d(slope_x)/dx, d(slope_x)/dz and d(slope_z)/dz times the depth `skin`; 0 inside."""
         bend = tm.vec3(0.0)
         if ti.static(self.bends):
             bend = self.bending.of(i)

@@ -29,8 +29,7 @@ GONE_FACES = np.array([3 * [OPEN], 3 * [-OPEN]])  # lowest and highest corner [m
 
 @dataclass(frozen=True)
 class Zone:
-    """Absorbing zone before a side: its water is relaxed towards a target velocity, at a rate that grows towards the
-    side."""
+    """Absorbing zone before a side: relaxes its water towards a target velocity, the faster the nearer to the side."""
 
     side: str
     axis: int
@@ -87,8 +86,7 @@ class Zone:
 
 
 def scene_waves(basin: Basin, initial: Initial | None) -> waves.Components | None:
-    """Waves of a scene: of its wavemaker, else of its initial state, else of the period at which its tank moves; None
-    if there are none."""
+    """Waves of a scene: of its wavemaker, initial state or moving tank, whichever it has first; None without any."""
     if any(waves.basin_faults(basin)):
         return None
     if basin.piston is not None:
@@ -205,9 +203,8 @@ class Walls:
 
     @ti.func
     def bounce(self, x, v):
-        """Position [m] and velocity [m/s] of a particle after collisions with walls and obstacles: stopped there,
-        normal velocity reversed times the restitution, tangential velocity reduced by Coulomb friction, at most to
-        rest."""
+        """Position [m] and velocity [m/s] after collisions with walls and obstacles: stopped there, normal velocity
+        times minus the restitution, tangential velocity reduced by Coulomb friction, at most to rest."""
         for k in ti.static(self.axes):
             low, up, wall = self.low[k], self.up[k], 0.0
             for s, axis, upper in ti.static(self.pistons):
@@ -276,8 +273,7 @@ class Walls:
 
     @ti.func
     def limit_motion(self, v, dt):
-        """Velocity [m/s] scaled down to move no further than the motion limit in dt [s]; and 1 if it was scaled, else
-        0."""
+        """Velocity [m/s] scaled down to move no further than the motion limit in dt [s]; and 1 if scaled, else 0."""
         fast = 0
         if ti.static(self.limited):
             way = v.norm() * dt

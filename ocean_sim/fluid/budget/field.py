@@ -118,8 +118,7 @@ class Field:
 
     @ti.func
     def weight(self, d):
-        """Volume of a particle times the kernel W at distance d [m]: the share of space around a point that it
-        fills."""
+        """Volume of a particle times the kernel W at distance d [m]: the share of space around a point it fills."""
         return self.volume * self.smoothing.W_poly6(d.dot(d))
 
     @ti.func
@@ -145,8 +144,7 @@ class Field:
 
     @ti.func
     def factor(self, own, d):
-        """Correction of the weight of a neighbour at d (3,) [m], linear in d; `own`: its constant and slope, from
-        `fit_plane`."""
+        """Correction, linear in d (3,) [m], of a neighbour's weight; `own`: constant and slope from `fit_plane`."""
         return own[FACTOR_COLUMNS.constant] - vec3(own, FACTOR_COLUMNS.slope).dot(d / self.smoothing.support)
 
     @ti.func

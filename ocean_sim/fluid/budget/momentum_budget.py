@@ -27,8 +27,7 @@ FAR_COORDINATE = 1.0e30  # [m]
 
 
 def absent_terms(basin: Basin) -> tuple[int, ...]:
-    """Numbers of the force terms that cannot act in a basin: bed friction without a rough bed, the sea without a
-    patch."""
+    """Numbers of the force terms that cannot act in a basin: bed friction on a smooth bed, a sea without a patch."""
     return (*(() if basin.rough_bed is not None else (BED,)), *(() if basin.sea is not None else (SEA,)))
 
 
@@ -39,8 +38,7 @@ def impulse_terms(absent: tuple[int, ...]) -> tuple[int, ...]:
 
 @in_kernels
 class Accounts:
-    """Extremes, impulse and work of steps, in one row for each group of cells, so that no result depends on the order
-    of threads."""
+    """Extremes, impulse and work of steps, a row for each group of cells: no result depends on the order of threads."""
 
     def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...], apart: int = ROW_PADDING) -> None:
         """Make `groups` rows. `impulses`: True if impulse and work of each force term are summed (f64); `absent`:

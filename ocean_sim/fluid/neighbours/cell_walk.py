@@ -25,8 +25,7 @@ UNSHIFTED_CODE = 13  # code of what is seen where it is, through no periodic sid
 
 @in_kernels
 class CellWalk:
-    """Neighbour walk for processors: lists candidates (possible neighbours) of every occupied part of a cell, and sums
-    pair laws over them."""
+    """Neighbour walk for processors: lists candidates (possible neighbours) of parts of cells and sums pair laws."""
 
     def __init__(self, particles: Particles, grid: Grid, accounts: Accounts, size: GridSize) -> None:
         self.position, self.grid, self.accounts = particles.position, grid, accounts
@@ -40,8 +39,7 @@ class CellWalk:
         self.size, self.keeps = size, False  # whether pairs are kept
 
     def keep_pairs(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> KeptPairs:
-        """Make the store of pairs that later walks with `find` fill, for solvers that iterate; smoothing gives the
-        gradients."""
+        """Make the store of pairs that later walks with `find` fill, for solvers that iterate over them."""
         self.keeps, self.blocks = True, PairBlocks(self.position, self.grid, self.scratch, smoothing, self.size)
         self.name = ti.field(int, shape=self.groups * self.width)
         return self.blocks
@@ -80,8 +78,8 @@ class CellWalk:
 
     @ti.func
     def compact(self, names: Template, first, n, name):
-        """Replace n marks, 0 or 1, from index `first` on by the numbers (counted from `name`) of those that are 1;
-        return the number of them."""
+        """Replace n marks, 0 or 1, from `first` on by the numbers (from `name` on) of those that are 1; return their
+        count."""
         kept = 0
         for a in range(n):
             marked = names[first + a]
@@ -142,8 +140,7 @@ class CellWalk:
 
     @ti.func
     def find_images(self, mirror, middle, half, scratch, n, gap, m, first):
-        """List those of the m candidates so far whose image in a mirror is near a box, from index `first` on; return
-        their number."""
+        """List those of m candidates whose image in a mirror is near a box, from `first` on; return their number."""
         x, y, z = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
         for a in range(m):
             at = scratch + a + ti.select(a < n, 0, gap)
@@ -199,8 +196,7 @@ class CellWalk:
 
     @ti.func
     def gather_part(self, k, law: Template, find: Template, group, first):
-        """Copy the fields that the law reads, for the candidates of occupied part k, to the group's scratch; return
-        their number."""
+        """Copy the law's fields of the candidates of occupied part k to the group's scratch; return their number."""
         scratch, n = group * self.width, self.candidates[k]
         if ti.static(not self.periodic):
             self.gather_unshifted(law, find, scratch, first, n, 0)
@@ -278,8 +274,7 @@ class CellWalk:
 
     @ti.func
     def image_gap(self, law: Template, n):
-        """Number of padding rows in the scratch between n particles and their images; 0 if these are summed
-        together."""
+        """Number of padding rows in the scratch between n particles and their images; 0 if summed together."""
         return self.padded_count(law, n) - n if ti.static(law.options.apart) else 0
 
     @ti.func

@@ -28,8 +28,7 @@ class Grid:
     """Uniform grid of cells over the basin, and the stable counting sort of particles into them."""
 
     def __init__(self, particles: Particles, size: GridSize, carried: tuple[ti.Field, ...] = ()) -> None:
-        """Make the grid of these particles; `carried`: further fields, one number a particle, that the sort moves
-        along."""
+        """Make the grid of these particles; `carried`: further fields of a number each that the sort moves along."""
         self.size = size
         self.images = Images(size)
         self.support, self.n, self.basin = size.support, particles.n, size.lattice.basin
@@ -70,8 +69,7 @@ class Grid:
 
     @ti.func
     def cell_coordinates(self, x):
-        """Position x [m] in units of cells from the outer corner of the padding; a point above the grid is folded into
-        its `sky`."""
+        """Position x [m] in cells from the outer corner of the padding; above the grid it is folded into the `sky`."""
         place = (x - self.lower) * self.per_width + 1.0
         above = place.y - self.top
         if above > 0.0:
@@ -81,8 +79,7 @@ class Grid:
 
     @ti.func
     def cell_of(self, place):
-        """Indices of the cell that holds a point given in units of cells; points beyond the grid get its border
-        cells."""
+        """Indices of the cell that holds a point given in units of cells; a border cell beyond the grid."""
         return tm.clamp(ti.cast(place, int), 1, tm.ivec3(self.cells) - 2)
 
     @ti.func
@@ -155,8 +152,7 @@ class Grid:
 
     @ti.func
     def sort(self):
-        """Sort the staged states by cell into the particles' fields (stable counting sort); call it at the top of a
-        kernel."""
+        """Sort the staged states by cell into the particles' fields (stable counting sort), at the top of a kernel."""
         if ti.static(self.chunks == 1):
             ti.loop_config(serialize=True)
             for _ in range(1):
@@ -187,8 +183,7 @@ class Grid:
 
     @ti.func
     def scan_counts(self):
-        """Replace the counts by the first index of every cell, part and chunk (prefix sum), and list the occupied
-        parts."""
+        """Replace counts by the first index of every cell, part and chunk (prefix sum), and list occupied parts."""
         total, occupied = 0, 0
         for c in range(self.cell_count):
             self.start[c] = total

@@ -66,13 +66,11 @@ class Plan:
         return size.candidate_bytes(word)
 
     def pair_bytes(self, size: "GridSize", neighbours: int, word: int) -> int:
-        """Bytes of the pairs kept for a step; `neighbours` of a particle on the lattice; `word`: size of a `float`
-        [bytes]."""
+        """Bytes of the pairs kept for a step; `neighbours`: of a lattice particle; `word`: bytes of a `float`."""
         return size.kept_bytes(word)
 
     def highest_index(self, size: "GridSize", neighbours: int) -> int:
-        """Highest array index that a walk uses, which must fit in 32 bits; `neighbours`: of a particle, 0 if pairs are
-        not kept."""
+        """Highest index of a walk, to fit in 32 bits; `neighbours`: of a particle, 0 if pairs are not kept."""
         return size.groups * max(size.lattice.n, size.kept_candidates if neighbours else size.segment)
 
     def account_bytes(self, n: int, word: int, impulses: bool) -> int:
@@ -96,8 +94,7 @@ class GridSize:
 
     @property
     def inner_cells(self) -> list[tuple[int, float]]:
-        """Number of cells between the sides of the basin and their width [m], at least a support; a pair for each
-        axis."""
+        """Number of cells between the sides of the basin and their width [m], at least a support, on each axis."""
         extents = np.subtract(self.lattice.basin.upper, self.lattice.basin.lower)
         counts = [max(1, int(extent / self.support + 1e-9)) for extent in extents]
         return [(n, float(extent) / n or self.support) for n, extent in zip(counts, extents, strict=True)]
@@ -170,8 +167,7 @@ class GridSize:
 
     @property
     def at_rest(self) -> float:
-        """Number of candidates of a full part of a cell in water at rest: particles in a box two supports wider than
-        it."""
+        """Number of candidates of a full part of a cell in water at rest: those in a box two supports wider."""
         return (2.0 + 1.0 / self.halves) ** self.lattice.basin.dimension * self.cell_particles
 
     @property
@@ -187,8 +183,7 @@ class GridSize:
 
     @property
     def width(self) -> int:
-        """Length of a group's scratch column: candidates of one part, with room to fill up two lists to whole
-        vectors."""
+        """Length of a group's scratch column: candidates of one part, and padding of two lists to whole vectors."""
         return self.capacity + 2 * VECTOR_LENGTH
 
     @property
@@ -203,14 +198,12 @@ class GridSize:
 
     @property
     def spare_shapes(self) -> int:
-        """Number of a group's kept shapes beyond those of its particles; the last `width` serve particles without
-        room."""
+        """Number of a group's kept shapes besides those of its particles; particles without room use the last."""
         return 4 * self.capacity + self.width
 
     @property
     def kept_candidates(self) -> int:
-        """Largest number of candidates that a group keeps: its `segment`, and padding where half of its particles are
-        alone."""
+        """Largest number of candidates a group keeps: its `segment`, and padding of particles that are alone."""
         return self.segment + VECTOR_LENGTH * (self.lattice.n // self.groups)
 
     def kept_bytes(self, word: int) -> int:

@@ -30,8 +30,7 @@ def slot_count(neighbours: int) -> int:
 
 
 def slot_bytes(n: int, neighbours: int, word: int) -> int:
-    """Bytes of the PairSlots of n particles; `neighbours`: of each on the lattice; `word`: size of a `float`
-    [bytes]."""
+    """Bytes of the PairSlots of n particles; `neighbours`: of each on the lattice; `word`: bytes of a `float`."""
     return n * (8 + slot_count(neighbours) * (4 + 3 * word))
 
 
@@ -69,14 +68,12 @@ class KeptPairs(ABC):
 
     @ti.func
     def image_row(self, law: Template, name, away):
-        """Values of the fields that a law reads, for the image with this name; `away` points from the image into the
-        water."""
+        """Values of the law's fields for the image with this name; `away` points from the image into the water."""
         return law.kept_image(self.particle_row(law, name % MOST_PARTICLES), name, away)
 
     @ti.func
     def image_velocity(self, v, name, away):
-        """Velocity [m/s] of the image of a particle with velocity v [m/s]: only its normal component is reversed, for
-        any slip."""
+        """Velocity [m/s] of the image of a particle with velocity v: only its normal component reversed."""
         image, flips = v, name // MOST_PARTICLES
         for k in ti.static(range(3)):
             image[k] = ti.select(flips >> k & 1, -image[k], image[k])
@@ -137,8 +134,7 @@ class PairBlocks(KeptPairs):
     def __init__(
         self, position: Components, grid: Grid, scratch: tuple[ti.Field, ...], smoothing: Smoothing, size: GridSize
     ) -> None:
-        """Make the store. `scratch`: columns of a number for each candidate of a part, positions first; each group has
-        a section."""
+        """Make the store; `scratch`: columns of a number for each candidate of a part, positions first."""
         super().__init__(grid.images)
         self.position, self.grid, self.scratch, self.smoothing = position, grid, scratch, smoothing
         self.groups, self.width, self.segment = size.groups, size.width, size.kept_candidates
@@ -245,8 +241,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def pair_sum(self, law: Template, place, own, k, group, begun, begin, end):
-        """Sum over candidates `begin` to `end` of part k for a particle at `place` [m], whose shapes start at index
-        `begun`."""
+        """Sum over candidates `begin` to `end` of part k for a particle at `place` [m]; `begun`: its first shape."""
         first, scratch, total = self.first[k], group * self.width, ti.Vector.zero(float, law.terms.size)
         for a in range(begin, end):
             away = place - place_at(self.place, first + a)

@@ -27,8 +27,7 @@ SUM_BLOCK_CELLS = 128  # cells that a thread adds up
 
 
 def level_sizes(cells: int) -> list[int]:
-    """Sizes of the levels of a prefix sum over so many cells: a number sums SUM_BLOCK_CELLS of the level before, down
-    to one."""
+    """Sizes of the levels of a prefix sum over cells: each number sums SUM_BLOCK_CELLS of the level before."""
     sizes = [cells + 1]
     while sizes[-1] > 1:
         sizes.append(-(-sizes[-1] // SUM_BLOCK_CELLS))
@@ -50,8 +49,7 @@ class WideGrid(Grid):
 
     @ti.func
     def sort(self):
-        """Sort the staged states by cell into the particles' fields (stable counting sort); call it at the top of a
-        kernel."""
+        """Sort the staged states by cell into the particles' fields (stable counting sort), at the top of a kernel."""
         # Count the particles of each cell, and sum the counts to the first particle of each.
         for c in self.count:
             self.count[c] = 0
@@ -174,8 +172,7 @@ class PairCollector:
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Store the pair of particle `own` and j, or its image, at d [m] if within one support and not in one place; 1
-        if so, else 0."""
+        """Store the pair of particle `own` and j, or its image, at d [m], if d is in the support and not 0; 1 if so."""
         r2, found = d.dot(d), 0.0
         if r2 < self.smoothing.support * self.smoothing.support and r2 > 0.0:
             seen, found = self.pairs.seen[own], 1.0

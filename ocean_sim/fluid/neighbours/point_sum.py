@@ -85,8 +85,7 @@ class PointSum:
 
     @ti.func
     def subset_total(self, first, x, law: Template, own):
-        """Sum over all mirrors made by sets of sides near x [m]; a set has a bit a side, `first` = 1 leaves out the
-        empty set 0."""
+        """Sum over the mirrors of all sets of sides near x [m] (one bit a side); `first` = 1 omits the empty set 0."""
         here = self.grid.wrap_position(x)
         reach = self.sides_in_reach(here)
         total = ti.Vector.zero(float, law.sums)
@@ -144,8 +143,7 @@ class PointSum:
 
     @ti.func
     def periodic_home(self, indices):
-        """Indices of the cell in the basin that repeats as the cell `indices` beyond a periodic side, and the shift of
-        its water [m]."""
+        """Indices of the cell in the basin that a cell beyond a periodic side repeats, and its water's shift [m]."""
         shift = tm.vec3(0.0)
         for k, period in ti.static(enumerate(self.periods)):
             if ti.static(period > 0.0):

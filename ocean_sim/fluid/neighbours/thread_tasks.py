@@ -48,8 +48,7 @@ class Tasks:
 
 @in_kernels
 class Rows:
-    """Table to which each task adds its numbers in a row of its own, and its column sums in fixed order, so that no
-    result depends on threads."""
+    """Table with a row of numbers for each task, and column sums in fixed order: no result depends on threads."""
 
     def __init__(self, count: int, columns: int) -> None:
         self.columns = columns

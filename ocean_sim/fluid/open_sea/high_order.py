@@ -57,8 +57,7 @@ class Breaking:
     """Breaking crests of a nonlinear sea: cells that break now, energy lost so far, and foam left behind."""
 
     def __init__(self, tile: Tile, ahead: np.ndarray, period: float) -> None:
-        """Start with no crest breaking; `ahead` (2,): unit vector along the waves; `period` of the highest of them
-        [s]."""
+        """Start without breaking; `ahead` (2,): unit vector along the waves; `period` of the highest of them [s]."""
         self.tile, self.ahead, self.period = tile, ahead, period
         self.left = np.zeros(tile.shape)  # time for which each cell still breaks [s]
         self.lost = 0.0  # energy over the density [m5/s2], since the start
@@ -155,8 +154,7 @@ class HighOrder:
         self.eta, self.phi = (tile.to_values(self.resolved_modes * tile.to_modes(field)) for field in (eta, phi))
 
     def advance(self, dt: float) -> None:
-        """Advance elevation and potential by a step of dt [s] (Runge-Kutta of fourth order), then damp breaking
-        crests."""
+        """Advance elevation and potential by dt [s] (Runge-Kutta of fourth order), then damp breaking crests."""
         tile, t = self.tile, self.time
         e, p = tile.to_modes(self.eta), tile.to_modes(self.phi)
         half, full = 0.5 * dt, dt
@@ -177,8 +175,7 @@ class HighOrder:
             self.breaking.dissipate(self, dt)
 
     def nonlinear_rates(self, e: np.ndarray, p: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
-        """Modes of the nonlinear part of eta_t and phi_t at a time [s], from modes e of the elevation and p of the
-        surface potential."""
+        """Modes of the nonlinear part of eta_t and phi_t at a time [s], from modes e of eta and p of phi."""
         return self.surface_rates(self.surface_state(e, p), time)
 
     def surface_rates(self, now: SurfaceState, time: float) -> tuple[np.ndarray, np.ndarray]:

@@ -97,8 +97,7 @@ class OpenWater(Fluid):
         return self.sum_elevations(points, self.tiles)
 
     def sum_elevations(self, points: np.ndarray, tiles: "Sequence[OnTile]") -> np.ndarray:
-        """Heights (m,) [m] of the plane waves plus the waves on `tiles`, at points x, z (m, 2) [m] in axes that move
-        with the current."""
+        """Heights (m,) [m] of plane waves plus `tiles` at x, z (m, 2) [m] in axes that move with the current."""
         eta = waves.elevation(self.waves.sea, points, self.time)
         for one in tiles:
             there = one.covers(points)

@@ -33,8 +33,7 @@ def cubic_weights(s):
 
 @in_kernels
 class Sheet:
-    """Waves of a tile as fields for kernels; beyond the tile's edges the water is calm, or periodic if the sheet
-    `repeats`."""
+    """Waves of a tile as fields for kernels; beyond the tile the water is calm, or periodic if the sheet `repeats`."""
 
     left_out: ClassVar[tuple[str, ...]] = ("profiles",)
     now: ClassVar[int] = 0  # row of the clock: at the end of the water's last step,
@@ -86,8 +85,7 @@ class Sheet:
 
     @ti.func
     def locate_cell(self, x, z, when: Template):
-        """Indices of the cell at x, z [m], shares of the way to the next cells, and True if the sheet covers the
-        place."""
+        """Indices of the cell at x, z [m], shares of the way to the next cells, and True if the sheet covers it."""
         a, b = (x - self.clock[when, 1]) / self.cell, (z - self.clock[when, 2]) / self.cell
         i, k = int(ti.floor(a)), int(ti.floor(b))
         there = True
@@ -124,13 +122,12 @@ class Sheet:
 
     @ti.func
     def velocity(self, x, z, depth, when: Template):
-        """Velocity [m/s] at x, z [m] and a depth [m] of the Wheeler-stretched column; `when` as for `elevation`."""
+        """Velocity [m/s] at x, z [m] and a depth [m] of the stretched column; `when` as for `elevation`."""
         return self.interpolate(self.speed, x, z, depth, when)
 
     @ti.func
     def acceleration(self, x, z, depth, when: Template):
-        """Acceleration [m/s2] at x, z [m] and a depth [m] of the Wheeler-stretched column; `when` as for
-        `elevation`."""
+        """Acceleration [m/s2] at x, z [m] and a depth [m] of the stretched column; `when` as for `elevation`."""
         return self.interpolate(self.pull, x, z, depth, when)
 
     @ti.func

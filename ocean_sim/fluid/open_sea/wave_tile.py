@@ -81,8 +81,7 @@ class Tile:
 
     @cached_property
     def turn_cache(self) -> dict[float, tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """Factors of `evolve` by the last step dt [s]: cos omega dt, and sin omega dt times omega / g and times g /
-        omega."""
+        """Factors of `evolve` by the last step dt [s]: cos omega dt, and sin omega dt times omega / g and g / omega."""
         return {}
 
     def evolve(self, e: np.ndarray, p: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
@@ -108,8 +107,7 @@ class Tile:
         return clear
 
     def to_modes(self, values: np.ndarray) -> np.ndarray:
-        """Fourier modes (..., cells, columns) of values (..., cells, rows); on one thread, so that results are the same
-        for any number of threads."""
+        """Fourier modes (..., cells, columns) of values (..., cells, rows); on one thread, for reproducible bytes."""
         from scipy.fft import fft, rfft, rfft2
 
         if self.part == 1.0:
@@ -136,8 +134,7 @@ class Tile:
         return x, z
 
     def cell_corner(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Indices (m, 2) of the node below each point x, z (m, 2) [m], and shares (m, 2) of the way to the next
-        node."""
+        """Indices (m, 2) of the node below each point x, z (m, 2) [m], and shares (m, 2) of the way to the next."""
         at = (points + 0.5 * np.array([self.side, self.width])) / self.cell - 0.5
         whole = np.floor(at)
         return whole.astype(int), at - whole
@@ -156,8 +153,7 @@ class Tile:
         return self.smoothing / self.cell**2 * self.to_modes(total.reshape(self.shape))
 
     def interpolate(self, values: np.ndarray, points: np.ndarray) -> np.ndarray:
-        """Interpolate values (cells, rows) at points x, z (m, 2) [m], by a cubic along each axis (Keys 1981, IEEE
-        Trans. ASSP 29)."""
+        """Values (m,) at points x, z (m, 2) [m], by a cubic along each axis (Keys 1981, IEEE Trans. ASSP 29)."""
         whole, share = self.cell_corner(points)
         along, across = (
             cubic_weights(share[:, 0]),
@@ -173,8 +169,7 @@ class Tile:
         return found
 
     def energy(self, eta: np.ndarray, phi: np.ndarray) -> float:
-        """Potential plus kinetic energy over the density [m5/s2] of linear waves with elevation eta [m] and potential
-        phi [m2/s]."""
+        """Energy of linear waves over the density [m5/s2], from elevation eta [m] and potential phi [m2/s]."""
         e, p = self.to_modes(eta), self.to_modes(phi)
         twice = np.full(self.k.shape[1], 2.0)
         twice[0] = 1.0
@@ -185,8 +180,7 @@ class Tile:
 
 
 class TileModes(NamedTuple):
-    """Fourier modes (cells, columns) of a tile at one time: elevation, potential at the still surface, and its rate of
-    change."""
+    """Fourier modes (cells, columns) on a tile: elevation, potential at the still surface, and its rate of change."""
 
     e: np.ndarray
     potential: np.ndarray
@@ -194,8 +188,7 @@ class TileModes(NamedTuple):
 
 
 class OnTile:
-    """Interface of waves on a tile, read at times [s] and at points x, z (m, 2) [m] in axes that move with the
-    current."""
+    """Interface of waves on a tile, read at times [s] and points x, z (m, 2) [m] in axes that move with the current."""
 
     tile: Tile
 
@@ -251,8 +244,7 @@ class OnTile:
 
 
 def cubic_weights(s: np.ndarray) -> list[np.ndarray]:
-    """Weights of cubic interpolation between four adjacent values, at a share s of the way from the second to the
-    third."""
+    """Weights of cubic interpolation between four values, at a share s of the way from the second to the third."""
     return [
         0.5 * s * (-1.0 + s * (2.0 - s)),
         0.5 * (2.0 + s * s * (3.0 * s - 5.0)),
@@ -296,8 +288,7 @@ class Layer:
         self.eta, self.phi = tile.to_values(-rest * self.pressure), np.zeros(tile.shape)
 
     def advance(self, dt: float, pressure: np.ndarray, centre: np.ndarray) -> None:
-        """Advance the waves by dt [s] to the moment when a pressure over the density (modes [m2/s2]) acts around
-        `centre` (2,) [m]."""
+        """Advance by dt [s]; then a pressure over the density (modes [m2/s2]) acts around a new `centre` (2,) [m]."""
         tile = self.tile
         e, p = self.propagate(dt)
         self.set_pressure(pressure)

@@ -29,14 +29,12 @@ class Moving(Protocol):
 
 @in_kernels
 class Window:
-    """Sums of a water's plane waves, without ramp, tabulated at lattice nodes and on levels of the Wheeler-stretched
-    column."""
+    """Sums of a water's plane waves, without ramp, at lattice nodes and levels of the Wheeler-stretched column."""
 
     def __init__(
         self, water: Moving, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]
     ) -> None:
-        """Make the fields. `size`: nodes along and across; `step` between them [m]; `depths` of the levels [m], the
-        first of them 0."""
+        """Make the fields; `size`: nodes along and across; `step` between them, and `depths` of levels [m], first 0."""
         self.water, self.size, self.step, self.depths = water, size, step, depths
         self.depth = water.waves.sea.depth  # of the water [m]
         self.n, self.sums = len(water.waves.sea.amplitude), 1 + 3 * len(depths)
@@ -53,8 +51,7 @@ class Window:
 
     @staticmethod
     def bytes(size: tuple[int, int], levels: int, waves: int, word: int) -> int:
-        """Memory [bytes] of a window with `size` nodes and so many levels and waves; `word`: size of a `float`
-        [bytes]."""
+        """Memory [bytes] of a window with `size` nodes and so many levels and waves; `word`: bytes of a `float`."""
         sums = 1 + 3 * levels
         return word * (waves * (2 * sums + 4 * size[0] + 2 * size[1]) + 4 * size[0] * size[1] * sums + 1)
 
@@ -95,7 +92,7 @@ class Window:
         self.clock[None] = self.span
 
     def lay(self, centre: tuple[float, float], heading: tuple[float, float]) -> None:
-        """Sum the waves anew on a lattice around `centre` x, z [m], whose first axis points along the unit vector
+        """Sum the waves anew on a lattice around `centre` x, z [m] with its first axis along the unit vector
         `heading`."""
         sea, time = self.water.waves.sea, self.water.before
         self.start = time
@@ -111,8 +108,7 @@ class Window:
 
     @ti.kernel
     def add_up(self, cosine: Doubles2, sine: Doubles2):
-        """Sum the waves at each node for both times, from cosines and sines of the angles at the first node and from
-        node to node."""
+        """Sum the waves at each node for both times, by rotating their angles from node to node."""
         # Cosines and sines along the first axis, at both times, and across it: one rotation a node.
         for n in range(self.n):
             along = tm.vec2(cosine[ANGLE_ALONG, n], sine[ANGLE_ALONG, n])
@@ -149,8 +145,7 @@ class Window:
 
     @ti.func
     def moving(self, i, k, l, late):
-        """Velocity [m/s] and acceleration [m/s2] at node i, k and level l, a share `late` of the way between the stored
-        times."""
+        """Velocity [m/s] and acceleration [m/s2] at node i, k, level l, a share `late` between the stored times."""
         first, last = self.speed[0, i, k, l], self.speed[1, i, k, l]
         pulled, pulls = self.pull[0, i, k, l], self.pull[1, i, k, l]
         mean = (last - first) / self.clock[None]

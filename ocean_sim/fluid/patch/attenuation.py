@@ -31,8 +31,7 @@ class Attenuation:
     """Fit for travelling waves; None: this one serves for them too."""
 
     def share(self, k: float, depth: float, height: float, spacing: float, standing: bool) -> float:
-        """Added viscosity over h c, for waves of wavenumber k [rad/m] and height [m] in water of a depth and spacing
-        [m]."""
+        """Added viscosity over h c for waves of wavenumber k [rad/m] and height [m]; `depth` and `spacing` [m]."""
         if self.travelling is not None and not standing:
             return self.travelling.share(k, depth, height, spacing, standing)
         of_layers = self.flat / sqrt(tanh(k * depth)) + self.steep * (height / spacing) ** 1.5 * k * spacing
@@ -81,8 +80,7 @@ class Train:
 
 
 def wave_trains(lattice: Lattice) -> Iterator[Train]:
-    """Yield the waves of a scene: of its sea patch, wavemaker or initial state, and those that absorbing sides let
-    pass."""
+    """Yield the waves of a scene: of its sea, wavemaker or initial state, and those that absorbing sides let pass."""
     basin, initial = lattice.basin, lattice.config.initial
     if any(waves.basin_faults(basin)):
         return

@@ -58,8 +58,7 @@ class RelaxationBand:
 
     @cached_property
     def main_direction(self) -> tuple[float, float]:
-        """Group speed [m/s] of the highest waves along the patch side nearest to their direction, and the side's length
-        [m]."""
+        """Group speed [m/s] of the highest waves along the patch side nearest to their way, and its length [m]."""
         assert self.sea is not None
         k = self.sea.wavevector[self.sea.highest]
         axis = int(np.argmax(np.abs(k[: len(self.sides)])))
@@ -97,8 +96,7 @@ class RelaxationBand:
         return xi, height
 
     def height_at_ship(self, with_waves: float) -> complex | None:
-        """Complex height of the highest waves at the ship over that of the sea; None if the scheme's loss is
-        unknown."""
+        """Complex height of the highest waves at the ship over that of the sea; None if the loss is unknown."""
         found = self.height_profile(with_waves)
         return complex(found[1][PATCH_PIECES // 2]) if found is not None else None
 

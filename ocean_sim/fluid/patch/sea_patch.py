@@ -134,8 +134,7 @@ class SeaTable:
 
     @ti.func
     def node_weights(self, x, axis: Template):
-        """Index of the first of four nodes around the coordinate x [m] along an axis, and their interpolation
-        weights."""
+        """Index of the first of four nodes around x [m] along an axis, and their interpolation weights (4,)."""
         at = (x - self.lower[axis]) * self.per_cell[axis]
         i = int(ti.floor(at))
         return i - 1, cubic_weights(at - i)
@@ -159,8 +158,7 @@ class SeaTable:
 
     @ti.func
     def sample_column(self, i, k, level, share):
-        """Velocity and feed, six numbers, at node i, k of the patch, interpolated between levels with weights
-        `share`."""
+        """Velocity and feed, six numbers, at node i, k of the patch; `share`: weights of the four levels."""
         total = ti.Vector.zero(float, NODE_VALUES)
         for l in ti.static(range(4)):
             for c in ti.static(range(NODE_VALUES)):
@@ -195,15 +193,13 @@ class SeaRim:
         self.place_band(0.0)
 
     def centre_at(self, time: float) -> np.ndarray:
-        """Point x, z (2,) in the world [m] opposite which the band lies at a time [s]: the ships' middle, or a moving
-        point."""
+        """Point x, z (2,) in the world [m] opposite the band at a time [s]: the ships' middle, or a moving point."""
         if self.ships:
             return np.mean([ship.body.position[[0, 2]] for ship in self.ships], axis=0)
         return self.velocity * time
 
     def on_patch(self, points: np.ndarray) -> np.ndarray:
-        """Periodic repeats (..., 2) of points x, z [m] on the patch around the origin; 0 along an axis without
-        period."""
+        """Periodic repeats (..., 2) of points x, z [m] on the patch around the origin; 0 on an axis without period."""
         return np.where(self.periods > 0.0, points - whole_sides(points, self.periods), 0.0)
 
     def place_band(self, time: float) -> None:
@@ -233,8 +229,7 @@ class SeaRim:
 
     @ti.func
     def acceleration(self, x, v, dt):
-        """Acceleration [m/s2] by the sea over dt [s] of a particle at x [m] that would otherwise end the step at v
-        [m/s]."""
+        """Acceleration [m/s2] by the sea over dt [s] of a particle at x [m] that would else end the step at v [m/s]."""
         s, a = self.rim_share(x), tm.vec3(0.0)
         # The relaxation is implicit in time: no step overshoots the sea, however strong the rate.
         if s > 0.0 or ti.static(self.fed):

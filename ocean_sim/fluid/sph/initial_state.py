@@ -183,8 +183,7 @@ class TaylorGreen(Start):
                 yield ("kind",), f"{sentence} (basin.walls: {{{'xy'[axis]}: periodic}})"
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
-        """Positions, shifted by the disorder, velocities and pressures at time 0 of particles at `positions` (n, 3)
-        [m]."""
+        """Positions with disorder, velocities and pressures at time 0 of particles at `positions` (n, 3) [m]."""
         a, b = 2.0 * pi / basin.config.length, 2.0 * pi / basin.depth
         kick = numpy_uniform3(self.seed, DISORDER_STREAM, np.arange(len(positions)), 0) * (1.0, 1.0, 0.0)
         placed = wrap_positions(positions + self.disorder * mean_spacing(positions, basin) * kick, basin)
@@ -203,8 +202,7 @@ class FromFile(Start):
     without z and w."""
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Columns (n,) of the file, by their names without unit; raises Unreadable if they are no numbers or
-        ambiguous."""
+        """Columns (n,) of the file, by name without unit; raises Unreadable if they are not numbers or ambiguous."""
         found = read_npz(self.path) if self.path.endswith(".npz") else csv_file.Table(self.path)
         unnumbered = [name for name, column in found.items() if column.dtype.kind not in "iuf" or column.ndim > 1]
         if unnumbered:
@@ -216,8 +214,7 @@ class FromFile(Start):
         return {short[name]: np.atleast_1d(column).astype(float) for name, column in found.items()}
 
     def problems(self, basin: Basin) -> Problems:
-        """Yield faults (key, sentence) of the file: unreadable, lacking columns, or with particles outside the
-        basin."""
+        """Yield faults (key, sentence) of a file that is unreadable, lacks columns, or leaves the basin."""
         try:
             columns = self.columns()
         except Unreadable as error:
@@ -293,15 +290,13 @@ def given_positions(initial: Initial | None, basin: Basin) -> np.ndarray | None:
 
 
 def still_pressure(positions: np.ndarray, basin: Basin, density: float, surface: float | np.ndarray) -> np.ndarray:
-    """Hydrostatic pressure (n,) [Pa] below a surface at a height [m]; 0 where y is periodic or gravity does not point
-    down."""
+    """Hydrostatic pressure (n,) [Pa] below a surface at a height [m]; 0 if y is periodic or gravity not downward."""
     pull = 0.0 if basin.periods[1] else max(0.0, -basin.gravity[1])
     return density * pull * np.maximum(surface - positions[:, 1], 0.0)
 
 
 def displaced_state(sea: waves.Components, positions: np.ndarray, basin: Basin, density: float) -> State:
-    """Positions, velocities and pressures at time 0, in these waves, of water that would rest at `positions` (n, 3)
-    [m]."""
+    """Positions, velocities and pressures in these waves, at time 0, of water that rests at `positions` (n, 3) [m]."""
     placed, leap = positions.astype(float), 1.0 / FLOW_STEPS
     for _ in range(FLOW_STEPS):
         a = waves.displacement(sea, placed)

@@ -121,8 +121,7 @@ class Lattice:
 
     @property
     def plan_area(self) -> float | None:
-        """Area of the still surface [m2], in 2-D its length [m]; None if the water does not fill the basin from wall to
-        wall."""
+        """Area of the still surface [m2], in 2-D its length [m]; None if the water does not fill an open basin."""
         filled = self.config.fill is None and self.given is None and not self.basin.closed
         return self.basin.volume / self.basin.depth if filled else None
 
@@ -199,8 +198,7 @@ class Lattice:
         return [(low + [x, 0.0, z], up + [x, 0.0, z]) for x, z in ways for low, up in self.boxes]
 
     def points_beyond(self, solid: Solid) -> np.ndarray:
-        """Points (m, 3) [m] around a solid at which the lattice of the first box near it would go on outside all
-        boxes."""
+        """Points (m, 3) [m] around a solid, outside all boxes, on the continued lattice of the first box near it."""
         d, found = self.basin.dimension, np.empty((0, 3))
         low_end, high_end = solid.extent + np.array([[-1.0], [1.0]]) * MARGIN_SPACINGS * self.spacing
         for (low, up), count in zip(

@@ -49,8 +49,7 @@ class Law(ABC):
     solid: Any  # SampleSum of the boundary
 
     def add_bodies(self, boundary: Any) -> None:
-        """Include the samples of a Boundary's solid bodies in the sum; None: there are none. Call once `terms` are
-        set."""
+        """Sum also over the samples of a Boundary's solid bodies; None: there are none. Call once `terms` are set."""
         if boundary is not None:
             self.bodies, self.boundary, self.solid = True, boundary, boundary.sample_sum(self)
 
@@ -79,8 +78,7 @@ class Law(ABC):
 
     @abstractmethod
     def finish(self, i: Any, own: Any, total: Any, beyond: Any, group: Any) -> None:
-        """Use the sums of particle i: `total`, and `beyond`, over images, where they are apart; `group`: its row of the
-        budget."""
+        """Use the sums of particle i: `total`, and `beyond` over images if apart; `group`: its row of the budget."""
 
     @ti.func
     def with_bodies(self, total, x, own):

@@ -61,8 +61,7 @@ class Force(Law):
 
     @ti.func
     def image(self, other, mirror):
-        """Row of the image of a neighbour in a flat side: velocity mirrored by the side's slip, pressure continued
-        hydrostatically."""
+        """Row of a neighbour's image in a side: velocity mirrored by the slip, pressure continued hydrostatically."""
         x, image = vec3(other, self.row.position), mirror_row(mirror, other)
         pull = self.fluid.pull.at_rest(mirror_midpoint(mirror, x))
         image[self.row.pressure] += self.pressure_rise(hydrostatic_offset(mirror, x, pull))
@@ -70,8 +69,7 @@ class Force(Law):
 
     @ti.func
     def rubbing_sample(self, own, s, d, mirror):
-        """Row of sample s of a solid body, at d [m], with the velocity that friction sees; the other columns are
-        `own`."""
+        """Row of sample s of a solid body, at d [m], with its velocity in friction; other columns are from `own`."""
         return row_at(own, d, self.boundary.rubbing_velocity(vec3(own, self.row.velocity), s, mirror))
 
     @ti.func
@@ -134,8 +132,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Accelerate particle i by all forces (2.25), move it as far as walls let it, and book the step in the
-        budget."""
+        """Accelerate particle i by all forces (2.25), move it as far as walls let it, and book the step."""
         fluid, dt = self.fluid, self.fluid.dt[None]
         x, v = vec3(own, self.row.position), vec3(own, self.row.velocity)
         if ti.static(fluid.bodies):

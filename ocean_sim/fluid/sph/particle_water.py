@@ -118,8 +118,7 @@ class ParticleWater(ParticleFluid):
 
     @ti.func
     def exposed_area(self, i):
-        """Exposed area of particle i times its outward normal [m2]: zero, unless a scheme computes it from
-        neighbours."""
+        """Exposed area of particle i times its outward normal [m2]: zero, unless a scheme computes it."""
         return tm.vec3(0.0)
 
     @ti.func
@@ -153,8 +152,7 @@ class ParticleWater(ParticleFluid):
         self.status = self.accounts.status(self.summary, self.grid)
 
     def advance(self, dt: float) -> None:
-        """Advance by a step of dt [s]; raise Diverged where more particles crowd together than the neighbour lists
-        hold."""
+        """Advance by a step of dt [s]; raise Diverged where particles are too crowded for the neighbour lists."""
         self.advance_boundaries(dt)
         self.step(dt)
         self.status = self.accounts.status(self.summary, self.grid)

@@ -41,8 +41,7 @@ class Snapshot(NamedTuple):
 
 @in_kernels
 class Count:
-    """Number of particles now, and the most there will be, for which arrays have room where an emitter adds
-    particles."""
+    """Number of particles now (`now`), and the most there will be (`most`), if an emitter adds some."""
 
     def __init__(self, now: int, most: int) -> None:
         self.now, self.most, self.grows = now, most, most > now
@@ -64,8 +63,7 @@ class Count:
 
 
 class Growing(ScalarField):
-    """Field of one number per particle, with room for emitted ones; `to_numpy` and `from_numpy` omit those still to
-    come."""
+    """Field of one number per particle, with room for emitted ones, which `to_numpy` and `from_numpy` leave out."""
 
     def __init__(self, field: ScalarField, count: Count) -> None:
         super().__init__(field.vars[0])
@@ -145,8 +143,7 @@ class Particles:
 
     @ti.kernel
     def begin(self, position: Array2, velocity: Array2, pressure: Array, density: float):
-        """Set position (n, 3) [m], velocity (n, 3) [m/s] and pressure (n,) [Pa] of all particles, number them, and set
-        one density [kg/m3]."""
+        """Set position (n, 3) [m], velocity (n, 3) [m/s], pressure (n,) [Pa], density [kg/m3] and ids."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(position.shape[0]):
             self.position.x[i], self.position.y[i], self.position.z[i] = position[i, 0], position[i, 1], position[i, 2]

@@ -53,8 +53,7 @@ class IncompressibleWater(Protocol):
         ...
 
     def apply_pressures(self, i: Any, dt: Any, total: Any, beyond: Any) -> Any:
-        """ti.func: change of velocity [m/s] of particle i by the pressures of water and walls, recorded for the
-        budget."""
+        """ti.func: change of velocity [m/s] of particle i by the pressures of water and walls, booked as well."""
         ...
 
 
@@ -201,8 +200,7 @@ class Account(Push):
 
 @in_kernels
 class Solver:
-    """One of the two pressure solvers: its pressures [Pa], the velocity [m/s] that they change, and a record of
-    iterations."""
+    """One of two pressure solvers: its pressures [Pa], the velocity [m/s] that they change, and iteration counts."""
 
     def __init__(
         self,

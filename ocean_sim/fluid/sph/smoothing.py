@@ -73,8 +73,7 @@ class Kernel:
         return (1.0 - t) * falls - self.gradient(t)
 
     def slope(self, dimension: int, support: float) -> float:
-        """Constant of grad W with which W integrates to 1 [m^-5], in 2-D [m^-4]: the integral of -r W' is the
-        dimension."""
+        """Constant of grad W with which W integrates to 1 [m^-5], in 2-D [m^-4], by the integral of -r W'."""
         d = dimension
         moments = (
             term * factorial(self.power + k) * factorial(d + 1) / factorial(self.power + k + d + 2)
@@ -96,8 +95,7 @@ NEUTRAL_RATIO = 4.0  # [spacings] 44 neighbours in 2-D, 250 in 3-D
 @in_kernels
 @dataclass(frozen=True, eq=False)
 class Smoothing:
-    """Smoothing kernels for one dimension (2 or 3) and support [m]; the scheme chooses the kernel of the pressure
-    gradient."""
+    """Smoothing kernels for one dimension (2 or 3) and support [m]; `kernel` is that of the pressure gradient."""
 
     dimension: int
     support: float
@@ -169,8 +167,7 @@ class Smoothing:
 
 @dataclass(frozen=True)
 class Stencil:
-    """Moments of a kernel on a cubic lattice of particles. The constant of the kernel is such that the lattice has the
-    rest density."""
+    """Moments of a kernel on a cubic lattice of particles; the constant of the kernel gives it the rest density."""
 
     smoothing: Smoothing
     spacing: float  # [m]
@@ -203,14 +200,12 @@ class Stencil:
 
     @property
     def slope(self) -> float:
-        """Constant of grad W = -slope x `gradient` with which the lattice has the rest density [m^-5], in 2-D
-        [m^-4]."""
+        """Constant of grad W = -slope x `gradient` that gives the lattice the rest density [m^-5], in 2-D [m^-4]."""
         return 1.0 / (self.smoothing.support**2 * self.volume * float(self.value.sum()))
 
     @property
     def filled_gain(self) -> float:
-        """Gradient that the lattice's sum gives for a unit gradient if W integrates to 1: about 1, less next to a
-        surface."""
+        """Gradient that the lattice's sum gives for a unit gradient if W integrates to 1: about 1 inside."""
         return self.gain * self.smoothing.slope / self.slope
 
     @property
@@ -227,7 +222,7 @@ class Stencil:
 
     @property
     def skin_depth(self) -> float:
-        """Mean depth [m], below the top row, of the area that a half-space of the lattice exposes."""
+        """Mean depth [m] below the surface of the area that a half-space of the lattice exposes."""
         up = np.maximum(self.offsets[:, 1], 0.0)
         exposed = self.gradient * up  # by the row that is seen from `up` below: each counts for all rows less deep
         rows = np.rint(up / self.spacing)
@@ -245,8 +240,7 @@ class Stencil:
 
     @property
     def stiffest_mode(self) -> float:
-        """Largest eigenvalue of A / A_ii of the pressure solver, over plane waves along axes and diagonals of the
-        lattice."""
+        """Largest eigenvalue of A / A_ii of the pressure solver, over plane waves along lattice axes and diagonals."""
         largest = 0.0
         for wave in product(np.linspace(0.0, np.pi, 13), repeat=self.smoothing.dimension):
             gradients = (self.slope * self.gradient * np.sin(self.offsets @ wave / self.spacing)) @ self.offsets

@@ -162,8 +162,7 @@ class SphConfig(WaterConfig):
         return [*found, *of_zones(zones(lattice)), *self.scale_warnings(lattice, preflight.support)]
 
     def scale_warnings(self, lattice: Lattice, support: float) -> Iterator[str]:
-        """Yield warnings of too few particles for the depth or for the waves of a scene, and of waves steep enough to
-        break."""
+        """Yield warnings of too few particles for the depth or the waves of a scene, and of waves too steep."""
         spacing, depth = lattice.spacing, lattice.basin.depth
         if support >= depth > 0.0:
             yield (
@@ -248,8 +247,7 @@ class SphConfig(WaterConfig):
         )
 
     def viscosity_scale(self, basin: Basin) -> float:
-        """Product h c [m2/s] of smoothing length and sound speed, in units of which the scheme's own viscosity is
-        measured."""
+        """Product h c [m2/s] of smoothing length and sound speed: unit of the scheme's numerical viscosity."""
         return self.smoothing(basin).length * self.sound_speed(basin)
 
     def viscosity(self, basin: Basin) -> float:
@@ -397,8 +395,7 @@ def has_bodies(basin: Basin) -> bool:
 def step_limits(
     smoothing: Smoothing, sound_speed: float, viscosity: float, speed: float, acceleration: float
 ) -> Limits:
-    """Time step limits by the formulae of `Limits`, from sound speed [m/s], kinematic viscosity [m2/s], speed and
-    acceleration."""
+    """Time step limits by the formulae of `Limits`; sound speed [m/s], kinematic viscosity [m2/s], acceleration."""
     h = smoothing.length
     return Limits(
         acoustic=h / (sound_speed + speed),
@@ -409,8 +406,7 @@ def step_limits(
 
 @in_kernels
 class Sph(ParticleWater):
-    """Base class of particle water whose particles interact, and with solid bodies among them; a scheme adds its laws
-    and its step."""
+    """Base class of water of interacting particles, with solid bodies among them; a scheme adds laws and a step."""
 
     config: SphConfig
     boundary: "Boundary | None" = None

@@ -230,8 +230,7 @@ class Fluid(Protocol):
         return self.velocities(np.insert(points, 1, self.elevations(points), axis=1))
 
     def foam(self, points: np.ndarray) -> np.ndarray | None:
-        """Share (m,) of the surface that is white with foam at points x, z (m, 2) [m]; None if breaking is not
-        modelled."""
+        """Share (m,) of the surface that is white with foam at points x, z (m, 2) [m]; None if breaking is ignored."""
         return None
 
     def limits(self) -> Limits:
@@ -277,8 +276,7 @@ class ClosedForm(Fluid, Protocol):
         ...
 
     def window(self, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]) -> Window:
-        """Make a lattice that tabulates the plane waves around a hull: `size` nodes along and across, `step` [m] apart,
-        on levels at `depths` [m]."""
+        """Make a lattice that tabulates the plane waves at `size` nodes, `step` [m] apart, and at `depths` [m]."""
         ...
 
 

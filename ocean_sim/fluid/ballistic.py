@@ -88,9 +88,11 @@ class Ballistic(ParticleWater):
         self.begin()
 
     def arrive(self) -> None:
+        """Sort the particles at their present positions, and sum up their state."""
         self.settle(self.summary)
 
     def step(self, dt: float) -> None:
+        """Move all particles for dt [s] along parabolas, sort them, and sum up the step."""
         self.advance_all(dt, self.wind.since, self.summary)
 
     @ti.kernel

@@ -102,6 +102,7 @@ class Config(SphConfig):
         return self.artificial_viscosity * smoothing.length * sound_speed / (2.0 * (smoothing.dimension + 2.0))
 
     def viscosity(self, basin: Basin) -> float:
+        """Kinematic viscosity [m2/s], the artificial one included."""
         return self.kinematic_viscosity + self.artificial_nu(self.smoothing(basin), self.sound_speed(basin))
 
     def settling(self, preflight: Preflight) -> float:
@@ -112,14 +113,17 @@ class Config(SphConfig):
         return float(column_drop(0.0, pull * lattice.deepest, pull, self.sound_speed(tank)))
 
     def still_limits(self, preflight: Preflight) -> Limits:
+        """Limits of the time step in still water, by sound and viscosity."""
         return self.limits_at(self.smoothing(preflight.tank), self.sound_speed(preflight.tank), 0.0, 0.0)
 
     def statements(self, preflight: Preflight) -> list[str]:
+        """Sentences on the scheme, and on the lattice's rigidity under a free surface."""
         basin = preflight.tank
         notable = [] if self.is_enclosed(basin) else rigidity_notes(self.smoothing(basin), self.lattice(basin).spacing)
         return super().statements(preflight) + notable
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        """Rows of the memory ledger for the fields of this scheme."""
         what = "position, velocity, density, pressure, its deviation and rate, number"
         if not self.is_enclosed(preflight.tank):
             what += "; share of diffusion, spin, strain"
@@ -198,8 +202,7 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def viscosity_without_surface(self, v_ij):
-        """Viscous term of a pair, a vector: -2 nu v_ij / rho0 of Morris, Fox & Zhu (1997, eq. 22), which has no error
-        on a lattice."""
+        """Viscous term of a pair, a vector exact on a lattice: -2 nu v_ij / rho0 (Morris, Fox & Zhu 1997, eq. 22)."""
         return -self.laminar * v_ij
 
     @ti.func
@@ -301,8 +304,7 @@ class Continuity(Law):
     def sample(self, own, s, d, mirror):
         """Row of sample s of a solid body: it moves with the body, and no density diffuses into it. Only so does water
         that comes to a face gain the density that the samples add to its sum, and lose it as it goes: moved against the
-        water, as images are, a sample at rest would add twice that, and press twice as hard on water that streams
-        by."""
+        water, as images are, a sample at rest would add twice that, and press twice as hard on a stream."""
         other = row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
         still = self.still_gradient(vec3(own, self.row.position) + 0.5 * d)
         other[self.row.deviation] = own[self.row.deviation] + still.dot(d)
@@ -523,9 +525,11 @@ class DeltaSph(Sph):
         return self.grid.moved[: STATE_COLUMNS.velocity]
 
     def arrive(self) -> None:
+        """Sort the particles at their present positions, and compute the density's rate there."""
         self.settle(self.summary)
 
     def step(self, dt: float) -> None:
+        """Move the particles by dt [s], compute the density's rate, and update the shear averages if they are due."""
         self.drift_kick_drift(dt, self.status.max_speed, self.wind.since)
         self.find_density_rate(self.summary)
         if not self.shifting:

@@ -99,6 +99,7 @@ class Config(SphConfig):
     """The most iterations for the divergence; steps that would need more are counted."""
 
     def viscosity(self, basin: Basin) -> float:
+        """Kinematic viscosity [m2/s], the artificial one included under a free surface."""
         h = self.smoothing(basin).length
         artificial = 0.0 if self.is_enclosed(basin) else self.artificial_viscosity * h * self.speed(basin)
         return self.kinematic_viscosity + artificial
@@ -106,6 +107,7 @@ class Config(SphConfig):
     def viscosity_added(
         self, preflight: Preflight, length: float, height: float = 0.0, standing: bool = False
     ) -> float:
+        """Numerical plus artificial viscosity [m2/s] for waves of a length and height [m]."""
         artificial = self.viscosity(preflight.tank) - self.kinematic_viscosity
         return artificial + super().viscosity_added(preflight, length, height, standing)
 
@@ -117,10 +119,12 @@ class Config(SphConfig):
         return step_limits(self.smoothing(basin), 0.0, 2.0 * self.viscosity(basin), speed, acceleration)
 
     def still_limits(self, preflight: Preflight) -> Limits:
+        """Limits of the time step in still water, by viscosity, gravity and body force."""
         basin = preflight.tank
         return self.limits_at(basin, 0.0, float(np.linalg.norm(np.add(basin.gravity, self.body_force))))
 
     def warnings(self, preflight: Preflight) -> list[str]:
+        """Warn also of a support so small that still water stirs."""
         found, basin = super().warnings(preflight), preflight.tank
         ratio = self.ratio(basin)
         if ratio < MIN_STEADY_SUPPORT[basin.dimension - 2] and not self.is_enclosed(basin):
@@ -141,6 +145,7 @@ class Config(SphConfig):
         return Stencil(self.smoothing(basin), self.lattice(basin).spacing).neighbours
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        """Rows of the memory ledger for the fields of this scheme and its kept pairs."""
         basin, word = preflight.tank, preflight.word
         what = "position, velocity, density, pressure, number; predicted velocity, way and two solvers' fields"
         sizes = self.list_size(self.start_lattice(preflight), preflight.arch, FORCE_ROW.size, 1)
@@ -247,6 +252,7 @@ class Forces(Force):
 
     @ti.func
     def acceleration(self, own, total):
+        """Acceleration [m/s2] of a particle by its sums of pressure and friction."""
         a = self.prefactor(own) * vec3(total, self.terms.push)
         if ti.static(self.viscous):
             a += self.rubbing * vec3(total, self.terms.rub)
@@ -386,11 +392,13 @@ class Dfsph(Sph):
             self.status = self.accounts.status(self.summary, self.grid)
 
     def arrive(self) -> None:
+        """Sort the particles at their present positions, and compute their density."""
         self.settle(self.summary, self.report)
         if self.closed:
             self.level[None] = self.report[TOO_DENSE] / self.particles.count.now
 
     def step(self, dt: float) -> None:
+        """Predict velocities, solve for divergence, then for density, move the particles, and update their fields."""
         total, n = self.totals(), self.particles.count.now
         stirred = total.squared_speed - total.velocity @ total.velocity / n  # about their mean velocity
         calm = stirred < n * (CALM_RMS_SPEED * self.reference_speed) ** 2

@@ -57,6 +57,7 @@ class Config(waves.GrowingTrain, FluidConfig):
         return found
 
     def still_limits(self, preflight: Preflight) -> Limits:
+        """Limits of the time step, the same as in waves."""
         return self.smooth
 
     @property

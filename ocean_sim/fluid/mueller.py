@@ -55,6 +55,7 @@ class Config(SphConfig):
 
     @model_validator(mode="after")
     def _one_stiffness(self) -> "Config":
+        """Validate that not both `compression` and `stiffness` are given."""
         if self.compression is not None and self.stiffness is not None:
             raise ValueError("give either compression or stiffness [m2/s2], not both")
         return self
@@ -163,8 +164,7 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def pressure(self, p_i, p_j, r, q):
-        """Pressure term of a pair (2.16): (p_i + p_j) (h - r) / r along x_ij, the gradient of the spiky kernel over its
-        constant and q = h - r."""
+        """Pressure term of a pair (2.16): (p_i + p_j) (h - r) / r along x_ij, without constant and q = h - r."""
         return (p_i + p_j) * q / r
 
     @ti.func

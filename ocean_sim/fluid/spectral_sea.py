@@ -180,6 +180,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         ]
 
     def still_limits(self, preflight: Preflight) -> Limits:
+        """Limits of the time step, the same as in waves."""
         return self.smooth(self.tile_of(preflight.tank))
 
     def smooth(self, tile: Tile) -> Limits:
@@ -323,10 +324,12 @@ class SpectralSea(OpenWater):
 
     @property
     def work(self) -> dict[str, float]:
+        """Work [J] of breaking crests on the sea since the start; empty if not summed or without breaking."""
         broken = self.breaking
         return {"breaking": -self.rest_density * broken.lost} if self.accounts and broken is not None else {}
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
+        """Heights (m,) [m] at points x, z (m, 2) [m] without the waves of ships."""
         if not any(made.ship is not None for made in self.made):
             return elevation
         at = np.asarray(points, dtype=float) - self.drift
@@ -341,6 +344,7 @@ class SpectralSea(OpenWater):
 
     @property
     def can_be_disturbed(self) -> bool:
+        """True if the water has tiles (a nonlinear sea, wind or ships) or a current."""
         return bool(self.tiles) or any(self.current)
 
     def begin(self, sea: waves.Components) -> None:

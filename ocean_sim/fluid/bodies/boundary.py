@@ -71,8 +71,7 @@ class Body:
 
 
 def plane_pressure(away: np.ndarray, smoothing: Smoothing, spacing: float) -> float:
-    """Push on a particle by planes of particles at distances `away` (k,) [m], over that of one pair: the sum of -grad W
-    / slope across the planes."""
+    """Push on a particle by planes of particles at distances `away` (k,) [m], over slope: sum of -grad W."""
     last = ceil(smoothing.support / spacing)
     along = spacing * np.array(list(product(range(-last, last + 1), repeat=smoothing.dimension - 1)), dtype=float)
     r = np.sqrt(away[:, None] ** 2 + (along**2).sum(axis=1))
@@ -325,8 +324,7 @@ class Boundary:
 
     @ti.func
     def head(self, x, a, s, d, mirror):
-        """Rise of p / rho [m2/s2] from a particle at x [m] with acceleration a [m/s2] to sample s, whose image in a
-        mirror lies at x + d [m]."""
+        """Rise of p / rho [m2/s2] from a particle at x [m] with acceleration a [m/s2] to a mirrored sample at x + d."""
         n, a_s = (
             mirror_direction(mirror, vector(self.normal, s)),
             mirror_direction(mirror, vector(self.acceleration, s)),
@@ -345,8 +343,7 @@ class Boundary:
 
     @ti.func
     def rubbing_velocity(self, v, s, mirror):
-        """Velocity [m/s] of sample s in friction with water of velocity v: v itself on a free-slip body, else
-        opposed."""
+        """Velocity [m/s] of sample s in friction with water of velocity v: v on a free-slip body, else opposed."""
         return ti.select(self.free[s] == 1, v, self.opposed_velocity(v, s, mirror))
 
     @ti.func
@@ -416,8 +413,7 @@ class Boundary:
                 borne[1, b, k] = borne[1, b, k] + torque[k]
 
     def works(self) -> np.ndarray:
-        """Work (k, 2) [J] of each body on the water since the start: all of it, and the part that the budget of the
-        water books under walls."""
+        """Work (k, 2) [J] of each body on the water since the start: all of it, and the part booked under walls."""
         return self.sum_by_body(self.work)
 
     def impulses(self) -> np.ndarray:

@@ -240,8 +240,8 @@ class Walls:
 
     @ti.func
     def leave_obstacle(self, b, x, v):
-        """Position [m] and velocity [m/s] of a particle after obstacle b: if inside, it bounces from the nearest face
-        that lies in the basin."""
+        """Position [m] and velocity [m/s] of a particle, after a bounce from the nearest face if it is in obstacle
+        b."""
         least, face, across = OPEN, -1, 0.0
         for k in ti.static(self.axes):
             below, above = x[k] - self.faces[b, 0, k], self.faces[b, 1, k] - x[k]

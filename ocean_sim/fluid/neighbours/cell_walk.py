@@ -78,8 +78,7 @@ class CellWalk:
 
     @ti.func
     def compact(self, names: Template, first, n, name):
-        """Replace n marks, 0 or 1, from `first` on by the numbers (from `name` on) of those that are 1; return their
-        count."""
+        """Replace n marks, 0 or 1, from `first` on by the numbers (from `name` on) of the ones; return how many."""
         kept = 0
         for a in range(n):
             marked = names[first + a]
@@ -105,8 +104,7 @@ class CellWalk:
 
     @ti.func
     def find_periodic_candidates(self, indices, middle, half, first, room):
-        """List the particles near a box next to a periodic side, as `find_candidates`, each with the code of the period
-        by which it is shifted."""
+        """List candidates next to a periodic side, as `find_candidates`, each with the code of its periodic shift."""
         grid = self.grid
         m, full = 0, 0
         for d in range(27):

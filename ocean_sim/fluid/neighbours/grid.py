@@ -96,8 +96,7 @@ class Grid:
 
     @ti.func
     def first_part(self, group):
-        """Number of the first occupied part of a group; for `group` = number of groups, the number of all occupied
-        parts. Groups have equally many."""
+        """Number of a group's first occupied part; for `group` = number of groups, the number of all occupied parts."""
         return group * self.occupied_count[None] // ti.static(self.size.groups)
 
     @ti.func

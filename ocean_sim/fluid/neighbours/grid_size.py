@@ -137,8 +137,7 @@ class GridSize:
         return int(self.halves**self.lattice.basin.dimension)
 
     def quantum(self, eps: float) -> float:
-        """Smallest step [m], a power of two, of positions that are exact everywhere in the basin in a float type of
-        relative spacing `eps`."""
+        """Smallest step [m], a power of two, of positions exact anywhere in the basin in floats of spacing `eps`."""
         basin = self.lattice.basin
         return eps * 2.0 ** floor(log2(max(map(abs, (*basin.lower, *basin.upper)))))
 

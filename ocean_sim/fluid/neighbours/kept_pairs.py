@@ -40,8 +40,7 @@ class KeptLaw(Law):
 
     @abstractmethod
     def kept_image(self, other: Any, name: Any, away: Any) -> Any:
-        """Row of the image of a neighbour with row `other`; `name` codes the mirrored axes, `away` points from the
-        image into the water."""
+        """Row of the image of neighbour `other`; `name`: code of its mirrored axes; `away`: vector into the water."""
 
     @abstractmethod
     def kept_pair(self, own: Any, other: Any, gradient: Any) -> Any:
@@ -58,8 +57,7 @@ class KeptPairs(ABC):
 
     @abstractmethod
     def walk(self, law: Any) -> None:
-        """ti.func, at the top of a kernel: for every particle, sum law.kept_pair over its neighbours and over its
-        images, then call law.finish."""
+        """ti.func, at the top of a kernel: sum law.kept_pair over all pairs of each particle, then call law.finish."""
 
     @ti.func
     def particle_row(self, law: Template, j):
@@ -98,6 +96,7 @@ class PairSlots(KeptPairs):
 
     @ti.func
     def walk(self, law: Template):
+        """Sum law.kept_pair over the slots of each particle, then call law.finish; at the top of a kernel."""
         for t in range(self.tasks.iterations):
             if t % self.tasks.stride == 0:
                 self.walk_group(t // self.tasks.stride, law)
@@ -191,6 +190,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def walk(self, law: Template):
+        """Sum law.kept_pair over the candidates of each particle, then call law.finish; at the top of a kernel."""
         for g in range(self.groups * TASK_ITERATIONS):
             if g % TASK_ITERATIONS == 0:
                 self.walk_group(g // TASK_ITERATIONS, law)

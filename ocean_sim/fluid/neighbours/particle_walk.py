@@ -130,6 +130,7 @@ class WideAccounts(Accounts):
                     self.blocks.given[b, term, k] = four[k]
 
     def totals(self) -> dict[str, np.ndarray]:
+        """Impulse [N s] and work [J] of each force term since the start, (4,) each, by name; empty if not summed."""
         if self.impulses:
             self.add_up_impulses()
         return self.blocks.totals()
@@ -140,8 +141,7 @@ class RowLaw:
     """Adapter from a pair law to a point sum, over the particles around a particle or over their images."""
 
     def __init__(self, law: Law, grid: Grid, reflected: bool) -> None:
-        """Adapt a law; `reflected`: True for images. Then the particle's row is followed by the set of mirroring sides,
-        one bit a side."""
+        """Adapt a law; `reflected`: for images, whose set of sides, one bit a side, follows the particle's row."""
         self.law, self.images, self.reflected, self.sums = law, grid.images, reflected, law.terms.size
         self.periodic = any(grid.basin.periods)
 

@@ -62,8 +62,7 @@ class PointSum:
     """Sums of a PointLaw over all water within one support of a point."""
 
     def __init__(self, position: Iterable[ti.Field], grid: Grid, start: ti.Field | None = None) -> None:
-        """Sum over points sorted by cell. `position`: fields of x, y and z [m]; `start`: first index of every cell, by
-        default the grid's."""
+        """Sum over points x, y, z [m], sorted by cell; `start`: first point of every cell, by default the grid's."""
         self.position, self.grid, self.start = tuple(position), grid, grid.start if start is None else start
         self.periods, self.across = grid.basin.periods, grid.basin.periods[0] > 0.0
         self.images = grid.images

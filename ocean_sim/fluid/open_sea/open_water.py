@@ -49,6 +49,7 @@ class OpenWater(Fluid):
 
     @ti.func
     def elevation(self, x, z):
+        """Elevation [m] at x, z [m] of the plane waves plus those on sheets, at the present time."""
         eta = self.waves.elevation(x, z)
         for sheet in ti.static(self.sheets):
             eta += sheet.elevation(x, z, sheet.now)
@@ -80,6 +81,7 @@ class OpenWater(Fluid):
         return Window(self, size, step, depths)
 
     def arriving(self, x: float, z: float) -> Arriving:
+        """Plane waves at x, z [m], grown by their ramp, when the last step began."""
         sea, (dx, dz) = self.waves.sea, np.array([x, z]) - self.before * np.array(self.current)
         angle = sea.wavevector[:, 0] * dx + sea.wavevector[:, 1] * dz + sea.phase - sea.omega * self.before
         heading = np.arctan2(sea.wavevector[:, 0], sea.wavevector[:, 1])
@@ -90,6 +92,7 @@ class OpenWater(Fluid):
         return self.water_elevations(np.asarray(points, dtype=float) - self.drift)
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
+        """Heights (m,) [m] without waves of ships: here `elevation` itself."""
         return elevation
 
     def water_elevations(self, points: np.ndarray) -> np.ndarray:
@@ -111,6 +114,7 @@ class OpenWater(Fluid):
         return self.flow_velocities(at, y)
 
     def surface_velocities(self, points: np.ndarray) -> np.ndarray:
+        """Velocities (m, 3) [m/s] of the surface at points x, z (m, 2) [m]."""
         at = np.asarray(points, dtype=float) - self.drift
         return self.flow_velocities(at, np.zeros(len(at)))
 
@@ -160,10 +164,12 @@ class WaterForShip(OpenWater):
 
     @property
     def before(self) -> float:  # type: ignore[override]
+        """Time [s] at which the last step began."""
         return self.whole.before
 
     @property
     def drift(self) -> np.ndarray:  # type: ignore[override]
+        """Distance along x and z (2,) [m] by which the current has carried the water."""
         return self.whole.drift
 
     @property

@@ -47,6 +47,7 @@ class Tile:
 
     @property
     def shape(self) -> tuple[int, int]:
+        """Numbers of cells along x and z."""
         return self.cells, self.rows
 
     @property

@@ -92,8 +92,7 @@ class Window:
         self.clock[None] = self.span
 
     def lay(self, centre: tuple[float, float], heading: tuple[float, float]) -> None:
-        """Sum the waves anew on a lattice around `centre` x, z [m] with its first axis along the unit vector
-        `heading`."""
+        """Sum the waves anew on a lattice around `centre` x, z [m], its first axis along unit vector `heading`."""
         sea, time = self.water.waves.sea, self.water.before
         self.start = time
         kx, kz = sea.wavevector.T

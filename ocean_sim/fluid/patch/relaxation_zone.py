@@ -102,8 +102,7 @@ class RelaxationBand:
 
     @property
     def wake_transmission(self) -> float:
-        """Share of the height that the highest waves keep across the whole relaxation zone; in calm water, waves as
-        long as 4/3 of its width."""
+        """Share of the height of the highest waves (in calm water, of 4/3 of its width) that passes the rim."""
         basin, calm = self.lattice.basin, 2.0 * pi * RIM_WIDTH_WAVES / self.width
         k = calm if self.sea is None else float(self.sea.wavenumber[self.sea.highest])
         group = float(waves.group_speed(k, basin.depth, waves.downward_gravity(basin)))

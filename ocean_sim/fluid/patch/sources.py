@@ -40,8 +40,7 @@ class Source(Protocol):
     """Interface of the sea that fills a SeaTable, before its ramp is applied."""
 
     def modes(self, time: float) -> np.ndarray:
-        """Complex modes (levels, values, nodes along x, nodes along z), whose Fourier sum is the table at a time [s];
-        times must not decrease."""
+        """Complex modes (levels, values, nodes x, nodes z) of the table at a time [s]; times must not decrease."""
         ...
 
 
@@ -116,8 +115,7 @@ class SteepSource:
 
 
 def feed_factors(band: RelaxationBand, sea: Components, tile: Tile) -> tuple[np.ndarray, np.ndarray]:
-    """Factors Re f and Im f g / omega of each mode of a tile, (cells, columns) each, with the feed f of the waves
-    interpolated by wavenumber."""
+    """Factors Re f and Im f g / omega (cells, columns) of a tile's modes, from the waves' feed f by wavenumber."""
     order = np.argsort(sea.wavenumber)
     k, f = sea.wavenumber[order], band.feed[order]
     real, imaginary = (np.interp(tile.k, k, of) for of in (f.real, f.imag))

@@ -47,8 +47,7 @@ class Pull:
 
     @ti.func
     def at(self, x, v):
-        """Acceleration [m/s2] of water at x [m] with velocity v [m/s] in the tank's axes: g - a - alpha x r - omega x
-        (omega x r) - 2 omega x v."""
+        """Acceleration [m/s2] at x [m], v [m/s] in tank axes: g - a - alpha x r - omega x (omega x r) - 2 omega x v."""
         a = self.constant
         if ti.static(self.moving):
             r, omega = x - self.frame[FRAME_PIVOT], self.frame[FRAME_RATE]

@@ -60,6 +60,7 @@ class StandingWave(Start):
 
     @model_validator(mode="after")
     def _one_size(self) -> "StandingWave":
+        """Validate that exactly one of `height` and `amplitude` is given."""
         if (self.height is None) == (self.amplitude is None):
             raise ValueError("give either height [m] or amplitude [m], half of it")
         return self
@@ -310,9 +311,8 @@ def displaced_state(sea: waves.Components, positions: np.ndarray, basin: Basin, 
 
 
 def bearable_waves(sea: waves.Components, height: float, shortest: float = 0.0) -> waves.Components:
-    """Random waves of a significant height [m] that are linear waves of their own and not shorter than `shortest` [m]:
-    those beyond k = 2 / Hs ride on the others (Stansberg et al. 2008, Marine Structures 21). The rest carry their
-    variance."""
+    """Random waves of a significant height [m], without those shorter than `shortest` [m] or beyond k = 2 / Hs, which
+    ride on the others (Stansberg et al. 2008, Marine Structures 21); the rest carry their variance."""
     k = sea.wavenumber
     found = sea.select((k < 2.0 / height) & (shortest * k < 2.0 * pi))
     share = np.linalg.norm(sea.amplitude) / np.linalg.norm(found.amplitude)

@@ -121,10 +121,12 @@ class MomentumLaw(Force):
 
     @ti.func
     def sample(self, own, s, d, mirror):
+        """Row of sample s of a solid body, with the particle's own pressure continued to it."""
         return self.continued_sample(own, s, d, mirror)
 
     @ti.func
     def acceleration(self, own, total):
+        """Acceleration [m/s2] of a particle with row `own` by its sum of pair terms."""
         both = vec3(total, self.terms.push)
         if ti.static(self.options.apart):
             both += vec3(total, self.terms.rub)
@@ -210,8 +212,7 @@ class MomentumLaw(Force):
 
 @in_kernels
 class PairSph(Sph):
-    """Scheme of symplectic Euler steps: its `momentum` law moves particles, then they are sorted, and its `density` law
-    sums density and pressure."""
+    """Scheme of symplectic Euler steps: a `momentum` law moves particles, a `density` law sums density and pressure."""
 
     momentum: MomentumLaw
     density: Law
@@ -220,6 +221,7 @@ class PairSph(Sph):
         self.settle(self.summary)
 
     def step(self, dt: float) -> None:
+        """Move the particles for dt [s], sort them, and sum density and pressure."""
         self.move(dt, self.wind.since)
         self.settle(self.summary)
 

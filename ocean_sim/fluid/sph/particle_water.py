@@ -97,6 +97,7 @@ class ParticleWater(ParticleFluid):
 
     @property
     def can_be_disturbed(self) -> bool:
+        """True if the particles are a patch of open sea."""
         return self.joined
 
     @property
@@ -112,6 +113,7 @@ class ParticleWater(ParticleFluid):
         self.accounts.idle = tuple(term for term in self.accounts.idle if term != SHIP)
 
     def add_ships(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
+        """Let a patch of open sea follow these ships; return this water for each."""
         if self.joined and ships:
             self.rim.follow(ships)
         return super().add_ships(ships)
@@ -234,10 +236,12 @@ class ParticleWater(ParticleFluid):
 
     @property
     def impulse(self) -> dict[str, np.ndarray]:
+        """Impulse (3,) [N s] on the water since the start, by name of the force term; empty if not summed."""
         return {term: row[:WORK_COLUMN] for term, row in self.budget().items() if term != TERM_NAMES[DIFFUSION]}
 
     @property
     def work(self) -> dict[str, float]:
+        """Work [J] on the water since the start, by name of the force term; empty if not summed."""
         return {term: float(row[WORK_COLUMN]) for term, row in self.budget().items()}
 
     @ti.func

@@ -110,8 +110,7 @@ class Compression(KeptLaw):
 
     @ti.func
     def judge_particle(self, i, rate, group):
-        """Compute the residual of particle i from `rate`, its sum over pairs, and its next pressure; add its errors to
-        the sums of its group."""
+        """Compute residual and next pressure of particle i from `rate`, its sum over pairs; count its errors."""
         fluid, solver, dt = self.fluid, self.solver, self.fluid.dt[None]
         r = dt * self.rate * rate
         if ti.static(solver.restores):

@@ -100,6 +100,7 @@ class SphConfig(WaterConfig):
         return self.kinematic_viscosity
 
     def problems(self, preflight: Preflight) -> Problems:
+        """Faults (key, sentence) of these keys in this basin, also of sizes beyond 32-bit counts and of a rough bed."""
         found, basin = super().problems(preflight), preflight.tank
         if self.sound_speed(basin) == 0.0:
             found.append((("reference_speed",), "is required without gravity: compression needs a speed to refer to"))
@@ -119,6 +120,7 @@ class SphConfig(WaterConfig):
         return found
 
     def most_particles(self, preflight: Preflight) -> int:
+        """Largest number of particles, roughly, whose neighbours can be counted in 32 bits."""
         sizes = self.untouched_sizes(preflight)
         counted = sizes.plan.highest_index(sizes, self.neighbours_kept(preflight.tank))
         return min(MOST_PARTICLES, sizes.lattice.n * MAX_COUNT // max(counted, 1))
@@ -207,8 +209,7 @@ class SphConfig(WaterConfig):
         return []
 
     def weight_warnings(self, basin: Basin, duration: float) -> list[str]:
-        """Warning if gravity along the basin, a body force or the tank's motion compress the water notably; an axis
-        without walls does not count."""
+        """Warning if gravity along the basin, a body force or the tank's motion notably compress the water."""
         still = np.add(basin.gravity, self.body_force)
         motion = basin.config.motion.build() if basin.config.motion is not None else None
         times = np.linspace(0.0, duration, MOTION_SAMPLES)
@@ -255,6 +256,7 @@ class SphConfig(WaterConfig):
         return self.kinematic_viscosity
 
     def losses(self, lattice: Lattice, sea: waves.Components) -> np.ndarray | None:
+        """Complex decay rate (n,) [1/s] of each wave of a sea by measured viscosity and delay; None if not measured."""
         basin, attenuation = lattice.basin, self.attenuation
         if attenuation is None or self.ratio(basin) != self.default_ratio[basin.dimension - 2]:
             return None
@@ -451,6 +453,7 @@ class Sph(ParticleWater):
             self.boundary.sort()
 
     def limits(self) -> Limits:
+        """Limits of the next step by sound, viscosity, highest speed and highest acceleration."""
         nu, acceleration = self.kinematic_viscosity, self.status.max_acceleration
         return step_limits(self.smoothing, self.sound_speed, nu, self.max_speed, acceleration)
 
@@ -461,6 +464,7 @@ class Sph(ParticleWater):
 
     @property
     def impulse(self) -> dict[str, np.ndarray]:
+        """Impulse (3,) [N s] by force term, obstacles and floating bodies apart from walls; empty if not summed."""
         total = super().impulse
         if total and self.boundary is not None:
             given, fixed = -self.boundary.impulses(), len(self.grid.basin.obstacles)
@@ -471,6 +475,7 @@ class Sph(ParticleWater):
 
     @property
     def work(self) -> dict[str, float]:
+        """Work [J] by force term, with moving bodies apart from walls; empty if not summed."""
         total = super().work
         if total and self.boundary is not None and self.boundary.working:
             (done, counted), fixed = self.boundary.works().T, len(self.grid.basin.obstacles)

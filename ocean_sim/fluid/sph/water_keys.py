@@ -57,6 +57,7 @@ class WaterConfig(FluidConfig):
     @field_validator("spacing", "particles", mode="before")
     @classmethod
     def _one_size(cls, value: Any) -> Any:
+        """Validate that `spacing` and `particles` are single numbers: particles of mixed size are not modelled."""
         if isinstance(value, (list, tuple)):
             raise ValueError(
                 "particles of mixed size are not modelled: their forces would not be symmetric; give one number"
@@ -65,6 +66,7 @@ class WaterConfig(FluidConfig):
 
     @model_validator(mode="after")
     def _one_resolution(self) -> "WaterConfig":
+        """Validate that exactly one of `spacing` and `particles` is given."""
         if (self.spacing is None) == (self.particles is None):
             raise ValueError("give either spacing [m] or particles, a budget")
         return self
@@ -140,6 +142,7 @@ class WaterConfig(FluidConfig):
         return Lattice(self, basin)
 
     def problems(self, preflight: Preflight) -> Problems:
+        """Faults (key, sentence) of boxes, initial state, emitter and particle number in this basin."""
         basin = preflight.tank
         found: Problems = []
         if basin.dimension == 2 and self.body_force[2] != 0.0:

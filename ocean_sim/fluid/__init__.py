@@ -230,7 +230,7 @@ class Fluid(Protocol):
         return self.velocities(np.insert(points, 1, self.elevations(points), axis=1))
 
     def foam(self, points: np.ndarray) -> np.ndarray | None:
-        """Share (m,) of the surface that is white with foam at points x, z (m, 2) [m]; None if breaking is ignored."""
+        """White share (m,) of the surface by foam at points x, z (m, 2) [m]; None if breaking is not modelled."""
         return None
 
     def limits(self) -> Limits:
@@ -252,7 +252,8 @@ class Arriving(NamedTuple):
     wavenumber: np.ndarray  # [rad/m]
 
     def encounter_frequencies(self, velocity: np.ndarray) -> np.ndarray:
-        """Encounter frequencies (n,) [rad/s] at a place of this velocity (3,) [m/s]; negative if it overtakes."""
+        """Encounter frequencies (n,) [rad/s] at a velocity (3,) [m/s] through the water; negative of overtaken
+        waves."""
         ahead = np.sin(self.heading) * velocity[0] + np.cos(self.heading) * velocity[2]
         return self.omega - self.wavenumber * ahead
 

@@ -294,7 +294,8 @@ class Continuity(Law):
 
     @ti.func
     def image(self, other, mirror):
-        """Row of the image of a neighbour in a side: normal velocity reversed, density continued hydrostatically."""
+        """Field values of a neighbour's image in a side: normal velocity reversed, density continued
+        hydrostatically."""
         x, image = vec3(other, self.row.position), mirror_row_free_slip(mirror, other)
         pull = self.fluid.pull.at_rest(mirror_midpoint(mirror, x))
         image[self.row.deviation] += self.heavier * hydrostatic_offset(mirror, x, pull)
@@ -302,9 +303,9 @@ class Continuity(Law):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Row of sample s of a solid body: it moves with the body, and no density diffuses into it. Only so does water
-        that comes to a face gain the density that the samples add to its sum, and lose it as it goes: moved against the
-        water, as images are, a sample at rest would add twice that, and press twice as hard on a stream."""
+        """Field values of sample s of a solid body: it moves with the body, and no density diffuses into it. Only so
+        does water that comes to a face gain the density that samples add to its sum, and lose it as it goes: moved
+        against the water, as images are, a sample at rest would add twice that, and press twice as hard on a stream."""
         other = row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
         still = self.still_gradient(vec3(own, self.row.position) + 0.5 * d)
         other[self.row.deviation] = own[self.row.deviation] + still.dot(d)
@@ -430,12 +431,12 @@ class Shear(Law):
 
     @ti.func
     def image(self, other, mirror):
-        """Row of the image of a neighbour in a frictionless side."""
+        """Field values of the image of a neighbour in a frictionless side."""
         return mirror_row_free_slip(mirror, other)
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Row of sample s of a solid body, at d [m], with the velocity of the body."""
+        """Field values of sample s of a solid body, at d [m], with the velocity of the body."""
         return row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
 
     @ti.func

@@ -124,7 +124,7 @@ class Config(SphConfig):
         return self.limits_at(basin, 0.0, float(np.linalg.norm(np.add(basin.gravity, self.body_force))))
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warn also of a support so small that still water stirs."""
+        """Warnings of every SPH scheme, and of a support so small that still water stirs."""
         found, basin = super().warnings(preflight), preflight.tank
         ratio = self.ratio(basin)
         if ratio < MIN_STEADY_SUPPORT[basin.dimension - 2] and not self.is_enclosed(basin):
@@ -245,7 +245,7 @@ class Forces(Force):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Row of sample s of a solid body, at d [m], which has no pressure of its own (2017, section 5)."""
+        """Field values of sample s of a solid body, at d [m], which has no pressure of its own (2017, section 5)."""
         other = self.rubbing_sample(own, s, d, mirror)
         other[self.row.pressure] = 0.0
         return other
@@ -292,7 +292,8 @@ class Forces(Force):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Predict the velocity of particle i at the end of the step, where the divergence solver starts."""
+        """Predict the velocity of particle i under these forces at the end of the step, where the divergence solver
+        starts."""
         fluid, u = self.fluid, self.fluid.particles.velocity
         dt, x, v = fluid.dt[None], vec3(own, self.row.position), tm.vec3(u.x[i], u.y[i], u.z[i])
         beyond = self.with_bodies(beyond, x, own)

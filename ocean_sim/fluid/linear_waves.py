@@ -48,7 +48,7 @@ class Config(waves.GrowingTrain, FluidConfig):
         return [NO_DRIFT] if preflight.ships and self.scale[0] > 0.0 else []
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warn of a run shorter than the ramp of the waves, and of a wind, which these waves do not feel."""
+        """Warnings of a run shorter than the ramp of the waves, and of a wind, which these waves do not feel."""
         found: list[str] = []
         if self.scale[0] > 0.0:
             found += waves.cut_short(preflight.duration, self.with_ramp(self.sea(preflight.tank)).ramp)

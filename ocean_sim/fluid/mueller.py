@@ -1,5 +1,4 @@
-"""Water by the scheme of the thesis: Mueller, Charypar & Gross (2003), with symmetric pressure; (2.13) to (2.18),
-(2.25).
+"""Water by the thesis's scheme: Mueller, Charypar & Gross (2003), symmetric pressure; (2.13) to (2.18), (2.25).
 
 Weakly compressible by p = k (rho - rho0) (2.15). Density is summed, so the outermost layer, which lacks neighbours,
 reads too thin; the clamp `minimum_pressure` keeps that from pulling the surface together.
@@ -65,7 +64,7 @@ class Config(SphConfig):
         return sqrt(self.stiffness) if self.stiffness else super().sound_speed(basin)
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warn also of a viscosity so low that still water of this scheme boils."""
+        """Warnings of every SPH scheme, and of a viscosity so low that still water boils."""
         found, basin = super().warnings(preflight), preflight.tank
         least = CALMING_VISCOSITY[basin.dimension - 2] * self.sound_speed(basin) * self.lattice(basin).spacing
         pull = waves.downward_gravity(basin)
@@ -157,7 +156,7 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Row of sample s of a solid body: continued pressure, and the volume of water at rest density."""
+        """Field values of sample s of a solid body: continued pressure, and the volume of water at rest density."""
         other = self.continued_sample(own, s, d, mirror)
         other[self.row.volume] = 1.0 / self.fluid.rest_density
         return other

@@ -71,7 +71,7 @@ class Body:
 
 
 def plane_pressure(away: np.ndarray, smoothing: Smoothing, spacing: float) -> float:
-    """Push on a particle by planes of particles at distances `away` (k,) [m], over slope: sum of -grad W."""
+    """Sum of -grad W / slope over planes of particles at distances `away` (k,) [m]: their push on a particle."""
     last = ceil(smoothing.support / spacing)
     along = spacing * np.array(list(product(range(-last, last + 1), repeat=smoothing.dimension - 1)), dtype=float)
     r = np.sqrt(away[:, None] ** 2 + (along**2).sum(axis=1))

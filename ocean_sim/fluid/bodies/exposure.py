@@ -66,7 +66,7 @@ class Exposure(Law):
         self.add_bodies(boundary)
 
     def renew_if_due(self, dt: float, speed: float) -> None:
-        """Compute the areas anew once water and crests may have gone half a spacing at `speed` [m/s] over dt [s]."""
+        """Compute the areas anew if water and crests, of this `speed` [m/s] together, may have moved half a spacing."""
         if self.left <= 0.0:
             self.find_areas()
             self.left = RENEWAL_DISTANCE * self.particles.spacing

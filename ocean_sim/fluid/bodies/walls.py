@@ -53,7 +53,7 @@ class Zone:
 
     @cached_property
     def sent_back(self) -> tuple[float, float]:
-        """Reflection coefficient of the zone by linear theory, for the highest waves and for the whole sea."""
+        """Reflection coefficients of the zone by linear theory: of the highest waves, and of the whole sea."""
         assert self.coming is not None
         return sea_reflection(self.coming, self.length, self.rate)
 
@@ -86,7 +86,7 @@ class Zone:
 
 
 def scene_waves(basin: Basin, initial: Initial | None) -> waves.Components | None:
-    """Waves of a scene: of its wavemaker, initial state or moving tank, whichever it has first; None without any."""
+    """Waves of a scene: of its wavemaker, else its initial state, else its moving tank; None if there are none."""
     if any(waves.basin_faults(basin)):
         return None
     if basin.piston is not None:
@@ -240,8 +240,7 @@ class Walls:
 
     @ti.func
     def leave_obstacle(self, b, x, v):
-        """Position [m] and velocity [m/s] of a particle, after a bounce from the nearest face if it is in obstacle
-        b."""
+        """Position [m] and velocity [m/s] of a particle; in obstacle b, after a bounce from its nearest face."""
         least, face, across = OPEN, -1, 0.0
         for k in ti.static(self.axes):
             below, above = x[k] - self.faces[b, 0, k], self.faces[b, 1, k] - x[k]

@@ -88,8 +88,8 @@ class CellWalk:
 
     @ti.func
     def find_candidates(self, c, code, middle, half, first, room):
-        """List the particles near a box around cell c, with their code, from index `first` on; return their number, or
-        -1 if they are more than `room`."""
+        """List the particles near a box around cell c, each with `code` (its periodic shift), from index `first` on;
+        return their number, or -1 if they are more than `room`."""
         grid = self.grid
         m, full = 0, 0
         for dz in range(-1, 2):

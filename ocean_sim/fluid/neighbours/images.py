@@ -115,7 +115,7 @@ def mirror_velocity(mirror, v):
 
 @ti.func
 def mirror_row(mirror, other):
-    """Row of fields of a neighbour's image: position and velocity, its first columns, mirrored, others unchanged."""
+    """Field values of a neighbour's image: position and velocity, its first columns, mirrored, others unchanged."""
     x_image = mirror_position(mirror, vec3(other, MOTION_COLUMNS.position))
     v_image = mirror_velocity(mirror, vec3(other, MOTION_COLUMNS.velocity))
     image = other
@@ -126,7 +126,7 @@ def mirror_row(mirror, other):
 
 @ti.func
 def mirror_row_free_slip(mirror, other):
-    """Row of fields of a neighbour's image in a side taken as frictionless. Water that a rough side drags along is
+    """Field values of a neighbour's image in a side taken as frictionless. Water that a rough side drags along is
     neither pressed together nor drawn apart by it (Marrone et al. 2011, CMAME 200, section 3.2)."""
     image = mirror_row(mirror, other)
     for k in ti.static(range(3)):

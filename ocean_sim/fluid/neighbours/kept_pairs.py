@@ -40,7 +40,8 @@ class KeptLaw(Law):
 
     @abstractmethod
     def kept_image(self, other: Any, name: Any, away: Any) -> Any:
-        """Row of the image of neighbour `other`; `name`: code of its mirrored axes; `away`: vector into the water."""
+        """Field values of the image of neighbour `other`; `name`: code of mirrored axes; `away`: vector into the
+        water."""
 
     @abstractmethod
     def kept_pair(self, own: Any, other: Any, gradient: Any) -> Any:

@@ -47,7 +47,7 @@ class Delay:
     high: float = 0.0
 
     def share(self, k: np.ndarray, height: float, spacing: float) -> np.ndarray:
-        """Relative delay (n,) of waves of wavenumbers k (n,) [rad/m] in a sea of this height, at a spacing [m]."""
+        """Relative delay (n,) of waves of wavenumbers k (n,) [rad/m] in a sea of a height [m], at a spacing [m]."""
         return self.low / (1.0 + self.high * (height / spacing) ** 3) * (k * spacing) ** 2
 
 

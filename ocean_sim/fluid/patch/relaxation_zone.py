@@ -102,7 +102,7 @@ class RelaxationBand:
 
     @property
     def wake_transmission(self) -> float:
-        """Share of the height of the highest waves (in calm water, of 4/3 of its width) that passes the rim."""
+        """Share of the highest waves' height that passes the rim; in calm water, of waves 4/3 rim widths long."""
         basin, calm = self.lattice.basin, 2.0 * pi * RIM_WIDTH_WAVES / self.width
         k = calm if self.sea is None else float(self.sea.wavenumber[self.sea.highest])
         group = float(waves.group_speed(k, basin.depth, waves.downward_gravity(basin)))

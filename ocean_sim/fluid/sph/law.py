@@ -64,17 +64,18 @@ class Law(ABC):
 
     @ti.func
     def image(self, other, mirror):
-        """Row of the image of a neighbour with row `other` in a flat side, given by its `mirror` (Images.mirror)."""
+        """Field values of the image of a neighbour (values `other`) in a flat side, given by its `mirror` matrix."""
         return mirror_position(mirror, other)
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Row of sample s of a solid body, whose image in `mirror` lies at d [m] from the particle with row `own`."""
+        """Field values of sample s of a solid body, at d [m] in a `mirror` from the particle with values `own`."""
         return own + d
 
     @abstractmethod
     def pair(self, own: Any, other: Any) -> Any:
-        """Term of one neighbour, without the prefactor; `own`, `other`: rows of the particle and of its neighbour."""
+        """Term of one neighbour, without the prefactor; `own`, `other`: field values of the particle and of its
+        neighbour."""
 
     @abstractmethod
     def finish(self, i: Any, own: Any, total: Any, beyond: Any, group: Any) -> None:

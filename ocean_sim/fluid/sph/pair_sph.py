@@ -61,7 +61,8 @@ class Force(Law):
 
     @ti.func
     def image(self, other, mirror):
-        """Row of a neighbour's image in a side: velocity mirrored by the slip, pressure continued hydrostatically."""
+        """Field values of a neighbour's image in a side: velocity mirrored by the slip, pressure continued
+        hydrostatically."""
         x, image = vec3(other, self.row.position), mirror_row(mirror, other)
         pull = self.fluid.pull.at_rest(mirror_midpoint(mirror, x))
         image[self.row.pressure] += self.pressure_rise(hydrostatic_offset(mirror, x, pull))
@@ -69,7 +70,7 @@ class Force(Law):
 
     @ti.func
     def rubbing_sample(self, own, s, d, mirror):
-        """Row of sample s of a solid body, at d [m], with its velocity in friction; other columns are from `own`."""
+        """Field values of sample s of a solid body, at d [m], with its velocity in friction; others are from `own`."""
         return row_at(own, d, self.boundary.rubbing_velocity(vec3(own, self.row.velocity), s, mirror))
 
     @ti.func
@@ -112,7 +113,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def continued_sample(self, own, s, d, mirror):
-        """Row of sample s of a solid body: the particle's own pressure, continued to the sample by Boundary.head."""
+        """Field values of sample s of a solid body: the particle's own pressure, continued by Boundary.head."""
         other = self.rubbing_sample(own, s, d, mirror)
         a = tm.vec3([own[self.row.size + k] for k in ti.static(range(3))])
         head = self.boundary.head(vec3(own, self.row.position), a, s, d, mirror)
@@ -121,7 +122,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Row of sample s of a solid body, with the particle's own pressure continued to it."""
+        """Field values of sample s of a solid body, with the particle's own pressure continued to it."""
         return self.continued_sample(own, s, d, mirror)
 
     @ti.func

@@ -1,5 +1,4 @@
-"""Fields of the particles, one field a component, sorted by cell; the order changes from step to step, `id` does
-not."""
+"""Fields of the particles, one a component, sorted by cell: their order changes from step to step, `id` does not."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -63,7 +62,7 @@ class Count:
 
 
 class Growing(ScalarField):
-    """Field of one number per particle, with room for emitted ones, which `to_numpy` and `from_numpy` leave out."""
+    """Field of one number per particle, with room for those still to come, which `to_numpy` and `from_numpy` omit."""
 
     def __init__(self, field: ScalarField, count: Count) -> None:
         super().__init__(field.vars[0])

@@ -87,7 +87,7 @@ class Compression(KeptLaw):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Row of sample s of a solid body, which moves with the body."""
+        """Field values of sample s of a solid body, which moves with the body."""
         return row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
 
     @ti.func
@@ -154,7 +154,7 @@ class Push(KeptLaw):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Row of sample s of a solid body, at d [m]: a pressure of 0, since bodies have none of their own."""
+        """Field values of sample s of a solid body, at d [m]: a pressure of 0, since bodies have none of their own."""
         return tm.vec4(vec3(own, self.row.position) + d, 0.0)
 
     @ti.func

@@ -150,6 +150,7 @@ class SphConfig(WaterConfig):
             )
 
     def warnings(self, preflight: Preflight) -> list[str]:
+        """Warnings of stiffness, sides, sea and scale: settings with which results would be poor."""
         found, basin = super().warnings(preflight), preflight.tank
         if basin.rough_bed is not None:
             found += basin.rough_bed.warnings(self.lattice(basin).row)
@@ -266,6 +267,7 @@ class SphConfig(WaterConfig):
         return decay - 1j * sea.omega * self.delay.share(k, height, lattice.spacing)
 
     def statements(self, preflight: Preflight) -> list[str]:
+        """Sentences on sound speed, clamped pressures, bed, sea, absorbing zones and the decay of waves."""
         basin = preflight.tank
         c, speed = self.sound_speed(basin), self.speed(basin)
         found = [
@@ -390,7 +392,7 @@ def _of_bodies(grid: GridSize, word: int, accounts: bool, told: int) -> list[Led
 
 
 def has_bodies(basin: Basin) -> bool:
-    """True if solid bodies act on the water by samples: obstacles, or floating bodies of kind `pressure`."""
+    """True if solid bodies act on the water by samples: obstacles, or floating bodies that pair sums include."""
     return bool(basin.obstacles or any(solid.is_sampled for solid in basin.afloat.values()))
 
 

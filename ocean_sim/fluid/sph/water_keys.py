@@ -76,6 +76,7 @@ class WaterConfig(FluidConfig):
         return self.impulses
 
     def statements(self, preflight: Preflight) -> list[str]:
+        """Sentences on the motion limit and on the motion of gates."""
         found = []
         if self.motion_limit is not None:
             limit = f"{self.motion_limit:g}"
@@ -87,6 +88,7 @@ class WaterConfig(FluidConfig):
         return found
 
     def warnings(self, preflight: Preflight) -> list[str]:
+        """Warnings of gravity, rounding, short ramps, thin obstacles and fast gates."""
         found, tank, spacing = super().warnings(preflight), preflight.tank, preflight.spacing
         found += [*odd_gravity(tank.gravity), *falling_warnings(tank), *rounding_warnings(preflight)]
         if tank.piston is not None:

@@ -252,8 +252,7 @@ class Arriving(NamedTuple):
     wavenumber: np.ndarray  # [rad/m]
 
     def encounter_frequencies(self, velocity: np.ndarray) -> np.ndarray:
-        """Encounter frequencies (n,) [rad/s] at a velocity (3,) [m/s] through the water; negative of overtaken
-        waves."""
+        """Encounter frequencies (n,) [rad/s] at a velocity (3,) [m/s] through the water; < 0 of overtaken waves."""
         ahead = np.sin(self.heading) * velocity[0] + np.cos(self.heading) * velocity[2]
         return self.omega - self.wavenumber * ahead
 

@@ -294,8 +294,7 @@ class Continuity(Law):
 
     @ti.func
     def image(self, other, mirror):
-        """Field values of a neighbour's image in a side: normal velocity reversed, density continued
-        hydrostatically."""
+        """Field values of a neighbour's image in a side: normal velocity reversed, density continued by gravity."""
         x, image = vec3(other, self.row.position), mirror_row_free_slip(mirror, other)
         pull = self.fluid.pull.at_rest(mirror_midpoint(mirror, x))
         image[self.row.deviation] += self.heavier * hydrostatic_offset(mirror, x, pull)

@@ -292,8 +292,7 @@ class Forces(Force):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Predict the velocity of particle i under these forces at the end of the step, where the divergence solver
-        starts."""
+        """Predict the velocity of particle i after the step under these forces, where the divergence solver starts."""
         fluid, u = self.fluid, self.fluid.particles.velocity
         dt, x, v = fluid.dt[None], vec3(own, self.row.position), tm.vec3(u.x[i], u.y[i], u.z[i])
         beyond = self.with_bodies(beyond, x, own)

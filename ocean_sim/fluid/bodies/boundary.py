@@ -227,9 +227,8 @@ class Boundary:
         acceleration: ArrayLike = ZERO_VECTOR,
         angular_acceleration: ArrayLike = ZERO_VECTOR,
     ) -> None:
-        """Set the motion of body number `body` at the end of the next step: its origin at `position` (3,) [m], turned
-        from its axes to the tank's by `rotation` (3, 3), with velocity [m/s], angular velocity [rad/s], and both
-        accelerations."""
+        """Set the motion of body number `body` at the end of the next step: origin at `position` (3,) [m], turned from
+        its axes to the tank's by `rotation` (3, 3), velocity [m/s], angular velocity [rad/s], both accelerations."""
         rates = (velocity, angular_velocity, acceleration, angular_acceleration)
         row = np.concatenate([position, np.ravel(rotation), *rates, [0.0]])  # as MOTION_COLUMNS has them
         self.moved = self.moved or bool((row != self.motion[body]).any())

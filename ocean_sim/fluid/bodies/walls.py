@@ -75,7 +75,7 @@ class Zone:
 
     @property
     def warning(self) -> str | None:
-        """Sentence on a zone shorter than half a wavelength, which absorbs badly; None if it is long enough."""
+        """Sentence on a zone too short to absorb well, less than half a wavelength; None if it is long enough."""
         if self.coming is None or self.length >= MIN_ZONE_WAVES * self.wavelength:
             return None
         peak, _ = self.sent_back

@@ -41,9 +41,8 @@ class Accounts:
     """Extremes, impulse and work of steps, a row for each group of cells: no result depends on the order of threads."""
 
     def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...], apart: int = ROW_PADDING) -> None:
-        """Make `groups` rows. `impulses`: True if impulse and work of each force term are summed (f64); `absent`:
-        numbers of terms that the scene lacks; `apart`: numbers from one row to the next, ROW_PADDING where threads
-        write to few of them."""
+        """Make `groups` rows. `impulses`: sum impulse and work of each force term (f64); `absent`: numbers of terms
+        that the scene lacks; `apart`: numbers from row to row, ROW_PADDING where threads write to few of them."""
         self.groups, self.impulses = groups, impulses
         self.idle = absent  # terms that nothing in the scene gives
         self.overflow, self.clipped = (ti.field(int, shape=(groups, apart)) for _ in range(2))

@@ -40,8 +40,7 @@ class KeptLaw(Law):
 
     @abstractmethod
     def kept_image(self, other: Any, name: Any, away: Any) -> Any:
-        """Field values of the image of neighbour `other`; `name`: code of mirrored axes; `away`: vector into the
-        water."""
+        """Field values of the image of neighbour `other`; `name` codes its mirrored axes; `away` leads to water."""
 
     @abstractmethod
     def kept_pair(self, own: Any, other: Any, gradient: Any) -> Any:

@@ -74,8 +74,7 @@ class Law(ABC):
 
     @abstractmethod
     def pair(self, own: Any, other: Any) -> Any:
-        """Term of one neighbour, without the prefactor; `own`, `other`: field values of the particle and of its
-        neighbour."""
+        """Term of one neighbour, without the prefactor; `own`, `other`: field values of particle and neighbour."""
 
     @abstractmethod
     def finish(self, i: Any, own: Any, total: Any, beyond: Any, group: Any) -> None:

@@ -61,8 +61,7 @@ class Force(Law):
 
     @ti.func
     def image(self, other, mirror):
-        """Field values of a neighbour's image in a side: velocity mirrored by the slip, pressure continued
-        hydrostatically."""
+        """Field values of a neighbour's image: velocity mirrored by the slip, pressure continued hydrostatically."""
         x, image = vec3(other, self.row.position), mirror_row(mirror, other)
         pull = self.fluid.pull.at_rest(mirror_midpoint(mirror, x))
         image[self.row.pressure] += self.pressure_rise(hydrostatic_offset(mirror, x, pull))

@@ -36,7 +36,7 @@ class Limits:
     force: float = inf
 
     def and_of(self, other: Limits) -> Limits:
-        """Limits each of which is the shorter of this one's and the other's."""
+        """Combine these limits with others: of each time scale [s] the shorter one."""
         viscous, force = min(self.viscous, other.viscous), min(self.force, other.force)
         return Limits(min(self.acoustic, other.acoustic), viscous, force)
 
@@ -83,7 +83,7 @@ class Stops(Protocol):
 
 
 class Hull(Protocol):
-    """Hull of a ship among particles, at its present position."""
+    """Interface of a ship's hull that pushes particles, at the hull's present position."""
 
     distance: Any  # signed distance of a point
 
@@ -97,11 +97,11 @@ class Hull(Protocol):
 
 
 class Contact(Protocol):
-    """Ship that pushes particles: her hull, and the impulse and work of collisions with it."""
+    """Interface of a ship that pushes particles: her hull, and the impulse and work of collisions with it."""
 
     @property
     def hull(self) -> Hull:
-        """The hull that pushes the water."""
+        """Hull whose `push` accelerates the water."""
         ...
 
     given: np.ndarray  # (3,) impulse [N s] of collisions on the water, since the start
@@ -109,13 +109,13 @@ class Contact(Protocol):
 
 
 class Displacing(Protocol):
-    """A floating body whose displacement disturbs the water."""
+    """Interface of a floating body whose displacement makes waves, or whose position a patch of open sea follows."""
 
     body: Any  # `position` (3,) of its centre of mass [m]
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
-        """Places x, z (m, 2) [m] of the displaced water, and its volume at each (m,) [m3]; m is 0 where the body's law
-        of motion does not know them."""
+        """Positions x, z (m, 2) [m] of the water that the body displaces, and the volume at each (m,) [m3]; m is 0 if
+        the body's law of motion does not compute them."""
         ...
 
 
@@ -160,12 +160,11 @@ class Fluid(Protocol):
 
     @property
     def patch_centre(self) -> np.ndarray:
-        """(2,) x, z in the world [m] of the middle of a patch of open sea, which follows its ships; else of the
-        basin."""
+        """Centre x, z (2,) in the world [m] of a patch of open sea, which follows its ships; (0, 0) without a patch."""
         return np.zeros(2)
 
     def in_rim(self, points: np.ndarray) -> np.ndarray:
-        """(m,) mask of the points x, z (m, 2) in the world [m] that lie in the rim of a patch of open sea."""
+        """Mask (m,) of the points x, z (m, 2) in the world [m] in a patch's relaxation zone; False without a patch."""
         return np.zeros(len(points), dtype=bool)
 
     @property
@@ -175,12 +174,12 @@ class Fluid(Protocol):
 
     @property
     def impulse(self) -> dict[str, np.ndarray]:
-        """Impulse on the water by each term, by its name, since the start [N s], (3,) each; empty if not summed."""
+        """Impulse (3,) [N s] on the water since the start, by name of the force term; empty if not summed."""
         return {}
 
     @property
     def work(self) -> dict[str, float]:
-        """Work on the water by each term, by its name, since the start [J]; empty if not summed.
+        """Work [J] on the water since the start, by name of the force term; empty if not summed.
 
         Gravity includes the body force. The work of diffusion is the energy of its compression; that of breaking is the
         energy lost by a tile of nonlinear sea.
@@ -189,11 +188,11 @@ class Fluid(Protocol):
 
     @property
     def adjustable(self) -> dict[str, Setting]:
-        """Settings that `adjust` can change while the water moves."""
+        """Settings that `adjust` can change during a run, by name; none by default."""
         return {}
 
     def adjust(self, **values: float) -> None:
-        """Change settings named in `adjustable` during a run; no kernel is compiled anew."""
+        """Set the values of settings named in `adjustable` during a run, without compiling a kernel anew."""
         return
 
     def add_ships(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
@@ -202,7 +201,7 @@ class Fluid(Protocol):
         return (self,) * len(ships)
 
     def advance(self, dt: float) -> None:
-        """Advance by one step of dt [s]; raise Diverged where a neighbour list overflows."""
+        """Advance the water by one step of dt [s]; raise Diverged where a neighbour list overflows."""
         ...
 
     def elevation(self, x: Any, z: Any) -> Any:
@@ -231,12 +230,11 @@ class Fluid(Protocol):
         return self.velocities(np.insert(points, 1, self.elevations(points), axis=1))
 
     def foam(self, points: np.ndarray) -> np.ndarray | None:
-        """(m, 2) points x, z [m] -> (m,) share of the surface that broken crests have made white; None where breaking
-        is not modelled."""
+        """White share (m,) of the surface by foam at points x, z (m, 2) [m]; None if breaking is not modelled."""
         return None
 
     def limits(self) -> Limits:
-        """Limits of the next step: the time scales of which it must stay a fraction."""
+        """Time scales [s] of which the next time step must stay a fraction."""
         ...
 
     def internal_energy(self) -> float:
@@ -245,7 +243,7 @@ class Fluid(Protocol):
 
 
 class Arriving(NamedTuple):
-    """The n plane waves at one place, at the time of the bodies: the beginning of the water's last step."""
+    """Plane waves at one place, (n,) numbers each, when the water's last step began (the time of the bodies)."""
 
     amplitude: np.ndarray  # [m]
     angle: np.ndarray  # phase [rad]: amplitude cos(angle) is the elevation
@@ -254,32 +252,31 @@ class Arriving(NamedTuple):
     wavenumber: np.ndarray  # [rad/m]
 
     def encounter_frequencies(self, velocity: np.ndarray) -> np.ndarray:
-        """(n,) encounter frequency [rad/s] at a place that moves through the water (3,) [m/s]; negative where the place
-        overtakes a wave."""
+        """Encounter frequencies (n,) [rad/s] at a velocity (3,) [m/s] through the water; < 0 of overtaken waves."""
         ahead = np.sin(self.heading) * velocity[0] + np.cos(self.heading) * velocity[2]
         return self.omega - self.wavenumber * ahead
 
 
 class ClosedForm(Fluid, Protocol):
-    """Interface of water without particles. A kernel can read its motion below the surface."""
+    """Interface of water without particles: plane waves plus waves on tiles, which kernels read at any depth."""
 
     current: tuple[float, float]  # velocity of all the water along x and z [m/s]
 
     def arriving(self, x: float, z: float) -> Arriving:
-        """Plane waves at a place [m], at the time of the bodies in the water."""
+        """Plane waves at a place x, z [m], at the beginning of the last step, which is the time of floating bodies."""
         ...
 
     def rise(self, x: Any, z: Any) -> Any:
-        """ti.func: elevation at x, z [m] beyond that of the plane waves [m], at the time of the bodies."""
+        """ti.func: elevation [m] at x, z [m] by all waves but the plane ones, when the last step began."""
         ...
 
     def moving(self, x: Any, z: Any, depth: Any) -> Any:
-        """ti.func: velocity [m/s] and acceleration [m/s2] at x, z [m] beyond those of the plane waves, at a depth [m]
-        of the unstretched column."""
+        """ti.func: velocity [m/s] and acceleration [m/s2] of the current and of all waves but the plane ones, at x, z
+        [m] and a depth [m] of the Wheeler-stretched column, when the last step began."""
         ...
 
     def window(self, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]) -> Window:
-        """Lattice of sums of the plane waves: `size` nodes along and across, `step` [m] apart, at `depths` [m]."""
+        """Make a lattice that tabulates the plane waves at `size` nodes, `step` [m] apart, and at `depths` [m]."""
         ...
 
 
@@ -293,15 +290,15 @@ class ParticleFluid(Fluid, Protocol):
     contacts: list[Contact]  # hulls that push it
 
     def begin(self) -> None:
-        """Start from the present state of the particles."""
+        """Sort the particles and update their fields, after positions and velocities were set from outside."""
         ...
 
     def add_contact(self, contact: Contact) -> None:
-        """Add a hull that pushes the water from the first step on."""
+        """Add a ship's hull, which pushes the water from the first step on."""
         ...
 
     def totals(self) -> Totals:
-        """Sums over the present state of the particles."""
+        """Sums over all particles in their present state, and their bounding box."""
         ...
 
     def positions(self) -> np.ndarray:

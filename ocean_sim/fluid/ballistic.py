@@ -28,6 +28,7 @@ class Config(WaterConfig):
     kind: Literal["ballistic"] = "ballistic"
 
     def problems(self, preflight: Preflight) -> Problems:
+        """Faults (key, sentence) of these keys in this basin; a rough bed is one."""
         found = super().problems(preflight)
         if preflight.tank.rough_bed is not None:
             found.append(
@@ -39,14 +40,16 @@ class Config(WaterConfig):
         return found
 
     def size(self, basin: Basin, arch: str) -> GridSize:
+        """Sizes of the grid of cells for the tasks of a backend (`arch`)."""
         lattice = self.lattice(basin)
         return GridSize(lattice, self.ratio(basin) * lattice.spacing, PLANS[arch])
 
     def ratio(self, basin: Basin) -> float:
-        """Kernel support over particle spacing."""
+        """Support radius of the smoothed surface over the particle spacing."""
         return SUPPORT_RATIO
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        """Rows of the memory ledger: particles, grid and budget."""
         size, word = self.size(preflight.basin, preflight.arch), preflight.word
         n, what = size.lattice.n, "position, velocity, density, pressure, number"
         return [
@@ -56,6 +59,7 @@ class Config(WaterConfig):
         ]
 
     def still_limits(self, preflight: Preflight) -> Limits:
+        """Limits of the time step for particles that fall under gravity and body force."""
         basin = preflight.tank
         return force_limit(preflight.support, float(np.linalg.norm(np.add(basin.gravity, self.body_force))))
 
@@ -64,13 +68,14 @@ class Config(WaterConfig):
 
 
 def force_limit(support: float, acceleration: float) -> Limits:
-    """Limits of the time step: parabolas are exact for any step, but none may step over wind and walls."""
+    """Limits of the time step [s] by a support [m] and an acceleration [m/s2]; parabolas are exact for any step, but no
+    step may jump over wind and walls."""
     return Limits(force=(0.5 * support / acceleration) ** 0.5) if acceleration > 0.0 else Limits()
 
 
 @in_kernels
 class Ballistic(ParticleWater):
-    """Particles that fall, bounce and are blown about; wind reaches all of them, but none has an exposed area."""
+    """Particles that only fall, bounce and drift with the wind. Wind acts on all of them; none has an exposed area."""
 
     config: Config
     sound_speed = 0.0
@@ -83,14 +88,16 @@ class Ballistic(ParticleWater):
         self.begin()
 
     def arrive(self) -> None:
+        """Sort the particles at their present positions, and sum up their state."""
         self.settle(self.summary)
 
     def step(self, dt: float) -> None:
+        """Move all particles for dt [s] along parabolas, sort them, and sum up the step."""
         self.advance_all(dt, self.wind.since, self.summary)
 
     @ti.kernel
     def settle(self, summary: Array):
-        """Sort the particles, and sum up their state without a step."""
+        """Sort the particles, and reduce their speed, acceleration and density to `summary`, without a step."""
         self.grid.sort()
         for t in range(self.tasks.iterations):
             if t % self.tasks.stride == 0:
@@ -105,7 +112,7 @@ class Ballistic(ParticleWater):
 
     @ti.func
     def advance_particle(self, i, dt, group):
-        """Move particle i for dt [s], and add its extremes and impulses to those of its group."""
+        """Move particle i for dt [s]; add its extremes and impulses to row `group` of the budget."""
         p, u, m = self.particles.position, self.particles.velocity, ti.static(self.particles.mass)
         x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
         a_wind, a_pull, a_hull = self.wind_acceleration(i, x, v), self.pull.at(x, v), self.hull_push(x, 0.0)
@@ -122,7 +129,7 @@ class Ballistic(ParticleWater):
 
     @ti.kernel
     def advance_all(self, dt: float, since: float, summary: Array):
-        """Move all particles for dt [s], sort them, and sum up the step."""
+        """Move all particles for dt [s], sort them, and reduce the step to `summary`; `since`: the wind's clock [s]."""
         self.wind.set_clock(since, dt)
         for t in range(self.tasks.iterations):
             if t % self.tasks.stride == 0:
@@ -135,8 +142,9 @@ class Ballistic(ParticleWater):
         self.accounts.summarise(summary)
 
     def limits(self) -> Limits:
+        """Limits of the next step, by the largest acceleration in the last one."""
         return force_limit(self.grid.support, self.status.max_acceleration)
 
     def internal_energy(self) -> float:
-        """0 [J]: nothing is compressed."""
+        """Zero [J]: nothing is compressed."""
         return 0.0

@@ -92,34 +92,38 @@ class Config(SphConfig):
     """Least distance of a particle's centre from a wall or the floor; its ghost particles hold it before that."""
 
     def limits_at(self, smoothing: Smoothing, sound_speed: float, speed: float, acceleration: float) -> Limits:
-        """Limits of the time step. Pairs rub at rates of up to 14 nu / h^2 (twice that of the Laplacian's sum), so
-        viscosity counts twice; artificial viscosity counts with it."""
+        """Limits of the time step at this speed [m/s] and acceleration [m/s2]. Pair terms relax at rates of up to 14 nu
+        / h^2 (twice that of the Laplacian's sum), so viscosity counts twice; artificial viscosity counts with it."""
         nu = 2.0 * (self.kinematic_viscosity + self.artificial_nu(smoothing, sound_speed))
         return step_limits(smoothing, sound_speed, nu, speed, acceleration)
 
     def artificial_nu(self, smoothing: Smoothing, sound_speed: float) -> float:
-        """Kinematic viscosity [m2/s] to which the artificial one amounts in water that is compressed."""
+        """Kinematic viscosity [m2/s] equivalent to the artificial viscosity in water that is compressed."""
         return self.artificial_viscosity * smoothing.length * sound_speed / (2.0 * (smoothing.dimension + 2.0))
 
     def viscosity(self, basin: Basin) -> float:
+        """Kinematic viscosity [m2/s], the artificial one included."""
         return self.kinematic_viscosity + self.artificial_nu(self.smoothing(basin), self.sound_speed(basin))
 
     def settling(self, preflight: Preflight) -> float:
-        """Settlement [m] of the deepest column under its own weight, g h^2 / (2 c^2)."""
+        """Settlement [m] of the deepest column of water under its own weight, g h^2 / (2 c^2)."""
         tank, lattice, pull = preflight.tank, preflight.untouched, -preflight.tank.gravity[1]
         if lattice is None or self.is_enclosed(tank) or pull <= 0.0:
             return 0.0
         return float(column_drop(0.0, pull * lattice.deepest, pull, self.sound_speed(tank)))
 
     def still_limits(self, preflight: Preflight) -> Limits:
+        """Limits of the time step in still water, by sound and viscosity."""
         return self.limits_at(self.smoothing(preflight.tank), self.sound_speed(preflight.tank), 0.0, 0.0)
 
     def statements(self, preflight: Preflight) -> list[str]:
+        """Sentences on the scheme, and on the lattice's rigidity under a free surface."""
         basin = preflight.tank
         notable = [] if self.is_enclosed(basin) else rigidity_notes(self.smoothing(basin), self.lattice(basin).spacing)
         return super().statements(preflight) + notable
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        """Rows of the memory ledger for the fields of this scheme."""
         what = "position, velocity, density, pressure, its deviation and rate, number"
         if not self.is_enclosed(preflight.tank):
             what += "; share of diffusion, spin, strain"
@@ -128,7 +132,7 @@ class Config(SphConfig):
         return scheme_ledger(preflight, sizes, numbers, what, self.told_to_bodies)
 
     def list_sizes(self, lattice: Lattice, arch: str) -> GridSize:
-        """Sizes of grid and lists on a backend."""
+        """Sizes of the grid and of the lists of candidates on a backend (`arch`)."""
         if self.is_enclosed(lattice.basin):
             return self.list_size(lattice, arch, Momentum.row.size, CARRIED_NUMBERS)
         return self.list_size(lattice, arch, Continuity.row.size, CARRIED_NUMBERS + GRADED_NUMBERS)
@@ -138,15 +142,15 @@ class Config(SphConfig):
 
 
 def column_drop(top: np.ndarray | float, bottom: np.ndarray | float, pull: float, sound_speed: float) -> np.ndarray:
-    """Settlement [m] of water whose pressure over the density is `top` [m2/s2], on a column that ends at the pressure
-    `bottom`: the integral of p / (rho0 c^2)."""
+    """Settlement [m] of water at p / rho = `top` [m2/s2] on a column down to p / rho = `bottom` under an acceleration
+    `pull` [m/s2]: the integral of p / (rho0 c^2)."""
     return np.maximum(np.square(bottom) - np.square(top), 0.0) / (2.0 * pull * sound_speed**2)
 
 
 @in_kernels
 class Momentum(MomentumLaw):
-    """Momentum (Monaghan 1992, eq. 3.3): damped pressure, viscosity and the dissipation of an impact. A term is a force
-    along x_ij, but for `viscosity_without_surface`; their sum is times -m grad W / x_ij."""
+    """Pair law for the acceleration (Monaghan 1992, eq. 3.3): damped pressure, viscosity and dissipation of impacts. A
+    term is a force along x_ij, but for `viscosity_without_surface`; their sum is times -m grad W / x_ij."""
 
     fluid: "DeltaSph"
     row = Columns(position=3, velocity=3, pressure=1)  # damped, over the square of the density
@@ -170,16 +174,17 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def prefactor(self, own):
+        """Factor of the sum: particle mass times the constant of grad W."""
         return self.fluid.slope
 
     @ti.func
     def pressure_rise(self, head):
+        """Rise of the row's p / rho^2 for a rise `head` [m2/s2] of p / rho."""
         return head / self.fluid.rest_density
 
     @ti.func
     def pressure(self, p_i, p_j):
-        """Pressure term of a pair: p_i / rho_i^2 + p_j / rho_j^2 (Monaghan 1992, eq. 3.3), which the row has
-        divided."""
+        """Pressure term of a pair: p_i / rho_i^2 + p_j / rho_j^2 (Monaghan 1992, eq. 3.3); rows hold p / rho^2."""
         return p_i + p_j
 
     @ti.func
@@ -197,33 +202,34 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def viscosity_without_surface(self, v_ij):
-        """Viscous term of a pair, a vector: -2 nu v_ij / rho0 of Morris, Fox & Zhu (1997, eq. 22), which has no error
-        on a lattice."""
+        """Viscous term of a pair, a vector exact on a lattice: -2 nu v_ij / rho0 (Morris, Fox & Zhu 1997, eq. 22)."""
         return -self.laminar * v_ij
 
     @ti.func
     def artificial_viscosity(self, closing):
-        """Artificial viscosity of particles that approach: alpha h c u_ij / rho0 (Monaghan 1992, eq. 4.2)."""
+        """Artificial viscosity of approaching particles: alpha h c u_ij / rho0 (Monaghan 1992, eq. 4.2)."""
         return self.artificial * positive(closing)
 
     @ti.func
     def riemann_dissipation(self, closing, r):
-        """Dissipation of particles that approach at u = r u_ij: beta u / rho0 over r, with beta = min(u / 2, c) (Zhang,
-        Hu & Adams 2017, whose factor is 3 and not a half)."""
+        """Dissipation of particles that approach at u = r u_ij [m/s] (`closing` is u_ij): beta u / rho0 over r, with
+        beta = min(u / 2, c) (Zhang, Hu & Adams 2017, whose factor is 3 and not a half)."""
         met = positive(closing)
         return lesser(r * met, self.fluid.sound_speed / IMPACT_DISSIPATION) * r * self.impact * met
 
     @ti.func
     def pair(self, own, other):
+        """Terms of a pair, pressures of either sign included."""
         return self.sum_of_terms(own, other, True)
 
     @ti.func
     def pair_without_tension(self, own, other):
+        """Terms of a pair whose pressures are not negative: as `pair`, without the artificial stress."""
         return self.sum_of_terms(own, other, False)
 
     @ti.func
     def sum_of_terms(self, own, other, tense: Template):
-        """Row of all terms of a pair; `tense`: True if a pressure may be negative."""
+        """All terms of a pair; `tense`: True if a pressure may be negative."""
         x_ij = self.fluid.smoothing.difference(own, other, self.row.position)
         r2 = x_ij.dot(x_ij)
         r = ti.sqrt(r2)
@@ -251,10 +257,10 @@ class Momentum(MomentumLaw):
 
 @in_kernels
 class Continuity(Law):
-    """Rate of the density (Monaghan 1994, eq. 2.4) and its diffusion; in a closed basin, shift. Each term is times
-    -m grad W / x_ij.
+    """Pair law for the rate of the density (Monaghan 1994, eq. 2.4) and its diffusion; in a closed basin also for the
+    shift of particles. Each term is times -m grad W / x_ij.
 
-    Read are the positions and velocities at the end of the step, the deviation in its middle, and the share of
+    It reads positions and velocities at the end of the step, the density's deviation in its middle, and the share of
     diffusion at the end of the last one.
     """
 
@@ -279,6 +285,7 @@ class Continuity(Law):
 
     @ti.func
     def prefactor(self, own):
+        """Factor of the sum: particle mass times the constant of grad W."""
         return self.fluid.slope
 
     @ti.func
@@ -287,8 +294,7 @@ class Continuity(Law):
 
     @ti.func
     def image(self, other, mirror):
-        """Row of a neighbour's image in a side: its velocity across the side reversed, its density continued
-        hydrostatically."""
+        """Field values of a neighbour's image in a side: normal velocity reversed, density continued by gravity."""
         x, image = vec3(other, self.row.position), mirror_row_free_slip(mirror, other)
         pull = self.fluid.pull.at_rest(mirror_midpoint(mirror, x))
         image[self.row.deviation] += self.heavier * hydrostatic_offset(mirror, x, pull)
@@ -296,10 +302,9 @@ class Continuity(Law):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Row of sample s of a solid body: it moves with the body, and no density diffuses into it. Only so does water
-        that comes to a face gain the density that the samples add to its sum, and lose it as it goes: moved against the
-        water, as an image moves, a sample that stays where it is would add twice that, and press twice as hard on water
-        that streams by."""
+        """Field values of sample s of a solid body: it moves with the body, and no density diffuses into it. Only so
+        does water that comes to a face gain the density that samples add to its sum, and lose it as it goes: moved
+        against the water, as images are, a sample at rest would add twice that, and press twice as hard on a stream."""
         other = row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
         still = self.still_gradient(vec3(own, self.row.position) + 0.5 * d)
         other[self.row.deviation] = own[self.row.deviation] + still.dot(d)
@@ -307,7 +312,7 @@ class Continuity(Law):
 
     @ti.func
     def still_gradient(self, x):
-        """Gradient of the density of still water at x [kg/m4], rho0 g / c^2."""
+        """Gradient [kg/m4] of the density of still water at x [m]: rho0 g / c^2."""
         return self.heavier * self.fluid.pull.at_rest(x)
 
     @ti.func
@@ -330,6 +335,7 @@ class Continuity(Law):
 
     @ti.func
     def pair(self, own, other):
+        """Terms of a pair: compression, diffusion, and where needed the filling of the kernel and the shift."""
         smoothing = self.fluid.smoothing
         x_ij = smoothing.difference(own, other, self.row.position)
         v_ij = smoothing.difference(own, other, self.row.velocity)
@@ -351,9 +357,9 @@ class Continuity(Law):
 
     @ti.func
     def grade_diffusion(self, i, own, total):
-        """Store the share of the diffusion in which particle i takes part: all if its kernel is filled. Next to a free
-        surface it is none, unless the water is sheared (spin as great as strain) and not merely stretched, as by waves
-        (a switch as that of Balsara 1995, J. Comput. Phys. 121)."""
+        """Store the share of the density diffusion that particle i takes: 1 if its kernel is filled, 0 next to a free
+        surface, unless the water is sheared (spin as great as strain) and not merely stretched, as by waves (a switch
+        as that of Balsara 1995, J. Comput. Phys. 121)."""
         fluid, spin, strain = self.fluid, self.fluid.spin[i], self.fluid.strain[i]
         filled = self.prefactor(own) * total[self.terms.filled] / self.whole
         inside = tm.clamp((filled - CUT_SHARE) / (FILLED_SHARE - CUT_SHARE), 0.0, 1.0)
@@ -365,8 +371,7 @@ class Continuity(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Advance density and pressure of particle i to the end of the step; store its share of diffusion or its
-        shift."""
+        """Advance density and pressure of particle i to the end of the step; store its diffusion share or its shift."""
         fluid, particles, rho_0 = self.fluid, self.fluid.particles, ti.static(self.fluid.rest_density)
         dt, deviation = fluid.dt[None], own[self.row.deviation]
         if ti.static(fluid.bodies):
@@ -396,7 +401,7 @@ class Continuity(Law):
 
     @ti.func
     def book_work(self, i, own, compressed, diffused, group):
-        """Add the work of compression and of diffusion to the budget; that of bulk damping counts as viscosity."""
+        """Add the work of compression and of diffusion to the budget; the work of bulk damping counts as viscosity."""
         fluid, deviation = self.fluid, own[self.row.deviation]
         closer = fluid.particles.mass * fluid.dt[None] * self.prefactor(own)
         p = fluid.equation_of_state(deviation) / (fluid.rest_density + deviation) ** 2
@@ -408,8 +413,8 @@ class Continuity(Law):
 
 @in_kernels
 class Shear(Law):
-    """Squared spin and strain of the water around each particle, averaged over past time; updated seldom, since the
-    sums are expensive."""
+    """Pair law for the squared spin and strain rate of the water around each particle, averaged over past time;
+    evaluated seldom, since the sums are expensive."""
 
     row, options = Columns(position=3, velocity=3), WalkOptions(padded=True)
 
@@ -420,15 +425,17 @@ class Shear(Law):
 
     @ti.func
     def prefactor(self, own):
+        """Factor of the sum, by which it becomes the velocity gradient [1/s]."""
         return -self.fluid.slope / self.fluid.rest_density
 
     @ti.func
     def image(self, other, mirror):
+        """Field values of the image of a neighbour in a frictionless side."""
         return mirror_row_free_slip(mirror, other)
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Row of sample s of a solid body, which moves with the body."""
+        """Field values of sample s of a solid body, at d [m], with the velocity of the body."""
         return row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
 
     @ti.func
@@ -443,7 +450,7 @@ class Shear(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Update the averages of squared spin and strain of particle i; in simple shear both are equal."""
+        """Update the averages of squared spin and strain rate of particle i; in simple shear both are equal."""
         fluid, both = self.fluid, self.with_bodies(total, vec3(own, self.row.position), own)
         gradient = ti.Matrix.zero(float, self.dimension, self.dimension)  # of velocity k along axis j [1/s]
         for j, k in ti.static(ti.ndrange(self.dimension, self.dimension)):
@@ -461,8 +468,8 @@ class Shear(Law):
 
 @in_kernels
 class DeltaSph(Sph):
-    """Water between steps: positions, velocities, densities and pressures all at one time, in the order of the cells in
-    which the particles were half a step ago.
+    """Water by delta-SPH. Between steps positions, velocities, densities and pressures are all at one time, in the
+    order of the cells in which the particles were half a step ago.
 
     In a basin without a free surface, particles are shifted along the gradient of their number, which keeps them from
     lining up along streamlines (Lind et al. 2012, J. Comput. Phys. 231; Sun et al. 2017, CMAME 315, eq. 16).
@@ -501,8 +508,7 @@ class DeltaSph(Sph):
         self.begin()
 
     def lower_particles(self, bed: np.ndarray) -> None:
-        """Lower the particles by the settlement of the column below, down to the bed (n,) [m] of each: the integral of
-        p / (rho0 c^2)."""
+        """Lower each particle by the settlement of its column down to the bed (n,) [m]: integral of p / (rho0 c^2)."""
         pull = -self.pull.constant.y
         if pull > 0.0 and not self.closed:
             x, p = self.particles.position.to_numpy().astype(float), self.particles.pressure.to_numpy().astype(float)
@@ -515,13 +521,15 @@ class DeltaSph(Sph):
 
     @property
     def listed_positions(self) -> tuple[ti.Field, ...]:
-        """Positions at the end of the step [m], in the order of mid-step, not wrapped into the period since."""
+        """Fields of the positions at the end of the step [m], sorted as in mid-step and not wrapped since."""
         return self.grid.moved[: STATE_COLUMNS.velocity]
 
     def arrive(self) -> None:
+        """Sort the particles at their present positions, and compute the density's rate there."""
         self.settle(self.summary)
 
     def step(self, dt: float) -> None:
+        """Move the particles by dt [s], compute the density's rate, and update the shear averages if they are due."""
         self.drift_kick_drift(dt, self.status.max_speed, self.wind.since)
         self.find_density_rate(self.summary)
         if not self.shifting:
@@ -532,19 +540,18 @@ class DeltaSph(Sph):
 
     @ti.func
     def stage_particle(self, i, x, v):
-        """Store the next position and velocity of particle i, which stays in the cell that it was in in mid-step."""
+        """Store the next position x [m] and velocity v [m/s] of particle i, which keeps its cell of mid-step."""
         self.grid.stage_motion(i, x, v)
 
     @ti.func
     def closeness(self, r):
-        """W(r) / W(spacing) of Wendland's kernel NEAR_SUPPORT_SPACINGS wide: a narrow one lets neighbours explode."""
+        """Ratio W(r) / W(spacing) of Wendland's kernel, NEAR_SUPPORT_SPACINGS wide: a narrower one is unstable."""
         q = positive(1.0 - r * self.per_reach)
         return self.per_W_spacing * q * q * q * q * (5.0 - 4.0 * q)
 
     @ti.func
     def equation_of_state(self, excess):
-        """Pressure [Pa] of an excess of density [kg/m3]: c^2 rho0 / gamma ((1 + e)^gamma - 1), as a sum that
-        loses nothing."""
+        """Pressure [Pa] at an excess of density [kg/m3]: c^2 rho0 / gamma ((1 + e)^gamma - 1), without cancellation."""
         e, total = excess / self.particles.rest_density, 0.0
         for _ in ti.static(range(self.config.exponent)):
             total = 1.0 + (1.0 + e) * total
@@ -555,7 +562,7 @@ class DeltaSph(Sph):
 
     @ti.kernel
     def settle(self, summary: Array):
-        """Sort the particles, and compute the rate of the density as it is now, without a step."""
+        """Sort the particles, compute the present rate of the density, and reduce extremes to `summary`; no step."""
         self.dt[None] = 0.0
         for i in range(self.particles.count.there()):
             self.next_deviation[i] = self.excess_of(self.particles.pressure[i])
@@ -570,13 +577,14 @@ class DeltaSph(Sph):
 
     @ti.func
     def excess_of(self, pressure):
-        """Excess of density [kg/m3] under a pressure [Pa]: inverse of the equation of state."""
+        """Excess of density [kg/m3] at a pressure [Pa]: inverse of the equation of state."""
         gamma, rho_0 = ti.static(self.config.exponent, self.particles.rest_density)
         return rho_0 * ((1.0 + gamma * pressure / (rho_0 * self.sound_speed**2)) ** (1.0 / gamma) - 1.0)
 
     @ti.kernel
     def drift_kick_drift(self, dt: float, speed: float, since: float):
-        """Move the particles by a step of dt [s]: drift half of it, sort, kick, drift to the end."""
+        """Move the particles by a step of dt [s]: drift half of it, sort, kick, drift to the end; `speed`: of the shift
+        [m/s]; `since`: the wind's clock [s]."""
         self.dt[None] = dt
         self.wind.set_clock(since, dt)
         h = self.smoothing.length
@@ -604,14 +612,14 @@ class DeltaSph(Sph):
 
     @ti.kernel
     def find_density_rate(self, summary: Array):
-        """Compute the rate of the density at the end of a step: a kernel of its own, since Taichi 1.7 cannot make one
-        of both walks for Vulkan."""
+        """Compute the rate of the density at the end of a step, in a kernel of its own, since Taichi 1.7 cannot compile
+        both walks in one for Vulkan."""
         self.neighbours.walk(self.continuity, False)
         self.accounts.summarise(summary)
 
     @ti.kernel
     def update_shear(self, lately: float):
-        """Update the averages of squared spin and strain; `lately`: weight of their present values."""
+        """Update the averages of squared spin and strain rate; `lately`: weight of their present values, 0 to 1."""
         self.lately[None] = lately
         self.neighbours.walk(self.shear, False)
 
@@ -619,8 +627,7 @@ class DeltaSph(Sph):
         return self.config.limits_at(self.smoothing, self.sound_speed, self.max_speed, self.status.max_acceleration)
 
     def internal_energy(self) -> float:
-        """Work of compression, m times the integral of p / rho^2 from the rest density [J]; raises Diverged where there
-        is no density left."""
+        """Energy of compression [J]: m times the integral of p / rho^2; raise Diverged if a density is not positive."""
         gamma = self.config.exponent
         ratio = 1.0 + self.excesses.values().astype(float) / self.particles.rest_density
         if not ratio.min() > 0.0:

@@ -99,6 +99,7 @@ class Config(SphConfig):
     """The most iterations for the divergence; steps that would need more are counted."""
 
     def viscosity(self, basin: Basin) -> float:
+        """Kinematic viscosity [m2/s], the artificial one included under a free surface."""
         h = self.smoothing(basin).length
         artificial = 0.0 if self.is_enclosed(basin) else self.artificial_viscosity * h * self.speed(basin)
         return self.kinematic_viscosity + artificial
@@ -106,20 +107,24 @@ class Config(SphConfig):
     def viscosity_added(
         self, preflight: Preflight, length: float, height: float = 0.0, standing: bool = False
     ) -> float:
+        """Numerical plus artificial viscosity [m2/s] for waves of a length and height [m]."""
         artificial = self.viscosity(preflight.tank) - self.kinematic_viscosity
         return artificial + super().viscosity_added(preflight, length, height, standing)
 
     def limits_at(self, basin: Basin, speed: float, acceleration: float) -> Limits:
-        """Limits of the time step. None is for sound, but a particle under a pressure p is held by its neighbours as by
-        springs, whose frequency is about sqrt(p / density) / spacing. Pairs rub at up to twice the rate of the sum."""
+        """Limits of the time step at this speed [m/s] and acceleration [m/s2]. None is for sound, but neighbours hold a
+        particle under a pressure p as springs of frequency sqrt(p / density) / spacing. Pair friction relaxes at up to
+        twice the sum's rate."""
         speed = max(speed, MIN_LIMIT_SPEED * self.speed(basin))
         return step_limits(self.smoothing(basin), 0.0, 2.0 * self.viscosity(basin), speed, acceleration)
 
     def still_limits(self, preflight: Preflight) -> Limits:
+        """Limits of the time step in still water, by viscosity, gravity and body force."""
         basin = preflight.tank
         return self.limits_at(basin, 0.0, float(np.linalg.norm(np.add(basin.gravity, self.body_force))))
 
     def warnings(self, preflight: Preflight) -> list[str]:
+        """Warnings of every SPH scheme, and of a support so small that still water stirs."""
         found, basin = super().warnings(preflight), preflight.tank
         ratio = self.ratio(basin)
         if ratio < MIN_STEADY_SUPPORT[basin.dimension - 2] and not self.is_enclosed(basin):
@@ -136,9 +141,11 @@ class Config(SphConfig):
         return [*super().statements(preflight), *notable, flight]
 
     def neighbours_kept(self, basin: Basin) -> int:
+        """Number of neighbours of a particle on the lattice, whose pairs the solvers keep for a step."""
         return Stencil(self.smoothing(basin), self.lattice(basin).spacing).neighbours
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        """Rows of the memory ledger for the fields of this scheme and its kept pairs."""
         basin, word = preflight.tank, preflight.word
         what = "position, velocity, density, pressure, number; predicted velocity, way and two solvers' fields"
         sizes = self.list_size(self.start_lattice(preflight), preflight.arch, FORCE_ROW.size, 1)
@@ -156,8 +163,8 @@ class Config(SphConfig):
 
 @in_kernels
 class Density(Law):
-    """Density by summation, how much of it is missing in gaps, and the diagonal A_ii of the solvers over dt^2 (2015,
-    eq. 9: their 1 / alpha); more of it where particles crowd, since A / A_ii reaches further beyond one there."""
+    """Pair law for the density by summation, its deficit in gaps, and the diagonal A_ii of the solvers over dt^2 (2015,
+    eq. 9: their 1 / alpha), which is raised where particles crowd, since A / A_ii reaches further beyond one there."""
 
     terms, options = Columns(density=1, gradient=3, squares=1), WalkOptions(apart=True, padded=True)
 
@@ -182,6 +189,7 @@ class Density(Law):
 
     @ti.func
     def pair(self, own, other):
+        """Shape of W, its gradient, and the square of the gradient, of a neighbour."""
         x_ij = own - other
         r2 = x_ij.dot(x_ij)
         r, smoothing = ti.sqrt(r2), self.fluid.smoothing
@@ -190,6 +198,7 @@ class Density(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
+        """Store density, diagonal, and the allowance of gaps or the shift of particle i."""
         fluid, rest = self.fluid, ti.static(self.fluid.particles.rest_density)
         total += beyond
         if ti.static(fluid.bodies):
@@ -215,7 +224,7 @@ class Density(Law):
 
 @in_kernels
 class Forces(Force):
-    """All forces but pressure, and the pressures of the last step, from which the solver for the divergence starts."""
+    """Pair law for all forces but new pressures, plus the last step's pressures, where the divergence solver starts."""
 
     fluid: "Dfsph"
     row = FORCE_ROW
@@ -231,19 +240,19 @@ class Forces(Force):
 
     @ti.func
     def prefactor(self, own):
-        """Factor of the sum of pressures: m / rho0^2 and the constant of grad W, over the lattice's gradient of a unit
-        gradient."""
+        """Factor of the pressure sum: m / rho0^2 times the constant of grad W, over the lattice's `gain`."""
         return self.fluid.pressing
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Row of sample s of a solid body, which has no pressure of its own (2017, section 5)."""
+        """Field values of sample s of a solid body, at d [m], which has no pressure of its own (2017, section 5)."""
         other = self.rubbing_sample(own, s, d, mirror)
         other[self.row.pressure] = 0.0
         return other
 
     @ti.func
     def acceleration(self, own, total):
+        """Acceleration [m/s2] of a particle by its sums of pressure and friction."""
         a = self.prefactor(own) * vec3(total, self.terms.push)
         if ti.static(self.viscous):
             a += self.rubbing * vec3(total, self.terms.rub)
@@ -266,6 +275,7 @@ class Forces(Force):
 
     @ti.func
     def pair(self, own, other):
+        """Pressure and viscous terms of a pair, as vectors."""
         x_ij, smoothing = vec3(own, self.row.position) - vec3(other, self.row.position), self.fluid.smoothing
         gradient, total = smoothing.pair_gradient(x_ij), ti.Vector.zero(float, self.terms.size)
         push = self.pressure(own[self.row.pressure], other[self.row.pressure], gradient)
@@ -282,6 +292,7 @@ class Forces(Force):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
+        """Predict the velocity of particle i after the step under these forces, where the divergence solver starts."""
         fluid, u = self.fluid, self.fluid.particles.velocity
         dt, x, v = fluid.dt[None], vec3(own, self.row.position), tm.vec3(u.x[i], u.y[i], u.z[i])
         beyond = self.with_bodies(beyond, x, own)
@@ -316,8 +327,7 @@ class Forces(Force):
 
 @in_kernels
 class Dfsph(Sph):
-    """Particles that keep each other from being compressed; between steps they are sorted, with density and pressure
-    current.
+    """Incompressible water by DFSPH. Between steps particles are sorted, with density and pressure current.
 
     `sound_speed` is that of weakly compressible water with the same `compression`; no step waits for it.
     """
@@ -364,12 +374,13 @@ class Dfsph(Sph):
             self.make_room()
 
     def begin(self) -> None:
+        """Start from the present positions and velocities, with zero pressures."""
         self.held_pressure.fill(0.0)
         super().begin()
 
     def make_room(self) -> None:
-        """Move particles apart that are pressed together next to a body, without a velocity: the first step would do it
-        within its own time, and so the faster the shorter it is."""
+        """Displace particles that are too dense next to a solid body, before the run and without a velocity: the first
+        step would do it within its own time, and so the faster the shorter it is."""
         self.dt[None] = 2.0**-20  # [s] so brief that no body moves; beside that only the way counts
         for _ in range(MAX_ROOM_STEPS):
             if self.status.max_density <= (1.0 + self.config.density_tolerance) * self.particles.rest_density:
@@ -381,11 +392,13 @@ class Dfsph(Sph):
             self.status = self.accounts.status(self.summary, self.grid)
 
     def arrive(self) -> None:
+        """Sort the particles at their present positions, and compute their density."""
         self.settle(self.summary, self.report)
         if self.closed:
             self.level[None] = self.report[TOO_DENSE] / self.particles.count.now
 
     def step(self, dt: float) -> None:
+        """Predict velocities, solve for divergence, then for density, move the particles, and update their fields."""
         total, n = self.totals(), self.particles.count.now
         stirred = total.squared_speed - total.velocity @ total.velocity / n  # about their mean velocity
         calm = stirred < n * (CALM_RMS_SPEED * self.reference_speed) ** 2
@@ -397,14 +410,14 @@ class Dfsph(Sph):
         self.arrive()
 
     def solve(self, solver: Solver, dt: float, calm: bool) -> None:
-        """Iterate a solver until a step of dt [s] compresses or expands the water by no more in the mean than its
-        tolerance, or its most iterations are used; then record the step. `calm`: True if the water hardly moves."""
+        """Iterate a solver until its mean error is below the goal (its tolerance, or less in calm water), or its
+        iterations are used up, and record the step. `calm`: True if the water hardly moves."""
         solver.record_step(*self.iterate_to(solver, solver.error_goal(self.error, dt, calm)))
         if self.accounts.impulses and solver.forces:
             self.book_pressures(solver)
 
     def iterate_to(self, solver: Solver, enough: float) -> tuple[int, float]:
-        """Iterate until the error is no more than `enough`; return the number of iterations and the error left."""
+        """Iterate a solver until the error is at most `enough`; return the number of iterations and the error left."""
         done, along = 0, 1.0
         while not self.error <= enough and done < solver.most:
             if self.report[UPHILL_SLOPE] > 0.0:
@@ -416,13 +429,13 @@ class Dfsph(Sph):
 
     @property
     def error(self) -> float:
-        """Mean error of the density over the rest density: of particles too dense, or too thin if that is more."""
+        """Mean error of the density over the rest density: of too dense or of too thin particles, whichever is more."""
         scale = 1.0 / (self.particles.count.now * self.particles.rest_density)
         return scale * float(self.report[:UPHILL_SLOPE].max())
 
     @ti.kernel
     def predict(self, dt: float, since: float, report: Array):
-        """Predict velocities under all forces and the last pressures, and sum up how far they compress the water."""
+        """Predict velocities under all forces and the last pressures, and sum their compression errors to `report`."""
         self.dt[None], self.momentum[None] = dt, 0.0
         self.wind.set_clock(since, dt)
         self.neighbours.walk(self.forces, False)
@@ -431,7 +444,8 @@ class Dfsph(Sph):
 
     @ti.kernel
     def iterate(self, solver: Template, momentum: float, report: Array):
-        """Run one iteration of a solver: velocities by its pressures, then the errors left and the next pressures."""
+        """Run one iteration of a solver: velocities under its pressures, then the remaining errors (to `report`) and
+        the next pressures; `momentum`: Nesterov's factor."""
         self.momentum[None] = momentum
         self.pairs.walk(solver.push)
         self.pairs.walk(solver.compression)
@@ -439,13 +453,13 @@ class Dfsph(Sph):
 
     @ti.kernel
     def book_pressures(self, solver: Template):
-        """Add the impulses of the pressures that a solver has gained to the budget."""
+        """Add the impulses of the pressures that a solver has computed to the momentum budget."""
         self.pairs.walk(solver.account)
 
     @ti.kernel
     def predict_density(self, speed: float, report: Array):
-        """Predict the density from the predicted velocities and from shifts of particles as fast as `speed` [m/s].
-        Without shifts the solver for the divergence has left it."""
+        """Predict the density from the predicted velocities and, in closed water, from shifts of particles at `speed`
+        [m/s]; sum the errors to `report`. Without shifts the divergence solver has computed the compression already."""
         self.momentum[None] = 0.0
         for i in range(self.particles.count.there()):
             self.incompressible.begin(i)
@@ -466,14 +480,14 @@ class Dfsph(Sph):
 
     @ti.func
     def judge_group(self, group):
-        """Compute errors and next pressures of a group by the compression that the divergence solver has left."""
+        """Compute errors and next pressures of a group from the compression that the divergence solver has left."""
         self.incompressible.compression.begin(group)
         for i in range(self.tasks.first_particle(group), self.tasks.first_particle(group + 1)):
             self.incompressible.compression.judge_particle(i, self.rate[i], group)
 
     @ti.kernel
     def displace_and_react(self):
-        """Displace the particles, store their new velocities and the pressures that are forces, and push the bodies."""
+        """Move the particles, store new velocities and pressures, and sum the forces on solid bodies."""
         for i in range(self.particles.count.there()):
             self.held_pressure[i] = self.held_pressure[i] + self.divergence.gain[i]
             if ti.static(not self.closed):
@@ -487,7 +501,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def displace_all(self):
-        """Displace all particles, as far as the walls let them, and leave their velocities."""
+        """Move all particles as far as the walls let them, without changing their velocities."""
         for i in range(self.particles.count.there()):
             u, way = self.particles.velocity, tm.vec3([component[i] for component in ti.static(tuple(self.way))])
             v = tm.vec3(u.x[i], u.y[i], u.z[i])
@@ -496,13 +510,13 @@ class Dfsph(Sph):
 
     @ti.func
     def landing(self, i, way, u):
-        """Place [m] of particle i after a way [m] at velocity u [m/s], and its velocity there, limited by the walls."""
+        """Position [m] and velocity [m/s] of particle i after a move `way` [m] at velocity u [m/s] and the walls."""
         p = self.particles.position
         return self.walls.bounce(tm.vec3(p.x[i], p.y[i], p.z[i]) + self.grid.whole_quanta(i, way), u)
 
     @ti.func
     def displace(self, i, dt, group):
-        """Move particle i for dt [s] as far as walls and the motion limit let it, and book the impulses of its step."""
+        """Move particle i for dt [s] as far as walls and motion limit let it, and book the impulses of its step."""
         way = tm.vec3([component[i] for component in ti.static(tuple(self.way))])
         u = way
         if ti.static(self.closed):
@@ -521,7 +535,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def settle(self, summary: Array, report: Array):
-        """Sort the particles, and compute their density."""
+        """Sort the particles, compute their density, and reduce extremes to `summary`, sums of density to `report`."""
         self.grid.sort()
         self.neighbours.walk(self.density, True)
         self.rows.sum_into(report)
@@ -537,7 +551,7 @@ class Dfsph(Sph):
 
     @ti.func
     def admissible_pressure(self, pressure):
-        """Pressure [Pa] that the water can have, nearest to this one: under a free surface it is not negative."""
+        """Pressure [Pa] that the water can have, nearest to this one: not negative under a free surface."""
         p = pressure
         if ti.static(not self.closed):
             p = tm.max(p, 0.0)
@@ -545,28 +559,28 @@ class Dfsph(Sph):
 
     @ti.func
     def apply_pressures(self, i, dt, total, beyond):
-        """Change of velocity [m/s] of particle i by the pressures of water and walls, recorded for the budget."""
+        """Change of velocity [m/s] of particle i over dt [s] by pressure sums (`beyond`: over walls), also booked."""
         scale = dt * self.pressing
         return self.change_velocity(i, PRESSURE, scale * total) + self.change_velocity(i, WALLS, scale * beyond)
 
     @ti.func
     def begin_changes(self, i):
-        """Reset the changes of velocity of particle i by each term in this step to 0."""
+        """Reset the changes of velocity of particle i by each force term in this step to 0."""
         for change in ti.static(self.changes):
             for component in ti.static(change):
                 component[i] = 0.0
 
     @ti.func
     def change_velocity(self, i, term: Template, change):
-        """Record a change of velocity [m/s] of particle i by a term for the budget, and return it."""
+        """Record a change of velocity [m/s] of particle i by a force term for the budget, and return it."""
         for k, component in ti.static(enumerate(self.changes[term])):
             component[i] = component[i] + change[k]
         return change
 
     def limits(self) -> Limits:
-        """Limits of the next step; the acceleration is that of all forces but pressure."""
+        """Limits of the next step, by the acceleration of all forces but pressure."""
         return self.config.limits_at(self.basin, self.max_speed, self.status.max_acceleration)
 
     def internal_energy(self) -> float:
-        """0 [J]: nothing is compressed."""
+        """Zero [J]: nothing is compressed."""
         return 0.0

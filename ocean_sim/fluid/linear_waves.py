@@ -34,6 +34,7 @@ class Config(waves.GrowingTrain, FluidConfig):
     """Density of the water."""
 
     def problems(self, preflight: Preflight) -> Problems:
+        """Faults (key, sentence) of these waves in this basin: too steep, or with obstacles or a rough bed."""
         basin = preflight.tank
         found: Problems = [(("kind",), sentence) for sentence in waves.basin_faults(basin)]
         found = found or [(self.height_key, sentence) for sentence in waves.basin_faults(basin, *self.scale)]
@@ -47,6 +48,7 @@ class Config(waves.GrowingTrain, FluidConfig):
         return [NO_DRIFT] if preflight.ships and self.scale[0] > 0.0 else []
 
     def warnings(self, preflight: Preflight) -> list[str]:
+        """Warnings of a run shorter than the ramp of the waves, and of a wind, which these waves do not feel."""
         found: list[str] = []
         if self.scale[0] > 0.0:
             found += waves.cut_short(preflight.duration, self.with_ramp(self.sea(preflight.tank)).ramp)
@@ -55,23 +57,25 @@ class Config(waves.GrowingTrain, FluidConfig):
         return found
 
     def still_limits(self, preflight: Preflight) -> Limits:
+        """Limits of the time step, the same as in waves."""
         return self.smooth
 
     @property
     def smooth(self) -> Limits:
-        """Limits of the time step. A closed form is exact at any step; this limit keeps the straight lines between
-        steps, by which files are sampled, within 0.05 % of the waves."""
+        """Limits of the time step. The waves are exact at any step; this limit keeps the linear interpolation between
+        steps, by which files are sampled, within 0.05 % of them."""
         return Limits(force=SMOOTH_STEP_PERIODS * self.scale[1])
 
     def point_spacing(self, preflight: Preflight) -> float:
         return self.apart(preflight.tank)
 
     def apart(self, tank: waves.Tank) -> float:
-        """Distance [m] between points that resolve the waves, POINTS_PER_WAVE to a wavelength."""
+        """Distance [m] between points that resolve the waves: POINTS_PER_WAVE of them to a wavelength."""
         k = waves.wavenumber(2.0 * np.pi / self.scale[1], tank.depth, waves.downward_gravity(tank))
         return 2.0 * np.pi / float(k) / POINTS_PER_WAVE
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        """Row of the memory ledger for the plane waves."""
         n, word = len(self.sea(preflight.tank).amplitude), preflight.word
         return [
             LedgerRow(
@@ -91,7 +95,7 @@ class Config(waves.GrowingTrain, FluidConfig):
 
 @in_kernels
 class LinearWaves(OpenWater):
-    """Water without particles: the sum of linear plane waves at the present time."""
+    """Water without particles: the sum of linear plane waves, evaluated at the present time."""
 
     def __init__(self, config: Config, basin: Basin) -> None:
         self.config, sea = config, config.with_ramp(config.sea(basin))
@@ -108,12 +112,12 @@ class LinearWaves(OpenWater):
         return self.waves.sea
 
     def begin(self, sea: waves.Components) -> None:
-        """Restart at time 0 with other waves, as many as before and of the same depth; they grow as the config says."""
+        """Restart at time 0 with other waves, of the same number and depth; they grow by the ramp of the config."""
         self.time = self.before = 0.0
         self.waves.begin(self.config.with_ramp(sea))
 
     def advance(self, dt: float) -> None:
-        """Advance the waves by a step of dt [s]."""
+        """Advance the phases of the waves by a step of dt [s]."""
         self.before, self.time = self.time, self.time + dt
         self.waves.set_time(self.time)
 

@@ -1,4 +1,4 @@
-"""The thesis's water: Mueller, Charypar & Gross (2003), with symmetric pressure; (2.13) to (2.18), (2.25).
+"""Water by the thesis's scheme: Mueller, Charypar & Gross (2003), symmetric pressure; (2.13) to (2.18), (2.25).
 
 Weakly compressible by p = k (rho - rho0) (2.15). Density is summed, so the outermost layer, which lacks neighbours,
 reads too thin; the clamp `minimum_pressure` keeps that from pulling the surface together.
@@ -54,6 +54,7 @@ class Config(SphConfig):
 
     @model_validator(mode="after")
     def _one_stiffness(self) -> "Config":
+        """Validate that not both `compression` and `stiffness` are given."""
         if self.compression is not None and self.stiffness is not None:
             raise ValueError("give either compression or stiffness [m2/s2], not both")
         return self
@@ -63,6 +64,7 @@ class Config(SphConfig):
         return sqrt(self.stiffness) if self.stiffness else super().sound_speed(basin)
 
     def warnings(self, preflight: Preflight) -> list[str]:
+        """Warnings of every SPH scheme, and of a viscosity so low that still water boils."""
         found, basin = super().warnings(preflight), preflight.tank
         least = CALMING_VISCOSITY[basin.dimension - 2] * self.sound_speed(basin) * self.lattice(basin).spacing
         pull = waves.downward_gravity(basin)
@@ -75,6 +77,7 @@ class Config(SphConfig):
         return found
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        """Rows of the memory ledger for the fields of this scheme."""
         sizes = self.list_size(self.start_lattice(preflight), preflight.arch, Momentum.row.size)
         what = "position, velocity, density, pressure, volume, number"
         return scheme_ledger(preflight, sizes, 9, what, self.told_to_bodies)
@@ -85,7 +88,7 @@ class Config(SphConfig):
 
 @in_kernels
 class Density(Law):
-    """Density (2.13) with the poly6 kernel, then pressure (2.15)."""
+    """Pair law for the density (2.13) with the poly6 kernel, and from it the pressure (2.15)."""
 
     terms = Columns(density=1)
 
@@ -98,7 +101,7 @@ class Density(Law):
 
     @ti.func
     def prefactor(self, own):
-        """Factor of the sum: mass and the constant of the poly6 kernel."""
+        """Factor of the sum: particle mass times the constant of the poly6 kernel."""
         return self.constant
 
     @ti.func
@@ -113,7 +116,7 @@ class Density(Law):
 
     @ti.func
     def equation_of_state(self, density_sum):
-        """Pressure k (rho - rho0) (2.15), of the density's sum without prefactor, and no less than the minimum [Pa]."""
+        """Pressure [Pa] k (rho - rho0) (2.15) from the density's sum without prefactor, at least `minimum_pressure`."""
         p = self.fluid.factors[SLOPE_FACTOR] * density_sum - self.fluid.factors[OFFSET_FACTOR]
         if ti.static(self.clamped):
             p = tm.max(p, self.minimum)
@@ -121,6 +124,7 @@ class Density(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
+        """Store density and pressure of particle i."""
         fluid, particles = self.fluid, self.fluid.particles
         if ti.static(self.bodies):
             solid = self.solid.total(own, own)
@@ -134,7 +138,7 @@ class Density(Law):
 
 @in_kernels
 class Momentum(MomentumLaw):
-    """Accelerations by pressure (2.16) with the spiky kernel, and by viscosity (2.18) with the viscosity kernel."""
+    """Pair law for accelerations by pressure (2.16), with the spiky kernel, and viscosity (2.18), with its own."""
 
     fluid: "Mueller"
     row = Columns(position=3, velocity=3, pressure=1, volume=1)
@@ -147,31 +151,30 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def prefactor(self, own):
-        """Factor of the sum: 1 / rho_i, mass and the constant of the spiky kernel."""
+        """Factor of the sum: 1 / rho_i times particle mass times the constant of the spiky kernel."""
         return self.constant * own[self.row.volume]
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Row of sample s of a solid body, which has the rest density."""
+        """Field values of sample s of a solid body: continued pressure, and the volume of water at rest density."""
         other = self.continued_sample(own, s, d, mirror)
         other[self.row.volume] = 1.0 / self.fluid.rest_density
         return other
 
     @ti.func
     def pressure(self, p_i, p_j, r, q):
-        """Pressure term of a pair (2.16): (p_i + p_j) (h - r) / r along x_ij, the gradient of the spiky kernel over its
-        constant and q."""
+        """Pressure term of a pair (2.16): (p_i + p_j) (h - r) / r along x_ij, without constant and q = h - r."""
         return (p_i + p_j) * q / r
 
     @ti.func
     def viscosity(self, v_ji):
-        """Viscous term of a pair (2.18): mu v_ji, the Laplacian of the viscosity kernel over its constant and q, by the
-        prefactor of this law."""
+        """Viscous term of a pair (2.18): mu v_ji, the Laplacian of the viscosity kernel over its constant and q = h -
+        r, in units of this law's prefactor."""
         return self.fluid.factors[VISCOUS_FACTOR] * v_ji
 
     @ti.func
     def pair(self, own, other):
-        """Row of the terms (2.16) and (2.18) of a pair, times q = h - r and 1 / rho_j."""
+        """Terms (2.16) and (2.18) of a pair, times q = h - r and 1 / rho_j."""
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         v_ji = vec3(other, self.row.velocity) - vec3(own, self.row.velocity)
         r = ti.sqrt(x_ij.dot(x_ij) + SQUARED_GAP)
@@ -185,7 +188,7 @@ class Momentum(MomentumLaw):
 
 @in_kernels
 class Mueller(PairSph):
-    """Water by the scheme of the thesis: particles that press and rub on each other."""
+    """Water by the scheme of the thesis: weakly compressible SPH with summed density."""
 
     config: Config
     density: Density
@@ -205,14 +208,14 @@ class Mueller(PairSph):
 
     @property
     def adjustable(self) -> dict[str, Setting]:
-        """Settings that `adjust` takes, with units; without viscosity in the scene its term is not compiled."""
+        """Settings that `adjust` takes, by name; viscosity only if the scene has it, else its term is not compiled."""
         found = {"stiffness": Setting(self.stiffness, "m2/s2")}
         if self.viscous:
             found["kinematic_viscosity"] = Setting(self.kinematic_viscosity, "m2/s")
         return found
 
     def adjust(self, **values: float) -> None:
-        """Go on with another k of (2.15), `stiffness` [m2/s2], or another nu, `kinematic_viscosity` [m2/s]."""
+        """Set k of (2.15), `stiffness` [m2/s2], or nu, `kinematic_viscosity` [m2/s], during a run."""
         particles, real = self.particles, self.particles.position.precision
         self.stiffness = values.get("stiffness", self.stiffness)
         self.kinematic_viscosity = values.get("kinematic_viscosity", self.kinematic_viscosity)

@@ -66,7 +66,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
     """Density of the water."""
 
     def tiled(self, basin: waves.Tank, length: float, width: float) -> Tile:
-        """Tile for waves on a basin of this length and width [m]."""
+        """Make the tile of sea on which waves are computed, for a basin of this length and width [m]."""
         side, g = self.tile, waves.downward_gravity(basin)
         if side is None and self.highest is not None:
             side = PER_TILE * 2.0 * pi / float(waves.wavenumber(2.0 * pi / self.highest[1], basin.depth, g))
@@ -74,17 +74,18 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return Tile(side, self.cells, self.cells if basin.dimension == 3 else 1, basin.depth, g)
 
     def tile_of(self, basin: Basin) -> Tile:
-        """Tile for waves on a basin."""
+        """Make the tile of sea on which waves are computed, for a basin."""
         return self.tiled(basin, basin.config.length, basin.config.width or 0.0)
 
     def tile_step(self, tile: Tile) -> float:
-        """Time between steps of the tiles [s]."""
+        """Time step [s] of the waves on tiles."""
         if self.step is not None:
             return self.step
         step = tile_step(tile)
         return min(step, self.highest[1] / STEPS_PER_WAVE) if self.order == 3 and self.highest is not None else step
 
     def problems(self, preflight: Preflight) -> Problems:
+        """Faults (key, sentence) of these keys in this basin: obstacles, a rough bed, or waves that fit no tile."""
         basin = preflight.tank
         found = self.sea_faults(basin)
         if basin.obstacles:
@@ -98,7 +99,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return found
 
     def unfitted(self, basin: Basin) -> Problems:
-        """Faults of waves that do not fit a periodic tile, or of a tile that holds too little of the sea's energy."""
+        """Faults (key, sentence) of waves not periodic on the tile, or of a tile with too little of the energy."""
         tile, found = self.tile_of(basin), Problems()
         for _, train in self.trains:
             if train.spectrum is not None or not train.scale[0]:
@@ -121,7 +122,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return found
 
     def energy_share(self, basin: Basin) -> float:
-        """Share of the sea's energy in waves that a periodic tile holds; 1 in calm water."""
+        """Share of the sea's energy in waves that are periodic on the tile and resolved by it; 1 in calm water."""
         whole = self.sea_of(basin, SPECTRUM_COMPONENTS)
         energy = float((whole.amplitude**2).sum())
         return float((snapped(whole, self.tile_of(basin)).amplitude ** 2).sum()) / energy if energy else 1.0
@@ -179,11 +180,12 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         ]
 
     def still_limits(self, preflight: Preflight) -> Limits:
+        """Limits of the time step, the same as in waves."""
         return self.smooth(self.tile_of(preflight.tank))
 
     def smooth(self, tile: Tile) -> Limits:
-        """Limits of the time step. The sea is exact at any step; this limit keeps the straight lines between steps, by
-        which files are sampled, within 0.05 % of the waves, and leaves out no step of a tile."""
+        """Limits of the time step. The sea is exact at any step; this limit keeps the linear interpolation between
+        steps, by which files are sampled, within 0.05 % of the waves, and skips no step of a tile."""
         period = self.highest[1] if self.highest is not None else np.inf
         return Limits(force=min(SMOOTH_STEP_PERIODS * period, 4.0 * self.tile_step(tile)))
 
@@ -191,6 +193,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return spacing(self.sea_of(preflight.tank), self.tile_of(preflight.tank))
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        """Rows of the memory ledger: plane waves, and the tiles of a nonlinear sea, of ships and of the wind."""
         word, tile = preflight.word, self.tile_of(preflight.tank)
         cells = tile.cells * tile.rows
         why = f"fluid.cells {self.cells}"
@@ -210,7 +213,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return rows
 
     def summed(self, preflight: Preflight) -> int:
-        """Number of plane waves that are summed one by one; those of a nonlinear sea are not."""
+        """Number of plane waves that are summed one by one; a nonlinear sea (order 3) counts as one."""
         return len(self.sea_of(preflight.tank).amplitude) if self.order == 1 else 1
 
     def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
@@ -221,52 +224,57 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
 
 
 class Made(OnTile):
-    """Linear waves made by one ship or by the winds, on a tile of their own."""
+    """Linear waves made by one ship or by the wind, on a tile of their own."""
 
     def __init__(self, tile: Tile, ship: Displacing | None = None) -> None:
-        """`ship`: the ship that makes the waves; None: the winds do."""
+        """Start with calm water; `ship`: maker of the waves, None for the wind."""
         self.tile, self.ship, self.layer, self.time, self.begun = tile, ship, Layer(tile), 0.0, False
 
     def covers(self, points: np.ndarray) -> np.ndarray:
+        """Mask (m,) of the points x, z (m, 2) [m] on the tile around its centre."""
         return self.layer.covers(points)
 
     def modes_at(self, time: float) -> TileModes:
+        """Fourier modes of these waves at a time [s], extrapolated from the tile's last step."""
         e, p = self.layer.propagate(time - self.time)
         return TileModes(e, p, -self.tile.gravity * e)
 
 
 class Steep(OnTile):
-    """Nonlinear sea at two steps of its tile, the later of them ahead of the present time; interpolated in between."""
+    """Nonlinear sea, stored at two steps of its tile around the present time and interpolated between them."""
 
     def __init__(self, sea: HighOrder, step: float, ramp: float) -> None:
-        """`ramp`: time [s] over which the waves that are read grow; those computed are of full height."""
+        """Compute the first two states; `step` of the tile [s]; `ramp`: time [s] over which the waves that are read
+        grow, while those computed are of full height."""
         self.sea, self.tile, self.step, self.ramp, self.number = sea, sea.tile, step, ramp, 0
         self.slots = [np.array(sea.potentials()), np.array(sea.potentials())]
         """Modes of the elevation, of the potential and of its growth, (3, cells, rows // 2 + 1) each."""
         self.ahead()
 
     def ahead(self) -> None:
-        """Advance the nonlinear sea by a step, and keep its modes as the later of the two states."""
+        """Advance the nonlinear sea by a step, and store its modes as the later of the two states."""
         self.sea.advance(self.step)
         self.number += 1
         self.slots = [self.slots[1], np.array(self.sea.potentials())]
 
     def share(self, time: float) -> float:
-        """Position of a time [s] between the two states: 0 at the earlier, 1 at the later one."""
+        """Position of a time [s] between the two stored states: 0 at the earlier, 1 at the later one."""
         return time / self.step - (self.number - 1)
 
     def modes_at(self, time: float) -> TileModes:
+        """Fourier modes of the sea at a time [s] between the two stored states, times the ramp."""
         late, grown = self.share(time), waves.ramp_share(time, self.ramp)
         return TileModes(*(grown * ((1.0 - late) * a + late * b) for a, b in zip(*self.slots)))
 
     def grown(self, slot: int) -> np.ndarray:
-        """Modes of the earlier (0) or later (1) state, times the ramp's share of the height at its time."""
+        """Fourier modes (3, cells, columns) of the earlier (`slot` 0) or later (1) state, times its ramp."""
         return waves.ramp_share(self.step * (self.number - 1 + slot), self.ramp) * self.slots[slot]
 
 
 @in_kernels
 class SpectralSea(OpenWater):
-    """Open sea without particles. Kernels read the waves from afar and those of winds, all that a single ship feels."""
+    """Open sea without particles, with waves of ships and wind. Kernels read all waves but those that ships make; with
+    several ships each has its own view of the water."""
 
     def __init__(self, config: Config, basin: Basin, wind: Wind, accounts: bool = False) -> None:
         self.config, self.tile, self.accounts = config, config.tile_of(basin), accounts
@@ -300,26 +308,28 @@ class SpectralSea(OpenWater):
         self.set_clocks()
 
     def nonlinear(self, sea: waves.Components) -> HighOrder:
-        """Nonlinear sea that starts from these linear waves."""
+        """Make the nonlinear sea that starts from these linear waves."""
         period = self.config.highest[1] if self.config.highest is not None else 0.0
         return nonlinear_sea(sea, self.tile, self.config.onset_in(period), self.config.breaking, period)
 
     @property
     def plane_waves(self) -> waves.Components:
-        """The sea from afar, by linear theory and without its current."""
+        """Linear plane waves of the sea from afar, in axes that move with the current."""
         return self.afar
 
     @property
     def breaking(self) -> Breaking | None:
-        """Breaking crests of a nonlinear sea; None if the scene does not ask for them."""
+        """Breaking crests of the nonlinear sea; None if the scene does not ask for them."""
         return self.steep.sea.breaking if self.steep is not None else None
 
     @property
     def work(self) -> dict[str, float]:
+        """Work [J] of breaking crests on the sea since the start; empty if not summed or without breaking."""
         broken = self.breaking
         return {"breaking": -self.rest_density * broken.lost} if self.accounts and broken is not None else {}
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
+        """Heights (m,) [m] at points x, z (m, 2) [m] without the waves of ships."""
         if not any(made.ship is not None for made in self.made):
             return elevation
         at = np.asarray(points, dtype=float) - self.drift
@@ -334,10 +344,11 @@ class SpectralSea(OpenWater):
 
     @property
     def can_be_disturbed(self) -> bool:
+        """True if the water has tiles (a nonlinear sea, wind or ships) or a current."""
         return bool(self.tiles) or any(self.current)
 
     def begin(self, sea: waves.Components) -> None:
-        """Restart at time 0 with other waves from afar, as many as before and of the same depth."""
+        """Restart at time 0 with other waves from afar, of the same number and depth."""
         self.time = self.before = self.then = 0.0
         for made in self.made:
             made.time, made.begun = 0.0, False
@@ -345,6 +356,7 @@ class SpectralSea(OpenWater):
         self.waves.begin(self.afar)
 
     def add_ships(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
+        """Give each ship that displaces water a tile for her waves; return the water each feels, without her own."""
         wakes = [Made(self.tile, ship) for ship in ships if len(ship.displaced()[1])]
         self.made += wakes
         self.tiles = [*self.tiles, *wakes]
@@ -361,7 +373,7 @@ class SpectralSea(OpenWater):
         )
 
     def advance(self, dt: float) -> None:
-        """Advance by a step of dt [s]; tiles take steps of their own when these are due."""
+        """Advance by a step of dt [s]; tiles take their own, longer steps when these are due."""
         if self.made and (self.time == 0.0 or self.time - self.then > self.step - 0.5 * dt):
             self.push()
         if self.air is not None and self.raised is not None:
@@ -376,7 +388,7 @@ class SpectralSea(OpenWater):
         self.set_clocks()
 
     def push(self) -> None:
-        """Advance the tiles of ships and winds to the present time, under their pressure on the surface."""
+        """Advance the waves of ships and wind to the present time under their pressures; update kernel sheets."""
         dt = self.time - self.then
         for made in self.made:
             made.time = self.time
@@ -395,7 +407,7 @@ class SpectralSea(OpenWater):
             self.show(made, sheet)
 
     def leaning(self, raised: Made, time: float) -> tuple[np.ndarray, np.ndarray]:
-        """Slopes along x and z of the sea from afar and of the winds' waves, on the winds' tile, at a time [s]."""
+        """Slopes along x and z, (cells, rows) each, of sea and wind waves on the wind's tile at a time [s]."""
         along, across = (self.tile.to_values(slope) for slope in self.tile.slopes(raised.modes_at(time).e))
         if self.steep is not None:
             afar = [self.steep.tile.to_values(of) for of in self.steep.tile.slopes(self.steep.modes_at(self.time).e)]
@@ -416,7 +428,8 @@ class SpectralSea(OpenWater):
         return along, across
 
     def displace(self, made: Made, ship: Displacing, dt: float) -> None:
-        """Advance a ship's own tile by dt [s] under the pressure of her displacement where she is now."""
+        """Advance the tile of a ship's waves by dt [s], under the pressure of her displaced volume at her present
+        place; raise Diverged if the waves are no longer finite."""
         points, volumes = ship.displaced()
         centre = np.array([ship.body.position[0], ship.body.position[2]]) - self.drift
         pressure = self.tile.gravity * self.tile.spread_modes(points - self.drift, volumes)
@@ -429,22 +442,23 @@ class SpectralSea(OpenWater):
             made.begun = True
 
     def middle(self) -> np.ndarray:
-        """Centre of the winds' tile in the axes of the water [m]: the first ship, or the middle of the basin."""
+        """Centre (2,) of the wind's tile in axes that move with the current [m]: first ship, or middle of the basin."""
         first = next((made.ship for made in self.made if made.ship is not None), None)
         at = np.zeros(2) if first is None else np.array([first.body.position[0], first.body.position[2]])
         return at - self.drift
 
     def show(self, made: Made, sheet: Sheet) -> None:
-        """Write the waves of a tile, at the present time and a step later, to the sheet that kernels read."""
+        """Write a maker's waves, at the present time and one tile step later, to the sheet that kernels read."""
         for slot, time in enumerate((self.time, self.time + self.step)):
             sheet.write_modes(slot, *made.modes_at(time))
 
     def show_steep(self, steep: Steep) -> None:
-        """Write the later state of the nonlinear sea to the sheet that kernels read, over the older one."""
+        """Write the later state of the nonlinear sea to the sheet that kernels read, over the older one there."""
         self.sheets[0].write_modes(steep.number % 2, *steep.grown(1))
 
     def set_clocks(self) -> None:
-        """Set for each sheet its place and the position between its two times, now and when the last step began."""
+        """Set the place of each sheet, and the interpolation weights between its two stored times, for the present time
+        and for the beginning of the last step."""
         drifts = np.outer((self.time, self.before), self.current)
         if self.steep is not None:
             first, last = self.steep.share(self.time), self.steep.share(self.before)
@@ -461,13 +475,13 @@ class SpectralSea(OpenWater):
 
 
 def spacing(sea: waves.Components, tile: Tile) -> float:
-    """Distance [m] between points that resolve the highest waves; in calm water two cells."""
+    """Distance [m] between points that resolve the highest waves of a sea; in calm water two cells of the tile."""
     return sea.wavelength / POINTS_PER_WAVE if sea.amplitude.any() else 2.0 * tile.cell
 
 
 def snapped(sea: waves.Components, tile: Tile) -> waves.Components:
-    """Move waves to the nearest wavevectors of a periodic tile; waves on one wavevector become one, with all their
-    energy and the phase of the highest."""
+    """Move waves to the nearest wavevectors that are periodic on a tile; waves on one wavevector are merged, with all
+    their energy and the phase of the highest. Waves that the tile does not resolve are dropped."""
     unit = 2.0 * pi / np.array([tile.side, tile.width if tile.rows > 1 else np.inf])
     steps = np.round(np.divide(sea.wavevector, unit, out=np.zeros(sea.wavevector.shape), where=unit > 0.0)).astype(int)
     most = ceil(tile.cells / 4) - 1

@@ -48,7 +48,7 @@ ZERO_VECTOR = np.zeros(3)
 
 @dataclass(frozen=True)
 class Body:
-    """Samples of a solid body."""
+    """Points that sample a solid body, with the volume of each and the normal of the face nearest to it."""
 
     position: np.ndarray  # (m, 3) in the body's axes, from its origin [m]
     volume: np.ndarray  # (m,) [m3]; in 2-D [m2]
@@ -60,8 +60,8 @@ class Body:
     floats: bool = False  # whether it answers to the water
 
     def strength(self, smoothing: Smoothing, spacing: float) -> float:
-        """Factor of the weight of its samples in the water's laws: 1, but larger for a gate thinner than the support,
-        so that it holds the first row of water as solid ground does."""
+        """Factor of the weight of the body's samples in the water's laws: 1, but larger for a gate thinner than the
+        support, so that it holds the first row of water as solid ground does."""
         count, apart = self.across
         if count == 0:
             return 1.0
@@ -71,8 +71,7 @@ class Body:
 
 
 def plane_pressure(away: np.ndarray, smoothing: Smoothing, spacing: float) -> float:
-    """Push of planes of particles on a particle so far away [m], over that of a pair: sum of -grad W / slope across the
-    planes."""
+    """Sum of -grad W / slope over planes of particles at distances `away` (k,) [m]: their push on a particle."""
     last = ceil(smoothing.support / spacing)
     along = spacing * np.array(list(product(range(-last, last + 1), repeat=smoothing.dimension - 1)), dtype=float)
     r = np.sqrt(away[:, None] ** 2 + (along**2).sum(axis=1))
@@ -81,7 +80,7 @@ def plane_pressure(away: np.ndarray, smoothing: Smoothing, spacing: float) -> fl
 
 
 def obstacle_bodies(lattice: Lattice, support: float) -> list[Body]:
-    """The obstacles of the basin, sampled about as densely as the water, down to one `support` [m] below faces."""
+    """Sample the obstacles of the basin at about the particle spacing, down to one `support` [m] below their faces."""
     basin, bodies = lattice.basin, []
     for obstacle in basin.config.obstacles:
         d = basin.dimension
@@ -105,7 +104,7 @@ def obstacle_bodies(lattice: Lattice, support: float) -> list[Body]:
 
 
 def floating_bodies(lattice: Lattice, support: float) -> dict[str, Body]:
-    """Floating bodies of the basin that the water feels, by name, sampled in the same way as obstacles."""
+    """Sample the floating bodies that act on the water, by name, as densely as obstacles."""
     bodies = {}
     for name, solid in lattice.basin.afloat.items():
         if solid.is_sampled:
@@ -114,37 +113,39 @@ def floating_bodies(lattice: Lattice, support: float) -> dict[str, Body]:
 
 
 def any_moves(bodies: Sequence[Body]) -> bool:
-    """True if any of these bodies moves, and so works on the water."""
+    """True if any of these bodies is a gate or floats, and so does work on the water."""
     return any(body.floats or body.gate is not None for body in bodies)
 
 
 def memory(samples: int, bodies: int, cells: int, word: int, working: bool) -> int:
-    """Bytes of the fields of a Boundary, where `word` is the size of a `float` [bytes] and work is summed or not."""
+    """Bytes of the fields of a Boundary with so many samples, bodies and grid cells; `word`: size of a `float` [bytes];
+    `working`: True if the work of moving bodies is summed."""
     return samples * (26 * word + 20 + 24 + 16 * working) + 6 * word * bodies + 4 * (cells + 1)
 
 
 @ti.func
 def vector(components: Template, s):
-    """Vector of entry s of three component fields."""
+    """Vector of the numbers at index s of three component fields."""
     return tm.vec3(components.x[s], components.y[s], components.z[s])
 
 
 @ti.func
 def store(components: Template, s, values):
-    """Write a vector to entry s of three component fields."""
+    """Write a vector to index s of three component fields."""
     for k, component in ti.static(enumerate(components)):
         component[s] = ti.cast(values[k], float)
 
 
 @ti.func
 def three(rows: Template, body, first: Template):
-    """Vector of three columns, from `first` on, of the row of a body."""
+    """Vector of three adjacent numbers, from column `first` on, of row `body` of a table."""
     return ti.Vector([rows[body, first + k] for k in ti.static(range(3))])
 
 
 @in_kernels
 class Boundary:
-    """All solid bodies in the water: `place`, `sort` and `react` in a step; then `forces` are those on them."""
+    """All solid bodies in the water, as samples sorted by cell. A step calls `place`, `sort` and `react`; then `forces`
+    are those of the water on the bodies."""
 
     def __init__(
         self,
@@ -155,7 +156,7 @@ class Boundary:
         smoothing: Smoothing,
         accounts: bool,
     ) -> None:
-        """`accounts`: whether it sums the work of bodies that move."""
+        """Make the fields of these bodies. `accounts`: True if the work of moving bodies is summed."""
         self.bodies, self.mass, self.grid, self.pull = bodies, particles.mass, grid, pull
         self.owners = np.repeat(np.arange(len(bodies)), [len(body.position) for body in bodies])
         self.n = n = len(self.owners)
@@ -203,8 +204,7 @@ class Boundary:
         self.sort()
 
     def advance(self, time: float) -> None:
-        """Move gates to where they are at a time [s], that at which the next step ends, and remove those that have
-        left."""
+        """Move gates to their places at `time` [s], the end of the next step; remove gates that have left the basin."""
         self.speed = 0.0
         for k, gate in self.gates:
             moved = gate.at(time)
@@ -227,23 +227,22 @@ class Boundary:
         acceleration: ArrayLike = ZERO_VECTOR,
         angular_acceleration: ArrayLike = ZERO_VECTOR,
     ) -> None:
-        """Put a body's origin at `position` [m], turned by the (3, 3) matrix `rotation` from its axes to those of the
-        tank; it moves with `velocity` [m/s], `angular_velocity` [rad/s] and their rates. The next step takes it over:
-        say where it is when that step ends."""
+        """Set the motion of body number `body` at the end of the next step: origin at `position` (3,) [m], turned from
+        its axes to the tank's by `rotation` (3, 3), velocity [m/s], angular velocity [rad/s], both accelerations."""
         rates = (velocity, angular_velocity, acceleration, angular_acceleration)
         row = np.concatenate([position, np.ravel(rotation), *rates, [0.0]])  # as MOTION_COLUMNS has them
         self.moved = self.moved or bool((row != self.motion[body]).any())
         self.motion[body] = row
 
     def sort(self) -> None:
-        """Sort the samples by cell at the present places of the bodies, if any has moved."""
+        """Move the samples to the present places of their bodies and sort them by cell, if any body has moved."""
         if self.moved:
             self.moved = False
             self.sort_samples(self.motion)
 
     @ti.kernel
     def sort_samples(self, motion: Doubles2):
-        """Move the samples with their bodies, and sort them by cell: stable, by counting."""
+        """Move the samples by `motion`, a row of MOTION_COLUMNS a body, and sort them by cell (stably)."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             for c in range(self.grid.cell_count + 1):
@@ -285,14 +284,14 @@ class Boundary:
 
     @ti.func
     def sample_position(self, s, motion: Template):
-        """Position of sample s [m], once its arm is turned."""
+        """Position of sample s [m] in the tank; `turn_arm` has to be called before."""
         return self.grid.wrap_position(
             ti.cast(three(motion, self.owner[s], MOTION_COLUMNS.position) + vector(self.arm, s), float)
         )
 
     @ti.func
     def store_sample(self, s, to, motion: Template):
-        """Store place, velocity, acceleration and normal of sample s as number `to` in the order of the cells."""
+        """Store position, velocity, acceleration and normal of sample s at index `to` in the order of the cells."""
         b, arm, x, facing = self.owner[s], vector(self.arm, s), self.sample_position(s, motion), vector(self.facing, s)
         spin = three(motion, b, MOTION_COLUMNS.angular_velocity)
         swept = spin.cross(arm)
@@ -310,7 +309,7 @@ class Boundary:
 
     @ti.func
     def near(self, x):
-        """True if x [m] lies in a box one support around a body."""
+        """True if x [m] lies within one support of the bounding box of any body."""
         found = False
         for b in range(ti.static(len(self.bodies))):
             away = tm.vec3(0.0)
@@ -324,8 +323,7 @@ class Boundary:
 
     @ti.func
     def head(self, x, a, s, d, mirror):
-        """Rise of p / rho [m2/s2] from a particle at x [m] with acceleration a [m/s2] to sample s, seen at d [m] in a
-        mirror."""
+        """Rise of p / rho [m2/s2] from a particle at x [m] with acceleration a [m/s2] to a mirrored sample at x + d."""
         n, a_s = (
             mirror_direction(mirror, vector(self.normal, s)),
             mirror_direction(mirror, vector(self.acceleration, s)),
@@ -334,22 +332,22 @@ class Boundary:
 
     @ti.func
     def mirrored_velocity(self, s, mirror):
-        """Velocity of sample s [m/s] in a mirror."""
+        """Velocity [m/s] of the image of sample s in a mirror."""
         return mirror_velocity(mirror, tm.vec3(self.velocity.x[s], self.velocity.y[s], self.velocity.z[s]))
 
     @ti.func
     def opposed_velocity(self, v, s, mirror):
-        """Velocity [m/s] that keeps water of velocity v out of sample s: twice that of the sample less v."""
+        """Velocity [m/s] of a no-slip image for water of velocity v at sample s: twice the sample's velocity less v."""
         return 2.0 * self.mirrored_velocity(s, mirror) - v
 
     @ti.func
     def rubbing_velocity(self, v, s, mirror):
-        """Velocity [m/s] with which sample s rubs on water of velocity v: the water's own where it slips."""
+        """Velocity [m/s] of sample s in friction with water of velocity v: v on a free-slip body, else opposed."""
         return ti.select(self.free[s] == 1, v, self.opposed_velocity(v, s, mirror))
 
     @ti.func
     def react(self, law: Template, dt):
-        """Sum the forces of a law on all samples for a step of dt [s]; call it at the top of a kernel."""
+        """Sum the force [N] of the water on each sample, and its impulse over dt [s]; call at the top of a kernel."""
         for t in range(self.blocks * self.stride):
             if t % self.stride == 0:
                 b = t // self.stride
@@ -368,7 +366,7 @@ class Boundary:
 
     @ti.func
     def particle_equivalent(self, s):
-        """Number of particles for which sample s counts in the water's laws."""
+        """Weight of sample s in the water's laws, as a number of particles."""
         share = self.share[s]
         if ti.static(self.moving):
             share *= self.strength[self.owner[self.name[s]]]
@@ -376,7 +374,7 @@ class Boundary:
 
     @ti.func
     def sample_count(self):
-        """Number of samples in the basin; those of bodies that have left come last."""
+        """Number of samples in the basin; those of gates that have left are sorted behind them."""
         n = self.n
         if ti.static(self.moving):
             n = self.start[self.grid.cell_count]
@@ -384,25 +382,26 @@ class Boundary:
 
     @ti.func
     def solid(self, x):
-        """Smoothed share of solid bodies around x [m]; 1 inside, one half on a face."""
+        """Smoothed share of the space around x [m] that is solid: 1 inside a body, one half on a face."""
         share = 0.0
         if self.near(x):
             share = self.around.total(x, self.volume, 0.0)[0]
         return share
 
     def sample_sum(self, law: Law) -> "SampleSum":
-        """Sum of a law over the samples around a particle."""
+        """Make the sum of a pair law over the samples around a particle."""
         return SampleSum(self, law)
 
     def forces(self) -> tuple[np.ndarray, np.ndarray]:
-        """Force (k, 3) [N] of the water on each body in the last step and its torque (k, 3) about its origin [N m], in
-        the axes of the tank; in 2-D per metre."""
+        """Force (k, 3) [N] of the water on each of k bodies in the last step and torque (k, 3) [N m] about its origin,
+        in the axes of the tank; in 2-D per metre."""
         borne = np.zeros((2, len(self.bodies), 3))
         self.sum_forces(borne)
         return borne[0], borne[1]
 
     @ti.kernel
     def sum_forces(self, borne: Doubles3):
+        """Add the force and torque of each body to `borne` (2, k, 3)."""
         ti.loop_config(serialize=True)
         for s in range(self.n):
             b = self.owner[s]
@@ -413,8 +412,7 @@ class Boundary:
                 borne[1, b, k] = borne[1, b, k] + torque[k]
 
     def works(self) -> np.ndarray:
-        """(k, 2) work [J] of each body on the water since the start, and the part of it that the law of the water books
-        under walls."""
+        """Work (k, 2) [J] of each body on the water since the start: all of it, and the part booked under walls."""
         return self.sum_by_body(self.work)
 
     def impulses(self) -> np.ndarray:
@@ -422,23 +420,24 @@ class Boundary:
         return self.sum_by_body(self.impulse)
 
     def sum_by_body(self, summed: ti.Field) -> np.ndarray:
-        """Sums of a field over the samples of each body, one row a body."""
+        """Sum a field of rows, one a sample, over the samples of each body; one row a body."""
         each = summed.to_numpy()
         return np.array([each[self.owners == k].sum(axis=0) for k in range(len(self.bodies))])
 
 
 @in_kernels
 class Volume:
-    """Sum over samples: smoothed share of solid bodies at a point."""
+    """Point sum over samples: smoothed share of the space around a point that is solid."""
 
     sums = 1
 
     def __init__(self, boundary: Boundary, smoothing: Smoothing, unit: float) -> None:
-        """`unit`: volume of a particle [m3]."""
+        """Sum for the samples of a Boundary; `unit`: volume of a particle [m3]."""
         self.boundary, self.smoothing, self.unit = boundary, smoothing, unit
 
     @ti.func
     def term(self, own, s, d, mirror):
+        """Share that sample s, at d [m] from the point, fills."""
         return ti.Vector([self.unit * self.boundary.share[s] * self.smoothing.W_poly6(d.dot(d))])
 
 
@@ -451,10 +450,12 @@ class SampleSum:
 
     @ti.func
     def term(self, own, s, d, mirror):
+        """Pair term of a particle (row `own`) with sample s, at d [m] in a mirror, times the weight of the sample."""
         return self.boundary.particle_equivalent(s) * self.law.pair(own, self.law.sample(own, s, d, mirror))
 
     @ti.func
     def total(self, x, own):
+        """Sum of the law over all samples around x [m]; zero away from bodies."""
         total = ti.Vector.zero(float, self.sums)
         if self.boundary.near(x):
             total = self.boundary.around.total(x, self, own)
@@ -463,18 +464,19 @@ class SampleSum:
 
 @in_kernels
 class Reaction:
-    """Force [N] on a sample, number `own`, by the law that pushes the water, and where work is summed the part of it
-    whose work the law puts under walls. Across a side, the force of an image is the side's."""
+    """Point sum over particles: force [N] on a sample, number `own`, by the law that pushes the water; where work is
+    summed, also the part of it whose work is booked under walls. Across a side, an image pushes the side instead."""
 
     def __init__(self, boundary: Boundary, law: Law, told: tuple[ti.Field, ...], forces: tuple[Any, ...]) -> None:
-        """`told`: fields that a sample reads of a particle, those of the law's row first; `forces`: ti.funcs that make
-        accelerations of the particle [m/s2] of the sum, the second one that of the part."""
+        """Sum for a law. `told`: fields of a particle that a sample reads, the law's row first; `forces`: ti.funcs from
+        a sum to the particle's acceleration [m/s2], all of it and the part booked under walls."""
         self.boundary, self.law, self.told, self.mass = boundary, law, told, boundary.mass
         self.forces = forces if boundary.working else forces[:1]
         self.sums = 3 * len(self.forces)
 
     @ti.func
     def term(self, own, j, d, mirror):
+        """Force on sample `own` by particle j at d [m] in a mirror: minus the sample's push on that particle."""
         law = self.law
         here = ti.Vector([field[j] for field in ti.static(self.told)])
         away = tm.vec3([-mirror[POSITION_SIGN, k] * d[k] for k in ti.static(range(3))])

@@ -36,7 +36,7 @@ class Emitter(Model):
     """Largest number of particles in all, those of `fill` included; then the inflow stops."""
 
     def problems(self, basin: Basin) -> Iterator[tuple[tuple[str, ...], str]]:
-        """Yield faults of the emitter in this basin (key, sentence), before a lattice can be made for it."""
+        """Yield faults (key, sentence) of these keys that are visible before the lattice is made."""
         for key in ("position", "velocity"):
             numbers = getattr(self, key)
             if len(numbers) != basin.dimension and (basin.dimension == 3 or numbers[2] != 0.0):
@@ -47,7 +47,7 @@ class Emitter(Model):
 
 @dataclass(frozen=True)
 class Jet:
-    """The particles that leave an emitter."""
+    """Geometry and schedule of the layers of particles that leave an emitter."""
 
     config: Emitter
     dimension: int
@@ -67,8 +67,7 @@ class Jet:
 
     @cached_property
     def sites(self) -> np.ndarray:
-        """Positions (k, 3) [m] of the particles of a layer: the nearest to the middle of a square lattice, around
-        it."""
+        """Positions (k, 3) [m] of the particles of one layer: points of a square lattice around the mouth's middle."""
         ahead = self.velocity / np.linalg.norm(self.velocity)
         apart = self.spacing ** (self.dimension - 1)
         k = max(1, round(self.area / apart))
@@ -90,24 +89,24 @@ class Jet:
 
     @property
     def interval(self) -> float:
-        """Time from layer to layer [s]."""
+        """Time between two layers [s]."""
         return len(self.sites) * self.volume / self.config.rate
 
     def particle_count(self, time: float) -> int:
-        """Number of all particles in the basin at a time [s], at most the cap."""
+        """Number of all particles in the basin at a time [s], those of `fill` included, at most the cap."""
         layers = int(time / self.interval + LAYER_ROUNDING) + 1
         return min(self.config.cap, self.first + layers * len(self.sites))
 
     def emitted_state(self, first: int, last: int, time: float, pull: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(n, 3) positions [m] and velocities [m/s] at a time [s] of the particles from number `first` to before
-        `last`, under an acceleration `pull` [m/s2] since they left."""
+        """Positions (n, 3) [m] and velocities (n, 3) [m/s], at a time [s], of particles number `first` to `last` - 1 on
+        their parabolas, under a constant acceleration `pull` (3,) [m/s2] since they left."""
         layer, site = np.divmod(np.arange(first, last) - self.first, len(self.sites))
         age = np.maximum(time - layer * self.interval, 0.0)[:, None]
         return self.sites[site] + age * self.velocity + 0.5 * age**2 * pull, self.velocity + age * pull
 
 
 def problems(basin: Basin, jet: Jet) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Yield faults of a jet in this basin: (path below `fluid.emitter`, sentence)."""
+    """Yield faults (path below `fluid.emitter`, sentence) of an emitter whose lattice and mouth are known."""
     config = jet.config
     if config.cap <= jet.first:
         yield ("cap",), f"{config.cap} particles in all, but `fill` makes {jet.first}: nothing would be left to emit"

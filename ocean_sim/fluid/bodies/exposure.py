@@ -1,6 +1,6 @@
-"""Area that particles show to the air: found every few steps, held by the particles' numbers in between.
+"""Area that particles expose to the air: computed every few steps, stored by the particles' ids in between.
 
-Under a wind that presses on slopes, the bend of the surface is found, too. Exposed areas lie at a mean depth `skin`
+Under a wind that presses on slopes, the bend of the surface is computed, too. Exposed areas lie at a mean depth `skin`
 below the surface, where a wave of wavenumber k moves less by the share k skin: a pressure P on them does too little
 work by as much. The force -grad(P chi), with chi falling from 1 on the surface to 0 inside, does all of it. Its part -P
 grad chi is P on the exposed areas; its part -chi grad P comes to -skin grad P on each plan area, as the integral of chi
@@ -29,13 +29,13 @@ RENEWAL_DISTANCE = 0.5
 
 
 def memory(n: int, word: int, bends: bool) -> int:
-    """Bytes of the fields for so many particles, in words of this size; `bends`: whether the bend is found."""
+    """Bytes of the fields of an Exposure of n particles; `word`: bytes of a `float`; `bends`: with surface bend."""
     return ((9 if bends else 3) * n + 1) * word + 8 * -(-n // AREAS_PER_THREAD)
 
 
 @in_kernels
 class Exposure(Law):
-    """Exposed area of every particle times its outward normal [m2]: a law of pairs, and its sum."""
+    """Pair law and store of the area of every particle that is exposed to the air, times its outward normal [m2]."""
 
     terms = Columns(area=3)
 
@@ -48,8 +48,8 @@ class Exposure(Law):
         plan_area: float,
         bends: bool,
     ) -> None:
-        """`positions` by which `neighbours` knows the particles; `plan_area` of the water [m2]; 0 where it is not
-        known; `bends`: whether to find how the surface bends."""
+        """Make the fields. `positions`: fields by which the walk `neighbours` finds particles; `plan_area` of the water
+        [m2], 0 if unknown; `bends`: True if the bend of the surface is computed, too."""
         particles, smoothing = water.particles, water.smoothing
         self.particles, self.smoothing, self.neighbours = particles, smoothing, neighbours
         self.plan_area, self.reads = plan_area, positions
@@ -66,8 +66,7 @@ class Exposure(Law):
         self.add_bodies(boundary)
 
     def renew_if_due(self, dt: float, speed: float) -> None:
-        """Compute the areas anew if they may be out of date in a step of dt [s] of water and crests of such a speed
-        [m/s]."""
+        """Compute the areas anew if water and crests, of this `speed` [m/s] together, may have moved half a spacing."""
         if self.left <= 0.0:
             self.find_areas()
             self.left = RENEWAL_DISTANCE * self.particles.spacing
@@ -75,10 +74,9 @@ class Exposure(Law):
 
     @ti.kernel
     def find_areas(self):
-        """Compute all areas, then scale them so that, seen from above, they sum to the plan area of the water, where
-        that is known: whatever the order of the particles, and however many of them count as exposed, a stress acts on
-        the surface once. The sum alone is the area of the bed that the water presses on, but for the order of the
-        particles."""
+        """Compute all areas, then scale them so that their horizontal projections sum to the plan area of the water, if
+        it is known: a wind stress then acts on the surface exactly once, whatever the order of particles and however
+        many of them count as exposed."""
         self.neighbours.walk(self, False)
         if ti.static(self.bends):
             self.neighbours.walk(self.bending, False)
@@ -113,7 +111,7 @@ class Exposure(Law):
 
     @ti.func
     def pair(self, own, other):
-        """Gradient of the kernel, -x_ij times its shape."""
+        """Gradient of the kernel at the neighbour without its constant: -x_ij times the shape of grad W."""
         return -self.smoothing.pair_gradient(own - other)
 
     @ti.func
@@ -133,8 +131,7 @@ class Exposure(Law):
 
     @ti.func
     def bend_of(self, i):
-        """Change, over a way `skin`, of the slope along x in going along x, of that along x in going along z, and of
-        that along z in going along z, at particle i [1]; zero inside the water."""
+        """Bend at particle i [1]: d(slope_x)/dx, d(slope_x)/dz and d(slope_z)/dz times the depth `skin`; 0 inside."""
         bend = tm.vec3(0.0)
         if ti.static(self.bends):
             bend = self.bending.of(i)
@@ -143,8 +140,8 @@ class Exposure(Law):
 
 @in_kernels
 class Bend(Law):
-    """Second derivatives of the surface's height where particles are exposed: fitted to the differences of slopes in
-    the neighbourhood, each weighed by its plan area and the kernel's gradient."""
+    """Pair law for the second derivatives of the surface's height at exposed particles: fitted to the differences of
+    slopes to neighbours, each weighted by its plan area and the kernel's gradient."""
 
     row = Columns(position=3, slope=2, area=1)
     terms = Columns(xx=1, xz=1, zz=1, x_along_x=1, cross=1, z_along_z=1)
@@ -157,13 +154,13 @@ class Bend(Law):
 
     @ti.func
     def of(self, i):
-        """Changes of the slopes at particle i over a way `skin`, see Exposure.bend_of."""
+        """Bend at particle i [1]: three second derivatives of the height times `skin`, see Exposure.bend_of."""
         name = self.particles.id[i]
         return tm.vec3(self.bend.x[name], self.bend.y[name], self.bend.z[name])
 
     @ti.func
     def image(self, other, mirror):
-        """Row of a neighbour's image in a side: its slope across the side is reversed."""
+        """Mirror a neighbour's row in a flat side: its position, and its slope across the side, which changes sign."""
         x, image = mirror_position(mirror, vec3(other, self.row.position)), other
         for k in ti.static(range(3)):
             image[self.row.position + k] = x[k]
@@ -173,6 +170,7 @@ class Bend(Law):
 
     @ti.func
     def pair(self, own, other):
+        """Weighted products of the distances and slope differences of a pair, from which the fit is made."""
         x = vec3(other, self.row.position) - vec3(own, self.row.position)
         weight = other[self.row.area] * self.smoothing.shape_gradient(ti.sqrt(x.dot(x)))
         steeper_x = other[self.row.slope] - own[self.row.slope]
@@ -182,8 +180,8 @@ class Bend(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Store the bend at particle i. Slopes that change by H x make the sums H M + M H of twice these, M that of x
-        x: solved for a symmetric H."""
+        """Fit the symmetric Hessian H of the height to the sums of particle i: H M + M H = twice the sums of slope
+        differences times distances, M = sum of x x. Store its three components times `skin`."""
         xx, xz, zz = total[self.terms.xx], total[self.terms.xz], total[self.terms.zz]
         along_x, along_z = total[self.terms.x_along_x], total[self.terms.z_along_z]
         bend, narrow = tm.vec3(0.0), xx * zz - xz * xz < MIN_DETERMINANT * xx * zz

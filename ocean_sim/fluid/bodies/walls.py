@@ -1,4 +1,4 @@
-"""Limits of the water: sides that particles bounce from, zones that absorb waves, and the longest way of a step."""
+"""Limits of the water: sides that particles bounce from, zones that absorb waves, and the largest move in a step."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ GONE_FACES = np.array([3 * [OPEN], 3 * [-OPEN]])  # lowest and highest corner [m
 
 @dataclass(frozen=True)
 class Zone:
-    """Absorbing zone: water that is relaxed towards a motion, the faster the nearer to its side."""
+    """Absorbing zone before a side: relaxes its water towards a target velocity, the faster the nearer to the side."""
 
     side: str
     axis: int
@@ -48,18 +48,18 @@ class Zone:
 
     @property
     def wavelength(self) -> float:
-        """Length of the highest waves that it is for [m]; infinite where the scene names none."""
+        """Wavelength [m] of the highest waves that the zone is designed for; infinite if the scene names no waves."""
         return inf if self.coming is None else self.coming.wavelength
 
     @cached_property
     def sent_back(self) -> tuple[float, float]:
-        """Share of the wave height that it reflects by linear theory: of the highest waves, and of the whole sea."""
+        """Reflection coefficients of the zone by linear theory: of the highest waves, and of the whole sea."""
         assert self.coming is not None
         return sea_reflection(self.coming, self.length, self.rate)
 
     @property
     def statement(self) -> str:
-        """Description of the zone in numbers."""
+        """Sentence on length, rate, target and reflection of the zone."""
         what = f"absorbing side {self.side}: a zone of {self.length:.3g} m, "
         rate = f"rate {self.rate:.3g} 1/s at the side"
         aim = "" if not any(self.current) else f"; towards a current of {list(self.current)} m/s"
@@ -75,7 +75,7 @@ class Zone:
 
     @property
     def warning(self) -> str | None:
-        """Sentence on why it absorbs badly, or None."""
+        """Sentence on a zone too short to absorb well, less than half a wavelength; None if it is long enough."""
         if self.coming is None or self.length >= MIN_ZONE_WAVES * self.wavelength:
             return None
         peak, _ = self.sent_back
@@ -86,7 +86,7 @@ class Zone:
 
 
 def scene_waves(basin: Basin, initial: Initial | None) -> waves.Components | None:
-    """The waves of a scene: of its wavemaker, of its initial state, or of the period at which its tank moves."""
+    """Waves of a scene: of its wavemaker, else its initial state, else its moving tank; None if there are none."""
     if any(waves.basin_faults(basin)):
         return None
     if basin.piston is not None:
@@ -96,7 +96,7 @@ def scene_waves(basin: Basin, initial: Initial | None) -> waves.Components | Non
 
 
 def zones(lattice: Lattice) -> tuple[Zone, ...]:
-    """Absorbing zone before each absorbing side of the water on a lattice, in the order of the sides."""
+    """Absorbing zones of a basin, one before each absorbing side, in the order of the sides."""
     basin = lattice.basin
     absorbing = [side for side in basin.sides if side.absorbing is not None]
     of_scene = scene_waves(basin, lattice.config.initial) if absorbing else None
@@ -104,7 +104,8 @@ def zones(lattice: Lattice) -> tuple[Zone, ...]:
 
 
 def zone(side: Side, basin: Basin, of_scene: waves.Components | None, absorbing: list[Side], spacing: float) -> Zone:
-    """Absorbing zone before a side, for the waves that the side lets pass, else for those of the scene."""
+    """Make the absorbing zone before a side for the waves that the side lets pass, else for `of_scene`. `absorbing`:
+    all absorbing sides, which share the basin; `spacing` of the particles [m]."""
     asked, axis = side.absorbing, side.axis
     assert asked is not None
     target, given = asked.target, None
@@ -127,7 +128,7 @@ def zone(side: Side, basin: Basin, of_scene: waves.Components | None, absorbing:
 
 
 def warnings(found: tuple[Zone, ...]) -> Iterator[str]:
-    """Yield warnings of zones that are short or crowded."""
+    """Yield warnings of absorbing zones that are too short, or that fill more than half of the basin along an axis."""
     for one in found:
         if one.warning is not None:
             yield one.warning
@@ -141,7 +142,7 @@ def warnings(found: tuple[Zone, ...]) -> Iterator[str]:
 
 @in_kernels
 class Target:
-    """The motion that the water of a zone is relaxed towards."""
+    """Target velocity of an absorbing zone: a current plus the waves that the side lets pass."""
 
     def __init__(self, zone: Zone) -> None:
         self.current, self.waving = tm.vec3(zone.current), zone.given is not None
@@ -149,7 +150,7 @@ class Target:
             self.waves = PlaneWaves(zone.given)
 
     def turn(self, time: float) -> None:
-        """Set the target to a time [s]."""
+        """Set the waves of the target to a time [s]."""
         if self.waving:
             self.waves.set_time(time)
 
@@ -164,7 +165,7 @@ class Target:
 
 @in_kernels
 class Walls:
-    """Walls, floor and obstacles, which stop particles `collision_distance` before them, and absorbing zones."""
+    """Walls, floor and obstacles, from which particles bounce at `collision_distance`, and absorbing zones."""
 
     def __init__(self, lattice: Lattice, images: Images) -> None:
         gap = lattice.config.collision_distance * lattice.spacing
@@ -189,8 +190,7 @@ class Walls:
         self.advance(0.0)
 
     def advance(self, time: float) -> None:
-        """Move the faces of obstacles and the targets of zones to a time [s]; an obstacle that has left stops
-        nothing."""
+        """Move gates and the targets of absorbing zones to a time [s]; a gate that has left stops nothing."""
         for *_, target in self.zones:
             target.turn(time)
         for b, gate in self.gates:
@@ -203,8 +203,8 @@ class Walls:
 
     @ti.func
     def bounce(self, x, v):
-        """Position [m] and velocity [m/s] after the walls: stopped at the wall, normal velocity returned with the
-        restitution, tangential velocity reduced by Coulomb friction, at most to rest."""
+        """Position [m] and velocity [m/s] after collisions with walls and obstacles: stopped there, normal velocity
+        times minus the restitution, tangential velocity reduced by Coulomb friction, at most to rest."""
         for k in ti.static(self.axes):
             low, up, wall = self.low[k], self.up[k], 0.0
             for s, axis, upper in ti.static(self.pistons):
@@ -225,8 +225,8 @@ class Walls:
 
     @ti.func
     def reflect(self, v, k: Template, wall, outward):
-        """Velocity after a collision with a wall across axis k that moves with `wall` [m/s]; `outward`: 1 where it
-        stops motion up the axis, -1 where it stops motion down."""
+        """Velocity [m/s] after a collision with a wall across axis k that moves at `wall` [m/s]; `outward`: 1 where the
+        wall stops motion up the axis, -1 where it stops motion down."""
         speed = outward * (v[k] - wall)
         if speed > 0.0:
             returned = wall - self.restitution * (v[k] - wall)
@@ -240,7 +240,7 @@ class Walls:
 
     @ti.func
     def leave_obstacle(self, b, x, v):
-        """Position [m] and velocity [m/s] after obstacle b: out through its nearest face that lies in the basin."""
+        """Position [m] and velocity [m/s] of a particle; in obstacle b, after a bounce from its nearest face."""
         least, face, across = OPEN, -1, 0.0
         for k in ti.static(self.axes):
             below, above = x[k] - self.faces[b, 0, k], self.faces[b, 1, k] - x[k]
@@ -262,8 +262,8 @@ class Walls:
 
     @ti.func
     def relax(self, x, v, dt):
-        """Velocity after dt in the zones before absorbing sides: dv/dt = rate s^q (target - v), q = DAMPING_POWER, s
-        from 0 at the edge of a zone to 1 at its side, solved over dt."""
+        """Velocity [m/s] after relaxation over dt [s] in absorbing zones: dv/dt = rate s^q (target - v), q =
+        DAMPING_POWER, s from 0 at the inner edge of a zone to 1 at its side."""
         for axis, begin, end, rate, target in ti.static(self.zones):
             s = (x[axis] - begin) / (end - begin)
             if s > 0.0:
@@ -272,7 +272,7 @@ class Walls:
 
     @ti.func
     def limit_motion(self, v, dt):
-        """Velocity that moves no further than the motion limit in dt [s], and 1 if it was too fast, else 0."""
+        """Velocity [m/s] scaled down to move no further than the motion limit in dt [s]; and 1 if scaled, else 0."""
         fast = 0
         if ti.static(self.limited):
             way = v.norm() * dt

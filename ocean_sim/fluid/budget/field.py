@@ -36,7 +36,7 @@ SURFACE_HALVINGS = 4
 
 @in_kernels
 class Spread:
-    """Sum over particles: share of water around a point, and its first and second moments."""
+    """Point sum over particles: smoothed share of water around a point, and its first and second moments."""
 
     sums = MOMENT_COLUMNS.size
 
@@ -45,14 +45,15 @@ class Spread:
 
     @ti.func
     def term(self, own, j, d, mirror):
+        """Share of particle j at d [m], and its products with components of d over the support (MOMENT_COLUMNS)."""
         w, q = self.field.weight(d), d / self.field.smoothing.support
         return w * ti.Vector([1.0, q.x, q.y, q.z, q.x * q.x, q.y * q.y, q.z * q.z, q.x * q.y, q.y * q.z, q.z * q.x])
 
 
 @in_kernels
 class DynamicPressure:
-    """Sum over particles of p - rho0 g . x [Pa]. An image in a wall has that of its particle, and the pressure by which
-    the wall and a moving tank accelerate the water."""
+    """Point sum over particles of the pressure p - rho0 g . x [Pa] without still water's weight. An image in a wall has
+    that of its particle, plus the pressure by which wall and moving tank accelerate the water."""
 
     sums = 1
 
@@ -61,6 +62,7 @@ class DynamicPressure:
 
     @ti.func
     def term(self, own, j, d, mirror):
+        """Weighted dynamic pressure [Pa] of particle j at d [m] in a mirror; `own`: factors of `fit_plane`."""
         particles, p = self.field.particles, self.field.particles.position
         weight = self.field.weight(d) * self.field.factor(own, d)
         x = tm.vec3(p.x[j], p.y[j], p.z[j])
@@ -71,7 +73,7 @@ class DynamicPressure:
 
 @in_kernels
 class Velocity:
-    """Sum over particles of their velocity [m/s]; that of an image follows from the wall's slip."""
+    """Point sum over particles of their velocity [m/s]; that of an image follows from the wall's slip."""
 
     sums = 3
 
@@ -80,6 +82,7 @@ class Velocity:
 
     @ti.func
     def term(self, own, j, d, mirror):
+        """Weighted velocity [m/s] of particle j at d [m] in a mirror; `own`: factors of `fit_plane`."""
         v = self.field.particles.velocity
         return (
             self.field.weight(d) * self.field.factor(own, d) * mirror_velocity(mirror, tm.vec3(v.x[j], v.y[j], v.z[j]))
@@ -88,7 +91,7 @@ class Velocity:
 
 @in_kernels
 class Field:
-    """Pressure and velocity of the water at any point."""
+    """Pressure and velocity of the water at any point, interpolated from particles."""
 
     def __init__(
         self,
@@ -99,8 +102,8 @@ class Field:
         pull: Pull | None = None,
         boundary: "Boundary | None" = None,
     ) -> None:
-        """`gravity` [m/s2], every constant acceleration; along a periodic axis no pressure can hold it. `pull`: all
-        accelerations, where the tank moves; `boundary`: the solid bodies in the water."""
+        """Interpolate these particles. `gravity`: all constant accelerations (3,) [m/s2]; `pull`: all accelerations, if
+        the tank moves; `boundary`: the solid bodies in the water."""
         self.particles, self.smoothing = particles, smoothing
         self.moving, self.bodies = False, boundary is not None
         if pull is not None:
@@ -115,7 +118,7 @@ class Field:
 
     @ti.func
     def weight(self, d):
-        """Smoothed share of water that a particle at distance d [m] stands for."""
+        """Volume of a particle times the kernel W at distance d [m]: the share of space around a point it fills."""
         return self.volume * self.smoothing.W_poly6(d.dot(d))
 
     @ti.func
@@ -125,7 +128,7 @@ class Field:
 
     @ti.func
     def unsteady_pull(self, x):
-        """Acceleration beyond gravity of water at rest at x in a moving tank [m/s2]."""
+        """Acceleration [m/s2] of water at rest at x [m] in a moving tank, without gravity; zero in a tank at rest."""
         pull = tm.vec3(0.0)
         if ti.static(self.moving):
             pull = self.pull.at_rest(x) - self.held
@@ -141,13 +144,13 @@ class Field:
 
     @ti.func
     def factor(self, own, d):
-        """Factor of a neighbour's weight, linear in its distance d [m]; `own`: constant and slope (`fit_plane`)."""
+        """Correction, linear in d (3,) [m], of a neighbour's weight; `own`: constant and slope from `fit_plane`."""
         return own[FACTOR_COLUMNS.constant] - vec3(own, FACTOR_COLUMNS.slope).dot(d / self.smoothing.support)
 
     @ti.func
     def fit_plane(self, x):
-        """Share of water around x, and constant and slope of the factor that makes a sum the value at x of a plane
-        through the neighbours; its slope is lowered where x lies far outside them."""
+        """Smoothed share of water around x [m], and constant and slope of the weights' correction that makes sums exact
+        for fields linear in position; the slope is limited where x lies far outside the neighbours."""
         m = self.around.total(x, self.spread, 0.0)
         share = tm.max(m[MOMENT_COLUMNS.share], 1.0e-12)
         mean = vec3(m, MOMENT_COLUMNS.first) / share
@@ -161,7 +164,7 @@ class Field:
 
     @ti.func
     def pressure(self, x):
-        """Pressure at x [Pa]; 0 where it is dry."""
+        """Pressure [Pa] at x [m]; 0 where there is no water."""
         share, factors = self.fit_plane(x)
         pressure = 0.0
         if self.is_wet(x, share):
@@ -170,7 +173,7 @@ class Field:
 
     @ti.func
     def velocity(self, x):
-        """Velocity at x [m/s]; 0 where it is dry."""
+        """Velocity [m/s] at x [m]; 0 where there is no water."""
         share, factors = self.fit_plane(x)
         velocity = tm.vec3(0.0)
         if self.is_wet(x, share):
@@ -179,25 +182,27 @@ class Field:
 
     @ti.kernel
     def fill_pressures(self, points: Array2, pressures: Array):
+        """Write the pressure [Pa] at each of the points (m, 3) [m]."""
         for k in range(points.shape[0]):
             pressures[k] = self.pressure(tm.vec3(points[k, 0], points[k, 1], points[k, 2]))
 
     @ti.kernel
     def fill_velocities(self, points: Array2, velocities: Array2):
+        """Write the velocity [m/s] at each of the points (m, 3) [m]."""
         for k in range(points.shape[0]):
             velocity = self.velocity(tm.vec3(points[k, 0], points[k, 1], points[k, 2]))
             for c in ti.static(range(3)):
                 velocities[k, c] = velocity[c]
 
     def pressures(self, points: np.ndarray) -> np.ndarray:
-        """(m, 3) points [m] -> (m,) pressures [Pa]; 0 where it is dry."""
+        """Pressures (m,) [Pa] at points (m, 3) [m]; 0 where there is no water."""
         points = np.ascontiguousarray(points, dtype=self.particles.position.precision).reshape(-1, 3)
         pressures: np.ndarray = np.empty(len(points), dtype=points.dtype)
         self.fill_pressures(points, pressures)
         return pressures.astype(float)
 
     def velocities(self, points: np.ndarray) -> np.ndarray:
-        """(m, 3) points [m] -> (m, 3) velocities [m/s]; 0 where it is dry."""
+        """Velocities (m, 3) [m/s] at points (m, 3) [m]; 0 where there is no water."""
         points = np.ascontiguousarray(points, dtype=self.particles.position.precision).reshape(-1, 3)
         velocities: np.ndarray = np.empty_like(points)
         self.fill_velocities(points, velocities)
@@ -206,22 +211,23 @@ class Field:
 
 @in_kernels
 class Share:
-    """Sum over particles: smoothed share of water at a point, 0 to about 1."""
+    """Point sum over particles: smoothed share of water around a point, 0 to about 1."""
 
     sums = 1
 
     def __init__(self, smoothing: Smoothing, volume: float) -> None:
-        """`volume` of a particle [m3]; in 2-D its area."""
+        """Sum with the poly6 kernel; `volume` of a particle [m3], in 2-D its area [m2]."""
         self.smoothing, self.constant = smoothing, volume * smoothing.poly6_constant
 
     @ti.func
     def term(self, own, j, d, mirror):
+        """Share that particle j, at d [m] from the point, fills."""
         return ti.Vector([self.constant * self.smoothing.shape_poly6(d.dot(d))])
 
 
 @in_kernels
 class FreeSurface:
-    """Elevation of the particles' surface. A flat side is a mirror, so water does not seem to thin out next to it."""
+    """Height of the particles' free surface. A flat side is a mirror, so water does not seem to thin out next to it."""
 
     def __init__(self, particles: Particles, grid: Grid, smoothing: Smoothing) -> None:
         self.particles, self.grid, self.smoothing = particles, grid, smoothing
@@ -233,7 +239,8 @@ class FreeSurface:
 
     @ti.func
     def ceiling(self, x, z):
-        """Height [m] above which no particle reaches the vertical through x, z, or that of the lid."""
+        """Height [m] from which the search for the surface at x, z [m] starts: a support above the highest particle in
+        the columns of cells around it, at most the lid."""
         p, grid = self.particles.position, self.grid
         h = self.smoothing.support
         home = grid.indices_at(grid.wrap_position(tm.vec3(x, self.bed, z)))
@@ -252,8 +259,8 @@ class FreeSurface:
 
     @ti.func
     def elevation(self, x, z):
-        """Height [m] of the surface at x, z, the bed where it is dry. Search down from above in steps, then halve the
-        step that holds the surface, then interpolate in it."""
+        """Height [m] of the surface at x, z [m], the bed where it is dry: searched from above in steps, then by
+        bisection and interpolation, where the smoothed share of water is one half."""
         high = self.ceiling(x, z)
         low, share_low, share_high, halvings = high, 0.0, 0.0, 0
         while halvings <= SURFACE_HALVINGS and high > self.bed:
@@ -270,11 +277,12 @@ class FreeSurface:
 
     @ti.kernel
     def fill(self, points: Array2, heights: Array):
+        """Write the height [m] of the surface at each of the points x, z (m, 2) [m]."""
         for k in range(points.shape[0]):
             heights[k] = self.elevation(points[k, 0], points[k, 1])
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
-        """(m, 2) points x, z [m] -> (m,) heights [m]."""
+        """Heights (m,) [m] of the surface at points x, z (m, 2) [m]."""
         precision = self.particles.position.precision
         heights: np.ndarray = np.empty(len(points), dtype=precision)
         self.fill(np.ascontiguousarray(points, dtype=precision), heights)

@@ -1,4 +1,4 @@
-"""Budget of a step: extremes, and the impulse of every term, counted per group of cells and added in the order of
+"""Budget of a step: extremes, and the impulse of every force term, summed per group of cells and added in the order of
 groups; and sums over all particles."""
 
 from math import isfinite
@@ -27,23 +27,22 @@ FAR_COORDINATE = 1.0e30  # [m]
 
 
 def absent_terms(basin: Basin) -> tuple[int, ...]:
-    """Numbers of the terms that cannot act in a basin: friction of a smooth bed, a sea where there is none."""
+    """Numbers of the force terms that cannot act in a basin: bed friction on a smooth bed, a sea without a patch."""
     return (*(() if basin.rough_bed is not None else (BED,)), *(() if basin.sea is not None else (SEA,)))
 
 
 def impulse_terms(absent: tuple[int, ...]) -> tuple[int, ...]:
-    """Numbers of the terms that give impulses, without the absent ones: diffusion moves nothing."""
+    """Numbers of the force terms that give impulses: all but diffusion, which moves nothing, and the absent ones."""
     return tuple(term for term in range(len(TERM_NAMES)) if term not in (*absent, DIFFUSION))
 
 
 @in_kernels
 class Accounts:
-    """Extremes, impulse and work of steps: a row for each group of cells, so no result depends on the order of
-    threads."""
+    """Extremes, impulse and work of steps, a row for each group of cells: no result depends on the order of threads."""
 
     def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...], apart: int = ROW_PADDING) -> None:
-        """`impulses`: True if impulse and work of each term are summed (f64), for `accuracy`; `absent`: terms that the
-        scene has not; `apart`: numbers from one row to the next, ROW_PADDING where threads write to few of them."""
+        """Make `groups` rows. `impulses`: sum impulse and work of each force term (f64); `absent`: numbers of terms
+        that the scene lacks; `apart`: numbers from row to row, ROW_PADDING where threads write to few of them."""
         self.groups, self.impulses = groups, impulses
         self.idle = absent  # terms that nothing in the scene gives
         self.overflow, self.clipped = (ti.field(int, shape=(groups, apart)) for _ in range(2))
@@ -57,19 +56,22 @@ class Accounts:
             self.sums_copy = np.zeros(rows)
 
     def has_term(self, term: int) -> bool:
-        """True if a term acts in this scene, as is known when a kernel is compiled; the others stay zero."""
+        """True if this force term acts in the scene; read when a kernel is compiled. Sums of other terms stay zero."""
         return term not in self.idle
 
     @ti.func
     def begin_motion(self, group):
+        """Reset the extremes of speed and acceleration of a group."""
         self.speed2[group, 0] = self.acceleration2[group, 0] = self.sum[group, 0] = 0.0
 
     @ti.func
     def begin_density(self, group):
+        """Reset the extremes of density of a group."""
         self.thin[group, 0], self.dense[group, 0] = UNREACHABLE_DENSITY, 0.0
 
     @ti.func
     def count_motion(self, group, v, a, fast):
+        """Include velocity v [m/s] and acceleration a [m/s2] of a particle; `fast`: 1 if the motion limit slowed it."""
         v2, a2 = v.dot(v), a.dot(a)
         self.speed2[group, 0] = ti.max(self.speed2[group, 0], v2)
         self.acceleration2[group, 0] = ti.max(self.acceleration2[group, 0], a2)
@@ -78,6 +80,7 @@ class Accounts:
 
     @ti.func
     def count_density(self, group, density):
+        """Include a particle's density [kg/m3] in the extremes of a group."""
         self.thin[group, 0] = ti.min(self.thin[group, 0], density)
         self.dense[group, 0] = ti.max(self.dense[group, 0], density)
 
@@ -92,18 +95,19 @@ class Accounts:
 
     @ti.func
     def count_impulses(self, group, terms: Template, kick, accelerations: Template, v):
-        """Add the impulses of several terms to the sums of a group: acceleration [m/s2] of a particle times `kick`, its
-        mass times the time of the kick [kg s]; `v` is its velocity, for the work [m/s]."""
+        """Add the impulses of several force terms to the sums of a group, each `kick` (mass times time [kg s]) times an
+        acceleration [m/s2]; v [m/s] is the particle's velocity, for the work."""
         for term, a in ti.static(zip(terms, accelerations)):
             self.count_impulse(group, term, kick * a, v)
 
     @ti.func
     def count_work(self, group, term: Template, work):
+        """Add work [J] of a force term to the sums of a group, without an impulse."""
         self.given[group, term, WORK_COLUMN] = self.given[group, term, WORK_COLUMN] + ti.cast(work, ti.f64)
 
     @ti.func
     def block_extremes(self, begin, end):
-        """Extremes, sum and counts over the rows from `begin` to `end`, without impulses and work."""
+        """Reduce the rows from `begin` to `end` - 1 to the numbers that `summarise` lists."""
         speed2, acceleration2, thin, dense, total, clipped, crowded = 0.0, 0.0, UNREACHABLE_DENSITY, 0.0, 0.0, 0, 0
         for g in range(begin, end):
             speed2, acceleration2 = ti.max(speed2, self.speed2[g, 0]), ti.max(acceleration2, self.acceleration2[g, 0])
@@ -115,9 +119,9 @@ class Accounts:
 
     @ti.func
     def summarise(self, summary: Template):
-        """Fill an array of SUMMARY_SIZE numbers: largest squared speed and acceleration, least and largest density, a
-        sum that shows numbers that are not finite, particles held back, and cells with more candidates than their list
-        holds."""
+        """Fill `summary` with SUMMARY_SIZE numbers over all groups: largest squared speed and acceleration, least and
+        largest density, a sum that is not finite if any term is not, particles slowed by the motion limit, and cells
+        with more candidates than their list holds."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             for k, number in ti.static(enumerate(self.block_extremes(0, self.groups))):
@@ -137,14 +141,14 @@ class Accounts:
 
     @ti.kernel
     def copy_sums(self, to: Doubles3):
-        """Copy impulse and work of each term, group by group, to an array."""
+        """Copy impulse and work of each force term, group by group, to an array."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for group, term, k in self.given:
             to[group, term, k] = self.given[group, term, k]
 
     def totals(self) -> dict[str, np.ndarray]:
-        """Impulse [N s] and work [J] of each term since the start, (4,) each; empty where they are not summed. The work
-        of diffusion, which has no impulse, is its addition to the internal energy."""
+        """Impulse [N s] and work [J] of each force term since the start, (4,) each, by name; empty if not summed. The
+        work of diffusion, which has no impulse, is its addition to the internal energy."""
         if not self.impulses:
             return {}
         self.copy_sums(self.sums_copy)
@@ -154,14 +158,14 @@ class Accounts:
 
 @in_kernels
 class Summing:
-    """Sums over all particles in float64: fixed blocks, added in their order, so that threads change nothing."""
+    """Sums over all particles in float64, in fixed blocks added in order, so that no result depends on threads."""
 
     def __init__(self, particles: Particles) -> None:
         self.particles = particles
         self.table = np.zeros((SUM_BLOCKS, SUM_COLUMNS.size + MAX_COLUMNS.size))
 
     def totals(self) -> Totals:
-        """Sums over the present state of the particles."""
+        """Sums over all particles in their present state, and their bounding box."""
         self.add_up(self.table)
         with np.errstate(invalid="ignore"):  # infinite both ways is NaN
             total, most = self.table[:, : SUM_COLUMNS.size].sum(axis=0), self.table[:, SUM_COLUMNS.size :].max(axis=0)
@@ -180,12 +184,14 @@ class Summing:
 
     @ti.kernel
     def add_up(self, table: Doubles2):
+        """Fill the table, one row of sums and maxima for each block of particles."""
         for b in range(SUM_BLOCKS * TASK_ITERATIONS):
             if b % TASK_ITERATIONS == 0:
                 self.add_block(b // TASK_ITERATIONS, table)
 
     @ti.func
     def add_block(self, block, table: Template):
+        """Sum one block of particles to its row of the table."""
         p, u, n = self.particles.position, self.particles.velocity, self.particles.count.there()
         total, compressed = ti.Vector.zero(ti.f64, SUM_COLUMNS.size), ti.cast(0.0, ti.f64)
         low, high = tm.vec3(FAR_COORDINATE), tm.vec3(-FAR_COORDINATE)

@@ -17,33 +17,41 @@ Walk = CellWalk | ParticleWalk
 
 @dataclass(frozen=True)
 class ParticlePlan(Plan):
-    """A task for each particle, for the threads of a graphics card."""
+    """Plan for graphics cards: each particle is a task of its own, for one thread."""
 
     stride: ClassVar[int] = 1
     samples: ClassVar[int] = 1
 
     def task_count(self, n: int) -> int:
+        """Number of tasks: one for each particle."""
         return n
 
     def chunk_count(self, n: int) -> int:
+        """One chunk: atomic counters replace chunks."""
         return 1
 
     def parts_per_axis(self, full: float, dimension: int) -> int:
+        """One part: cells stay whole."""
         return 1
 
     def sorting_integers(self, n: int, cells: int) -> int:
+        """Number of integers of the sort: a slot for each particle, and the partial sums of cells."""
         return n + sum(level_sizes(cells)[1:])
 
     def list_bytes(self, size: GridSize, word: int) -> int:
+        """Zero: no candidates are listed."""
         return 0
 
     def pair_bytes(self, size: GridSize, neighbours: int, word: int) -> int:
+        """Bytes of the kept pairs (PairSlots)."""
         return slot_bytes(size.lattice.n, neighbours, word)
 
     def highest_index(self, size: GridSize, neighbours: int) -> int:
+        """Highest index of a pair slot or particle."""
         return size.lattice.n * (slot_count(neighbours) if neighbours else 1)
 
     def account_bytes(self, n: int, word: int, impulses: bool) -> int:
+        """Bytes of the momentum budget, a row for each particle."""
         return n * (5 * word + 8 + (8 * 4 * len(TERM_NAMES) if impulses else 0))
 
 
@@ -55,6 +63,6 @@ PLANS: dict[str, Plan] = {"cpu": CELL_PLAN, "auto": CELL_PLAN} | dict.fromkeys(
 
 
 def account_ledger(size: GridSize, word: int, impulses: bool) -> list[LedgerRow]:
-    """Ledger of the rows that particles write in a step, where each particle has a row of its own."""
+    """Memory ledger row of the momentum budget of a plan that has a row for each particle; empty for other plans."""
     taken = size.plan.account_bytes(size.lattice.n, word, impulses)
     return [LedgerRow("fluid", "accounts", taken, "a row for each particle")] if taken else []

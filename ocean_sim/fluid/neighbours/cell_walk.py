@@ -25,8 +25,7 @@ UNSHIFTED_CODE = 13  # code of what is seen where it is, through no periodic sid
 
 @in_kernels
 class CellWalk:
-    """List of the candidates (possible neighbours) of every occupied part of a cell, and sums of pair laws over
-    them."""
+    """Neighbour walk for processors: lists candidates (possible neighbours) of parts of cells and sums pair laws."""
 
     def __init__(self, particles: Particles, grid: Grid, accounts: Accounts, size: GridSize) -> None:
         self.position, self.grid, self.accounts = particles.position, grid, accounts
@@ -40,13 +39,14 @@ class CellWalk:
         self.size, self.keeps = size, False  # whether pairs are kept
 
     def keep_pairs(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> KeptPairs:
+        """Make the store of pairs that later walks with `find` fill, for solvers that iterate over them."""
         self.keeps, self.blocks = True, PairBlocks(self.position, self.grid, self.scratch, smoothing, self.size)
         self.name = ti.field(int, shape=self.groups * self.width)
         return self.blocks
 
     @ti.func
     def part_bounds(self, k):
-        """Middle of the box around the particles of occupied part k, and half its sides [m]."""
+        """Middle [m] and half the sides [m] of the bounding box of the particles in occupied part k."""
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         first = self.grid.first[k]
         lo = tm.vec3(
@@ -59,7 +59,7 @@ class CellWalk:
 
     @ti.func
     def is_near(self, x, middle, half):
-        """1 if x [m] lies within one support of a box of this middle and half its sides, else 0."""
+        """1 if x [m] lies within one support of the box with this middle and half its sides [m], else 0."""
         squared = 0.0
         for k in ti.static(self.grid.axes):
             away = positive(ti.abs(x[k] - middle[k]) - half[k])
@@ -68,9 +68,8 @@ class CellWalk:
 
     @ti.func
     def list_near(self, begin, end, code, shift, middle, half, first):
-        """List those of the particles from `begin` to `end` that are near the box where a shift [m] shows them, and
-        their code, from `first` on; return their number. First all are judged, several at a time, then they are
-        listed."""
+        """List the particles `begin` to `end` - 1 that, shifted [m], are near a box, each with the code of the shift,
+        from index `first` on; return their number. First all are tested, several at a time, then they are listed."""
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         for a in range(end - begin):
             at = begin + a
@@ -79,8 +78,7 @@ class CellWalk:
 
     @ti.func
     def compact(self, names: Template, first, n, name):
-        """Replace n marks, 0 or 1, from `first` on by the numbers, counted from `name`, of those that are 1; return how
-        many."""
+        """Replace n marks, 0 or 1, from `first` on by the numbers (from `name` on) of the ones; return how many."""
         kept = 0
         for a in range(n):
             marked = names[first + a]
@@ -90,8 +88,8 @@ class CellWalk:
 
     @ti.func
     def find_candidates(self, c, code, middle, half, first, room):
-        """List the particles near the box, and their code, from `first` on; return their number, or -1 where they do
-        not find `room`."""
+        """List the particles near a box around cell c, each with `code` (its periodic shift), from index `first` on;
+        return their number, or -1 if they are more than `room`."""
         grid = self.grid
         m, full = 0, 0
         for dz in range(-1, 2):
@@ -106,8 +104,7 @@ class CellWalk:
 
     @ti.func
     def find_periodic_candidates(self, indices, middle, half, first, room):
-        """List the particles near a box next to a periodic side, as `find_candidates` does. A candidate is a particle
-        and a code of the period through which it is seen."""
+        """List candidates next to a periodic side, as `find_candidates`, each with the code of its periodic shift."""
         grid = self.grid
         m, full = 0, 0
         for d in range(27):
@@ -127,7 +124,7 @@ class CellWalk:
 
     @ti.func
     def is_interior(self, c):
-        """True if no cell around c is seen through a periodic side."""
+        """True if no neighbour cell of c lies beyond a periodic side."""
         indices, inside = self.grid.indices_of(c), True
         for k in ti.static(range(3)):
             if ti.static(self.grid.basin.periods[k] > 0.0):
@@ -136,12 +133,12 @@ class CellWalk:
 
     @ti.func
     def code_shift(self, code):
-        """Shift [m] from particles to their repeats in the period with this code."""
+        """Shift [m] from particles to their periodic repeats, by its code (0 to 26, 13 for no shift)."""
         return self.periods * (tm.ivec3(code % 3, code // 3 % 3, code // 9) - 1)
 
     @ti.func
     def find_images(self, mirror, middle, half, scratch, n, gap, m, first):
-        """List those of the m candidates so far whose image is near the box, from `first` on; return their number."""
+        """List those of m candidates whose image in a mirror is near a box, from `first` on; return their number."""
         x, y, z = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
         for a in range(m):
             at = scratch + a + ti.select(a < n, 0, gap)
@@ -154,8 +151,8 @@ class CellWalk:
     def walk(self, law: Template, find: Template):
         """Sum law.pair over the candidates of each particle i, then call law.finish. Call this at the top of a kernel.
 
-        `find`: True if the candidates are to be found anew, by the positions that law.reads holds. Mirror images
-        of particles in walls join the same sum, or have one of their own if the law's options say `apart`.
+        `find`: True if the candidates are to be listed anew, by the positions that law.reads holds. Mirror images of
+        particles in walls join the same sum, or have one of their own if the law's options say `apart`.
         """
         for g in range(self.groups * TASK_ITERATIONS):
             if g % TASK_ITERATIONS == 0:
@@ -163,7 +160,7 @@ class CellWalk:
 
     @ti.func
     def walk_group(self, group, law: Template, find: Template):
-        """Sum a law for the particles of the parts of cells of one group, and finish it."""
+        """Sum a law for the particles in the parts of cells of one group, and call its `finish`."""
         kept = group * self.segment  # where the list of the next part begins
         if ti.static(find):
             self.accounts.overflow[group, 0] = 0
@@ -183,7 +180,7 @@ class CellWalk:
 
     @ti.func
     def list_candidates(self, k, middle, half, group, first, room):
-        """Find the candidates of occupied part k, and list them from `first` on; none where there is no room."""
+        """List the candidates of occupied part k from index `first` on; count an overflow if they exceed `room`."""
         c = self.grid.occupied[k]
         if ti.static(not self.periodic):
             self.candidates[k] = self.find_candidates(c, 0, middle, half, first, room)
@@ -197,8 +194,7 @@ class CellWalk:
 
     @ti.func
     def gather_part(self, k, law: Template, find: Template, group, first):
-        """Put the fields that the law reads of the candidates of occupied part k into the scratch; return their
-        number."""
+        """Copy the law's fields of the candidates of occupied part k to the group's scratch; return their number."""
         scratch, n = group * self.width, self.candidates[k]
         if ti.static(not self.periodic):
             self.gather_unshifted(law, find, scratch, first, n, 0)
@@ -217,7 +213,7 @@ class CellWalk:
 
     @ti.func
     def gather_unshifted(self, law: Template, find: Template, scratch, first, n, code):
-        """Put n candidates with one code, none of them shifted, into the scratch."""
+        """Copy the law's fields of n candidates, all with this code and without a shift, to the scratch."""
         for a in range(n):
             j = self.candidate[first + a] - code
             if ti.static(find and self.keeps):
@@ -228,9 +224,10 @@ class CellWalk:
     @ti.func
     def append_images(self, k, law: Template, find: Template, middle, half, group, n, entry, room):
         """Append the images of the n candidates to the scratch, behind a gap; return the number of candidates with
-        them, and the index at which the list of the next part begins.
+        images, and the index at which the list of the next part begins.
 
-        From `entry` on the list holds, for each side next to the cell, how many images there are and of which of them.
+        From index `entry` on, the list holds for each side next to the cell the number of its images, then their
+        candidates.
         """
         scratch, last, m, gap = group * self.width, (group + 1) * self.segment, n, self.image_gap(law, n)
         if ti.static(self.images.sides > 0):
@@ -255,8 +252,8 @@ class CellWalk:
 
     @ti.func
     def add_images(self, law: Template, find: Template, mirror, scratch, n, gap, m, first, run):
-        """Put the `run` images that one side shows, listed from `first` on, after the m candidates in the scratch, of
-        which the first n lie before the gap."""
+        """Write the rows of `run` images in one side, listed from index `first` on, behind the m candidates in the
+        scratch, of which the first n lie before the gap."""
         for b in range(run):
             a, to = self.candidate[first + b], scratch + gap + m + b
             a += scratch + ti.select(a < n, 0, gap)
@@ -269,25 +266,25 @@ class CellWalk:
 
     @ti.func
     def padded_count(self, law: Template, count):
-        """Number of candidates that a sum over `count` goes through: whole vectors if the law is `padded`. A remainder
-        behind whole vectors is summed one by one, with four times the instructions each."""
+        """Number of terms in a sum over `count` candidates: whole vectors if the law is `padded`, since terms behind
+        whole vectors are summed one by one, with four times the instructions each."""
         return whole_vectors(count) if ti.static(law.options.padded) else count
 
     @ti.func
     def image_gap(self, law: Template, n):
-        """Number of places in the scratch between n particles and their images, where these are summed apart."""
+        """Number of padding rows in the scratch between n particles and their images; 0 if summed together."""
         return self.padded_count(law, n) - n if ti.static(law.options.apart) else 0
 
     @ti.func
     def fill_up(self, law: Template, scratch, begin, end):
-        """Fill the scratch from `begin` to `end` with candidates that are out of reach, and add nothing."""
+        """Fill the scratch from `begin` to `end` with rows of a particle out of reach, which add nothing to a sum."""
         for a in range(begin, end):
             for t in ti.static(range(law.row.size)):
                 self.scratch[t][a] = FILLER_X if ti.static(t == law.row.position) else self.scratch[t][scratch]
 
     @ti.func
     def has_tension(self, column: Template, begin, end):
-        """1 if a number of this column of the scratch from `begin` to `end` is negative, else 0."""
+        """1 if any number of this scratch column from `begin` to `end` is negative (water under tension), else 0."""
         least = 0.0
         for a in range(begin, end):
             least = ti.min(least, column[a])
@@ -295,8 +292,8 @@ class CellWalk:
 
     @ti.func
     def candidate_sums(self, law: Template, pair: Template, own, begin, middle, end, find: Template, to):
-        """Sums of `pair` over the candidates from `begin` to `middle` in the scratch, and over the images from there to
-        `end`. Shapes of kept pairs go from `to` on."""
+        """Sums of `pair` over the scratch rows `begin` to `middle`, and over the images from there to `end`. If pairs
+        are kept, their gradient shapes are stored from index `to` on."""
         total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
         for a in range(begin, middle):
             total += self.candidate_term(law, pair, own, a, find, to + a - begin)
@@ -307,7 +304,7 @@ class CellWalk:
 
     @ti.func
     def candidate_term(self, law: Template, pair: Template, own, a, find: Template, to):
-        """Term of candidate a in the scratch; if pairs are kept, its shape is stored at `to`."""
+        """Term of scratch row a in the sum; if pairs are kept, its gradient shape is stored at index `to`."""
         other = ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))])
         if ti.static(find and self.keeps):
             self.blocks.keep_shape(vec3(own, law.row.position) - vec3(other, law.row.position), to)
@@ -315,8 +312,8 @@ class CellWalk:
 
     @ti.func
     def sum_up(self, k, law: Template, find: Template, group, n, m):
-        """Sum the law for every particle of occupied part k over the m candidates in the scratch, the first n of them
-        particles, and finish it."""
+        """Sum the law for every particle of occupied part k over the m candidates in the scratch, of which the first n
+        are particles and the others images, and call its `finish`."""
         # Layout of the scratch: particles up to `images`, then their images up to `end`, each filled up if padded.
         scratch = group * self.width
         images = scratch + n + self.image_gap(law, n)

@@ -25,10 +25,10 @@ STATE_COLUMNS = Columns(position=3, velocity=3, id=1)  # what `state` and `moved
 
 @in_kernels
 class Grid:
-    """Cells of the basin, and the particles sorted by cell."""
+    """Uniform grid of cells over the basin, and the stable counting sort of particles into them."""
 
     def __init__(self, particles: Particles, size: GridSize, carried: tuple[ti.Field, ...] = ()) -> None:
-        """`carried`: fields of a number each that a scheme keeps from step to step, besides the particles' own."""
+        """Make the grid of these particles; `carried`: further fields of a number each that the sort moves along."""
         self.size = size
         self.images = Images(size)
         self.support, self.n, self.basin = size.support, particles.n, size.lattice.basin
@@ -55,7 +55,7 @@ class Grid:
         self.occupied_count = ti.field(int, shape=())
 
     def fullest_place(self) -> np.ndarray:
-        """Mean position of the particles in the fullest cell, (3,) [m]."""
+        """Mean position (3,) [m] of the particles in the cell with most of them, for an error message."""
         start = self.start.to_numpy()
         c = int(np.argmax(np.diff(start)))
         return np.array(
@@ -64,12 +64,12 @@ class Grid:
 
     @ti.func
     def indices_at(self, x):
-        """Indices of the cell of a point, one for each axis, padding counted."""
+        """Indices (along x, y, z, padding counted) of the cell that holds x [m]."""
         return self.cell_of(self.cell_coordinates(x))
 
     @ti.func
     def cell_coordinates(self, x):
-        """Coordinates of x in cells, from the outermost padding on; a point above the grid is folded into its `sky`."""
+        """Position x [m] in cells from the outer corner of the padding; above the grid it is folded into the `sky`."""
         place = (x - self.lower) * self.per_width + 1.0
         above = place.y - self.top
         if above > 0.0:
@@ -79,12 +79,12 @@ class Grid:
 
     @ti.func
     def cell_of(self, place):
-        """Indices of the cell that holds a point, from its coordinates in cells."""
+        """Indices of the cell that holds a point given in units of cells; a border cell beyond the grid."""
         return tm.clamp(ti.cast(place, int), 1, tm.ivec3(self.cells) - 2)
 
     @ti.func
     def part_at(self, x):
-        """Number of the part of a cell that holds x [m]."""
+        """Number, over all cells, of the part of a cell that holds x [m]."""
         place = self.cell_coordinates(x)
         indices = self.cell_of(place)
         part = self.cell_at(indices)
@@ -96,13 +96,12 @@ class Grid:
 
     @ti.func
     def first_part(self, group):
-        """Number of the first occupied part of a group; of the group after the last, the number of all occupied parts.
-        Groups have equally many."""
+        """Number of a group's first occupied part; for `group` = number of groups, the number of all occupied parts."""
         return group * self.occupied_count[None] // ti.static(self.size.groups)
 
     @ti.func
     def cell_at(self, indices):
-        """Number of the cell with these indices."""
+        """Number of the cell with these indices along x, y, z."""
         return (indices.z * self.cells[1] + indices.y) * self.cells[0] + indices.x
 
     @ti.func
@@ -113,12 +112,12 @@ class Grid:
 
     @ti.func
     def at_rim(self, indices, layers: Template):
-        """True if a cell lies in the outermost `layers` of any side of the grid."""
+        """True if a cell lies in the outermost `layers` at any side of the grid."""
         return (indices <= layers).any() or (indices >= tm.ivec3(self.cells) - 1 - layers).any()
 
     @ti.func
     def wrap_position(self, x):
-        """Image of x [m] in the one period that the basin holds."""
+        """Position x [m] moved by whole periods into the basin along periodic axes."""
         for k, period in ti.static(enumerate(self.basin.periods)):
             if ti.static(period > 0.0):
                 x[k] -= period * ti.floor((x[k] - self.lower[k]) / period)
@@ -126,7 +125,7 @@ class Grid:
 
     @ti.func
     def stage_state(self, i, x, v):
-        """Store the next state of particle i, and the part of a cell that it belongs to, for the sort."""
+        """Store the next position x [m] and velocity v [m/s] of particle i, and its part of a cell, for the sort."""
         x = self.wrap_position(x)
         self.part[i] = self.part_at(x)
         self.stage_motion(i, x, v)
@@ -135,14 +134,14 @@ class Grid:
 
     @ti.func
     def stage_motion(self, i, x, v):
-        """Store the next position and velocity of particle i, which stays in its cell."""
+        """Store the next position x [m] and velocity v [m/s] of particle i, which stays in its cell."""
         for k in ti.static(range(3)):
             self.moved[STATE_COLUMNS.position + k][i], self.moved[STATE_COLUMNS.velocity + k][i] = x[k], v[k]
 
     @ti.func
     def whole_quanta(self, i, way):
-        """Round the move `way` [m] of particle i, with the rest of its last one, to whole quanta [m], and store the new
-        rest for the next step."""
+        """Round the move `way` [m] of particle i, plus the remainder of its last one, to whole quanta [m]; keep the new
+        remainder for the next step."""
         now = tm.vec3(0.0)
         for k in ti.static(self.axes):
             whole = way[k] + self.left[k][i]
@@ -152,8 +151,7 @@ class Grid:
 
     @ti.func
     def sort(self):
-        """Sort the staged states by cell into the particles (stable counting sort). Call this at the top of a
-        kernel."""
+        """Sort the staged states by cell into the particles' fields (stable counting sort), at the top of a kernel."""
         if ti.static(self.chunks == 1):
             ti.loop_config(serialize=True)
             for _ in range(1):
@@ -173,6 +171,7 @@ class Grid:
 
     @ti.func
     def count_chunk(self, b):
+        """Count the particles of chunk b in each part of a cell."""
         first = b * self.cell_count * self.parts
         for c in range(self.cell_count * self.parts):
             self.count[first + c] = 0
@@ -183,7 +182,7 @@ class Grid:
 
     @ti.func
     def scan_counts(self):
-        """Turn counts into the first particle of every cell, part and chunk, and list the occupied parts."""
+        """Replace counts by the first index of every cell, part and chunk (prefix sum), and list occupied parts."""
         total, occupied = 0, 0
         for c in range(self.cell_count):
             self.start[c] = total
@@ -202,6 +201,7 @@ class Grid:
 
     @ti.func
     def place_chunk(self, b):
+        """Move the staged particles of chunk b to their sorted places."""
         n = self.particles.there()
         for i in range(b * n // self.chunks, (b + 1) * n // self.chunks):
             k = b * self.cell_count * self.parts + self.part[i]

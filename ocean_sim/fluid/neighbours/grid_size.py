@@ -23,13 +23,13 @@ FEW_TASKS, MANY_TASKS = 16, 64  # groups of cells for few and many particles; ea
 
 @ti.func
 def whole_vectors(count):
-    """Number of candidates, rounded up to whole vectors."""
+    """Number of candidates rounded up to a multiple of VECTOR_LENGTH."""
     return (count + VECTOR_LENGTH - 1) // VECTOR_LENGTH * VECTOR_LENGTH
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Division of particles among tasks, their sort and their walk (`backend_plan.PLANS`).
+    """Division of particles into tasks, and the classes that sort them and walk over neighbours (`backend_plan.PLANS`).
 
     This plan suits the threads of a processor: few long tasks, each with a list of candidates for its cells.
     """
@@ -46,7 +46,7 @@ class Plan:
     """Samples of solid bodies of a task."""
 
     def task_count(self, n: int) -> int:
-        """Number of tasks for n particles, and of the rows of their accounts."""
+        """Number of tasks (groups) for n particles, which is the number of rows of the momentum budget."""
         return FEW_TASKS if n <= MAX_SERIAL_PARTICLES else MANY_TASKS
 
     def chunk_count(self, n: int) -> int:
@@ -54,37 +54,37 @@ class Plan:
         return 1 if n <= MAX_SERIAL_PARTICLES else SORT_CHUNKS
 
     def parts_per_axis(self, full: float, dimension: int) -> int:
-        """Number of parts of a cell along each axis; `full`: particles in a cell of water at rest."""
+        """Number of parts into which a cell is cut along each axis; `full`: particles in a cell of water at rest."""
         return 2 if full >= MIN_PART_PARTICLES * 2**dimension else 1
 
     def sorting_integers(self, n: int, cells: int) -> int:
-        """Number of integers that sorting n particles needs besides a count for each cell and chunk."""
+        """Number of integers that the sort needs for n particles, besides a counter for each cell and chunk."""
         return 0
 
     def list_bytes(self, size: "GridSize", word: int) -> int:
-        """Bytes of the lists of candidates, where `word` is the size of a `float` [bytes]."""
+        """Bytes of the lists of candidates (possible neighbours); `word`: size of a `float` [bytes]."""
         return size.candidate_bytes(word)
 
     def pair_bytes(self, size: "GridSize", neighbours: int, word: int) -> int:
-        """Bytes of the kept pairs of particles with so many neighbours on the lattice."""
+        """Bytes of the pairs kept for a step; `neighbours`: of a lattice particle; `word`: bytes of a `float`."""
         return size.kept_bytes(word)
 
     def highest_index(self, size: "GridSize", neighbours: int) -> int:
-        """Highest number by which walks count, kept pairs of particles with so many `neighbours` included."""
+        """Highest index of a walk, to fit in 32 bits; `neighbours`: of a particle, 0 if pairs are not kept."""
         return size.groups * max(size.lattice.n, size.kept_candidates if neighbours else size.segment)
 
     def account_bytes(self, n: int, word: int, impulses: bool) -> int:
-        """Bytes of the accounts of n particles; 0 where they are too few to be stated."""
+        """Bytes of the momentum budget of n particles; 0 where it is negligible."""
         return 0
 
     def tasks(self, particles: Count, groups: int) -> Tasks:
-        """Division of the particles into so many groups, each a task."""
+        """Divide the particles into so many groups of equal size, each a task."""
         return Tasks(particles, groups, self.stride)
 
 
 @dataclass(frozen=True)
 class GridSize:
-    """Sizes of the grid and of the lists of candidates."""
+    """Sizes of the grid of cells and of the lists of candidates (possible neighbours)."""
 
     lattice: Lattice
     support: float  # [m]
@@ -101,18 +101,18 @@ class GridSize:
 
     @property
     def cells(self) -> tuple[int, int, int]:
-        """Numbers of cells along x, y, z with one empty cell of padding all round."""
+        """Numbers of cells along x, y and z, with one empty cell of padding at each end."""
         nx, ny, nz = (n + 2 for n, _ in self.inner_cells)
         return nx, ny, nz
 
     @property
     def sky(self) -> int:
-        """Number of layers of cells over still water, at least the uppermost one. They also hold particles that fly
-        above the grid."""
+        """Number of the uppermost layers of cells, into which particles that fly above the grid are folded."""
         return max(1, self.inner_cells[1][0] // 2)
 
     @property
     def cell_count(self) -> int:
+        """Number of all cells, padding included."""
         nx, ny, nz = self.cells
         return nx * ny * nz
 
@@ -123,23 +123,21 @@ class GridSize:
 
     @property
     def cell_particles(self) -> float:
-        """Number of particles in a cube of the support (in 2-D a square), in water at rest."""
+        """Number of particles of water at rest in a cube (in 2-D a square) as wide as the support."""
         return float((self.support / self.lattice.spacing) ** self.lattice.basin.dimension)
 
     @property
     def halves(self) -> int:
-        """Number of parts of a cell along each axis."""
+        """Number of parts into which a cell is cut along each axis, 1 or 2."""
         return self.plan.parts_per_axis(self.cell_particles, self.lattice.basin.dimension)
 
     @property
     def parts(self) -> int:
-        """Number of parts of a cell, in whose order its particles are sorted: fewer are near a part than near a
-        cell."""
+        """Number of parts of a cell; its particles are sorted by part, as a part has fewer candidates than a cell."""
         return int(self.halves**self.lattice.basin.dimension)
 
     def quantum(self, eps: float) -> float:
-        """Distance of the positions that numbers of a relative spacing `eps` can distinguish everywhere in the basin
-        [m]: a power of two."""
+        """Smallest step [m], a power of two, of positions exact anywhere in the basin in floats of spacing `eps`."""
         basin = self.lattice.basin
         return eps * 2.0 ** floor(log2(max(map(abs, (*basin.lower, *basin.upper)))))
 
@@ -150,16 +148,16 @@ class GridSize:
 
     @property
     def groups(self) -> int:
-        """Number of groups of cells or particles, each a task: set by the scene, never by the number of threads."""
+        """Number of groups of cells or particles, each a task: depends on the scene, never on the number of threads."""
         return self.plan.task_count(self.lattice.n)
 
     @property
     def occupied(self) -> int:
-        """Largest number of parts of cells that can hold a particle."""
+        """Upper bound of the number of parts of cells that hold a particle."""
         return min(self.lattice.n, self.cell_count * self.parts)
 
     def bytes(self, word: int) -> int:
-        """Bytes of the grid and of the staged state, where `word` is the size of a `float` [bytes]."""
+        """Bytes of the grid and of the staging fields of the sort; `word`: size of a `float` [bytes]."""
         return (
             4 * (2 * self.lattice.n + self.count_numbers + self.cell_count + 2 * self.occupied + 3)
             + word * (6 + 2 * self.lattice.basin.dimension + self.carried) * self.lattice.n
@@ -168,32 +166,29 @@ class GridSize:
 
     @property
     def at_rest(self) -> float:
-        """Number of candidates of a full part of a cell in water at rest: those in a box of two supports more."""
+        """Number of candidates of a full part of a cell in water at rest: those in a box two supports wider."""
         return (2.0 + 1.0 / self.halves) ** self.lattice.basin.dimension * self.cell_particles
 
     @property
     def capacity(self) -> int:
-        """Number of candidates for which a part of a cell has room: water compressed four times, and many for
-        splashes."""
+        """Largest number of candidates of one part of a cell: water compressed four times, and many for splashes."""
         return int(4.0 * self.at_rest) + 256
 
     @property
     def segment(self) -> int:
-        """Number of candidates for which a group of parts has room: twice that of water at rest, whose parts are
-        full."""
+        """Largest number of candidates of all parts of a group: twice that of water at rest whose parts are full."""
         parts = self.lattice.n / (self.cell_particles / self.parts)
         return int(2.0 * parts / self.groups * self.at_rest) + 4 * self.capacity
 
     @property
     def width(self) -> int:
-        """Length of a column of the scratch of a group: the candidates of a cell, filled up to whole vectors twice."""
+        """Length of a group's scratch column: candidates of one part, and padding of two lists to whole vectors."""
         return self.capacity + 2 * VECTOR_LENGTH
 
     @property
     def shapes_per_particle(self) -> int:
-        """Number of kept shapes of pairs for each particle: a quarter more than in water that has lost its lattice,
-        where parts are full and candidates fill a support around them. A shape without room is computed again when it
-        is read."""
+        """Number of kept gradient shapes for each particle: a quarter more than in water that has lost its lattice,
+        whose parts are full. A shape without room is computed again when it is read."""
         lattice, side = self.lattice, 1.0 / self.halves
         around = side**2 + 4.0 * side + pi
         if lattice.basin.dimension == 3:
@@ -202,17 +197,16 @@ class GridSize:
 
     @property
     def spare_shapes(self) -> int:
-        """Number of kept shapes of a group beyond those of its particles; the last `width` serve one without room."""
+        """Number of a group's kept shapes besides those of its particles; particles without room use the last."""
         return 4 * self.capacity + self.width
 
     @property
     def kept_candidates(self) -> int:
-        """Number of candidates that one group of parts may keep: those that it lists, filled up where half of its
-        particles are alone."""
+        """Largest number of candidates a group keeps: its `segment`, and padding of particles that are alone."""
         return self.segment + VECTOR_LENGTH * (self.lattice.n // self.groups)
 
     def kept_bytes(self, word: int) -> int:
-        """Bytes of kept pairs and of their candidates."""
+        """Bytes of the kept pairs (PairBlocks) and their candidates; `word`: size of a `float` [bytes]."""
         groups = self.groups
         names = 4 * (4 * self.occupied + groups * (self.width + 2 + self.kept_candidates))
         return names + word * (
@@ -220,5 +214,5 @@ class GridSize:
         )
 
     def candidate_bytes(self, word: int) -> int:
-        """Bytes of lists and scratch, where `word` is the size of a `float` [bytes]."""
+        """Bytes of the lists of candidates and of the scratch; `word`: size of a `float` [bytes]."""
         return 4 * (self.occupied + self.groups * self.segment) + word * self.groups * self.width * self.reads

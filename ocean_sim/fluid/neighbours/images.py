@@ -23,7 +23,7 @@ POSITION_SIGN, POSITION_OFFSET, VELOCITY_SIGN, VELOCITY_OFFSET, SIDE_ACCELERATIO
 
 @in_kernels
 class Images:
-    """The sides that mirror the water: of each its axis, the first and last layer of cells next to it, position [m],
+    """Flat sides that mirror the water. A row of `side`: axis, first and last layer of cells next to it, position [m],
     slip, twice its velocity [m/s] and its acceleration along the axis [m/s2]."""
 
     def __init__(self, size: GridSize) -> None:
@@ -44,7 +44,7 @@ class Images:
         self.advance(0.0)
 
     def advance(self, time: float) -> None:
-        """Move the pistons to their places at a time [s]."""
+        """Move the piston sides to their position, velocity and acceleration at a time [s]."""
         for s, side, piston in self.pistons:
             x, v, a = piston.at(time)
             self.side[s, SIDE_COLUMNS.position], self.side[s, SIDE_COLUMNS.twice_velocity + side.axis] = (
@@ -55,7 +55,7 @@ class Images:
 
     @ti.func
     def is_adjacent(self, s, cell):
-        """True if a cell lies next to side s."""
+        """True if a cell, given by its indices, lies next to side s."""
         layer = cell[int(self.side[s, SIDE_COLUMNS.axis])]
         return layer >= int(self.side[s, SIDE_COLUMNS.first_layer]) and layer <= int(
             self.side[s, SIDE_COLUMNS.last_layer]
@@ -63,8 +63,8 @@ class Images:
 
     @ti.func
     def mirror(self, s):
-        """Mirror of side s: an image lies at POSITION_SIGN * x + POSITION_OFFSET [m] and moves with VELOCITY_SIGN * v +
-        VELOCITY_OFFSET [m/s], behind a wall that accelerates by SIDE_ACCELERATION [m/s2]."""
+        """Mirror matrix (5, 3) of side s: an image lies at POSITION_SIGN * x + POSITION_OFFSET [m] and moves with
+        VELOCITY_SIGN * v + VELOCITY_OFFSET [m/s], behind a wall that accelerates by SIDE_ACCELERATION [m/s2]."""
         mirror = ti.Matrix.zero(float, 5, 3)
         for k in ti.static(range(3)):
             across = int(self.side[s, SIDE_COLUMNS.axis]) == k
@@ -79,26 +79,26 @@ class Images:
 
 @ti.func
 def mirror_position(mirror, x):
-    """Position of the image of x [m]."""
+    """Position [m] of the image of a point x [m] in a mirror (a matrix of Images.mirror)."""
     return tm.vec3([mirror[POSITION_SIGN, k] * x[k] + mirror[POSITION_OFFSET, k] for k in ti.static(range(3))])
 
 
 @ti.func
 def mirror_midpoint(mirror, x):
-    """Midpoint between x and its image [m]: a pull that changes evenly, as in a tank that turns, has its mean over the
-    way there."""
+    """Midpoint [m] between x and its image: an acceleration linear in position, as in a turning tank, has its mean over
+    the line between them there."""
     return 0.5 * (x + mirror_position(mirror, x))
 
 
 @ti.func
 def mirror_direction(mirror, d):
-    """Image of a direction d in a mirror."""
+    """Image of a direction or vector d in a mirror."""
     return tm.vec3([mirror[POSITION_SIGN, k] * d[k] for k in ti.static(range(3))])
 
 
 @ti.func
 def hydrostatic_offset(mirror, x, pull):
-    """Rise of p / rho [m2/s2] from x to its image: (pull - acceleration of the side) . (image of x - x)."""
+    """Rise of p / rho [m2/s2] from x to its image: (pull [m/s2] - acceleration of the side) . (image of x - x)."""
     head = 0.0
     for k in ti.static(range(3)):
         head += (pull[k] - mirror[SIDE_ACCELERATION, k]) * (
@@ -109,14 +109,13 @@ def hydrostatic_offset(mirror, x, pull):
 
 @ti.func
 def mirror_velocity(mirror, v):
-    """Velocity of the image of a particle with velocity v [m/s]."""
+    """Velocity [m/s] of the image of a particle with velocity v [m/s], by the slip of the mirror."""
     return tm.vec3([mirror[VELOCITY_SIGN, k] * v[k] + mirror[VELOCITY_OFFSET, k] for k in ti.static(range(3))])
 
 
 @ti.func
 def mirror_row(mirror, other):
-    """Row of a neighbour's image in a mirror: position and velocity, its first columns, mirrored; the others
-    unchanged."""
+    """Field values of a neighbour's image: position and velocity, its first columns, mirrored, others unchanged."""
     x_image = mirror_position(mirror, vec3(other, MOTION_COLUMNS.position))
     v_image = mirror_velocity(mirror, vec3(other, MOTION_COLUMNS.velocity))
     image = other
@@ -127,8 +126,8 @@ def mirror_row(mirror, other):
 
 @ti.func
 def mirror_row_free_slip(mirror, other):
-    """Row of a neighbour's image in a side taken as free of friction. Water that a rough side drags along is neither
-    pressed together nor drawn apart by it (Marrone et al. 2011, CMAME 200, section 3.2)."""
+    """Field values of a neighbour's image in a side taken as frictionless. Water that a rough side drags along is
+    neither pressed together nor drawn apart by it (Marrone et al. 2011, CMAME 200, section 3.2)."""
     image = mirror_row(mirror, other)
     for k in ti.static(range(3)):
         if mirror[POSITION_SIGN, k] > 0.0:
@@ -138,8 +137,7 @@ def mirror_row_free_slip(mirror, other):
 
 @ti.func
 def row_at(own, d, v):
-    """Row of a point at d [m] from a particle that moves with v [m/s], position and velocity first; the other columns
-    are the particle's own."""
+    """Copy of a particle's row `own`, moved by d [m] and with velocity v [m/s]; other columns are the particle's."""
     other = own
     for k in ti.static(range(3)):
         other[MOTION_COLUMNS.position + k], other[MOTION_COLUMNS.velocity + k] = (

@@ -25,32 +25,31 @@ MIN_SLOTS = 48  # slots of a particle at least
 
 
 def slot_count(neighbours: int) -> int:
-    """Slots of a particle with so many neighbours on the lattice."""
+    """Number of pair slots of a particle that has so many neighbours on the lattice."""
     return max(MIN_SLOTS, int(SLOTS_PER_NEIGHBOUR * neighbours))
 
 
 def slot_bytes(n: int, neighbours: int, word: int) -> int:
-    """Bytes of the PairSlots of n particles, where `word` is the size of a `float` [bytes]."""
+    """Bytes of the PairSlots of n particles; `neighbours`: of each on the lattice; `word`: bytes of a `float`."""
     return n * (8 + slot_count(neighbours) * (4 + 3 * word))
 
 
 @in_kernels
 class KeptLaw(Law):
-    """A law summed over kept pairs, whose gradients are known: it `reads` the fields of its row but the position."""
+    """Pair law over kept pairs, whose gradients are stored: its row lacks the position."""
 
     @abstractmethod
     def kept_image(self, other: Any, name: Any, away: Any) -> Any:
-        """Row of the image of a neighbour, `other`, in the sides that its name tells; `away` leads from the image into
-        the water."""
+        """Field values of the image of neighbour `other`; `name` codes its mirrored axes; `away` leads to water."""
 
     @abstractmethod
     def kept_pair(self, own: Any, other: Any, gradient: Any) -> Any:
-        """Term of one neighbour, as `pair`; `gradient`: x_ij times the shape of grad W."""
+        """Term of one neighbour, as `pair`; `gradient`: x_ij times the shape of grad W; `own`, `other`: rows."""
 
 
 @in_kernels
 class KeptPairs(ABC):
-    """Interface of the kept pairs of each particle with its neighbours and their images."""
+    """Interface of a store of the pairs of each particle with its neighbours and their images, for one step."""
 
     def __init__(self, images: Images) -> None:
         self.images = images
@@ -58,23 +57,21 @@ class KeptPairs(ABC):
 
     @abstractmethod
     def walk(self, law: Any) -> None:
-        """ti.func, at the top of a kernel: for every particle, sum law.kept_pair over its neighbours, and over its
-        images, then law.finish it."""
+        """ti.func, at the top of a kernel: sum law.kept_pair over all pairs of each particle, then call law.finish."""
 
     @ti.func
     def particle_row(self, law: Template, j):
-        """Row that a law reads of particle j."""
+        """Values of the fields that a law reads, for particle j."""
         return ti.Vector([field[j] for field in ti.static(law.reads)])
 
     @ti.func
     def image_row(self, law: Template, name, away):
-        """Row that a law reads of the image with this name; `away` leads from the image into the water."""
+        """Values of the law's fields for the image with this name; `away` points from the image into the water."""
         return law.kept_image(self.particle_row(law, name % MOST_PARTICLES), name, away)
 
     @ti.func
     def image_velocity(self, v, name, away):
-        """Velocity of the image of a particle with velocity v [m/s]: only its normal component is reversed, for any
-        slip."""
+        """Velocity [m/s] of the image of a particle with velocity v: only its normal component reversed."""
         image, flips = v, name // MOST_PARTICLES
         for k in ti.static(range(3)):
             image[k] = ti.select(flips >> k & 1, -image[k], image[k])
@@ -88,7 +85,7 @@ class KeptPairs(ABC):
 
 @in_kernels
 class PairSlots(KeptPairs):
-    """Pairs in slots of each particle: pairs with particles first, pairs with images after them."""
+    """Kept pairs in a fixed number of slots for each particle: pairs with particles first, then with images."""
 
     def __init__(self, n: int, images: Images, tasks: Tasks, neighbours: int) -> None:
         super().__init__(images)
@@ -99,13 +96,14 @@ class PairSlots(KeptPairs):
 
     @ti.func
     def walk(self, law: Template):
+        """Sum law.kept_pair over the slots of each particle, then call law.finish; at the top of a kernel."""
         for t in range(self.tasks.iterations):
             if t % self.tasks.stride == 0:
                 self.walk_group(t // self.tasks.stride, law)
 
     @ti.func
     def walk_group(self, group, law: Template):
-        """Sum the law for the particles of one group."""
+        """Sum the law for the particles of one group, and call its `finish`."""
         law.begin(group)
         for i in range(self.tasks.first_particle(group), self.tasks.first_particle(group + 1)):
             own, first = self.particle_row(law, i), i * self.slots
@@ -120,7 +118,7 @@ class PairSlots(KeptPairs):
 
 @ti.func
 def flip_code(mirror):
-    """Code, in the name of an image, of the axes along which a mirror reverses."""
+    """Code of the axes along which a mirror reverses, as part of the name of an image."""
     mirror_velocity = 0
     for k in ti.static(range(3)):
         mirror_velocity += int(mirror[POSITION_SIGN, k] < 0.0) << k
@@ -129,13 +127,13 @@ def flip_code(mirror):
 
 @in_kernels
 class PairBlocks(KeptPairs):
-    """Candidates of each part, particles first and images after them, each filled up to whole vectors; and for each
-    particle of the part the shapes of grad W."""
+    """Kept pairs by part of a cell: its candidates, particles first and images after them, each filled up to whole
+    vectors; and for each of its particles the shapes of grad W."""
 
     def __init__(
         self, position: Components, grid: Grid, scratch: tuple[ti.Field, ...], smoothing: Smoothing, size: GridSize
     ) -> None:
-        """`scratch`: columns of a number for each candidate of a part, positions first, a run of them a group."""
+        """Make the store; `scratch`: columns of a number for each candidate of a part, positions first."""
         super().__init__(grid.images)
         self.position, self.grid, self.scratch, self.smoothing = position, grid, scratch, smoothing
         self.groups, self.width, self.segment = size.groups, size.width, size.kept_candidates
@@ -149,24 +147,24 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def begin(self, group):
-        """Empty the lists of a group."""
+        """Empty the lists of a group, before pairs are stored anew."""
         self.next_first[group], self.next_begun[group] = group * self.segment, self.shape_start(group)
 
     @ti.func
     def shape_start(self, group):
-        """Index of the first shape of a group, by its first particle, since groups have equal numbers of parts."""
+        """Index of the first kept shape of a group, which follows from its first particle."""
         return self.shapes_per_particle * self.grid.first[self.grid.first_part(group)] + group * self.spare_shapes
 
     @ti.func
     def spare_start(self, group):
-        """Index of the spare shapes of a group, for a particle without room."""
+        """Index of the spare shapes of a group, which a particle without room uses."""
         return self.shape_start(group + 1) - self.width
 
     @ti.func
     def keep_part(self, k, group, names: Template, n, images, m, end):
         """Store the m candidates of part k in the scratch, the first n of them particles; images begin at `images`, and
         their padding ends at `end`. Return the index of the shapes of its first particle, the step to those of the next
-        one, and 1 if the candidates have room."""
+        one, and 1 if the candidates have room, else 0."""
         scratch, first, begun = group * self.width, self.next_first[group], self.next_begun[group]
         near, seen, room = images - scratch, end - scratch, 1
         if first + seen > (group + 1) * self.segment:
@@ -187,18 +185,19 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def keep_shape(self, away, to):
-        """Store the shape of grad W of a pair `away` [m] apart at index `to`."""
+        """Store the shape of grad W of a pair at index `to`; `away`: vector between both particles [m]."""
         self.shape[to] = self.smoothing.shape_gradient(ti.sqrt(away.dot(away)))
 
     @ti.func
     def walk(self, law: Template):
+        """Sum law.kept_pair over the candidates of each particle, then call law.finish; at the top of a kernel."""
         for g in range(self.groups * TASK_ITERATIONS):
             if g % TASK_ITERATIONS == 0:
                 self.walk_group(g // TASK_ITERATIONS, law)
 
     @ti.func
     def walk_group(self, group, law: Template):
-        """Sum the law for the particles of the parts of cells of one group."""
+        """Sum the law for the particles in the parts of cells of one group, and call its `finish`."""
         law.begin(group)
         for k in range(self.grid.first_part(group), self.grid.first_part(group + 1)):
             self.gather(k, law, group * self.width)
@@ -206,7 +205,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def gather(self, k, law: Template, scratch):
-        """Copy the fields that the law reads, of the candidates of part k, into the scratch."""
+        """Copy the fields that the law reads, for the candidates of part k, to the scratch."""
         first, near = self.first[k], self.near[k]
         own = place_at(self.position, self.grid.first[k])  # of one of them, in the water
         for a in range(near):
@@ -220,7 +219,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def sum_up(self, k, law: Template, group):
-        """Sum the law for every particle of part k over its candidates, and finish it."""
+        """Sum the law for every particle of part k over its candidates, and call its `finish`."""
         begun, near, seen = self.begun[k], self.near[k], self.seen[k]
         kept = begun < self.spare_start(group)
         for i in range(self.grid.first[k], self.grid.first[k + 1]):
@@ -235,14 +234,14 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def recompute_shapes(self, place, k, begun):
-        """Compute, from index `begun` on, the shapes of a particle at `place` for which there was no room."""
+        """Compute the shapes of a particle at `place` [m] that had no room, and store them from index `begun` on."""
         first = self.first[k]
         for a in range(self.seen[k]):
             self.keep_shape(place - place_at(self.place, first + a), begun + a)
 
     @ti.func
     def pair_sum(self, law: Template, place, own, k, group, begun, begin, end):
-        """Sum over candidates of part k for a particle at `place`, whose shapes begin at `begun`."""
+        """Sum over candidates `begin` to `end` of part k for a particle at `place` [m]; `begun`: its first shape."""
         first, scratch, total = self.first[k], group * self.width, ti.Vector.zero(float, law.terms.size)
         for a in range(begin, end):
             away = place - place_at(self.place, first + a)
@@ -253,5 +252,5 @@ class PairBlocks(KeptPairs):
 
 @ti.func
 def place_at(places: Template, i):
-    """Entry i of three component fields, a position [m]."""
+    """Position [m] at index i of three component fields."""
     return tm.vec3(places.x[i], places.y[i], places.z[i])

@@ -1,9 +1,9 @@
 """The walk over neighbours for graphics cards, with a thread for each particle: the same laws and the same sums.
 
-Nothing is listed: a thread goes through the cells around its particle, and through those around its mirrored places. A
-task and a row of accounts belong to one particle, while `cell_walk.CellWalk` has few long tasks and rows. All is
-gathered. Only the order in which particles are put into a cell is left to the card, and it is corrected before anything
-reads it.
+No candidates are listed: a thread goes through the cells around its particle, and through those around its mirrored
+places. A task and a row of accounts belong to one particle, while `cell_walk.CellWalk` has few long tasks and rows.
+Sums are gathered, never scattered. Only the order in which particles are put into a cell is left to the card, and it is
+corrected before anything reads it.
 """
 
 from math import isqrt
@@ -27,8 +27,7 @@ SUM_BLOCK_CELLS = 128  # cells that a thread adds up
 
 
 def level_sizes(cells: int) -> list[int]:
-    """Numbers of sums of each level for so many cells: each level sums SUM_BLOCK_CELLS sums of the level before, down
-    to one."""
+    """Sizes of the levels of a prefix sum over cells: each number sums SUM_BLOCK_CELLS of the level before."""
     sizes = [cells + 1]
     while sizes[-1] > 1:
         sizes.append(-(-sizes[-1] // SUM_BLOCK_CELLS))
@@ -37,10 +36,10 @@ def level_sizes(cells: int) -> list[int]:
 
 @in_kernels
 class WideGrid(Grid):
-    """Grid sorted by a thread for each particle: a counting sort whose sums are those of blocks of blocks of cells.
+    """Grid for graphics cards, sorted by one thread a particle: a counting sort with a prefix sum over blocks of cells.
 
-    Threads put particles down in their cells in any order; then each particle counts those of its cell that were stored
-    before it. So the sort is stable, whatever the order was.
+    Threads store particles in their cells in any order; then each particle counts those of its cell that came before it
+    in the old order. So the sort is stable.
     """
 
     def __init__(self, particles: Particles, size: GridSize, carried: tuple[ti.Field, ...] = ()) -> None:
@@ -50,8 +49,7 @@ class WideGrid(Grid):
 
     @ti.func
     def sort(self):
-        """Sort the staged states by cell into the particles (stable counting sort). Call this at the top of a
-        kernel."""
+        """Sort the staged states by cell into the particles' fields (stable counting sort), at the top of a kernel."""
         # Count the particles of each cell, and sum the counts to the first particle of each.
         for c in self.count:
             self.count[c] = 0
@@ -70,7 +68,7 @@ class WideGrid(Grid):
 
     @ti.func
     def scan_counts(self):
-        """Replace the number of particles in each cell by that in all cells before it."""
+        """Replace the number of particles in each cell by the number in all cells before it (prefix sum)."""
         for level in ti.static(range(1, len(self.sums))):
             for b in self.sums[level]:
                 total, here = 0, self.sums[level - 1].shape[0]
@@ -85,7 +83,7 @@ class WideGrid(Grid):
 
     @ti.func
     def place_particle(self, i):
-        """Move particle i to its place in the order: after those of its cell that were stored before it."""
+        """Move particle i to its sorted place: after those of its cell that were stored before it."""
         c = self.part[i]
         to = self.start[c]
         for k in range(self.start[c], self.start[c + 1]):
@@ -96,7 +94,7 @@ class WideGrid(Grid):
 
 @in_kernels
 class WideAccounts(Accounts):
-    """Accounts with a row for each particle; rows are added up in blocks, and the blocks in their order."""
+    """Momentum budget with a row for each particle; rows are summed in blocks, and the blocks in fixed order."""
 
     def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...]) -> None:
         super().__init__(groups, impulses, absent, apart=1)
@@ -105,13 +103,14 @@ class WideAccounts(Accounts):
 
     @ti.func
     def summarise(self, summary: Template):
+        """Reduce all rows to the SUMMARY_SIZE numbers of Accounts.summarise, by way of blocks."""
         for b in range(self.blocks.groups):
             self.add_up(b)
         self.blocks.summarise(summary)
 
     @ti.func
     def add_up(self, b):
-        """Combine the rows of block b in one, without impulses and work."""
+        """Reduce the rows of block b to one row, without impulses and work."""
         blocks, end = self.blocks, ti.min((b + 1) * self.block, self.groups)
         speed2, acceleration2, thin, dense, total, clipped, crowded = self.block_extremes(b * self.block, end)
         blocks.speed2[b, 0], blocks.acceleration2[b, 0] = speed2, acceleration2
@@ -120,7 +119,7 @@ class WideAccounts(Accounts):
 
     @ti.kernel
     def add_up_impulses(self):
-        """Sum impulses and work of the rows of each block to one row."""
+        """Sum impulses and work over the rows of each block."""
         for b in range(self.blocks.groups):
             for term in ti.static(self.terms):
                 four = ti.Vector.zero(ti.f64, WORK_COLUMN + 1)
@@ -131,6 +130,7 @@ class WideAccounts(Accounts):
                     self.blocks.given[b, term, k] = four[k]
 
     def totals(self) -> dict[str, np.ndarray]:
+        """Impulse [N s] and work [J] of each force term since the start, (4,) each, by name; empty if not summed."""
         if self.impulses:
             self.add_up_impulses()
         return self.blocks.totals()
@@ -138,16 +138,16 @@ class WideAccounts(Accounts):
 
 @in_kernels
 class RowLaw:
-    """Terms of a pair law, over the particles around a point or over their images."""
+    """Adapter from a pair law to a point sum, over the particles around a particle or over their images."""
 
     def __init__(self, law: Law, grid: Grid, reflected: bool) -> None:
-        """`reflected`: True for images. Then the set of sides that show them, a bit each, follows the row of the
-        particle."""
+        """Adapt a law; `reflected`: for images, whose set of sides, one bit a side, follows the particle's row."""
         self.law, self.images, self.reflected, self.sums = law, grid.images, reflected, law.terms.size
         self.periodic = any(grid.basin.periods)
 
     @ti.func
     def term(self, own_and_sides, j, d, mirror):
+        """Pair term of the law with particle j, or with its image in these sides, at d [m]."""
         own = ti.Vector([own_and_sides[k] for k in ti.static(range(self.law.row.size))])
         other = ti.Vector([field[j] for field in ti.static(self.law.reads)])
         if ti.static(self.reflected):
@@ -163,7 +163,7 @@ class RowLaw:
 
 @in_kernels
 class PairCollector:
-    """PointLaw that stores the pairs of a particle, number `own`."""
+    """PointLaw that, instead of summing, stores the kept pairs of the particle with index `own`."""
 
     sums = 1
 
@@ -172,7 +172,7 @@ class PairCollector:
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Store the pair of particles `own` and j if they are near, but not in the same place; 1 if so, else 0."""
+        """Store the pair of particle `own` and j, or its image, at d [m], if d is in the support and not 0; 1 if so."""
         r2, found = d.dot(d), 0.0
         if r2 < self.smoothing.support * self.smoothing.support and r2 > 0.0:
             seen, found = self.pairs.seen[own], 1.0
@@ -185,7 +185,7 @@ class PairCollector:
 
 @in_kernels
 class ParticleWalk:
-    """Walk over neighbours by one thread for each particle."""
+    """Neighbour walk for graphics cards: one thread for each particle goes through the cells around it."""
 
     left_out: ClassVar[tuple[str, ...]] = ("shown",)
 
@@ -196,12 +196,13 @@ class ParticleWalk:
         self.keeps = False
 
     def keep_pairs(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> KeptPairs:
+        """Make the store of pairs that later walks with `find` fill, for solvers that iterate."""
         self.keeps, self.pairs = True, PairSlots(self.most, self.grid.images, tasks, neighbours)
         self.kept = PairCollector(self.pairs, smoothing)
         return self.pairs
 
     def sums_of(self, law: Law) -> tuple[PointSum, RowLaw, RowLaw]:
-        """Sums around a particle over the fields that a law reads, and the terms of particles and of images."""
+        """Point sum over the fields that a law reads, and its terms over particles and over images; cached by law."""
         if law not in self.shown:
             places = PointSum(law.reads[:3], self.grid)
             self.shown[law] = places, RowLaw(law, self.grid, False), RowLaw(law, self.grid, True)
@@ -209,8 +210,8 @@ class ParticleWalk:
 
     @ti.func
     def walk(self, law: Template, find: Template):
-        """Sum law.pair over the neighbours of each particle, then call law.finish, as `CellWalk.walk`. If pairs are
-        kept, `find` keeps them."""
+        """Sum law.pair over the neighbours of each particle, then call law.finish, as `CellWalk.walk`; `find`: also
+        store the pairs, if they are kept."""
         around, water, images = ti.static(self.sums_of(law))
         for i in range(self.most):
             law.begin(i)
@@ -229,7 +230,7 @@ class ParticleWalk:
 
     @ti.func
     def image_total(self, x, own, around: Template, images: Template):
-        """Sum of the terms of all images for a particle at x [m]."""
+        """Sum of a law's terms over all images around a particle at x [m] with row `own`."""
         here, total = self.grid.wrap_position(x), ti.Vector.zero(float, images.sums)
         reach = around.sides_in_reach(here)
         own_and_sides = ti.Vector.zero(float, images.law.row.size + 1)
@@ -243,7 +244,7 @@ class ParticleWalk:
 
     @ti.func
     def store_pairs(self, i, x, around: Template):
-        """Store the pairs of particle i, which is at x [m]."""
+        """Store the kept pairs of particle i at x [m], with particles first, then with images."""
         pairs = self.pairs
         pairs.seen[i] = 0
         around.water_total(x, self.kept, i)

@@ -1,8 +1,8 @@
-"""The water around a point that need not be a particle: particles, their repeats beyond periodic sides, and their
-images in walls, floor and lid.
+"""Sums over the water around a point that need not be a particle: particles, their repeats beyond periodic sides, and
+their images in walls, floor and lid.
 
-It is the point that is mirrored, not the water: an image lies from the point as its particle lies from the mirrored
-point, turned round. Every set of sides within reach is a mirror of its own, so corners are mirrored in all of theirs.
+The point is mirrored, not the water: an image lies from the point as its particle lies from the mirrored point, turned
+round. Every set of sides within reach is a mirror of its own, so corners are mirrored in all of theirs.
 """
 
 from collections.abc import Iterable
@@ -25,7 +25,7 @@ from ocean_sim.runtime import Template, in_kernels
 
 @ti.func
 def identity_mirror():
-    """The mirror that shows everything as it is."""
+    """Mirror matrix (rows as in Images.mirror) that leaves positions and velocities unchanged."""
     mirror = ti.Matrix.zero(float, 5, 3)
     for k in ti.static(range(3)):
         mirror[POSITION_SIGN, k] = mirror[VELOCITY_SIGN, k] = 1.0
@@ -34,7 +34,7 @@ def identity_mirror():
 
 @ti.func
 def compose_mirrors(first, then):
-    """Composition of two mirrors: the mirror `then` of the image in the mirror `first`."""
+    """Mirror matrix of two reflections in succession: `then` applied to images in `first`."""
     mirror = first
     for k in ti.static(range(3)):
         mirror[POSITION_SIGN, k] = then[POSITION_SIGN, k] * first[POSITION_SIGN, k]
@@ -52,7 +52,8 @@ class PointLaw(Protocol):
     """Numbers that a particle adds."""
 
     def term(self, own: Any, j: Any, d: Any, mirror: Any) -> Any:
-        """ti.func: term of particle j, seen in a mirror at d [m] from the point; `own` is handed through by the sum."""
+        """ti.func: term of particle j, whose image in `mirror` lies at d [m] from the point; `own`: an argument of the
+        caller, passed on by the sum."""
         ...
 
 
@@ -61,30 +62,29 @@ class PointSum:
     """Sums of a PointLaw over all water within one support of a point."""
 
     def __init__(self, position: Iterable[ti.Field], grid: Grid, start: ti.Field | None = None) -> None:
-        """`position`: x, y and z [m] of the particles, in the order of their cells; `start`: the first of every cell,
-        by default as the grid has sorted them."""
+        """Sum over points x, y, z [m], sorted by cell; `start`: first point of every cell, by default the grid's."""
         self.position, self.grid, self.start = tuple(position), grid, grid.start if start is None else start
         self.periods, self.across = grid.basin.periods, grid.basin.periods[0] > 0.0
         self.images = grid.images
 
     @ti.func
     def total(self, x, law: Template, own):
-        """Sum of the law's terms around x, images included."""
+        """Sum of the law's terms around x [m] over particles and images; `own` is passed on to law.term."""
         return self.subset_total(0, x, law, own)
 
     @ti.func
     def image_total(self, x, law: Template, own):
-        """Sum of the law's terms around x over the images in sides alone."""
+        """Sum of the law's terms around x [m] over images in sides only."""
         return self.subset_total(1, x, law, own)
 
     @ti.func
     def water_total(self, x, law: Template, own):
-        """Sum of the law's terms around x over the water without its images."""
+        """Sum of the law's terms around x [m] over particles only, without images in sides."""
         return self.mirror_total(self.grid.wrap_position(x), identity_mirror(), law, own)
 
     @ti.func
     def subset_total(self, first, x, law: Template, own):
-        """Sum over the sets of sides from the `first` on, a bit for each side; 0 is the empty set."""
+        """Sum over the mirrors of all sets of sides near x [m] (one bit a side); `first` = 1 omits the empty set 0."""
         here = self.grid.wrap_position(x)
         reach = self.sides_in_reach(here)
         total = ti.Vector.zero(float, law.sums)
@@ -95,7 +95,7 @@ class PointSum:
 
     @ti.func
     def mirror(self, subset):
-        """Mirror that a set of sides, a bit for each, makes together."""
+        """Mirror matrix of successive reflections in a set of sides, one bit a side."""
         mirror = identity_mirror()
         if ti.static(self.images.sides > 0):
             for side in range(self.images.sides):
@@ -105,7 +105,7 @@ class PointSum:
 
     @ti.func
     def sides_in_reach(self, x):
-        """Set of the sides within a support of x [m], a bit for each."""
+        """Set of the sides within a support of x [m], one bit a side."""
         reach = 0
         if ti.static(self.images.sides > 0):
             for side in range(self.images.sides):
@@ -115,7 +115,7 @@ class PointSum:
 
     @ti.func
     def mirror_total(self, x, mirror, law: Template, own):
-        """Sum of the law's terms over the particles seen from x [m] in one mirror."""
+        """Sum of the law's terms over the particles whose images in one mirror lie around x [m]."""
         grid = self.grid
         px, py, pz = ti.static(self.position[0], self.position[1], self.position[2])
         y = mirror_position(mirror, x)  # flat mirrors at right angles are their own inverse
@@ -133,8 +133,8 @@ class PointSum:
 
     @ti.func
     def nearest_repeat(self, x, middle):
-        """The repeat of x nearest to the middle of its cell [m]: a scheme that sorts in the middle of its step may have
-        moved a particle on through a periodic side."""
+        """Periodic repeat of x [m] nearest to the middle of its cell [m]: a scheme that sorts in the middle of its step
+        may have moved a particle on through a periodic side."""
         for k, period in ti.static(enumerate(self.periods)):
             if ti.static(period > 0.0):
                 x[k] -= period * ti.round((x[k] - middle[k]) / period)
@@ -142,7 +142,7 @@ class PointSum:
 
     @ti.func
     def periodic_home(self, indices):
-        """Indices of the cell that a cell beyond a periodic side repeats, and how far its water is shifted [m]."""
+        """Indices of the cell in the basin that a cell beyond a periodic side repeats, and its water's shift [m]."""
         shift = tm.vec3(0.0)
         for k, period in ti.static(enumerate(self.periods)):
             if ti.static(period > 0.0):

@@ -28,18 +28,17 @@ MAX_SEQUENTIAL_ROWS = 64  # rows that are summed one after the other; more are f
 
 @in_kernels
 class Tasks:
-    """The particles in groups, each a task: the same number of each, in storage order."""
+    """Division of particles, in storage order, into groups of equal size, each the task of one thread."""
 
     def __init__(self, particles: Count, groups: int, stride: int) -> None:
-        """`stride`: iterations of a parallel loop for each group. As many groups as there may be particles have one
-        each."""
+        """Divide into `groups`; `stride`: iterations of a parallel loop for each group."""
         self.particles, self.groups, self.stride = particles, groups, stride
         self.iterations = groups * stride
         self.single = groups == particles.most
 
     @ti.func
     def first_particle(self, group):
-        """Number of the first particle of a group; of the group after the last, the number of all particles."""
+        """Index of the first particle of a group; for `group` = number of groups, the number of all particles."""
         n = self.particles.there()
         first = ti.min(group, n)
         if ti.static(not self.single):
@@ -49,7 +48,7 @@ class Tasks:
 
 @in_kernels
 class Rows:
-    """Numbers that tasks report, a row each, and their sums in the order of the rows: of many first those of blocks."""
+    """Table with a row of numbers for each task, and column sums in fixed order: no result depends on threads."""
 
     def __init__(self, count: int, columns: int) -> None:
         self.columns = columns
@@ -61,17 +60,18 @@ class Rows:
 
     @ti.func
     def add(self, row, column: Template, number):
-        """Accumulate into a column of this task's row."""
+        """Add a number to a column of a task's row."""
         self.rows[row, column] = self.rows[row, column] + number
 
     @ti.func
     def clear(self, row):
+        """Set a task's row to 0."""
         for k in ti.static(range(self.columns)):
             self.rows[row, k] = 0.0
 
     @ti.func
     def sum_into(self, sums: Template):
-        """Sum all rows to an array of one number a column; call it at the top of a kernel."""
+        """Write the sum of each column to `sums`; call it at the top of a kernel."""
         if ti.static(self.block > 1):
             for b in range(self.last.shape[0]):
                 for k in ti.static(range(self.columns)):

@@ -21,7 +21,7 @@ WIND_SLABS = 4  # slabs of water in which a wind acts on mass
 
 @in_kernels
 class AirPressure:
-    """Impulses of a wind on the cells of a tile, summed between steps of the tile."""
+    """Vertical impulses of a wind on the cells of a tile, summed between steps of the tile."""
 
     left_out: ClassVar[tuple[str, ...]] = ("weights",)
 
@@ -41,28 +41,28 @@ class AirPressure:
 
     @staticmethod
     def bytes(cells: int, word: int) -> int:
-        """Memory [bytes] for so many cells in numbers of `word` bytes."""
+        """Memory [bytes] of the fields for a tile of so many cells; `word`: size of a `float` [bytes]."""
         return cells * (8 * (WIND_SLABS + 1) + 2 * word)
 
     def set_slopes(self, along: np.ndarray, across: np.ndarray) -> None:
-        """Set the slopes of the surface along x and z, (cells, rows)."""
+        """Set the slopes of the surface along x and z, (cells, rows) each, on which the wind presses."""
         if self.slope is not None:
             self.slope.from_numpy(np.stack([along, across], axis=-1).astype(self.number_type))
 
     @property
     def number_type(self) -> type:
-        """NumPy type of `slope`, and f64 without slopes."""
+        """NumPy type of the slope field; float64 if the wind does not act on slopes."""
         return self.slope.to_numpy().dtype.type if self.slope is not None else np.float64
 
     def collect_impulse(self, dt: float, drift: np.ndarray, centre: np.ndarray) -> None:
-        """Add the impulse of the wind in its step of dt [s]; `drift` of the water, and the tile's `centre` in the axes
-        of the water [m]."""
+        """Add the wind's impulse over dt [s] to each cell; `drift` of the water (2,) [m] by the current; `centre` of
+        the tile (2,) in axes that move with it [m]."""
         first = np.array([axis[0] for axis in self.tile.nodes()])
         self.add_impulses(self.wind.since, self.wind.step, dt, *first, *drift, *centre)
         self.gathered += dt
 
     def take_pressure(self) -> np.ndarray:
-        """Modes of the mean pressure over the density [m2/s2] since the last call; the sum of impulses starts anew."""
+        """Fourier modes of the mean pressure over the density [m2/s2] since the last call; resets the impulses."""
         tile, pushed = self.tile, self.impulse.to_numpy()
         modes = sum(weight * tile.to_modes(slab) for weight, slab in zip(self.weights, pushed))
         span, self.gathered = self.gathered, 0.0
@@ -82,6 +82,7 @@ class AirPressure:
         centre_x: float,
         centre_z: float,
     ):
+        """Evaluate the wind in the middle of each cell and slab, and add its upward impulse over dt [s]."""
         self.wind.set_clock(since, step)
         for i, k in ti.ndrange(self.cells, self.rows):
             x = nearest_image(first_x + i * self.cell, centre_x, self.cell * self.cells) + drift_x
@@ -101,5 +102,5 @@ class AirPressure:
 
 @ti.func
 def nearest_image(x, centre, side):
-    """The image of x, which repeats itself, that is nearest to a centre."""
+    """Periodic repeat of a coordinate x [m], with period `side` [m], that is nearest to `centre` [m]."""
     return x - side * ti.round((x - centre) / side)

@@ -44,7 +44,7 @@ CREST_SHARE = 0.3  # share of the highest elevation above which a crest counts
 
 
 class SurfaceState(NamedTuple):
-    """Slopes and velocities of the surface, (cells, rows) each."""
+    """Slopes and velocities of the sea surface on a tile, (cells, rows) each."""
 
     slope_x: np.ndarray
     slope_z: np.ndarray
@@ -54,10 +54,10 @@ class SurfaceState(NamedTuple):
 
 
 class Breaking:
-    """Breaking crests of a sea, the energy that they lost, and the foam that they left."""
+    """Breaking crests of a nonlinear sea: cells that break now, energy lost so far, and foam left behind."""
 
     def __init__(self, tile: Tile, ahead: np.ndarray, period: float) -> None:
-        """`ahead`: unit vector of the direction of the waves along x and z; `period` of the highest of them [s]."""
+        """Start without breaking; `ahead` (2,): unit vector along the waves; `period` of the highest of them [s]."""
         self.tile, self.ahead, self.period = tile, ahead, period
         self.left = np.zeros(tile.shape)  # time for which each cell still breaks [s]
         self.lost = 0.0  # energy over the density [m5/s2], since the start
@@ -65,12 +65,12 @@ class Breaking:
 
     @cached_property
     def mode_signs(self) -> np.ndarray:
-        """Direction of each mode: 1 along the waves, -1 against them, 0 where it is unknown."""
+        """Sign of each Fourier mode's direction: 1 along the waves, -1 against them, 0 where it is undefined."""
         along = self.ahead[0] * np.broadcast_to(self.tile.kx, self.tile.k.shape) + self.ahead[1] * self.tile.kz
         return np.sign(along) * self.tile.directed_modes
 
     def dissipate(self, sea: "HighOrder", dt: float) -> None:
-        """Take the energy of breaking crests from the sea in a step of dt [s]."""
+        """Find crests that begin to break, and damp all breaking cells of the sea by eddy viscosity for dt [s]."""
         k, speed, ratio = self.crest_state(sea)
         onset = ratio > BREAKING_ONSET
         reach = np.pi * 2.0 * BREAKING_REACH / k
@@ -86,8 +86,8 @@ class Breaking:
             self.lost += before - sea.energy()
 
     def crest_state(self, sea: "HighOrder") -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(cells, rows) local wavenumber along the waves [rad/m], speed of the crests [m/s], and u/C on crests, 0
-        elsewhere."""
+        """Local wavenumber along the waves [rad/m], speed of crests [m/s], and the ratio u/C of water to crest speed (0
+        away from crests); (cells, rows) each."""
         tile, (c, s) = self.tile, self.ahead
         e, p = tile.to_modes(sea.eta), tile.to_modes(sea.phi)
         now, (ex, ez) = sea.surface_state(e, p), tile.slopes(e)
@@ -107,15 +107,15 @@ class Breaking:
         return k, speed, np.where(crest, u / speed, 0.0)
 
     def start_breaking(self, i: int, j: int, reach: float) -> None:
-        """Let all cells within a reach [m] of cell i, j, a crest that begins to break, break for BREAKING_PERIODS."""
+        """Mark all cells within a reach [m] of cell i, j, a crest at its onset, as breaking for BREAKING_PERIODS."""
         n = max(1, round(reach / self.tile.cell))
         rows = np.arange(-n, n + 1) if self.tile.rows > 1 else np.zeros(1, dtype=int)
         at = np.ix_((i + np.arange(-n, n + 1)) % self.tile.cells, (j + rows) % self.tile.rows)
         self.left[at] = np.maximum(self.left[at], BREAKING_PERIODS * self.period)
 
     def diffusion(self, sea: "HighOrder", nu: np.ndarray, field: np.ndarray) -> np.ndarray:
-        """Rate of change (cells, rows) of a field by a viscosity nu [m2/s]: div (2 nu grad field) in the resolved
-        modes; its mean is 0."""
+        """Rate of change (cells, rows) of a field by a viscosity nu (cells, rows) [m2/s]: div (2 nu grad field) in the
+        resolved modes; its mean is 0."""
         tile = self.tile
         fluxes = [2.0 * nu * tile.to_values(slope) for slope in tile.slopes(tile.to_modes(field))]
         (xx, _), (_, zz) = (tile.slopes(tile.to_modes(flux)) for flux in fluxes)
@@ -123,38 +123,38 @@ class Breaking:
 
 
 class HighOrder:
-    """Elevation and surface potential of a nonlinear sea that repeats itself."""
+    """Nonlinear sea on a periodic tile: its elevation `eta` and surface potential `phi`, advanced in time."""
 
     def __init__(self, tile: Tile, onset: float, breaking: Breaking | None = None) -> None:
-        """`onset`: time scale on which the nonlinear terms set in [s]; 0: from the beginning."""
+        """Start with calm water; `onset`: time scale [s] on which the nonlinear terms set in, 0 for at once."""
         self.tile, self.onset, self.breaking, self.time = tile, onset, breaking, 0.0
         self.eta, self.phi = np.zeros(tile.shape), np.zeros(tile.shape)
 
     @cached_property
     def rate_cache(self) -> dict[float, tuple[np.ndarray, np.ndarray]]:
-        """Modes of the nonlinear rates of the present state, by its time [s], once they are computed."""
+        """Modes of the nonlinear rates of the present state, by its time [s]; saves computing them twice."""
         return {}
 
     @cached_property
     def resolved_modes(self) -> np.ndarray:
-        """Mask of the modes: 1 for each that is resolved, 0 for the others."""
+        """Mask (cells, columns): 1 for each resolved Fourier mode, 0 for those kept empty against aliasing."""
         most = RESOLVED_SHARE * np.pi / self.tile.cell * ROUNDING_FACTOR
         return ((np.abs(self.tile.kx) < most) & (self.tile.kz < most)).astype(float)
 
     @cached_property
     def vertical_factor(self) -> np.ndarray:
-        """Factor of each mode of a potential in its vertical derivative at the still surface [1/m]."""
+        """Factor k tanh kh [1/m] of each mode from a potential to its vertical derivative at the still surface."""
         return self.resolved_modes * self.tile.k * np.tanh(self.tile.k * self.tile.depth)
 
     def begin(self, eta: np.ndarray, phi: np.ndarray) -> None:
-        """Start at time 0 with this elevation [m] and surface potential [m2/s]."""
+        """Start at time 0 with an elevation [m] and a surface potential [m2/s], (cells, rows) each."""
         tile = self.tile
         self.time = 0.0
         self.rate_cache.clear()
         self.eta, self.phi = (tile.to_values(self.resolved_modes * tile.to_modes(field)) for field in (eta, phi))
 
     def advance(self, dt: float) -> None:
-        """Advance elevation and potential by a step of dt [s], then let crests break."""
+        """Advance elevation and potential by dt [s] (Runge-Kutta of fourth order), then damp breaking crests."""
         tile, t = self.tile, self.time
         e, p = tile.to_modes(self.eta), tile.to_modes(self.phi)
         half, full = 0.5 * dt, dt
@@ -175,12 +175,11 @@ class HighOrder:
             self.breaking.dissipate(self, dt)
 
     def nonlinear_rates(self, e: np.ndarray, p: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
-        """Modes of the nonlinear part of eta_t and phi_t, from modes e of the elevation and p of the surface
-        potential."""
+        """Modes of the nonlinear part of eta_t and phi_t at a time [s], from modes e of eta and p of phi."""
         return self.surface_rates(self.surface_state(e, p), time)
 
     def surface_rates(self, now: SurfaceState, time: float) -> tuple[np.ndarray, np.ndarray]:
-        """Modes of the nonlinear part of eta_t and phi_t of a surface at a time [s]."""
+        """Modes of the nonlinear part of eta_t and phi_t at a time [s], from slopes and velocities of the surface."""
         w1, w2, w3 = now.w
         steep = now.slope_x**2 + now.slope_z**2
         eta = w2 + w3 + steep * w1 - now.phi_x * now.slope_x - now.phi_z * now.slope_z
@@ -190,7 +189,7 @@ class HighOrder:
         return part[0], part[1]
 
     def nonlinear_share(self, time: float) -> float:
-        """Share of the nonlinear terms that has set in at a time [s]."""
+        """Factor of the nonlinear terms at a time [s], from 0 at first to 1 once they have set in."""
         return 1.0 - exp(-((time / self.onset) ** 4)) if self.onset else 1.0
 
     def surface_state(self, e: np.ndarray, p: np.ndarray) -> SurfaceState:
@@ -217,7 +216,7 @@ class HighOrder:
         return p + p2 + p3, up_2 + eta * twice, up_3 + eta * twice_2 + square * thrice
 
     def potentials(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Modes of the elevation, of the potential at the still surface, and of its rate of change."""
+        """Modes (cells, columns) of the elevation, of the potential at the still surface, and of its rate of change."""
         tile, g = self.tile, self.tile.gravity
         e, p = tile.to_modes(self.eta), tile.to_modes(self.phi)
         now = self.surface_state(e, p)
@@ -237,15 +236,15 @@ class HighOrder:
 
 
 def tile_step(tile: Tile) -> float:
-    """Time step [s] in which waves of STEP_WAVE_CELLS cells turn by STEP_ANGLE."""
+    """Time step [s] of a tile: waves of STEP_WAVE_CELLS cells turn by STEP_ANGLE in it."""
     return STEP_ANGLE / float(
         waves.angular_frequency(2.0 * pi / (STEP_WAVE_CELLS * tile.cell), tile.depth, tile.gravity)
     )
 
 
 def nonlinear_sea(sea: waves.Components, tile: Tile, onset: float, breaking: bool, period: float) -> HighOrder:
-    """Nonlinear sea that grows from these waves on a tile that holds them; `period`: that of the highest [s], 0 where
-    none may break."""
+    """Make a nonlinear sea that starts from these waves, which must be periodic on the tile; `period` of the highest
+    waves [s], 0 if none may break; `onset` as for HighOrder."""
     of_tile = replace(tile, part=RESOLVED_SHARE)
     crests = Breaking(of_tile, mean_direction(sea), period) if breaking and period else None
     steep = HighOrder(of_tile, onset, crests)
@@ -256,6 +255,6 @@ def nonlinear_sea(sea: waves.Components, tile: Tile, onset: float, breaking: boo
 
 
 def mean_direction(sea: waves.Components) -> np.ndarray:
-    """Unit vector (2,), along x and z, of the mean direction in which the energy of a sea travels."""
+    """Unit vector (2,), along x and z, of the mean direction of energy transport in a sea."""
     ahead = (sea.amplitude[:, None] ** 2 * sea.wavevector / sea.wavenumber[:, None]).sum(axis=0)
     return ahead / max(float(np.linalg.norm(ahead)), 1e-30)

@@ -21,7 +21,7 @@ SMOOTH_STEP_PERIODS = 0.04  # [periods] times a quarter (the force number of `co
 
 
 def status_of(sea: waves.Components, density: float) -> Status:
-    """Status that holds at all times: root sum of squares of the waves' speeds and accelerations at the surface, sqrt 2
+    """Constant Status of a sea: root sum of squares of the waves' surface speeds and accelerations, which is sqrt 2
     standard deviations of random waves."""
     speed = sea.amplitude * sea.gravity * sea.wavenumber / sea.omega  # [m/s]
     fastest, hardest = np.linalg.norm(speed), np.linalg.norm(speed * sea.omega)
@@ -29,8 +29,8 @@ def status_of(sea: waves.Components, density: float) -> Status:
 
 
 class OpenWater(Fluid):
-    """Sum of waves, for kernels and for Python: kernels read the plane waves and the `sheets`, Python the plane waves
-    and all `tiles`. By default it is plane waves alone, in water at rest."""
+    """Base class of water as a sum of waves. Kernels read the plane waves and the `sheets`, Python reads the plane
+    waves and all `tiles`; by default plane waves alone, in water at rest."""
 
     sound_speed = 0.0  # [m/s] nothing is compressed
 
@@ -44,11 +44,12 @@ class OpenWater(Fluid):
     before: float  # when the last step began: where bodies are that take theirs after the water has [s]
 
     def internal_energy(self) -> float:
-        """0 [J]: nothing is compressed."""
+        """Zero [J]: nothing is compressed."""
         return 0.0
 
     @ti.func
     def elevation(self, x, z):
+        """Elevation [m] at x, z [m] of the plane waves plus those on sheets, at the present time."""
         eta = self.waves.elevation(x, z)
         for sheet in ti.static(self.sheets):
             eta += sheet.elevation(x, z, sheet.now)
@@ -56,7 +57,7 @@ class OpenWater(Fluid):
 
     @ti.func
     def rise(self, x, z):
-        """Elevation [m] of the waves on tiles at x, z [m], when the last step began."""
+        """Elevation [m] of the waves on tiles at x, z [m] when the last step began."""
         eta = 0.0
         for sheet in ti.static(self.sheets):
             eta += sheet.elevation(x, z, sheet.before)
@@ -64,8 +65,8 @@ class OpenWater(Fluid):
 
     @ti.func
     def moving(self, x, z, depth):
-        """Velocity [m/s] and acceleration [m/s2] of current and waves on tiles at x, z [m] when the last step began, at
-        a depth [m] of the unstretched column."""
+        """Velocity [m/s] and acceleration [m/s2] of the current and the waves on tiles, at x, z [m] and a depth [m] of
+        the Wheeler-stretched column, when the last step began."""
         v, a = tm.vec3(self.current[0], 0.0, self.current[1]), tm.vec3(0.0)
         for sheet in ti.static(self.sheets):
             v += sheet.velocity(x, z, depth, sheet.before)
@@ -80,16 +81,18 @@ class OpenWater(Fluid):
         return Window(self, size, step, depths)
 
     def arriving(self, x: float, z: float) -> Arriving:
+        """Plane waves at x, z [m], grown by their ramp, when the last step began."""
         sea, (dx, dz) = self.waves.sea, np.array([x, z]) - self.before * np.array(self.current)
         angle = sea.wavevector[:, 0] * dx + sea.wavevector[:, 1] * dz + sea.phase - sea.omega * self.before
         heading = np.arctan2(sea.wavevector[:, 0], sea.wavevector[:, 1])
         return Arriving(sea.ramp_share(self.before) * sea.amplitude, angle, sea.omega, heading, sea.wavenumber)
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
-        """(m, 2) points x, z [m] -> (m,) heights [m]."""
+        """Heights (m,) [m] of the surface at points x, z (m, 2) [m]."""
         return self.water_elevations(np.asarray(points, dtype=float) - self.drift)
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
+        """Heights (m,) [m] without waves of ships: here `elevation` itself."""
         return elevation
 
     def water_elevations(self, points: np.ndarray) -> np.ndarray:
@@ -97,8 +100,7 @@ class OpenWater(Fluid):
         return self.sum_elevations(points, self.tiles)
 
     def sum_elevations(self, points: np.ndarray, tiles: "Sequence[OnTile]") -> np.ndarray:
-        """Heights (m,) [m] of the plane waves and these tiles at points x, z (m, 2) [m] in axes that move with the
-        current."""
+        """Heights (m,) [m] of plane waves plus `tiles` at x, z (m, 2) [m] in axes that move with the current."""
         eta = waves.elevation(self.waves.sea, points, self.time)
         for one in tiles:
             there = one.covers(points)
@@ -107,17 +109,18 @@ class OpenWater(Fluid):
         return eta
 
     def velocities(self, points: np.ndarray) -> np.ndarray:
-        """(m, 3) points [m] -> (m, 3) velocities [m/s]; above the water that of its surface."""
+        """Velocities (m, 3) [m/s] at points (m, 3) [m]; above the water that of its surface."""
         at, (_, y) = self.locate_points(points)
         return self.flow_velocities(at, y)
 
     def surface_velocities(self, points: np.ndarray) -> np.ndarray:
+        """Velocities (m, 3) [m/s] of the surface at points x, z (m, 2) [m]."""
         at = np.asarray(points, dtype=float) - self.drift
         return self.flow_velocities(at, np.zeros(len(at)))
 
     def flow_velocities(self, at: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Velocities (m, 3) [m/s] at x and z (m, 2) [m] in axes that move with the current, and heights y (m,) [m] in
-        the unstretched column."""
+        """Velocities (m, 3) [m/s] at points x, z (m, 2) [m] in axes that move with the current, and at heights y (m,)
+        [m] in the Wheeler-stretched column."""
         stretched = np.stack([at[:, 0], y, at[:, 1]], axis=1)
         v = waves.linear_velocity(self.waves.sea, stretched, self.time)
         v += [self.current[0], 0.0, self.current[1]]
@@ -127,7 +130,7 @@ class OpenWater(Fluid):
         return v
 
     def pressures(self, points: np.ndarray) -> np.ndarray:
-        """(m, 3) points [m] -> (m,) pressures [Pa]; 0 above the water."""
+        """Pressures (m,) [Pa] at points (m, 3) [m]; 0 above the water."""
         at, (eta, y) = self.locate_points(points)
         stretched = np.stack([at[:, 0], y, at[:, 1]], axis=1)
         head = waves.pressure_head(self.waves.sea, stretched, self.time) - points[:, 1]
@@ -137,8 +140,8 @@ class OpenWater(Fluid):
         return np.where(points[:, 1] < eta, self.rest_density * self.waves.sea.gravity * head, 0.0)
 
     def locate_points(self, points: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
-        """x and z (m, 2) [m] of points (m, 3) [m] in axes that move with the current, the elevation (m,) there, and the
-        height (m,) of the points in the unstretched column [m]."""
+        """Points (m, 3) [m] as x, z (m, 2) [m] in axes that move with the current; elevation (m,) [m] there; and
+        heights (m,) [m] of the points in the Wheeler-stretched column."""
         points = np.asarray(points, dtype=float)
         at = points[:, [0, 2]] - self.drift
         eta = self.water_elevations(at)
@@ -147,9 +150,10 @@ class OpenWater(Fluid):
 
 @in_kernels
 class WaterForShip(OpenWater):
-    """Open water for one of several ships: without the waves that she makes herself."""
+    """Open water as one of several ships feels it: all waves but those that she makes herself."""
 
     def __init__(self, whole: OpenWater, tiles: "Sequence[OnTile]", sheets: "tuple[Sheet, ...]") -> None:
+        """View of the `whole` water through the tiles and sheets of all other makers of waves."""
         self.whole, self.tiles, self.sheets = whole, tiles, sheets
         self.config, self.waves, self.current = whole.config, whole.waves, whole.current
         self.rest_density, self.spacing, self.reference_speed = whole.rest_density, whole.spacing, whole.reference_speed
@@ -160,10 +164,12 @@ class WaterForShip(OpenWater):
 
     @property
     def before(self) -> float:  # type: ignore[override]
+        """Time [s] at which the last step began."""
         return self.whole.before
 
     @property
     def drift(self) -> np.ndarray:  # type: ignore[override]
+        """Distance along x and z (2,) [m] by which the current has carried the water."""
         return self.whole.drift
 
     @property
@@ -171,7 +177,7 @@ class WaterForShip(OpenWater):
         return self.whole.status
 
     def advance(self, dt: float) -> None:
-        """Do nothing: the water of all ships advances by itself."""
+        """Do nothing: the whole water advances by itself."""
 
     def limits(self) -> Limits:
         return self.whole.limits()

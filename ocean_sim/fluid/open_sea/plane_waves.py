@@ -14,7 +14,7 @@ NO_DRIFT = (
 
 @in_kernels
 class PlaneWaves:
-    """Plane waves of a sea at one time, on the device."""
+    """Plane waves of a sea at one time, as Taichi fields for kernels."""
 
     def __init__(self, sea: waves.Components) -> None:
         n = len(sea.amplitude)
@@ -27,11 +27,11 @@ class PlaneWaves:
 
     @staticmethod
     def bytes(waves: int, word: int) -> int:
-        """Memory [bytes] of so many waves in numbers of `word` bytes."""
+        """Memory [bytes] of the fields of so many waves; `word`: size of a `float` [bytes]."""
         return waves * (6 * word + 4 * 8) + word
 
     def begin(self, sea: waves.Components) -> None:
-        """Replace the waves, from time 0 on, by as many others on the same depth."""
+        """Replace the waves by others, of the same number and depth, and restart at time 0."""
         self.sea = sea
         self.begun += 1
         speed = sea.amplitude * sea.gravity * sea.wavenumber / sea.omega
@@ -42,6 +42,7 @@ class PlaneWaves:
 
     @ti.kernel
     def store_waves(self, each: Array2, turns: Doubles2):
+        """Copy the rows of wave parameters (n, 5) and phases in turns (n, 4) to the fields."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(self.amplitude.shape[0]):
             self.amplitude[i], self.k[i], self.speed[i] = each[i, 0], each[i, 1], each[i, 4]
@@ -50,12 +51,13 @@ class PlaneWaves:
                 self.at_first[i][c] = turns[i, c]
 
     def set_time(self, time: float, drift: tuple[float, float] = (0.0, 0.0)) -> None:
-        """Set the time [s], and the way [m] along x and z by which a current has carried the waves. Phases are kept
-        small and in f64, so they stay exact in a run of any length and precision."""
+        """Set the phases for a time [s] and a `drift` along x and z [m] by the current. They are reduced in f64, so
+        they stay exact in a run of any length and precision."""
         self.compute_phases(time, *drift, self.sea.ramp_share(time))
 
     @ti.kernel
     def compute_phases(self, time: ti.f64, x: ti.f64, z: ti.f64, share: float):
+        """Compute the phase of each wave at a time [s] for a drift x, z [m]; `share`: height by the ramp, 0 to 1."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(self.phase.shape[0]):
             first = self.at_first[i]
@@ -65,7 +67,7 @@ class PlaneWaves:
 
     @ti.func
     def elevation(self, x, z):
-        """Elevation [m] of all waves together at x, z [m]."""
+        """Elevation [m] of the sum of all waves at x, z [m]."""
         eta = 0.0
         for i in range(self.amplitude.shape[0]):
             eta += self.amplitude[i] * ti.cos(self.kx[i] * x + self.kz[i] * z + self.phase[i])
@@ -73,13 +75,13 @@ class PlaneWaves:
 
     @ti.func
     def stretched(self, position, eta):
-        """Height y' [m] in the unstretched column of a position under an elevation (Wheeler)."""
+        """Height [m], at most 0, to which Wheeler stretching maps a position [m] below the elevation eta [m]."""
         h = ti.static(self.sea.depth)
         return ti.min(h * (position.y - eta) / ti.max(h + eta, 1e-6 * h), 0.0)
 
     @ti.func
     def velocity(self, position):
-        """Velocity [m/s] of the water at a position [m]; above the water that of its surface."""
+        """Velocity [m/s] of the water at a position [m], by Wheeler stretching; above the water that of its surface."""
         h, y = ti.static(self.sea.depth), self.stretched(position, self.elevation(position.x, position.z))
         v = tm.vec3(0.0)
         for i in range(self.amplitude.shape[0]):

@@ -21,8 +21,8 @@ CLOCK_COLUMNS = ("late", "first_x", "first_z", "centre_x", "centre_z")  # the la
 
 @ti.func
 def cubic_weights(s):
-    """Weights of four values next to each other at a share s of the way from the second to the third (Keys 1981, IEEE
-    Trans. ASSP 29)."""
+    """Weights (4,) of cubic interpolation between four adjacent values, at a share s of the way from the second to the
+    third (Keys 1981, IEEE Trans. ASSP 29)."""
     return tm.vec4(
         0.5 * s * (-1.0 + s * (2.0 - s)),
         0.5 * (2.0 + s * s * (3.0 * s - 5.0)),
@@ -33,7 +33,7 @@ def cubic_weights(s):
 
 @in_kernels
 class Sheet:
-    """Waves of a tile as fields for kernels; beyond the tile's edges none, or its images where it `repeats`."""
+    """Waves of a tile as fields for kernels; beyond the tile the water is calm, or periodic if the sheet `repeats`."""
 
     left_out: ClassVar[tuple[str, ...]] = ("profiles",)
     now: ClassVar[int] = 0  # row of the clock: at the end of the water's last step,
@@ -53,8 +53,8 @@ class Sheet:
         self.profiles = [profiles(tile.k, -d, tile.depth) for d in self.depths]
 
     def write_modes(self, slot: int, e: np.ndarray, potential: np.ndarray, growth: np.ndarray) -> None:
-        """Write the waves at one of the two times (`slot`): modes of the elevation, of the potential at the still
-        surface and of its rate of change."""
+        """Write the waves at one of the two stored times (`slot` 0 or 1): Fourier modes of the elevation, of the
+        potential at the still surface, and of its rate of change."""
         tile, modes = self.tile, [e]
         for c, s in self.profiles:
             for of in (potential, growth):
@@ -65,8 +65,8 @@ class Sheet:
         self.store_values(slot, values)
 
     def set_clock(self, shares: tuple[float, float], drifts: np.ndarray, centre: np.ndarray) -> None:
-        """Set the share of the way from the first time to the second, and the drift of the water (2, 2) [m], each `now`
-        and `before`; and the tile's centre in the axes of the water [m]."""
+        """Set where kernels read, `now` and `before`: `shares` of the way from the first slot's time to the second's,
+        `drifts` (2, 2) of the water [m]; and the tile's `centre` (2,) in axes that move with the current [m]."""
         tile = self.tile
         size = np.array([tile.side, tile.width])
         first = np.array([axis[0] for axis in tile.nodes()]) + size * np.round(centre / size)
@@ -75,6 +75,7 @@ class Sheet:
 
     @ti.kernel
     def store_values(self, slot: int, values: ti.types.ndarray(ndim=3)):  # type: ignore[valid-type]
+        """Copy elevation, velocities and accelerations of one slot to the fields."""
         for i, k in ti.ndrange(self.cells, self.rows):
             self.level[slot, i, k] = values[0, i, k]
             for l in range(SHEET_LEVELS):
@@ -84,8 +85,7 @@ class Sheet:
 
     @ti.func
     def locate_cell(self, x, z, when: Template):
-        """Indices of the cell at x, z [m], shares of the way to the next ones, and true if the sheet covers the
-        place."""
+        """Indices of the cell at x, z [m], shares of the way to the next cells, and True if the sheet covers it."""
         a, b = (x - self.clock[when, 1]) / self.cell, (z - self.clock[when, 2]) / self.cell
         i, k = int(ti.floor(a)), int(ti.floor(b))
         there = True
@@ -97,17 +97,17 @@ class Sheet:
 
     @ti.func
     def wrap_x(self, i):
-        """Index along x, on the tile, of cell i of the sea that repeats the tile."""
+        """Index of a cell along x, wrapped into the periodic tile."""
         return i - self.cells * int(ti.floor(i / self.cells))
 
     @ti.func
     def wrap_z(self, k):
-        """Index along z, on the tile, of cell k of the sea that repeats the tile."""
+        """Index of a cell along z, wrapped into the periodic tile."""
         return k - self.rows * int(ti.floor(k / self.rows))
 
     @ti.func
     def elevation(self, x, z, when: Template):
-        """Elevation [m] at x, z [m]; `when`: `now`, or `before`, when the water's last step began."""
+        """Elevation [m] at x, z [m]; `when`: `now`, or `before` for the beginning of the water's last step."""
         i, k, a, b, there = self.locate_cell(x, z, when)
         eta, late = 0.0, ti.cast(self.clock[when, 0], float)
         if there:
@@ -122,16 +122,17 @@ class Sheet:
 
     @ti.func
     def velocity(self, x, z, depth, when: Template):
-        """Velocity [m/s] at x, z and a depth [m] of the unstretched column; `when` as for `elevation`."""
+        """Velocity [m/s] at x, z [m] and a depth [m] of the stretched column; `when` as for `elevation`."""
         return self.interpolate(self.speed, x, z, depth, when)
 
     @ti.func
     def acceleration(self, x, z, depth, when: Template):
-        """Acceleration [m/s2] at x, z and a depth [m] of the unstretched column; `when` as for `elevation`."""
+        """Acceleration [m/s2] at x, z [m] and a depth [m] of the stretched column; `when` as for `elevation`."""
         return self.interpolate(self.pull, x, z, depth, when)
 
     @ti.func
     def interpolate(self, field: Template, x, z, depth, when: Template):
+        """Vector of a field at x, z and a depth [m]: bilinear in the cell, cubic over levels, linear in time."""
         i, k, a, b, there = self.locate_cell(x, z, when)
         total, late = tm.vec3(0.0), ti.cast(self.clock[when, 0], float)
         if there:

@@ -1,4 +1,4 @@
-"""A tile of open sea that repeats itself, and the linear waves on it: elevation and surface potential.
+"""A periodic tile of open sea, and the linear waves on it: elevation and surface potential.
 
 The tile rests in the water, and a ship sails across it. Waves that leave at one side come in at the other, but a rim
 opposite the ship travels with her and damps them: seen from her, waves end at the edge of her tile. So nothing is ever
@@ -26,7 +26,7 @@ RIM_DAMPING_RATIO = 0.8  # decay of these waves over their frequency, at the edg
 
 @dataclass(frozen=True, eq=False)
 class Tile:
-    """A rectangle of sea of `cells` x `rows` square cells, in the axes of the water."""
+    """Periodic rectangle of sea of `cells` x `rows` square cells, in axes that move with the current."""
 
     side: float  # along x [m]
     cells: int  # along x
@@ -37,7 +37,7 @@ class Tile:
 
     @property
     def columns(self) -> int:
-        """Number of modes along z."""
+        """Number of Fourier modes along z (of the real transform)."""
         return int(self.part * (self.rows // 2)) + 1
 
     @property
@@ -47,6 +47,7 @@ class Tile:
 
     @property
     def shape(self) -> tuple[int, int]:
+        """Numbers of cells along x and z."""
         return self.cells, self.rows
 
     @property
@@ -56,37 +57,37 @@ class Tile:
 
     @cached_property
     def kx(self) -> np.ndarray:
-        """(cells, 1) wavenumbers along x [rad/m]."""
+        """Wavenumbers (cells, 1) of the modes along x [rad/m]."""
         return 2.0 * np.pi * np.fft.fftfreq(self.cells, self.cell)[:, None]
 
     @cached_property
     def kz(self) -> np.ndarray:
-        """(1, columns) wavenumbers along z [rad/m]."""
+        """Wavenumbers (1, columns) of the modes along z [rad/m]."""
         return 2.0 * np.pi * np.fft.rfftfreq(self.rows, self.cell)[None, : self.columns]
 
     @cached_property
     def k(self) -> np.ndarray:
-        """(cells, columns) wavenumbers [rad/m]."""
+        """Magnitudes (cells, columns) of the wavevectors [rad/m]."""
         return np.hypot(self.kx, self.kz)
 
     @cached_property
     def omega(self) -> np.ndarray:
-        """(cells, columns) angular frequencies of linear waves [rad/s]."""
+        """Angular frequencies (cells, columns) of linear waves [rad/s]."""
         return np.sqrt(self.gravity * self.k * np.tanh(self.k * self.depth))
 
     @cached_property
     def smoothing(self) -> np.ndarray:
-        """Factor of each mode in smoothing by a Gaussian as broad as a cell."""
+        """Factor (cells, columns) of each mode that smooths a field by a Gaussian as wide as a cell."""
         return np.exp(-0.5 * (self.k * self.cell) ** 2)
 
     @cached_property
     def turn_cache(self) -> dict[float, tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """Factors of `evolve`, by the last step dt [s]: cos omega dt, and sin omega dt times omega / g and g /
-        omega."""
+        """Factors of `evolve` by the last step dt [s]: cos omega dt, and sin omega dt times omega / g and g / omega."""
         return {}
 
     def evolve(self, e: np.ndarray, p: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
-        """Modes of elevation and potential dt [s] later without any pressure on the surface; the mean level stays."""
+        """Advance the modes e of the elevation and p of the potential by dt [s] of linear theory, without pressure on
+        the surface; the mean level stays."""
         if dt not in self.turn_cache:
             self.turn_cache.clear()
             omega, g = self.omega, self.gravity
@@ -98,8 +99,7 @@ class Tile:
 
     @cached_property
     def directed_modes(self) -> np.ndarray:
-        """Mask of the modes: 1 for each that has a direction, 0 for the shortest along either axis, of unknown
-        slope."""
+        """Mask (cells, columns): 0 for the shortest modes along either axis, whose slope is undefined, else 1."""
         clear = np.ones(self.k.shape)
         if self.cells % 2 == 0:
             clear[self.cells // 2] = 0.0
@@ -108,8 +108,7 @@ class Tile:
         return clear
 
     def to_modes(self, values: np.ndarray) -> np.ndarray:
-        """Fourier modes (..., cells, columns) of values (..., cells, rows); on one thread, so that its bytes are the
-        same with any number of them."""
+        """Fourier modes (..., cells, columns) of values (..., cells, rows); on one thread, for reproducible bytes."""
         from scipy.fft import fft, rfft, rfft2
 
         if self.part == 1.0:
@@ -125,24 +124,24 @@ class Tile:
         return irfft(ifft(modes, axis=-2, workers=1), n=self.rows, axis=-1, workers=1)
 
     def slopes(self, modes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Modes of the slopes along x and z of a field with these modes."""
+        """Modes of the derivatives along x and z of a field with these modes."""
         clear = self.directed_modes * modes
         return 1j * self.kx * clear, 1j * self.kz * clear
 
     def nodes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Coordinates of the middles of the cells, along x and along z [m], around the origin; values stand there."""
+        """Coordinates of the middles of the cells along x (cells,) and along z (rows,) [m], around the origin."""
         x = (np.arange(self.cells) + 0.5) * self.cell - 0.5 * self.side
         z = (np.arange(self.rows) + 0.5) * self.cell - 0.5 * self.width
         return x, z
 
     def cell_corner(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Indices of the nodes next below points x, z (m, 2) [m], and shares of the way to the next, (m, 2) each."""
+        """Indices (m, 2) of the node below each point x, z (m, 2) [m], and shares (m, 2) of the way to the next."""
         at = (points + 0.5 * np.array([self.side, self.width])) / self.cell - 0.5
         whole = np.floor(at)
         return whole.astype(int), at - whole
 
     def spread_modes(self, points: np.ndarray, amounts: np.ndarray) -> np.ndarray:
-        """Modes of the density per area of amounts (m,) at points x, z (m, 2) [m], smoothed over a cell."""
+        """Modes of the density per area [amount/m2] of amounts (m,) at points x, z (m, 2) [m], smoothed over a cell."""
         whole, share = self.cell_corner(points)
         i, k = whole.T % np.array([[self.cells], [self.rows]])
         (right, top), (left, bottom) = share.T, 1.0 - share.T
@@ -171,7 +170,7 @@ class Tile:
         return found
 
     def energy(self, eta: np.ndarray, phi: np.ndarray) -> float:
-        """Energy, potential and kinetic, of linear waves over the density [m5/s2]."""
+        """Energy of linear waves over the density [m5/s2], from elevation eta [m] and potential phi [m2/s]."""
         e, p = self.to_modes(eta), self.to_modes(phi)
         twice = np.full(self.k.shape[1], 2.0)
         twice[0] = 1.0
@@ -182,7 +181,7 @@ class Tile:
 
 
 class TileModes(NamedTuple):
-    """Modes of a tile at one time: elevation, potential at the still surface, and growth of that potential."""
+    """Fourier modes (cells, columns) on a tile: elevation, potential at the still surface, and its rate of change."""
 
     e: np.ndarray
     potential: np.ndarray
@@ -190,33 +189,33 @@ class TileModes(NamedTuple):
 
 
 class OnTile:
-    """Interface of waves on a tile, at times [s] and at points x, z (m, 2) in the axes of the water [m]."""
+    """Interface of waves on a tile, read at times [s] and points x, z (m, 2) [m] in axes that move with the current."""
 
     tile: Tile
 
     @abstractmethod
     def modes_at(self, time: float) -> TileModes:
-        """Modes of the waves at a time [s]."""
+        """Fourier modes of the waves at a time [s]."""
 
     def covers(self, points: np.ndarray) -> np.ndarray:
-        """Mask (m,) of the points to which these waves reach: all of them."""
+        """Mask (m,) of the points that these waves reach: by default all of them."""
         return np.ones(len(points), dtype=bool)
 
     def elevation(self, points: np.ndarray, time: float) -> np.ndarray:
-        """Elevations (m,) [m] at points and a time, interpolated between cells."""
+        """Elevations (m,) [m] at points x, z (m, 2) [m] and a time [s], interpolated between cells."""
         return self.tile.interpolate(self.tile.to_values(self.modes_at(time).e), points)
 
     def heads(self, points: np.ndarray, y: np.ndarray, time: float) -> np.ndarray:
-        """(m,) pressure over rho g [m], without the hydrostatic part, at heights y (m,) [m] of the unstretched column;
-        summed mode by mode, without interpolation."""
+        """Dynamic pressure over rho g (m,) [m] at points and heights y (m,) [m] of the Wheeler-stretched column; summed
+        mode by mode, without interpolation."""
         growth, found = self.modes_at(time).growth, np.zeros(len(points))
         for n, level, _ in self.point_modes(points, y):
             found[n] = -(level * growth).real.sum() / self.tile.gravity
         return found
 
     def velocities(self, points: np.ndarray, y: np.ndarray, time: float) -> np.ndarray:
-        """(m, 3) velocities [m/s] at heights y (m,) [m] of the unstretched column; interpolated for many points that
-        are all on the surface."""
+        """Velocities (m, 3) [m/s] at points and heights y (m,) [m] of the Wheeler-stretched column; interpolated
+        between cells where there are many points, all on the surface."""
         tile, potential, found = self.tile, self.modes_at(time).potential, np.zeros((len(points), 3))
         if len(points) >= MIN_LATTICE_POINTS and not y.any():
             rising = tile.omega**2 / tile.gravity * tile.directed_modes * potential
@@ -230,8 +229,8 @@ class OnTile:
         return found
 
     def point_modes(self, points: np.ndarray, y: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-        """Yield the number of each point, and two arrays (cells, columns) of factors of the modes there: one for
-        horizontal motion and pressure, one, k times its profile [1/m], for vertical motion."""
+        """Yield the index of each point, and factors (cells, columns) of the modes there: one array for horizontal
+        velocity and pressure, one (times k [1/m]) for vertical velocity."""
         tile, first = self.tile, np.array([axis[0] for axis in self.tile.nodes()])
         twice = np.where((np.arange(tile.k.shape[1]) == 0) | (2 * np.arange(tile.k.shape[1]) == tile.rows), 1.0, 2.0)
         scale = twice * tile.directed_modes / (tile.cells * tile.rows)
@@ -246,7 +245,7 @@ class OnTile:
 
 
 def cubic_weights(s: np.ndarray) -> list[np.ndarray]:
-    """Weights of four values next to each other at a share s of the way from the second to the third."""
+    """Weights of cubic interpolation between four values, at a share s of the way from the second to the third."""
     return [
         0.5 * s * (-1.0 + s * (2.0 - s)),
         0.5 * (2.0 + s * s * (3.0 * s - 5.0)),
@@ -256,7 +255,7 @@ def cubic_weights(s: np.ndarray) -> list[np.ndarray]:
 
 
 class Layer:
-    """Linear waves on a tile around one centre, which follows the ship or wind that makes them."""
+    """Linear waves on a tile around a centre, which follows the ship or wind that makes them."""
 
     def __init__(self, tile: Tile, rim: bool = True) -> None:
         self.tile, self.rim = tile, rim
@@ -266,24 +265,23 @@ class Layer:
         """Modes of the pressure over the density that acts now [m2/s2]; without its mean, as the mean level stays."""
 
     def set_pressure(self, pressure: np.ndarray) -> None:
-        """Set the pressure on the surface, by the modes of the pressure over the density [m2/s2]."""
+        """Set the pressure on the surface by the modes of the pressure over the density [m2/s2], without its mean."""
         self.pressure = np.array(pressure, dtype=complex)
         self.pressure[0, 0] = 0.0
 
     @cached_property
     def damping_rate(self) -> np.ndarray:
-        """Decay rate (cells, rows) [1/s] of waves in the rim of a tile around the origin."""
+        """Decay rate (cells, rows) [1/s] of waves in the rim of the tile, for a centre at the origin."""
         return rim_damping(self.tile)
 
     @cached_property
     def damping_cache(self) -> dict[float, np.ndarray]:
-        """Factor (cells, rows) by which the rim around the origin damps waves in a step, by the last step's length
-        [s]."""
+        """Damping factor (cells, rows) of the rim in one step, by the last step's length [s]."""
         return {}
 
     def begin(self, pressure: np.ndarray, centre: np.ndarray, dt: float) -> None:
-        """Start at rest under the modes of a pressure over the density [m2/s2]: the surface is lower by the head of
-        this pressure, times the factor by which steps of dt [s] keep it at rest."""
+        """Start at rest under the modes of a pressure over the density [m2/s2]: the surface lies lower by its head,
+        times the factor by which steps of dt [s] keep it at rest."""
         tile, half = self.tile, 0.5 * dt * self.tile.omega
         rest = np.divide(half, np.tan(half), out=np.ones(half.shape), where=half > 0.0) / tile.gravity
         self.set_pressure(pressure)
@@ -291,7 +289,7 @@ class Layer:
         self.eta, self.phi = tile.to_values(-rest * self.pressure), np.zeros(tile.shape)
 
     def advance(self, dt: float, pressure: np.ndarray, centre: np.ndarray) -> None:
-        """Take a step of dt [s], after which the modes of a pressure over the density act around a centre."""
+        """Advance by dt [s]; then a pressure over the density (modes [m2/s2]) acts around a new `centre` (2,) [m]."""
         tile = self.tile
         e, p = self.propagate(dt)
         self.set_pressure(pressure)
@@ -307,7 +305,7 @@ class Layer:
             self.eta -= self.eta.mean()
 
     def propagate(self, dt: float) -> tuple[np.ndarray, np.ndarray]:
-        """Modes of elevation and potential dt [s] later, without the second half of the pressure."""
+        """Modes of elevation and potential dt [s] later, before the second half of the pressure acts."""
         tile = self.tile
         return tile.evolve(tile.to_modes(self.eta), tile.to_modes(self.phi) - 0.5 * dt * self.pressure, dt)
 
@@ -318,8 +316,8 @@ class Layer:
 
 
 def rim_damping(tile: Tile) -> np.ndarray:
-    """(cells, rows) decay of waves [1/s] in the rim of a tile around its centre: it grows as the square of the way to
-    the edge, to the frequency of waves of which PER_TILE fit on the tile."""
+    """Decay rate (cells, rows) [1/s] of waves in the rim of a tile around its centre: grows with the square of the
+    distance into the rim, up to RIM_DAMPING_RATIO times the frequency of waves of which PER_TILE fit on the tile."""
     x, z = tile.nodes()
     far = np.abs(x)[:, None] / (0.5 * tile.side) + 0.0 * z
     if tile.rows > 1:

@@ -19,7 +19,7 @@ ANGLE_FIRST, ANGLE_LATER, ANGLE_ALONG, ANGLE_ACROSS = range(4)  # of the first n
 
 
 class Moving(Protocol):
-    """Interface of water with plane waves on it."""
+    """Interface of water whose plane waves a Window sums."""
 
     waves: PlaneWaves
     current: tuple[float, float]  # its velocity along x and z, which carries the waves [m/s]
@@ -29,12 +29,12 @@ class Moving(Protocol):
 
 @in_kernels
 class Window:
-    """Sums of a water's plane waves, without ramp, at nodes and on levels of its unstretched column."""
+    """Sums of a water's plane waves, without ramp, at lattice nodes and levels of the Wheeler-stretched column."""
 
     def __init__(
         self, water: Moving, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]
     ) -> None:
-        """`size`: nodes along and across; `step` between them, and `depths` of the levels [m], the first of them 0."""
+        """Make the fields; `size`: nodes along and across; `step` between them, and `depths` of levels [m], first 0."""
         self.water, self.size, self.step, self.depths = water, size, step, depths
         self.depth = water.waves.sea.depth  # of the water [m]
         self.n, self.sums = len(water.waves.sea.amplitude), 1 + 3 * len(depths)
@@ -51,13 +51,13 @@ class Window:
 
     @staticmethod
     def bytes(size: tuple[int, int], levels: int, waves: int, word: int) -> int:
-        """Memory [bytes] of a window of `size` nodes and so many levels and waves, in numbers of `word` bytes."""
+        """Memory [bytes] of a window with `size` nodes and so many levels and waves; `word`: bytes of a `float`."""
         sums = 1 + 3 * levels
         return word * (waves * (2 * sums + 4 * size[0] + 2 * size[1]) + 4 * size[0] * size[1] * sums + 1)
 
     def now(self) -> tuple[float, float, bool]:
-        """Position between the first time (0) and the second (1), share of their height to which the waves have grown,
-        and True if the sums are still valid. Waves that the water has replaced are taken over."""
+        """Position of the bodies' time between the two stored times (0 to 1), height of the waves by their ramp (0 to
+        1), and True if the sums are still valid; takes over waves that the water has replaced."""
         time, there = self.water.before, self.water.waves
         others = self.begun != there.begun
         if others:
@@ -68,14 +68,16 @@ class Window:
 
     @property
     def current(self) -> tuple[float, float]:
+        """Velocity of the water along x and z [m/s], which carries the waves."""
         return self.water.current
 
     @property
     def step_taken(self) -> float:
+        """Length of the water's last step [s]."""
         return self.water.time - self.water.before
 
     def set_waves(self, sea: waves.Components) -> None:
-        """Set the amplitudes of these waves, and the span between the two times of the sums."""
+        """Set the amplitudes of these waves at each level, and the span between the two stored times."""
         a, k, omega, g = sea.amplitude, sea.wavenumber, sea.omega, sea.gravity
         kx, kz = sea.wavevector.T
         cosines, sines = [a], [a * omega]
@@ -90,7 +92,7 @@ class Window:
         self.clock[None] = self.span
 
     def lay(self, centre: tuple[float, float], heading: tuple[float, float]) -> None:
-        """Sum the waves anew on a lattice around x, z [m] whose first axis points along the unit vector `heading`."""
+        """Sum the waves anew on a lattice around `centre` x, z [m], its first axis along unit vector `heading`."""
         sea, time = self.water.waves.sea, self.water.before
         self.start = time
         kx, kz = sea.wavevector.T
@@ -105,6 +107,7 @@ class Window:
 
     @ti.kernel
     def add_up(self, cosine: Doubles2, sine: Doubles2):
+        """Sum the waves at each node for both times, by rotating their angles from node to node."""
         # Cosines and sines along the first axis, at both times, and across it: one rotation a node.
         for n in range(self.n):
             along = tm.vec2(cosine[ANGLE_ALONG, n], sine[ANGLE_ALONG, n])
@@ -135,13 +138,13 @@ class Window:
 
     @ti.func
     def elevation(self, i, k, late):
-        """Elevation [m] at node i, k, a share `late` of the way from the first time to the second."""
+        """Elevation [m] at node i, k, a share `late` of the way from the first stored time to the second."""
         growth = self.growth[0, i, k], self.growth[1, i, k]
         return self.interpolate(self.level[0, i, k], self.level[1, i, k], growth[0], growth[1], late)
 
     @ti.func
     def moving(self, i, k, l, late):
-        """Velocity [m/s] and acceleration [m/s2] at node i, k on level l, at the share `late` between the two times."""
+        """Velocity [m/s] and acceleration [m/s2] at node i, k, level l, a share `late` between the stored times."""
         first, last = self.speed[0, i, k, l], self.speed[1, i, k, l]
         pulled, pulls = self.pull[0, i, k, l], self.pull[1, i, k, l]
         mean = (last - first) / self.clock[None]
@@ -150,6 +153,6 @@ class Window:
 
     @ti.func
     def interpolate(self, first, last, growth, grows, late):
-        """Value at the share `late` of Hermite's cubic between two values with their rates [1/s]."""
+        """Hermite cubic at the share `late` between two values with their rates of change [1/s]."""
         way, back, span = late * late * (3.0 - 2.0 * late), 1.0 - late, self.clock[None]
         return (1.0 - way) * first + way * last + span * late * back * (back * growth - late * grows)

@@ -31,7 +31,7 @@ class Attenuation:
     """Fit for travelling waves; None: this one serves for them too."""
 
     def share(self, k: float, depth: float, height: float, spacing: float, standing: bool) -> float:
-        """Added viscosity over h c, for waves of a wavenumber [1/m] and height [m]."""
+        """Added viscosity over h c for waves of wavenumber k [rad/m] and height [m]; `depth` and `spacing` [m]."""
         if self.travelling is not None and not standing:
             return self.travelling.share(k, depth, height, spacing, standing)
         of_layers = self.flat / sqrt(tanh(k * depth)) + self.steep * (height / spacing) ** 1.5 * k * spacing
@@ -47,7 +47,7 @@ class Delay:
     high: float = 0.0
 
     def share(self, k: np.ndarray, height: float, spacing: float) -> np.ndarray:
-        """Relative delay of waves of wavenumbers (n,) [1/m] in a sea of this height [m]."""
+        """Relative delay (n,) of waves of wavenumbers k (n,) [rad/m] in a sea of a height [m], at a spacing [m]."""
         return self.low / (1.0 + self.high * (height / spacing) ** 3) * (k * spacing) ** 2
 
 
@@ -60,28 +60,27 @@ class Train:
 
     @property
     def height(self) -> float:
-        """Height from trough to crest, of random waves the significant one [m]."""
+        """Wave height from trough to crest [m]; the significant height of random waves."""
         if self.sea.random:
             return self.sea.significant_height
         return 2.0 * float(self.sea.amplitude.sum())
 
     def variance_below(self, length: float) -> float:
-        """Share of the variance of random waves in those shorter than a length [m]; 0 for regular waves."""
+        """Share of the variance of random waves in components shorter than `length` [m]; 0 for regular waves."""
         if not self.sea.random:
             return 0.0
         variance, lengths = self.sea.amplitude**2, 2.0 * pi / self.sea.wavenumber
         return float(variance[lengths < (1.0 - 1e-9) * length].sum() / variance.sum())
 
     def height_loss(self, viscosity: float) -> tuple[float, float]:
-        """Shares of the height that a viscosity [m2/s] takes away in a period, and over a wavelength."""
+        """Shares of the wave height lost to a viscosity [m2/s] in one period, and over one wavelength travelled."""
         sea, k = self.sea, 2.0 * pi / self.sea.wavelength
         rate, speed = 2.0 * viscosity * k**2, float(waves.group_speed(k, sea.depth, sea.gravity))
         return 1.0 - exp(-rate * sea.period), 1.0 - exp(-rate * sea.wavelength / speed)
 
 
 def wave_trains(lattice: Lattice) -> Iterator[Train]:
-    """Yield the waves that a scene gives a height: those of its wavemaker or initial state, and those that absorbing
-    sides let pass."""
+    """Yield the waves of a scene: of its sea, wavemaker or initial state, and those that absorbing sides let pass."""
     basin, initial = lattice.basin, lattice.config.initial
     if any(waves.basin_faults(basin)):
         return

@@ -58,7 +58,7 @@ class RelaxationBand:
 
     @cached_property
     def main_direction(self) -> tuple[float, float]:
-        """Group speed [m/s] of the highest waves along the side nearest to their direction, and its length [m]."""
+        """Group speed [m/s] of the highest waves along the patch side nearest to their way, and its length [m]."""
         assert self.sea is not None
         k = self.sea.wavevector[self.sea.highest]
         axis = int(np.argmax(np.abs(k[: len(self.sides)])))
@@ -66,10 +66,11 @@ class RelaxationBand:
         return speed * abs(float(k[axis])) / float(np.hypot(*k)), self.sides[axis]
 
     def height_profile(self, with_waves: float) -> tuple[np.ndarray, np.ndarray] | None:
-        """Distances from a ship along the highest waves [m], and their complex height there over that of the sea.
+        """Distances (n,) [m] from a ship along the highest waves, and their complex height there over that of the sea.
 
-        Solves the equation of this module; None where the scheme's loss is unknown. `with_waves`: her speed along
-        their way over their group speed."""
+        Solves the equation of this module; None where the scheme's loss is unknown. `with_waves`: the ship's speed
+        along the waves over their group speed.
+        """
         if self.sea is None or self.losses is None:
             return None
         loss, feed = (complex(of[self.sea.highest]) for of in (self.losses, self.feed))
@@ -95,26 +96,25 @@ class RelaxationBand:
         return xi, height
 
     def height_at_ship(self, with_waves: float) -> complex | None:
-        """Complex height of the highest waves at the ship, over that of the sea; None where it is unknown."""
+        """Complex height of the highest waves at the ship over that of the sea; None if the loss is unknown."""
         found = self.height_profile(with_waves)
         return complex(found[1][PATCH_PIECES // 2]) if found is not None else None
 
     @property
     def wake_transmission(self) -> float:
-        """Share of their height that the highest waves keep across the whole rim; in calm water of waves as long as
-        4/3 of the width."""
+        """Share of the highest waves' height that passes the rim; in calm water, of waves 4/3 rim widths long."""
         basin, calm = self.lattice.basin, 2.0 * pi * RIM_WIDTH_WAVES / self.width
         k = calm if self.sea is None else float(self.sea.wavenumber[self.sea.highest])
         group = float(waves.group_speed(k, basin.depth, waves.downward_gravity(basin)))
         return exp(-self.rate * self.width / (1.0 + DAMPING_POWER) / group)
 
     def describe_waves(self, sea: waves.Components) -> str:
-        """Length, period and, in 3-D, heading of the highest waves of a sea."""
+        """Text with length, period and, in 3-D, heading of the highest waves of a sea."""
         found = f"{sea.wavelength:.4g} m and {sea.period:.4g} s"
         return f"{found}, heading {sea.heading_deg:.4g} deg" if len(self.sides) > 1 else found
 
     def fit_change(self) -> str | None:
-        """Advice if the highest waves had to change much to fit the patch, else None."""
+        """Advice if fitting the highest waves to the patch changes them much, else None."""
         if self.sea is None or self.requested is None:
             return None
         k, fits = (of.wavevector[of.highest] for of in (self.requested, self.sea))
@@ -134,13 +134,13 @@ class RelaxationBand:
 
     @property
     def unresolved_share(self) -> float:
-        """Share of the requested variance in waves too short for these particles."""
+        """Share of the requested variance that lies in waves too short for the particle spacing."""
         if self.sea is None or self.requested is None:
             return 0.0
         return max(0.0, 1.0 - (self.sea.significant_height / self.requested.significant_height) ** 2)
 
     def resolution_note(self) -> str | None:
-        """Sentence on the wave height that is left if some waves are too short for the particles, else None."""
+        """Sentence on the remaining wave height if some waves are too short for the particles, else None."""
         share = self.unresolved_share
         if self.sea is None or self.requested is None or share < VARIANCE_ROUNDING:
             return None
@@ -151,7 +151,7 @@ class RelaxationBand:
         )
 
     def statements(self) -> list[str]:
-        """Describe the patch and its sea in numbers."""
+        """Sentences on the patch and its sea in numbers."""
         head = f"a patch of open sea: its rim is {self.width:.3g} m wide on either side, rate {self.rate:.3g} 1/s"
         live = "particles are a sea for films and figures; for a live ship take fluid.kind: spectral_sea"
         if self.sea is None:
@@ -181,7 +181,7 @@ class RelaxationBand:
         return found
 
     def warnings(self, duration: float) -> list[str]:
-        """Warn of a doubtful patch, in a run of this duration [s]."""
+        """Warnings of a badly sized patch, for a run of this duration [s]."""
         found = list(waves.cut_short(duration, self.sea.ramp)) if self.sea is not None else []
         changed = self.fit_change()
         found += [changed] if changed is not None else []
@@ -210,7 +210,7 @@ class RelaxationBand:
         return found
 
     def ships_in_rim(self, ships: Mapping[str, np.ndarray]) -> list[str]:
-        """Warn of ships, by name at x, z [m], that lie in the band, which is opposite the middle of all of them."""
+        """Warnings of ships, x, z [m] by name, that start in the relaxation zone, opposite the middle of all ships."""
         if len(ships) < 2:
             return []
         at, periods = np.array(list(ships.values())), np.array(self.lattice.basin.periods)[[0, 2]]
@@ -221,14 +221,14 @@ class RelaxationBand:
 
 
 def rim_depth(away: np.ndarray, periods: np.ndarray, width: float) -> np.ndarray:
-    """(n,) depth [m] in the rim of points (n, 2) away from the middle of a patch along x and z [m], or of their images;
-    negative outside of it. `width`: that of the rim [m]."""
+    """Depth (n,) [m] in the relaxation zone of points at x, z (n, 2) [m] from the centre of a patch, or of their
+    periodic repeats; negative outside. `width` of the zone [m]."""
     depth = np.abs(away - whole_sides(away, periods)) - (0.5 * periods - width)
     return np.where(periods > 0.0, depth, -np.inf).max(axis=-1)
 
 
 def relaxation_band(lattice: Lattice) -> RelaxationBand | None:
-    """Relaxation band of the water on a lattice; None where it is no patch of open sea."""
+    """Make the relaxation zone for the water on a lattice; None if the water is no patch of open sea."""
     basin = lattice.basin
     if basin.sea is None:
         return None
@@ -264,7 +264,7 @@ def tile_cells(band: RelaxationBand) -> tuple[int, int]:
 
 
 def stokes_shift(sea: waves.Components) -> float:
-    """Relative rise of the frequency of a regular wave by its own height (Stokes, third order); 0 of random waves."""
+    """Relative rise of the frequency of a regular wave by its own height (Stokes, third order); 0 for random waves."""
     if sea.random:
         return 0.0
     steepness = float(sea.wavenumber[0] * np.sqrt((sea.amplitude**2).sum()))

@@ -1,8 +1,9 @@
-"""Forcing of a patch of open sea: the band opposite the ship that relaxes particles towards the sea, and the feed.
+"""Forcing of a patch of open sea: a band opposite the ship that relaxes particles towards the sea, and a feed.
 
-A table over the patch and some depths holds the sea's velocity and its feed. It is written forty times in a period of
-the highest waves and is linear in time between; it is cubic across the patch and in the square root of the depth. Above
-the still level velocities go on along their slope there (Rodenbusch & Forristall 1986, OTC 5098).
+A table over the patch and some depths holds the sea's velocity and its feed (acceleration that makes up for the
+scheme's losses). It is written forty times in a period of the highest waves and is linear in time between; it is cubic
+across the patch and in the square root of the depth. Above the still level velocities go on along their slope there
+(Rodenbusch & Forristall 1986, OTC 5098).
 """
 
 from collections.abc import Sequence
@@ -35,7 +36,7 @@ CELLS_PER_WAVE = 4  # cells to the shortest wave of a nonlinear sea
 
 
 def table_nodes(band: RelaxationBand, sea: Components) -> tuple[int, ...]:
-    """Numbers of nodes along x and z of the table of a sea."""
+    """Numbers of nodes along x and z of a SeaTable for a sea."""
     periods = band.lattice.basin.periods[::2]
     crests = np.abs(wave_counts(band, sea)).max(axis=0)
     if band.nonlinear is not None:
@@ -45,14 +46,14 @@ def table_nodes(band: RelaxationBand, sea: Components) -> tuple[int, ...]:
 
 
 def table_bytes(band: RelaxationBand, sea: Components, word: int) -> int:
-    """Memory [bytes] of the table of a sea, in numbers of `word` bytes."""
+    """Memory [bytes] of a SeaTable for a sea; `word`: size of a `float` [bytes]."""
     x, z = table_nodes(band, sea)
     return 3 * x * z * (TABLE_LEVELS + 1) * NODE_VALUES * word
 
 
 @in_kernels
 class SeaTable:
-    """Table of the velocity of the sea and its feed over the patch, at one time."""
+    """Table over the patch of the sea's velocity and of its feed, at one time."""
 
     def __init__(self, band: RelaxationBand, sea: Components) -> None:
         basin, self.sea = band.lattice.basin, sea
@@ -84,7 +85,7 @@ class SeaTable:
         self.store_slot(slot, np.ascontiguousarray(values.transpose(2, 3, 0, 1), dtype=to_numpy_type(self.now.dtype)))
 
     def advance(self, time: float) -> None:
-        """Interpolate the table to a time [s]; write later slots when they are due."""
+        """Interpolate the table to a time [s], after writing the slots that have become due."""
         share = time / self.every - self.begun
         while share > 1.0 + 1e-9:
             self.begun, share = self.begun + 1, share - 1.0
@@ -94,24 +95,27 @@ class SeaTable:
 
     @ti.kernel
     def store_slot(self, slot: int, values: ti.types.ndarray(ndim=4)):  # type: ignore[valid-type]
+        """Copy values to slot 0 or 1."""
         for i in ti.grouped(self.now):
             self.slots[slot, i] = values[i]
 
     @ti.kernel
     def shift_slots(self):
+        """Copy slot 1 to slot 0."""
         for i, k in ti.ndrange(*self.count):
             for l, c in ti.ndrange(TABLE_LEVELS + 1, NODE_VALUES):  # a node's numbers lie in a row
                 self.slots[0, i, k, l, c] = self.slots[1, i, k, l, c]
 
     @ti.kernel
     def interpolate_slots(self, share: float):
+        """Interpolate the table between both slots, a share of the way from slot 0 to 1."""
         for i, k in ti.ndrange(*self.count):
             for l, c in ti.ndrange(TABLE_LEVELS + 1, NODE_VALUES):
                 self.now[i, k, l, c] = tm.mix(self.slots[0, i, k, l, c], self.slots[1, i, k, l, c], share)
 
     @ti.func
     def level_weights(self, y):
-        """Numbers of four levels of the table around a height y [m], and their weights."""
+        """Indices (4,) of the table's levels around a height y [m], and their interpolation weights (4,)."""
         last = TABLE_LEVELS - 1
         at = tm.min(ti.sqrt(tm.max(-y, 0.0) / self.depth), 1.0) * last
         first = tm.clamp(int(at) - 1, 0, last - 3)
@@ -130,14 +134,14 @@ class SeaTable:
 
     @ti.func
     def node_weights(self, x, axis: Template):
-        """Number of the first of four nodes around x [m] along an axis, and the weights of all four."""
+        """Index of the first of four nodes around x [m] along an axis, and their interpolation weights (4,)."""
         at = (x - self.lower[axis]) * self.per_cell[axis]
         i = int(ti.floor(at))
         return i - 1, cubic_weights(at - i)
 
     @ti.func
     def sample(self, x):
-        """Velocity of the sea [m/s] and its feed [m/s2], six numbers, at x [m]."""
+        """Velocity of the sea [m/s] and its feed [m/s2] at x [m], as six numbers."""
         n, m = ti.static(self.count)
         level, share = self.level_weights(x.y)
         i, along = self.node_weights(x.x, 0)
@@ -154,7 +158,7 @@ class SeaTable:
 
     @ti.func
     def sample_column(self, i, k, level, share):
-        """Velocity and feed, six numbers, over node i, k of the patch, interpolated between levels."""
+        """Velocity and feed, six numbers, at node i, k of the patch; `share`: weights of the four levels."""
         total = ti.Vector.zero(float, NODE_VALUES)
         for l in ti.static(range(4)):
             for c in ti.static(range(NODE_VALUES)):
@@ -164,7 +168,8 @@ class SeaTable:
 
 @in_kernels
 class SeaRim:
-    """Forcing by the band and the feed; the band lies opposite the ships, or opposite a point that moves steadily."""
+    """Forcing of particles by the relaxation band and the feed. The band lies opposite the middle of the ships, or
+    opposite a point that moves steadily."""
 
     left_out: ClassVar[tuple[str, ...]] = ("ships",)
 
@@ -188,14 +193,13 @@ class SeaRim:
         self.place_band(0.0)
 
     def centre_at(self, time: float) -> np.ndarray:
-        """(2,) x, z in the world [m] opposite which the band lies at a time [s]: the middle of the ships, or a moving
-        point."""
+        """Point x, z (2,) in the world [m] opposite the band at a time [s]: the ships' middle, or a moving point."""
         if self.ships:
             return np.mean([ship.body.position[[0, 2]] for ship in self.ships], axis=0)
         return self.velocity * time
 
     def on_patch(self, points: np.ndarray) -> np.ndarray:
-        """(..., 2) images of points x, z [m] on the patch around the origin; 0 along an axis without period."""
+        """Periodic repeats (..., 2) of points x, z [m] on the patch around the origin; 0 on an axis without period."""
         return np.where(self.periods > 0.0, points - whole_sides(points, self.periods), 0.0)
 
     def place_band(self, time: float) -> None:
@@ -208,14 +212,14 @@ class SeaRim:
         return rim_depth(points - self.centre_at(time), self.periods, self.width) > 0.0
 
     def advance(self, time: float) -> None:
-        """Bring band and table to a time [s]."""
+        """Move the band, and interpolate the table of the sea, to a time [s]."""
         self.place_band(time)
         if self.waving:
             self.table.advance(time)
 
     @ti.func
     def rim_share(self, x):
-        """Depth of x [m] in the band over its width: 0 outside, 1 at the seam."""
+        """Depth of x [m] in the band over its width: 0 outside, 1 at the seam opposite the ships."""
         far = 0.0
         for axis, k, period in ti.static(self.axes):
             xi = x[k] - self.middle[axis]
@@ -225,7 +229,7 @@ class SeaRim:
 
     @ti.func
     def acceleration(self, x, v, dt):
-        """Acceleration [m/s2] of a particle at x [m] by the sea; v [m/s] is its velocity after dt without the sea."""
+        """Acceleration [m/s2] by the sea over dt [s] of a particle at x [m] that would else end the step at v [m/s]."""
         s, a = self.rim_share(x), tm.vec3(0.0)
         # The relaxation is implicit in time: no step overshoots the sea, however strong the rate.
         if s > 0.0 or ti.static(self.fed):

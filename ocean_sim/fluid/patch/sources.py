@@ -1,4 +1,4 @@
-"""Sources of the table of a sea around a patch: its levels, and a linear or a nonlinear sea on them."""
+"""Sources of the SeaTable of a patch: its levels, and a linear or a nonlinear sea that fills them."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -16,20 +16,20 @@ NODE_VALUES = 6  # values of a node: velocity [m/s] and its feed [m/s2]
 
 
 def wave_counts(band: RelaxationBand, sea: Components) -> np.ndarray:
-    """(n, 2) numbers of crests of each wave along the sides of the patch."""
+    """Number (n, 2) of periods of each wave along the sides of the patch."""
     return np.round(sea.wavevector * np.array(band.lattice.basin.periods)[::2] / (2.0 * np.pi)).astype(int)
 
 
 class Depths(NamedTuple):
-    """Levels of a table: ever farther apart down to `deepest`, and one `above` the still level [m]."""
+    """Levels of a SeaTable: ever farther apart down to `deepest`, and one `above` the still level [m]."""
 
     deepest: float
     above: float
     bed: float  # the depth of the water
 
     def profiles(self, k: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """Yield, level by level, the velocity of waves (n,) [rad/m] along their way and upwards, over the amplitude
-        g k / omega of the velocity at the still level."""
+        """Yield, level by level, the horizontal and vertical velocity of waves with wavenumbers k (n,) [rad/m], over
+        the amplitude g k / omega of the velocity at the still level."""
         for level in range(TABLE_LEVELS):
             yield waves.profiles(k, -self.deepest * (level / (TABLE_LEVELS - 1)) ** 2, self.bed)
         (c, s), slope = waves.profiles(k, 0.0, self.bed), np.tanh(k * self.bed)
@@ -37,16 +37,15 @@ class Depths(NamedTuple):
 
 
 class Source(Protocol):
-    """Interface of the sea that fills a table, without its ramp."""
+    """Interface of the sea that fills a SeaTable, before its ramp is applied."""
 
     def modes(self, time: float) -> np.ndarray:
-        """(levels, values, nodes along x, along z) complex modes, whose Fourier sum over the nodes is the table at a
-        time [s]; times never decrease."""
+        """Complex modes (levels, values, nodes x, nodes z) of the table at a time [s]; times must not decrease."""
         ...
 
 
 class PlaneWaveSource:
-    """A linear sea, a sum of plane waves."""
+    """Linear sea, a sum of plane waves, as source of a SeaTable."""
 
     left_out: ClassVar[tuple[str, ...]] = ("shapes", "places")
 
@@ -61,6 +60,7 @@ class PlaneWaveSource:
         """(levels, values, n) contribution of each wave at the lower corner of the patch and phase 0."""
 
     def modes(self, time: float) -> np.ndarray:
+        """Modes of the plane waves and their feed at a time [s]."""
         found = np.zeros((TABLE_LEVELS + 1, NODE_VALUES, *self.count), dtype=np.complex128)
         origin_phase = np.exp(1j * np.mod(self.sea.phase - self.sea.omega * time, 2.0 * np.pi))
         found[:, :, self.places[0], self.places[1]] = self.shapes * origin_phase
@@ -68,7 +68,7 @@ class PlaneWaveSource:
 
 
 class SteepSource:
-    """A nonlinear sea that evolves on a tile over the patch, a cell a particle spacing; at the last requested time.
+    """Nonlinear sea that evolves on a tile over the patch, one cell a particle spacing, as source of a SeaTable.
 
     The feed is the share f of the velocity of each wave. Of modes E of the elevation and P of the potential, waves
     along the wavevector have the potential P / 2 - i g E / (2 omega) and take f, waves against it the conjugate of f;
@@ -96,6 +96,7 @@ class SteepSource:
         self.places = (along % count[0])[:, None], (np.arange(tile.columns) % count[1])[None, :]
 
     def modes(self, time: float) -> np.ndarray:
+        """Advance the nonlinear sea to a time [s], and return its modes and their feed."""
         left = time - self.sea.time
         for _ in range(steps := int(np.ceil(left / self.step - 1e-9))):
             self.sea.advance(left / steps)
@@ -114,7 +115,7 @@ class SteepSource:
 
 
 def feed_factors(band: RelaxationBand, sea: Components, tile: Tile) -> tuple[np.ndarray, np.ndarray]:
-    """Re f and Im f g / omega of each mode, with f, the feed of each wave, interpolated by wavenumber."""
+    """Factors Re f and Im f g / omega (cells, columns) of a tile's modes, from the waves' feed f by wavenumber."""
     order = np.argsort(sea.wavenumber)
     k, f = sea.wavenumber[order], band.feed[order]
     real, imaginary = (np.interp(tile.k, k, of) for of in (f.real, f.imag))
@@ -122,7 +123,7 @@ def feed_factors(band: RelaxationBand, sea: Components, tile: Tile) -> tuple[np.
 
 
 def full_modes(modes: np.ndarray, tile: Tile) -> np.ndarray:
-    """Double all columns of the modes but the first, in place, and return them: their sum then has the real part of the
-    whole plane."""
+    """Double all but the first column of the modes of a real transform in place and return them, so that the real part
+    of their complex Fourier sum is the field."""
     modes[..., 1 : tile.columns] *= 2.0
     return modes

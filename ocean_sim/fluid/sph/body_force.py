@@ -20,7 +20,7 @@ FULL_SHARE_ROWS, NO_SHARE_ROWS = 0.75, 1.25  # [rows] height up to which a parti
 
 @in_kernels
 class Pull:
-    """Acceleration [m/s2] of water by gravity, a body force and the motion of the tank."""
+    """Acceleration [m/s2] of water by gravity, a constant body force and the motion of the tank."""
 
     def __init__(self, basin: Basin, body_force: tuple[float, float, float]) -> None:
         self.gravity, self.body_force = np.array(basin.gravity), np.array(body_force)  # [m/s2]
@@ -34,7 +34,7 @@ class Pull:
             self.advance(0.0)
 
     def at_mouth(self) -> np.ndarray:
-        """Acceleration (3,) [m/s2] of water that has just left an emitter, without the terms of a turning tank."""
+        """Acceleration (3,) [m/s2] of water that leaves an emitter, without the terms of a turning tank."""
         return np.array(self.frame[FRAME_PUSH]) if self.moving else self.gravity + self.body_force
 
     def advance(self, time: float) -> None:
@@ -47,8 +47,7 @@ class Pull:
 
     @ti.func
     def at(self, x, v):
-        """Acceleration [m/s2] at x [m] and v [m/s] in the tank's axes: g - a - alpha x r - omega x (omega x r) - 2
-        omega x v."""
+        """Acceleration [m/s2] at x [m], v [m/s] in tank axes: g - a - alpha x r - omega x (omega x r) - 2 omega x v."""
         a = self.constant
         if ti.static(self.moving):
             r, omega = x - self.frame[FRAME_PIVOT], self.frame[FRAME_RATE]
@@ -58,13 +57,13 @@ class Pull:
 
     @ti.func
     def at_rest(self, x):
-        """Acceleration [m/s2] that pressure balances in water at rest; none along a periodic axis."""
+        """Acceleration [m/s2] of water at rest at x [m], which pressure balances; zero along a periodic axis."""
         return self.held * self.at(x, tm.vec3(0.0))
 
 
 @in_kernels
 class Bed:
-    """Friction of a rough bed."""
+    """Friction of a rough bed on the lowest row of particles."""
 
     def __init__(self, bed: RoughBed, lattice: Lattice) -> None:
         self.level, self.row, self.z0 = lattice.basin.lower[1], lattice.row, bed.z0  # [m]
@@ -72,7 +71,7 @@ class Bed:
 
     @ti.func
     def drag(self, z):
-        """Drag coefficient tau / (rho |u| u) of the bed for a velocity u at a height z [m] above it."""
+        """Drag coefficient tau / (rho u^2) of the bed for the velocity u at a height z [m] above it."""
         coefficient = float(self.in_row)
         if ti.static(self.logarithmic):
             share = KARMAN_CONSTANT / ti.log(tm.max(z, MIN_ROW_SHARE * self.row) / self.z0)
@@ -81,7 +80,8 @@ class Bed:
 
     @ti.func
     def push(self, x, v, dt):
-        """Acceleration [m/s2] over dt of a particle at x [m] that would leave the step with v [m/s] but for the bed.
+        """Mean acceleration [m/s2] by bed friction over dt [s] of a particle at x [m] that would end the step at v
+        [m/s] without it.
 
         Of du/dt = -k |u| u, k = drag share / row, the solution u / (1 + k |u| dt): no step turns the water round.
         """

@@ -41,7 +41,7 @@ class Start(Model):
     """The keys of every initial state."""
 
     def sea(self, basin: Basin) -> waves.Components | None:
-        """Waves of this state; None without waves."""
+        """Waves of this state; None for a state without waves."""
         return None
 
 
@@ -60,12 +60,13 @@ class StandingWave(Start):
 
     @model_validator(mode="after")
     def _one_size(self) -> "StandingWave":
+        """Validate that exactly one of `height` and `amplitude` is given."""
         if (self.height is None) == (self.amplitude is None):
             raise ValueError("give either height [m] or amplitude [m], half of it")
         return self
 
     def sea(self, basin: Basin) -> waves.Components:
-        """Two equal waves that run against each other: A cos k(x - x_min) cos omega t, or sin omega t."""
+        """Two equal waves that travel against each other: A cos k(x - x_min) cos omega t, or sin omega t."""
         half = (self.amplitude or (self.height or 0.0) / 2.0) / 2.0
         k = self.mode * pi / basin.config.length
         shift, late = -k * basin.lower[0], 0.5 * pi if self.phase == "flat" else 0.0
@@ -79,6 +80,7 @@ class StandingWave(Start):
         )
 
     def problems(self, basin: Basin) -> Problems:
+        """Yield faults (key, sentence) of a wave that would break, or that fits no periodic basin."""
         for sentence in waves.basin_faults(basin):
             yield ("kind",), sentence
             return
@@ -91,6 +93,7 @@ class StandingWave(Start):
             yield ("mode",), f"x is periodic: the mode must be even, got {self.mode}"
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
+        """Positions, velocities and pressures at time 0 of water that would rest at `positions` (n, 3) [m]."""
         return displaced_state(self.sea(basin), positions, basin, density)
 
 
@@ -106,11 +109,12 @@ class RegularWave(Start):
     """Direction of travel: 0 along +z, 90 along +x; by default 0, in 2-D 90."""
 
     def sea(self, basin: Basin) -> waves.Components:
-        """The wave before it is fitted to the basin."""
+        """The wave as its keys give it, before it is fitted to the basin."""
         towards = waves.heading_vector(self.heading_deg, basin.dimension)
         return waves.regular_wave(self.height, self.period, towards, basin.depth, waves.downward_gravity(basin))
 
     def problems(self, basin: Basin) -> Problems:
+        """Yield faults (key, sentence) of a wave too steep, not periodic in the basin, or running into walls."""
         found = [(("height",), sentence) for sentence in waves.basin_faults(basin, self.height, self.period)]
         found += [(("heading_deg",), sentence) for sentence in waves.heading_faults(self.heading_deg, basin)]
         yield from found
@@ -129,6 +133,7 @@ class RegularWave(Start):
             )
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
+        """Positions, velocities and pressures at time 0 of water that would rest at `positions` (n, 3) [m]."""
         return displaced_state(fitted_waves(self.sea(basin), basin), positions, basin, density)
 
 
@@ -140,11 +145,12 @@ class RandomWaves(Start):
     """Spectrum of the waves."""
 
     def sea(self, basin: Basin) -> waves.Components:
-        """The waves before they are fitted to the basin."""
+        """The waves as the spectrum gives them, before they are fitted to the basin."""
         towards = waves.heading_vector(self.spectrum.heading_deg, basin.dimension)
         return self.spectrum.components(towards, basin.depth, waves.downward_gravity(basin))
 
     def problems(self, basin: Basin) -> Problems:
+        """Yield faults (key, sentence) of waves too steep for the basin, or running into walls."""
         size = self.spectrum.significant_wave_height, self.spectrum.peak_period
         found = [(("spectrum", "significant_wave_height"), sentence) for sentence in waves.basin_faults(basin, *size)]
         heading = ("spectrum", "heading_deg")
@@ -154,6 +160,7 @@ class RandomWaves(Start):
             yield from ((heading, sentence) for sentence in wall_problems(self.sea(basin).wavevector[0], basin))
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
+        """Positions, velocities and pressures at time 0 of water that would rest at `positions` (n, 3) [m]."""
         kept = bearable_waves(self.sea(basin), self.spectrum.significant_wave_height, mean_spacing(positions, basin))
         return displaced_state(fitted_waves(kept, basin), positions, basin, density)
 
@@ -170,12 +177,14 @@ class TaylorGreen(Start):
     """Seed of the disorder."""
 
     def problems(self, basin: Basin) -> Problems:
+        """Yield a fault (key, sentence) for each of x and y that is not periodic."""
         for axis in (0, 1):
             if not basin.periods[axis]:
                 sentence = f"these vortices repeat themselves: {'xy'[axis]} must be periodic"
                 yield ("kind",), f"{sentence} (basin.walls: {{{'xy'[axis]}: periodic}})"
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
+        """Positions with disorder, velocities and pressures at time 0 of particles at `positions` (n, 3) [m]."""
         a, b = 2.0 * pi / basin.config.length, 2.0 * pi / basin.depth
         kick = numpy_uniform3(self.seed, DISORDER_STREAM, np.arange(len(positions)), 0) * (1.0, 1.0, 0.0)
         placed = wrap_positions(positions + self.disorder * mean_spacing(positions, basin) * kick, basin)
@@ -194,7 +203,7 @@ class FromFile(Start):
     without z and w."""
 
     def columns(self) -> dict[str, np.ndarray]:
-        """The columns of the file, each (n,), by their names without unit; raises Unreadable."""
+        """Columns (n,) of the file, by name without unit; raises Unreadable if they are not numbers or ambiguous."""
         found = read_npz(self.path) if self.path.endswith(".npz") else csv_file.Table(self.path)
         unnumbered = [name for name, column in found.items() if column.dtype.kind not in "iuf" or column.ndim > 1]
         if unnumbered:
@@ -206,6 +215,7 @@ class FromFile(Start):
         return {short[name]: np.atleast_1d(column).astype(float) for name, column in found.items()}
 
     def problems(self, basin: Basin) -> Problems:
+        """Yield faults (key, sentence) of a file that is unreadable, lacks columns, or leaves the basin."""
         try:
             columns = self.columns()
         except Unreadable as error:
@@ -236,10 +246,11 @@ class FromFile(Start):
                 yield ("path",), f"{len(outside)} particles are outside the basin, the first at ({x:g}, {y:g}, {z:g}) m"
 
     def positions(self, basin: Basin) -> np.ndarray:
-        """Positions (n, 3) [m] of the particles of the file; z is 0 in 2-D."""
+        """Positions (n, 3) [m] of the file's particles; z is 0 in 2-D."""
         return column_vectors(self.columns(), "xyz", basin)
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
+        """Positions, velocities and pressures of the file; `positions` is not used."""
         columns = self.columns()
         placed = column_vectors(columns, "xyz", basin)
         return (
@@ -259,8 +270,8 @@ def start_state(
     rest_density: float,
     surface: float | np.ndarray = 0.0,
 ) -> State:
-    """State (positions, velocities, pressures) from which water on a lattice (n, 3) [m] starts. `surface`: height of
-    still water [m], one number or one a particle, where the water does not fill the basin."""
+    """Positions (n, 3) [m], velocities (n, 3) [m/s] and pressures (n,) [Pa] at which water on a lattice starts.
+    `surface`: height of still water [m], one number or one a particle."""
     if initial is not None:
         return initial.state(positions, basin, rest_density)
     sea = patch_waves(basin, mean_spacing(positions, basin)) if basin.sea is not None else None
@@ -270,7 +281,7 @@ def start_state(
 
 
 def problems(initial: Initial | None, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
-    """Faults of an initial state in this basin: (path below `fluid.initial`, sentence)."""
+    """Faults (path below `fluid.initial`, sentence) of an initial state in this basin; none without one."""
     return [] if initial is None else list(initial.problems(basin))
 
 
@@ -280,13 +291,13 @@ def given_positions(initial: Initial | None, basin: Basin) -> np.ndarray | None:
 
 
 def still_pressure(positions: np.ndarray, basin: Basin, density: float, surface: float | np.ndarray) -> np.ndarray:
-    """(n,) hydrostatic pressure [Pa] below a surface [m]; 0 where y repeats itself or nothing pulls down."""
+    """Hydrostatic pressure (n,) [Pa] below a surface at a height [m]; 0 if y is periodic or gravity not downward."""
     pull = 0.0 if basin.periods[1] else max(0.0, -basin.gravity[1])
     return density * pull * np.maximum(surface - positions[:, 1], 0.0)
 
 
 def displaced_state(sea: waves.Components, positions: np.ndarray, basin: Basin, density: float) -> State:
-    """State at time 0, in these waves, of water that would rest at positions (n, 3) [m]."""
+    """Positions, velocities and pressures in these waves, at time 0, of water that rests at `positions` (n, 3) [m]."""
     placed, leap = positions.astype(float), 1.0 / FLOW_STEPS
     for _ in range(FLOW_STEPS):
         a = waves.displacement(sea, placed)
@@ -300,9 +311,8 @@ def displaced_state(sea: waves.Components, positions: np.ndarray, basin: Basin, 
 
 
 def bearable_waves(sea: waves.Components, height: float, shortest: float = 0.0) -> waves.Components:
-    """Random waves of a significant height [m] that can exist on water, none as short as `shortest` [m]. Waves beyond k
-    = 2 / Hs ride on the others and are no linear waves of their own (Stansberg et al. 2008, Marine Structures 21). The
-    rest carry their variance."""
+    """Random waves of a significant height [m], without those shorter than `shortest` [m] or beyond k = 2 / Hs, which
+    ride on the others (Stansberg et al. 2008, Marine Structures 21); the rest carry their variance."""
     k = sea.wavenumber
     found = sea.select((k < 2.0 / height) & (shortest * k < 2.0 * pi))
     share = np.linalg.norm(sea.amplitude) / np.linalg.norm(found.amplitude)
@@ -310,13 +320,13 @@ def bearable_waves(sea: waves.Components, height: float, shortest: float = 0.0) 
 
 
 def fitted_waves(sea: waves.Components, basin: Basin) -> waves.Components:
-    """Waves of a sea, each moved to the nearest wavevector that repeats itself in a periodic basin."""
+    """Waves of a sea, each moved to the nearest wavevector that is periodic in the basin."""
     return waves.fit_periods(sea, basin.periods[::2])
 
 
 def patch_waves(basin: Basin, spacing: float) -> waves.Components | None:
-    """Sea on a patch of particles `spacing` [m] apart: of random waves only the long enough ones, without the variance
-    of the others; None in calm water."""
+    """Waves of the sea on a patch of particles `spacing` [m] apart, fitted to it; random waves too short for the
+    particles are left out with their variance. None in calm water."""
     sea = basin.sea.plane_waves(basin) if basin.sea is not None else None
     if sea is None or basin.sea is None:
         return None
@@ -330,7 +340,7 @@ def patch_waves(basin: Basin, spacing: float) -> waves.Components | None:
 
 
 def wall_problems(wavevector: np.ndarray, basin: Basin) -> Iterator[str]:
-    """Yield the reasons why a wave cannot travel this way: its water would start inside a wall."""
+    """Yield the reasons why a wave of this wavevector cannot travel in the basin: walls across its way."""
     for axis, k in zip((0, 2), wavevector):
         walls = [basin.walls.at(f"{'xyz'[axis]}_{end}") for end in ("min", "max")]
         if abs(k) > 1e-9 * np.linalg.norm(wavevector) and set(walls) - {"periodic", "none"}:
@@ -339,7 +349,7 @@ def wall_problems(wavevector: np.ndarray, basin: Basin) -> Iterator[str]:
 
 
 def wrap_positions(positions: np.ndarray, basin: Basin) -> np.ndarray:
-    """Positions brought back into the basin along its periodic axes."""
+    """Positions (n, 3) [m] moved by whole periods into the basin along periodic axes."""
     placed = positions.copy()
     for axis, period in enumerate(basin.periods):
         if period:
@@ -349,11 +359,11 @@ def wrap_positions(positions: np.ndarray, basin: Basin) -> np.ndarray:
 
 
 def mean_spacing(positions: np.ndarray, basin: Basin) -> float:
-    """Distance between neighbours [m] if so many particles fill the basin evenly."""
+    """Distance between neighbours [m] if the n particles of `positions` filled the basin evenly."""
     return (basin.volume / len(positions)) ** (1.0 / basin.dimension)
 
 
 def column_vectors(columns: dict[str, np.ndarray], names: str, basin: Basin) -> np.ndarray:
-    """Vectors (n, 3) of the columns with these one-letter names; in 2-D the third component is 0."""
+    """Vectors (n, 3) of the columns named by the letters of `names`; in 2-D the third component is 0."""
     flat = np.zeros_like(columns[names[0]])
     return np.stack([columns[names[0]], columns[names[1]], flat if basin.dimension == 2 else columns[names[2]]], axis=1)

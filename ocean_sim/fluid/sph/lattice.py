@@ -1,4 +1,4 @@
-"""The lattice that particles start from: where they are at first, counted but not yet made."""
+"""The lattice on which particles start: their first positions, counted before any field is made."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,7 +17,7 @@ MARGIN_SPACINGS = 8.0  # [spacings] around a solid, as far as the water that mak
 
 
 class Filling(Protocol):
-    """Interface of the config of water, as far as its lattice reads it."""
+    """Interface of the config of water: the keys that a lattice reads."""
 
     spacing: float | None  # [m]
     particles: int | None
@@ -29,20 +29,20 @@ class Filling(Protocol):
     collision_distance: float  # [spacings]
 
     def losses(self, lattice: "Lattice", sea: Components) -> np.ndarray | None:
-        """Decay rates (n,) of the waves of a sea by the scheme [1/s], see WaterConfig.losses."""
+        """Complex decay rates (n,) [1/s] of the waves of a sea by the scheme, see WaterConfig.losses."""
         ...
 
 
 @dataclass(frozen=True)
 class Lattice:
-    """A cubic lattice of particles filling the boxes of water, half a spacing away from every face."""
+    """Cubic lattice of particles that fills the boxes of water, half a spacing away from every face."""
 
     config: Filling
     basin: Basin
 
     @cached_property
     def boxes(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Lowest and highest corner of each box of water [m]."""
+        """Lowest and highest corner (3,) [m] of each box of water."""
         if self.config.fill is None and self.config.emitter is not None and self.given is None:
             return []
         if self.config.fill is None:
@@ -58,7 +58,7 @@ class Lattice:
 
     @cached_property
     def spacing(self) -> float:
-        """Distance between particles [m]; of a budget the finest lattice found that keeps it."""
+        """Distance between particles [m]; for a budget of particles, the finest lattice found that keeps it."""
         if self.config.spacing is not None:
             return self.config.spacing
         assert self.config.particles is not None
@@ -68,30 +68,30 @@ class Lattice:
         return spacing
 
     def box_counts(self, spacing: float) -> list[np.ndarray]:
-        """Numbers of particles along x, y and z in each box, about `spacing` [m] apart."""
+        """Numbers (3,) of particles along x, y and z in each box, at about this spacing [m]."""
         counts = [np.maximum(1, np.round((up - low) / spacing)).astype(int) for low, up in self.boxes]
         return [np.append(count[:2], 1) if self.basin.dimension == 2 else count for count in counts]
 
     @cached_property
     def counts(self) -> list[np.ndarray]:
-        """Numbers of particles along x, y and z in each box."""
+        """Numbers (3,) of particles along x, y and z in each box."""
         return self.box_counts(self.spacing)
 
     @cached_property
     def n(self) -> int:
-        """Number of particles; where there is an emitter, the most there will be."""
+        """Number of particles; with an emitter, the most there will be."""
         return self.config.emitter.cap if self.config.emitter is not None else self.start_count
 
     @cached_property
     def start_count(self) -> int:
-        """Number of particles before an emitter adds any."""
+        """Number of particles at the start, before an emitter adds any."""
         if self.given is None and not (self.basin.obstacles or self.basin.afloat):
             return total_count(self.counts)
         return len(self.positions())
 
     @cached_property
     def jet(self) -> Jet | None:
-        """Jet of the emitter, or None."""
+        """Jet of the emitter; None without an emitter."""
         if self.config.emitter is None:
             return None
         volume = self.mass / self.config.rest_density
@@ -99,12 +99,12 @@ class Lattice:
 
     @cached_property
     def given(self) -> np.ndarray | None:
-        """Positions (n, 3) [m] of particles from a file, in place of a lattice; None without a file."""
+        """Positions (n, 3) [m] of particles from a file, which replace the lattice; None without a file."""
         return initial_module.given_positions(self.config.initial, self.basin)
 
     @property
     def mass(self) -> float:
-        """Mass of a particle [kg], in 2-D [kg/m]: rest density times volume of the water over n."""
+        """Mass of a particle [kg], in 2-D [kg/m]: rest density times water volume over the number of particles."""
         if not self.boxes and self.given is None:
             return self.config.rest_density * self.spacing**self.basin.dimension
         return (
@@ -121,7 +121,7 @@ class Lattice:
 
     @property
     def plan_area(self) -> float | None:
-        """Area of the still surface [m2], in 2-D its length [m]; None where water does not fill the basin."""
+        """Area of the still surface [m2], in 2-D its length [m]; None if the water does not fill an open basin."""
         filled = self.config.fill is None and self.given is None and not self.basin.closed
         return self.basin.volume / self.basin.depth if filled else None
 
@@ -132,7 +132,7 @@ class Lattice:
 
     @property
     def stacked_boxes(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """The boxes that end at the height where another begins, from below."""
+        """Corners of the boxes that begin or end at a height where another ends or begins, sorted by their foot."""
         heights = np.array([(low[1], up[1]) for low, up in self.boxes]).reshape(-1, 2).round(9)
         begins, ends = heights.T
         touching = np.flatnonzero(np.isin(begins, ends) | np.isin(ends, begins))
@@ -145,8 +145,8 @@ class Lattice:
         return float(np.max(surface - bed, initial=0.0))
 
     def column_ends(self) -> np.ndarray:
-        """Heights (2, n) [m] of the foot, bed or obstacle, and of the surface of the column of water in which each
-        particle starts; boxes that stand on one another there are one column."""
+        """Heights (2, n) [m] of the foot (bed or obstacle) and of the surface of each particle's column of water; boxes
+        stacked on one another are one column."""
         if self.given is not None:
             return np.repeat([[self.basin.lower[1]], [0.0]], len(self.given), axis=1)
         heights = np.array([(low[1], up[1]) for low, up in self.boxes]).reshape(-1, 2)
@@ -169,7 +169,7 @@ class Lattice:
 
     @cached_property
     def full_positions(self) -> np.ndarray:
-        """(m, 3) positions [m] of a lattice that fills the boxes, x running fastest."""
+        """Positions (m, 3) [m] of a lattice that fills the boxes, bodies ignored; x runs fastest."""
         parts = [np.empty((0, 3))]
         for (low, up), count in zip(self.boxes, self.counts, strict=True):
             x, y, z = (middles_of(low[k], up[k], count[k]) for k in range(3))
@@ -179,8 +179,8 @@ class Lattice:
 
     @cached_property
     def room_for_bodies(self) -> tuple[np.ndarray, np.ndarray]:
-        """Mask (m,) of the lattice's particles that obstacles and floating bodies leave in the water, and positions (m,
-        3) [m] of all, moved to make room for floating bodies."""
+        """Mask (m,) of the lattice points outside obstacles and floating bodies, and positions (m, 3) [m] of all, moved
+        to make room for floating bodies."""
         wet, positions = ~in_obstacles(self.full_positions, self.basin), self.full_positions
         for solid in self.basin.afloat.values():
             nearest = shifts(positions, solid.origin[[0, 2]], self.basin.periods)
@@ -193,12 +193,12 @@ class Lattice:
 
     @property
     def repeated_boxes(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """The boxes, and their repeats next to them beyond periodic sides."""
+        """Corners of the boxes, and of their repeats beyond periodic sides."""
         ways = product(*((-period, 0.0, period) if period else (0.0,) for period in self.basin.periods[::2]))
         return [(low + [x, 0.0, z], up + [x, 0.0, z]) for x, z in ways for low, up in self.boxes]
 
     def points_beyond(self, solid: Solid) -> np.ndarray:
-        """(m, 3) points around a solid at which the lattice of the first box near it goes on outside all boxes [m]."""
+        """Points (m, 3) [m] around a solid, outside all boxes, on the continued lattice of the first box near it."""
         d, found = self.basin.dimension, np.empty((0, 3))
         low_end, high_end = solid.extent + np.array([[-1.0], [1.0]]) * MARGIN_SPACINGS * self.spacing
         for (low, up), count in zip(
@@ -217,16 +217,16 @@ class Lattice:
 
     @property
     def wet_mask(self) -> np.ndarray:
-        """Mask (m,) of the points of the full lattice that are water, see `room_for_bodies`."""
+        """Mask (m,) of the points of the full lattice that hold water, see `room_for_bodies`."""
         return self.room_for_bodies[0]
 
     def positions(self) -> np.ndarray:
-        """(n, 3) positions of the particles [m], x running fastest."""
+        """Positions (n, 3) [m] at which the particles start; x runs fastest."""
         return self.room_for_bodies[1][self.wet_mask] if self.given is None else self.given
 
 
 def in_obstacles(positions: np.ndarray, basin: Basin) -> np.ndarray:
-    """(n,) mask of the positions (n, 3) [m] in an obstacle."""
+    """Mask (n,) of the positions (n, 3) [m] that lie in an obstacle of the basin."""
     found = np.zeros(len(positions), dtype=bool)
     if basin.obstacles:
         order = positions[:, 0].argsort(kind="stable")
@@ -238,5 +238,5 @@ def in_obstacles(positions: np.ndarray, basin: Basin) -> np.ndarray:
 
 
 def total_count(counts: list[np.ndarray]) -> int:
-    """Number of particles in all boxes."""
+    """Number of particles in all boxes, from the numbers along the axes of each."""
     return sum(int(np.prod(count)) for count in counts)

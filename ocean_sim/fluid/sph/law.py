@@ -21,7 +21,7 @@ NO_COLUMN = -1
 
 @dataclass(frozen=True)
 class WalkOptions:
-    """Options of the walk over neighbours for a law."""
+    """Options with which the walk over neighbours sums a law."""
 
     apart: bool = False
     """True if the sum over images in the sides is kept by itself, as `beyond`."""
@@ -35,7 +35,7 @@ class WalkOptions:
 
 @in_kernels
 class Law(ABC):
-    """Base class of all laws. The defaults suit one that reads nothing but positions. All functions are ti.funcs."""
+    """Base class of all pair laws; its defaults suit a law that reads positions only. All functions are ti.funcs."""
 
     row: Columns = Columns(position=3)
     """Columns that are read of a particle, `own`, and of a neighbour, `other`; the position comes first."""
@@ -49,40 +49,40 @@ class Law(ABC):
     solid: Any  # SampleSum of the boundary
 
     def add_bodies(self, boundary: Any) -> None:
-        """Also sum over the samples of a Boundary's bodies; None: there are none. Call it once `terms` are known."""
+        """Sum also over the samples of a Boundary's solid bodies; None: there are none. Call once `terms` are set."""
         if boundary is not None:
             self.bodies, self.boundary, self.solid = True, boundary, boundary.sample_sum(self)
 
     @ti.func
     def prefactor(self, own):
-        """Factor of the whole sum: constants of the kernel, masses, and the particle's own fields."""
+        """Factor of the whole sum: constants of the kernel, masses, and fields of the particle's own row."""
         return 1.0
 
     @ti.func  # noqa: B027
     def begin(self, group):
-        """Prepare for the first particle of a group; most laws have nothing to prepare."""
+        """Prepare the sums of a group of cells before its first particle; most laws have nothing to prepare."""
 
     @ti.func
     def image(self, other, mirror):
-        """Row of a neighbour's image in a side."""
+        """Field values of the image of a neighbour (values `other`) in a flat side, given by its `mirror` matrix."""
         return mirror_position(mirror, other)
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Row of sample s of a solid body, seen in a mirror at d [m] from the particle."""
+        """Field values of sample s of a solid body, at d [m] in a `mirror` from the particle with values `own`."""
         return own + d
 
     @abstractmethod
     def pair(self, own: Any, other: Any) -> Any:
-        """Term of one neighbour, without the prefactor."""
+        """Term of one neighbour, without the prefactor; `own`, `other`: field values of particle and neighbour."""
 
     @abstractmethod
     def finish(self, i: Any, own: Any, total: Any, beyond: Any, group: Any) -> None:
-        """Use the sums of particle i: `total`, and `beyond`, that of images, where these are summed apart."""
+        """Use the sums of particle i: `total`, and `beyond` over images if apart; `group`: its row of the budget."""
 
     @ti.func
     def with_bodies(self, total, x, own):
-        """Sum of a law, and of its terms over the samples of solid bodies around x [m]."""
+        """Sum `total` of a law plus its terms over the samples of solid bodies around x [m]."""
         both = total
         if ti.static(self.bodies):
             both += self.solid.total(x, own)

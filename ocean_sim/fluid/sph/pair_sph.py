@@ -1,5 +1,5 @@
-"""Laws that push particles; and of schemes whose pressure is known before a step moves them all but the terms of a pair
-and, where the density is a sum, the whole step."""
+"""Pair laws that push particles; and, for schemes whose pressure is known before a step moves the particles, all parts
+but the pair terms and, where the density is a sum, the whole step."""
 
 from abc import abstractmethod
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -18,15 +18,15 @@ if TYPE_CHECKING:  # it is imported only where there are bodies
 
 @in_kernels
 class Force(Law):
-    """Law that sums forces. Its row has a `position`, a `velocity` and a `pressure`, in this order; its terms have
-    `push`, and `rub` where friction is summed apart."""
+    """Pair law that sums forces. Its row begins with `position`, `velocity` and `pressure`; its terms have `push`, and
+    `rub` where friction is summed apart."""
 
     stores_pressure_work: ClassVar[bool] = False
     """True if the work of pressure on images and bodies becomes internal energy of the water, not work of walls."""
     reaction: "Reaction"
 
     def __init__(self, fluid: Sph) -> None:
-        """Call this once `reads` and `terms` are known."""
+        """Attach the law to its water, bodies included; call it once `reads` and `terms` are set."""
         self.fluid = fluid
         self.options = WalkOptions(apart=fluid.accounts.impulses, padded=True)
         self.told = (*self.reads, *fluid.last_acceleration)  # what solid bodies read of a particle
@@ -39,11 +39,11 @@ class Force(Law):
 
     @abstractmethod
     def acceleration(self, own: Any, total: Any) -> Any:
-        """Acceleration [m/s2] of a particle by its sum."""
+        """Acceleration [m/s2] of a particle with row `own` by its sum `total`."""
 
     @ti.func
     def wall_acceleration(self, own, total):
-        """Part of the acceleration by a sum [m/s2] whose work counts as that of walls."""
+        """Part of the acceleration [m/s2] by a sum whose work is booked as that of walls."""
         a = self.acceleration(own, total)
         if ti.static(self.stores_pressure_work):
             a = self.prefactor(own) * vec3(total, self.terms.rub)
@@ -51,17 +51,17 @@ class Force(Law):
 
     @ti.func
     def pressure_rise(self, head):
-        """Rise of the row's pressure where p / rho rises by `head` [m2/s2]."""
+        """Rise of the row's `pressure` for a rise `head` [m2/s2] of p / rho."""
         return self.fluid.rest_density * head
 
     @ti.func
     def begin(self, group):
+        """Reset the extremes of speed and acceleration of a group."""
         self.fluid.accounts.begin_motion(group)
 
     @ti.func
     def image(self, other, mirror):
-        """Row of a neighbour's image in a side: its velocity reversed by the slip, its pressure continued
-        hydrostatically."""
+        """Field values of a neighbour's image: velocity mirrored by the slip, pressure continued hydrostatically."""
         x, image = vec3(other, self.row.position), mirror_row(mirror, other)
         pull = self.fluid.pull.at_rest(mirror_midpoint(mirror, x))
         image[self.row.pressure] += self.pressure_rise(hydrostatic_offset(mirror, x, pull))
@@ -69,19 +69,19 @@ class Force(Law):
 
     @ti.func
     def rubbing_sample(self, own, s, d, mirror):
-        """Row of sample s of a solid body with the velocity by which it rubs; all else is the particle's own."""
+        """Field values of sample s of a solid body, at d [m], with its velocity in friction; others are from `own`."""
         return row_at(own, d, self.boundary.rubbing_velocity(vec3(own, self.row.velocity), s, mirror))
 
     @ti.func
     def react(self, dt):
-        """Push the bodies for dt [s]; call it at the top of a kernel."""
+        """Sum the forces of the water on solid bodies over dt [s]; call it at the top of a kernel."""
         if ti.static(self.fluid.bodies):
             self.boundary.react(self.reaction, dt)
 
 
 @in_kernels
 class MomentumLaw(Force):
-    """Momentum of a particle (2.25): neighbours, walls, wind, gravity, a hull, a bed, a sea.
+    """Momentum equation of a particle (2.25): neighbours, walls, wind, gravity, a hull, a bed, a sea.
 
     A scheme adds the row that is read (position, velocity, a pressure in a form of its own), the terms of a pair
     (`pair`, by way of `row_of_terms`), the prefactor of their sum, and how a pressure continues (`pressure_rise`).
@@ -98,7 +98,8 @@ class MomentumLaw(Force):
 
     @ti.func
     def row_of_terms(self, weight, push, rub, shear):
-        """Row of `terms` for a pair that presses with `push` and rubs with `rub`, of which `shear` is friction."""
+        """Terms of a pair as a vector in the order of `terms`: vectors `push` (pressure), `rub` (all dissipation) and
+        `shear` (friction alone, part of `rub`), each times `weight`."""
         total = ti.Vector.zero(float, self.terms.size)
         for k in ti.static(range(3)):
             if ti.static(self.options.apart):
@@ -111,7 +112,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def continued_sample(self, own, s, d, mirror):
-        """Row of sample s of a solid body: the particle's own pressure, continued to the place of the sample."""
+        """Field values of sample s of a solid body: the particle's own pressure, continued by Boundary.head."""
         other = self.rubbing_sample(own, s, d, mirror)
         a = tm.vec3([own[self.row.size + k] for k in ti.static(range(3))])
         head = self.boundary.head(vec3(own, self.row.position), a, s, d, mirror)
@@ -120,10 +121,12 @@ class MomentumLaw(Force):
 
     @ti.func
     def sample(self, own, s, d, mirror):
+        """Field values of sample s of a solid body, with the particle's own pressure continued to it."""
         return self.continued_sample(own, s, d, mirror)
 
     @ti.func
     def acceleration(self, own, total):
+        """Acceleration [m/s2] of a particle with row `own` by its sum of pair terms."""
         both = vec3(total, self.terms.push)
         if ti.static(self.options.apart):
             both += vec3(total, self.terms.rub)
@@ -131,7 +134,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Kick particle i by all accelerations (2.25), let walls constrain its way, and book the step."""
+        """Accelerate particle i by all forces (2.25), move it as far as walls let it, and book the step."""
         fluid, dt = self.fluid, self.fluid.dt[None]
         x, v = vec3(own, self.row.position), vec3(own, self.row.velocity)
         if ti.static(fluid.bodies):
@@ -165,8 +168,8 @@ class MomentumLaw(Force):
 
     @ti.func
     def constrain(self, i, x, v, dt):
-        """Places of particle i after a step from x [m] at v [m/s], without walls and with them [m]; its velocity there
-        [m/s]; and 1 if the motion limit held it back."""
+        """Position [m] of particle i after a step from x [m] at v [m/s], without walls and with them; its velocity
+        [m/s] after the walls; and 1 if the motion limit slowed it, else 0."""
         fluid, walls = self.fluid, self.fluid.walls
         pushed, fast = walls.limit_motion(walls.relax(x, v, dt), dt)
         x_free = x + fluid.grid.whole_quanta(i, ti.static(1.0 - self.drifted) * dt * pushed)
@@ -175,8 +178,8 @@ class MomentumLaw(Force):
 
     @ti.func
     def remember_acceleration(self, i, own, total, beyond, parts: Template):
-        """Store the acceleration of particle i by gravity and pressure alone, by which bodies continue the pressure
-        beyond their faces: friction and wind do not change its gradient."""
+        """Store the acceleration of particle i by gravity and pressure alone, with which solid bodies extrapolate its
+        pressure beyond their faces: friction and wind do not change the pressure gradient."""
         a_water, a_walls = parts[:2]
         a = self.fluid.pull.at_rest(vec3(own, self.row.position)) + a_water + a_walls
         if ti.static(self.sheared):
@@ -186,7 +189,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def book_step(self, group, own, total, beyond, a, parts: Template, x_free, x_new, v_new, dt):
-        """Add impulse and work of each term on a particle in a step to the budget."""
+        """Add impulse and work of each force term on a particle in a step to row `group` of the budget."""
         accounts, m = self.fluid.accounts, ti.static(self.fluid.particles.mass)
         x, v = vec3(own, self.row.position), vec3(own, self.row.velocity)
         a_water, a_walls, a_wind, a_pull, a_hull, a_bed, a_sea = parts
@@ -209,8 +212,7 @@ class MomentumLaw(Force):
 
 @in_kernels
 class PairSph(Sph):
-    """A scheme that moves particles by its `momentum`, sorts them, and sums up their `density`, which also finds their
-    pressure: symplectic Euler."""
+    """Scheme of symplectic Euler steps: a `momentum` law moves particles, a `density` law sums density and pressure."""
 
     momentum: MomentumLaw
     density: Law
@@ -219,12 +221,13 @@ class PairSph(Sph):
         self.settle(self.summary)
 
     def step(self, dt: float) -> None:
+        """Move the particles for dt [s], sort them, and sum density and pressure."""
         self.move(dt, self.wind.since)
         self.settle(self.summary)
 
     @ti.kernel
     def move(self, dt: float, since: float):
-        """Move the particles for dt [s] by the forces at their present positions."""
+        """Move the particles for dt [s] by the forces at their present positions; `since`: the wind's clock [s]."""
         self.dt[None] = dt
         self.wind.set_clock(since, dt)
         self.momentum.react(dt)
@@ -232,7 +235,7 @@ class PairSph(Sph):
 
     @ti.kernel
     def settle(self, summary: Array):
-        """Sort the particles, and compute their density."""
+        """Sort the particles, sum their density and pressure, and reduce extremes to `summary`."""
         self.grid.sort()
         self.neighbours.walk(self.density, True)
         self.accounts.summarise(summary)

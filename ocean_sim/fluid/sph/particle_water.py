@@ -1,5 +1,4 @@
-"""Common base of water made of particles, whatever moves them: grid, walls, surface, emitter, accounts, and the frame
-of a step."""
+"""Base class of all water made of particles: grid, walls, surface, emitter, budget, and the frame of a step."""
 
 from abc import abstractmethod
 from collections.abc import Sequence
@@ -43,8 +42,8 @@ if TYPE_CHECKING:  # it is imported only where a sea is around
 
 @in_kernels
 class ParticleWater(ParticleFluid):
-    """Base class of particle water. Between steps particles are sorted by cell and all fields current. A kind adds its
-    motion (`step`) and the update of its fields (`arrive`)."""
+    """Base class of particle water. Between steps particles are sorted by cell and all fields are current. A kind adds
+    its motion (`step`) and the update of its fields (`arrive`)."""
 
     particles: Particles
     around: PointSum
@@ -98,6 +97,7 @@ class ParticleWater(ParticleFluid):
 
     @property
     def can_be_disturbed(self) -> bool:
+        """True if the particles are a patch of open sea."""
         return self.joined
 
     @property
@@ -108,34 +108,35 @@ class ParticleWater(ParticleFluid):
         return self.rim.contains(points, self.time) if self.joined else super().in_rim(points)
 
     def add_contact(self, contact: Contact) -> None:
-        """Add a hull that pushes the water from the first step on."""
+        """Add a ship's hull, which pushes the water from the first step on."""
         self.contacts.append(contact)
         self.accounts.idle = tuple(term for term in self.accounts.idle if term != SHIP)
 
     def add_ships(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
+        """Let a patch of open sea follow these ships; return this water for each."""
         if self.joined and ships:
             self.rim.follow(ships)
         return super().add_ships(ships)
 
     @ti.func
     def exposed_area(self, i):
-        """Exposed area of particle i times its outward normal [m2]; zero here: a scheme with neighbours computes it."""
+        """Exposed area of particle i times its outward normal [m2]: zero, unless a scheme computes it."""
         return tm.vec3(0.0)
 
     @ti.func
     def surface_bend(self, i):
-        """Change of the slope of the surface at particle i [1] (Exposure.bend_of); zero if no wind reads it."""
+        """Bend of the surface at particle i [1] (Exposure.bend_of): zero, unless a scheme computes it."""
         return tm.vec3(0.0)
 
     @ti.func
     def wind_acceleration(self, i, x, v):
-        """Acceleration [m/s2] of particle i by the wind."""
+        """Acceleration [m/s2] of particle i, at x [m] with velocity v [m/s], by the wind."""
         m = ti.static(self.particles.mass)
         return self.wind.force(self.particles.id[i], x, v, self.exposed_area(i), self.surface_bend(i), m) / m
 
     @ti.func
     def hull_push(self, x, ahead):
-        """Acceleration [m/s2] by all hulls at x [m], `ahead` [s] after the beginning of the step."""
+        """Acceleration [m/s2] by the hulls of all ships at x [m], `ahead` [s] after the step began."""
         a = tm.vec3(0.0)
         for contact in ti.static(self.contacts):
             a += contact.hull.push(x, ahead)
@@ -143,7 +144,7 @@ class ParticleWater(ParticleFluid):
 
     @ti.func
     def stage_particle(self, i, x, v):
-        """Store the next position and velocity of particle i until the sort."""
+        """Store the next position x [m] and velocity v [m/s] of particle i in the staging fields of the sort."""
         self.grid.stage_state(i, x, v)
 
     def begin(self) -> None:
@@ -153,8 +154,7 @@ class ParticleWater(ParticleFluid):
         self.status = self.accounts.status(self.summary, self.grid)
 
     def advance(self, dt: float) -> None:
-        """Advance by a step of dt [s]; raise Diverged where more particles crowd together than the neighbour lists
-        hold."""
+        """Advance by a step of dt [s]; raise Diverged where particles are too crowded for the neighbour lists."""
         self.advance_boundaries(dt)
         self.step(dt)
         self.status = self.accounts.status(self.summary, self.grid)
@@ -178,7 +178,7 @@ class ParticleWater(ParticleFluid):
             self.rim.advance(self.time)
 
     def emit(self) -> None:
-        """Add the particles that have left the emitter by the end of a step."""
+        """Add the particles that left the emitter during the step, and book their momentum and energy."""
         if self.jet is None:
             return
         first, last = self.particles.count.now, self.jet.particle_count(self.time)
@@ -201,7 +201,7 @@ class ParticleWater(ParticleFluid):
 
     @ti.kernel
     def append_particles(self, first: int, x: Array2, v: Array2):
-        """Append particles, positions x [m] and velocities v [m/s], after the `first` ones."""
+        """Append particles with positions x (m, 3) [m] and velocities v (m, 3) [m/s], from index `first` on."""
         ti.loop_config(serialize=True)
         for k in range(x.shape[0]):
             i, particles = first + k, self.particles
@@ -214,7 +214,7 @@ class ParticleWater(ParticleFluid):
 
     @ti.kernel
     def stage_all(self):
-        """Stage all particles for the sort with the positions and velocities that they have."""
+        """Copy positions and velocities of all particles to the staging fields of the sort."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(self.particles.count.there()):
             p, v = self.particles.position, self.particles.velocity
@@ -223,8 +223,8 @@ class ParticleWater(ParticleFluid):
             self.grid.stage_state(i, tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(v.x[i], v.y[i], v.z[i]))
 
     def budget(self) -> dict[str, np.ndarray]:
-        """Impulse [N s] and work [J] of each term since the start, (4,) each; empty unless the fluid keeps accounts.
-        The work of an emitter is all energy that its water brings, kinetic and potential."""
+        """Impulse [N s] and work [J] of each force term since the start, (4,) each, by name; empty unless impulses are
+        summed. The work of an emitter is all energy that its water brings, kinetic and potential."""
         total = self.accounts.totals()
         if total and self.jet is not None:
             total["emitter"] = np.append(self.emitted_impulse, self.emitted_work)
@@ -236,10 +236,12 @@ class ParticleWater(ParticleFluid):
 
     @property
     def impulse(self) -> dict[str, np.ndarray]:
+        """Impulse (3,) [N s] on the water since the start, by name of the force term; empty if not summed."""
         return {term: row[:WORK_COLUMN] for term, row in self.budget().items() if term != TERM_NAMES[DIFFUSION]}
 
     @property
     def work(self) -> dict[str, float]:
+        """Work [J] on the water since the start, by name of the force term; empty if not summed."""
         return {term: float(row[WORK_COLUMN]) for term, row in self.budget().items()}
 
     @ti.func
@@ -253,7 +255,7 @@ class ParticleWater(ParticleFluid):
         return self.summing.totals()
 
     def positions(self) -> np.ndarray:
-        """(n, 3) positions [m] in float64, with the rests of moves that `position` rounds off."""
+        """Positions (n, 3) [m] in float64, with the parts of moves that `particles.position` rounds off."""
         x = self.particles.position.to_numpy().astype(float)
         for k, left in zip(self.grid.axes, self.grid.left):
             x[:, k] += left.to_numpy()[: len(x)]

@@ -1,4 +1,4 @@
-"""The particles: one field a component, in the order of their cells, which changes from step to step; `id` stays."""
+"""Fields of the particles, one a component, sorted by cell: their order changes from step to step, `id` does not."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ GAP_TYPE = ti.i32
 
 
 def staggered_field(dtype: Any, n: int) -> Any:
-    """A field of n numbers, placed so that fields read together do not compete for lines of the processor's cache.
+    """Make a field of n numbers, placed in memory so that fields read together do not compete for cache lines.
 
     A cache holds only a few lines that lie equally far from the beginning of their pages. All that belongs to one
     particle would lie equally far in fields of whole pages. So a gap follows each field of a page or more: the next
@@ -40,7 +40,7 @@ class Snapshot(NamedTuple):
 
 @in_kernels
 class Count:
-    """Number of particles now. Where an emitter adds to them, arrays have room for the final number."""
+    """Number of particles now (`now`), and the most there will be (`most`), if an emitter adds some."""
 
     def __init__(self, now: int, most: int) -> None:
         self.now, self.most, self.grows = now, most, most > now
@@ -54,7 +54,7 @@ class Count:
 
     @ti.func
     def there(self):
-        """Number of particles now, read in a kernel."""
+        """Number of particles now, for use in a kernel."""
         n = ti.cast(self.most, int)
         if ti.static(self.grows):
             n = self.field[None]
@@ -62,7 +62,7 @@ class Count:
 
 
 class Growing(ScalarField):
-    """Field of a number per particle, with room for those to come; Python reads only those that exist."""
+    """Field of one number per particle, with room for those still to come, which `to_numpy` and `from_numpy` omit."""
 
     def __init__(self, field: ScalarField, count: Count) -> None:
         super().__init__(field.vars[0])
@@ -78,17 +78,17 @@ class Growing(ScalarField):
 
 
 def numbers(dtype: type, count: Count) -> ti.Field:
-    """Field of a number per particle, with room for the most there will be."""
+    """Make a field of one number per particle, with room for the most there will be."""
     field = staggered_field(dtype, count.most)
     return Growing(field, count) if count.grows else field
 
 
 @in_kernels
 class Components:
-    """A vector per particle as three fields of one number each."""
+    """Vector field of particles, stored as three scalar fields x, y, z."""
 
     def __init__(self, n: int, count: Count | None = None) -> None:
-        """`count`: number of particles now, where it changes; n is then the most there will be."""
+        """Make fields of n vectors; `count`: present number of particles, if an emitter changes it."""
         self.x, self.y, self.z = (staggered_field(float, n) for _ in range(3))
         self.count = count
 
@@ -103,6 +103,7 @@ class Components:
 
     @ti.kernel
     def copy_to(self, rows: Array2):
+        """Copy all vectors to an array (n, 3)."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in self.x:
             rows[i, 0], rows[i, 1], rows[i, 2] = self.x[i], self.y[i], self.z[i]
@@ -113,6 +114,7 @@ class Components:
 
     @ti.kernel
     def copy_from(self, rows: Array2):
+        """Copy an array (n, 3) to the vectors."""
         for i in range(rows.shape[0]):
             self.x[i], self.y[i], self.z[i] = rows[i, 0], rows[i, 1], rows[i, 2]
 
@@ -125,7 +127,7 @@ class Components:
 @in_kernels
 @dataclass(frozen=True, eq=False)
 class Particles:
-    """Fields of the particles that a step reads and a snapshot saves."""
+    """Taichi fields of all particles: state that a step reads and a snapshot saves."""
 
     n: int  # the most there will be; `count` says how many there are
     count: Count
@@ -140,7 +142,7 @@ class Particles:
 
     @ti.kernel
     def begin(self, position: Array2, velocity: Array2, pressure: Array, density: float):
-        """Set the first state of all particles, numbered in their order and of one density [kg/m3]."""
+        """Set position (n, 3) [m], velocity (n, 3) [m/s], pressure (n,) [Pa], density [kg/m3] and ids."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(position.shape[0]):
             self.position.x[i], self.position.y[i], self.position.z[i] = position[i, 0], position[i, 1], position[i, 2]
@@ -162,6 +164,7 @@ class Particles:
 
     @ti.kernel
     def copy_to(self, position: Array2, velocity: Array2, number: Integers, pressure: Array):
+        """Copy position, velocity, id and pressure of all particles to arrays."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(number.shape[0]):
             x, v = self.position, self.velocity
@@ -170,14 +173,15 @@ class Particles:
             number[i], pressure[i] = self.id[i], self.pressure[i]
 
     def in_box(self, middle: np.ndarray, scale: np.ndarray, most: float, every: int) -> np.ndarray:
-        """Rows (m, 4) of every so many particles, by id: position from `middle` [m] times `scale` [1/m], rounded and
-        limited to `most` along each axis, and speed [m/s]."""
+        """Every `every`-th particle by id, as rows (m, 4): position relative to `middle` [m] times `scale` [1/m],
+        rounded and clamped to +-`most` along each axis, and speed [m/s]."""
         rows: np.ndarray = np.empty((-(-self.count.now // every), 4), self.position.precision)
         self.put_in_box(rows, self.count.now, tm.vec3(*middle), tm.vec3(*scale), most, every)
         return rows
 
     @ti.kernel
     def put_in_box(self, rows: Array2, count: int, middle: tm.vec3, scale: tm.vec3, most: float, every: int):
+        """Fill the rows of `in_box`."""
         for i in range(count):
             k = self.id[i]
             if k % every == 0:
@@ -190,7 +194,7 @@ class Particles:
 
 
 def seeded(lattice: Lattice) -> Particles:
-    """Particles of a lattice in their initial state; an emitter has let out its first layer."""
+    """Make the particles of a lattice in the scene's initial state, with the first layer of an emitter."""
     n, jet = lattice.n, lattice.jet
     count = Count(n if jet is None else jet.particle_count(0.0), n)
     particles = Particles(

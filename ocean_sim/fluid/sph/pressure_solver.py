@@ -1,4 +1,4 @@
-"""Pressures that keep water from being compressed, sought by iterating over kept pairs.
+"""Iterative solvers for the pressures that keep water from being compressed, over kept pairs of neighbours.
 
 With x_ij times grad W of every pair, B takes velocities to the change of the densities in a step and pressures, by its
 transpose, to velocities; A = B B^T is symmetric. Sought are the pressures p with r = (density predicted with p) - (that
@@ -26,7 +26,7 @@ ERROR_REDUCTION = 0.5
 
 
 class IncompressibleWater(Protocol):
-    """Interface of the water whose pressures a Solver finds."""
+    """Interface of the water whose pressures a Solver computes."""
 
     particles: Particles
     smoothing: Smoothing
@@ -45,23 +45,22 @@ class IncompressibleWater(Protocol):
     rows: Rows  # what a group of particles reports, REPORT columns
 
     def density_allowance(self, i: Any) -> Any:
-        """ti.func: density that particle i may gain in this step [kg/m3]."""
+        """ti.func: density [kg/m3] that particle i may gain in this step, in a gap that closes."""
         ...
 
     def admissible_pressure(self, pressure: Any) -> Any:
-        """ti.func: pressure [Pa] that the water can have, nearest to this one."""
+        """ti.func: pressure [Pa] that the water can have, nearest to this one; under a free surface not negative."""
         ...
 
     def apply_pressures(self, i: Any, dt: Any, total: Any, beyond: Any) -> Any:
-        """ti.func: change of velocity [m/s] of particle i by the pressures of water and walls, recorded for the
-        budget."""
+        """ti.func: change of velocity [m/s] of particle i by the pressures of water and walls, booked as well."""
         ...
 
 
 @in_kernels
 class Compression(KeptLaw):
-    """Residual r of each particle with the pressures so far, and its next pressure; Bender & Koschier 2015, eqs. 6, 7,
-    12, 13."""
+    """Pair law for the residual r (density error) of each particle under the pressures so far, and for its next
+    pressure; Bender & Koschier 2015, eqs. 6, 7, 12, 13."""
 
     row, terms = Columns(position=3, velocity=3), Columns(rate=1)  # the row of what is summed over samples of bodies
 
@@ -73,19 +72,22 @@ class Compression(KeptLaw):
 
     @ti.func
     def begin(self, group):
+        """Reset the sums that a group reports."""
         self.fluid.rows.clear(group)
 
     @ti.func
     def kept_image(self, other, name, away):
+        """Velocity [m/s] of the image of a neighbour with velocity `other`."""
         return self.pairs.image_velocity(other, name, away)
 
     @ti.func
     def kept_pair(self, own, other, gradient):
+        """Compression term of a pair: v_ij . x_ij times the shape of grad W; `own`, `other`: velocities [m/s]."""
         return ti.Vector([gradient.dot(own - other)])
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Row of sample s of a solid body, which moves with the body."""
+        """Field values of sample s of a solid body, which moves with the body."""
         return row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
 
     @ti.func
@@ -97,6 +99,7 @@ class Compression(KeptLaw):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
+        """Complete the sum of particle i by solid bodies, then compute its residual and next pressure."""
         fluid, rate = self.fluid, total[self.terms.rate] + beyond[self.terms.rate]
         if ti.static(fluid.bodies):
             x = tm.vec3([component[i] for component in ti.static(tuple(fluid.particles.position))])
@@ -107,7 +110,7 @@ class Compression(KeptLaw):
 
     @ti.func
     def judge_particle(self, i, rate, group):
-        """Compute the residual of particle i, from its sum `rate` over pairs, and its next pressure."""
+        """Compute residual and next pressure of particle i from `rate`, its sum over pairs; count its errors."""
         fluid, solver, dt = self.fluid, self.solver, self.fluid.dt[None]
         r = dt * self.rate * rate
         if ti.static(solver.restores):
@@ -129,8 +132,8 @@ class Compression(KeptLaw):
 
 @in_kernels
 class Push(KeptLaw):
-    """Velocity with all pressures that a solver has gained; the adjoint of Compression. It is computed from all gains
-    each time, so that rounding does not add up over iterations."""
+    """Pair law for the velocity under all pressures that a solver has gained; the adjoint of Compression. It is
+    computed from all gains each time, so that rounding does not add up over iterations."""
 
     row, terms = Columns(position=3, pressure=1), Columns(push=3)  # the row of what is summed over samples of bodies
 
@@ -141,16 +144,17 @@ class Push(KeptLaw):
 
     @ti.func
     def kept_image(self, other, name, away):
-        """An image has the pressure of its particle."""
+        """Pressure of the image of a neighbour, equal to the neighbour's own."""
         return other
 
     @ti.func
     def kept_pair(self, own, other, gradient):
+        """Term of a pair: the sum of both pressures times x_ij and the shape of grad W."""
         return (own[0] + other[0]) * gradient
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Row of sample s of a solid body, which has no pressure of its own."""
+        """Field values of sample s of a solid body, at d [m]: a pressure of 0, since bodies have none of their own."""
         return tm.vec4(vec3(own, self.row.position) + d, 0.0)
 
     @ti.func
@@ -170,6 +174,7 @@ class Push(KeptLaw):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
+        """Store the velocity of particle i under the gained pressures, and take over the gain of this iteration."""
         fluid, solver = self.fluid, self.solver
         scale = fluid.dt[None] * fluid.pressing
         push = total + beyond + self.body_total(i, own)
@@ -180,7 +185,7 @@ class Push(KeptLaw):
 
 @in_kernels
 class Account(Push):
-    """Record of the impulses of the pressures that a solver has gained, for the budget."""
+    """Pair law that books the impulses of the pressures gained by a solver in the momentum budget."""
 
     def __init__(self, fluid: IncompressibleWater, solver: "Solver") -> None:
         super().__init__(fluid, solver)
@@ -188,12 +193,13 @@ class Account(Push):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
+        """Book the change of velocity of particle i by the gained pressures."""
         self.fluid.apply_pressures(i, self.fluid.dt[None], total, beyond + self.body_total(i, own))
 
 
 @in_kernels
 class Solver:
-    """One of the two solvers: its pressures [Pa], the velocity [m/s] that they change, and its record of iterations."""
+    """One of two pressure solvers: its pressures [Pa], the velocity [m/s] that they change, and iteration counts."""
 
     def __init__(
         self,
@@ -205,10 +211,10 @@ class Solver:
         start: ti.Field | None = None,
         brief: float = 0.0,
     ) -> None:
-        """`least`: the error [tolerances] that needs no iteration. `start`: initial pressures of a solver that undoes
-        only the compression by the velocity; a solver without them undoes present compression. In steps shorter than
-        `brief` [s] the least error falls with their square, as the compression by a force in one step does, which
-        nothing else would undo."""
+        """Make a solver that changes `velocity`. `tolerance`: error over the rest density at which it stops, after at
+        most `most` iterations; `least`: error [tolerances] that needs no iteration. `start`: initial pressures of the
+        divergence solver; without them it is the density solver. In steps shorter than `brief` [s] the least error
+        falls with their square, as the compression by a force in one step does, which nothing else would undo."""
         self.velocity, self.restores = tuple(velocity), start is None
         self.start = start if start is not None else ti.field(float, shape=())
         self.forces = not (self.restores and fluid.closed)  # whether its pressures are forces
@@ -220,21 +226,21 @@ class Solver:
         self.iterations, self.error, self.unsolved = 0, 0.0, 0  # since the start: all, the worst, and steps above
 
     def error_goal(self, first: float, dt: float, calm: bool) -> float:
-        """Error at which iterations stop, in a step of dt [s] that begins with the error `first`. Water that is not
-        calm stops at the tolerance, except in brief steps: pressing out the compression at once would add speed."""
+        """Error at which iterations stop, in a step of dt [s] that begins with the error `first`. In water that is not
+        `calm` this is the tolerance, except in brief steps: pressing out the compression at once would add speed."""
         brief = dt < self.brief
         least = self.least * (dt / self.brief) ** 2 if brief else self.least
         return min(self.tolerance, max(least, ERROR_REDUCTION * first)) if calm or brief else self.tolerance
 
     def record_step(self, iterations: int, error: float) -> None:
-        """Add the iterations of a step, and the error that it ends with, to the record of the run."""
+        """Add the iterations of a step, and its remaining error, to the record of the run."""
         self.last_iterations, self.last_error = iterations, error
         self.iterations, self.error = self.iterations + iterations, max(self.error, error)
         self.unsolved += not error <= self.tolerance
 
     @ti.func
     def start_pressure(self, i):
-        """Pressure of particle i before the step [Pa]; 0 of a solver that starts without."""
+        """Pressure [Pa] of particle i before the step; 0 in the density solver."""
         p = 0.0
         if ti.static(not self.restores):
             p = self.start[i]
@@ -242,6 +248,6 @@ class Solver:
 
     @ti.func
     def begin(self, i):
-        """Reset the pressure that particle i has gained to 0."""
+        """Reset the pressure that the solver gives particle i to 0."""
         self.gain[i] = self.next[i] = 0.0
         self.best[i] = self.start_pressure(i)

@@ -20,13 +20,13 @@ NOTABLE_RIGIDITY = 0.01  # share of a wave's period that is worth saying
 
 @ti.func
 def positive(x):
-    """x where it is positive, else 0: one instruction, and out of range means weight zero."""
+    """The larger of x and 0, in one instruction; out of range of a kernel means weight zero."""
     return ti.select(x > 0.0, x, 0.0)
 
 
 @ti.func
 def lesser(a, b):
-    """Lesser of two numbers in one instruction; `ti.min` also tests whether either is not a number."""
+    """The lesser of two numbers, in one instruction; `ti.min` also tests whether either is NaN."""
     return ti.select(a < b, a, b)
 
 
@@ -52,28 +52,28 @@ class Kernel:
     shortest waves are that they resolve, so that the same steps and constants are stable."""
 
     def gradient(self, t: np.ndarray) -> np.ndarray:
-        """Shape of the gradient, grad W over -slope x, at t = 1 - r/support."""
+        """Shape of the gradient, grad W over -slope x, at t (n,) = 1 - r/support."""
         return t**self.power * np.polynomial.Polynomial(self.terms)(t)
 
     @property
     def value_terms(self) -> tuple[float, ...]:
-        """Coefficients of W = slope support^2 t^(power + 1) (value_terms[0] + value_terms[1] t + ...): the integral of
-        (1 - t) times `gradient` from the end of the support inwards."""
+        """Coefficients of W = slope support^2 t^(power + 1) (value_terms[0] + value_terms[1] t + ...), by integrating
+        (1 - t) times `gradient` inwards from the end of the support."""
         inwards = np.polynomial.Polynomial(self.terms) * np.polynomial.Polynomial([1.0, -1.0])
         return tuple(float(term) / (self.power + k + 1) for k, term in enumerate(inwards.coef))
 
     def value(self, t: np.ndarray) -> np.ndarray:
-        """Shape of the kernel, W over slope support^2, at t = 1 - r/support."""
+        """Shape of the kernel, W over slope support^2, at t (n,) = 1 - r/support."""
         return t ** (self.power + 1) * np.polynomial.Polynomial(self.value_terms)(t)
 
     def curvature(self, t: np.ndarray) -> np.ndarray:
-        """Shape of the second derivative, W'' over slope, at t: with r = h (1 - t), W' is -r `gradient`."""
+        """Shape of the second derivative, W'' over slope, at t (n,) = 1 - r/support."""
         polynomial = np.polynomial.Polynomial(self.terms)
         falls = self.power * t ** (self.power - 1) * polynomial(t) + t**self.power * polynomial.deriv()(t)
         return (1.0 - t) * falls - self.gradient(t)
 
     def slope(self, dimension: int, support: float) -> float:
-        """Slope with which W integrates to 1 [m^-5], in 2-D [m^-4]: the integral of -r W' is the dimension."""
+        """Constant of grad W with which W integrates to 1 [m^-5], in 2-D [m^-4], by the integral of -r W'."""
         d = dimension
         moments = (
             term * factorial(self.power + k) * factorial(d + 1) / factorial(self.power + k + d + 2)
@@ -95,7 +95,7 @@ NEUTRAL_RATIO = 4.0  # [spacings] 44 neighbours in 2-D, 250 in 3-D
 @in_kernels
 @dataclass(frozen=True, eq=False)
 class Smoothing:
-    """The kernels for one dimension (2 or 3) and support [m]; that of the gradient of pressure is the scheme's."""
+    """Smoothing kernels for one dimension (2 or 3) and support [m]; `kernel` is that of the pressure gradient."""
 
     dimension: int
     support: float
@@ -103,17 +103,17 @@ class Smoothing:
 
     @property
     def poly6_constant(self) -> float:
-        """Constant of W_poly6 = constant (h^2 - r^2)^3, which integrates to 1 [m^-9 in 3-D]."""
+        """Constant of W_poly6 = constant (h^2 - r^2)^3 [m^-9], in 2-D [m^-8]."""
         return {2: 4.0 / (pi * self.support**8), 3: 315.0 / (64.0 * pi * self.support**9)}[self.dimension]
 
     @property
     def spiky_constant(self) -> float:
-        """Constant of W_spiky = constant (h - r)^3, which integrates to 1 [m^-6 in 3-D]."""
+        """Constant of W_spiky = constant (h - r)^3 [m^-6], in 2-D [m^-5]."""
         return {2: 10.0 / (pi * self.support**5), 3: 15.0 / (pi * self.support**6)}[self.dimension]
 
     @property
     def viscosity_constant(self) -> float:
-        """Constant of the Laplacian of W_viscosity, constant (h - r) [m^-6 in 3-D]."""
+        """Constant of the Laplacian of W_viscosity, constant (h - r) [m^-6], in 2-D [m^-5]."""
         return {2: 40.0 / (pi * self.support**5), 3: 45.0 / (pi * self.support**6)}[self.dimension]
 
     @property
@@ -123,26 +123,24 @@ class Smoothing:
 
     @property
     def slope(self) -> float:
-        """Constant of grad W = -slope shape_gradient x_ij [m^-5 in 3-D]."""
+        """Constant of grad W = -slope shape_gradient x_ij [m^-5], in 2-D [m^-4]."""
         return self.kernel.slope(self.dimension, self.support)
 
     @ti.func
     def difference(self, own, other, first: Template):
-        """Difference own - other of three components from `first` on; in 2-D nothing is spent on the third, which is
-        0."""
+        """Difference own - other of three columns from `first` on; in 2-D the third is 0 and not computed."""
         return tm.vec3(
             [own[first + k] - other[first + k] if ti.static(k < self.dimension) else 0.0 for k in ti.static(range(3))]
         )
 
     @ti.func
     def support_share(self, r):
-        """1 - r/support within the support, else 0."""
+        """1 - r/support within the support, else 0; r [m]."""
         return positive(1.0 - r / self.support)
 
     @ti.func
     def shape_gradient(self, r):
-        """Shape of grad W, over -slope x_ij, at a distance r [m]: without division by r, so two particles in one
-        position are no trouble."""
+        """Shape of grad W, over -slope x_ij, at a distance r [m]; no division by r, so r = 0 does no harm."""
         return polynomial(self.support_share(r), self.kernel.power, self.kernel.terms)
 
     @ti.func
@@ -152,7 +150,7 @@ class Smoothing:
 
     @ti.func
     def pair_gradient(self, x_ij):
-        """Vector x_ij times the shape of grad W."""
+        """Vector x_ij [m] times the shape of grad W at its length."""
         return self.shape_gradient(ti.sqrt(x_ij.dot(x_ij))) * x_ij
 
     @ti.func
@@ -163,36 +161,36 @@ class Smoothing:
 
     @ti.func
     def W_poly6(self, r2):
+        """Value of W_poly6 at a squared distance r2 [m2]."""
         return self.poly6_constant * self.shape_poly6(r2)
 
 
 @dataclass(frozen=True)
 class Stencil:
-    """Moments of a kernel on a lattice of particles. The constant of the kernel is such that the lattice has the rest
-    density."""
+    """Moments of a kernel on a cubic lattice of particles; the constant of the kernel gives it the rest density."""
 
     smoothing: Smoothing
     spacing: float  # [m]
 
     @cached_property
     def offsets(self) -> np.ndarray:
-        """Places of the neighbours on the lattice, and of the particle itself [m]."""
+        """Positions (n, d) [m] of lattice neighbours relative to a particle, and of itself."""
         last = int(self.smoothing.support / self.spacing) + 1
         return self.spacing * np.array(list(product(range(-last, last + 1), repeat=self.smoothing.dimension)), float)
 
     @cached_property
     def t(self) -> np.ndarray:
-        """1 - r/support of each place in `offsets`; 0 beyond the support."""
+        """1 - r/support (n,) of each lattice point in `offsets`; 0 beyond the support."""
         return np.maximum(1.0 - np.linalg.norm(self.offsets, axis=1) / self.smoothing.support, 0.0)
 
     @cached_property
     def value(self) -> np.ndarray:
-        """Shape of W, over slope support^2, at each place in `offsets`."""
+        """Shape of W (n,), over slope support^2, at each lattice point in `offsets`."""
         return self.smoothing.kernel.value(self.t)
 
     @cached_property
     def gradient(self) -> np.ndarray:
-        """Shape of grad W, over -slope x, at each place in `offsets`."""
+        """Shape of grad W (n,), over -slope x, at each lattice point in `offsets`."""
         return self.smoothing.kernel.gradient(self.t)
 
     @property
@@ -202,13 +200,12 @@ class Stencil:
 
     @property
     def slope(self) -> float:
-        """Slope of the kernel on the lattice, grad W over -x `gradient` [m^-5], in 2-D [m^-4]."""
+        """Constant of grad W = -slope x `gradient` that gives the lattice the rest density [m^-5], in 2-D [m^-4]."""
         return 1.0 / (self.smoothing.support**2 * self.volume * float(self.value.sum()))
 
     @property
     def filled_gain(self) -> float:
-        """Gradient that the lattice's sum gives for a unit gradient if W integrates to 1: about 1, less next to a
-        surface."""
+        """Gradient that the lattice's sum gives for a unit gradient if W integrates to 1: about 1 inside."""
         return self.gain * self.smoothing.slope / self.slope
 
     @property
@@ -218,15 +215,14 @@ class Stencil:
 
     @property
     def top_deficit(self) -> float:
-        """Missing density of the top row of a lattice, over the gradient of the share of water there [m]."""
+        """Relative density deficit in the top row of a lattice, over the gradient of the share of water there [m]."""
         above = self.offsets[:, 1] > 0.5 * self.spacing
         lack = self.smoothing.support**2 * float(self.value[above].sum())
         return lack / float(self.gradient[above] @ self.offsets[above, 1])
 
     @property
     def skin_depth(self) -> float:
-        """Mean depth of the area that a half-space of the lattice exposes [m]: row m lacks the rows more than m further
-        up."""
+        """Mean depth [m] below the surface of the area that a half-space of the lattice exposes."""
         up = np.maximum(self.offsets[:, 1], 0.0)
         exposed = self.gradient * up  # by the row that is seen from `up` below: each counts for all rows less deep
         rows = np.rint(up / self.spacing)
@@ -244,8 +240,7 @@ class Stencil:
 
     @property
     def stiffest_mode(self) -> float:
-        """Largest eigenvalue of A / A_ii of the pressure solver, of plane waves along axes and diagonals of the
-        lattice."""
+        """Largest eigenvalue of A / A_ii of the pressure solver, over plane waves along lattice axes and diagonals."""
         largest = 0.0
         for wave in product(np.linspace(0.0, np.pi, 13), repeat=self.smoothing.dimension):
             gradients = (self.slope * self.gradient * np.sin(self.offsets @ wave / self.spacing)) @ self.offsets
@@ -254,18 +249,18 @@ class Stencil:
 
     @property
     def lattice_bonds(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Places of the neighbours over the spacing, and W'' and W' / r there, in the kernel's own unit."""
+        """Positions of the neighbours over the spacing, and W'' and W' / r there, without the kernel's constant."""
         there = (self.t > 0.0) & (self.t < 1.0)
         return self.offsets[there] / self.spacing, self.smoothing.kernel.curvature(self.t[there]), -self.gradient[there]
 
     @property
     def rigidity(self) -> float:
-        """Shear modulus of the lattice over the pressure that it is under, the mean of shear along its axes and along
-        their diagonals; 0 in water. Small waves are borne by it too: their period is shorter by this share.
+        """Shear modulus of the lattice over its pressure, mean of shear along axes and along diagonals; 0 in water. It
+        shortens the period of small waves by about this share.
 
-        Of one pressure everywhere: pairs repel as by a potential W (Born & Huang 1954), and sum (W'' - W' / r)
-        (a . x)^2 (b . x)^2 / r^2 + W' / r (b . x)^2 over the neighbours is the modulus of shear along a on planes
-        across b, where the sum of -W' / r (b . x)^2 is the pressure.
+        Under a uniform pressure pairs repel as by a potential W (Born & Huang 1954), and sum (W'' - W' / r) (a . x)^2
+        (b . x)^2 / r^2 + W' / r (b . x)^2 over the neighbours is the modulus of shear along a on planes across b, where
+        the sum of -W' / r (b . x)^2 is the pressure.
         """
         x, along, across = self.lattice_bonds
         r2 = (x**2).sum(axis=1)
@@ -275,7 +270,7 @@ class Stencil:
 
 
 def rigidity_notes(smoothing: Smoothing, spacing: float) -> list[str]:
-    """Sentences on the speed of waves in water that starts on a lattice of this spacing [m]."""
+    """Sentences on how much the starting lattice's rigidity changes the speed of waves; empty if it is negligible."""
     share, ratio = Stencil(smoothing, spacing).rigidity, smoothing.support / spacing
     if abs(share) < NOTABLE_RIGIDITY:
         return []

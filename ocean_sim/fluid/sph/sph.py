@@ -1,4 +1,4 @@
-"""Common base of schemes whose particles press and rub on each other: keys, sizes, limits, and fields."""
+"""Base class of schemes of smoothed particle hydrodynamics, and of their configs: keys, memory, limits and fields."""
 
 from collections.abc import Iterator
 from math import inf, pi, sqrt
@@ -42,7 +42,7 @@ MAX_STEEPNESS, MAX_SEA_STEEPNESS = 0.25, 0.15  # k a of regular waves, and of ha
 
 
 class SphConfig(WaterConfig):
-    """Keys of water by smoothed particle hydrodynamics."""
+    """Keys common to all schemes of smoothed particle hydrodynamics."""
 
     compared: ClassVar[bool] = True
     conserves_momentum: ClassVar[bool] = True
@@ -68,23 +68,23 @@ class SphConfig(WaterConfig):
     """Lowest pressure, to which lower ones are raised; null: none."""
 
     def speed(self, basin: Basin) -> float:
-        """Reference speed [m/s]."""
+        """Reference speed [m/s], to which `compression` refers: as given, by default sqrt(|g| depth)."""
         return self.reference_speed or free_fall_speed(basin)
 
     def sound_speed(self, basin: Basin) -> float:
-        """Sound speed c [m/s]."""
+        """Sound speed c [m/s]: reference speed over the square root of `compression`."""
         return self.speed(basin) / sqrt(self.compression or 0.01)
 
     def ratio(self, basin: Basin) -> float:
-        """Kernel support over particle spacing."""
+        """Kernel support radius over particle spacing."""
         return self.support_ratio or self.default_ratio[basin.dimension - 2]
 
     def smoothing(self, basin: Basin) -> Smoothing:
-        """Kernels of this water in a basin."""
+        """Smoothing kernels of this water in a basin."""
         return Smoothing(basin.dimension, self.ratio(basin) * self.lattice(basin).spacing, self.kernel)
 
     def is_enclosed(self, basin: Basin) -> bool:
-        """True if the water has no free surface."""
+        """True if the water fills a closed basin and so has no free surface."""
         return basin.closed and self.fill is None
 
     @property
@@ -100,6 +100,7 @@ class SphConfig(WaterConfig):
         return self.kinematic_viscosity
 
     def problems(self, preflight: Preflight) -> Problems:
+        """Faults (key, sentence) of these keys in this basin, also of sizes beyond 32-bit counts and of a rough bed."""
         found, basin = super().problems(preflight), preflight.tank
         if self.sound_speed(basin) == 0.0:
             found.append((("reference_speed",), "is required without gravity: compression needs a speed to refer to"))
@@ -119,22 +120,23 @@ class SphConfig(WaterConfig):
         return found
 
     def most_particles(self, preflight: Preflight) -> int:
+        """Largest number of particles, roughly, whose neighbours can be counted in 32 bits."""
         sizes = self.untouched_sizes(preflight)
         counted = sizes.plan.highest_index(sizes, self.neighbours_kept(preflight.tank))
         return min(MOST_PARTICLES, sizes.lattice.n * MAX_COUNT // max(counted, 1))
 
     def untouched_sizes(self, preflight: Preflight) -> GridSize:
-        """Sizes of grid and lists if nothing were afloat."""
+        """Sizes of the grid and lists for the lattice without floating bodies."""
         lattice = preflight.untouched
         assert isinstance(lattice, Lattice)
         return self.list_size(lattice, preflight.arch, 1)
 
     def neighbours_kept(self, basin: Basin) -> int:
-        """Number of neighbours of a particle on the lattice, if the scheme keeps their pairs for a step; else 0."""
+        """Number of neighbours of a particle on the lattice if the scheme keeps pairs for a step, else 0."""
         return 0
 
     def count_problems(self, preflight: Preflight) -> Iterator[str]:
-        """Yield a fault if there are more neighbours, or cells, than 32 bits can count."""
+        """Yield a fault if there are more particles, with their neighbours, or more cells than 32 bits can count."""
         grid, most = self.untouched_sizes(preflight), self.most_particles(preflight)
         if grid.lattice.n > most:
             yield (
@@ -148,6 +150,7 @@ class SphConfig(WaterConfig):
             )
 
     def warnings(self, preflight: Preflight) -> list[str]:
+        """Warnings of stiffness, sides, sea and scale: settings with which results would be poor."""
         found, basin = super().warnings(preflight), preflight.tank
         if basin.rough_bed is not None:
             found += basin.rough_bed.warnings(self.lattice(basin).row)
@@ -162,7 +165,7 @@ class SphConfig(WaterConfig):
         return [*found, *of_zones(zones(lattice)), *self.scale_warnings(lattice, preflight.support)]
 
     def scale_warnings(self, lattice: Lattice, support: float) -> Iterator[str]:
-        """Yield warnings of too few particles for the depth or for the waves of a scene, and of waves that break."""
+        """Yield warnings of too few particles for the depth or the waves of a scene, and of waves too steep."""
         spacing, depth = lattice.spacing, lattice.basin.depth
         if support >= depth > 0.0:
             yield (
@@ -191,7 +194,7 @@ class SphConfig(WaterConfig):
                 )
 
     def stiffness_warnings(self, basin: Basin) -> list[str]:
-        """Warn of water much stiffer, or much softer, than 1 % of compression asks for."""
+        """Warnings of water much stiffer or much softer than 1 % of compression asks for."""
         stiffness, speed = self.sound_speed(basin) ** 2, self.speed(basin)
         times, compression = 0.01 * stiffness / speed**2, speed**2 / stiffness
         if times >= NOTABLE_STIFFNESS * (1.0 - 1e-9):
@@ -207,8 +210,7 @@ class SphConfig(WaterConfig):
         return []
 
     def weight_warnings(self, basin: Basin, duration: float) -> list[str]:
-        """Warn if accelerations beside gravity along the depth compress the water: a body force, gravity along the
-        basin, the motion of the tank. Along an axis without walls nothing builds up."""
+        """Warning if gravity along the basin, a body force or the tank's motion notably compress the water."""
         still = np.add(basin.gravity, self.body_force)
         motion = basin.config.motion.build() if basin.config.motion is not None else None
         times = np.linspace(0.0, duration, MOTION_SAMPLES)
@@ -226,7 +228,8 @@ class SphConfig(WaterConfig):
         return [f"{pulled} of the water and {squeezed}: levels and pressures are off by as much; {wanted}"]
 
     def list_size(self, lattice: Lattice, arch: str, reads: int, carried: int = 0) -> GridSize:
-        """Sizes of grid and lists for laws that read `reads` fields and carry `carried` numbers along, on a backend."""
+        """Sizes of the grid and lists on a backend (`arch`), for pair laws that read at most `reads` fields and a sort
+        that moves `carried` further numbers."""
         support = self.ratio(lattice.basin) * lattice.spacing
         carried += self.told_to_bodies if has_bodies(lattice.basin) else 0
         return GridSize(lattice, support, PLANS[arch], carried, reads)
@@ -246,14 +249,15 @@ class SphConfig(WaterConfig):
         )
 
     def viscosity_scale(self, basin: Basin) -> float:
-        """Product h c of smoothing length and sound speed [m2/s], over which the scheme's own viscosity is stated."""
+        """Product h c [m2/s] of smoothing length and sound speed: unit of the scheme's numerical viscosity."""
         return self.smoothing(basin).length * self.sound_speed(basin)
 
     def viscosity(self, basin: Basin) -> float:
-        """Kinematic viscosity, an artificial one included [m2/s]."""
+        """Kinematic viscosity [m2/s] in effect, an artificial one included."""
         return self.kinematic_viscosity
 
     def losses(self, lattice: Lattice, sea: waves.Components) -> np.ndarray | None:
+        """Complex decay rate (n,) [1/s] of each wave of a sea by measured viscosity and delay; None if not measured."""
         basin, attenuation = lattice.basin, self.attenuation
         if attenuation is None or self.ratio(basin) != self.default_ratio[basin.dimension - 2]:
             return None
@@ -263,6 +267,7 @@ class SphConfig(WaterConfig):
         return decay - 1j * sea.omega * self.delay.share(k, height, lattice.spacing)
 
     def statements(self, preflight: Preflight) -> list[str]:
+        """Sentences on sound speed, clamped pressures, bed, sea, absorbing zones and the decay of waves."""
         basin = preflight.tank
         c, speed = self.sound_speed(basin), self.speed(basin)
         found = [
@@ -280,7 +285,7 @@ class SphConfig(WaterConfig):
         return [*found, *self.wave_statements(preflight), *super().statements(preflight)]
 
     def wave_statements(self, preflight: Preflight) -> Iterator[str]:
-        """Yield sentences on the height that waves of a scene lose by the scheme."""
+        """Yield sentences on the height that the scene's waves lose by the numerical viscosity of the scheme."""
         if self.attenuation is None:
             return
         ratio, usual = self.ratio(preflight.tank), self.default_ratio[preflight.tank.dimension - 2]
@@ -308,8 +313,8 @@ def scheme_ledger(
     what: str,
     told: int = 0,
 ) -> list[LedgerRow]:
-    """Ledger of a scheme that keeps `numbers` numbers of each particle besides its id; `told`: numbers that each
-    particle carries along for solid bodies."""
+    """Rows of the memory ledger of a scheme with `numbers` numbers a particle besides its id (described by `what`);
+    `told`: numbers that each particle carries for solid bodies."""
     n, support, lattice, word = sizes.lattice.n, sizes.support, sizes.lattice, preflight.word
     return [
         LedgerRow("fluid", f"{n} particles", (numbers * word + 4) * n, what),
@@ -323,14 +328,14 @@ def scheme_ledger(
 
 
 def _of_walk(sizes: GridSize, word: int, impulses: bool) -> list[LedgerRow]:
-    """Ledger of the walk over neighbours."""
+    """Rows of the memory ledger for the walk over neighbours; `word`: size of a `float` [bytes]."""
     lists = sizes.plan.list_bytes(sizes, word)
     found = [LedgerRow("fluid", "candidate lists", lists, "neighbours of every occupied cell")] if lists else []
     return [*found, *account_ledger(sizes, word, impulses)]
 
 
 def _of_areas(preflight: Preflight, n: int) -> list[LedgerRow]:
-    """The ledger of the exposed areas of n particles, where the wind asks for them."""
+    """Row of the memory ledger for the exposed areas of n particles; empty if the wind does not need them."""
     if not preflight.wind.needs_area:
         return []
     from ocean_sim.fluid.bodies.exposure import memory
@@ -341,14 +346,14 @@ def _of_areas(preflight: Preflight, n: int) -> list[LedgerRow]:
 
 
 def _of_targets(lattice: Lattice, word: int) -> list[LedgerRow]:
-    """The ledger of the waves that absorbing sides let pass."""
+    """Row of the memory ledger for the plane waves that absorbing sides let pass; empty without any."""
     n = sum(len(zone.given.amplitude) for zone in zones(lattice) if zone.given is not None)
     size = PlaneWaves.bytes(n, word)
     return [LedgerRow("fluid", f"{n} plane waves", size, "basin.walls: target of a side")] if n else []
 
 
 def _of_sea(lattice: Lattice, word: int) -> list[LedgerRow]:
-    """Rows of the memory ledger for the sea around a patch of particles; `word`: bytes of a number."""
+    """Rows of the memory ledger for the sea around a patch of particles; `word`: size of a `float` [bytes]."""
     around = relaxation_band(lattice)
     if around is None or around.sea is None:
         return []
@@ -364,8 +369,8 @@ def _of_sea(lattice: Lattice, word: int) -> list[LedgerRow]:
 
 
 def _of_bodies(grid: GridSize, word: int, accounts: bool, told: int) -> list[LedgerRow]:
-    """Ledger of the solid bodies in the water; the first row holds where the samples of every cell begin. `told`:
-    numbers that each particle carries along for them; `accounts`: whether the work of moving bodies is summed."""
+    """Rows of the memory ledger for solid bodies; the first includes the cell starts of samples. `told`: numbers that
+    each particle carries for bodies; `accounts`: True if the work of moving bodies is summed."""
     lattice, basin = grid.lattice, grid.lattice.basin
     rows: list[LedgerRow] = []
     if not has_bodies(basin):
@@ -387,14 +392,14 @@ def _of_bodies(grid: GridSize, word: int, accounts: bool, told: int) -> list[Led
 
 
 def has_bodies(basin: Basin) -> bool:
-    """True if solid bodies act on the water by samples: obstacles, or floating bodies that it feels."""
+    """True if solid bodies act on the water by samples: obstacles, or floating bodies that pair sums include."""
     return bool(basin.obstacles or any(solid.is_sampled for solid in basin.afloat.values()))
 
 
 def step_limits(
     smoothing: Smoothing, sound_speed: float, viscosity: float, speed: float, acceleration: float
 ) -> Limits:
-    """Limits of a time step by the formulae of Limits, with the smoothing length of the kernels as h."""
+    """Time step limits by the formulae of `Limits`; sound speed [m/s], kinematic viscosity [m2/s], acceleration."""
     h = smoothing.length
     return Limits(
         acoustic=h / (sound_speed + speed),
@@ -405,7 +410,7 @@ def step_limits(
 
 @in_kernels
 class Sph(ParticleWater):
-    """Particles with neighbours, and solid bodies among them; a scheme adds its laws and its step."""
+    """Base class of water of interacting particles, with solid bodies among them; a scheme adds laws and a step."""
 
     config: SphConfig
     boundary: "Boundary | None" = None
@@ -437,10 +442,11 @@ class Sph(ParticleWater):
 
     @property
     def listed_positions(self) -> tuple[ti.Field, ...]:
-        """Fields x, y and z of the positions [m] from which the lists of candidates are made."""
+        """Fields x, y and z of the positions [m] by which the walk lists candidates."""
         return tuple(self.particles.position)
 
     def advance_boundaries(self, dt: float) -> None:
+        """Move tank, walls, gates and sea for a step of dt [s], and renew exposed areas if they are due."""
         if self.exposed:
             self.exposure.renew_if_due(dt, self.status.max_speed + self.reference_speed)
         super().advance_boundaries(dt)
@@ -449,16 +455,18 @@ class Sph(ParticleWater):
             self.boundary.sort()
 
     def limits(self) -> Limits:
+        """Limits of the next step by sound, viscosity, highest speed and highest acceleration."""
         nu, acceleration = self.kinematic_viscosity, self.status.max_acceleration
         return step_limits(self.smoothing, self.sound_speed, nu, self.max_speed, acceleration)
 
     @property
     def max_speed(self) -> float:
-        """Highest speed of the water and of its gates in the last step [m/s]."""
+        """Highest speed [m/s] of the water and of gates in the last step."""
         return self.status.max_speed if self.boundary is None else max(self.status.max_speed, self.boundary.speed)
 
     @property
     def impulse(self) -> dict[str, np.ndarray]:
+        """Impulse (3,) [N s] by force term, obstacles and floating bodies apart from walls; empty if not summed."""
         total = super().impulse
         if total and self.boundary is not None:
             given, fixed = -self.boundary.impulses(), len(self.grid.basin.obstacles)
@@ -469,6 +477,7 @@ class Sph(ParticleWater):
 
     @property
     def work(self) -> dict[str, float]:
+        """Work [J] by force term, with moving bodies apart from walls; empty if not summed."""
         total = super().work
         if total and self.boundary is not None and self.boundary.working:
             (done, counted), fixed = self.boundary.works().T, len(self.grid.basin.obstacles)
@@ -479,14 +488,14 @@ class Sph(ParticleWater):
 
     @ti.func
     def damp_crowded(self, i, share):
-        """Limit the acceleration of particle i that solid bodies read, which would grow where they fill `share` of its
-        kernel."""
+        """Limit the stored acceleration of particle i, which solid bodies read, where bodies fill a large `share` of
+        its kernel: it would grow there."""
         for component in ti.static(self.last_acceleration):
             component[i] *= tm.min(1.0, CROWDED_SHARE / tm.max(share, CROWDED_SHARE))
 
     @ti.func
     def exposed_area(self, i):
-        """Exposed area of particle i times its outward normal [m2]; zero inside the water. Seen from above the areas
+        """Exposed area of particle i times its outward normal [m2], zero inside the water; seen from above the areas
         sum to the plan area of the water."""
         area = tm.vec3(0.0)
         if ti.static(self.exposed):
@@ -495,7 +504,7 @@ class Sph(ParticleWater):
 
     @ti.func
     def surface_bend(self, i):
-        """Changes of the slope of the surface near particle i [1], see Exposure.bend_of; zero if no wind reads them."""
+        """Bend of the surface at particle i [1], see Exposure.bend_of; zero if no wind needs it."""
         bend = tm.vec3(0.0)
         if ti.static(self.exposed):
             bend = self.exposure.bend_of(i)

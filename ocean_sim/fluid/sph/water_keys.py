@@ -1,4 +1,4 @@
-"""Keys of water made of particles, for every scheme."""
+"""Config keys of water made of particles, common to every scheme."""
 
 from collections.abc import Iterator
 from math import sqrt
@@ -57,6 +57,7 @@ class WaterConfig(FluidConfig):
     @field_validator("spacing", "particles", mode="before")
     @classmethod
     def _one_size(cls, value: Any) -> Any:
+        """Validate that `spacing` and `particles` are single numbers: particles of mixed size are not modelled."""
         if isinstance(value, (list, tuple)):
             raise ValueError(
                 "particles of mixed size are not modelled: their forces would not be symmetric; give one number"
@@ -65,15 +66,17 @@ class WaterConfig(FluidConfig):
 
     @model_validator(mode="after")
     def _one_resolution(self) -> "WaterConfig":
+        """Validate that exactly one of `spacing` and `particles` is given."""
         if (self.spacing is None) == (self.particles is None):
             raise ValueError("give either spacing [m] or particles, a budget")
         return self
 
     def sums_impulses(self, read: bool) -> bool:
-        """True if impulses are summed; independent of `read`, since no observer changes a step."""
+        """True if the key `impulses` asks for sums; independent of `read`, since no observer changes a step."""
         return self.impulses
 
     def statements(self, preflight: Preflight) -> list[str]:
+        """Sentences on the motion limit and on the motion of gates."""
         found = []
         if self.motion_limit is not None:
             limit = f"{self.motion_limit:g}"
@@ -85,6 +88,7 @@ class WaterConfig(FluidConfig):
         return found
 
     def warnings(self, preflight: Preflight) -> list[str]:
+        """Warnings of gravity, rounding, short ramps, thin obstacles and fast gates."""
         found, tank, spacing = super().warnings(preflight), preflight.tank, preflight.spacing
         found += [*odd_gravity(tank.gravity), *falling_warnings(tank), *rounding_warnings(preflight)]
         if tank.piston is not None:
@@ -109,8 +113,8 @@ class WaterConfig(FluidConfig):
         return found
 
     def losses(self, lattice: Lattice, sea: Components) -> np.ndarray | None:
-        """(n,) complex decay rate of each wave of a sea by the scheme, less i times the fall of its frequency [1/s];
-        None if it has not been measured."""
+        """Complex decay rate (n,) [1/s] of each wave of a sea by the scheme, whose imaginary part is minus the fall of
+        its frequency; None if it has not been measured."""
         return None
 
     @property
@@ -122,24 +126,25 @@ class WaterConfig(FluidConfig):
         return self.emitter is not None
 
     def start_lattice(self, preflight: Preflight) -> Lattice:
-        """The lattice that this water starts on in a scene."""
+        """Lattice on which this water starts in a scene, floating bodies considered."""
         lattice = preflight.lattice
         assert isinstance(lattice, Lattice)
         return lattice
 
     @property
     def sized_by(self) -> str:
-        """Name of the key that sets how fine the water is: spacing or particles."""
+        """Name of the key that sets the resolution: `spacing` or `particles`."""
         return "spacing" if self.spacing is not None else "particles"
 
     def most_particles(self, preflight: Preflight) -> int:
         return MOST_PARTICLES
 
     def lattice(self, basin: Basin) -> Lattice:
-        """Lattice of the first places of the particles, counted but not yet made."""
+        """Lattice on which the particles start; nothing is allocated yet."""
         return Lattice(self, basin)
 
     def problems(self, preflight: Preflight) -> Problems:
+        """Faults (key, sentence) of boxes, initial state, emitter and particle number in this basin."""
         basin = preflight.tank
         found: Problems = []
         if basin.dimension == 2 and self.body_force[2] != 0.0:
@@ -181,7 +186,7 @@ class WaterConfig(FluidConfig):
 
 
 def falling_warnings(basin: Basin) -> Iterator[str]:
-    """Yield warnings of water that falls out of its basin."""
+    """Yield a warning if gravity lets the water fall out of its basin."""
     if basin.gravity[1] > 0.0 and basin.walls.y != "periodic" and not basin.closed:
         yield f"gravity points upwards, {list(basin.gravity)} m/s2: the water falls out of the basin"
     elif basin.gravity[1] < 0.0 and basin.config.floor == "none" and basin.walls.y != "periodic":
@@ -189,7 +194,7 @@ def falling_warnings(basin: Basin) -> Iterator[str]:
 
 
 def rounding_warnings(preflight: Preflight) -> Iterator[str]:
-    """Yield a warning if positions are so far from the origin that single precision leaves them few digits."""
+    """Yield a warning if positions are so far from the origin that single precision rounds them coarsely."""
     basin, spacing = preflight.tank, preflight.spacing
     far = float(np.abs([*basin.lower, *basin.upper]).max())
     step = far * float(np.finfo(np.float32).eps)
@@ -201,5 +206,5 @@ def rounding_warnings(preflight: Preflight) -> Iterator[str]:
 
 
 def free_fall_speed(basin: Basin) -> float:
-    """Speed scale of water under gravity, sqrt(|g| depth) [m/s]."""
+    """Speed scale of water under gravity, sqrt(|g| depth) [m/s], depth of the basin."""
     return sqrt(float(np.linalg.norm(basin.gravity)) * basin.depth)

@@ -358,8 +358,7 @@ def heading_vector(heading_deg: float | None, dimension: int) -> np.ndarray:
 def regular_wave(
     height: float, period: float, towards: np.ndarray, depth: float, gravity: float = GRAVITY
 ) -> Components:
-    """One plane wave of a height [m] and period [s] along a unit vector `towards` (x, z); a crest is at the origin at
-    time 0."""
+    """One plane wave of a height [m] and period [s] along a unit vector `towards` (x, z); crest at origin at time 0."""
     k = float(wavenumber(2.0 * pi / period, depth, gravity))
     return Components(np.array([height / 2.0]), k * towards[None, :], np.zeros(1), depth, gravity)
 
@@ -407,8 +406,7 @@ class Spectrum(Model):
         self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = SPECTRUM_WAVES
     ) -> Components:
         """Sea of `count` plane waves along a unit vector `towards` (x, z): one for each of equal slices of the
-        frequency band, with the slice's variance and a random frequency in it, so that the sea does not repeat
-        itself."""
+        frequency band, with the slice's variance and a random frequency in it, so that the sea has no period."""
         peak = 1.0 / self.peak_period
         edges = np.linspace(LOWEST_FREQUENCY, self.cut_off, count + 1) * peak
         n = np.arange(count)
@@ -432,8 +430,7 @@ class SpreadSpectrum(Spectrum):
     def components(
         self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = SPECTRUM_WAVES
     ) -> Components:
-        """Sea of `count` plane waves, each in its own direction; the mean direction of their energy is `towards` (x,
-        z)."""
+        """Sea of `count` plane waves, each in its own direction; the mean direction of their energy is `towards`."""
         sea = super().components(towards, depth, gravity, count)
         if self.spreading is None:
             return sea
@@ -481,8 +478,7 @@ class WaveTrain(Model):
         return ("height",) if self.spectrum is None else ("spectrum", "significant_wave_height")
 
     def train(self, towards: np.ndarray, depth: float, gravity: float, count: int = SPECTRUM_WAVES) -> Components:
-        """Plane waves of this train along a unit vector `towards` (x, z) on a depth [m]; a spectrum becomes `count`
-        waves."""
+        """Plane waves of this train along a unit vector `towards` (x, z); a spectrum becomes `count` waves."""
         if self.spectrum is not None:
             return self.spectrum.components(towards, depth, gravity, count)
         return regular_wave(*self.scale, towards, depth, gravity)
@@ -523,8 +519,7 @@ class OpenTrain(HeadedTrain):
     """Random waves, instead of `height` and `period`."""
 
     def direction_faults(self, basin: "Tank") -> Iterator[tuple[tuple[str, ...], str]]:
-        """Yield reasons why this basin cannot have these wave directions: path of the config key at fault, and a
-        sentence."""
+        """Yield reasons why this basin cannot have these wave directions: path of the config key, and a sentence."""
         yield from ((self.heading_key, sentence) for sentence in heading_faults(self.heading, basin))
         if basin.dimension == 2 and self.spectrum is not None and self.spectrum.spreading is not None:
             yield ("spectrum", "spreading"), "in 2-D waves have one direction; leave spreading out"
@@ -567,8 +562,7 @@ def downward_gravity(basin: Tank) -> float:
 
 
 def basin_faults(basin: Tank, height: float = 0.0, period: float | None = None) -> Iterator[str]:
-    """Yield a sentence if this basin cannot have waves, or if a wave of this height [m] and period [s] would break in
-    it."""
+    """Yield a sentence if this basin cannot have waves, or a wave of a height [m] and period [s] would break in it."""
     if basin.gravity[0] or basin.gravity[2] or not basin.gravity[1] < 0.0:
         yield f"waves need gravity straight down, here it is {list(basin.gravity)} m/s2"
     elif basin.closed:

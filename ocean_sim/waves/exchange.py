@@ -54,8 +54,7 @@ def to_swd(sea: waves.Components, note: str = "", date: str = "") -> bytes:
 
 
 def of_swd(path: str | Path, gravity: float = waves.GRAVITY) -> waves.Components:
-    """Read a sea from a .swd file of plane waves; raises Unreadable if the file is faulty. `gravity`: of the sea
-    [m/s2]."""
+    """Read a sea from a .swd file of plane waves; raises Unreadable if it is faulty. `gravity`: of the sea [m/s2]."""
     data = input_file.read_bytes(path)
     if not data.startswith(SWD_BEGIN):
         raise SWD_RULE.broken(path, "it begins otherwise")
@@ -81,8 +80,7 @@ def of_swd(path: str | Path, gravity: float = waves.GRAVITY) -> waves.Components
 
 
 def to_openfast(time: np.ndarray, elevation: np.ndarray, note: str = "") -> str:
-    """Text of an .Elev file that holds elevations (n,) [m] at evenly spaced times (n,) [s]; `note`: added to its
-    head."""
+    """Text of an .Elev file with elevations (n,) [m] at evenly spaced times (n,) [s]; `note`: added to its head."""
     head = f"! Surface elevation by ocean-sim{': ' if note else ''}{note}\nTime WaveElev\n(s) (m)\n"
     return head + "".join(f"{t:.6f} {eta:.9e}\n" for t, eta in zip(time.tolist(), elevation.tolist()))
 
@@ -132,13 +130,11 @@ class WaveField:
         return waves.velocity(self.sea, row_array("points", points, "x, y, z"), number("time", time, "s"))
 
     def periodic(self, side: float) -> "WaveField":
-        """Copy of this field whose wavelengths are changed to fit a square of this side [m], which can then be
-        tiled."""
+        """Copy of this field with wavelengths changed to fit a square of this side [m], which can then be tiled."""
         return WaveField(waves.fit_periods(self.sea, 2 * [number("side", side, "m", MIN_SQUARE_SIDE)]))
 
     def field(self, cells: int, side: float, time: float) -> np.ndarray:
-        """Heights (cells, cells) [m] along x and z at a time [s] of a square that can be tiled; one corner is the
-        origin."""
+        """Heights (cells, cells) [m] along x and z at a time [s] of a square to be tiled; one corner is the origin."""
         at = np.arange(whole_number("cells", cells)) * (number("side", side, "m", MIN_SQUARE_SIDE) / cells)
         x, z = np.meshgrid(at, at, indexing="ij")
         heights = self.periodic(side).elevation(np.stack([x.ravel(), z.ravel()], axis=1), time)

@@ -81,8 +81,7 @@ def surface_fall(
 
 
 def breaking_cover(falling: np.ndarray) -> float:
-    """Share of a surface on which crests break: `falling` (nx, nz), from `surface_fall`, exceeds
-    BREAKING_ACCELERATION."""
+    """Share of a surface on which crests break: `falling`, from `surface_fall`, exceeds BREAKING_ACCELERATION."""
     return float(np.mean(falling > BREAKING_ACCELERATION))
 
 
@@ -243,8 +242,7 @@ def surface_record(grid: Grid, frames: Iterable[Frame], begin: float) -> Surface
 
 
 def frame_circulation(grid: Grid, frame: Frame) -> float:
-    """Circulation [m2/s] of a frame's particles about the middle of the basin; NaN in 2-D, or without particles
-    there."""
+    """Circulation [m2/s] of a frame's particles about the middle of the basin; NaN in 2-D, or if none are there."""
     if grid.is_slice or frame.position is None or frame.velocity is None:
         return np.nan
     try:

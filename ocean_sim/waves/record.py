@@ -53,8 +53,7 @@ class Unmeasurable(ValueError):
 
 @dataclass(frozen=True)
 class Sea:
-    """Sea state measured from a record: wave heights, periods and number of waves; None if a number needs more
-    waves."""
+    """Sea state measured from a record: wave heights, periods, number of waves; None if a number needs more waves."""
 
     hs_m: float | None  # mean height of the highest third of the waves
     hm0_m: float  # four times the standard deviation
@@ -163,7 +162,7 @@ AS_IT_WAS = Treatment()
 
 
 def slow_part(interval: float, values: np.ndarray, treatment: Treatment) -> str | None:
-    """Sentence on a trend or tide that makes a record (n,) [m] TREND_RATIO or more times as high as its waves, or
+    """Sentence on a trend or tide that makes a record (n,) [m] TREND_RATIO times as high as its waves or more, else
     None."""
     treated = treatment.deviation(values)
     level = Treatment(detrended=True).deviation(values)
@@ -246,8 +245,7 @@ def segment_count(interval: float, deviation: np.ndarray) -> int:
 
 
 def peak_frequency(interval: float, deviation: np.ndarray) -> float | None:
-    """Peak frequency [Hz] of a record less its mean (n,) [m]; None if it is shorter than RECORD_PERIODS peak
-    periods."""
+    """Peak frequency [Hz] of a record less its mean (n,) [m]; None if it holds fewer than RECORD_PERIODS periods."""
     frequency, density = welch_density(interval, deviation, segment_count(interval, deviation))
     found = spectral_peak(frequency, density)
     return found if found >= RECORD_PERIODS * frequency[1] else None
@@ -268,8 +266,7 @@ def record_spectra(
 
 
 def spectral_moments(interval: float, deviation: np.ndarray, up_to: float) -> tuple[float, float, float]:
-    """Moments m0, m1 and m2 [m2, m2/s, m2/s2] of the spectrum, up to a frequency [Hz], of a record less its mean
-    (n,)."""
+    """Moments m0, m1 and m2 [m2, m2/s, m2/s2] of the spectrum, up to a frequency [Hz], of a record less its mean."""
     n = len(deviation)
     window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(n) / n)
     power = np.abs(np.fft.rfft(window * deviation)) ** 2

@@ -14,10 +14,12 @@ class Config(WindConfig):
 
     @property
     def stylised(self) -> bool:
+        """False: still air has no force field."""
         return False
 
     @property
     def still(self) -> bool:
+        """True: there is no wind."""
         return True
 
     @property

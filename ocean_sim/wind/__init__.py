@@ -37,8 +37,7 @@ class Clock:
 
 
 class DeviceRow:
-    """Row of numbers in device memory for kernels to read, 0 at first; a number is copied there only when it
-    changes."""
+    """Row of numbers in device memory for kernels, 0 at first; a number is copied there only when it changes."""
 
     def __init__(self, size: int) -> None:
         self.field, self.values = ti.field(float, shape=size), [0.0] * size
@@ -106,8 +105,7 @@ class Wind(ABC):
 
     def follow(self, middle: np.ndarray) -> None:  # noqa: B027
         """Store the middle x, z (2,) [m] of the patch of open sea under the wind, in the world; called as the patch
-        follows its ships. A wind with a place hands it to its `shared.place.Patch`; one that is the same everywhere
-        ignores it."""
+        follows its ships. A wind with a place hands it to its `shared.place.Patch`; a uniform wind ignores it."""
 
     def advance(self, dt: float) -> None:  # noqa: B027
         """Advance the wind to its state in the next time step, of dt [s]; called before each step of the water."""
@@ -122,8 +120,7 @@ class Wind(ABC):
 
     @ti.func  # noqa: B027
     def set_clock(self, since, step):
-        """Compute the state of the wind in this step, from the clock's `since` and `step` [s]; called at the start of a
-        kernel."""
+        """Compute the wind's state in this step from the clock's `since` and `step` [s]; called as a kernel begins."""
 
     @abstractmethod
     def force(self, key, position, velocity, area, bend, mass):

@@ -97,8 +97,7 @@ class Volume(Scheduled):
 
     @property
     def passing_time(self) -> float:
-        """Time [s] for which the drifting volume covers a point on its path; infinite for a volume that does not
-        drift."""
+        """Time [s] for which the drifting volume covers a point on its path; infinite if it does not drift."""
         speed = float(np.linalg.norm(self.velocity))
         return self.include[0].core.chord(self.velocity / speed) / speed if speed else inf
 
@@ -123,8 +122,7 @@ class Volume(Scheduled):
         return [(shape, 1.0) for shape in self.include] + [(shape, -1.0) for shape in self.exclude]
 
     def redrawn(self, seed: int, number: int, passage: int) -> tuple[float, float]:
-        """Random turn [rad] and strength factor of volume `number` in this later passage across the basin, from the
-        seed."""
+        """Random turn [rad] and strength factor of volume `number` in a later passage, drawn from the seed."""
         side, force, _ = numpy_uniform3(seed, PASSAGE_STREAM + number, 0, passage)[0]
         given = self.include[0].core.yaw
         low, high = (radians(a) for a in self.redraw_yaw_deg) if self.redraw_yaw_deg else (given, given)
@@ -243,8 +241,7 @@ def joined(drawings: list[Drawing]) -> Drawing:
 
 
 def row_size(volumes: list[Volume]) -> int:
-    """Number of columns of a device row that fits any of these volumes: its own, and those of the most shapes of
-    one."""
+    """Number of columns of a device row for any of these volumes: its own, and those of the largest set of shapes."""
     return VOLUME.size + SHAPE.size * max(len(volume.shapes) for volume in volumes)
 
 
@@ -302,8 +299,7 @@ class Gusts(Wind):
         self.patch.follow(middle)
 
     def advance(self, dt: float) -> None:
-        """Move all volumes by a step of dt [s] (Algorithm 1), with the strength in the middle of the step, and its
-        noise."""
+        """Move all volumes by a step of dt [s] (Algorithm 1), and set their strength and noise for it."""
         begun, changed = self.clock.time, False
         self.clock.advance(dt)
         for g, (passage, volume) in enumerate(zip(self.passages, self.volumes)):
@@ -375,8 +371,7 @@ class Gusts(Wind):
 
     @ti.func
     def push(self, g, key, position, velocity, area, mass):
-        """Force [N] of volume g on a particle or voxel at a position in the wind's axes [m]; 0 outside the volume, of
-        which the slab is tested first."""
+        """Force [N] of volume g on a particle or voxel at a position [m] in the wind's axes; 0 outside the volume."""
         total, off = tm.vec3(0.0), position.dot(self.vector(g, VOLUME.normal)) - self.row[g, VOLUME.slab]
         if ti.abs(off) <= self.row[g, VOLUME.half_thickness]:
             if self.holds(g, position - self.vector(g, VOLUME.centre)):
@@ -435,8 +430,7 @@ class Aimed(Wind):
 
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):
-        """Force [N] on a particle or voxel: (2.26), summed over the volumes of this subset that contain its
-        position."""
+        """Force [N] on a particle or voxel: (2.26), summed over the volumes of this subset that contain it."""
         total, x = tm.vec3(0.0), self.gusts.patch.seen(position)
         for k in range(self.n):
             total += self.gusts.push(self.number[k], key, x, velocity, area, mass)

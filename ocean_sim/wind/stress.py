@@ -115,8 +115,7 @@ class Config(Scheduled, WindConfig):
         return self.gain if self.pressure_gain is None else self.pressure_gain
 
     def sheltered(self, u10: float) -> float:
-        """Pressure P on the waves over their slope along the wind [Pa], at a wind speed u10 [m/s], its gain
-        included."""
+        """Pressure on the waves over their slope along the wind [Pa], at a wind speed u10 [m/s], its gain included."""
         relative = u10 - self.wave_speed
         return self.gain_of_pressure * self.sheltering * AIR_DENSITY * relative * abs(relative)
 
@@ -251,8 +250,7 @@ def unresolved(wind: Config, u10: float, preflight: Preflight) -> list[str]:
 
 
 def borne(stress: float, preflight: Preflight) -> list[str]:
-    """Warn if particles would resist a stress [Pa] like a solid, rather than flow, after they have left their lattice
-    rows."""
+    """Warn if particles that have left their lattice rows would resist a stress [Pa] like a solid, rather than flow."""
     fluid, tank = preflight.fluid, preflight.tank
     pressure, share = fluid.rest_density * hypot(*tank.gravity) * tank.depth, fluid.bears_shear
     if not 0.0 < stress < FLOW_SHEAR_RATIO * share * pressure:
@@ -328,8 +326,7 @@ class Stress(Wind):
 
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):
-        """Force [N] on a particle: stress on its plan area, and pressure on the slope of the surface; on a hull's voxel
-        the drag (2.22)."""
+        """Force [N]: on a particle stress on plan area, and pressure on the surface's slope; on a hull drag (2.22)."""
         row = ti.static(self.row.field)
         total = tm.vec3(0.0)
         if ti.static(self.afloat):

@@ -144,8 +144,7 @@ class Vortex(Wind):
         self._restart()
 
     def drawing(self) -> Drawing:
-        """Two rings around the core, at the surface and at the depth of its layer, lines between them, and arrows on
-        it."""
+        """Two rings around the core, at the surface and the lower end of its layer, lines between them, and arrows."""
         config, angle = self.config, np.linspace(0.0, 2.0 * pi, 33)
         around = np.stack([np.cos(angle), np.zeros(33), np.sin(angle)], axis=1)
         top = self.passage.centre + self.patch.origin + config.core_radius * around

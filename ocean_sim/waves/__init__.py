@@ -338,8 +338,7 @@ def pressure_head(sea: Components, points: np.ndarray, time: float = 0.0) -> np.
 
 
 def velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
-    """Water velocity (m, 3) [m/s] at points (m, 3) [m] with Wheeler stretching; above the water, that of its
-    surface."""
+    """Water velocity (m, 3) [m/s] at points (m, 3) [m] with Wheeler stretching; above water that of the surface."""
     y = stretched_height(sea, points, elevation(sea, points, time))
     return linear_velocity(sea, np.stack([points[:, 0], y, points[:, 2]], axis=1), time)
 

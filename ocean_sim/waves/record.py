@@ -162,8 +162,7 @@ AS_IT_WAS = Treatment()
 
 
 def slow_part(interval: float, values: np.ndarray, treatment: Treatment) -> str | None:
-    """Sentence on a trend or tide that makes a record (n,) [m] TREND_RATIO or more times as high as its waves, or
-    None."""
+    """Sentence on a trend or tide that makes a record (n,) [m] TREND_RATIO times as high as its waves, or None."""
     treated = treatment.deviation(values)
     level = Treatment(detrended=True).deviation(values)
     if not treatment.detrended and treated.std() > max(TREND_RATIO * level.std(), STILL_RANGE):

@@ -54,8 +54,7 @@ class Noise:
 
     @ti.func
     def set_clock(self, since, step):
-        """Compute the draws that overlap the step of `step` [s] ending `since` [s] after the clock's restart, and
-        weights."""
+        """Compute the draws that overlap the step of `step` [s] ending `since` [s] after the clock's restart."""
         if ti.static(self.every > 0.0):
             row = ti.static(self.row.field)
             span, left, each, strength = step / self.every, 0.0, 1.0, 1.0

@@ -103,8 +103,7 @@ class Scheduled(Timed):
 
     @cached_property
     def course(self) -> Schedule | None:
-        """Speed and heading over time, from rows or file; None without a schedule. Raises ValueError for faulty
-        rows."""
+        """Speed and heading over time from rows or file; None without a schedule. Raises ValueError for faulty rows."""
         if self.schedule is None:
             return None
         if self.table is not None:

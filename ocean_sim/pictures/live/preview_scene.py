@@ -141,8 +141,7 @@ class PreviewScene:
         return Patch(vertices, np.arange(len(vertices)).reshape(-1, 3), np.concatenate(colours) / 255.0)
 
     def particle_balls(self, small: bool) -> Balls | None:
-        """Particles coloured by speed, or None; `small`: with half the radius. The top speed of the scale never
-        falls."""
+        """Particles coloured by speed, or None; `small`: with half the radius. The scale's top speed never falls."""
         particles = self.simulation.fluid.particles
         if particles is None:
             return None

@@ -129,8 +129,7 @@ class Sheer:
         return merge_meshes(parts)
 
     def strake(self, share: float, out: float, radius: float, colour: Triple) -> Mesh:
-        """Mesh of a round bar of a radius [m] along sides and stern, `out` [m] outside a share of the bulwark's
-        height."""
+        """Mesh of a round bar of a radius [m] along sides and stern, `out` [m] off a share of the bulwark's height."""
         port = self.bulwark_top(self.stations, share=share) + [out, 0.0, 0.0]
         port[-1] = port[-1] * [0.0, 1.0, 1.0] + [0.0, 0.0, out]
         across = port[[0]] * np.array([[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])

@@ -124,8 +124,7 @@ def path_mesh(points: np.ndarray, radius: float, colour: Triple) -> Mesh:
 
 
 def smooth_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Unit normals (m, 3, 3) at triangle corners: area-weighted means of faces around a vertex, but not over
-    creases."""
+    """Unit normals (m, 3, 3) at triangle corners: area-weighted means of faces around a vertex, not across creases."""
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     faces = np.cross(b - a, c - a)
     flat = faces / np.maximum(np.linalg.norm(faces, axis=1, keepdims=True), 1e-30)

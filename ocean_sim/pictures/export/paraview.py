@@ -124,7 +124,7 @@ def save_moments(
     out: Path, name: str, kind: str, moments: list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]
 ) -> list[Path]:
     """Write a mesh at several times to files of a kind; `moments`: times [s], points, triangles, fields. Returns
-    paths."""
+    them."""
     if kind == "vtkhdf":
         path = out / f"{name}.vtkhdf"
         with atomic_write(path) as draft, Series(draft, "Polygons") as series:

@@ -93,8 +93,7 @@ class ShadowMap:
 
     def map(self, turn: np.ndarray, sun: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Depths (SHADOW_PIXELS, SHADOW_PIXELS, 3) [m] of the sunlit surface, along the direction to the `sun` from the
-        ship's position, in three equal channels; unit vectors of columns and rows. `turn`: (3, 3) from body to
-        world."""
+        ship's position, in three equal channels; unit vectors of columns and rows. `turn`: from body to world."""
         from scipy.ndimage import maximum_filter
 
         right = np.cross([0.0, 1.0, 0.0], sun)

@@ -52,8 +52,8 @@ class Camera(NamedTuple):
         return bool(self.forward[1] < MAP_DIRECTION)
 
     def spread(self, aspect: float) -> tuple[float, float]:
-        """Greatest angles [rad] of view beside the heading and below the horizon in a picture `aspect` times as wide as
-        high."""
+        """Widest angles [rad] seen beside the heading and below the horizon; `aspect`: width over height of the
+        picture."""
         right = np.cross(self.forward, self.up)
         high = np.tan(np.radians(self.angle) / 2.0)
         v, u = (part.ravel() for part in np.meshgrid(np.linspace(-1.0, 1.0, 9), np.linspace(-1.0, 1.0, 9)))
@@ -97,7 +97,7 @@ class Vessel(NamedTuple):
 
 class Operator:
     """Moving camera of a film. Its view depends on time, the ship's track until then, and for `orbit` the film's
-    span."""
+    end."""
 
     def __init__(
         self,
@@ -154,8 +154,8 @@ class Operator:
         return Camera(position + turn @ vessel.helm, turn @ forward, turn @ up, None, WIDE_ANGLE, near)
 
     def near_ship(self, position: np.ndarray, length: float) -> Camera:
-        """Camera `third_person` at a ship's position [m]: it moves with her in a very long basin or one she may
-        leave."""
+        """Camera `third_person` at a ship's position [m]: it moves with her if the basin is long or she may leave
+        it."""
         reach = FOLLOWED_REACH * length * np.array([1.0, 0.0, 1.0])
         lower, upper = position - reach, position + reach
         if not self.away:
@@ -192,8 +192,7 @@ def camera_looking(eye: np.ndarray, target: np.ndarray) -> Camera:
 
 
 def raised_camera(camera: Camera, top: np.ndarray) -> Camera:
-    """Camera raised until the point `top` [m], such as that of a mast, is in its picture; unchanged if it is
-    already."""
+    """Camera raised until the point `top` [m], as of a mast, is in its picture; unchanged if the point already is."""
     away = top - camera.eye
     over = float(away @ camera.up - np.tan(np.radians(camera.angle / 2.0)) / FRAME_MARGIN * (away @ camera.forward))
     return camera if over <= 0.0 else camera._replace(eye=camera.eye + over * camera.up)
@@ -218,15 +217,15 @@ def damped_track(track: Track) -> tuple[np.ndarray, np.ndarray]:
 
 
 def camera_abeam(middle: np.ndarray, forward: np.ndarray, reach: float, aspect: float) -> Camera:
-    """Perspective camera low over the sea, which has no cut side for a parallel projection. It looks along the level
-    direction `forward` at `middle` [m] and sees `reach` [m] to either side in a picture `aspect` times as wide as
+    """Perspective camera low over the sea, which has no cut side for a parallel projection. It looks along a level
+    direction `forward` at `middle` [m] and sees `reach` [m] to either side, in a picture `aspect` times as wide as
     high."""
     away = FRAME_MARGIN * reach / (np.tan(np.radians(VIEW_ANGLE / 2.0)) * aspect)
     return camera_looking(middle + away * (np.array([0.0, SIDE_EYE_HEIGHT, 0.0]) - forward), middle)
 
 
 def camera_on_box(name: CameraName, lower: np.ndarray, upper: np.ndarray, aspect: float) -> Camera:
-    """Camera of a name that sees all of a box from `lower` to `upper` [m] in a picture `aspect` times as wide as
+    """Camera of a name that sees a whole box from `lower` to `upper` [m] in a picture `aspect` times as wide as
     high."""
     forward, up = (np.array(v) / np.linalg.norm(v) for v in VIEW_DIRECTIONS[name])
     right = np.cross(forward, up)

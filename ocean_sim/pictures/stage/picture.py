@@ -39,8 +39,7 @@ def is_foreseeable(grid: Any, order: Order) -> bool:
 
 
 def swept_box(lower: np.ndarray, upper: np.ndarray, ways: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Corners [m] of the box that the basin covers as it moves with the mean position of ships on their tracks (n, 3)
-    [m]."""
+    """Corners [m] of the box that a basin covers as it moves with the mean of its ships, on tracks (n, 3) [m]."""
     middle = np.mean(ways, axis=0) * [1.0, 0.0, 1.0]
     return lower + middle.min(axis=0), upper + middle.max(axis=0)
 
@@ -207,8 +206,7 @@ class Picture:
         return self.shot(frame).finished()
 
     def shot(self, frame: Frame) -> "Shot":
-        """Render a frame. The picture returned is still to be finished, which needs no plotter and can run in
-        parallel."""
+        """Render a frame. The picture is still to be finished, which needs no plotter and can run in parallel."""
         self.move(self.operator.at(frame.time))
         for key, pose in frame.ships.items():
             self.ships[key].show(*pose, self.stage.camera.eye)
@@ -256,8 +254,7 @@ class Picture:
 
 
 class Moments:
-    """Collector of evenly spaced pictures of a film of unknown length, for a strip; holds at most twice as many as
-    needed."""
+    """Collector of evenly spaced pictures of a film of unknown length, for a strip; keeps at most twice those shown."""
 
     def __init__(self) -> None:
         self.kept: list[np.ndarray] = []

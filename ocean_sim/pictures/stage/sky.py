@@ -60,8 +60,7 @@ def clear_sky(direction: np.ndarray) -> np.ndarray:
 
 
 def sky_and_ground(direction: np.ndarray) -> np.ndarray:
-    """Radiance (n, 3) in unit directions (n, 3) of a clear sky, with ground below the horizon that darkens
-    downwards."""
+    """Radiance (n, 3) in unit directions (n, 3) of a clear sky, and of a ground that darkens downwards."""
     down = np.clip(-direction[:, 1], 0.0, 1.0)[:, None]
     flat = unit_vector(
         np.column_stack([direction[:, 0] + 1e-12, np.zeros(len(direction)), direction[:, 2]])
@@ -197,8 +196,7 @@ def scattered_light(d: np.ndarray, sun: np.ndarray, steps: int = 24, inner: int 
     light_r, light_m = np.zeros(d.shape), np.zeros(d.shape)
 
     def veil(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        """Share of light transmitted (..., 3) after optical paths a of Rayleigh and b of Mie scattering [m at sea
-        level]."""
+        """Share of light transmitted (..., 3) after paths a (Rayleigh) and b (Mie), in metres of sea-level air."""
         return np.exp(-(RAYLEIGH_SCATTERING * a[..., None] + 1.1 * MIE_SCATTERING * b[..., None]))
 
     for i in range(steps):
@@ -254,8 +252,7 @@ def add_clouds(d: np.ndarray, clear: np.ndarray, sunlight: np.ndarray) -> tuple[
 
 
 def fractal_noise(p: np.ndarray, octaves: int, seed: int) -> np.ndarray:
-    """Noise (...), 0 to 1, at points (..., 2): octaves of value noise, each with half the amplitude of the one
-    before."""
+    """Noise (...), 0 to 1, at points (..., 2): octaves of value noise, each of half the amplitude before."""
     total, weight, amplitude = np.zeros(p.shape[:-1]), 0.0, 1.0
     for k in range(octaves):
         total += amplitude * value_noise(p * 2.03**k + 17.3 * k, seed + k)

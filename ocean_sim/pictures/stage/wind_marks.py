@@ -47,8 +47,7 @@ class WindMarks:
         self.copies("crosses", self.cross, tails[~blowing] + [0.0, noise[:1].sum(), 0.0], noise)
 
     def copies(self, name: str, model: object, positions: np.ndarray, along: np.ndarray) -> None:
-        """Draw copies of a model, of length 1 along x, at positions (n, 3) [m], turned and scaled to vectors (n, 3)
-        [m]."""
+        """Draw copies of a model, 1 long and along x, at positions (n, 3) [m], turned and scaled to vectors (n, 3)."""
         plotter = self.stage.plotter
         plotter.remove_actor(name, render=False)
         if not len(positions):
@@ -108,8 +107,7 @@ class WindMarks:
 
 
 def arrow_legend(frame: Frame, length: float) -> tuple[float, str]:
-    """Length [m] of a legend arrow for a round value of the wind, 0 without one, and its text; `length`: of the basin
-    [m]."""
+    """Length [m] of a legend arrow for a round value of the wind, or 0, and its text; `length`: of the basin [m]."""
     if not (np.linalg.norm(frame.wind_arrows, axis=1) > MIN_ARROW / MAX_ARROW).any():
         return 0.0, "wind: noise alone" if len(frame.wind_tails) else "no wind"
     if frame.wind_strongest <= 0.0:

@@ -123,8 +123,7 @@ def display_colours(linear: np.ndarray) -> np.ndarray:
 def save_moments(
     out: Path, name: str, kind: str, moments: list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]
 ) -> list[Path]:
-    """Write a mesh at several times to files of a kind; `moments`: times [s], points, triangles, fields. Returns
-    them."""
+    """Write a mesh at several moments (time [s], points, triangles, fields) to files of a kind; returns the files."""
     if kind == "vtkhdf":
         path = out / f"{name}.vtkhdf"
         with atomic_write(path) as draft, Series(draft, "Polygons") as series:

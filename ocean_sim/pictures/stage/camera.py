@@ -52,8 +52,7 @@ class Camera(NamedTuple):
         return bool(self.forward[1] < MAP_DIRECTION)
 
     def spread(self, aspect: float) -> tuple[float, float]:
-        """Widest angles [rad] seen beside the heading and below the horizon; `aspect`: width over height of the
-        picture."""
+        """Widest angles [rad] seen beside the heading and below the horizon, in a picture of an `aspect` ratio."""
         right = np.cross(self.forward, self.up)
         high = np.tan(np.radians(self.angle) / 2.0)
         v, u = (part.ravel() for part in np.meshgrid(np.linspace(-1.0, 1.0, 9), np.linspace(-1.0, 1.0, 9)))
@@ -96,8 +95,7 @@ class Vessel(NamedTuple):
 
 
 class Operator:
-    """Moving camera of a film. Its view depends on time, the ship's track until then, and for `orbit` the film's
-    end."""
+    """Moving camera of a film: its view depends on time, the ship's track until then, for `orbit` the film's span."""
 
     def __init__(
         self,
@@ -154,8 +152,7 @@ class Operator:
         return Camera(position + turn @ vessel.helm, turn @ forward, turn @ up, None, WIDE_ANGLE, near)
 
     def near_ship(self, position: np.ndarray, length: float) -> Camera:
-        """Camera `third_person` at a ship's position [m]: it moves with her if the basin is long or she may leave
-        it."""
+        """Camera `third_person` at a ship's position [m]; moves with her if the basin is long or she may leave it."""
         reach = FOLLOWED_REACH * length * np.array([1.0, 0.0, 1.0])
         lower, upper = position - reach, position + reach
         if not self.away:
@@ -218,15 +215,13 @@ def damped_track(track: Track) -> tuple[np.ndarray, np.ndarray]:
 
 def camera_abeam(middle: np.ndarray, forward: np.ndarray, reach: float, aspect: float) -> Camera:
     """Perspective camera low over the sea, which has no cut side for a parallel projection. It looks along a level
-    direction `forward` at `middle` [m] and sees `reach` [m] to either side, in a picture `aspect` times as wide as
-    high."""
+    direction `forward` at `middle` [m], and sees `reach` [m] to either side in a picture of an `aspect` ratio."""
     away = FRAME_MARGIN * reach / (np.tan(np.radians(VIEW_ANGLE / 2.0)) * aspect)
     return camera_looking(middle + away * (np.array([0.0, SIDE_EYE_HEIGHT, 0.0]) - forward), middle)
 
 
 def camera_on_box(name: CameraName, lower: np.ndarray, upper: np.ndarray, aspect: float) -> Camera:
-    """Camera of a name that sees a whole box from `lower` to `upper` [m] in a picture `aspect` times as wide as
-    high."""
+    """Camera of a name that sees a box from `lower` to `upper` [m] in a picture `aspect` times as wide as high."""
     forward, up = (np.array(v) / np.linalg.norm(v) for v in VIEW_DIRECTIONS[name])
     right = np.cross(forward, up)
     right /= np.linalg.norm(right)

@@ -202,13 +202,11 @@ class Fan:
         return np.take_along_axis(self.bands, highest, axis=1)
 
     def lost(self, amplitude: np.ndarray) -> np.ndarray:
-        """Variance (rings,), along each axis, of the slopes of waves with amplitudes (n,) [m] that are too short to
-        draw."""
+        """Variance (rings,), along each axis, of slopes too short to draw, of waves with amplitudes (n,) [m]."""
         return 0.25 * (1.0 - self.sloping**2) @ (amplitude * self.sea.wavenumber) ** 2
 
     def gathering(self, amplitude: np.ndarray) -> tuple[float, np.ndarray]:
-        """Standard deviation of convergence over all waves with amplitudes (n,) [m], and (rings,) over those drawn on a
-        ring."""
+        """Standard deviation of convergence of waves with amplitudes (n,) [m], and (rings,) of those drawn there."""
         each = 0.5 * (amplitude * self.sea.wavenumber) ** 2
         return max(float(np.sqrt(each.sum())), 1e-12), np.sqrt(self.drawn**2 @ each)
 
@@ -261,8 +259,7 @@ class Modes:
         self.sea = Components(np.ones(len(n)), np.stack([sign_x * kx, sign_z * kz], axis=1), phase, depth)
 
     def variances(self, elevation: np.ndarray) -> np.ndarray:
-        """Variances (n,) [m2] of the plane waves for water heights (nx, nz) [m]; their sum is the variance of the
-        heights."""
+        """Variances (n,) [m2] of the plane waves for water heights (nx, nz) [m]; their sum is that of the heights."""
         from scipy.fft import dctn
 
         power = dctn(elevation - elevation.mean(), type=2, norm="ortho") ** 2 / elevation.size

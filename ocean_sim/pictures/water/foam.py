@@ -52,8 +52,7 @@ def convergence(elevation: np.ndarray, spacing_x: float, spacing_z: float) -> np
 
 
 def crest_cover(drawn_together: np.ndarray) -> float:
-    """Share of the sea whitened by breaking crests, whose convergence exceeds BREAKING_CONVERGENCE; at most
-    MAX_COVER."""
+    """Share of the sea whitened by breaking crests: convergence above BREAKING_CONVERGENCE; at most MAX_COVER."""
     return float(min((drawn_together > BREAKING_CONVERGENCE).mean(), MAX_COVER))
 
 
@@ -73,8 +72,7 @@ def white_shares(drawn_together: np.ndarray, wanted: float, among: np.ndarray | 
 
 
 def monahan_cover(speed: float) -> float:
-    """White-cap cover of the sea in a wind [m/s] at 10 m (Monahan & O'Muircheartaigh 1980, J. Phys. Oceanogr. 10,
-    (5))."""
+    """White-cap cover in a wind [m/s] at 10 m (Monahan & O'Muircheartaigh 1980, J. Phys. Oceanogr. 10, (5))."""
     return 3.84e-6 * max(speed, 0.0) ** 3.41
 
 
@@ -179,8 +177,7 @@ class FoamField:
         return np.where(born > white, born, 0.0)
 
     def add(self, rises_to: np.ndarray, thick: np.ndarray) -> None:
-        """Add flecks of thickness `thick`, which will rise to `rises_to`, on the cells where that is not 0; older
-        flecks there are removed."""
+        """Add flecks of thickness `thick` that rise to `rises_to`, on cells where that is not 0, in place of others."""
         cells = (np.floor(FLECKS_PER_CELL * (along + 0.5)).astype(int) for along in self.flecks[:2])
         covered = rises_to[tuple(cells)] > 0.0
         i, k = np.nonzero(rises_to)
@@ -201,8 +198,7 @@ class FoamField:
         self.flecks = np.stack([x, z, thick, rises_to])[:, np.maximum(thick, rises_to) > MIN_SHARE]
 
     def shown(self, thick: np.ndarray) -> np.ndarray:
-        """Share of white water in each cell, from flecks of thickness (n,): their mean where they lie close, less where
-        they have drifted apart."""
+        """Share of white water in each cell from flecks of thickness (n,), lower where they have drifted apart."""
         rows, columns = self.white.shape
         x, z = (FLECKS_PER_CELL * (along + 0.5) - 0.5 for along in self.flecks[:2])
         i, k = np.floor(x).astype(int), np.floor(z).astype(int)
@@ -216,8 +212,7 @@ class FoamField:
         return np.minimum(share, 1.0).reshape(rows, columns)
 
     def carry(self, way: np.ndarray) -> None:
-        """Move flecks and grain by a displacement x, z (nx, nz, 2) [m]; values from outside repeat those at the
-        edge."""
+        """Move flecks and grain by a displacement x, z (nx, nz, 2) [m]; grain from outside is that at the edge."""
         cells = np.moveaxis(way / self.cell, -1, 0)
         back = read_ways(
             cells, np.indices(cells.shape[1:]) - 0.5 * cells
@@ -285,8 +280,7 @@ def cell_means(white: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def displaced_values(values: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Values (nx, nz) displaced by (2, nx, nz) cells, by a cubic spline; values from outside repeat those at the
-    edge."""
+    """Values (nx, nz) displaced by (2, nx, nz) cells, by a cubic spline; values from outside are those at the edge."""
     from scipy.ndimage import map_coordinates
 
     return np.asarray(map_coordinates(values, np.indices(values.shape) - cells, mode="nearest"))
@@ -313,8 +307,7 @@ def read_ways(ways: np.ndarray, places: np.ndarray) -> np.ndarray:
 
 
 def new_foam(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np.ndarray:
-    """Thickness of new foam where convergence is strongest, so that it and the old foam `white` together cover the
-    share `wanted` of the water."""
+    """Thickness of new foam, where convergence is strongest, that with the old `white` covers the share `wanted`."""
     if white.mean() >= wanted or np.ptp(drawn_together) == 0.0:
         return np.zeros_like(white)
     rank = np.empty_like(white)

@@ -30,8 +30,7 @@ class Wind(NamedTuple):
 
 
 def value_noise(x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Noise (n,) at points x, z (n,), smooth between random values at integer points, and its derivatives along x and
-    z."""
+    """Noise (n,) at points x, z (n,), smooth between random values at integer points, and its two derivatives."""
     i, j = np.floor(x), np.floor(z)
     f, g = x - i, z - j
     i, j = i.astype(np.int64), j.astype(np.int64)

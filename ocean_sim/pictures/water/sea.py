@@ -46,8 +46,7 @@ class Dome:
 
 
 class Sea(Content):
-    """Water surface of a picture at sea: that of the basin, blended into the far sea, which ends in fog at the
-    horizon."""
+    """Water surface of a picture at sea: that of the basin, blended into the far sea, which ends in fog."""
 
     def __init__(self, stage: Stage, order: Order, vessels: dict[str, Vessel], grid: Any, state: SeaState) -> None:
         """`vessels`: ships by key; `grid`: arrays that a run saves once; `state`: sea around the basin over time."""
@@ -211,8 +210,7 @@ class Sea(Content):
         self.lay(self.near, points, surface.normals(now.height).reshape(-1, 3), traits.reshape(-1, 3), grain)
 
     def wetted_hull(self, key: str, position: np.ndarray, turn: np.ndarray) -> WettedHull:
-        """Hull of the ship of this key at a position (3,) [m], in the water as drawn; `turn`: (3, 3) from body to
-        world."""
+        """Hull of a ship at a position (3,) [m], in the water as drawn now; `turn`: (3, 3) from body to world."""
         speed = self.vessels[key].speed(self.frame.time) if key in self.vessels else 0.0
         return self.hulls[key].wetted_hull(position, turn, speed, self.heights_at)
 

@@ -67,13 +67,14 @@ def breaking_height(period: float, depth: float, gravity: float = GRAVITY) -> fl
 
 
 def piston_transfer(kh: Values) -> np.ndarray:
-    """Wave height over full stroke of a piston wavemaker, far from it (Biesel & Suquet 1951; Dean & Dalrymple 6.25)."""
+    """Wave height over stroke of a piston wavemaker, far away, at k h (Biesel & Suquet 1951; Dean & Dalrymple 6.25)."""
     q = 2.0 * np.minimum(np.asarray(kh, dtype=float), 300.0)
     return 2.0 * (np.cosh(q) - 1.0) / (np.sinh(q) + q)
 
 
 def pierson_moskowitz(frequency: Values, peak_frequency: float, alpha: float, gravity: float = GRAVITY) -> np.ndarray:
-    """Spectral density [m2 s] of Pierson & Moskowitz (1964); its variance is alpha g^2 / (5 (2 pi)^4 fp^4)."""
+    """Spectral density [m2 s] of Pierson & Moskowitz (1964) at frequencies [Hz], with peak fp [Hz]; its variance is
+    alpha g^2 / (5 (2 pi)^4 fp^4)."""
     f = np.asarray(frequency, dtype=float)
     scale = alpha * gravity**2 / (2.0 * pi) ** 4
     return scale * f**-5.0 * np.exp(-1.25 * (peak_frequency / f) ** 4)
@@ -82,8 +83,8 @@ def pierson_moskowitz(frequency: Values, peak_frequency: float, alpha: float, gr
 def jonswap(
     frequency: Values, peak_frequency: float, alpha: float, gamma: float = 3.3, gravity: float = GRAVITY
 ) -> np.ndarray:
-    """Spectral density [m2 s] of Hasselmann et al. (1973) at frequencies [Hz]: that of Pierson & Moskowitz with its
-    peak raised by gamma, over a width of 0.07 below the peak and 0.09 above it."""
+    """Spectral density [m2 s] of JONSWAP (Hasselmann et al. 1973) at frequencies [Hz]: that of Pierson & Moskowitz, its
+    peak raised by the factor gamma, over a relative width of 0.07 below the peak and 0.09 above it."""
     ratio = np.asarray(frequency, dtype=float) / peak_frequency
     width = np.where(ratio <= 1.0, 0.07, 0.09)
     peak = gamma ** np.exp(-0.5 * ((ratio - 1.0) / width) ** 2)
@@ -229,7 +230,8 @@ def fit_periods(sea: Components, periods: Sequence[float]) -> Components:
 
 
 def profiles(k: Values, y: Values, depth: float) -> tuple[np.ndarray, np.ndarray]:
-    """Depth profiles cosh k(y+h) / cosh kh and sinh k(y+h) / cosh kh at heights y [m], without overflow."""
+    """Depth profiles cosh k(y+h) / cosh kh and sinh k(y+h) / cosh kh at heights y [m] over still water, without
+    overflow."""
     rise, mirrored, bed = np.exp(k * y), np.exp(-2.0 * k * (y + depth)), np.exp(-2.0 * k * depth)
     return rise * (1.0 + mirrored) / (1.0 + bed), rise * (1.0 - mirrored) / (1.0 + bed)
 
@@ -363,7 +365,7 @@ def regular_wave(
 
 
 class Spectrum(Model):
-    """Long-crested random waves, by their spectrum."""
+    """Long-crested random waves given by a spectrum."""
 
     kind: Literal["jonswap", "pierson_moskowitz"] = "jonswap"
     """`pierson_moskowitz`: a sea that has grown as far as its wind lets it; `jonswap`: one that still
@@ -420,7 +422,7 @@ class Spectrum(Model):
 
 
 class SpreadSpectrum(Spectrum):
-    """Random waves, by their spectrum and how far their directions spread."""
+    """Random waves given by a spectrum, whose directions may spread about their heading."""
 
     spreading: float | None = quantity("1", None, gt=0.0)
     """s of cos^2s(angle / 2), the share of the energy that goes at an angle to the heading (Longuet-Higgins, Cartwright
@@ -446,7 +448,7 @@ class SpreadSpectrum(Spectrum):
 
 
 class WaveTrain(Model):
-    """Regular waves by `height` and `period`, or random ones by `spectrum`."""
+    """Waves that are regular, by `height` and `period`, or random, by `spectrum`."""
 
     height: float | None = quantity("m", None, gt=0.0)
     """Height from trough to crest."""
@@ -484,7 +486,7 @@ class WaveTrain(Model):
 
 
 class HeadedTrain(WaveTrain):
-    """Waves with a heading."""
+    """Wave train that travels along a heading."""
 
     heading_deg: float | None = quantity("deg", None)
     """Direction of travel of regular waves: 0 along +z, 90 along +x; by default 0, in 2-D 90."""
@@ -512,7 +514,7 @@ class HeadedTrain(WaveTrain):
 
 
 class OpenTrain(HeadedTrain):
-    """Waves of a sea without sides, whose directions may spread."""
+    """Wave train on a sea without sides, whose directions may spread."""
 
     spectrum: SpreadSpectrum | None = None
     """Random waves, instead of `height` and `period`."""
@@ -525,7 +527,7 @@ class OpenTrain(HeadedTrain):
 
 
 class GrowingTrain(OpenTrain):
-    """Waves of a sea without sides that grow from calm water."""
+    """Wave train on a sea without sides that grows from calm water over a ramp."""
 
     ramp: float | None = quantity("s", None, ge=0.0)
     """Time over which the waves grow from calm water; null: two periods of the highest; 0: they are there at once."""

@@ -153,7 +153,7 @@ class Treatment:
         return detrend(values, type="linear" if self.detrended else "constant")
 
     def notes(self) -> dict[str, str]:
-        """Notes on this treatment for tables, by name; empty for an untreated record."""
+        """Table notes on the options in use, by name; empty for a record treated by default."""
         found = {"detrended": "less the straight line through each record"} if self.detrended else {}
         return found | ({"hysteresis": f"{self.hysteresis:g} m"} if self.hysteresis else {})
 
@@ -278,17 +278,17 @@ def spectral_moments(interval: float, deviation: np.ndarray, up_to: float) -> tu
 
 
 def sampling_error(deviation: np.ndarray) -> float:
-    """Relative standard error of the significant height (four standard deviations) of a record (n,) of a Gaussian sea:
-    half of that of m0, which is the root of the integral of S^2 over m0^2 and the record's length (Bendat & Piersol
-    2010, Random Data, 4th ed., section 8.2); the square of a periodogram is 2 S^2 on average."""
+    """Relative standard error of the significant height of a record (n,) of a Gaussian sea less its mean: half that of
+    m0, which is the root of the integral of S^2 over m0^2 and the record's length (Bendat & Piersol 2010, Random Data,
+    4th ed., section 8.2); a periodogram squared is 2 S^2 on average."""
     power = np.abs(np.fft.rfft(deviation)) ** 2
     return 0.5 * float((0.5 * (power**2).sum()) ** 0.5 / power.sum())
 
 
 def measure_record(time: np.ndarray, height: np.ndarray, treatment: Treatment = AS_IT_WAS) -> Sea:
-    """Sea state of a record of heights (n,) [m] at times (n,) [s]; raises Unmeasurable if it is faulty or too short. A
-    constant record has heights of 0 and no waves. One without a whole wave between two zero up-crossings has only
-    hm0_m."""
+    """Measure the sea state of a record of heights (n,) [m] at times (n,) [s]; raises Unmeasurable if it is faulty or
+    too short. A constant record has heights of 0 and no waves; a record without a whole wave between two zero
+    up-crossings has only hm0_m."""
     interval, values = even_samples(time, height)
     deviation = treatment.deviation(values)
     if np.ptp(deviation) <= STILL_RANGE:

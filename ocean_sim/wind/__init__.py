@@ -85,6 +85,7 @@ class Wind(ABC):
     needs_bend: bool  # True if `force` reads `bend`: the fluid then finds how its surface bends
 
     def __init__(self, config: WindKeys, clock: Clock | None = None) -> None:
+        """`clock`: clock shared with another wind; by default a new one."""
         self.config, self.gain = config, 1.0
         self.needs_area, self.needs_bend = config.needs_area, config.needs_bend
         self.clock = Clock() if clock is None else clock

@@ -197,22 +197,23 @@ class Config(Placed, WindConfig):
         return [g for g, v in enumerate(self.volumes) if target in (self.targets if v.targets is None else v.targets)]
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults of the volumes' schedules and of the key `frame`."""
+        """Faults of the volumes' schedules and of the key `frame`, each as key path and sentence."""
         unscheduled: Problems = [
             (("volumes", g, *path), message) for g, v in enumerate(self.volumes) for path, message in v.unscheduled()
         ]
         return [*unscheduled, *self.misframed(preflight)]
 
     def build(self, basin: Basin, seed: int) -> Wind:
+        """Build the volumes of air on the device."""
         return Gusts(self, basin, seed)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Memory for the rows of volumes and noise on the device."""
+        """Row of the memory ledger for volumes and noise on the device."""
         n, numbers = len(self.volumes), len(self.volumes) * row_size(self.volumes) + DRAWS.size
         return [LedgerRow("wind", "moving volumes of air", preflight.word * numbers, f"{n} in wind.volumes")]
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Sentences on force fields, velocity changes, ends of schedules and drag on ships."""
+        """Warnings about force fields, velocity changes, ends of schedules and drag on ships."""
         sentences = []
         for g, volume in enumerate(self.volumes):
             name, size = f"wind.volumes[{g}]", hypot(*volume.acceleration, *volume.noise)

@@ -24,6 +24,7 @@ class Config(WindConfig):
 
     @property
     def acts_on(self) -> tuple[Target, ...]:
+        """No targets: still air acts on nothing."""
         return ()
 
     def warnings(self, preflight: Preflight) -> list[str]:
@@ -33,4 +34,5 @@ class Config(WindConfig):
         return []
 
     def build(self, basin: Basin, seed: int) -> Wind:
+        """Build still air."""
         return StillAir()

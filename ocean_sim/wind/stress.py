@@ -120,7 +120,7 @@ class Config(Scheduled, WindConfig):
         return self.gain_of_pressure * self.sheltering * AIR_DENSITY * relative * abs(relative)
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults of the schedule, of keys that exclude each other, and of the heading or the basin."""
+        """Faults of the schedule, of exclusive keys, and of heading or basin, each as key path and sentence."""
         basin, found = preflight.tank, list(self.unscheduled())
         stated = {"u10": self.u10, "drag_law": self.drag_law, "schedule": self.schedule}
         others = [key for key, value in stated.items() if value is not None]
@@ -136,14 +136,15 @@ class Config(Scheduled, WindConfig):
         return found
 
     def build(self, basin: Basin, seed: int) -> Wind:
+        """Build the stress on the device."""
         return Stress(self, basin)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Memory for the six numbers of the wind on the device."""
+        """Row of the memory ledger for the wind's numbers on the device."""
         return [LedgerRow("wind", "stress, pressure and direction", 6 * preflight.word, "wind.kind is stress")]
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Sentences on the size of the stress, the schedule, ships, the drag law and unresolved waves."""
+        """Warnings about the size of the stress, the schedule, ships, the drag law and unresolved waves."""
         u10 = self.strongest
         sheltered = f", pressure on waves {self.sheltered(u10):.3g} Pa times their slope" if self.sheltering else ""
         gain = "a real wind (gain 1)" if self.gain == 1.0 else f"{self.gain:g} times a real wind (gain)"
@@ -188,8 +189,8 @@ def fetch_limited(u10: float, fetch: float, gravity: float = GRAVITY) -> tuple[f
 
 
 def plant(u10: float, k: float, gravity: float = GRAVITY) -> float:
-    """Growth rate of energy [1/s] that a real wind u10 [m/s] gives deep-water waves of wavenumber k [1/m]: 0.04
-    (u*/c)^2 w, accurate to 50 % (Plant 1982, J. Geophys. Res. 87)."""
+    """Growth rate of energy [1/s] of deep-water waves of wavenumber k [1/m] in a real wind u10 [m/s]: 0.04 (u*/c)^2 w,
+    accurate to 50 % (Plant 1982, J. Geophys. Res. 87)."""
     omega = (gravity * k) ** 0.5
     return 0.04 * stress(u10) / AIR_DENSITY * (k / omega) ** 2 * omega
 
@@ -298,7 +299,7 @@ class Stress(Wind):
             self.ship.strengthen(factor)
 
     def _set_strength(self, dt: float) -> None:
-        """Write stress, pressure, direction and speed in the step of dt [s] that begins now to the device."""
+        """Write to the device the stress, pressure, direction and speed of the step of dt [s] that begins now."""
         u10, heading = self.config.blows(self.time + 0.5 * dt, self.dimension)
         u10 *= self.gain
         part = self.config.blowing(self.time, dt)

@@ -82,21 +82,22 @@ class Config(Timed, Placed, WindConfig):
         return 2.0 * pi * self.acceleration * min(radius**2 / self.core_radius, self.core_radius)
 
     def build(self, basin: Basin, seed: int) -> Wind:
+        """Build the vortex on the device."""
         return Vortex(self, basin, seed)
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults of a 2-D basin, which cannot have a vortex, and of the key `frame`."""
+        """Faults of a 2-D basin, which cannot have a vortex, and of the key `frame`, each as key path and sentence."""
         sentence = "a vortex turns about the vertical: give the basin a width"
         flat: Problems = [(("kind",), sentence)] if preflight.tank.dimension == 2 else []
         return flat + self.misframed(preflight)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Memory for axis, strength and noise on the device."""
+        """Row of the memory ledger for axis, strength and noise on the device."""
         size = ROW.size * preflight.word
         return [LedgerRow("wind", "axis, strength and noise of the vortex", size, "wind.kind is vortex")]
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Sentences on the size of the force field, and on the change of velocity in one passage."""
+        """Warnings about the size of the force field and the change of velocity in one passage."""
         speed = hypot(*self.drift)
         acceleration = (self.acceleration, self.upward, self.inward)
         passing = 2.0 * self.core_radius / speed if speed else inf

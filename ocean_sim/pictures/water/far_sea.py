@@ -59,6 +59,7 @@ class PlaneWaves:
     """Sum of plane waves at the nodes of a tensor grid, evaluated by products of matrices."""
 
     def __init__(self, sea: Components, x: np.ndarray, z: np.ndarray) -> None:
+        """`x`, `z`: coordinates of the grid's nodes [m]."""
         self.sea = sea
         self.along_x, self.along_z = (
             np.exp(1j * nodes[:, None] * k) for nodes, k in zip((x, z), sea.wavevector.T, strict=True)

@@ -91,8 +91,7 @@ def spread_ways(way: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
 
 
 def split_edges(mesh: Mesh, flat: np.ndarray, facing: np.ndarray) -> Mesh:
-    """Copy of a mesh whose `flat` triangles (m,) have vertices of their own, with normals `facing` (m, 3) along
-    axes."""
+    """Copy of a mesh whose `flat` triangles (m,) get vertices of their own, with normals `facing` (m, 3) along axes."""
     kinds, number = np.unique(facing[flat], axis=0, return_inverse=True)
     n, corners = len(mesh.vertices), mesh.triangles.copy()
     own, found = np.unique(number.reshape(-1, 1) * n + corners[flat], return_inverse=True)

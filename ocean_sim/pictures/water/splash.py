@@ -223,6 +223,7 @@ class Spray:
     """Spray above a sea: puffs of drops in a fixed number, of which unused ones are hidden far below."""
 
     def __init__(self, stage: Stage, spacing: float) -> None:
+        """`spacing` of the particles [m], to which drops and puffs are scaled."""
         self.spacing = spacing
         self.positions = np.tile(np.array([0.0, -SEA_RADIUS, 0.0], np.float32), (MAX_PUFFS * PUFF_DROPS, 1))
         n = np.arange(PUFF_KINDS * PUFF_DROPS)

@@ -65,8 +65,7 @@ def slope_variance(wind_speed: float) -> float:
 
 
 def surface_light(position: np.ndarray, normal: np.ndarray, height: np.ndarray, eye: np.ndarray) -> np.ndarray:
-    """Linear RGB (n, 3) of surface points (n, 3) [m] seen from an eye; `height`: -1 in a trough, 0 at rest, 1 on a
-    crest."""
+    """Linear RGB (n, 3) of surface points (n, 3) [m] for an eye; `height`: -1 in a trough, 0 at rest, 1 on a crest."""
     to_eye = unit_vector(eye - position)
     facing = np.maximum((to_eye * normal).sum(axis=1), 0.0)
     cosine = np.sqrt(facing**2 + NODE_ROUGHNESS)  # ripples keep a rough sea from mirroring fully at grazing angles
@@ -90,8 +89,7 @@ def sun_glint(normal: np.ndarray, to_eye: np.ndarray, cosine: np.ndarray) -> np.
 
 
 def side_light(position: np.ndarray, normal: np.ndarray, depth: np.ndarray, eye: np.ndarray) -> np.ndarray:
-    """Linear RGB (n, 3) of points (n, 3) [m] on a cut side of the water, for an eye; `depth`: 0 at top, 1 at the
-    bed."""
+    """Linear RGB (n, 3) of points (n, 3) [m] on a cut side of the water, for an eye; `depth`: 0 at top, 1 at bed."""
     to_eye = unit_vector(eye - position)
     facing = np.clip((to_eye * normal).sum(axis=1), 0.0, 1.0)
     share = fresnel(facing)[:, None]

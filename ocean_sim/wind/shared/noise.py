@@ -47,7 +47,7 @@ class Noise:
             self.row.set(DRAWS.phase, draws % 1.0)
 
     def advance(self) -> None:
-        """Take the next draw if there is one draw per step; called after each step of the wind."""
+        """Take the next draw, if there is one draw per step; called as the wind advances."""
         if not self.every:
             self.row.set(DRAWS.number, self.steps % DRAW_NUMBERS)
             self.steps += 1

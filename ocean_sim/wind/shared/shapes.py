@@ -93,7 +93,7 @@ class Box(Model):
 
     @property
     def core(self) -> Core:
-        """Box with its centre and turn, as the core of a shape without radius."""
+        """Box as a `Core` of radius 0."""
         return Core(np.array(self.centre), self.half_size, 0.0, radians(self.yaw_deg))
 
 
@@ -108,7 +108,7 @@ class Sphere(Model):
 
     @property
     def core(self) -> Core:
-        """Point with a radius, as the core of a shape."""
+        """Sphere as a `Core`: a point with its radius."""
         return Core(np.array(self.centre), (0.0, 0.0, 0.0), self.radius, 0.0)
 
 
@@ -129,7 +129,7 @@ class Capsule(Model):
 
     @property
     def core(self) -> Core:
-        """Line with a radius and a turn, as the core of a shape."""
+        """Capsule as a `Core`: the line between the centres of its ends, with its radius."""
         x, y, z = (self.half_length if self.axis == k else 0.0 for k in "xyz")
         return Core(np.array(self.centre), (x, y, z), self.radius, radians(self.yaw_deg))
 

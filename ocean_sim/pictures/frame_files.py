@@ -157,7 +157,8 @@ def known_film_frames(times: np.ndarray, every: float) -> list[int]:
 
 
 def survey_run(files: list[Path]) -> tuple[Frame, float]:
-    """Frame with the highest waves in a run's second half, and the run's greatest 99th percentile of particle speed."""
+    """Frame with the highest waves in the second half of a run, and the 99th percentile [m/s] of particle speed in the
+    run's fastest frame."""
     height, speed = [], [0.1]
     for frame in map(Frame, files):  # one at a time: a frame of a large run is large
         height.append(float(frame.elevation.std()))

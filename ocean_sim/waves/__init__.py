@@ -230,8 +230,7 @@ def fit_periods(sea: Components, periods: Sequence[float]) -> Components:
 
 
 def profiles(k: Values, y: Values, depth: float) -> tuple[np.ndarray, np.ndarray]:
-    """Depth profiles cosh k(y+h) / cosh kh and sinh k(y+h) / cosh kh at heights y [m] over still water, without
-    overflow."""
+    """Depth profiles cosh k(y+h) / cosh kh, sinh k(y+h) / cosh kh at heights y [m] over still water, no overflow."""
     rise, mirrored, bed = np.exp(k * y), np.exp(-2.0 * k * (y + depth)), np.exp(-2.0 * k * depth)
     return rise * (1.0 + mirrored) / (1.0 + bed), rise * (1.0 - mirrored) / (1.0 + bed)
 

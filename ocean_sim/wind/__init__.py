@@ -1,4 +1,4 @@
-"""Moving air: every module of this folder is a kind that a scene may name; what they share lies in `shared`."""
+"""Moving air: each module of this folder is a kind that a scene may name; `shared` holds their common modules."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence

@@ -1,7 +1,7 @@
 """A physical wind: the stress rho C_d U10^2 (2.20), or one that was measured, on the plan area of the free surface, and
 pressure on its waves.
 
-The stress acts along the wind on what is seen of the surface from above; so momentum grows by stress times plan area,
+The stress acts along the wind on the plan area of the surface; so momentum grows by stress times plan area,
 whatever the resolution. Pressure on waves is Jeffreys's (1925, Proc. R. Soc. A 107): s rho_air (U10 - c)^2 times the
 slope along the wind, higher on the windward side, which makes waves grow. In linear theory the energy of a wave of
 frequency w grows at the rate P w / (rho c^2), P = s rho_air (U10 - c)^2.

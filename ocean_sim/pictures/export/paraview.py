@@ -88,7 +88,7 @@ def export_surface(
     frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
 ) -> list[Path]:
     """Write the water's surface with foam and velocity, every ship at her pose, gates, and fixed obstacles once;
-    returns the files: one a frame and thing (ply, vtp with a list of times for ParaView), or one a thing (vtkhdf)."""
+    returns the files: one per object and frame (ply, vtp with a list of times), or one per object (vtkhdf)."""
     files: dict[str, list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]] = {"surface": []}
     drawn = {key: model.mesh for key, model in scene_file.ship_models(grid).items()}
     for shot in export_shots(frames, grid, z_up):

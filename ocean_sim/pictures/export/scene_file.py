@@ -114,7 +114,7 @@ def surface_normals(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
 
 
 def ship_models(grid: dict[str, np.ndarray]) -> dict[str, ShipModel]:
-    """Models to draw of all ships of a run, by ship key."""
+    """Models to draw of all ships of a run, by ship key; `grid`: arrays that the run saves once."""
     return {key: kept_model(grid, key) for key in ship_keys(grid, "_look")}
 
 
@@ -141,7 +141,7 @@ def frame_rate(first: float, last: float, count: int, every: float) -> float:
 
 def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up: bool) -> Path:
     """Write USD with time samples (usdc): /sea/water, /sea/obstacles, /sea/gates, /sea/NAME of each ship,
-    /sea/particles; in metres, at the run's frame rate. Raises UsdMissing."""
+    /sea/particles; in metres, at the run's frame rate. Returns the path; raises UsdMissing without the package."""
     try:
         from pxr import Gf, Sdf, Tf, Usd, UsdGeom, Vt
     except ImportError:
@@ -232,15 +232,15 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
 
 
 def set_triangles(mesh: Any, corners: np.ndarray, vt: ModuleType, *at: Any) -> None:
-    """Set the triangles of a USD mesh from vertex numbers (3 m,); `at`: USD time code from which they hold, or none."""
+    """Set a USD mesh's triangles from vertex numbers (3 m,); `vt`: USD's array types; `at`: time code, or for ever."""
     mesh.CreateFaceVertexCountsAttr().Set(vt.IntArray.FromNumpy(np.full(len(corners) // 3, 3, np.int32)), *at)
     mesh.CreateFaceVertexIndicesAttr().Set(vt.IntArray.FromNumpy(corners), *at)
     mesh.CreateSubdivisionSchemeAttr("none")
 
 
 def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> Path:
-    """Write binary glTF: water, obstacles and moving ships. The water is one mesh that changes shape, coloured by the
-    foam of the first frame, or, if its triangles change, a mesh for each frame, one visible at a time."""
+    """Write binary glTF and return the path: water, obstacles, moving ships. The water is one mesh that changes shape,
+    coloured by the foam of the first frame, or, if its triangles change, one mesh a frame, each visible at its time."""
     from scipy.spatial.transform import Rotation
 
     wakes = RunWakes(frame_files(frames[0].parent.parent), grid)
@@ -279,7 +279,7 @@ def water_colours(kept: ExportShot) -> np.ndarray:
 
 
 def continuous_quaternions(quaternions: np.ndarray) -> np.ndarray:
-    """Quaternions (k, 4) with signs chosen so that neighbours interpolate the short way."""
+    """Quaternions (k, 4) with signs chosen so that interpolation between neighbours turns a ship the short way."""
     signs = np.cumprod([1.0, *np.where((quaternions[1:] * quaternions[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)])
     return quaternions * signs[:, None]
 

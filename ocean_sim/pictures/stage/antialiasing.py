@@ -36,8 +36,7 @@ def smooth_edges(image: np.ndarray) -> np.ndarray:
 
 
 def find_edges(bright: np.ndarray, flat: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Find the pixels at edges in BATCH_ROWS rows, from row `first` on, of a picture's brightness with a margin of one
-    pixel.
+    """Find pixels at edges in BATCH_ROWS rows, from `first` on, of a picture's brightness with a one-pixel margin.
 
     Returns their indices (n,) in `flat`, the brightness pixel after pixel; the index step (n,) to the neighbour across
     the edge; and the share (n,) of the neighbour's colour that each pixel takes."""

@@ -221,7 +221,7 @@ def camera_abeam(middle: np.ndarray, forward: np.ndarray, reach: float, aspect: 
 
 
 def camera_on_box(name: CameraName, lower: np.ndarray, upper: np.ndarray, aspect: float) -> Camera:
-    """Camera of a name that sees a box from `lower` to `upper` [m] in a picture `aspect` times as wide as high."""
+    """Camera `name` that sees a whole box from `lower` to `upper` [m] in a picture `aspect` times as wide as high."""
     forward, up = (np.array(v) / np.linalg.norm(v) for v in VIEW_DIRECTIONS[name])
     right = np.cross(forward, up)
     right /= np.linalg.norm(right)

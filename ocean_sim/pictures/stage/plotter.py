@@ -38,11 +38,11 @@ class Stage:
 
 
 class Content:
-    """Main subject of a picture: interface of a sea, a tank, or particles."""
+    """Main subject of a picture: interface that a sea, a tank or particles implement."""
 
     def show(self, frame: Frame) -> None:
         """Update the subject to its state in a frame."""
         raise NotImplementedError
 
     def close(self) -> None:
-        """Release resources of the subject that the plotter does not."""
+        """Free resources of the subject that closing the stage's plotter does not free."""

@@ -207,7 +207,7 @@ class Fan:
         return 0.25 * (1.0 - self.sloping**2) @ (amplitude * self.sea.wavenumber) ** 2
 
     def gathering(self, amplitude: np.ndarray) -> tuple[float, np.ndarray]:
-        """Standard deviation of convergence of waves with amplitudes (n,) [m], and (rings,) of those drawn there."""
+        """Standard deviations of convergence: of waves with amplitudes (n,) [m], and of those drawn on each ring."""
         each = 0.5 * (amplitude * self.sea.wavenumber) ** 2
         return max(float(np.sqrt(each.sum())), 1e-12), np.sqrt(self.drawn**2 @ each)
 
@@ -227,8 +227,8 @@ class Fan:
 
 class Modes:
     """Plane waves that represent the standing wave modes of a basin in the sea around it. Each has the mean wavenumber
-    and heading of the modes in a shell and a sector, and the sum of their variances. It is turned at random into one of
-    four quarters, most likely the one towards which the wind blows."""
+    and heading of the modes in a range of wavenumbers and headings, and the sum of their variances. It is turned at
+    random into one of four quarters, most likely the one towards which the wind blows."""
 
     def __init__(
         self, shape: tuple[int, ...], size: tuple[float, float], depth: float, towards: np.ndarray, seed: int = 0
@@ -278,8 +278,7 @@ def wind_speed_from_sea(sea: Components, time: float) -> float:
     """Wind speed [m/s] at 10 m that raises a random sea as high as it has grown at a time [s]; 0 for regular waves.
 
     Height and peak grow with the fetch F, g F / U^2 = X, as H g / U^2 = 0.0016 X^(1/2) and omega_p U / g = 22 X^(-1/3)
-    (Hasselmann et al. 1973, Dtsch. Hydrogr. Z. A8 12); X is eliminated. A swell, low for its period, gives almost
-    none."""
+    (Hasselmann et al. 1973, Dtsch. Hydrogr. Z. A8 12); X is eliminated. A swell, low for its period, gives little."""
     energy = sea.amplitude**2
     if not sea.random or energy.sum() <= 0.0:
         return 0.0

@@ -87,7 +87,7 @@ def smoothed_convergence(drawn_together: np.ndarray) -> np.ndarray:
 
 
 def wanted_cover(drawn_together: np.ndarray, wind: float) -> float:
-    """Target cover of white water: from the wind speed [m/s], or from breaking crests if that is 0."""
+    """Target cover of white water: by the wind speed [m/s], or if that is 0, by the convergence of crests."""
     return min(monahan_cover(wind), MAX_COVER) if wind > 0.0 else crest_cover(drawn_together)
 
 
@@ -150,8 +150,8 @@ class FoamField:
             self.cover += (wanted - self.cover) * (1.0 - before / self.called)
 
     def gathering(self, shape: tuple[int, ...], time: float) -> np.ndarray:
-        """Readiness (nx, nz) of crests to break at a time [s], 1 in the mean. It varies along a crest, which would
-        otherwise break in one line too thin to last. The law is ours."""
+        """Patchiness factor (nx, nz) on the convergence of crests at a time [s], 1 in the mean, so that a crest breaks
+        in places and not all along in a line too thin to last. The law is ours."""
         cells = (FLECKS_PER_CELL * (np.arange(n) + first) for n, first in zip(shape, self.origin, strict=True))
         x, z = (
             (at + wanders * time) / (GATHERING_PATCHES * PATCH_CELLS)
@@ -242,7 +242,7 @@ class FoamField:
 
 
 def gathering_noise(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Readiness (n,) of water at x, z (n,) to turn white: noise with a period of about 1 and a mean of 1."""
+    """Patchiness factor (n,) on convergence at x, z (n,): noise with a period of about 1 and a mean of 1."""
     return 0.5 + value_noise(x, z)[0]
 
 

@@ -38,7 +38,7 @@ class SeaNow(NamedTuple):
 
 
 class SeaState:
-    """Sea around the basin of a run at the times of its frames, from those until then."""
+    """Sea around the basin of a run at the time of any frame, estimated from that frame and earlier ones."""
 
     def __init__(self, scene: dict[str, Any], grid: Any, log: FrameLog) -> None:
         """`scene`: resolved scene of the run; `grid`: arrays that a run saves once."""

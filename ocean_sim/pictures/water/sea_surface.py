@@ -37,7 +37,7 @@ class SeaSurface:
         self.wanted = 0.0  # share of white water
 
     def grain_at(self, origin: np.ndarray) -> np.ndarray:
-        """Readiness (nx, nz) of water to turn white at the nodes around an origin x, z [m]; 1 in the mean."""
+        """Patchiness factor (nx, nz) on convergence at the nodes around an origin x, z [m]; 1 in the mean."""
         return foam_gathering(*(self.nodes + origin).T).reshape(len(self.x), len(self.z))
 
     def blend_weight(self, k: int) -> np.ndarray:
@@ -139,5 +139,5 @@ class SeaSurface:
 
 
 def foam_gathering(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Readiness (n,) of water at positions x, z (n,) [m] to turn white; 1 in the mean."""
+    """Patchiness factor (n,) on the convergence of the sea at x, z (n,) [m]; 1 in the mean."""
     return foam.gathering_noise(x / GATHERING_LENGTH, z / GATHERING_LENGTH)

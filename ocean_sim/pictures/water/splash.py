@@ -170,8 +170,8 @@ def values_at_vertices(vertices: np.ndarray, position: np.ndarray, values: np.nd
 
 
 def birth_places(position: np.ndarray, number: np.ndarray, first_position: np.ndarray, first: np.ndarray) -> np.ndarray:
-    """Positions (n, 3) [m] that particles of ids `number` (n,) had in the first picture, or for later ones have now.
-    Foam patterns drawn at these places move and stretch with the water."""
+    """Positions (n, 3) [m] that particles of ids `number` (n,) had in the first picture; particles new since then have
+    their present ones. Foam patterns drawn at these places move and stretch with the water."""
     if not len(first):
         return position
     order = np.argsort(first)

@@ -182,9 +182,8 @@ vec3 sunGlint(vec3 n, vec3 e, float variance) {{
 
 
 def water_program(ships: int, grain: str = "posW.xz", shadows: str = "") -> str:
-    """GLSL program of the water around a number of ships, whose maps of distances to the hulls are stacked in one
-    texture. `grain`: expression of the place at which foam's grain is read; `shadows`: program that reduces
-    `sunlit`."""
+    """GLSL program of the water around some ships, whose maps of distances to the hulls are stacked in one texture.
+    `grain`: expression of the place at which foam's grain is read; `shadows`: program that reduces `sunlit`."""
     hulls = "".join(hull_program(k, ships) for k in range(ships))
     mirrors = "".join(mirror_program(k) for k in range(ships))
     return f"""

@@ -6,8 +6,7 @@ SIDE_ROWS = 9  # rows of vertices from the surface to the bed
 
 
 def spline_matrix(cells: int, factor: int) -> np.ndarray:
-    """Matrix (cells * factor + 1, cells) that maps values in the centres of equal cells to a cubic spline at nodes from
-    wall to wall.
+    """Matrix (cells * factor + 1, cells) from values at cell centres to a cubic spline at nodes from wall to wall.
 
     The spline is mirrored in the walls, where water under gravity alone stands level."""
     from scipy.ndimage import map_coordinates

@@ -78,8 +78,7 @@ class Passages:
     """Repeated passages of a drifting wind across the basin: its centre [m], turn [rad], strength and passage number.
 
     The first begins at its start. When the rear has left the basin, direction and strength are drawn anew, and the
-    front comes in at the upwind border, on the line through the point where the first path came nearest to the
-    centre."""
+    front comes in at the upwind border, on a line through the point of the first path nearest to the centre."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""Warnings about a wind: how much stronger than a real one it is, and what it will do to the water."""
+"""Warnings about a wind: how much stronger than a real one it is, and its effect on the water."""
 
 from math import hypot, isinf
 

@@ -48,16 +48,17 @@ def open_frame(path: Path) -> Iterator[NpzFile]:
 
 
 def frame_files(folder: Path) -> list[Path]:
+    """Paths of all frame files in a run's folder, in the order of time."""
     return sorted((folder / "frames").glob("frame_*.npz"))
 
 
 def frame_path(folder: Path, number: int) -> Path:
-    """Path of a run's frame file, counted from 0."""
+    """Path of the frame file of this number, from 0, in a run's folder."""
     return folder / "frames" / f"frame_{number:05d}.npz"
 
 
 def ship_keys(file: Iterable[str], ending: str) -> list[str]:
-    """Keys of the ships in a file: the names of its arrays with this ending, without the ending."""
+    """Keys of the ships that have an array with this ending in a file: its name without the ending."""
     return [name.removesuffix(ending) for name in file if name.endswith(ending)]
 
 
@@ -88,12 +89,12 @@ class Frame:
 
     @property
     def place(self) -> np.ndarray:
-        """Origin (3,) [m] of the heights, at the level of still water."""
+        """Origin (3,) [m] in the world of the frame's heights, at the level of still water."""
         return np.insert(self.origin, 1, 0.0)
 
     @property
     def folds(self) -> bool:
-        """True if the surface mesh folds over: not all of its triangles face up, and some point has several heights."""
+        """True if the surface mesh folds over: some triangle does not face up, so that a point has several heights."""
         if self.mesh is None:
             return False
         a, b, c = (self.mesh[0][self.mesh[1][:, k]] for k in range(3))
@@ -101,13 +102,13 @@ class Frame:
 
 
 def read_elevation(path: Path) -> np.ndarray:
-    """Heights (nx, nz) [m] of a frame; no other array of its file is read."""
+    """Read the water heights (nx, nz) [m] of a frame, and no other array of its file."""
     with open_frame(path) as file:
         return file["elevation"].astype(np.float64)
 
 
 class FrameLog:
-    """Times of all frames of a run so far, and tracks of its ships, without the frames' other arrays."""
+    """Times of all frames of a run so far, and tracks of its ships; other arrays of the frames are not loaded."""
 
     def __init__(self, files: list[Path]) -> None:
         self.files: list[Path] = []
@@ -117,7 +118,7 @@ class FrameLog:
         self.grow(files)
 
     def grow(self, files: list[Path]) -> None:
-        """Add new frame files."""
+        """Read times and ship poses of new frame files, and append them."""
         if not files:
             return
         times: list[float] = []
@@ -144,19 +145,20 @@ class FrameLog:
 
 
 def film_frames(times: np.ndarray, every: float) -> list[int]:
-    """Numbers of the frames of a film: those nearest to the first time and to every `every` seconds after it."""
+    """Indices of the frames in a film: those nearest to the first time and to every `every` [s] after it."""
     moments = np.arange(times[0], times[-1] + 0.5 * every, every)
     return [int(np.abs(times - moment).argmin()) for moment in moments]
 
 
 def known_film_frames(times: np.ndarray, every: float) -> list[int]:
-    """First numbers of `film_frames`, which later frames of a run cannot change."""
+    """Leading part of `film_frames` that cannot change when the run adds later frames."""
     moments = np.arange(times[0], times[-1] + 0.5 * every, every)
     return film_frames(times, every)[: int((moments <= times[-1]).sum())]
 
 
 def survey_run(files: list[Path]) -> tuple[Frame, float]:
-    """Frame with the highest waves in the second half of a run, and the speed [m/s] of the run's fast particles."""
+    """Frame with the highest waves in the second half of a run, and the 99th percentile [m/s] of particle speed in the
+    run's fastest frame."""
     height, speed = [], [0.1]
     for frame in map(Frame, files):  # one at a time: a frame of a large run is large
         height.append(float(frame.elevation.std()))
@@ -173,7 +175,7 @@ def middle_cell(ships: Collection["Ship"], cell: np.ndarray) -> np.ndarray:
 
 
 def grid_arrays(simulation: "LiveSimulation", x: np.ndarray, z: np.ndarray) -> dict[str, Any]:
-    """Arrays that a run keeps once: basin, plane waves, hulls of ships, and coordinates x and z [m] of the heights."""
+    """Arrays that a run saves once: basin, plane waves, hulls of ships, and coordinates x and z [m] of the heights."""
     basin, fluid = simulation.basin, simulation.fluid
     arrays: dict[str, Any] = {
         "x": x,
@@ -193,8 +195,8 @@ def grid_arrays(simulation: "LiveSimulation", x: np.ndarray, z: np.ndarray) -> d
 
 
 def appearance(simulation: "LiveSimulation", ship: "Ship") -> dict[str, object]:
-    """Arrays of a ship's looks, apart from her hull: name of the look, helm from the centre of mass in body axes [m]
-    (empty if none is named), and share of her volume under water at rest."""
+    """Arrays on a ship's appearance, except her hull: name of her look, helm position from the centre of mass in body
+    axes [m] (empty if she has none), and share of her volume under water at rest; empty without a look."""
     scene, key = simulation.scene, key_of(ship.name)
     look = scene.ships[ship.name].look(scene.preflight)
     if look is None:
@@ -204,7 +206,7 @@ def appearance(simulation: "LiveSimulation", ship: "Ship") -> dict[str, object]:
 
 
 def wave_arrays(fluid: "Fluid") -> dict[str, np.ndarray]:
-    """Arrays of the plane waves of water in closed form, for pictures beyond the basin; none for other water."""
+    """Arrays of the plane waves of closed-form water, to draw the sea beyond the basin; empty for other water."""
     sea = fluid.plane_waves
     if sea is None:
         return {}

@@ -32,10 +32,9 @@ ANGLES_AT_ONCE = 2**15  # angles of waves at points that are computed together
 
 
 def wavenumber(omega: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray:
-    """Wavenumber k [rad/m] by omega^2 = g k tanh(k h), for omega [rad/s] above zero and a depth h [m].
+    """Wavenumber k [rad/m] that solves omega^2 = g k tanh(k h), for omega [rad/s] above zero and a depth h [m].
 
-    Newton's method from the closed form of Guo (2002, Coastal Engineering 45), which is right to 0.75 %.
-    """
+    Newton's method from the closed form of Guo (2002, Coastal Engineering 45), which is right to 0.75 %."""
     x = np.clip(np.asarray(omega, dtype=float) * sqrt(depth / gravity), 1e-100, 1e100)  # its powers are numbers
     kh = x**2 * (-np.expm1(-(x**2.4908))) ** (-1.0 / 2.4908)
     for _ in range(4):
@@ -68,13 +67,14 @@ def breaking_height(period: float, depth: float, gravity: float = GRAVITY) -> fl
 
 
 def piston_transfer(kh: Values) -> np.ndarray:
-    """Wave height over full stroke of a piston wavemaker, far from it (Biesel & Suquet 1951; Dean & Dalrymple 6.25)."""
+    """Wave height over stroke of a piston wavemaker, far away, at k h (Biesel & Suquet 1951; Dean & Dalrymple 6.25)."""
     q = 2.0 * np.minimum(np.asarray(kh, dtype=float), 300.0)
     return 2.0 * (np.cosh(q) - 1.0) / (np.sinh(q) + q)
 
 
 def pierson_moskowitz(frequency: Values, peak_frequency: float, alpha: float, gravity: float = GRAVITY) -> np.ndarray:
-    """Spectral density [m2 s] of Pierson & Moskowitz (1964); its variance is alpha g^2 / (5 (2 pi)^4 fp^4)."""
+    """Spectral density [m2 s] of Pierson & Moskowitz (1964) at frequencies [Hz], with peak fp [Hz]; its variance is
+    alpha g^2 / (5 (2 pi)^4 fp^4)."""
     f = np.asarray(frequency, dtype=float)
     scale = alpha * gravity**2 / (2.0 * pi) ** 4
     return scale * f**-5.0 * np.exp(-1.25 * (peak_frequency / f) ** 4)
@@ -83,8 +83,8 @@ def pierson_moskowitz(frequency: Values, peak_frequency: float, alpha: float, gr
 def jonswap(
     frequency: Values, peak_frequency: float, alpha: float, gamma: float = 3.3, gravity: float = GRAVITY
 ) -> np.ndarray:
-    """Spectral density [m2 s] of Hasselmann et al. (1973) at frequencies [Hz]: that of Pierson & Moskowitz with its
-    peak raised by gamma, over a width of 0.07 below the peak and 0.09 above it."""
+    """Spectral density [m2 s] of JONSWAP (Hasselmann et al. 1973) at frequencies [Hz]: that of Pierson & Moskowitz, its
+    peak raised by the factor gamma, over a relative width of 0.07 below the peak and 0.09 above it."""
     ratio = np.asarray(frequency, dtype=float) / peak_frequency
     width = np.where(ratio <= 1.0, 0.07, 0.09)
     peak = gamma ** np.exp(-0.5 * ((ratio - 1.0) / width) ** 2)
@@ -166,11 +166,11 @@ class Components:
 
     @property
     def random(self) -> bool:
-        """True if the waves have more than one frequency."""
+        """True if the sea is irregular: its waves have more than one frequency."""
         return bool(np.ptp(self.omega) > 0.0)
 
     def select(self, there: np.ndarray) -> "Components":
-        """Sea of those waves for which `there` (n,) is true, and of the longest wave in any case."""
+        """Copy of the sea that keeps the waves whose mask `there` (n,) is True, and always the longest wave."""
         kept = there | (np.arange(len(there)) == np.argmin(self.wavenumber))
         return replace(self, amplitude=self.amplitude[kept], wavevector=self.wavevector[kept], phase=self.phase[kept])
 
@@ -183,8 +183,8 @@ class Components:
         return ramp_rate(time, self.ramp)
 
     def angles(self, points: np.ndarray, time: float) -> Iterator[tuple[slice, np.ndarray]]:
-        """Yield slices of n waves, and their phase angles k . (x, z) - omega t + phase [rad], (n, m), at a time [s] and
-        m points, whose first column is x [m] and whose last is z [m]."""
+        """Yield, for batches of waves, the slice that selects n of them and their phase angles k . (x, z) - omega t +
+        phase [rad], (n, m), at a time [s] and m points, whose first column is x [m] and last column z [m]."""
         x, z = points[:, 0], points[:, -1]
         n = max(1, ANGLES_AT_ONCE // max(1, len(points)))
         for some in (slice(first, first + n) for first in range(0, len(self.amplitude), n)):
@@ -193,7 +193,7 @@ class Components:
 
 
 def combine(seas: Sequence[Components], depth: float, gravity: float = GRAVITY) -> Components:
-    """Combine several seas on the same water; calm water where there are none."""
+    """Combine several seas on water of one depth [m] into a single sum of waves; calm water if `seas` is empty."""
     if not seas:
         return Components(np.zeros(1), np.array([[1.0, 0.0]]), np.zeros(1), depth, gravity)
     return Components(
@@ -206,8 +206,8 @@ def combine(seas: Sequence[Components], depth: float, gravity: float = GRAVITY) 
 
 
 def merge_waves(sea: Components, wavevector: np.ndarray) -> Components:
-    """Move the waves of a sea to other wavevectors (n, 2) [rad/m]; waves on one wavevector become one, with the
-    variance of all and the phase of the greatest."""
+    """Copy of a sea with its n waves moved to other wavevectors (n, 2) [rad/m]. Waves moved to the same wavevector
+    become one wave, with the sum of their variances and the phase of the greatest."""
     unique, which = np.unique(wavevector.round(9), axis=0, return_inverse=True)
     members = [np.flatnonzero(which.ravel() == k) for k in range(len(unique))]
     greatest = [own[np.argmax(sea.amplitude[own])] for own in members]
@@ -216,8 +216,8 @@ def merge_waves(sea: Components, wavevector: np.ndarray) -> Components:
 
 
 def fit_periods(sea: Components, periods: Sequence[float]) -> Components:
-    """Move the waves of a sea to the nearest wavevectors that repeat themselves after periods along x and z [m], 0
-    where an axis has none."""
+    """Copy of a sea that is periodic over lengths [m] along x and z, 0 for an axis without a period: each wave is moved
+    to the nearest wavevector with a whole number of wavelengths in them."""
     wavevector, steepest = sea.wavevector.copy(), np.abs(sea.wavevector).argmax(axis=1)
     for axis, period in enumerate(periods):
         if period:
@@ -230,21 +230,22 @@ def fit_periods(sea: Components, periods: Sequence[float]) -> Components:
 
 
 def profiles(k: Values, y: Values, depth: float) -> tuple[np.ndarray, np.ndarray]:
-    """Depth profiles cosh k(y+h) / cosh kh and sinh k(y+h) / cosh kh at heights y [m], without overflow."""
+    """Depth profiles cosh k(y+h) / cosh kh, sinh k(y+h) / cosh kh at heights y [m] over still water, no overflow."""
     rise, mirrored, bed = np.exp(k * y), np.exp(-2.0 * k * (y + depth)), np.exp(-2.0 * k * depth)
     return rise * (1.0 + mirrored) / (1.0 + bed), rise * (1.0 - mirrored) / (1.0 + bed)
 
 
 def weighted_sum(weight: np.ndarray, waves: np.ndarray) -> np.ndarray:
-    """Sum (m,) over waves (n, m), each times its weight (n,), in one order whatever the number of threads."""
+    """Sum (m,) over n waves of their values (n, m) times their weights (n,), added in a fixed order, so that the result
+    does not depend on the number of threads."""
     return np.einsum("n,nm->m", weight, waves)
 
 
 def orbital_sum(
     wavevector: np.ndarray, k: np.ndarray, reach: np.ndarray, level: np.ndarray, upright: np.ndarray
 ) -> np.ndarray:
-    """Orbital motion (m, 3) at m points, summed over n waves: `level` (n, m) along each wavevector (n, 2) and `upright`
-    (n, m) along y, both times wavenumber k (n,) times `reach` (n,)."""
+    """Orbital vectors (m, 3) at m points, summed over n waves: horizontal values `level` (n, m) along each wavevector
+    (n, 2) and vertical ones `upright` (n, m), each times wavenumber k (n,) and factor `reach` (n,)."""
     along = [weighted_sum(wavevector[:, axis] * reach, level) for axis in (0, 1)]
     return np.stack([along[0], weighted_sum(k * reach, upright), along[1]], axis=1)
 
@@ -263,8 +264,8 @@ def elevation(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndar
 
 
 def lattice_rows(points: np.ndarray) -> int | None:
-    """Number of rows of equal x if the points are a full grid of x and z, z varying fastest; None if they are not, or
-    are too few for the faster sum over a grid."""
+    """Number of rows of equal x if points (m, 2 or 3) form a full grid of x and z, z varying fastest; None if they form
+    none, or are too few for the faster sum over a grid."""
     if len(points) < MIN_LATTICE_POINTS:
         return None
     x, z = points[:, 0], points[:, -1]
@@ -278,13 +279,14 @@ def lattice_rows(points: np.ndarray) -> int | None:
 def _on_lattice(
     sea: Components, parts: list[tuple[np.ndarray, np.ndarray]], x: np.ndarray, z: np.ndarray, time: float
 ) -> np.ndarray:
-    """Sums (len(x) len(z), k) over waves at all pairs of x and z, one for each of k `parts`: factors (n,) on cosine and
-    sine of the phase angle. By the addition theorem, cosines are taken for each row and column only."""
+    """Sums over waves (len(x) len(z), k) at all points of the grid x by z [m], one for each of the k `parts`, pairs of
+    factors (n,) on cosine and sine of the phase. By the addition theorem, cosines are taken per row and column only."""
     a = np.outer(x, sea.wavevector[:, 0])
     b = np.outer(sea.wavevector[:, 1], z) + (sea.phase - sea.omega * time)[:, None]
     (cos_a, sin_a), (cos_b, sin_b) = (np.cos(a), np.sin(a)), (np.cos(b), np.sin(b))
 
     def summed_up(cosine: np.ndarray, sine: np.ndarray) -> np.ndarray:
+        """Sum over waves of `cosine` (n,) cos(angle) + `sine` (n,) sin(angle) at all points of the grid."""
         total = np.einsum("in,nj->ij", cos_a * cosine + sin_a * sine, cos_b)
         return (total - np.einsum("in,nj->ij", sin_a * cosine - cos_a * sine, sin_b)).ravel()
 
@@ -292,7 +294,7 @@ def _on_lattice(
 
 
 def stretched_height(sea: Components, points: np.ndarray, eta: np.ndarray) -> np.ndarray:
-    """Heights y' (m,) [m] in the unstretched column of points (m, 3) under elevations (m,) [m] (Wheeler)."""
+    """Heights y' (m,) [m] of points (m, 3) in the unstretched column, under elevations `eta` (m,) [m] (Wheeler)."""
     return np.minimum(sea.depth * (points[:, 1] - eta) / np.maximum(sea.depth + eta, 1e-9 * sea.depth), 0.0)
 
 
@@ -316,7 +318,7 @@ def linear_velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> n
 
 
 def displacement(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
-    """Displacement (m, 3) [m] of water that rests at points (m, 3) [m], by linear theory: free of divergence."""
+    """Displacement (m, 3) [m] by waves of water that rests at points (m, 3) [m]; linear theory, divergence-free."""
     moved = np.zeros((len(points), 3))
     for some, angle in sea.angles(points, time):
         k, omega = sea.wavenumber[some], sea.omega[some]
@@ -337,18 +339,18 @@ def pressure_head(sea: Components, points: np.ndarray, time: float = 0.0) -> np.
 
 
 def velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
-    """Water velocity (m, 3) [m/s] at points (m, 3) [m] with Wheeler stretching; above the water that of its surface."""
+    """Water velocity (m, 3) [m/s] at points (m, 3) [m] with Wheeler stretching; above water that of the surface."""
     y = stretched_height(sea, points, elevation(sea, points, time))
     return linear_velocity(sea, np.stack([points[:, 0], y, points[:, 2]], axis=1), time)
 
 
 def surface_velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
-    """Water velocity (m, 3) [m/s] at the surface over points x, z (m, 2) [m]."""
+    """Water velocity (m, 3) [m/s] of the surface at horizontal positions x, z (m, 2) [m]."""
     return linear_velocity(sea, np.insert(points, 1, 0.0, axis=1), time)
 
 
 def heading_vector(heading_deg: float | None, dimension: int) -> np.ndarray:
-    """Unit vector (2,) along x and z of a heading: 0 along +z, 90 along +x; by default +z, in 2-D +x."""
+    """Unit vector (2,) along x and z of a heading [deg]: 0 along +z, 90 along +x; None means +z, or +x in 2-D."""
     heading = radians((90.0 if dimension == 2 else 0.0) if heading_deg is None else heading_deg)
     return np.array([sin(heading), 0.0 if dimension == 2 else cos(heading)])
 
@@ -356,13 +358,13 @@ def heading_vector(heading_deg: float | None, dimension: int) -> np.ndarray:
 def regular_wave(
     height: float, period: float, towards: np.ndarray, depth: float, gravity: float = GRAVITY
 ) -> Components:
-    """One plane wave of a height [m] and period [s], its crest at the origin at time 0, along a unit vector (x, z)."""
+    """One plane wave of a height [m] and period [s] along a unit vector `towards` (x, z); crest at origin at time 0."""
     k = float(wavenumber(2.0 * pi / period, depth, gravity))
     return Components(np.array([height / 2.0]), k * towards[None, :], np.zeros(1), depth, gravity)
 
 
 class Spectrum(Model):
-    """Long-crested random waves, by their spectrum."""
+    """Long-crested random waves given by a spectrum."""
 
     kind: Literal["jonswap", "pierson_moskowitz"] = "jonswap"
     """`pierson_moskowitz`: a sea that has grown as far as its wind lets it; `jonswap`: one that still
@@ -383,17 +385,18 @@ class Spectrum(Model):
 
     @model_validator(mode="after")
     def _gamma_belongs_to_jonswap(self) -> "Spectrum":
+        """Raise ValueError if a Pierson-Moskowitz spectrum has a gamma other than 1."""
         if self.kind == "pierson_moskowitz" and self.gamma not in (None, 1.0):
             raise ValueError(f"a Pierson-Moskowitz spectrum has no gamma, got {self.gamma:g}; kind: jonswap has")
         return self
 
     @property
     def enhancement(self) -> float:
-        """Factor by which the peak of the spectrum is raised."""
+        """Peak enhancement factor gamma: 1 for Pierson-Moskowitz; for JONSWAP 3.3, unless `gamma` is given."""
         return 1.0 if self.kind == "pierson_moskowitz" else 3.3 if self.gamma is None else self.gamma
 
     def density(self, frequency: Values) -> np.ndarray:
-        """Spectral density S(f) [m2 s] at frequencies [Hz]; its variance over the band of the waves is Hs^2 / 16."""
+        """Spectral density S(f) [m2 s] at frequencies [Hz]; its integral over the band of the waves is Hs^2 / 16."""
         peak = 1.0 / self.peak_period
         band = np.linspace(LOWEST_FREQUENCY, self.cut_off, SPECTRUM_POINTS) * peak
         raw = np.trapezoid(jonswap(band, peak, 1.0, self.enhancement), band)
@@ -402,8 +405,8 @@ class Spectrum(Model):
     def components(
         self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = SPECTRUM_WAVES
     ) -> Components:
-        """Plane waves along a unit vector in x and z, one in each of `count` equal slices of the band, with the slice's
-        variance; frequencies are scattered inside the slices, so that the sea does not repeat itself."""
+        """Sea of `count` plane waves along a unit vector `towards` (x, z): one for each of equal slices of the
+        frequency band, with the slice's variance and a random frequency in it, so that the sea has no period."""
         peak = 1.0 / self.peak_period
         edges = np.linspace(LOWEST_FREQUENCY, self.cut_off, count + 1) * peak
         n = np.arange(count)
@@ -418,7 +421,7 @@ class Spectrum(Model):
 
 
 class SpreadSpectrum(Spectrum):
-    """Random waves, by their spectrum and how far their directions spread."""
+    """Random waves given by a spectrum, whose directions may spread about their heading."""
 
     spreading: float | None = quantity("1", None, gt=0.0)
     """s of cos^2s(angle / 2), the share of the energy that goes at an angle to the heading (Longuet-Higgins, Cartwright
@@ -427,7 +430,7 @@ class SpreadSpectrum(Spectrum):
     def components(
         self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = SPECTRUM_WAVES
     ) -> Components:
-        """Plane waves of the spectrum, each in its own direction; the mean direction of their energy is `towards`."""
+        """Sea of `count` plane waves, each in its own direction; the mean direction of their energy is `towards`."""
         sea = super().components(towards, depth, gravity, count)
         if self.spreading is None:
             return sea
@@ -444,7 +447,7 @@ class SpreadSpectrum(Spectrum):
 
 
 class WaveTrain(Model):
-    """Regular waves by `height` and `period`, or random ones by `spectrum`."""
+    """Waves that are regular, by `height` and `period`, or random, by `spectrum`."""
 
     height: float | None = quantity("m", None, gt=0.0)
     """Height from trough to crest."""
@@ -455,6 +458,7 @@ class WaveTrain(Model):
 
     @model_validator(mode="after")
     def _regular_or_random(self) -> "WaveTrain":
+        """Raise ValueError unless either height and period or a spectrum is given."""
         given = [self.height is not None, self.period is not None]
         if (self.spectrum is None and not all(given)) or (self.spectrum is not None and any(given)):
             raise ValueError("give either height [m] and period [s] of a regular wave, or a spectrum")
@@ -470,73 +474,74 @@ class WaveTrain(Model):
 
     @property
     def height_key(self) -> tuple[str, ...]:
-        """Path of the config key that gives the height of the waves."""
+        """Path of the config key that gives the height of the waves, for messages."""
         return ("height",) if self.spectrum is None else ("spectrum", "significant_wave_height")
 
     def train(self, towards: np.ndarray, depth: float, gravity: float, count: int = SPECTRUM_WAVES) -> Components:
-        """Plane waves of this train that travel along a unit vector in x and z; a spectrum becomes `count` waves."""
+        """Plane waves of this train along a unit vector `towards` (x, z); a spectrum becomes `count` waves."""
         if self.spectrum is not None:
             return self.spectrum.components(towards, depth, gravity, count)
         return regular_wave(*self.scale, towards, depth, gravity)
 
 
 class HeadedTrain(WaveTrain):
-    """Waves with a heading."""
+    """Wave train that travels along a heading."""
 
     heading_deg: float | None = quantity("deg", None)
     """Direction of travel of regular waves: 0 along +z, 90 along +x; by default 0, in 2-D 90."""
 
     @model_validator(mode="after")
     def _one_heading(self) -> "HeadedTrain":
+        """Raise ValueError if random waves have `heading_deg` beside their spectrum, which has its own."""
         if self.spectrum is not None and self.heading_deg is not None:
             raise ValueError("the heading of random waves is spectrum.heading_deg")
         return self
 
     @property
     def heading(self) -> float | None:
-        """Heading of the waves [deg]."""
+        """Heading of the waves [deg], 0 along +z and 90 along +x; None if no heading is given."""
         return self.heading_deg if self.spectrum is None else self.spectrum.heading_deg
 
     @property
     def heading_key(self) -> tuple[str, ...]:
-        """Path of the config key that gives the heading of the waves."""
+        """Path of the config key that gives the heading of the waves, for messages."""
         return ("heading_deg",) if self.spectrum is None else ("spectrum", "heading_deg")
 
     def sea(self, basin: "Tank", count: int = SPECTRUM_WAVES) -> Components:
-        """Plane waves of this train in a basin; a spectrum becomes `count` waves."""
+        """Plane waves of this train on the water of a basin; a spectrum becomes `count` waves."""
         return self.train(heading_vector(self.heading, basin.dimension), basin.depth, downward_gravity(basin), count)
 
 
 class OpenTrain(HeadedTrain):
-    """Waves of a sea without sides, whose directions may spread."""
+    """Wave train on a sea without sides, whose directions may spread."""
 
     spectrum: SpreadSpectrum | None = None
     """Random waves, instead of `height` and `period`."""
 
     def direction_faults(self, basin: "Tank") -> Iterator[tuple[tuple[str, ...], str]]:
-        """Yield faults of the directions of the waves in this basin: path of the key, and a sentence."""
+        """Yield reasons why this basin cannot have these wave directions: path of the config key, and a sentence."""
         yield from ((self.heading_key, sentence) for sentence in heading_faults(self.heading, basin))
         if basin.dimension == 2 and self.spectrum is not None and self.spectrum.spreading is not None:
             yield ("spectrum", "spreading"), "in 2-D waves have one direction; leave spreading out"
 
 
 class GrowingTrain(OpenTrain):
-    """Waves of a sea without sides that grow from calm water."""
+    """Wave train on a sea without sides that grows from calm water over a ramp."""
 
     ramp: float | None = quantity("s", None, ge=0.0)
     """Time over which the waves grow from calm water; null: two periods of the highest; 0: they are there at once."""
 
     def with_ramp(self, sea: Components) -> Components:
-        """Copy of a sea whose waves grow from calm water from time 0 on, over this train's ramp."""
+        """Copy of a sea whose waves grow from zero height over this train's ramp, from time 0 on."""
         return replace(sea, ramp=RAMP_PERIODS * sea.period if self.ramp is None else self.ramp)
 
 
 class Tank(Protocol):
-    """Properties of a basin that linear theory needs."""
+    """Interface of a basin with the properties that linear wave theory needs."""
 
     @property
     def dimension(self) -> int:
-        """3, or 2 in a vertical slice."""
+        """Number of dimensions: 3, or 2 for a vertical slice."""
 
     @property
     def depth(self) -> float:
@@ -544,7 +549,7 @@ class Tank(Protocol):
 
     @property
     def gravity(self) -> tuple[float, float, float]:
-        """Acceleration of gravity [m/s2]."""
+        """Vector of the acceleration of gravity [m/s2]."""
 
     @property
     def closed(self) -> bool:
@@ -552,12 +557,12 @@ class Tank(Protocol):
 
 
 def downward_gravity(basin: Tank) -> float:
-    """Downward gravity [m/s2] of a basin in which gravity points straight down."""
+    """Magnitude of gravity [m/s2] of a basin, for which gravity must point straight down."""
     return -basin.gravity[1]
 
 
 def basin_faults(basin: Tank, height: float = 0.0, period: float | None = None) -> Iterator[str]:
-    """Yield the reason why this basin cannot have waves, or not waves of this height [m] and period [s]."""
+    """Yield a sentence if this basin cannot have waves, or a wave of a height [m] and period [s] would break in it."""
     if basin.gravity[0] or basin.gravity[2] or not basin.gravity[1] < 0.0:
         yield f"waves need gravity straight down, here it is {list(basin.gravity)} m/s2"
     elif basin.closed:
@@ -570,6 +575,6 @@ def basin_faults(basin: Tank, height: float = 0.0, period: float | None = None) 
 
 
 def heading_faults(heading_deg: float | None, basin: Tank) -> Iterator[str]:
-    """Yield the reason why waves cannot have this heading in this basin."""
+    """Yield a sentence if waves cannot have this heading [deg] in this basin: in 2-D they must go along the x-axis."""
     if basin.dimension == 2 and heading_deg is not None and abs(cos(radians(heading_deg))) > 1e-9:
         yield f"in 2-D waves go along +x (heading 90 degrees) or -x (270), got {heading_deg:g}"

@@ -38,8 +38,8 @@ def damping_rate(k: float, depth: float, gravity: float, length: float) -> float
 
 
 def wave_reflection(omega: np.ndarray, depth: float, gravity: float, length: float, rate: float) -> np.ndarray:
-    """Reflected over incident height (n,) of waves of frequencies omega (n,) [rad/s], head on to a damping zone of a
-    length [m] whose rate at the wall is `rate` [1/s]."""
+    """Ratios (n,) of reflected to incident height of waves of frequencies omega (n,) [rad/s], head on to a damping zone
+    of a length [m] whose damping rate at the wall is `rate` [1/s]."""
     omega = np.asarray(omega, dtype=float)[:, None]  # by layer in the second place, the first being water without zone
     h = np.minimum(depth, MAX_DEPTH / wavenumber(omega, depth, gravity))[:, :, None, None]
     s = (np.arange(ZONE_LAYERS) + 0.5) / ZONE_LAYERS
@@ -69,7 +69,8 @@ def wave_reflection(omega: np.ndarray, depth: float, gravity: float, length: flo
 
 
 def sea_reflection(sea: Components, length: float, rate: float) -> tuple[float, float]:
-    """Reflected over incident height of the highest wave of a sea, and of the whole sea by the root of its energy."""
+    """Ratios of reflected to incident height for a damping zone of a length [m] and a damping rate [1/s] at its wall:
+    of the highest wave of a sea, and of the whole sea (root of the energy ratio)."""
     omega, energy = sea.omega, sea.amplitude**2
     grid = np.geomspace(omega.min(), omega.max(), BAND_FREQUENCIES) if sea.random else omega[:1]
     back = np.interp(omega, grid, wave_reflection(grid, sea.depth, sea.gravity, length, rate))

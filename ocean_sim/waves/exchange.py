@@ -37,7 +37,7 @@ MIN_SQUARE_SIDE = 1e-6  # side of a square [m]
 
 
 def to_swd(sea: waves.Components, note: str = "", date: str = "") -> bytes:
-    """Content of a .swd file that holds a sea at its full height; `note`: text that describes the sea."""
+    """Content of a .swd file that holds a sea at its full height; `note`, `date`: texts stored in its head."""
     text = note.encode("ascii", "replace") or b"-"
     heading = np.arctan2(sea.wavevector[:, 0], sea.wavevector[:, 1])
     rows = np.stack([sea.amplitude, sea.wavenumber, heading, -sea.phase], axis=1).astype("<f4")
@@ -54,7 +54,7 @@ def to_swd(sea: waves.Components, note: str = "", date: str = "") -> bytes:
 
 
 def of_swd(path: str | Path, gravity: float = waves.GRAVITY) -> waves.Components:
-    """Sea read from a .swd file of plane waves; raises Unreadable."""
+    """Read a sea from a .swd file of plane waves; raises Unreadable if it is faulty. `gravity`: of the sea [m/s2]."""
     data = input_file.read_bytes(path)
     if not data.startswith(SWD_BEGIN):
         raise SWD_RULE.broken(path, "it begins otherwise")
@@ -80,13 +80,13 @@ def of_swd(path: str | Path, gravity: float = waves.GRAVITY) -> waves.Components
 
 
 def to_openfast(time: np.ndarray, elevation: np.ndarray, note: str = "") -> str:
-    """Text of an .Elev file that holds elevations (n,) [m] at evenly spaced times (n,) [s]."""
+    """Text of an .Elev file with elevations (n,) [m] at evenly spaced times (n,) [s]; `note`: added to its head."""
     head = f"! Surface elevation by ocean-sim{': ' if note else ''}{note}\nTime WaveElev\n(s) (m)\n"
     return head + "".join(f"{t:.6f} {eta:.9e}\n" for t, eta in zip(time.tolist(), elevation.tolist()))
 
 
 def of_openfast(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
-    """Times (n,) [s] and elevations (n,) [m] read from an .Elev file; raises Unreadable."""
+    """Read times (n,) [s] and elevations (n,) [m] from an .Elev file; raises Unreadable if its rows are faulty."""
     lines = [line.split()[:2] for line in input_file.read_text(path).splitlines() if line.strip()]
     rows = lines[next((k for k, row in enumerate(lines) if isfinite(csv_file.parse_number(row[0]))), len(lines)) :]
     table = np.array([[csv_file.parse_number(word) for word in [*row, ""][:2]] for row in rows]).reshape(-1, 2)
@@ -126,15 +126,15 @@ class WaveField:
 
     def velocity(self, points: np.ndarray, time: float) -> np.ndarray:
         """Velocities (n, 3) of the water [m/s] at points x, y, z (n, 3) [m] and a time [s], in columns stretched from
-        bed to surface (Wheeler 1970); above the water that of its surface."""
+        bed to surface (Wheeler 1970); points above the water get the velocity of its surface."""
         return waves.velocity(self.sea, row_array("points", points, "x, y, z"), number("time", time, "s"))
 
     def periodic(self, side: float) -> "WaveField":
-        """Field with wavelengths that fit into a square of this side [m], so that the square repeats itself."""
+        """Copy of this field with wavelengths changed to fit a square of this side [m], which can then be tiled."""
         return WaveField(waves.fit_periods(self.sea, 2 * [number("side", side, "m", MIN_SQUARE_SIDE)]))
 
     def field(self, cells: int, side: float, time: float) -> np.ndarray:
-        """Heights (cells, cells) [m] over x and z of a square that repeats itself, its first corner at the origin."""
+        """Heights (cells, cells) [m] along x and z at a time [s] of a square to be tiled; one corner is the origin."""
         at = np.arange(whole_number("cells", cells)) * (number("side", side, "m", MIN_SQUARE_SIDE) / cells)
         x, z = np.meshgrid(at, at, indexing="ij")
         heights = self.periodic(side).elevation(np.stack([x.ravel(), z.ravel()], axis=1), time)

@@ -33,13 +33,13 @@ class Orbit:
 
     @property
     def ratio(self) -> float:
-        """Vertical over horizontal axis of the orbit: 1 in deep water, 0 at the bed."""
+        """Ratio of the vertical to the horizontal axis of the orbit: 1 in deep water, 0 at the bed."""
         return self.up_m / self.along_m
 
 
 def fit_orbit(time: np.ndarray, path: np.ndarray, period: float, towards: tuple[float, float] = (1.0, 0.0)) -> Orbit:
-    """Orbit fitted to a path (n, 3) [m] at times (n,) [s], under waves of a period [s] that go along a unit vector in x
-    and z: the first harmonic beside a mean and a drift. Raises ValueError for a path shorter than two periods."""
+    """Fit an orbit to a particle's path (n, 3) [m] at times (n,) [s], under waves of a period [s] along a unit vector
+    `towards` (x, z): mean, drift and first harmonic. Raises ValueError for a path shorter than two periods."""
     if time[-1] - time[0] < 2.0 * period:
         raise ValueError(f"a path of {time[-1] - time[0]:g} s is shorter than two periods of {period:g} s")
     angle = 2.0 * np.pi * (time - time[0]) / period
@@ -53,8 +53,8 @@ def fit_orbit(time: np.ndarray, path: np.ndarray, period: float, towards: tuple[
 def circulation(
     position: np.ndarray, velocity: np.ndarray, radius: float, width: float, centre: tuple[float, float] = (0.0, 0.0)
 ) -> float:
-    """Circulation [m2/s] by the right hand about the vertical through centre (x, z) of the particles (n, 3) whose
-    distance from it is within half a width of a radius [m]; raises ValueError where there are none."""
+    """Circulation [m2/s] about the vertical axis through `centre` (x, z), by the right hand, from positions [m] and
+    velocities [m/s] (n, 3) of particles in a ring of a radius and width [m]; raises ValueError if the ring is empty."""
     x, z = position[:, 0] - centre[0], position[:, 2] - centre[1]
     r = np.hypot(x, z)
     ring = np.abs(r - radius) <= 0.5 * width
@@ -81,13 +81,13 @@ def surface_fall(
 
 
 def breaking_cover(falling: np.ndarray) -> float:
-    """Share of a surface that falls faster than BREAKING_ACCELERATION times gravity: where its crests break."""
+    """Share of a surface on which crests break: `falling`, from `surface_fall`, exceeds BREAKING_ACCELERATION."""
     return float(np.mean(falling > BREAKING_ACCELERATION))
 
 
 @dataclass(frozen=True)
 class Motion:
-    """Orbits of tagged particles and their decay with depth."""
+    """Orbits of several tagged particles, and the decay of orbit size with depth."""
 
     level_m: np.ndarray
     """(n,) mean height of each path over the still surface."""
@@ -98,8 +98,8 @@ class Motion:
 
 
 def fit_motion(time: np.ndarray, paths: np.ndarray, period: float, towards: tuple[float, float] = (1.0, 0.0)) -> Motion:
-    """Orbits of paths (n, m, 3) [m] at times (m,) [s] under waves of a period [s], over the whole periods that the
-    record holds; raises ValueError where it is shorter than two."""
+    """Fit orbits to paths (n, m, 3) [m] of n particles at times (m,) [s] under waves of a period [s] along `towards`
+    (x, z), over whole periods; raises ValueError if the record is shorter than two periods."""
     whole = time <= time[0] + period * np.floor((time[-1] - time[0]) / period + 1e-6)
     level = paths[:, whole, 1].mean(axis=1)
     found = [fit_orbit(time[whole], path[whole], period, towards) for path in paths]
@@ -111,7 +111,7 @@ def fit_motion(time: np.ndarray, paths: np.ndarray, period: float, towards: tupl
 
 def read_tracers(path: Path) -> tuple[list[int], np.ndarray, np.ndarray, np.ndarray]:
     """Numbers of the n particles of a tracers.csv, times (m,) [s], and their positions [m] and velocities [m/s], each
-    (n, m, 3); raises OSError or ValueError."""
+    (n, m, 3); raises OSError or ValueError if the file cannot be read or has no particles."""
     table = csv_file.Table(path)
     names = [int(column[1 : -len("_x_m")]) for column in table if column.endswith("_x_m")]
     if "time_s" not in table or not names:
@@ -122,8 +122,8 @@ def read_tracers(path: Path) -> tuple[list[int], np.ndarray, np.ndarray, np.ndar
 
 
 def wave_direction(positions: np.ndarray, velocities: np.ndarray) -> tuple[float, float]:
-    """Unit vector of the waves in x and z, from positions and velocities of the water, (n, m, 3) each: the axis along
-    which it moves most, in the sense in which it moves when it is high."""
+    """Unit vector (x, z) along which waves travel, from positions and velocities (n, m, 3) of water particles: the axis
+    of the largest horizontal motion, in the sense of the motion of particles above their mean height."""
     level = velocities[..., [0, 2]] - velocities[..., [0, 2]].mean(axis=1, keepdims=True)
     flat = level.reshape(-1, 2)
     axis = np.linalg.eigh(flat.T @ flat)[1][:, -1]
@@ -133,8 +133,8 @@ def wave_direction(positions: np.ndarray, velocities: np.ndarray) -> tuple[float
 
 
 def tracer_motion(path: Path, begin: float, period: float) -> tuple[list[int], Motion]:
-    """Numbers and orbits of the particles of a tracers.csv from a time [s] on, under waves of a period [s]; raises
-    OSError, ValueError or IndexError."""
+    """Numbers of the particles of a tracers.csv and their fitted orbits from time `begin` [s] on, under waves of a
+    period [s]; raises OSError, ValueError or IndexError if the file or the record does not suffice."""
     names, time, positions, velocities = read_tracers(path)
     kept = time >= begin
     along = wave_direction(positions[:, kept], velocities[:, kept])
@@ -142,7 +142,7 @@ def tracer_motion(path: Path, begin: float, period: float) -> tuple[list[int], M
 
 
 class Frame(Protocol):
-    """Surface and particles of one output frame."""
+    """Interface of one output frame: heights of the surface, and particles if they are kept."""
 
     time: float
     """[s]."""
@@ -186,13 +186,13 @@ class Grid:
 
     @property
     def shortest(self) -> float:
-        """Wavelength [m] of the shortest waves that count."""
+        """Shortest wavelength [m] that the grid resolves; shorter waves are left out of the white-cap cover."""
         dx, dz = self.intervals
         return MIN_WAVE_POINTS * (dx if self.is_slice else max(dx, dz))
 
     @property
     def radius(self) -> float:
-        """Radius of the circle of the circulation [m]: a quarter of the narrower side of the basin."""
+        """Radius [m] of the circle of which circulation is taken: a quarter of the narrower side of the basin."""
         return 0.25 * float(min((self.upper - self.lower)[[0, 2]]))
 
     @property
@@ -204,7 +204,7 @@ class Grid:
 
 @dataclass(frozen=True)
 class SurfaceRecord:
-    """Circulation and white-cap cover of each frame."""
+    """Time series of circulation and white-cap cover of the water, one value per output frame."""
 
     time: np.ndarray
     """(n,) [s]."""
@@ -226,7 +226,7 @@ class SurfaceRecord:
 
 
 def surface_record(grid: Grid, frames: Iterable[Frame], begin: float) -> SurfaceRecord | None:
-    """Circulation and white-cap cover of the frames from a time [s] on; None if there are no such frames."""
+    """Circulation and white-cap cover of all frames from time `begin` [s] on; None if there are no such frames."""
     times, cover, turning = [], [], []
     for frame in frames:
         if frame.time >= begin:
@@ -242,7 +242,7 @@ def surface_record(grid: Grid, frames: Iterable[Frame], begin: float) -> Surface
 
 
 def frame_circulation(grid: Grid, frame: Frame) -> float:
-    """Circulation [m2/s] of the particles of a frame; NaN in 2-D, or if none are on the circle."""
+    """Circulation [m2/s] of a frame's particles about the middle of the basin; NaN in 2-D, or if none are there."""
     if grid.is_slice or frame.position is None or frame.velocity is None:
         return np.nan
     try:

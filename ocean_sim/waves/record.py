@@ -48,12 +48,12 @@ CHECKS = (Checked(RECORD_FILES, (exchange.ELEV_RULE, LIKE_A_SEA)),)
 
 
 class Unmeasurable(ValueError):
-    """Reason for which a record cannot be measured."""
+    """A record of heights cannot be measured; the message gives the reason."""
 
 
 @dataclass(frozen=True)
 class Sea:
-    """Sea state of a record; a number is None where there is no wave to measure."""
+    """Sea state measured from a record: wave heights, periods, number of waves; None if a number needs more waves."""
 
     hs_m: float | None  # mean height of the highest third of the waves
     hm0_m: float  # four times the standard deviation
@@ -70,8 +70,8 @@ class Sea:
 
 
 def gauge_elevations(path: Path, begin: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Times (n,) [s] of a gauges.csv or an .Elev file from `begin` on, and the heights (n,) [m] of each elevation
-    gauge; raises ValueError."""
+    """Times (n,) [s] of a gauges.csv or an .Elev file from `begin` [s] on, and the heights (n,) [m] of each elevation
+    gauge by name; raises ValueError if there are none, or values that no sea has."""
     if path.suffix.lower() == ".elev":
         time, height = exchange.of_openfast(path)
         table = {f"WaveElev{ELEVATION_SUFFIX}": height}
@@ -94,8 +94,8 @@ def gauge_elevations(path: Path, begin: float) -> tuple[np.ndarray, dict[str, np
 
 
 def stand_in_row(heights: np.ndarray) -> int | None:
-    """First row of heights (n,) [m] with a value no sea has: far off after a jump, or all nines; None if there is
-    none."""
+    """Index of the first of heights (n,) [m] that is no measurement: a placeholder of nines, or far from the median in
+    a record that jumps; None if all are plausible."""
     off = np.abs(heights - np.median(heights))
     nines = np.array([re.fullmatch("999+", f"{abs(h):g}".replace(".", "")) is not None for h in heights])
     far = (off > MAX_ELEVATION) & bool((np.abs(np.diff(heights)) > MAX_ELEVATION).any())
@@ -104,8 +104,8 @@ def stand_in_row(heights: np.ndarray) -> int | None:
 
 
 def even_samples(time: np.ndarray, height: np.ndarray) -> tuple[float, np.ndarray]:
-    """Sampling interval [s] of a record, and its heights [m] at equal intervals, interpolated where it is sampled
-    unevenly; raises Unmeasurable."""
+    """Sampling interval [s] of a record, and its heights [m] at equal intervals, interpolated if it is sampled
+    unevenly; raises Unmeasurable if it is too short or has faulty times or values."""
     if not np.isfinite([time, height]).all():
         raise Unmeasurable("has values that are not numbers")
     if len(time) < MIN_SAMPLES:
@@ -131,14 +131,14 @@ def missing_samples(time: np.ndarray) -> str | None:
 
 
 def linear_trend(interval: float, values: np.ndarray) -> float:
-    """Slope [m/s] of the straight line through a record, by least squares."""
+    """Slope [m/s] of the least-squares straight line through a record (n,) [m] with this sampling interval [s]."""
     t = interval * (np.arange(len(values)) - 0.5 * (len(values) - 1))
     return float(t @ values / (t @ t))
 
 
 @dataclass(frozen=True)
 class Treatment:
-    """Treatment of a record before its waves are counted."""
+    """Options for the treatment of a record before its waves are counted: detrending and hysteresis."""
 
     detrended: bool = False
     """True to take off the straight line through it, not its mean alone: where a tank fills, or a gauge drifts."""
@@ -153,7 +153,7 @@ class Treatment:
         return detrend(values, type="linear" if self.detrended else "constant")
 
     def notes(self) -> dict[str, str]:
-        """Notes on this treatment for tables, by name; empty for an untreated record."""
+        """Table notes on the options in use, by name; empty for a record treated by default."""
         found = {"detrended": "less the straight line through each record"} if self.detrended else {}
         return found | ({"hysteresis": f"{self.hysteresis:g} m"} if self.hysteresis else {})
 
@@ -162,7 +162,7 @@ AS_IT_WAS = Treatment()
 
 
 def slow_part(interval: float, values: np.ndarray, treatment: Treatment) -> str | None:
-    """Sentence on a trend or tide that makes a record TREND_RATIO or more times as high as its waves, or None."""
+    """Sentence on a trend or tide that makes a record (n,) [m] TREND_RATIO times as high as its waves, or None."""
     treated = treatment.deviation(values)
     level = Treatment(detrended=True).deviation(values)
     if not treatment.detrended and treated.std() > max(TREND_RATIO * level.std(), STILL_RANGE):
@@ -179,8 +179,8 @@ def slow_part(interval: float, values: np.ndarray, treatment: Treatment) -> str 
 
 
 def up_crossings(interval: float, deviation: np.ndarray, hysteresis: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-    """Times [s] of the zero up-crossings since the first sample, and the index of the last sample before each. Of
-    several on the way from below -`hysteresis` to above it [m] only the last counts."""
+    """Times [s] since the first sample of the zero up-crossings of a record less its mean (n,) [m], and indices of the
+    last samples before them. Of several crossings between -`hysteresis` and +`hysteresis` [m] only the last counts."""
     before = np.flatnonzero((deviation[:-1] < 0.0) & (deviation[1:] >= 0.0))
     beyond = np.flatnonzero((deviation < -hysteresis) | (deviation >= hysteresis))
     risen = beyond[1:][(deviation[beyond[:-1]] < 0.0) & (deviation[beyond[1:]] >= 0.0)]
@@ -190,7 +190,7 @@ def up_crossings(interval: float, deviation: np.ndarray, hysteresis: float = 0.0
 
 
 def parabola_top(values: np.ndarray) -> float:
-    """Height of the top of the parabola through the greatest sample and its neighbours."""
+    """Height of the top of the parabola through the greatest of some values (n,) and its two neighbours."""
     k = int(values.argmax())
     if not 0 < k < len(values) - 1:
         return float(values[k])
@@ -202,7 +202,8 @@ def parabola_top(values: np.ndarray) -> float:
 def zero_crossing_waves(
     interval: float, deviation: np.ndarray, hysteresis: float = 0.0
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Heights from trough to crest [m] and periods [s] of the waves of a record, between zero up-crossings."""
+    """Heights from trough to crest [m] and periods [s] of all waves between zero up-crossings of a record less its mean
+    (n,) [m], with this sampling interval [s]."""
     times, before = up_crossings(interval, deviation, hysteresis)
     heights = [
         parabola_top(deviation[begin : end + 2]) + parabola_top(-deviation[begin : end + 2])
@@ -214,7 +215,8 @@ def zero_crossing_waves(
 def welch_density(
     interval: float, deviation: np.ndarray, segments: int = MAX_SEGMENTS
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies [Hz] and spectral density [m2 s] of a record; the lowest above 0 is one over a segment's length."""
+    """Frequencies [Hz] and spectral density [m2 s] of a record less its mean (n,) [m], by Welch's method on overlapping
+    segments; the lowest frequency above 0 is one over a segment's length."""
     from scipy.signal import welch as estimate
 
     length = max(MIN_SAMPLES // 2, 2 * len(deviation) // (segments + 1))
@@ -222,7 +224,7 @@ def welch_density(
 
 
 def spectral_peak(frequency: np.ndarray, density: np.ndarray) -> float:
-    """Frequency [Hz] at the top of the parabola through the logarithms of the greatest density and its neighbours."""
+    """Peak frequency [Hz]: top of a parabola through the logarithms of the greatest density and its neighbours."""
     k = 1 + int(density[1:].argmax())
     if k + 1 >= len(density) or density[k - 1 : k + 2].min() <= 0.0:
         return float(frequency[k])
@@ -233,7 +235,7 @@ def spectral_peak(frequency: np.ndarray, density: np.ndarray) -> float:
 
 
 def segment_count(interval: float, deviation: np.ndarray) -> int:
-    """Largest number of segments, up to MAX_SEGMENTS, each with SEGMENT_PERIODS periods of the peak; else 1."""
+    """Largest number of Welch segments, up to MAX_SEGMENTS, each with SEGMENT_PERIODS periods of the peak; else 1."""
     for count in range(MAX_SEGMENTS, 1, -1):
         frequency, density = welch_density(interval, deviation, count)
         if spectral_peak(frequency, density) >= SEGMENT_PERIODS * frequency[1]:
@@ -242,7 +244,7 @@ def segment_count(interval: float, deviation: np.ndarray) -> int:
 
 
 def peak_frequency(interval: float, deviation: np.ndarray) -> float | None:
-    """Peak frequency [Hz]; None where the record holds fewer than RECORD_PERIODS of its periods."""
+    """Peak frequency [Hz] of a record less its mean (n,) [m]; None if it holds fewer than RECORD_PERIODS periods."""
     frequency, density = welch_density(interval, deviation, segment_count(interval, deviation))
     found = spectral_peak(frequency, density)
     return found if found >= RECORD_PERIODS * frequency[1] else None
@@ -251,8 +253,8 @@ def peak_frequency(interval: float, deviation: np.ndarray) -> float | None:
 def record_spectra(
     time: np.ndarray, heights: Mapping[str, np.ndarray], treatment: Treatment = AS_IT_WAS
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Frequencies [Hz], and the spectral density [m2 s] of each of several records at the same times, all with the
-    segment length of the record that needs the longest."""
+    """Frequencies [Hz], and the spectral density [m2 s] of each of several records of heights (n,) [m] at the same
+    times (n,) [s], all with the segment length of the record that needs the longest."""
     even = {name: even_samples(time, height) for name, height in heights.items()}
     records = {name: (interval, treatment.deviation(values)) for name, (interval, values) in even.items()}
     moving = [record for record in records.values() if np.ptp(record[1]) > STILL_RANGE]
@@ -263,7 +265,7 @@ def record_spectra(
 
 
 def spectral_moments(interval: float, deviation: np.ndarray, up_to: float) -> tuple[float, float, float]:
-    """Moments m0, m1 and m2 [m2, m2/s, m2/s2] of the spectrum of a record up to a frequency [Hz]."""
+    """Moments m0, m1 and m2 [m2, m2/s, m2/s2] of the spectrum, up to a frequency [Hz], of a record less its mean."""
     n = len(deviation)
     window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(n) / n)
     power = np.abs(np.fft.rfft(window * deviation)) ** 2
@@ -276,17 +278,17 @@ def spectral_moments(interval: float, deviation: np.ndarray, up_to: float) -> tu
 
 
 def sampling_error(deviation: np.ndarray) -> float:
-    """Relative standard error of the significant height (four standard deviations) of a record (n,) of a Gaussian sea:
-    half of that of m0, which is the root of the integral of S^2 over m0^2 and the record's length (Bendat & Piersol
-    2010, Random Data, 4th ed., section 8.2); the square of a periodogram is 2 S^2 on average."""
+    """Relative standard error of the significant height of a record (n,) of a Gaussian sea less its mean: half that of
+    m0, which is the root of the integral of S^2 over m0^2 and the record's length (Bendat & Piersol 2010, Random Data,
+    4th ed., section 8.2); a periodogram squared is 2 S^2 on average."""
     power = np.abs(np.fft.rfft(deviation)) ** 2
     return 0.5 * float((0.5 * (power**2).sum()) ** 0.5 / power.sum())
 
 
 def measure_record(time: np.ndarray, height: np.ndarray, treatment: Treatment = AS_IT_WAS) -> Sea:
-    """Sea state of a record of heights (n,) [m] at times (n,) [s]; raises Unmeasurable if it is faulty or too short. A
-    constant record has heights of 0 and no waves. One without a whole wave between two zero up-crossings has only
-    hm0_m."""
+    """Measure the sea state of a record of heights (n,) [m] at times (n,) [s]; raises Unmeasurable if it is faulty or
+    too short. A constant record has heights of 0 and no waves; a record without a whole wave between two zero
+    up-crossings has only hm0_m."""
     interval, values = even_samples(time, height)
     deviation = treatment.deviation(values)
     if np.ptp(deviation) <= STILL_RANGE:

@@ -25,7 +25,7 @@ Problems = list[tuple[tuple[str | int, ...], str]]  # where below the sea, and a
 
 
 class Steepening(Model):
-    """Keys of the onset of a nonlinear sea."""
+    """Keys for how a nonlinear sea starts and breaks."""
 
     onset: float | None = quantity("s", None, ge=0.0)
     """Time over which the nonlinear terms set in, at order 3 (Dommermuth 2000); null: five periods."""
@@ -51,6 +51,7 @@ class Seas(waves.OpenTrain):
 
     @model_validator(mode="after")
     def _regular_or_random(self) -> "Seas":
+        """Raise ValueError unless the sea has height and period, or a spectrum, or none of them."""
         regular = [self.height is not None, self.period is not None]
         if any(regular) and (self.spectrum is not None or not all(regular)):
             raise ValueError("give either height [m] and period [s] of a regular wave, or a spectrum, or neither")
@@ -58,7 +59,7 @@ class Seas(waves.OpenTrain):
 
     @property
     def trains(self) -> list[tuple[tuple[str | int, ...], waves.OpenTrain]]:
-        """Key path and wave train of the sea's own waves, if any, and of each further spectrum."""
+        """Wave trains of the sea, each after its path of config keys: the sea's own, if any, and each of `spectra`."""
         own = [((), self)] if self.height is not None or self.spectrum is not None else []
         return [*own, *((("spectra", n), sea) for n, sea in enumerate(self.spectra))]
 
@@ -73,7 +74,7 @@ class Seas(waves.OpenTrain):
         return max(sizes) if sizes else None
 
     def table(self) -> dict[str, np.ndarray] | None:
-        """Columns of the file `components` by name; None without a file. Raises Unreadable."""
+        """Columns of the file `components` by name; None if no file is given. Raises Unreadable if it is faulty."""
         if self.components is None:
             return None
         if Path(self.components).suffix == ".swd":
@@ -88,7 +89,7 @@ class Seas(waves.OpenTrain):
         return found
 
     def sea_of(self, basin: waves.Tank, count: int = waves.SPECTRUM_WAVES) -> waves.Components:
-        """All plane waves of the sea in a basin; each spectrum becomes `count` waves."""
+        """Sum of all plane waves of this sea on the water of a basin; each spectrum becomes `count` waves."""
         depth, g = basin.depth, waves.downward_gravity(basin)
         found = [train.sea(basin, count) for _, train in self.trains]
         table = self.table()
@@ -100,12 +101,12 @@ class Seas(waves.OpenTrain):
         return waves.combine(found, depth, g)
 
     def like_radians(self) -> list[str]:
-        """Warnings of angles in the table of `components` that could be radians."""
+        """Warnings that angles in the CSV file `components` look like radians instead of degrees; empty if none do."""
         table = self.table()
         return table.like_radians() if isinstance(table, csv_file.Table) else []
 
     def sea_faults(self, basin: waves.Tank) -> Problems:
-        """Faults of the sea in this basin: key path and sentence of each."""
+        """Reasons why this basin cannot have this sea: path of the config key at fault, and a sentence for each."""
         found: Problems = [(("kind",), sentence) for sentence in waves.basin_faults(basin)]
         try:
             self.table()

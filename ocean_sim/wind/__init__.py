@@ -1,4 +1,4 @@
-"""Moving air: every module of this folder is a kind that a scene may name; what they share lies in `shared`."""
+"""Moving air: each module of this folder is a kind that a scene may name; `shared` holds their common modules."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ CLOCK_RESTART_TIME = 1.0  # [s] how long the clock runs: up to here single preci
 
 
 class Clock:
-    """Clock of a wind: time at the end of its step; it stays at 0 for a wind that needs none."""
+    """Clock of a wind: simulated time and step length; it stays at 0 for a wind that needs none."""
 
     def __init__(self) -> None:
         self.time = 0.0  # [s] since the beginning
@@ -24,7 +24,7 @@ class Clock:
         self.step = 0.0  # [s] length of the step
 
     def advance(self, dt: float) -> None:
-        """Add a step of dt [s]."""
+        """Advance the clock by a step of dt [s]."""
         self.time, self.since, self.step = self.time + dt, self.since + dt, dt
 
     def is_due(self) -> bool:
@@ -32,18 +32,18 @@ class Clock:
         return self.since > CLOCK_RESTART_TIME
 
     def restart(self) -> None:
-        """Restart `since` at 0; `time` goes on."""
+        """Set `since`, the time since the last restart, to 0; `time` goes on."""
         self.since = 0.0
 
 
 class DeviceRow:
-    """A row of numbers that kernels read, 0 at first; a column is written only where its number changes."""
+    """Row of numbers in device memory for kernels, 0 at first; a number is copied there only when it changes."""
 
     def __init__(self, size: int) -> None:
         self.field, self.values = ti.field(float, shape=size), [0.0] * size
 
     def set(self, column: int, number: float) -> None:
-        """Write a number into a column, for kernels that are launched from now on."""
+        """Write a number into a column of the row, for kernels launched from now on."""
         if number != self.values[column]:
             self.values[column] = number
             self.field[column] = float(number)
@@ -51,7 +51,7 @@ class DeviceRow:
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """Lines and arrows that show a wind in pictures."""
+    """Lines around a wind and arrows along it, for pictures of the scene."""
 
     lines: np.ndarray  # (n, 2, 3) ends of the lines that show where it blows [m]
     tails: np.ndarray  # (m, 3) where arrows begin [m]
@@ -64,7 +64,7 @@ NO_DRAWING = Drawing(np.zeros((0, 2, 3)), np.zeros((0, 3)), np.zeros((0, 3)))
 
 
 class WindKeys(Protocol):
-    """Properties of a wind's config that the wind itself reads."""
+    """Interface of a wind's config, with the properties that the wind itself reads."""
 
     @property
     def needs_area(self) -> bool: ...
@@ -85,6 +85,7 @@ class Wind(ABC):
     needs_bend: bool  # True if `force` reads `bend`: the fluid then finds how its surface bends
 
     def __init__(self, config: WindKeys, clock: Clock | None = None) -> None:
+        """`clock`: clock shared with another wind; by default a new one."""
         self.config, self.gain = config, 1.0
         self.needs_area, self.needs_bend = config.needs_area, config.needs_bend
         self.clock = Clock() if clock is None else clock
@@ -100,40 +101,40 @@ class Wind(ABC):
         return self.clock.step
 
     def on(self, target: Target) -> "Wind":
-        """Wind that a target feels: this one, or still air where it does not act on the target."""
+        """Wind that acts on a target: this one, or still air if this one does not act on it."""
         return self if target in self.config.acts_on else StillAir()
 
     def follow(self, middle: np.ndarray) -> None:  # noqa: B027
-        """Store that the patch of open sea under the wind is now around x, z (2,) [m] in the world. A wind that has a
-        place hands this to its `shared.place.Patch`; one that is the same everywhere does nothing."""
+        """Store the middle x, z (2,) [m] of the patch of open sea under the wind, in the world; called as the patch
+        follows its ships. A wind with a place hands it to its `shared.place.Patch`; a uniform wind ignores it."""
 
     def advance(self, dt: float) -> None:  # noqa: B027
-        """Advance to the next step, of dt [s]."""
+        """Advance the wind to its state in the next time step, of dt [s]; called before each step of the water."""
 
     def strengthen(self, factor: float) -> None:
-        """Scale the strength given in the scene by a factor, from the next step on; nothing is compiled again."""
+        """Set the factor on the strength that the scene gives, from the next step on; no kernel is compiled again."""
         self.gain = factor
 
     def drawing(self) -> Drawing:
-        """Lines and arrows that show the wind at present."""
+        """Lines and arrows that show the present wind in pictures; none for a wind that draws nothing."""
         return NO_DRAWING
 
     @ti.func  # noqa: B027
     def set_clock(self, since, step):
-        """Compute the state of the wind in this step, from the clock's `since` and `step` [s]."""
+        """Compute the wind's state in this step from the clock's `since` and `step` [s]; called as a kernel begins."""
 
     @abstractmethod
     def force(self, key, position, velocity, area, bend, mass):
         """ti.func -> vec3: force [N] on a particle or a voxel of a hull.
 
-        `key` is its number, by which noise is drawn; `position` [m] and `velocity` [m/s] are its own; `area` is the
-        exposed area times its outward normal [m2], zero inside the water; `bend` is the change of the surface's slope
-        over the depth at which exposed areas lie (`fluid/bodies/exposure.py`); `mass` [kg]."""
+        `key` is the particle's or voxel's number, by which noise is drawn; `position` [m] and `velocity` [m/s] are its
+        own; `area` is its exposed area times outward normal [m2], zero inside the water; `bend` is the change of the
+        surface's slope over the depth at which exposed areas lie (`fluid/bodies/exposure.py`); `mass` [kg]."""
 
 
 @in_kernels
 class StillAir(Wind):
-    """Air at rest: its term compiles to nothing."""
+    """Air at rest: no force, and kernels leave its term out."""
 
     blows = False
     needs_area = needs_bend = False
@@ -142,11 +143,13 @@ class StillAir(Wind):
         self.clock = Clock()
 
     def on(self, target: Target) -> Wind:
+        """Still air for every target."""
         return self
 
     def strengthen(self, factor: float) -> None:
-        """Do nothing: there is nothing to strengthen."""
+        """Do nothing: still air has no strength to scale."""
 
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):
+        """Zero force [N]."""
         return tm.vec3(0.0)

@@ -97,13 +97,13 @@ class Volume(Scheduled):
 
     @property
     def passing_time(self) -> float:
-        """Time [s] for which a point on the volume's path lies inside it; infinite where it does not drift."""
+        """Time [s] for which the drifting volume covers a point on its path; infinite if it does not drift."""
         speed = float(np.linalg.norm(self.velocity))
         return self.include[0].core.chord(self.velocity / speed) / speed if speed else inf
 
     def blows(self, time: float, dt: float = 0.0) -> tuple[float, float]:
-        """Factor on its strength over a step of dt [s] from a time [s] on, and the angle [rad] by which its
-        acceleration and wind are turned."""
+        """Factor on the wind's strength in a step of dt [s] that begins at a time [s], and the angle [rad] by which the
+        schedule turns acceleration and wind."""
         if self.course is None:
             return self.blowing(time, dt), 0.0
         speed, heading = self.course.at(time + 0.5 * dt)
@@ -113,16 +113,16 @@ class Volume(Scheduled):
 
     @property
     def strongest(self) -> float:
-        """Size of the acceleration [m/s2], or wind_speed [m/s] if there is none: the greatest value of its arrows."""
+        """Value of the longest arrow drawn: the acceleration [m/s2], or wind_speed [m/s] if there is none."""
         return hypot(*self.acceleration) or self.wind_speed
 
     @property
     def shapes(self) -> list[tuple[Shape, float]]:
-        """Shapes of the volume, with 1 for those included and -1 for those cut out."""
+        """Shapes of the volume, each with a sign: 1 if it is included, -1 if it is cut out."""
         return [(shape, 1.0) for shape in self.include] + [(shape, -1.0) for shape in self.exclude]
 
     def redrawn(self, seed: int, number: int, passage: int) -> tuple[float, float]:
-        """Turn [rad] and strength factor of volume `number` in a later passage, drawn from the seed."""
+        """Random turn [rad] and strength factor of volume `number` in a later passage, drawn from the seed."""
         side, force, _ = numpy_uniform3(seed, PASSAGE_STREAM + number, 0, passage)[0]
         given = self.include[0].core.yaw
         low, high = (radians(a) for a in self.redraw_yaw_deg) if self.redraw_yaw_deg else (given, given)
@@ -130,15 +130,15 @@ class Volume(Scheduled):
         return (low + high + side * (high - low)) / 2 - given, (weak + strong + force * (strong - weak)) / 2
 
     def outline(self, turn: float) -> tuple[np.ndarray, np.ndarray]:
-        """Ends (n, 2, 3) of the lines that draw the volume, turned by `turn` [rad], and points (m, 3) spread over its
-        first shape, both relative to the centre of the volume [m]."""
+        """Line segments (n, 2, 3) that draw the included shapes, turned by `turn` [rad], and points (m, 3) for arrows,
+        spread over the first shape; both relative to the centre of the volume [m]."""
         first = self.include[0].core
         lines = [turned(shape.core.edges() - first.centre, turn) for shape in self.include]
         return np.concatenate(lines), turned(first.spread() - first.centre, turn)
 
     def slab(self, turn: float) -> tuple[np.ndarray, float, float]:
-        """Thinnest slab across an axis of the first shape that contains the volume, turned by `turn` [rad]: its normal,
-        and along that its middle, relative to the centre of the volume, and half its thickness [m]."""
+        """Thinnest slab across an axis of the first shape that contains the volume turned by `turn` [rad]: its unit
+        normal, the distance of its middle from the volume's centre along that normal, and half its thickness [m]."""
         cores = [shape.core for shape in self.include]
         slabs = []
         for axis in np.eye(3):
@@ -150,7 +150,7 @@ class Volume(Scheduled):
         return min(slabs, key=lambda slab: slab[2])
 
     def passages(self, basin: Basin, seed: int, number: int) -> Passages:
-        """Repeated passages of volume `number` across the basin."""
+        """Path of volume `number` of the wind as it drifts across the basin again and again."""
         first, speed = self.include[0].core, float(np.linalg.norm(self.velocity))
         rear = first.reach(self.velocity / speed) if speed else 0.0
         return Passages(first.centre, self.velocity, rear, basin, lambda passage: self.redrawn(seed, number, passage))
@@ -174,39 +174,46 @@ class Config(Placed, WindConfig):
 
     @property
     def needs_area(self) -> bool:
+        """True if a volume with a wind speed acts on the fluid."""
         return any(self.volumes[g].wind_speed > 0.0 for g in self.aimed("fluid"))
 
     @property
     def acts_on(self) -> list[Target]:
+        """Targets on which at least one volume acts."""
         return [target for target in get_args(Target) if self.aimed(target)]
 
     @property
     def stylised(self) -> bool:
-        """True if a force field acts that is no physical stress."""
+        """True if a volume has an acceleration or noise, which is a force field and no physical stress."""
         return any(any(v.acceleration) or any(v.noise) for v in self.volumes)
 
     @property
     def is_random(self) -> bool:
+        """True if a volume has noise, or draws its direction or strength anew in each passage."""
         return any(any(v.noise) or v.redraw_yaw_deg or v.redraw_strength != (1.0, 1.0) for v in self.volumes)
 
     def aimed(self, target: Target) -> list[int]:
-        """Numbers of the volumes that act on a target."""
+        """Indices of the volumes that act on a target."""
         return [g for g, v in enumerate(self.volumes) if target in (self.targets if v.targets is None else v.targets)]
 
     def problems(self, preflight: Preflight) -> Problems:
+        """Faults of the volumes' schedules and of the key `frame`, each as key path and sentence."""
         unscheduled: Problems = [
             (("volumes", g, *path), message) for g, v in enumerate(self.volumes) for path, message in v.unscheduled()
         ]
         return [*unscheduled, *self.misframed(preflight)]
 
     def build(self, basin: Basin, seed: int) -> Wind:
+        """Build the volumes of air on the device."""
         return Gusts(self, basin, seed)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        """Row of the memory ledger for volumes and noise on the device."""
         n, numbers = len(self.volumes), len(self.volumes) * row_size(self.volumes) + DRAWS.size
         return [LedgerRow("wind", "moving volumes of air", preflight.word * numbers, f"{n} in wind.volumes")]
 
     def warnings(self, preflight: Preflight) -> list[str]:
+        """Warnings about force fields, velocity changes, ends of schedules and drag on ships."""
         sentences = []
         for g, volume in enumerate(self.volumes):
             name, size = f"wind.volumes[{g}]", hypot(*volume.acceleration, *volume.noise)
@@ -223,7 +230,7 @@ class Config(Placed, WindConfig):
 
 
 def joined(drawings: list[Drawing]) -> Drawing:
-    """Join drawings of volumes into one."""
+    """Join the drawings of several volumes into one; its arrows have no scale if their units differ."""
     alike = len({drawing.unit for drawing in drawings}) == 1
     return Drawing(
         lines=np.concatenate([drawing.lines for drawing in drawings]),
@@ -235,13 +242,13 @@ def joined(drawings: list[Drawing]) -> Drawing:
 
 
 def row_size(volumes: list[Volume]) -> int:
-    """Number of columns of a volume's row, with room for the shapes of the volume that has most of them."""
+    """Number of columns of a device row for any of these volumes: its own, and those of the largest set of shapes."""
     return VOLUME.size + SHAPE.size * max(len(volume.shapes) for volume in volumes)
 
 
 @in_kernels
 class Gusts(Wind):
-    """Wind of drifting volumes of air."""
+    """Wind of drifting volumes of air, each with a row of numbers on the device."""
 
     config: Config
 
@@ -264,19 +271,19 @@ class Gusts(Wind):
         self._restart()
 
     def on(self, target: Target) -> Wind:
-        """Wind that a target feels: all volumes, those that act on the target, or still air if none does."""
+        """Wind that acts on a target: all volumes, the subset that acts on the target, or still air if none does."""
         numbers = self.config.aimed(target)
         return self if len(numbers) == self.n else Aimed(self, numbers) if numbers else StillAir()
 
     def strengthen(self, factor: float) -> None:
-        """Scale acceleration, noise and wind_speed of the scene by a factor."""
+        """Set the factor on acceleration, noise and wind_speed of all volumes."""
         super().strengthen(factor)
         for g in range(self.n):
             self._set_strength(g)
         self._restart()
 
     def drawing(self) -> Drawing:
-        """Outlines of the volumes now, with arrows along the acceleration, or along the wind where there is none."""
+        """Outlines of the volumes at present, with arrows along their acceleration, or their wind if they have none."""
         drawings = []
         strongest = max(v.strongest for v in self.volumes)
         for p, volume, (part, turn) in zip(self.passages, self.volumes, self.blown):
@@ -289,10 +296,11 @@ class Gusts(Wind):
         return joined(drawings)
 
     def follow(self, middle: np.ndarray) -> None:
+        """Move the wind's axes with the patch of open sea to its middle x, z (2,) [m]."""
         self.patch.follow(middle)
 
     def advance(self, dt: float) -> None:
-        """Move all volumes by a step of dt [s] (Algorithm 1); set their strength in its middle, and its noise."""
+        """Move all volumes by a step of dt [s] (Algorithm 1), and set their strength and noise for it."""
         begun, changed = self.clock.time, False
         self.clock.advance(dt)
         for g, (passage, volume) in enumerate(zip(self.passages, self.volumes)):
@@ -311,7 +319,7 @@ class Gusts(Wind):
             self.noise.advance()
 
     def _lay_out(self, g: int) -> None:
-        """Write to the row of volume g the places of its shapes around its centre in this passage."""
+        """Write into the host row of volume g its slab and its shapes, turned as in the present passage."""
         volume, turn = self.volumes[g], self.passages[g].turn
         centre = volume.include[0].core.centre
         normal, middle, self.half[g] = volume.slab(turn)
@@ -324,7 +332,7 @@ class Gusts(Wind):
         self.rows[g, VOLUME.size : VOLUME.size + len(numbers)] = numbers
 
     def _set_strength(self, g: int) -> None:
-        """Write to the row of volume g its present strength."""
+        """Write into the host row of volume g its present acceleration, noise and wind."""
         p, volume, (part, turn) = self.passages[g], self.volumes[g], self.blown[g]
         part *= self.gain
         acceleration = part * p.strength * turned(volume.acceleration, p.turn + turn)
@@ -334,7 +342,7 @@ class Gusts(Wind):
         self.rows[g, VOLUME.half_thickness] = self.half[g] if any(numbers) else -1.0
 
     def _restart(self) -> None:
-        """Restart the clock: write all rows, with the centres where they are now."""
+        """Restart the clock: write present centres into all rows, and copy them to the device."""
         for numbers, passage in zip(self.rows, self.passages):
             numbers[VOLUME.start : VOLUME.acceleration] = (*passage.centre, *passage.velocity)
         self.row.from_numpy(self.rows)
@@ -364,7 +372,7 @@ class Gusts(Wind):
 
     @ti.func
     def push(self, g, key, position, velocity, area, mass):
-        """Load of volume g [N] on a particle or voxel; most are found at once to lie outside its slab."""
+        """Force [N] of volume g on a particle or voxel at a position [m] in the wind's axes; 0 outside the volume."""
         total, off = tm.vec3(0.0), position.dot(self.vector(g, VOLUME.normal)) - self.row[g, VOLUME.slab]
         if ti.abs(off) <= self.row[g, VOLUME.half_thickness]:
             if self.holds(g, position - self.vector(g, VOLUME.centre)):
@@ -379,13 +387,12 @@ class Gusts(Wind):
 
     @ti.func
     def load(self, g, wind, area):
-        """Drag and lift of volume g [N] on an exposed area [m2], for the wind relative to it [m/s]."""
+        """Drag and lift [N] of volume g on an exposed area [m2]; `wind`: air velocity relative to the area [m/s]."""
         return drag(wind, area) + lift(wind, area, self.row[g, VOLUME.lift])
 
     @ti.func
     def holds(self, g, x):
-        """True if x, relative to the centre of volume g [m], lies in one of its included and in none of its excluded
-        shapes."""
+        """True if volume g contains x, relative to its centre [m]: in an included shape, and in no excluded one."""
         included, excluded = False, False
         for s in range(self.shapes):
             k = VOLUME.size + SHAPE.size * s
@@ -398,31 +405,33 @@ class Gusts(Wind):
 
     @ti.func
     def vector(self, g, column):
-        """Vector in three columns of the row of volume g, from `column` on."""
+        """Vector (3,) from three columns of the device row of volume g, `column` the first."""
         return tm.vec3(self.row[g, column], self.row[g, column + 1], self.row[g, column + 2])
 
 
 @in_kernels
 class Aimed(Wind):
-    """Some of the volumes of a `Gusts`, as felt by a target that not all of them act on."""
+    """Subset of the volumes of a `Gusts`, for a target on which not all of them act."""
 
     def __init__(self, gusts: Gusts, numbers: list[int]) -> None:
+        """`numbers`: indices of the volumes in `gusts`."""
         super().__init__(gusts.config, gusts.clock)
         self.gusts, self.n = gusts, len(numbers)
         self.number = ti.field(int, shape=self.n)
         self.number.from_numpy(np.array(numbers, dtype=np.int32))
 
     def on(self, target: Target) -> Wind:
+        """Wind that acts on a target, out of all volumes of the `Gusts`."""
         return self.gusts.on(target)
 
     @ti.func
     def set_clock(self, since, step):
-        """Set the clock of the `Gusts` that these volumes belong to."""
+        """Compute the centres and noise draws of the whole `Gusts` in this step."""
         self.gusts.set_clock(since, step)
 
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):
-        """Force [N] on a particle or voxel: (2.26), summed over these volumes."""
+        """Force [N] on a particle or voxel: (2.26), summed over the volumes of this subset that contain it."""
         total, x = tm.vec3(0.0), self.gusts.patch.seen(position)
         for k in range(self.n):
             total += self.gusts.push(self.number[k], key, x, velocity, area, mass)

@@ -1,7 +1,7 @@
 """A physical wind: the stress rho C_d U10^2 (2.20), or one that was measured, on the plan area of the free surface, and
 pressure on its waves.
 
-The stress acts along the wind on what is seen of the surface from above; so momentum grows by stress times plan area,
+The stress acts along the wind on the plan area of the surface; so momentum grows by stress times plan area,
 whatever the resolution. Pressure on waves is Jeffreys's (1925, Proc. R. Soc. A 107): s rho_air (U10 - c)^2 times the
 slope along the wind, higher on the windward side, which makes waves grow. In linear theory the energy of a wave of
 frequency w grows at the rate P w / (rho c^2), P = s rho_air (U10 - c)^2.
@@ -66,14 +66,17 @@ class Config(Scheduled, WindConfig):
 
     @property
     def needs_area(self) -> bool:
+        """True if the wind acts on the fluid, as a stress on its plan area."""
         return "fluid" in self.targets
 
     @property
     def needs_bend(self) -> bool:
+        """True if the pressure on waves acts on the fluid."""
         return self.needs_area and self.sheltering > 0.0
 
     @property
     def acts_on(self) -> list[Target]:
+        """Targets that the scene names."""
         return self.targets
 
     @property
@@ -82,19 +85,19 @@ class Config(Scheduled, WindConfig):
         return False
 
     def blows(self, time: float, dimension: int) -> tuple[float, float]:
-        """U10 [m/s] and heading [deg] at a time [s]; the ramp acts on the stress."""
+        """U10 [m/s] and heading [deg] of the wind at a time [s], without its ramp, which is a factor on the stress."""
         if self.course is not None:
             return self.course.at(time)
         return self.speed, (90.0 if dimension == 2 else 0.0) if self.heading_deg is None else self.heading_deg
 
     @cached_property
     def speed(self) -> float:
-        """U10 [m/s] of a wind without a schedule."""
+        """U10 [m/s] of a wind without a schedule, as given by u10 or tau."""
         return stated_speed(self.u10, self.tau)
 
     @property
     def law(self) -> DragLaw:
-        """Drag law in use, the default one if the scene names none."""
+        """Name of the drag law: that of the scene, or else the default one."""
         return self.drag_law or LAW
 
     @property
@@ -103,7 +106,7 @@ class Config(Scheduled, WindConfig):
         return self.speed if self.course is None else float(self.course.speed.max())
 
     def on_water(self, u10: float) -> float:
-        """Stress on the water [Pa] of a wind of this U10 [m/s], the gain included."""
+        """Stress on the water [Pa] at a wind speed u10 [m/s], times `gain`."""
         return self.gain * stress(u10, self.law)
 
     @property
@@ -112,11 +115,12 @@ class Config(Scheduled, WindConfig):
         return self.gain if self.pressure_gain is None else self.pressure_gain
 
     def sheltered(self, u10: float) -> float:
-        """P [Pa]: pressure on the waves over their slope along the wind, its gain included."""
+        """Pressure on the waves over their slope along the wind [Pa], at a wind speed u10 [m/s], its gain included."""
         relative = u10 - self.wave_speed
         return self.gain_of_pressure * self.sheltering * AIR_DENSITY * relative * abs(relative)
 
     def problems(self, preflight: Preflight) -> Problems:
+        """Faults of the schedule, of exclusive keys, and of heading or basin, each as key path and sentence."""
         basin, found = preflight.tank, list(self.unscheduled())
         stated = {"u10": self.u10, "drag_law": self.drag_law, "schedule": self.schedule}
         others = [key for key, value in stated.items() if value is not None]
@@ -132,12 +136,15 @@ class Config(Scheduled, WindConfig):
         return found
 
     def build(self, basin: Basin, seed: int) -> Wind:
+        """Build the stress on the device."""
         return Stress(self, basin)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        """Row of the memory ledger for the wind's numbers on the device."""
         return [LedgerRow("wind", "stress, pressure and direction", 6 * preflight.word, "wind.kind is stress")]
 
     def warnings(self, preflight: Preflight) -> list[str]:
+        """Warnings about the size of the stress, the schedule, ships, the drag law and unresolved waves."""
         u10 = self.strongest
         sheltered = f", pressure on waves {self.sheltered(u10):.3g} Pa times their slope" if self.sheltering else ""
         gain = "a real wind (gain 1)" if self.gain == 1.0 else f"{self.gain:g} times a real wind (gain)"
@@ -151,7 +158,7 @@ class Config(Scheduled, WindConfig):
         return [f"{message}: {gain}", *found, *out_of_range(u10, self.law), *unresolved(self, u10, preflight)]
 
     def across(self, preflight: Preflight) -> list[str]:
-        """Warn of a schedule that blows across a vertical slice."""
+        """Warn if a row of the schedule blows across the plane of a 2-D basin."""
         if self.course is None or preflight.tank.dimension == 3:
             return []
         rows = np.flatnonzero(np.abs(np.cos(np.radians(self.course.heading))) > 1e-9)
@@ -173,8 +180,8 @@ def out_of_range(u10: float, law: DragLaw) -> list[str]:
 
 
 def fetch_limited(u10: float, fetch: float, gravity: float = GRAVITY) -> tuple[float, float]:
-    """Significant wave height [m] and peak period [s] that a wind makes over a fetch [m] of deep water: Kahma &
-    Calkoen (1992, J. Phys. Oceanogr. 22), composite, no higher than Pierson & Moskowitz (1964)."""
+    """Significant wave height [m] and peak period [s] that a wind u10 [m/s] raises over a fetch [m] of deep water:
+    Kahma & Calkoen (1992, J. Phys. Oceanogr. 22), composite, no higher than Pierson & Moskowitz (1964)."""
     x = gravity * fetch / u10**2
     energy = min(5.2e-7 * x**0.9, 3.64e-3)
     omega = max(13.7 * x**-0.27, 2.0 * pi * 0.133)
@@ -182,22 +189,22 @@ def fetch_limited(u10: float, fetch: float, gravity: float = GRAVITY) -> tuple[f
 
 
 def plant(u10: float, k: float, gravity: float = GRAVITY) -> float:
-    """Rate [1/s] at which a real wind feeds energy into deep-water waves of wavenumber k [1/m]: 0.04 (u*/c)^2 w,
+    """Growth rate of energy [1/s] of deep-water waves of wavenumber k [1/m] in a real wind u10 [m/s]: 0.04 (u*/c)^2 w,
     accurate to 50 % (Plant 1982, J. Geophys. Res. 87)."""
     omega = (gravity * k) ** 0.5
     return 0.04 * stress(u10) / AIR_DENSITY * (k / omega) ** 2 * omega
 
 
 def growth_rate(wind: Config, u10: float, k: float, depth: float, pull: float) -> float:
-    """Rate [1/s] at which the wind of a scene feeds energy into waves of wavenumber k [1/m]: by its pressure on them
-    where it has one, or else by Plant's law times its gain."""
+    """Growth rate of energy [1/s] that the scene's wind gives waves of wavenumber k [1/m] under gravity `pull` [m/s2]:
+    by its pressure on waves if it has one, else by Plant's law times its gain."""
     if wind.sheltering:
         return wind.sheltered(u10) * k * float(waves.angular_frequency(k, depth, pull)) / (WATER_DENSITY * pull)
     return wind.gain * plant(u10, k, pull)
 
 
 def overdamped(wind: Config, u10: float, k: float, preflight: Preflight) -> list[str]:
-    """Warn where viscosity damps waves of wavenumber k [1/m] faster than the wind of the scene makes them grow."""
+    """Warn if viscosity damps waves of wavenumber k [1/m] faster than the wind of the scene makes them grow."""
     fluid, pull, length = preflight.fluid, hypot(*preflight.tank.gravity), 2.0 * pi / k
     beta = growth_rate(wind, u10, k, preflight.tank.depth, pull)
     own, added = fluid.viscosity_asked, fluid.viscosity_added(preflight, length)
@@ -215,8 +222,8 @@ def overdamped(wind: Config, u10: float, k: float, preflight: Preflight) -> list
 
 
 def unresolved(wind: Config, u10: float, preflight: Preflight) -> list[str]:
-    """Warn of causes that keep this water from showing the waves of a real wind: particles too coarse, water too
-    viscous, a basin too short."""
+    """Warn of reasons why this water cannot show the waves that a real wind u10 [m/s] raises: particles too coarse,
+    water too viscous, a basin too short."""
     basin, pull, spacing = preflight.tank, hypot(*preflight.tank.gravity), preflight.spacing
     if u10 <= 0.0 or pull <= 0.0 or spacing is None:
         return []
@@ -244,7 +251,7 @@ def unresolved(wind: Config, u10: float, preflight: Preflight) -> list[str]:
 
 
 def borne(stress: float, preflight: Preflight) -> list[str]:
-    """Warn if particles no longer in lattice rows would bear a stress [Pa] as a solid does, rather than flow."""
+    """Warn if particles that have left their lattice rows would resist a stress [Pa] like a solid, rather than flow."""
     fluid, tank = preflight.fluid, preflight.tank
     pressure, share = fluid.rest_density * hypot(*tank.gravity) * tank.depth, fluid.bears_shear
     if not 0.0 < stress < FLOW_SHEAR_RATIO * share * pressure:
@@ -263,7 +270,7 @@ class Stress(Wind):
     config: Config
 
     def __init__(self, config: Config, basin: Basin, afloat: bool = False) -> None:
-        """`afloat`: True for the wind that ships feel."""
+        """`afloat`: True for the instance that gives the drag on ships."""
         super().__init__(config)
         self.basin, self.dimension, self.afloat, self.time = basin, basin.dimension, afloat, 0.0
         self.sheltering = config.sheltering > 0.0
@@ -273,11 +280,11 @@ class Stress(Wind):
         self._set_strength(0.0)
 
     def on(self, target: Target) -> Wind:
-        """Stress on the fluid, drag on a hull, or still air where the target is none of `targets`."""
+        """Wind that acts on a target: stress on the fluid, drag on a ship, or still air if it is none of `targets`."""
         return self.ship if target == "ship" and self.ship is not None else super().on(target)
 
     def advance(self, dt: float) -> None:
-        """Advance by a step of dt [s], with the wind in the middle of it."""
+        """Advance by a step of dt [s], with the strength in the middle of the step."""
         if not self.steady:
             self._set_strength(dt)
         self.time += dt
@@ -285,14 +292,14 @@ class Stress(Wind):
             self.ship.advance(dt)
 
     def strengthen(self, factor: float) -> None:
-        """Scale the U10 of the scene by a factor."""
+        """Set the factor on the U10 of the scene."""
         super().strengthen(factor)
         self._set_strength(0.0)
         if self.ship is not None:
             self.ship.strengthen(factor)
 
     def _set_strength(self, dt: float) -> None:
-        """Write to the device the wind of the step of dt [s] that begins now."""
+        """Write to the device the stress, pressure, direction and speed of the step of dt [s] that begins now."""
         u10, heading = self.config.blows(self.time + 0.5 * dt, self.dimension)
         u10 *= self.gain
         part = self.config.blowing(self.time, dt)
@@ -303,7 +310,7 @@ class Stress(Wind):
             self.row.set(column, number)
 
     def drawing(self) -> Drawing:
-        """Arrows all over the water; length 1 is the greatest U10 that the scene has."""
+        """Arrows of the wind on a 4 x 4 grid over the water; length 1 is the greatest U10 of the scene."""
         x, z = (np.linspace(0.7 * self.basin.lower[k], 0.7 * self.basin.upper[k], 4) for k in (0, 2))
         x, z = (a.ravel() for a in np.meshgrid(x, z))
         u10, heading = self.config.blows(self.time, self.dimension)
@@ -320,7 +327,7 @@ class Stress(Wind):
 
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):
-        """Force [N]: stress on the plan area, and pressure on the slope of the surface; on a hull the drag (2.22)."""
+        """Force [N]: on a particle stress on plan area, and pressure on the surface's slope; on a hull drag (2.22)."""
         row = ti.static(self.row.field)
         total = tm.vec3(0.0)
         if ti.static(self.afloat):

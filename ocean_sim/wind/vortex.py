@@ -64,33 +64,40 @@ class Config(Timed, Placed, WindConfig):
 
     @property
     def needs_area(self) -> bool:
+        """False: the force field acts on mass, not on exposed area."""
         return False
 
     @property
     def acts_on(self) -> list[Target]:
+        """Targets that the scene names."""
         return self.targets
 
     @property
     def is_random(self) -> bool:
+        """True if the vortex has noise."""
         return any(self.noise)
 
     def circulation(self, radius: float) -> float:
-        """Integral of the acceleration at the still surface along a circle about the axis [m2/s2]."""
+        """Integral of the acceleration at the still surface [m2/s2] along a circle of a radius [m] about the axis."""
         return 2.0 * pi * self.acceleration * min(radius**2 / self.core_radius, self.core_radius)
 
     def build(self, basin: Basin, seed: int) -> Wind:
+        """Build the vortex on the device."""
         return Vortex(self, basin, seed)
 
     def problems(self, preflight: Preflight) -> Problems:
+        """Faults of a 2-D basin, which cannot have a vortex, and of the key `frame`, each as key path and sentence."""
         sentence = "a vortex turns about the vertical: give the basin a width"
         flat: Problems = [(("kind",), sentence)] if preflight.tank.dimension == 2 else []
         return flat + self.misframed(preflight)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        """Row of the memory ledger for axis, strength and noise on the device."""
         size = ROW.size * preflight.word
         return [LedgerRow("wind", "axis, strength and noise of the vortex", size, "wind.kind is vortex")]
 
     def warnings(self, preflight: Preflight) -> list[str]:
+        """Warnings about the size of the force field and the change of velocity in one passage."""
         speed = hypot(*self.drift)
         acceleration = (self.acceleration, self.upward, self.inward)
         passing = 2.0 * self.core_radius / speed if speed else inf
@@ -102,7 +109,7 @@ class Config(Timed, Placed, WindConfig):
 
 @in_kernels
 class Vortex(Wind):
-    """Wind of a drifting vortex."""
+    """Wind of a vortex about a vertical axis that drifts across the basin."""
 
     config: Config
 
@@ -117,10 +124,11 @@ class Vortex(Wind):
         self._restart()
 
     def follow(self, middle: np.ndarray) -> None:
+        """Move the wind's axes with the patch of open sea to its middle x, z (2,) [m]."""
         self.patch.follow(middle)
 
     def advance(self, dt: float) -> None:
-        """Move the axis by a step of dt [s] (Algorithm 1), and set strength and noise of the step."""
+        """Move the axis by a step of dt [s] (Algorithm 1), and set strength and noise for the step."""
         before, part, begun = self.passage.number, self.part, self.clock.time
         self.passage.advance(dt)
         self.clock.advance(dt)
@@ -132,11 +140,12 @@ class Vortex(Wind):
             self.noise.advance()
 
     def strengthen(self, factor: float) -> None:
+        """Set the factor on acceleration and noise."""
         super().strengthen(factor)
         self._restart()
 
     def drawing(self) -> Drawing:
-        """Lines around the core, down to the depth of its layer, and arrows where its acceleration is greatest."""
+        """Two rings around the core, at the surface and the lower end of its layer, lines between them, and arrows."""
         config, angle = self.config, np.linspace(0.0, 2.0 * pi, 33)
         around = np.stack([np.cos(angle), np.zeros(33), np.sin(angle)], axis=1)
         top = self.passage.centre + self.patch.origin + config.core_radius * around
@@ -159,14 +168,14 @@ class Vortex(Wind):
 
     @ti.func
     def set_clock(self, since, step):
-        """Store the clock, and compute the noise draws of this step."""
+        """Store the time since the restart, and find the noise draws of this step."""
         self.row.field[ROW.since] = since
         if ti.static(self.noisy):
             self.noise.set_clock(since, step)
 
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):
-        """Force [N]: mass times acceleration around, towards and along the axis, and noise."""
+        """Force [N]: mass times acceleration around, towards and along the axis, and noise, fading with depth."""
         row = ti.static(self.row.field)
         drift = ti.static(self.config.drift)
         x, z = row[ROW.axis_x] + row[ROW.since] * drift[0], row[ROW.axis_z] + row[ROW.since] * drift[1]

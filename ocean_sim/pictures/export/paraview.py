@@ -17,7 +17,7 @@ from ocean_sim.pictures.frame_files import frame_files
 
 
 class NothingToExport(Failed):
-    """The run kept nothing of the kind asked for; the message names the observer or option to switch on."""
+    """The run kept no data of the kind to export; the message names the observer or option to switch on."""
 
 
 def export_run(
@@ -30,9 +30,9 @@ def export_run(
     scene: str | None = None,
     z_up: bool = False,
 ) -> list[Path]:
-    """Write `particles` (vtkhdf, ply), `surface` (ply, vtp, vtkhdf) and, in one file, `scene` (usd: all that was drawn;
-    glb: water and ships) of every `every`-th frame into `out`; returns the files. With a surface, each ship is a mesh
-    at her pose. `z_up`: True to write axes with z up, not y."""
+    """Write every `every`-th frame of a run into the folder `out` and return the files: `particles` (vtkhdf, ply),
+    `surface` (ply, vtp, vtkhdf; with a mesh of each ship at her pose) and, in one file, `scene` (usd: all that was
+    drawn; glb: water and ships). `z_up`: True for axes with z up, not y."""
     frames = frame_files(folder)[::every]
     if not frames:
         raise NothingToExport(f"{folder} has no frames; run with the observer `frames`")
@@ -54,6 +54,7 @@ def export_run(
 
 
 def export_shots(frames: list[Path], grid: dict[str, np.ndarray], z_up: bool) -> Iterator[ExportShot]:
+    """Read the contents of all frames to export, turned to z up if `z_up`."""
     wakes = RunWakes(frame_files(frames[0].parent.parent), grid)
     return upright_shots((scene_file.read_shot(frame, grid, wakes) for frame in frames), z_up)
 
@@ -61,7 +62,8 @@ def export_shots(frames: list[Path], grid: dict[str, np.ndarray], z_up: bool) ->
 def export_particles(
     frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
 ) -> list[Path]:
-    """Write particles with `velocity`, `id` and `pressure` to one file (vtkhdf) or one a frame (ply); returns them."""
+    """Write particles with velocity, id and pressure to one file (vtkhdf) or one file a frame (ply); returns the files.
+    Raises NothingToExport if the frames hold none."""
     if "position" not in read_npz(frames[0]):
         raise NothingToExport("these frames hold no particles; run with frames.particles: true")
     kept = ((shot.time, shot.particles["position"], shot.particles) for shot in export_shots(frames, grid, z_up))
@@ -78,6 +80,7 @@ def export_particles(
 
 
 def without_key(fields: dict[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
+    """Copy of the arrays without the one of this name."""
     return {key: values for key, values in fields.items() if key != name}
 
 
@@ -85,7 +88,7 @@ def export_surface(
     frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
 ) -> list[Path]:
     """Write the water's surface with foam and velocity, every ship at her pose, gates, and fixed obstacles once;
-    returns the files: surface_00000 and so on, for ParaView with a list of their times (`vtp`), or one (`vtkhdf`)."""
+    returns the files: one per object and frame (ply, vtp with a list of times), or one per object (vtkhdf)."""
     files: dict[str, list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]] = {"surface": []}
     drawn = {key: model.mesh for key, model in scene_file.ship_models(grid).items()}
     for shot in export_shots(frames, grid, z_up):
@@ -113,14 +116,14 @@ def export_surface(
 
 
 def display_colours(linear: np.ndarray) -> np.ndarray:
-    """Display values, 0 to 1, of linear RGB."""
+    """Display RGB, 0 to 1, from linear RGB, by gamma 2.2."""
     return np.clip(linear, 0.0, 1.0) ** (1.0 / 2.2)
 
 
 def save_moments(
     out: Path, name: str, kind: str, moments: list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]
 ) -> list[Path]:
-    """Write a mesh at several times [s] to files of this kind; returns them."""
+    """Write a mesh at several moments (time [s], points, triangles, fields) to files of a kind; returns the files."""
     if kind == "vtkhdf":
         path = out / f"{name}.vtkhdf"
         with atomic_write(path) as draft, Series(draft, "Polygons") as series:
@@ -141,7 +144,7 @@ def save_moments(
 
 
 def save_mesh(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: dict[str, np.ndarray]) -> Path:
-    """Write one mesh, or points alone, with fields at the points; returns the path."""
+    """Write one mesh, or points alone if `faces` is None, with fields at the points; returns the path."""
     if path.suffix == ".ply":
         return save_ply(path, points, faces, fields)
     import pyvista

@@ -42,7 +42,7 @@ class UsdMissing(Lacking):
 
 
 class ExportShot(NamedTuple):
-    """Contents of one frame for a file: water, ships, particles and gates."""
+    """Contents of one frame to export: water, ships, particles and gates."""
 
     time: float  # [s]
     points: np.ndarray  # (n, 3) of the surface of the water [m]
@@ -54,8 +54,8 @@ class ExportShot(NamedTuple):
 
 
 def read_shot(frame: Path, grid: dict[str, np.ndarray], wakes: RunWakes) -> ExportShot:
-    """Read the contents of a frame. The water is the scene's surface mesh if it has one, else a mesh of the heights. At
-    sea it has the wakes, bow waves and foam along hulls that pictures show."""
+    """Read the contents of a frame to export. The water is the run's surface mesh if it has one, else a mesh of the
+    heights; at sea it gets the wakes, bow waves and foam along hulls that pictures show."""
     data = read_npz(frame)
     raised = np.zeros(data["elevation"].shape)
     if "foam" in data and len(grid["z"]) > 1:
@@ -96,7 +96,7 @@ def read_shot(frame: Path, grid: dict[str, np.ndarray], wakes: RunWakes) -> Expo
 
 
 def values_beside(points: np.ndarray, particles: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Values (n, 3) at points (n, 3) [m] of a surface: distance-weighted means over the nearest particles."""
+    """Values (n, 3) at surface points (n, 3) [m]: distance-weighted means of `values` (m, 3) of nearby particles."""
     from scipy.spatial import cKDTree
 
     away, who = cKDTree(particles).query(points, k=min(NEAREST_PARTICLES, len(particles)))
@@ -114,12 +114,12 @@ def surface_normals(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
 
 
 def ship_models(grid: dict[str, np.ndarray]) -> dict[str, ShipModel]:
-    """Drawn models of all ships, by key."""
+    """Models to draw of all ships of a run, by ship key; `grid`: arrays that the run saves once."""
     return {key: kept_model(grid, key) for key in ship_keys(grid, "_look")}
 
 
 def box_mesh(boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Corners (n, 3) [m] and triangles (m, 3) of boxes (k, 2, 3), given by their lower and upper corners [m]."""
+    """Corners (n, 3) [m] and triangles (m, 3) of k boxes, given by lower and upper corners (k, 2, 3) [m]."""
     points = [[box[i, 0], box[j, 1], box[k, 2]] for box in boxes for i, j, k in product((0, 1), repeat=3)]
     faces = [BOX_TRIANGLES + 8 * n for n in range(len(boxes))]
     return np.array(points, np.float32).reshape(-1, 3), np.array(faces, int).reshape(-1, 3)
@@ -131,8 +131,8 @@ def file_name(key: str) -> str:
 
 
 def frame_rate(first: float, last: float, count: int, every: float) -> float:
-    """Frames a second of a film of `count` frames from a first to a last time [s], for a run that kept one `every` so
-    many seconds, of which each n-th is in the film."""
+    """Frames per second of a film of `count` frames between a first and last time [s]; `every`: interval [s] at which
+    the run kept frames, of which the film may skip some."""
     if count < 2:
         return 24.0
     apart = (last - first) / (count - 1)
@@ -141,7 +141,7 @@ def frame_rate(first: float, last: float, count: int, every: float) -> float:
 
 def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up: bool) -> Path:
     """Write USD with time samples (usdc): /sea/water, /sea/obstacles, /sea/gates, /sea/NAME of each ship,
-    /sea/particles; in metres, at the run's frame rate. Raises UsdMissing."""
+    /sea/particles; in metres, at the run's frame rate. Returns the path; raises UsdMissing without the package."""
     try:
         from pxr import Gf, Sdf, Tf, Usd, UsdGeom, Vt
     except ImportError:
@@ -232,15 +232,15 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
 
 
 def set_triangles(mesh: Any, corners: np.ndarray, vt: ModuleType, *at: Any) -> None:
-    """Set the triangles of a USD mesh from vertex numbers (3 m,), at a time code if one is given, else for good."""
+    """Set a USD mesh's triangles from vertex numbers (3 m,); `vt`: USD's array types; `at`: time code, or for ever."""
     mesh.CreateFaceVertexCountsAttr().Set(vt.IntArray.FromNumpy(np.full(len(corners) // 3, 3, np.int32)), *at)
     mesh.CreateFaceVertexIndicesAttr().Set(vt.IntArray.FromNumpy(corners), *at)
     mesh.CreateSubdivisionSchemeAttr("none")
 
 
 def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> Path:
-    """Write binary glTF: water, obstacles and moving ships. The water is one mesh that changes shape, coloured by the
-    foam of the first frame, or, if its triangles change, a mesh for each frame, one visible at a time."""
+    """Write binary glTF and return the path: water, obstacles, moving ships. The water is one mesh that changes shape,
+    coloured by the foam of the first frame, or, if its triangles change, one mesh a frame, each visible at its time."""
     from scipy.spatial.transform import Rotation
 
     wakes = RunWakes(frame_files(frames[0].parent.parent), grid)
@@ -279,13 +279,13 @@ def water_colours(kept: ExportShot) -> np.ndarray:
 
 
 def continuous_quaternions(quaternions: np.ndarray) -> np.ndarray:
-    """Quaternions (k, 4) with signs that keep each near the one before, so that interpolation does not spin a ship."""
+    """Quaternions (k, 4) with signs chosen so that interpolation between neighbours turns a ship the short way."""
     signs = np.cumprod([1.0, *np.where((quaternions[1:] * quaternions[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)])
     return quaternions * signs[:, None]
 
 
 def upright_shots(meshes: Iterator[ExportShot], z_up: bool) -> Iterator[ExportShot]:
-    """Yield the shots in axes with z up if `z_up`, else unchanged."""
+    """Yield the frames' contents turned to axes with z up if `z_up`, else unchanged."""
     for kept in meshes:
         if not z_up:
             yield kept

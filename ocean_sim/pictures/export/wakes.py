@@ -13,7 +13,7 @@ from ocean_sim.pictures.water.waterline import Hull, WettedHull
 
 
 class RunWakes:
-    """Wakes of all ships of a run at sea, at the points of the heights that its frames keep; none in a tank."""
+    """Wakes of all ships of a run at sea, at the points of the heights in its frames; without effect for a tank."""
 
     def __init__(self, files: list[Path], grid: dict[str, np.ndarray]) -> None:
         """`files`: all frames of the run."""
@@ -25,7 +25,7 @@ class RunWakes:
         self.answers = "sea_answers" in grid  # the water of the run knows of its ships
 
     def shown(self, frame: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Heights (nx, nz) [m] and shares of foam of a frame, with the ships' waves and foam that pictures show."""
+        """Heights (nx, nz) [m] and foam shares of a frame, plus the ships' waves and foam as pictures show them."""
         height, white = frame["elevation"].astype(float), frame["foam"].astype(float)
         if not self.vessels:
             return height, white
@@ -46,16 +46,16 @@ class RunWakes:
         return height, white
 
     def sides(self, k: int) -> tuple[float, float]:
-        """Least and greatest coordinate [m] of the basin along x (k = 0) or z (k = 1)."""
+        """Lower and upper limit [m] of the basin along x (k = 0) or z (k = 1)."""
         return float(self.grid["lower"][2 * k]), float(self.grid["upper"][2 * k])
 
     def places(self, at: np.ndarray, origin: np.ndarray) -> np.ndarray:
-        """Positions (2, n) in the basin around an origin, 0 to 1 from side to side, of places x, z (n, 2) [m]."""
+        """Relative positions (2, n), 0 to 1 across the basin around an origin, of points x, z (n, 2) [m]."""
         low, high = np.transpose([self.sides(k) for k in range(2)])
         return ((at - origin - low) / (high - low)).T
 
     def wetted_hull(self, frame: dict[str, np.ndarray], height: np.ndarray, origin: np.ndarray) -> list[WettedHull]:
-        """Hulls of a frame that meet water of heights (nx, nz) [m] around an origin x, z [m]."""
+        """Hulls of a frame that touch the water, whose heights (nx, nz) [m] lie around an origin x, z [m]."""
         time = float(frame["time"])
         ships = [
             hull.wetted_hull(
@@ -69,8 +69,8 @@ class RunWakes:
         return [ship for ship in ships if ship.wet]
 
     def behind(self, time: float, points: np.ndarray, answer: np.ndarray | None) -> np.ndarray:
-        """Height (nx, nz) [m] that pictures add to the water of the run, except bow waves, at points x, z (nx nz, 2)
-        [m]; `answer`: response of the water to its ships [m]."""
+        """Height (nx, nz) [m] of ship waves to add to the run's water, except bow waves, at points x, z (nx nz, 2) [m];
+        `answer`: response of the run's water to its ships [m], which is limited near them, or None."""
         shape = len(self.x), len(self.z)
         more = np.zeros(shape)
         if answer is not None:
@@ -86,13 +86,13 @@ class RunWakes:
 
 
 def shows_sea(files: list[Path], depth: float) -> bool:
-    """True if pictures of a run show a sea, not a tank."""
+    """True if pictures of a run show an open sea; False if they show a tank. `depth` of the water [m]."""
     first = Frame(files[0])
     return not first.folds and is_open_sea(run_scene(files[0].parent.parent), first, depth)
 
 
 def read_cells(values: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Values (n, ...) at places (2, n), 0 to 1 across a grid (nx, nz, ...), interpolated between cell middles."""
+    """Values (n, ...) of a grid (nx, nz, ...) at positions (2, n), 0 to 1 across it, interpolated between cells."""
     from scipy.ndimage import map_coordinates
 
     cells = at * np.array(values.shape[:2])[:, None] - 0.5

@@ -73,12 +73,12 @@ class Panel:
     """Actions due before the next picture: step, reset, wind, snapshot, helm."""
 
     def press(self, key: str) -> None:
-        """Do the action of a key; unknown keys do nothing."""
+        """Do the action that KEY_ACTIONS gives a key; ignore other keys."""
         if key in KEY_ACTIONS:
             self.do(KEY_ACTIONS[key])
 
     def do(self, action: str) -> None:
-        """Do one of the actions in KEY_ACTIONS: change a setting, or request it for the next picture."""
+        """Do an action of KEY_ACTIONS: change a setting, or add it to `requests` for the preview loop."""
         if action == "pause":
             self.paused = not self.paused
         elif action == "quit":
@@ -100,7 +100,7 @@ class Panel:
             self.requests.append(action)
 
     def hold(self, keys: set[str], seconds: float) -> None:
-        """Turn wheel and throttle by keys held for some seconds; the first touch requests the helm from the scene."""
+        """Change throttle and rudder by the helm keys held for some seconds; the first of them requests the helm."""
         pedal, wheel = (sum(HELM_KEYS[key][k] for key in keys if key in HELM_KEYS) for k in range(2))
         if not pedal and not wheel:
             return
@@ -111,7 +111,7 @@ class Panel:
             self.requests.append("helm")
 
     def orbit(self, right: float, up: float) -> None:
-        """Turn the eye around its target by a drag of the mouse, in shares of the picture."""
+        """Turn the eye around its target by a mouse drag right and up, in shares of the picture."""
         self.azimuth -= 3.0 * right
         self.height = min(max(self.height - 2.0 * up, MIN_EYE_HEIGHT), MAX_EYE_HEIGHT)
 
@@ -120,14 +120,14 @@ class Panel:
         self.distance = min(max(self.distance * factor, MIN_EYE_DISTANCE), MAX_EYE_DISTANCE)
 
     def take(self, action: str) -> bool:
-        """True if an action was requested; removes the request."""
+        """Remove an action from the requests; returns True if it was requested."""
         if action not in self.requests:
             return False
         self.requests.remove(action)
         return True
 
     def text(self, simulation: LiveSimulation, fastest: float | None, pace: float | None) -> str:
-        """Text of the panel; `fastest`: speed [m/s] of the last colour; `pace`: simulated over wall time."""
+        """Text of the panel; `fastest`: speed [m/s] of the last colour; `pace`: simulated over wall-clock time."""
         state = "paused" if self.paused else "" if pace is None else f"{pace:.2g} x real time"
         water = simulation.fluid.particles
         lines = [

@@ -22,7 +22,7 @@ SPEED_COLOURS = np.array(
 
 
 class Patch(NamedTuple):
-    """Triangles with a colour at every corner."""
+    """Triangles to draw, with a colour at every corner."""
 
     vertices: np.ndarray  # (n, 3) [m]
     triangles: np.ndarray  # (m, 3)
@@ -30,7 +30,7 @@ class Patch(NamedTuple):
 
 
 class Balls(NamedTuple):
-    """Particles, coloured by speed."""
+    """Particles to draw as balls, coloured by speed."""
 
     positions: np.ndarray  # (n, 3) [m]
     colours: np.ndarray  # (n, 3)
@@ -39,7 +39,7 @@ class Balls(NamedTuple):
 
 
 class PreviewScene:
-    """Arrays to draw of one simulation; those that do not change are computed once."""
+    """Arrays to draw of a running simulation; those that do not change are computed once."""
 
     def __init__(self, simulation: LiveSimulation) -> None:
         self.simulation = simulation
@@ -57,7 +57,7 @@ class PreviewScene:
         self.fastest = MIN_FASTEST_SPEED
 
     def ship_model(self, name: str, vertices: np.ndarray, triangles: np.ndarray) -> ShipModel:
-        """Painted model of a ship on her hull of vertices (n, 3) [m] and triangles (m, 3)."""
+        """Painted model of the ship of this name on her hull of vertices (n, 3) [m] and triangles (m, 3)."""
         ship, scene = self.simulation.ships[name], self.simulation.scene
         look = scene.ships[name].look(scene.preflight)
         look_name, submerged = ("", 0.5) if look is None else (look.name, look.submerged)
@@ -65,14 +65,14 @@ class PreviewScene:
 
     @property
     def contents(self) -> tuple[str, ...]:
-        """Available contents, out of surface, particles and both."""
+        """Names of the contents that can be shown, out of surface, particles and both."""
         particles = self.simulation.fluid.particles is not None
         shown = {"surface": self.has_surface, "particles": particles, "both": self.has_surface and particles}
         return tuple(name for name, available in shown.items() if available)
 
     @property
     def cameras(self) -> tuple[str, ...]:
-        """Names of the available cameras: a helm needs a ship, a slice is seen from the side."""
+        """Names of the cameras available: helm only with a ship, and only the side view in 2-D."""
         helm = ("helm",) if self.simulation.ships else ()
         return ("side",) if self.flat else ("third_person", *helm, "top", "side")
 
@@ -83,12 +83,12 @@ class PreviewScene:
         return self.lower, np.array([self.upper[0], top, self.upper[2]])
 
     def surface_heights(self) -> np.ndarray:
-        """Heights (n,) [m] of the surface at points all over the basin; empty without a surface."""
+        """Heights (n,) [m] of the surface at the grid points of the basin; empty if it has no surface."""
         shown = self.simulation.surface or self.simulation.fluid
         return shown.elevations(self.points) if self.has_surface else np.zeros(0)
 
     def water_patch(self, heights: np.ndarray, eye: np.ndarray, solid: bool) -> Patch | None:
-        """Surface of heights (n,) [m], coloured for an eye [m], or None; `solid`: with the cut sides of the water."""
+        """Surface of heights (n,) [m], coloured for an eye (3,) [m]; None without one. `solid`: with cut sides."""
         if not self.has_surface:
             return None
         if self.sheet is None:
@@ -105,7 +105,7 @@ class PreviewScene:
         )
 
     def folded_patch(self, heights: np.ndarray, eye: np.ndarray) -> Patch | None:
-        """Closed surface, which may fold over, or None if empty; parts that do not face up are dark as cut sides."""
+        """Closed surface mesh, which may fold over; None if it is empty. Parts not facing up are dark as cut sides."""
         surface = self.simulation.surface
         assert surface is not None  # only a surface folds
         mesh = surface.mesh()
@@ -120,13 +120,13 @@ class PreviewScene:
     def surface_colours(
         self, points: np.ndarray, normals: np.ndarray, heights: np.ndarray, eye: np.ndarray
     ) -> np.ndarray:
-        """Display RGB (n, 3), 0 to 1, of points (n, 3) [m] of the surface."""
+        """Display RGB (n, 3), 0 to 1, of surface points (n, 3) [m] for an eye [m]; `heights` scale the crests."""
         crest = max(2.5 * float(np.std(heights)), 0.02 * self.simulation.basin.depth)
         height = np.clip(points[:, 1] / crest, -1.0, 1.0)
         return water_shading.display_colours(water_shading.surface_light(points, normals, height, eye)) / 255.0
 
     def ship_patch(self) -> Patch | None:
-        """All ships at their present poses, in the light of sun and sky; None without ships."""
+        """Triangles of all ships at their present poses, in the light of sun and sky; None without ships."""
         points, colours = [], []
         for name, model in self.models.items():
             body, mesh = self.simulation.ships[name].body, model.mesh
@@ -141,7 +141,7 @@ class PreviewScene:
         return Patch(vertices, np.arange(len(vertices)).reshape(-1, 3), np.concatenate(colours) / 255.0)
 
     def particle_balls(self, small: bool) -> Balls | None:
-        """Particles coloured by speed, or None; `small`: at half size. The top of the colour scale only grows."""
+        """Particles coloured by speed, or None; `small`: with half the radius. The scale's top speed never falls."""
         particles = self.simulation.fluid.particles
         if particles is None:
             return None
@@ -156,7 +156,7 @@ class PreviewScene:
 
 
 def speed_colours(share: np.ndarray) -> np.ndarray:
-    """Display RGB (n, 3) of speeds (n,), given as shares of the highest."""
+    """Display RGB (n, 3), 0 to 1, of speeds (n,) given as shares of the highest."""
     at = np.clip(share, 0.0, 1.0) * (len(SPEED_COLOURS) - 1)
     k = np.minimum(at.astype(int), len(SPEED_COLOURS) - 2)
     return SPEED_COLOURS[k] + (SPEED_COLOURS[k + 1] - SPEED_COLOURS[k]) * (at - k)[:, None]

@@ -19,7 +19,7 @@ BARB_LENGTH, BARB_SPREAD = 0.28, 0.4  # over the length of an arrow, and sideway
 
 
 class LiveSimulation(Protocol):
-    """Interface of a simulation for its pictures and panel."""
+    """Interface of a running simulation, for its pictures and the preview's panel."""
 
     scene: Scene
     basin: Basin
@@ -31,12 +31,12 @@ class LiveSimulation(Protocol):
 
 
 def box_top(simulation: LiveSimulation, ship_length: float) -> float:
-    """Height [m] of the drawn air over still water; `ship_length`: of the longest drawn ship [m]."""
+    """Height [m] of the air to draw over still water; `ship_length`: of the longest ship [m]."""
     return max(0.25 * simulation.basin.depth, 0.3 * ship_length)
 
 
 def scene_lines(simulation: LiveSimulation, top: float) -> tuple[np.ndarray, np.ndarray]:
-    """Ends (n, 2, 3) [m] and display RGB (n, 3) of all lines; `top`: height of the drawn air [m]."""
+    """Ends (n, 2, 3) [m] and display RGB (n, 3) of all lines of a preview; `top`: height of the drawn air [m]."""
     basin, fluid, wind = simulation.basin, simulation.fluid, simulation.wind.drawing()
     lower, upper = np.array(basin.lower, dtype=float), np.array(basin.upper, dtype=float)
     flat = basin.dimension == 2
@@ -61,7 +61,8 @@ def scene_lines(simulation: LiveSimulation, top: float) -> tuple[np.ndarray, np.
 def arrow_lines(
     feet: np.ndarray, pushes: np.ndarray, lower: np.ndarray, upper: np.ndarray, height: float
 ) -> np.ndarray:
-    """Ends (n, 2, 3) [m] of shaft and four barbs of every arrow within the basin, at a height over the water [m]."""
+    """Ends (n, 2, 3) [m] of the lines of wind arrows within the basin, a shaft and four barbs each, at a height [m];
+    `pushes` (m, 3): arrows, 1 the longest, that begin at `feet` (m, 3) [m]."""
     size = upper - lower
     inside = ((feet > lower) & (feet < upper) | (size <= 0.0))[:, [0, 2]].all(axis=1)
     feet, pushes = feet[inside], ARROW_LENGTH * size.max() * pushes[inside]

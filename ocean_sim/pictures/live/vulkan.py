@@ -52,7 +52,7 @@ def draws(show: bool) -> bool:
 
 @cache
 def _survives(show: bool) -> bool:
-    """Cached result of `draws`: starting a process takes a second."""
+    """True if a child process drew without a crash; cached, since starting a process takes a second."""
     command = [sys.executable, "-c", PROBE_PROGRAM.format(show=show)]
     try:
         with tempfile.TemporaryDirectory() as away:  # GGUI leaves a file where it works
@@ -65,7 +65,7 @@ def _survives(show: bool) -> bool:
 
 
 def require(show: bool) -> None:
-    """Raise VulkanMissing or ScreenMissing if no preview can be drawn, Lacking if the kernel library has no window."""
+    """Raise VulkanMissing or ScreenMissing if no preview can be drawn, Lacking if the kernel library has no windows."""
     if kernel_library.LIBRARY_NAME != kernel_library.TAICHI:
         raise Lacking(
             f"a preview is drawn in a window of Taichi's, and {kernel_library.LIBRARY_NAME} has none; unset "

@@ -16,7 +16,7 @@ MIRROR_NEAR = 0.1  # [m] before the mirrored eye
 
 
 class DrawnShip:
-    """A ship coloured at its corners in the light of sun and sky, moved from frame to frame."""
+    """A ship in a picture, coloured at her corners in the light of sun and sky, and moved from frame to frame."""
 
     def __init__(self, stage: Stage, model: ShipModel) -> None:
         mesh = model.mesh
@@ -28,7 +28,7 @@ class DrawnShip:
         stage.plotter.add_mesh(self.shape, scalars="colour", rgb=True, lighting=False, smooth_shading=False)
 
     def show(self, position: np.ndarray, turn: np.ndarray, eye: np.ndarray) -> None:
-        """Move the ship's centre of mass to a position (3,) [m]; `turn`: matrix (3, 3) from body to world axes."""
+        """Move the ship's centre of mass to a position (3,) [m]; `turn`: (3, 3) from body to world; `eye`: unused."""
         self.shape.points = (self.corners @ turn.T + position).astype(np.float32)
         self.shape["colour"] = water_shading.display_colours(
             painted_light(self.normals @ turn.T, self.paint, self.gloss)
@@ -36,7 +36,7 @@ class DrawnShip:
 
 
 class ShadedShip:
-    """A ship shaded at each pixel in the light of a sea's sun and sky."""
+    """A ship in a picture at sea, shaded at each pixel in the light of its sun and sky."""
 
     def __init__(self, stage: Stage, model: ShipModel, sky: Sky, above: dict[str, Any]) -> None:
         """`above`: textures of the sky, by their sampler names."""
@@ -59,7 +59,7 @@ class ShadedShip:
         stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
 
     def show(self, position: np.ndarray, turn: np.ndarray, eye: np.ndarray) -> None:
-        """Move the ship's centre of mass to a position (3,) [m]; `turn`: matrix (3, 3) from body to world axes."""
+        """Move the ship's centre of mass to a position (3,) [m]; `turn`: (3, 3) from body to world; `eye`: [m]."""
         mesh = self.shaded.mesh
         mesh.points = (self.corners @ turn.T + position).astype(np.float32)
         mesh.point_data["nrm"] = (self.normals @ turn.T).astype(np.float32)
@@ -89,7 +89,7 @@ class Mirror:
             self.plotter.add_actor(twin, reset_camera=False, render=False)
 
     def show(self, level: float) -> np.ndarray:
-        """Draw the ships mirrored at a water level [m]; returns the matrix (4, 4) from the world to that image."""
+        """Draw the ships mirrored at a water level [m]; returns the projection (4, 4) from world to mirror image."""
         eye, forward, up = self.stage.camera[:3]
         flip = np.array([1.0, -1.0, 1.0])
         camera, above = self.plotter.camera, self.stage.plotter.camera
@@ -106,4 +106,5 @@ class Mirror:
         return np.array([[matrix.GetElement(i, j) for j in range(4)] for i in range(4)])
 
     def close(self) -> None:
+        """Close the second plotter."""
         self.plotter.close()

@@ -84,7 +84,7 @@ def shadow_program(k: int) -> str:
 
 
 class ShadowMap:
-    """Shadow map of a ship: depths along the sun's direction of points spread over her surface."""
+    """Shadow map of a ship: depth, along the sun's direction, of points spread over her surface."""
 
     def __init__(self, corners: np.ndarray, length: float) -> None:
         """`corners`: triangles (m, 3, 3) [m] in body axes; `length`: half the side of the map [m]."""
@@ -92,8 +92,8 @@ class ShadowMap:
         self.points = np.ascontiguousarray(spread_points(corners, 2.0 * length / SHADOW_PIXELS).T, np.float32)  # (3, n)
 
     def map(self, turn: np.ndarray, sun: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Depths (SHADOW_PIXELS, SHADOW_PIXELS, 3) [m] of the sunlit surface, towards the sun from the ship's position,
-        in three equal channels; and the directions of the map's columns and rows. `turn`: from body to world axes."""
+        """Depths (SHADOW_PIXELS, SHADOW_PIXELS, 3) [m] of the sunlit surface, along the direction to the `sun` from the
+        ship's position, in three equal channels; unit vectors of columns and rows. `turn`: from body to world."""
         from scipy.ndimage import maximum_filter
 
         right = np.cross([0.0, 1.0, 0.0], sun)
@@ -129,8 +129,8 @@ def spread_points(corners: np.ndarray, step: float) -> np.ndarray:
 
 
 def shadow_bounds(depth: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
-    """Lower and upper bound (3,) of the shadow in a map of depths (SHADOW_PIXELS, SHADOW_PIXELS) [m]: column and row in
-    shares of the map; third, 0 and the greatest shaded depth towards the sun [m]. `length`: of the `ShadowMap` [m]."""
+    """Lower and upper bounds (3,) of the shadow in a map of depths (SHADOW_PIXELS, SHADOW_PIXELS) [m]: column and row
+    as shares of the map; third, 0 and the greatest depth that lies in shadow [m]. `length`: of the `ShadowMap` [m]."""
     row, column = np.nonzero(depth > UNLIT_DEPTH)
     low, high = (
         np.array([column.min(), row.min()]) - SHADOW_SOFTNESS,
@@ -141,7 +141,7 @@ def shadow_bounds(depth: np.ndarray, length: float) -> tuple[np.ndarray, np.ndar
 
 
 def sky_shares(corners: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """Share (n,) of the sky that points (n, 3) [m] with normals (n, 3) of a ship see past her own parts."""
+    """Share (n,) of the sky visible from points (n, 3) [m] of a ship with normals (n, 3), past her own parts."""
     low = corners.min(axis=0) - SKY_CELL
     shape = np.ceil((corners.max(axis=0) - low) / SKY_CELL).astype(int) + 2
     full = np.zeros(shape, dtype=bool)

@@ -22,7 +22,7 @@ BULWARK_STATIONS = 49
 
 
 class Hull:
-    """The physical hull in body axes from its centre of mass, and the plane of the still water at rest."""
+    """Physical hull of a ship in body axes from her centre of mass, and the plane of the still water at rest."""
 
     def __init__(self, vertices: np.ndarray, triangles: np.ndarray, share: float) -> None:
         """`share`: share of the hull's volume that is under water at rest."""
@@ -38,7 +38,7 @@ class Hull:
         self.values = np.concatenate([corners, smooth_normals(vertices, triangles)], axis=2)
 
     def over_water(self, points: np.ndarray) -> np.ndarray:
-        """Height of points (..., 3) over the still water at rest [m]."""
+        """Heights (...) [m] of points (..., 3) [m] in body axes over the still water at rest."""
         return points @ self.up + self.level
 
     @property
@@ -56,7 +56,7 @@ class Hull:
         return bool(run > MIN_DECK_LENGTH * self.length and rise < MAX_DECK_RISE * self.depth)
 
     def painted(self, antifouling: Triple, boot_top: Triple, topsides: Triple, deck: Triple) -> Mesh:
-        """Painted hull: antifouling to a little above the still water, boot top, topsides; a deck in its own colour."""
+        """Mesh of the hull painted by height: antifouling, boot top, topsides; the deck, if any, in its own colour."""
         low, high = (share * self.freeboard for share in BOOT_TOP)
         sides = self.values[~self.is_deck] if self.has_deck else self.values
         bands = [(low, antifouling), (high, boot_top), (np.inf, topsides)]
@@ -75,7 +75,7 @@ class Hull:
 
 
 class Sheer:
-    """Edge of a deck and its bulwark, as functions of z, the position along the ship [m]."""
+    """Edge of a ship's deck and the bulwark on it, as functions of the position z along the ship [m]."""
 
     def __init__(self, hull: Hull, height: tuple[float, float], rake: float) -> None:
         """`height`: of the bulwark amidships and at the bow [m]; `rake`: forward lean of its top at the bow [m]."""
@@ -88,22 +88,22 @@ class Sheer:
         self.stations = np.unique(np.concatenate([np.linspace(self.stern, self.bow, BULWARK_STATIONS), edge[:, 2]]))
 
     def half_breadth(self, z: float | np.ndarray) -> np.ndarray:
-        """Half the breadth of the deck [m] at positions z [m]."""
+        """Half the breadth of the deck [m] at positions z (n,) [m] along the ship."""
         return np.interp(z, self.edge[:, 2], self.edge[:, 0])
 
     def deck_height(self, z: float | np.ndarray) -> np.ndarray:
-        """Height of the deck's edge [m] at positions z [m], in body axes."""
+        """Height of the deck's edge in body axes [m] at positions z (n,) [m]."""
         return np.interp(z, self.edge[:, 2], self.edge[:, 1])
 
     def bulwark_height(self, z: np.ndarray) -> np.ndarray:
-        """Height of the bulwark over the deck [m] at positions z [m]: a parabola to the bow, a little at the stern."""
+        """Height (n,) [m] of the bulwark over the deck at positions z (n,) [m], greatest at the bow."""
         s = (z - self.stern) / (self.bow - self.stern)
         forward, aft = np.clip((s - 0.35) / 0.65, 0.0, 1.0), np.clip((0.25 - s) / 0.25, 0.0, 1.0)
         low, high = self.height
         return low + (high - low) * (forward**2 + 0.25 * aft**2)
 
     def bulwark_top(self, z: np.ndarray, inwards: float = 0.0, share: float = 1.0) -> np.ndarray:
-        """Line (n, 3) [m] along the port bulwark at positions z [m], at a share of its height, moved inwards [m]."""
+        """Line (n, 3) [m] along the port bulwark at positions z (n,) [m], at a share of its height, `inwards` [m]."""
         s = np.clip((z - self.stern) / (self.bow - self.stern), 0.0, 1.0)
         rise = self.bulwark_height(z)
         round_half = np.maximum(self.smooth(z), self.half_breadth(z)) + 0.06 * rise * np.sin(np.pi * s**2) ** 2
@@ -129,7 +129,7 @@ class Sheer:
         return merge_meshes(parts)
 
     def strake(self, share: float, out: float, radius: float, colour: Triple) -> Mesh:
-        """Mesh of a round bar along sides and stern, at a share of the bulwark's height and `out` [m] outside it."""
+        """Mesh of a round bar of a radius [m] along sides and stern, `out` [m] off a share of the bulwark's height."""
         port = self.bulwark_top(self.stations, share=share) + [out, 0.0, 0.0]
         port[-1] = port[-1] * [0.0, 1.0, 1.0] + [0.0, 0.0, out]
         across = port[[0]] * np.array([[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])
@@ -137,7 +137,7 @@ class Sheer:
 
 
 def smooth_strip(low: np.ndarray, high: np.ndarray, colour: Triple) -> Mesh:
-    """Strip of quadrilaterals between two lines (n, 3) [m], shaded smoothly along them."""
+    """Mesh of quadrilaterals between two lines (n, 3) [m], with smooth normals along them."""
     n = len(low)
     vertices = np.concatenate([low, high])
     k = np.arange(n - 1)
@@ -151,9 +151,8 @@ def smooth_strip(low: np.ndarray, high: np.ndarray, colour: Triple) -> Mesh:
 def rest_plane(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
     """Plane of the still water at rest in body axes: normal n (3,) and d [m]; n . x + d is the height of x above it.
 
-    A `share` of the volume is under water, its centre of buoyancy under the centre of mass, the origin. A hull without
-    such a position within 30 degrees is taken as upright, awash at most.
-    """
+    The `share` of the volume under water is given, and its centre of buoyancy lies below the centre of mass, the
+    origin. A hull without such a position within 30 degrees is taken as upright, awash at most."""
     from scipy.optimize import brentq, root
 
     upright = np.array([0.0, 1.0, 0.0])
@@ -167,10 +166,12 @@ def rest_plane(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
     size = np.ptp(corners.reshape(-1, 3), axis=0).max()
 
     def tilted(pitch: float, roll: float) -> np.ndarray:
+        """Unit vector (3,) up in body axes, for small slopes along and across the ship."""
         up = np.array([np.sin(roll), 1.0, np.sin(pitch)])
         return up / np.linalg.norm(up)
 
     def residual(state: np.ndarray) -> np.ndarray:
+        """Relative errors (3,) of volume and of the centre of buoyancy, for a level over size and two slopes."""
         up = tilted(state[1], state[2])
         volume, *moment = submerged_moments(corners, up, size * state[0])
         arm = np.array(moment) / max(volume, 1e-12)
@@ -184,7 +185,7 @@ def rest_plane(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
 
 
 def submerged_moments(corners: np.ndarray, up: np.ndarray, level: float) -> np.ndarray:
-    """Volume [m3] and first moments [m4] (4,) of closed triangles (m, 3, 3), below n . x + d = 0 (`up`, `level`)."""
+    """Volume [m3] and first moments [m4] (4,) of closed triangles (m, 3, 3) [m] below n . x + d = 0 (`up`, `level`)."""
     apex = -level * up  # on the plane, so that the cut surface adds nothing
     pieces, height = cut_triangles(corners, corners @ up + level, 0.0)
     wet = pieces[height.max(axis=1) <= 1e-12 * max(1.0, float(np.abs(corners).max()))]

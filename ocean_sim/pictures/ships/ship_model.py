@@ -40,7 +40,7 @@ BODY_PAINTS = "grey", "white", "yellow", "orange"  # of a body without a style: 
 
 
 class ShipModel(NamedTuple):
-    """Model of a ship to draw, in body axes from its centre of mass."""
+    """Model to draw of a ship, in body axes from her centre of mass: mesh, helm and hull."""
 
     mesh: Mesh
     helm: np.ndarray  # (3,) eye of a helmsman [m]
@@ -53,7 +53,7 @@ class ShipModel(NamedTuple):
 
 
 def kept_model(grid: Mapping[str, Any], key: str) -> ShipModel:
-    """Model of the ship with this key, from the arrays that a run keeps once; raises RenderFailed without them."""
+    """Model to draw of the ship with this key, from the arrays a run saves once; raises RenderFailed without them."""
     if f"{key}_look" not in grid:
         raise RenderFailed("these frames are of an older version, which kept no ship to draw; run the scene again")
     names = "vertices", "triangles", "submerged", "look", "helm"
@@ -64,10 +64,9 @@ def kept_model(grid: Mapping[str, Any], key: str) -> ShipModel:
 def build_model(
     vertices: np.ndarray, triangles: np.ndarray, submerged: float, look: str, helm: np.ndarray
 ) -> ShipModel:
-    """Model of a ship on a hull with vertices (n, 3) [m]; `submerged`: share of its volume that is under water at rest.
+    """Model to draw of a ship on a hull with vertices (n, 3) [m]; `submerged`: share of its volume under water at rest.
 
-    `look`: name of the hull, then its kind of shape; `helm`: a named point, or nothing.
-    """
+    `look`: name of the hull and its kind of shape, which choose a style; `helm`: eye of the helmsman [m], or empty."""
     hull = Hull(np.asarray(vertices, dtype=float), np.asarray(triangles, dtype=int), submerged)
     given = np.asarray(helm, dtype=float) if np.isfinite(helm).all() and np.size(helm) else None
     from_file = "mesh" in look.lower()
@@ -81,12 +80,12 @@ def build_model(
 
 @cache
 def style_of(name: str) -> dict[str, Any]:
-    """Style of a kind of ship, read from a file in configs/look/ that gives the units of its tables."""
+    """Style of a kind of ship, as the mapping in its file in configs/look/."""
     return dict(read_mapping(library("configs") / "look" / f"{name}.yaml").plain())
 
 
 def styled_model(hull: Hull, style: dict[str, Any], helm: np.ndarray | None) -> ShipModel:
-    """Model of a hull with the bulwark, cabins and poles of a style; `helm`: eye of a helmsman [m] if known."""
+    """Model to draw of a hull with bulwark, cabins and poles of a style; `helm`: eye of the helmsman [m], or None."""
     unit = hull.length / style["units"]
     amidships, bow, rake = (unit * length for length in style["bulwark"])
     sheer = Sheer(hull, (amidships, bow), rake)

@@ -25,7 +25,7 @@ class Mesh(NamedTuple):
 
 
 def merge_meshes(parts: Iterable[Mesh]) -> Mesh:
-    """One mesh of all parts."""
+    """Join several meshes into one."""
     return Mesh(*(np.concatenate(arrays) for arrays in zip(*parts)))
 
 
@@ -51,12 +51,12 @@ def flat_mesh(corners: np.ndarray, colour: Triple, gloss: float = 0.0, middle: n
 
 
 def quad_triangles(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.ndarray:
-    """Triangles (2 m, 3, 3) of m quadrilaterals with corners (m, 3) in order."""
+    """Triangles (2 m, 3, 3) of m quadrilaterals, given by their corners a, b, c, d (m, 3) in order."""
     return np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
 
 
 def fan_triangles(outline: np.ndarray) -> np.ndarray:
-    """Triangles (k, 3, 3) of a convex polygon (k, 3), around its middle."""
+    """Triangles (k, 3, 3) that fill a convex polygon (k, 3) from its middle."""
     return np.stack([np.tile(outline.mean(axis=0), (len(outline), 1)), outline, np.roll(outline, -1, axis=0)], axis=1)
 
 
@@ -68,15 +68,15 @@ class Block:
         self.middle = np.concatenate([self.bottom, self.top]).mean(axis=0)
 
     def mesh(self, walls: Triple, lid: Triple) -> Mesh:
-        """Mesh of the block's walls, and of its two ends in the colour `lid`."""
+        """Mesh of the block, its side walls in the colour `walls` and both ends in the colour `lid`."""
         ahead = [np.roll(outline, -1, axis=0) for outline in (self.bottom, self.top)]
         sides = quad_triangles(self.bottom, ahead[0], ahead[1], self.top)
         ends = np.concatenate([fan_triangles(self.top), fan_triangles(self.bottom)])
         return merge_meshes([flat_mesh(sides, walls, middle=self.middle), flat_mesh(ends, lid, middle=self.middle)])
 
     def panes(self, wall: int, count: int, low: float, high: float, post: float, colour: Triple) -> Mesh:
-        """Mesh of `count` windows in a row on one wall, between shares `low` and `high` of its height; `post`: share of
-        the wall's length between windows."""
+        """Mesh of `count` window panes in a row on one wall, between shares `low` and `high` of its height; `post`: gap
+        between panes, as a share of their pitch."""
         k = (wall + 1) % len(self.bottom)
         a, b, c, d = self.bottom[wall], self.bottom[k], self.top[k], self.top[wall]
         out = np.cross(b - a, d - a)
@@ -84,6 +84,7 @@ class Block:
         lift = PANE_LIFT * float(np.linalg.norm(d - a)) * out
 
         def place(u: np.ndarray, v: float) -> np.ndarray:
+            """Points (n, 3) just outside the wall at shares u (n,) of its length and v of its height."""
             u = u[:, None]
             return (1.0 - v) * ((1.0 - u) * a + u * b) + v * ((1.0 - u) * d + u * c) + lift
 
@@ -94,14 +95,14 @@ class Block:
 
 
 def level_outline(corners: list[list[float]], y: float) -> np.ndarray:
-    """Outline (k, 3) at a height y, along port and back along starboard, from half breadths and positions z."""
+    """Outline (k, 3) [m] at a height y, along port and back along starboard, from corners (half breadth, z)."""
     port = np.insert(np.array(corners, dtype=float), 1, y, axis=1)
     starboard = (port * [-1.0, 1.0, 1.0])[::-1]
     return np.concatenate([port, starboard])
 
 
 def tube_mesh(start: Triple, end: Triple, radii: tuple[float, float], colour: Triple, sides: int = 8) -> Mesh:
-    """Mesh of a round bar, or a cone, between two points with these radii."""
+    """Mesh of a round bar or cone between two points, with a radius [m] at each."""
     a, b = np.array(start, dtype=float), np.array(end, dtype=float)
     along = (b - a) / np.linalg.norm(b - a)
     across = np.cross(along, UPWARD if abs(along[1]) < 0.9 else [1.0, 0.0, 0.0])
@@ -118,12 +119,12 @@ def tube_mesh(start: Triple, end: Triple, radii: tuple[float, float], colour: Tr
 
 
 def path_mesh(points: np.ndarray, radius: float, colour: Triple) -> Mesh:
-    """Mesh of round bars along a line of points (n, 3)."""
+    """Mesh of round bars of a radius [m] that connect points (n, 3) [m] in order."""
     return merge_meshes(tube_mesh(a, b, (radius, radius), colour) for a, b in pairwise(points))
 
 
 def smooth_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Normals (m, 3, 3) at corners: area-weighted means over the faces around a vertex, but not across creases."""
+    """Unit normals (m, 3, 3) at triangle corners: area-weighted means of faces around a vertex, not across creases."""
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     faces = np.cross(b - a, c - a)
     flat = faces / np.maximum(np.linalg.norm(faces, axis=1, keepdims=True), 1e-30)
@@ -139,10 +140,9 @@ def smooth_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 
 def cut_triangles(values: np.ndarray, height: np.ndarray, level: float) -> tuple[np.ndarray, np.ndarray]:
-    """Cut triangles (m, 3, k), with heights (m, 3) at their corners, along the height `level`.
+    """Cut triangles with values (m, 3, k) and heights (m, 3) at their corners along the height `level`.
 
-    Returns (n, 3, k) values and (n, 3) heights of triangles that lie on one side each, interpolated.
-    """
+    Returns values (n, 3, k) and heights (n, 3) of triangles that each lie on one side, with interpolated corners."""
     packed = np.concatenate([values, height[:, :, None]], axis=2)
     over = height > level
     crossed = over.any(axis=1) & ~over.all(axis=1)
@@ -154,6 +154,7 @@ def cut_triangles(values: np.ndarray, height: np.ndarray, level: float) -> tuple
     p, q, r = (packed[np.arange(len(packed)), (lone + k) % 3] for k in range(3))
 
     def at_level(s: np.ndarray, e: np.ndarray) -> np.ndarray:
+        """Point (n, k + 1) at the height `level` on the edges from s to e, both (n, k + 1) with the height last."""
         point = s + (level - s[:, -1:]) / (e[:, -1:] - s[:, -1:]) * (e - s)
         point[:, -1] = level
         return point

@@ -13,14 +13,14 @@ SINGLE_PIXEL_BLUR = 0.6  # of the blur of what is a single pixel wide
 
 
 def sample_means(image: np.ndarray, samples: int) -> np.ndarray:
-    """Picture, 8-bit RGB, as the means of so many samples along each side of a pixel."""
+    """Picture (height, width, 3), 8-bit RGB, reduced by the mean over samples x samples pixels."""
     from PIL import Image
 
     return np.array(Image.fromarray(np.ascontiguousarray(image)).reduce(samples))
 
 
 def smooth_edges(image: np.ndarray) -> np.ndarray:
-    """Picture (height, width, 3), 8-bit RGB, with smooth edges."""
+    """Copy of a picture (height, width, 3), 8-bit RGB, with jagged edges smoothed."""
     from PIL import Image
 
     bright = np.pad(np.asarray(Image.fromarray(np.ascontiguousarray(image)).convert("L")), 1, mode="edge")
@@ -36,11 +36,10 @@ def smooth_edges(image: np.ndarray) -> np.ndarray:
 
 
 def find_edges(bright: np.ndarray, flat: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Find the pixels at edges in BATCH_ROWS rows of a picture's brightness, which has a margin of one pixel.
+    """Find pixels at edges in BATCH_ROWS rows, from `first` on, of a picture's brightness with a one-pixel margin.
 
-    Returns their numbers (n,), the difference of the number across the edge, and the share (n,) that a pixel takes from
-    there. `first`: the first row; `flat`: the same brightness, pixel after pixel.
-    """
+    Returns their indices (n,) in `flat`, the brightness pixel after pixel; the index step (n,) to the neighbour across
+    the edge; and the share (n,) of the neighbour's colour that each pixel takes."""
     rows, last = bright.shape[1], min(first + BATCH_ROWS, len(bright) - 2)
     north, south = bright[first:last, 1:-1], bright[first + 2 : last + 2, 1:-1]
     middle, west, east = (bright[first + 1 : last + 1, k : rows - 2 + k] for k in (1, 0, 2))
@@ -73,9 +72,11 @@ def find_edges(bright: np.ndarray, flat: np.ndarray, first: int) -> tuple[np.nda
 def follow_edge(
     flat: np.ndarray, at: np.ndarray, across: np.ndarray, along: np.ndarray, edge: np.ndarray, most: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Distance (n,) [pixels] along an edge to its end, and by how much the brightness there differs from the edge's."""
+    """Distance (n,) [pixels] along edges to their ends, and the difference (n,) of brightness there from that of the
+    edge; `along`, `across`: index steps; `most`: difference at which an edge ends."""
 
     def found(of: slice | np.ndarray, reach: float) -> np.ndarray:
+        """Difference of brightness from the edge's, `reach` pixels along the edges selected by `of`."""
         here = at[of] + int(reach) * along[of]
         there = here + across[of]
         return 0.5 * (flat.take(here, mode="clip") + flat.take(there, mode="clip")) - edge[of]

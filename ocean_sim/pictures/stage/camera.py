@@ -37,6 +37,8 @@ NEAR_SHARE = 0.012  # lengths of a ship: what is nearer to the eye is not drawn
 
 
 class Camera(NamedTuple):
+    """View of a picture: position of the eye, directions and projection."""
+
     eye: np.ndarray  # [m]
     forward: np.ndarray
     up: np.ndarray
@@ -46,11 +48,11 @@ class Camera(NamedTuple):
 
     @property
     def from_above(self) -> bool:
-        """True if the camera looks straight down, or nearly, so that its picture is a map."""
+        """True if the camera looks straight down, or nearly so: its picture is a map."""
         return bool(self.forward[1] < MAP_DIRECTION)
 
     def spread(self, aspect: float) -> tuple[float, float]:
-        """Angles [rad] beside the heading and below the horizon in a picture `aspect` times as wide as high."""
+        """Widest angles [rad] seen beside the heading and below the horizon, in a picture of an `aspect` ratio."""
         right = np.cross(self.forward, self.up)
         high = np.tan(np.radians(self.angle) / 2.0)
         v, u = (part.ravel() for part in np.meshgrid(np.linspace(-1.0, 1.0, 9), np.linspace(-1.0, 1.0, 9)))
@@ -67,7 +69,7 @@ class Camera(NamedTuple):
 
 @dataclass
 class Track:
-    """Poses of a ship in every frame so far; the arrays grow while the run continues."""
+    """Poses of a ship in all frames so far; the arrays grow while the run continues."""
 
     time: np.ndarray  # (n,) [s]
     position: np.ndarray  # (n, 3) [m]
@@ -75,7 +77,7 @@ class Track:
 
 
 class Vessel(NamedTuple):
-    """A ship that cameras follow, and her track."""
+    """Ship that a camera follows: size, helm and track."""
 
     length: float  # [m]
     helm: np.ndarray  # (3,) body axes from the centre of mass [m]
@@ -93,7 +95,7 @@ class Vessel(NamedTuple):
 
 
 class Operator:
-    """Camera over a film. It depends only on time, the ship's track until then, and for `orbit` the film's span."""
+    """Moving camera of a film: its view depends on time, the ship's track until then, for `orbit` the film's span."""
 
     def __init__(
         self,
@@ -104,8 +106,8 @@ class Operator:
         span: tuple[float, float],
         **given: Any,
     ) -> None:
-        """`span`: first and last time of the film [s]; `given`: `vessel`; `away`, True if she may leave the basin;
-        `at_sea`, True for a piece of an open sea; `eye` and `target` of a fixed camera."""
+        """`span`: first and last time of the film [s]; `given`: `vessel`, the ship to follow; `away`, True if she may
+        leave the basin; `at_sea`, True for a piece of an open sea; `eye` and `target` of a fixed camera [m]."""
         self.name, self.lower, self.upper, self.aspect, self.span = name, lower, upper, aspect, span
         self.vessel: Vessel | None = given.get("vessel")
         self.away = bool(given.get("away"))
@@ -121,7 +123,7 @@ class Operator:
         self.trail = np.zeros((0, 3)), np.zeros(0)
 
     def at(self, time: float) -> Camera:
-        """The camera at a time [s]."""
+        """Camera at a time [s] of the film."""
         if self.name == "orbit":
             return self.orbit(time)
         vessel = self.vessel
@@ -150,7 +152,7 @@ class Operator:
         return Camera(position + turn @ vessel.helm, turn @ forward, turn @ up, None, WIDE_ANGLE, near)
 
     def near_ship(self, position: np.ndarray, length: float) -> Camera:
-        """Camera `third_person`: fixed, or moving with the ship if the basin is very long or she may leave it."""
+        """Camera `third_person` at a ship's position [m]; moves with her if the basin is long or she may leave it."""
         reach = FOLLOWED_REACH * length * np.array([1.0, 0.0, 1.0])
         lower, upper = position - reach, position + reach
         if not self.away:
@@ -161,7 +163,7 @@ class Operator:
         return camera_on_box("third_person", lower, upper, self.aspect)
 
     def orbit(self, time: float) -> Camera:
-        """Camera that goes once around the ship, or the basin, in the course of the film, at a time [s]."""
+        """Camera at a time [s] that goes once around the ship, or the basin, in the course of the film."""
         start, end = self.span
         forward = self.standing.forward
         turned = np.arctan2(-forward[0], -forward[2]) + 2.0 * np.pi * (time - start) / max(end - start, 1e-9)
@@ -187,20 +189,20 @@ def camera_looking(eye: np.ndarray, target: np.ndarray) -> Camera:
 
 
 def raised_camera(camera: Camera, top: np.ndarray) -> Camera:
-    """Camera raised until the point `top` [m], as of a mast, is in its picture; unchanged if it is already."""
+    """Camera raised until the point `top` [m], as of a mast, is in its picture; unchanged if the point already is."""
     away = top - camera.eye
     over = float(away @ camera.up - np.tan(np.radians(camera.angle / 2.0)) / FRAME_MARGIN * (away @ camera.forward))
     return camera if over <= 0.0 else camera._replace(eye=camera.eye + over * camera.up)
 
 
 def camera_near_ship(eye: np.ndarray, target: np.ndarray, length: float) -> Camera:
-    """Camera as from `camera_looking`, that also draws things close to the eye; `length`: of the ship [m]."""
+    """Camera like that of `camera_looking` that also draws things close to the eye; `length`: of the ship [m]."""
     return camera_looking(eye, target)._replace(near=NEAR_SHARE * length)
 
 
 def damped_track(track: Track) -> tuple[np.ndarray, np.ndarray]:
-    """Position (n, 3) [m], at still water level, and heading (n,) [rad] that lag behind the ship's by a first-order
-    filter, exact for a ship that jumps at each frame."""
+    """Position (n, 3) [m] at still water level and heading (n,) [rad] that follow the ship's track with a first-order
+    lag, so that a camera on them moves smoothly."""
     heading = np.unwrap(np.arctan2(track.turn[:, 0, 2], track.turn[:, 2, 2]))
     centre = track.position * [1.0, 0.0, 1.0]
     for k in range(1, len(track.time)):
@@ -212,14 +214,14 @@ def damped_track(track: Track) -> tuple[np.ndarray, np.ndarray]:
 
 
 def camera_abeam(middle: np.ndarray, forward: np.ndarray, reach: float, aspect: float) -> Camera:
-    """Camera low over the sea, in perspective: a sea has no cut side for a parallel projection. It looks in a level
-    direction at the place `middle` [m], and sees `reach` [m] to either side in a picture of this aspect ratio."""
+    """Perspective camera low over the sea, which has no cut side for a parallel projection. It looks along a level
+    direction `forward` at `middle` [m], and sees `reach` [m] to either side in a picture of an `aspect` ratio."""
     away = FRAME_MARGIN * reach / (np.tan(np.radians(VIEW_ANGLE / 2.0)) * aspect)
     return camera_looking(middle + away * (np.array([0.0, SIDE_EYE_HEIGHT, 0.0]) - forward), middle)
 
 
 def camera_on_box(name: CameraName, lower: np.ndarray, upper: np.ndarray, aspect: float) -> Camera:
-    """Camera that sees a whole box from `lower` to `upper` [m] in a picture `aspect` times as wide as high."""
+    """Camera `name` that sees a whole box from `lower` to `upper` [m] in a picture `aspect` times as wide as high."""
     forward, up = (np.array(v) / np.linalg.norm(v) for v in VIEW_DIRECTIONS[name])
     right = np.cross(forward, up)
     right /= np.linalg.norm(right)
@@ -242,10 +244,9 @@ def eye_before(
     tangents: tuple[float, float],
     aside: float = 0.0,
 ) -> np.ndarray:
-    """Foremost eye (3,) [m] that sees all points (n, 3) [m] within angles of these tangents across and up.
+    """Foremost eye position (3,) [m] that sees all points (n, 3) [m] within angles of these tangents across and up.
 
-    `axes`: right, up and forward in the picture; `aside`: tangent to the right at which the middle of the angles lies.
-    """
+    `axes`: unit vectors right, up and forward; `aside`: tangent to the right at which the middle of the angles lies."""
     right, up, forward = axes
     x, y, away = corners @ right, corners @ up, corners @ forward
     # Planes through the eye bound the picture: each corner limits how far forward the eye may stand.

@@ -12,7 +12,7 @@ INSET_SHARE = 2.0e-3  # of the basin: a face that lies in a side of the basin is
 
 
 class Obstacles:
-    """Obstacles of a basin: fixed ones are drawn once, gates anew in every picture."""
+    """Obstacles of a basin in a picture, as boxes: fixed ones are drawn once, gates anew in every picture."""
 
     def __init__(self, stage: Stage, fixed: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> None:
         """`fixed`: lower and upper corners (n, 2, 3) [m] of the fixed ones, in a basin from `lower` to `upper` [m]."""
@@ -22,10 +22,11 @@ class Obstacles:
         self.add("obstacles", fixed)
 
     def show(self, frame: Frame) -> None:
+        """Draw the gates of a frame in place of those before."""
         self.add("gates", frame.gates)
 
     def add(self, name: str, boxes: np.ndarray) -> None:
-        """Draw boxes (n, 2, 3) [m], and remove those drawn under this name before."""
+        """Draw boxes (n, 2, 3) [m] under a name, in place of those drawn under it before."""
         plotter, pyvista = self.stage.plotter, self.stage.pyvista
         plotter.remove_actor(name, render=False)
         if len(boxes):

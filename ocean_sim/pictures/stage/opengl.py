@@ -36,14 +36,14 @@ class OpenGLMissing(Lacking):
 
 
 def drawing_environment(window: str) -> dict[str, str]:
-    """Environment variables of a process that draws: this VTK window class, and no display."""
+    """Environment variables of a process that draws off screen with this VTK window class."""
     inherited = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
     return inherited | {"VTK_DEFAULT_OPENGL_WINDOW": window, "OPENBLAS_NUM_THREADS": "1"}  # products are small
 
 
 @cache
 def window() -> str | None:
-    """Name of the VTK window class that draws off screen here, or None. A success is remembered in the user's cache."""
+    """Name of the VTK window class that draws off screen here, or None. A success is stored in the user's cache."""
     if missing_extra("pictures"):
         return None
     with suppress(OpenGLMissing):
@@ -53,7 +53,7 @@ def window() -> str | None:
 
 
 def drawing_window() -> dict[str, np.ndarray]:
-    """Name of the first of WINDOW_CLASSES that draws, as an array for the cache; raises OpenGLMissing."""
+    """Name of the first of WINDOW_CLASSES that draws, as an array for the cache; raises OpenGLMissing if none does."""
     found = next((name for name in WINDOW_CLASSES if draws(name)), None)
     if found is None:
         raise OpenGLMissing
@@ -61,18 +61,18 @@ def drawing_window() -> dict[str, np.ndarray]:
 
 
 def probe() -> str | None:
-    """None if pictures can be drawn, else a sentence that names the packages to install."""
+    """Sentence that names the packages to install if pictures cannot be drawn; None if they can."""
     return None if window() else str(OpenGLMissing())
 
 
 def forget() -> None:
-    """Discard the remembered window class after a crash, so that the next run probes again."""
+    """Delete the cached window class, so that the next run tests again; called after a crash."""
     shutil.rmtree(cache_directory() / NOTE_FOLDER, ignore_errors=True)
     window.cache_clear()
 
 
 def draws(name: str) -> bool:
-    """True if a child process survives drawing with this window class, and VTK used no other."""
+    """True if a child process draws with this VTK window class and ends well."""
     command = [sys.executable, "-c", PROBE_PROGRAM]
     try:
         child = subprocess.run(command, env=drawing_environment(name), capture_output=True, text=True, timeout=120)

@@ -28,7 +28,7 @@ def add_words(stage: Stage, text: str, position: tuple[int, int]) -> Any:
 
 
 def metre_pixels(stage: Stage, target: np.ndarray) -> float:
-    """Length of a metre across the picture, at the distance of a target [m], in pixels."""
+    """Length [pixels] in the picture of one metre across it at the distance of a target (3,) [m]."""
     camera, half = stage.camera, stage.camera.parallel_height
     if half is None:
         half = float((target - camera.eye) @ camera.forward) * float(np.tan(np.radians(camera.angle) / 2.0))
@@ -36,7 +36,7 @@ def metre_pixels(stage: Stage, target: np.ndarray) -> float:
 
 
 class ScaleBar:
-    """Bar of a round number of metres, to the scale of the picture at the camera's target."""
+    """Scale bar of a round number of metres, valid at the distance of a target."""
 
     def __init__(self, stage: Stage) -> None:
         self.stage = stage
@@ -44,7 +44,7 @@ class ScaleBar:
         self.length = 0  # [pixels]
 
     def show(self, target: np.ndarray) -> None:
-        """Set the bar's length for the distance of a target [m]."""
+        """Set length and label of the bar for the distance of a target (3,) [m]."""
         width, each = self.stage.size[0], metre_pixels(self.stage, target)
         metres = round_down(MAX_BAR * width / each)
         self.length = int(round(metres * each))
@@ -61,7 +61,7 @@ class ScaleBar:
 
 
 class ArrowBar:
-    """Legend of the wind, above the bar of metres: its meaning, and an arrow to scale at the camera's target."""
+    """Legend of the wind's arrows, above the scale bar: a text, and an arrow of known length."""
 
     def __init__(self, stage: Stage) -> None:
         self.stage = stage
@@ -70,7 +70,7 @@ class ArrowBar:
         self.length = 0  # [pixels]
 
     def show(self, target: np.ndarray, length: float, text: str) -> None:
-        """Set the arrow's length [m], as seen at the distance of `target` [m], and its text; 0 for the text alone."""
+        """Set the arrow's length [m], as seen at the distance of `target` [m], and its text; length 0: text alone."""
         self.length = int(round(length * metre_pixels(self.stage, target)))
         self.words.input = text
         right = self.stage.size[0] - 24
@@ -96,7 +96,7 @@ def round_down(value: float) -> float:
 
 
 class HeightBar:
-    """Colour bar of the heights on a map, from the deepest trough to the highest crest that has a colour of its own."""
+    """Colour bar of water heights on a map, between the limits beyond which the colour does not change."""
 
     def __init__(self, stage: Stage) -> None:
         self.size = stage.size
@@ -105,11 +105,11 @@ class HeightBar:
         add_words(stage, HEIGHT_TITLE, (stage.size[0] - BAR_LEFT + 34, self.tick(2) + 18))
 
     def tick(self, k: int) -> int:
-        """Position of tick k of three, the lowest first, above the lower edge of the picture [pixels]."""
+        """Height [pixels] of tick k = 0, 1 or 2, the lowest first, above the lower edge of the picture."""
         return self.size[1] - self.top - self.height + k * self.height // 2
 
     def show(self, most: float) -> None:
-        """Set the labels for heights from -`most` to `most` [m]."""
+        """Set the labels of the bar for heights from -`most` to `most` [m]."""
         for k, text in enumerate(self.words):
             text.input = f"{(k - 1) * most:+.3g} m" if k != 1 else "0 m"
 
@@ -126,7 +126,7 @@ class HeightBar:
 
 
 class Outline:
-    """Outline of the basin, drawn on the water."""
+    """Outline of the basin as a line on the water."""
 
     def __init__(self, stage: Stage, lower: np.ndarray, upper: np.ndarray, points: int = 400) -> None:
         """`lower`, `upper`: corners of the basin [m]."""
@@ -141,5 +141,5 @@ class Outline:
         stage.over.append(drawn)
 
     def show(self, origin: np.ndarray, heights: np.ndarray) -> None:
-        """Move the outline to an origin x, z [m] and to heights (points,) [m] of the water along it."""
+        """Move the line to an origin x, z [m] and to water heights (points,) [m] along it."""
         self.line.points = np.insert(self.around + origin, 1, heights + self.raised, axis=1).astype(np.float32)

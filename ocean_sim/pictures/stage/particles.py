@@ -20,6 +20,7 @@ class Particles(Content):
     """Every particle as a small ball, coloured by its speed."""
 
     def __init__(self, stage: Stage, first: Frame, spacing: float, fastest: float) -> None:
+        """`first`: first frame; `spacing` of particles [m]; `fastest`: speed [m/s] of the last colour."""
         assert first.position is not None
         cloud = stage.pyvista.PolyData(first.position.astype(np.float32))
         cloud["speed [m/s]"] = np.zeros(len(first.position), np.float32)
@@ -52,6 +53,7 @@ class Particles(Content):
         self.drawn = balls.mapper.array_name  # PyVista turns the scalars of such balls into colours once, when added
 
     def show(self, frame: Frame) -> None:
+        """Move the balls to the particles of a frame, and colour them by speed."""
         assert frame.position is not None and frame.velocity is not None
         self.cloud.points = frame.position
         share = np.linalg.norm(frame.velocity, axis=1) / self.fastest

@@ -32,27 +32,27 @@ MAP_CAMERAS = "top", "side"  # cameras that see the whole way of a ship that lea
 
 
 def is_foreseeable(grid: Any, order: Order) -> bool:
-    """True if pictures depend on no later frames and can be drawn while the run continues. Particles, whose colours
-    span the speeds of all frames, and cameras that need the end of the run cannot."""
+    """True if no picture depends on later frames, so that they can be drawn while the run continues. Particles, whose
+    colours span the speeds of all frames, and cameras that need the end of the run do depend on them."""
     whole_way = order.camera in MAP_CAMERAS and "sea_answers" in grid
     return not (order.particles or not bool(grid["has_surface"]) or order.camera == "orbit" or whole_way)
 
 
 def swept_box(lower: np.ndarray, upper: np.ndarray, ways: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Corners [m] of the box that the basin covers as it moves with the middle of ships on their tracks (n, 3) [m]."""
+    """Corners [m] of the box that a basin covers as it moves with the mean of its ships, on tracks (n, 3) [m]."""
     middle = np.mean(ways, axis=0) * [1.0, 0.0, 1.0]
     return lower + middle.min(axis=0), upper + middle.max(axis=0)
 
 
 class Shot(NamedTuple):
-    """Rendered picture, whose edges are not yet smooth and whose bars are not drawn."""
+    """Rendered picture before its edges are smoothed and its bars drawn."""
 
     pixels: np.ndarray  # (height, width, 3) 8-bit RGB, each side times the samples
     samples: int
     bars: list[overlays.ScaleBar | overlays.ArrowBar | overlays.HeightBar]  # as they were for it
 
     def finished(self) -> np.ndarray:
-        """Finished picture (height, width, 3), 8-bit RGB, with smooth edges and its bars."""
+        """Finish the picture: (height, width, 3), 8-bit RGB, with smooth edges and bars."""
         image = (
             antialiasing.smooth_edges(self.pixels)
             if self.samples == 1
@@ -64,7 +64,7 @@ class Shot(NamedTuple):
 
 
 class Picture:
-    """Plotter for the pictures of a run, built once; each frame only moves its points and colours."""
+    """Plotter for all pictures of a run, built once; for each frame only its points and colours change."""
 
     def __init__(self, grid: Any, order: Order, first: Frame, fastest: float, log: FrameLog) -> None:
         """`grid`: arrays that the run keeps once; `first`: first frame to draw; `fastest`: particle speed [m/s] of the
@@ -143,7 +143,7 @@ class Picture:
         self.aim()
 
     def aim(self) -> None:
-        """Set the plotter's camera to the stage's."""
+        """Set the plotter's camera to the view of the stage's camera."""
         camera, plotter = self.stage.camera, self.plotter
         plotter.camera.position, plotter.camera.focal_point = tuple(camera.eye), tuple(camera.eye + camera.forward)
         plotter.camera.up, plotter.camera.view_angle = tuple(camera.up), camera.angle
@@ -155,8 +155,8 @@ class Picture:
             plotter.camera.parallel_scale = camera.parallel_height
 
     def backdrop(self) -> None:
-        """Add the background: the sky around the eye; a plain gradient in parallel projection, which has no horizon; or
-        one colour of the ground, seen from above."""
+        """Add the background: a dome of sky around the eye, a plain gradient in parallel projection, or the colour of
+        the ground in a view from above."""
         camera, pyvista = self.stage.camera, self.stage.pyvista
         if camera.from_above and camera.parallel_height is not None:
             self.plotter.set_background(
@@ -181,7 +181,7 @@ class Picture:
             self.shadow()
 
     def shadow(self) -> None:
-        """Add a soft shadow on the ground under the block of water."""
+        """Add the soft shadow of the block of water on the ground below it, and lines on the ground."""
         size, middle = self.upper - self.lower, 0.5 * (self.lower + self.upper)
         plane = self.stage.pyvista.Plane(
             center=(middle[0], self.lower[1] - 0.02 * size[1], middle[2]),  # below a dry bed
@@ -202,11 +202,11 @@ class Picture:
         tank_walls.add_ground_lines(self.stage, self.lower, self.upper, self.lower[1] - 0.019 * size[1])
 
     def draw(self, frame: Frame) -> np.ndarray:
-        """Draw a frame: a finished picture (height, width, 3), 8-bit RGB."""
+        """Draw a frame; returns the finished picture (height, width, 3), 8-bit RGB."""
         return self.shot(frame).finished()
 
     def shot(self, frame: Frame) -> "Shot":
-        """Render a frame; the rest of the work on the picture needs no plotter, which may draw another meanwhile."""
+        """Render a frame. The picture is still to be finished, which needs no plotter and can run in parallel."""
         self.move(self.operator.at(frame.time))
         for key, pose in frame.ships.items():
             self.ships[key].show(*pose, self.stage.camera.eye)
@@ -231,7 +231,7 @@ class Picture:
         return Shot(self.plotter.screenshot(None, return_img=True), self.stage.samples, bars)
 
     def heights_at(self, frame: Frame, positions: np.ndarray) -> np.ndarray:
-        """Drawn heights (n,) [m] of the water at positions x, z (n, 2) [m]; except at sea, of nearest kept points."""
+        """Drawn water heights (n,) [m] at positions x, z (n, 2) [m]; except at sea those of the nearest grid points."""
         if isinstance(self.content, Sea):
             return self.content.heights_at(positions)
         share = (positions - self.sides[0]) / np.maximum(self.sides[1] - self.sides[0], 1e-9)
@@ -239,7 +239,7 @@ class Picture:
         return frame.elevation[index[0], index[1]]
 
     def move(self, camera: Camera) -> None:
-        """Look from another camera; the sky moves with the eye."""
+        """Set the view to another camera; the sky moves with the eye."""
         if camera is self.stage.camera:
             return
         self.stage.camera = camera
@@ -248,19 +248,20 @@ class Picture:
         self.aim()
 
     def close(self) -> None:
+        """Close the plotter and the content's resources."""
         self.content.close()
         self.plotter.close()
 
 
 class Moments:
-    """Collects evenly spaced pictures of a film of unknown length; holds at most twice as many as it shows."""
+    """Collector of evenly spaced pictures of a film of unknown length, for a strip; keeps at most twice those shown."""
 
     def __init__(self) -> None:
         self.kept: list[np.ndarray] = []
         self.seen, self.every = 0, 1  # pictures of the film, and how many of them for each that is kept
 
     def see(self, image: np.ndarray) -> None:
-        """Add the next picture (height, width, 3) of the film."""
+        """Take the next picture (height, width, 3) of the film, of which every n-th is kept, made smaller."""
         if self.seen % self.every == 0:
             if len(self.kept) == 2 * STRIP_PICTURES:
                 self.kept, self.every = self.kept[::2], 2 * self.every
@@ -269,7 +270,7 @@ class Moments:
         self.seen += 1
 
     def row(self) -> np.ndarray:
-        """Strip (height, width, 3) of small pictures side by side, from the beginning to the end of the film."""
+        """Strip (height, width, 3) of small pictures side by side, evenly spaced over the film so far."""
         chosen = np.unique(
             np.round(np.linspace(0, len(self.kept) - 1, min(STRIP_PICTURES, len(self.kept)))).astype(int)
         )
@@ -277,6 +278,6 @@ class Moments:
 
 
 def picture_row(pictures: Sequence[np.ndarray], gap: int) -> np.ndarray:
-    """Strip (height, width, 3) of pictures of one height side by side, `gap` white pixels between them."""
+    """Strip (height, width, 3) of pictures of equal height side by side, `gap` white pixels apart."""
     between = np.full((pictures[0].shape[0], gap, 3), 255, np.uint8)
     return np.concatenate([part for picture in pictures for part in (picture, between)][:-1], axis=1)

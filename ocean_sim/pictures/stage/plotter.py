@@ -10,7 +10,7 @@ from ocean_sim.pictures.water import water_glsl
 
 
 class Stage:
-    """Plotter and camera of a picture, to which every object in it adds itself."""
+    """Plotter and camera of a picture; the objects of the picture add themselves to it."""
 
     def __init__(self, size: tuple[int, int], camera: Camera, samples: int) -> None:
         """`size`: width and height [pixels]; `samples`: number of samples along each side of a pixel."""
@@ -23,14 +23,14 @@ class Stage:
         self.said = water_glsl.collect_messages()
 
     def empty(self, size: tuple[int, int]) -> Any:
-        """New off-screen plotter of a size [pixels], without light."""
+        """New off-screen plotter of a size [pixels], without lights."""
         plotter = self.pyvista.Plotter(off_screen=True, window_size=size, lighting="none")
         plotter.disable_anti_aliasing()  # PyVista's default multiplies the time of a picture
         plotter.render_window.SetMultiSamples(0)
         return plotter
 
     def render(self) -> None:
-        """Draw the picture; raises RenderFailed if OpenGL refuses a shader program."""
+        """Render the picture; raises RenderFailed if OpenGL refuses a shader program."""
         self.plotter.render()
         why = water_glsl.refusal(self.said)
         if why is not None:
@@ -38,11 +38,11 @@ class Stage:
 
 
 class Content:
-    """Main subject of a picture: interface of a sea, a tank, or particles."""
+    """Main subject of a picture: interface that a sea, a tank or particles implement."""
 
     def show(self, frame: Frame) -> None:
         """Update the subject to its state in a frame."""
         raise NotImplementedError
 
     def close(self) -> None:
-        """Release resources of the subject that the plotter does not."""
+        """Free resources of the subject that closing the stage's plotter does not free."""

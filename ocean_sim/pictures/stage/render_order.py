@@ -15,7 +15,7 @@ class RenderFailed(Failed):
 
 @dataclass(frozen=True)
 class Order:
-    """Options of the pictures to draw of a run: folders, camera, size, frames and contents."""
+    """Options for drawing the pictures of a run: folders, camera, size, frames and contents."""
 
     folder: str
     out: str

@@ -10,6 +10,7 @@ from ocean_sim.files.cache_file import cached_arrays
 
 
 def unit_vector(vectors: np.ndarray) -> np.ndarray:
+    """Vectors (..., 3) scaled to length 1."""
     return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
 
 
@@ -46,7 +47,7 @@ SUN_COSINE = np.cos(np.radians(0.6))  # of the drawn sun, wider than the true 0.
 
 
 def clear_sky(direction: np.ndarray) -> np.ndarray:
-    """Radiance (n, 3) of the clear gradient in unit directions (n, 3); below the horizon, that of the horizon."""
+    """Radiance (n, 3) of a clear sky in unit directions (n, 3); below the horizon it is that at the horizon."""
     up = np.clip(direction[:, 1], 0.0, 1.0)[:, None]
     towards = np.clip(direction @ SUN_DIRECTION, 0.0, 1.0)[:, None]
     low = (1.0 - up) ** 20
@@ -59,7 +60,7 @@ def clear_sky(direction: np.ndarray) -> np.ndarray:
 
 
 def sky_and_ground(direction: np.ndarray) -> np.ndarray:
-    """Radiance (n, 3) of a background: the clear gradient, and below the horizon a ground that darkens downwards."""
+    """Radiance (n, 3) in unit directions (n, 3) of a clear sky, and of a ground that darkens downwards."""
     down = np.clip(-direction[:, 1], 0.0, 1.0)[:, None]
     flat = unit_vector(
         np.column_stack([direction[:, 0] + 1e-12, np.zeros(len(direction)), direction[:, 2]])
@@ -69,7 +70,7 @@ def sky_and_ground(direction: np.ndarray) -> np.ndarray:
 
 
 def painted_light(normals: np.ndarray, paint: np.ndarray, gloss: np.ndarray) -> np.ndarray:
-    """Linear RGB (n, 3) of painted surfaces in sun and sky; those with gloss, as panes, mirror the sky above."""
+    """Linear RGB (n, 3) of painted surfaces in sun and sky; `gloss` (n, 1): 1 for panes that mirror the sky, else 0."""
     sun = np.clip(normals @ SUN_DIRECTION, 0.0, 1.0)[:, None]
     above = 0.5 + 0.5 * normals[:, 1:2]
     ambient = FROM_BELOW + (FROM_ABOVE - FROM_BELOW) * above
@@ -106,8 +107,8 @@ class Sky:
         self.haze = np.minimum(around, MAX_HAZE).astype(np.float32).reshape(*HAZE_SIZE, 3)
 
     def sample(self, direction: np.ndarray, level: np.ndarray | float = 0.0) -> np.ndarray:
-        """Radiance (n, 3) in unit directions (n, 3), interpolated between mipmap `level` and the next; for directions
-        at or below the horizon, that just above it."""
+        """Radiance (n, 3) in unit directions (n, 3), interpolated between mipmap `level` and the next; directions at or
+        below the horizon get the value just above it."""
         d = unit_vector(
             np.column_stack([direction[:, 0], np.maximum(direction[:, 1], MIN_SKY_HEIGHT), direction[:, 2]])
         )
@@ -126,7 +127,7 @@ class Sky:
 
 
 def bilinear_values(image: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Values (n, 3) of an image at places (n, 2), 0 to 1 across its columns and rows, by bilinear interpolation;
+    """Values (n, 3) of an image at positions (n, 2), 0 to 1 across its columns and rows, by bilinear interpolation;
     constant beyond the outermost pixels."""
     last = len(image) - 1
     x, y = np.clip(at.T * len(image) - 0.5, 0.0, last)
@@ -139,7 +140,7 @@ def bilinear_values(image: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 def sky_directions(side: int) -> np.ndarray:
-    """Unit directions (side, side, 3) of the pixels of a sky's image; those beyond the horizon are moved onto it."""
+    """Unit directions (side, side, 3) of the pixels of a sky image; those beyond the horizon are moved onto it."""
     x, z = np.meshgrid(*2 * [middles_of(-1.0, 1.0, side)])
     beyond = np.maximum(np.hypot(x, z), 1.0)
     x, z = x / beyond, z / beyond
@@ -148,18 +149,18 @@ def sky_directions(side: int) -> np.ndarray:
 
 
 def cloudy_sky(side: int = 1024) -> Sky:
-    """Sky of scattered light with clouds, read from the cache if it was computed before."""
+    """Sky of scattered light with clouds, from the cache if possible; `side` of its image [pixels]."""
     arrays = cached_arrays("sky", str(side).encode(), lambda: make_sky(side))
     return Sky(arrays["image"], SUN_DIRECTION, arrays["sunlight"])
 
 
 def clear_sky_image() -> Sky:
-    """Sky of the clear gradient, without clouds."""
+    """Sky with the gradient of `clear_sky` and no clouds."""
     return Sky(clear_sky(sky_directions(CLEAR_SIDE).reshape(-1, 3)).reshape(CLEAR_SIDE, CLEAR_SIDE, 3))
 
 
 def make_sky(side: int) -> dict[str, np.ndarray]:
-    """Compute the image (side, side, 3) of the sky with clouds, and the colour of the sunlight."""
+    """Compute the image (side, side, 3) of a cloudy sky and the colour (3,) of sunlight, as arrays for the cache."""
     from scipy.ndimage import zoom
 
     sun, coarse = SUN_DIRECTION, sky_directions(128)
@@ -183,8 +184,8 @@ def make_sky(side: int) -> dict[str, np.ndarray]:
 
 
 def scattered_light(d: np.ndarray, sun: np.ndarray, steps: int = 24, inner: int = 8) -> tuple[np.ndarray, np.ndarray]:
-    """Light scattered once towards an eye at sea level from unit directions (..., 3), and the share that passes
-    straight through (Nishita et al. 1993): Rayleigh and Mie, with densities that fall exponentially with height."""
+    """Radiance (..., 3) of light scattered once towards an eye at sea level from unit directions d (..., 3), and the
+    share of light transmitted (Nishita et al. 1993): Rayleigh and Mie scattering, exponential in height."""
     eye = np.array([0.0, GROUND_RADIUS + 2.0, 0.0])
     segment = distance_to_top(eye, d) / steps
     mu = d @ sun
@@ -195,6 +196,7 @@ def scattered_light(d: np.ndarray, sun: np.ndarray, steps: int = 24, inner: int 
     light_r, light_m = np.zeros(d.shape), np.zeros(d.shape)
 
     def veil(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Share of light transmitted (..., 3) after paths a (Rayleigh) and b (Mie), in metres of sea-level air."""
         return np.exp(-(RAYLEIGH_SCATTERING * a[..., None] + 1.1 * MIE_SCATTERING * b[..., None]))
 
     for i in range(steps):
@@ -220,14 +222,14 @@ def scattered_light(d: np.ndarray, sun: np.ndarray, steps: int = 24, inner: int 
 
 
 def distance_to_top(point: np.ndarray, d: np.ndarray) -> np.ndarray:
-    """Distance [m] from points in the atmosphere to its top, along unit directions `d`."""
+    """Distance [m] from points (..., 3) in the atmosphere to its top, along unit directions d (..., 3)."""
     along, excess = (point * d).sum(axis=-1), (point * point).sum(axis=-1) - TOP_RADIUS**2
     return -along + np.sqrt(np.maximum(along**2 - excess, 0.0))
 
 
 def add_clouds(d: np.ndarray, clear: np.ndarray, sunlight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Sky radiance with a flat layer of clouds in front, and the share of the sky that they hide (..., 1): fractal
-    noise with a warped domain, brighter at thin edges and towards the sun."""
+    """Sky radiance (..., 3) with a flat cloud layer in front of `clear`, and the share (..., 1) that clouds hide, in
+    unit directions d: fractal noise with a warped domain, brighter at thin edges and towards the sun."""
     cover, seed = CLOUD_COVER, CLOUD_SEED
     up = np.maximum(d[..., 1], 1e-3)
     layer = d[..., [0, 2]] / (up + 0.08)[..., None] * 1.15 + [3.1 * seed, 0.7]
@@ -250,7 +252,7 @@ def add_clouds(d: np.ndarray, clear: np.ndarray, sunlight: np.ndarray) -> tuple[
 
 
 def fractal_noise(p: np.ndarray, octaves: int, seed: int) -> np.ndarray:
-    """Noise, 0 to 1, at points (..., 2): a sum of octaves of value noise."""
+    """Noise (...), 0 to 1, at points (..., 2): octaves of value noise, each of half the amplitude before."""
     total, weight, amplitude = np.zeros(p.shape[:-1]), 0.0, 1.0
     for k in range(octaves):
         total += amplitude * value_noise(p * 2.03**k + 17.3 * k, seed + k)
@@ -260,12 +262,13 @@ def fractal_noise(p: np.ndarray, octaves: int, seed: int) -> np.ndarray:
 
 
 def value_noise(p: np.ndarray, seed: int) -> np.ndarray:
-    """Noise at points (..., 2): random values at integer points, interpolated smoothly."""
+    """Noise (...), 0 to 1, at points (..., 2): random values at integer points, interpolated smoothly."""
     i = np.floor(p).astype(np.int64)
     f = p - i
     f = f**3 * (f * (f * 6.0 - 15.0) + 10.0)
 
     def at(di: int, dj: int) -> np.ndarray:
+        """Random value, 0 to 1, of the integer points offset by (di, dj)."""
         n = ((i[..., 0] + di) * 374761393 + (i[..., 1] + dj) * 668265263 + seed * 974711) & 0xFFFFFFFF
         n = ((n ^ (n >> 13)) * 1274126177) & 0xFFFFFFFF
         return ((n ^ (n >> 16)) & 0xFFFF) / 65535.0

@@ -25,7 +25,7 @@ MIN_ARROW, CROSS_SIZE = (
 
 
 class WindMarks:
-    """Volumes, arrows and crosses of the wind, drawn anew in every picture."""
+    """Marks of the wind: its volumes, arrows, and crosses for noise, drawn anew in every picture."""
 
     def __init__(self, stage: Stage, lower: np.ndarray, upper: np.ndarray) -> None:
         """`lower`, `upper`: corners of the basin [m]."""
@@ -35,7 +35,7 @@ class WindMarks:
         self.cross = arms[0].merge(arms[1]).merge(arms[2]).extract_surface().triangulate()
 
     def show(self, frame: Frame, heights: np.ndarray) -> None:
-        """Draw the wind of a frame; `heights` (n,): of the water at the arrows [m]."""
+        """Draw the wind of a frame; `heights` (n,) [m]: of the water at the arrows."""
         self.show_volumes(frame.wind_lines, float(frame.elevation.max()))
         tails = frame.wind_tails.astype(float)
         tails[:, 1] = np.maximum(tails[:, 1], heights) + ARROW_HEIGHT * self.length
@@ -47,7 +47,7 @@ class WindMarks:
         self.copies("crosses", self.cross, tails[~blowing] + [0.0, noise[:1].sum(), 0.0], noise)
 
     def copies(self, name: str, model: object, positions: np.ndarray, along: np.ndarray) -> None:
-        """Draw a model of length 1 along x at positions (n, 3) [m], turned along and scaled to vectors (n, 3) [m]."""
+        """Draw copies of a model, 1 long and along x, at positions (n, 3) [m], turned and scaled to vectors (n, 3)."""
         plotter = self.stage.plotter
         plotter.remove_actor(name, render=False)
         if not len(positions):
@@ -70,8 +70,8 @@ class WindMarks:
         plotter.add_mesh(made, scalars="colour", rgb=True, lighting=False, name=name, reset_camera=False, render=False)
 
     def show_volumes(self, lines: np.ndarray, crest: float) -> None:
-        """Draw walls over the outlines of the wind's volumes, given by lines (n, 2, 3) [m]; on a map, whose colours are
-        heights, the outlines alone, above the highest crest [m]."""
+        """Draw walls over the outlines of wind volumes, given by lines (n, 2, 3) [m]; on a map, where walls would hide
+        the heights, only outlines above the highest `crest` [m]."""
         plotter, pyvista = self.stage.plotter, self.stage.pyvista
         on_map = self.stage.camera.from_above
         faces, ends = [], []
@@ -107,7 +107,7 @@ class WindMarks:
 
 
 def arrow_legend(frame: Frame, length: float) -> tuple[float, str]:
-    """Length [m] of an arrow for a round value of the wind, 0 if none fits, and its text; `length`: of the basin."""
+    """Length [m] of a legend arrow for a round value of the wind, or 0, and its text; `length`: of the basin [m]."""
     if not (np.linalg.norm(frame.wind_arrows, axis=1) > MIN_ARROW / MAX_ARROW).any():
         return 0.0, "wind: noise alone" if len(frame.wind_tails) else "no wind"
     if frame.wind_strongest <= 0.0:
@@ -117,7 +117,7 @@ def arrow_legend(frame: Frame, length: float) -> tuple[float, str]:
 
 
 def vector_basis(vector: np.ndarray) -> np.ndarray:
-    """Rows (3, 3) of an orthonormal basis: along a vector, and two across it."""
+    """Orthonormal basis as rows (3, 3): along a vector, and two across it."""
     along = vector / np.linalg.norm(vector)
     side = np.cross(along, [0.0, 1.0, 0.0] if abs(along[1]) < 0.9 else [1.0, 0.0, 0.0])
     side /= np.linalg.norm(side)
@@ -125,7 +125,7 @@ def vector_basis(vector: np.ndarray) -> np.ndarray:
 
 
 def connected_parts(lines: np.ndarray) -> list[np.ndarray]:
-    """Groups of the lines (n, 2, 3) that are connected at common ends."""
+    """Groups of line segments (n, 2, 3) that are connected by common ends."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -140,7 +140,7 @@ def connected_parts(lines: np.ndarray) -> list[np.ndarray]:
 
 
 def convex_outline(points: np.ndarray) -> np.ndarray:
-    """Corners (m, 2) of the convex hull of points (n, 2), in order."""
+    """Corners (m, 2) of the convex hull of points (n, 2), in anticlockwise order."""
     from scipy.spatial import ConvexHull
 
     return points[ConvexHull(points).vertices]

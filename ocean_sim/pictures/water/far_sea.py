@@ -42,14 +42,14 @@ QUARTER_STREAM, PHASE_STREAM, PLACE_STREAM = 0x5_0000, 0x5_0001, 0x5_0002  # str
 
 
 def blend_weight(nodes: np.ndarray, low: float, high: float, margin: float) -> np.ndarray:
-    """Weight (n,) of nodes (n,) [m]: 1 in the middle, smooth in a margin [m] inside `low` and `high`, 0 beyond."""
+    """Weight (n,), 0 to 1, of nodes (n,) [m]: 1 in the middle, falling smoothly to 0 over a margin [m] at both ends."""
     inside = np.clip(np.minimum(nodes - low, high - nodes) / margin, 0.0, 1.0)
     return inside * inside * (3.0 - 2.0 * inside)
 
 
 @dataclass(frozen=True)
 class SeaSample:
-    """Heights and convergence of a sea at the nodes of a grid (nx, nz) at one time."""
+    """Heights and convergence of the sea at all nodes of a grid (nx, nz) at one time."""
 
     height: np.ndarray  # [m]
     convergence: np.ndarray  # of the water near the surface
@@ -59,13 +59,14 @@ class PlaneWaves:
     """Sum of plane waves at the nodes of a tensor grid, evaluated by products of matrices."""
 
     def __init__(self, sea: Components, x: np.ndarray, z: np.ndarray) -> None:
+        """`x`, `z`: coordinates of the grid's nodes [m]."""
         self.sea = sea
         self.along_x, self.along_z = (
             np.exp(1j * nodes[:, None] * k) for nodes, k in zip((x, z), sea.wavevector.T, strict=True)
         )
 
     def at(self, turning: np.ndarray) -> SeaSample:
-        """Sea with complex amplitudes (n,) [m] at the nodes' origin (see `complex_amplitudes`)."""
+        """Sea at the nodes for complex amplitudes (n,) [m] of its waves at their origin (see `complex_amplitudes`)."""
         x, z = self.along_x * turning, self.along_z.T
         # The real part of a product of complex matrices is two products of real ones.
         height = x.real @ z.real - x.imag @ z.imag
@@ -75,18 +76,18 @@ class PlaneWaves:
 
 
 def complex_amplitudes(sea: Components, time: float, origin: np.ndarray) -> np.ndarray:
-    """Complex amplitudes (n,) [m] of plane waves at a time [s] around an origin x, z [m]."""
+    """Complex amplitudes (n,) [m] of plane waves at a time [s], with phases relative to an origin x, z (2,) [m]."""
     phase = np.mod(sea.phase + sea.wavevector @ origin - sea.omega * time, 2.0 * pi)
     return sea.amplitude * np.exp(1j * phase)
 
 
 def grown_waves(sea: Components, time: float) -> Components:
-    """Plane waves with the amplitudes to which their ramp has brought them at a time [s], and no ramp left."""
+    """Plane waves without a ramp, with the amplitudes that theirs has let them reach at a time [s]."""
     return replace(sea, amplitude=sea.ramp_share(time) * sea.amplitude, ramp=0.0)
 
 
 def strongest_waves(sea: Components, most: int = MAX_WAVES) -> Components:
-    """The `most` strongest of many plane waves, scaled to the variance of all."""
+    """Copy of a sea with its `most` strongest waves only, scaled to keep the variance of all."""
     if len(sea.amplitude) <= most:
         return sea
     kept = np.sort(np.argsort(sea.amplitude)[::-1][:most])
@@ -95,8 +96,8 @@ def strongest_waves(sea: Components, most: int = MAX_WAVES) -> Components:
 
 
 def shortest_lengths(sea: Components) -> list[float]:
-    """Length [m] of the shortest wave that is drawn out to each of WAVE_REACHES, rounded down to a quarter of an
-    octave, so that similar seas have the same."""
+    """Wavelength [m] of the shortest wave to draw within each of WAVE_REACHES, rounded down to a quarter of an octave,
+    so that similar seas share a mesh."""
     order = np.argsort(sea.wavenumber)[::-1]
     held = np.cumsum(sea.amplitude[order] ** 2)
     lengths = 2.0 * pi / np.maximum(sea.wavenumber[order], 1e-9)
@@ -107,8 +108,8 @@ def shortest_lengths(sea: Components) -> list[float]:
 
 
 def ring_distances(lengths: list[float], first: float) -> np.ndarray:
-    """Distances (n,) [m] of rings around an eye, from `first` out to the horizon. Within each of WAVE_REACHES they are
-    close enough for the wave of its length [m]."""
+    """Distances (n,) [m] of mesh rings around an eye, from `first` to the horizon; within each of WAVE_REACHES their
+    spacing resolves a wave of the length [m] given for it."""
     caps = [length / NODES_PER_WAVE[1] for length in lengths]
     distances = [first]
     step = max(RING_SPACING * first, 0.02)
@@ -120,8 +121,8 @@ def ring_distances(lengths: list[float], first: float) -> np.ndarray:
 
 
 class Fan:
-    """The far sea around an eye: nodes on rays and rings, close enough for its waves. Heights hold every wave that the
-    rings resolve. Slopes of waves narrower than a few pixels fade, and widen the glint of the sun instead."""
+    """Mesh of the far sea around an eye: nodes on rays and rings. Heights include every wave that the rings resolve;
+    slopes of waves narrower than a few pixels are left out, and widen the glint of the sun instead."""
 
     def __init__(self, sea: Components) -> None:
         """`sea`: plane waves, whose amplitudes may change with time."""
@@ -135,12 +136,11 @@ class Fan:
     def look(
         self, height: float, heading: float, half: float, lowest: float, pixel: float, row: float, amplitude: np.ndarray
     ) -> bool:
-        """Turn the fan towards a heading [rad, from +x to +z]; True if it has new nodes.
+        """Turn the fan towards a heading [rad, from +x to +z]; returns True if its nodes have changed.
 
-        `height`: of the eye over the water [m]; `half`: the angle to either side that it sees, `lowest`: that of its
-        lowest ray below the horizon [rad]; `pixel`, `row`: the angles of a pixel, and of a row of samples, of which no
-        more than one ring is drawn [rad]; `amplitude` (n,): of the waves now [m].
-        """
+        `height`: of the eye over the water [m]; `half`: angle seen to either side [rad]; `lowest`: angle of the lowest
+        ray below the horizon [rad]; `pixel`, `row`: angles of a pixel and of a row of samples [rad], of which each
+        shows one ring at most; `amplitude` (n,): of the waves now [m]."""
         whole = half > 0.5 * pi
         bucket = 0.0 if whole else TURN_STEP * round(heading / TURN_STEP)
         step = 2.0 ** (np.round(2.0 * np.log2(max(height, 0.5))) / 2.0)  # heights that are alike look alike
@@ -196,24 +196,24 @@ class Fan:
         return True
 
     def seen(self, height: np.ndarray, eye: float) -> np.ndarray:
-        """Numbers (bands, rays) of the visible rings: on each ray, among the rings within one row of pixels, the one
-        that hides the others. `height` (rings, rays): of the water; `eye`: of the eye [m]."""
+        """Indices (bands, rays) of the visible rings: on each ray, of all rings within one row of pixels, the ring that
+        hides the others. `height` (rings, rays): of the water; `eye`: height of the eye [m]."""
         rise = (height - eye) / self.distance[:, None]
         highest = rise[self.bands].argmax(axis=1)
         return np.take_along_axis(self.bands, highest, axis=1)
 
     def lost(self, amplitude: np.ndarray) -> np.ndarray:
-        """Variance (rings,), along each axis, of slopes too short to be drawn, of waves with amplitudes (n,) [m]."""
+        """Variance (rings,), along each axis, of slopes too short to draw, of waves with amplitudes (n,) [m]."""
         return 0.25 * (1.0 - self.sloping**2) @ (amplitude * self.sea.wavenumber) ** 2
 
     def gathering(self, amplitude: np.ndarray) -> tuple[float, np.ndarray]:
-        """Standard deviation of the convergence of waves with amplitudes (n,) [m], and of those drawn on each ring."""
+        """Standard deviations of convergence: of waves with amplitudes (n,) [m], and of those drawn on each ring."""
         each = 0.5 * (amplitude * self.sea.wavenumber) ** 2
         return max(float(np.sqrt(each.sum())), 1e-12), np.sqrt(self.drawn**2 @ each)
 
     def at(self, turning: np.ndarray) -> np.ndarray:
-        """Height [m], slopes along x and z, and convergence (rings, rays, 4) of waves with complex amplitudes (n,) [m]
-        at the eye (see `complex_amplitudes`)."""
+        """Height [m], slopes along x and z, and convergence (rings, rays, 4) for complex amplitudes (n,) [m] of the
+        waves at the eye (see `complex_amplitudes`)."""
         kx, kz = self.sea.wavevector.T
         level, slope = turning * self.drawn, turning * self.sloping
         columns = np.stack([level, 1j * kx * slope, 1j * kz * slope, self.sea.wavenumber * level], axis=-1)
@@ -226,9 +226,9 @@ class Fan:
 
 
 class Modes:
-    """Plane waves that stand for the modes of a basin. Between walls a wave and its mirror images are one mode. Each
-    plane wave has the mean wavenumber and heading of the modes in a shell and a sector, and the variance of all of
-    them. It is turned at random into one of four quarters, most likely the one towards which the wind blows."""
+    """Plane waves that represent the standing wave modes of a basin in the sea around it. Each has the mean wavenumber
+    and heading of the modes in a range of wavenumbers and headings, and the sum of their variances. It is turned at
+    random into one of four quarters, most likely the one towards which the wind blows."""
 
     def __init__(
         self, shape: tuple[int, ...], size: tuple[float, float], depth: float, towards: np.ndarray, seed: int = 0
@@ -260,7 +260,7 @@ class Modes:
         self.sea = Components(np.ones(len(n)), np.stack([sign_x * kx, sign_z * kz], axis=1), phase, depth)
 
     def variances(self, elevation: np.ndarray) -> np.ndarray:
-        """Variances (n,) [m2] of the plane waves that stand for heights (nx, nz) [m]; their sum is the heights' own."""
+        """Variances (n,) [m2] of the plane waves for water heights (nx, nz) [m]; their sum is that of the heights."""
         from scipy.fft import dctn
 
         power = dctn(elevation - elevation.mean(), type=2, norm="ortho") ** 2 / elevation.size
@@ -269,18 +269,16 @@ class Modes:
 
 
 def wind_speed_from_height(height: float) -> float:
-    """Speed [m/s] of the wind that raises a full sea of this significant height [m]: H = 0.21 U^2 / g (Pierson &
+    """Wind speed [m/s] at which a fully grown sea has this significant height [m]: H = 0.21 U^2 / g (Pierson &
     Moskowitz 1964, J. Geophys. Res. 69)."""
     return float(np.sqrt(GRAVITY * max(height, 0.0) / 0.21))
 
 
 def wind_speed_from_sea(sea: Components, time: float) -> float:
-    """Speed [m/s], 10 m over the water, of the wind that raises a random sea as high as it has grown at a time [s]; 0
-    for regular waves.
+    """Wind speed [m/s] at 10 m that raises a random sea as high as it has grown at a time [s]; 0 for regular waves.
 
     Height and peak grow with the fetch F, g F / U^2 = X, as H g / U^2 = 0.0016 X^(1/2) and omega_p U / g = 22 X^(-1/3)
-    (Hasselmann et al. 1973, Dtsch. Hydrogr. Z. A8 12); X is eliminated. A swell, low for its period, tells of none.
-    """
+    (Hasselmann et al. 1973, Dtsch. Hydrogr. Z. A8 12); X is eliminated. A swell, low for its period, gives little."""
     energy = sea.amplitude**2
     if not sea.random or energy.sum() <= 0.0:
         return 0.0

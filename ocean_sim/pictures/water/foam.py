@@ -45,23 +45,21 @@ EDGE_BENDS = (2.3, 1.3), (1.1, 0.8), (0.6, 0.35)  # cells of a wave that bends t
 
 
 def convergence(elevation: np.ndarray, spacing_x: float, spacing_z: float) -> np.ndarray:
-    """Convergence (nx, nz) of the water near the surface: minus the divergence of its horizontal displacement.
+    """Horizontal convergence (nx, nz) of the water at the surface: minus the divergence of its horizontal displacement.
 
-    By linear theory on deep water: the elevation times its wavenumber. Waves stand level at the sides of the grid.
-    """
+    Linear theory on deep water: the elevation times its wavenumber. Waves stand level at the sides of the grid."""
     return surface_fall(elevation, spacing_x, spacing_z)
 
 
 def crest_cover(drawn_together: np.ndarray) -> float:
-    """Share of the sea that breaking crests whiten: convergence above BREAKING_CONVERGENCE, at most MAX_COVER."""
+    """Share of the sea whitened by breaking crests: convergence above BREAKING_CONVERGENCE; at most MAX_COVER."""
     return float(min((drawn_together > BREAKING_CONVERGENCE).mean(), MAX_COVER))
 
 
 def white_shares(drawn_together: np.ndarray, wanted: float, among: np.ndarray | None = None) -> np.ndarray:
-    """Whiteness (n,) of points, 0 to 1, by their convergence (n,): 1 where it is strongest, `wanted` in the mean.
+    """Whiteness (n,), 0 to 1, of points by their convergence (n,): highest where it is strongest, `wanted` in the mean.
 
-    `among` (n,): sorted convergence of points among which these are ranked, by default of the points themselves.
-    """
+    `among` (n,): sorted convergence of the points among which these are ranked; by default the points themselves."""
     known = np.sort(drawn_together, axis=None) if among is None else among
     if wanted * len(known) < 1.0 or known[0] == known[-1]:  # not one of them would be white
         return np.zeros(np.shape(drawn_together))
@@ -74,13 +72,13 @@ def white_shares(drawn_together: np.ndarray, wanted: float, among: np.ndarray | 
 
 
 def monahan_cover(speed: float) -> float:
-    """White share of the sea in a wind [m/s] at 10 m (Monahan & O'Muircheartaigh 1980, J. Phys. Oceanogr. 10, (5))."""
+    """White-cap cover in a wind [m/s] at 10 m (Monahan & O'Muircheartaigh 1980, J. Phys. Oceanogr. 10, (5))."""
     return 3.84e-6 * max(speed, 0.0) ** 3.41
 
 
 def smoothed_convergence(drawn_together: np.ndarray) -> np.ndarray:
-    """Convergence (n, m) averaged over the width of a patch of foam, to choose the crests that break. It is lowered
-    beside the sides of the grid: the mean there is of fewer cells and varies more, and most foam would begin there."""
+    """Convergence (n, m) averaged over the width of a foam patch, to choose the crests that break. It is lowered at the
+    sides of the grid, where the mean over fewer cells varies more and most foam would begin otherwise."""
     from scipy.ndimage import gaussian_filter
 
     whole = np.ones_like(drawn_together)
@@ -89,20 +87,19 @@ def smoothed_convergence(drawn_together: np.ndarray) -> np.ndarray:
 
 
 def wanted_cover(drawn_together: np.ndarray, wind: float) -> float:
-    """Default share of white water in the sea: from the wind speed [m/s], or from its breaking crests if that is 0."""
+    """Target cover of white water: by the wind speed [m/s], or if that is 0, by the convergence of crests."""
     return min(monahan_cover(wind), MAX_COVER) if wind > 0.0 else crest_cover(drawn_together)
 
 
 class FoamField:
     """Share of white water on a grid over time: foam is born on converging crests, is carried with the water and fades.
 
-    Its mean over the life of foam is kept at a cover that crests or the wind determine: new patches, each as wide as a
-    white cap, replace faded foam. It consists of flecks, each born on one of FLECKS_PER_CELL cells along each of the
-    waves': shares on a grid would blur as they are carried.
-    """
+    New patches, each as wide as a white cap, replace faded foam, so that the mean cover stays at a target from crests
+    or wind. Foam consists of flecks, each born on one of FLECKS_PER_CELL cells along each cell of the waves' grid:
+    shares on a grid would blur as they are carried."""
 
     def __init__(self, shape: tuple[int, int], cell: np.ndarray) -> None:
-        """`shape` and `cell`: numbers and lengths [m] of the cells of the waves' grid, along x and z."""
+        """`shape`, `cell`: numbers and side lengths [m] of the cells of the waves' grid along x and z."""
         self.cell, self.time = cell, 0.0
         self.origin = np.zeros(2)  # of the grid along x and z [cells of the waves]
         self.flecks = np.zeros((4, 0))  # places along x and z [cells of the waves], thickness, and what that rises to
@@ -115,7 +112,7 @@ class FoamField:
         self.started = False
 
     def due(self, time: float) -> bool:
-        """True if breaking crests must be looked for at a time [s]: first, and then every BREAKING_INTERVAL."""
+        """True if new foam is due at a time [s]: at the first call, and then every BREAKING_INTERVAL."""
         return not self.started or bool(
             np.floor(time / BREAKING_INTERVAL + 1e-6) > np.floor(self.ticked / BREAKING_INTERVAL + 1e-6)
         )
@@ -123,11 +120,10 @@ class FoamField:
     def advance(
         self, time: float, velocity: np.ndarray, source: np.ndarray | None, wanted: float | None = None
     ) -> None:
-        """Advance the foam to a time [s], with the velocity of the surface along x and z (nx, nz, 2) [m/s].
+        """Advance the foam to a time [s], carried by the surface velocity along x and z (nx, nz, 2) [m/s].
 
-        `source` (nx, nz): convergence, of which so much turns white that the mean stays at `wanted`, or None between
-        ticks; without `wanted`, the share of white water itself.
-        """
+        `source` (nx, nz): convergence, of which enough turns white that the mean cover stays at `wanted`; None if no
+        foam is born now. Without `wanted`, `source` is the share of white water itself."""
         if self.started and time > self.time:
             self.carry(velocity * (time - self.time))
             self.carried *= np.exp(-(time - self.time) / GRAIN_SECONDS)
@@ -147,15 +143,15 @@ class FoamField:
         self.time, self.started = time, True
 
     def call(self, wanted: float, fades: float) -> None:
-        """Update the running mean of the wanted cover by a new value; `fades`: remaining weight of the old mean."""
+        """Update the running mean of the target cover with a new value; `fades`: remaining weight of the old mean."""
         before = self.called * fades
         self.called = before + 1.0 - fades if before > 0.0 or wanted > 0.0 else 0.0
         if self.called > 0.0:
             self.cover += (wanted - self.cover) * (1.0 - before / self.called)
 
     def gathering(self, shape: tuple[int, ...], time: float) -> np.ndarray:
-        """Readiness (nx, nz) of crests to break at a time [s], 1 in the mean. It varies along a crest, which would
-        otherwise break all along in a line too thin to last. The law is ours."""
+        """Patchiness factor (nx, nz) on the convergence of crests at a time [s], 1 in the mean, so that a crest breaks
+        in places and not all along in a line too thin to last. The law is ours."""
         cells = (FLECKS_PER_CELL * (np.arange(n) + first) for n, first in zip(shape, self.origin, strict=True))
         x, z = (
             (at + wanders * time) / (GATHERING_PATCHES * PATCH_CELLS)
@@ -164,13 +160,11 @@ class FoamField:
         return gathering_noise(*np.meshgrid(x, z, indexing="ij"))
 
     def broken(self, drawn_together: np.ndarray, time: float, step: float) -> np.ndarray:
-        """Thickness of the foam that breaking crests begin to make on the cells of white water, 0 where none, so that
-        the mean comes to the cover. `drawn_together` (nx, nz): convergence; `step`: time since the last call [s].
+        """Thickness of the new foam on the cells of white water, 0 for none, that brings the mean cover to its target.
+        `drawn_together` (nx, nz): convergence; `step`: time since the last call [s].
 
-        A mean over the width of a patch tells crests from anything shorter. White water counts as less steep than it
-        is: otherwise foam would be made anew and never age where the same waves stand in the same water, as behind a
-        ship.
-        """
+        Convergence is averaged over a patch's width to find crests. White water counts as less steep than it is:
+        otherwise foam would be made anew and never age where waves stand still, as behind a ship."""
         white, least = self.shown(self.flecks[2:].max(axis=0)), PATCH_CELLS**2 / self.white.size
         lacks = self.cover - white.mean()
         self.owed = float(np.clip(self.owed + lacks * step / FADE_SECONDS, -least, least))
@@ -183,8 +177,7 @@ class FoamField:
         return np.where(born > white, born, 0.0)
 
     def add(self, rises_to: np.ndarray, thick: np.ndarray) -> None:
-        """Add flecks of thickness `thick` that rise to `rises_to`, on cells where that is not 0, in place of older
-        ones."""
+        """Add flecks of thickness `thick` that rise to `rises_to`, on cells where that is not 0, in place of others."""
         cells = (np.floor(FLECKS_PER_CELL * (along + 0.5)).astype(int) for along in self.flecks[:2])
         covered = rises_to[tuple(cells)] > 0.0
         i, k = np.nonzero(rises_to)
@@ -195,7 +188,7 @@ class FoamField:
         self.white = self.shown(self.flecks[2])
 
     def fade(self, step: float) -> None:
-        """Let flecks rise or fade for a step of time [s]; remove those too thin to be seen."""
+        """Let flecks rise or fade over a time `step` [s], and remove those too thin to be seen."""
         x, z, thick, rises_to = self.flecks
         rising = rises_to > thick
         thick = np.where(
@@ -205,8 +198,7 @@ class FoamField:
         self.flecks = np.stack([x, z, thick, rises_to])[:, np.maximum(thick, rises_to) > MIN_SHARE]
 
     def shown(self, thick: np.ndarray) -> np.ndarray:
-        """Share of white water in each cell, from flecks of a thickness (n,): their mean where they lie close, less
-        where the water has drawn them apart."""
+        """Share of white water in each cell from flecks of thickness (n,), lower where they have drifted apart."""
         rows, columns = self.white.shape
         x, z = (FLECKS_PER_CELL * (along + 0.5) - 0.5 for along in self.flecks[:2])
         i, k = np.floor(x).astype(int), np.floor(z).astype(int)
@@ -220,7 +212,7 @@ class FoamField:
         return np.minimum(share, 1.0).reshape(rows, columns)
 
     def carry(self, way: np.ndarray) -> None:
-        """Move flecks and grain by a displacement x, z (nx, nz, 2) [m]; grain from outside repeats that at the edge."""
+        """Move flecks and grain by a displacement x, z (nx, nz, 2) [m]; grain from outside is that at the edge."""
         cells = np.moveaxis(way / self.cell, -1, 0)
         back = read_ways(
             cells, np.indices(cells.shape[1:]) - 0.5 * cells
@@ -232,7 +224,7 @@ class FoamField:
         self.leave()
 
     def shift(self, cells: np.ndarray) -> None:
-        """Move the grid by whole cells along x and z; its new cells bear no foam yet."""
+        """Move the grid by whole cells along x and z, while the foam stays in place; its new cells have no foam."""
         self.origin += cells
         self.flecks[:2] -= cells[:, None]
         self.leave()
@@ -243,19 +235,19 @@ class FoamField:
             )
 
     def leave(self) -> None:
-        """Remove the flecks beyond the sides of the grid."""
+        """Remove flecks outside the grid."""
         x, z = self.flecks[:2]
         nx, nz = self.carried.shape[:2]
         self.flecks = self.flecks[:, (x >= -0.5) & (x < nx - 0.5) & (z >= -0.5) & (z < nz - 0.5)]
 
 
 def gathering_noise(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Readiness (n,) of white water to gather at places x, z (n,): noise with a period of about 1 and a mean of 1."""
+    """Patchiness factor (n,) on convergence at x, z (n,): noise with a period of about 1 and a mean of 1."""
     return 0.5 + value_noise(x, z)[0]
 
 
 def shifted_grid(values: np.ndarray, n: int, axis: int) -> np.ndarray:
-    """Values of a grid that moves by n cells along an axis over a fixed field; its new cells are 0."""
+    """Values of a fixed field on a grid that is moved by n cells along an axis; new cells are 0."""
     if n == 0:
         return values
     shifted = np.roll(values, -n, axis)
@@ -266,8 +258,8 @@ def shifted_grid(values: np.ndarray, n: int, axis: int) -> np.ndarray:
 
 
 def refined_cells(values: np.ndarray) -> np.ndarray:
-    """Values (nx, nz) in the middles of cells, interpolated linearly in those of FLECKS_PER_CELL times as many cells
-    along each axis; constant beyond the outermost middles."""
+    """Values (nx, nz) in cell centres, interpolated linearly to the centres of FLECKS_PER_CELL times as many cells
+    along each axis; constant beyond the outermost centres."""
     (nx, nz), around = values.shape, np.pad(values, 1, mode="edge")
     shares = {(a, b): around * a * b for a, b in product((0.25, 0.75), repeat=2)}
     fine = np.empty((FLECKS_PER_CELL * nx, FLECKS_PER_CELL * nz))
@@ -282,21 +274,21 @@ def refined_cells(values: np.ndarray) -> np.ndarray:
 
 
 def cell_means(white: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    """Means (nx, nz) of white water over the cells of the waves' grid, whose shape is given."""
+    """Means (nx, nz) of white water `white` on fine cells over the cells of a coarse grid of this shape."""
     nx, nz = shape
     return white.reshape(nx, white.shape[0] // nx, nz, white.shape[1] // nz).mean(axis=(1, 3))
 
 
 def displaced_values(values: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Values (nx, nz) displaced by (2, nx, nz) cells, by a cubic spline; values from outside repeat the edge's."""
+    """Values (nx, nz) displaced by (2, nx, nz) cells, by a cubic spline; values from outside are those at the edge."""
     from scipy.ndimage import map_coordinates
 
     return np.asarray(map_coordinates(values, np.indices(values.shape) - cells, mode="nearest"))
 
 
 def untorn_displacement(carried: np.ndarray, cell: np.ndarray) -> np.ndarray:
-    """Displacement (nx, nz, 2) [m] of the grain of foam, from how far the water has carried it. Where neighbouring
-    water moves apart, as behind a ship, it is averaged: patches would be drawn out to threads."""
+    """Displacement (nx, nz, 2) [m] at which the grain of foam is drawn, from `carried`, that of the water. It is
+    averaged where neighbouring water moves apart, as behind a ship, so that patches are not drawn out to threads."""
     from scipy.ndimage import gaussian_filter
 
     strain = np.abs([np.gradient(carried, along, axis=axis) for axis, along in enumerate(cell)]).max(axis=(0, 3))
@@ -308,15 +300,14 @@ def untorn_displacement(carried: np.ndarray, cell: np.ndarray) -> np.ndarray:
 
 
 def read_ways(ways: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Displacements (2, nx, nz) at places (2, ...) [cells], interpolated linearly between the middles of cells."""
+    """Displacements (2, nx, nz) interpolated linearly to places (2, ...) [cells] from the centres of cells."""
     from scipy.ndimage import map_coordinates
 
     return np.stack([map_coordinates(way, places, order=1, mode="nearest") for way in ways])
 
 
 def new_foam(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np.ndarray:
-    """Thickness of the foam that is added where convergence is strongest, so that old (`white`) and new foam together
-    cover the share `wanted` of the water."""
+    """Thickness of new foam, where convergence is strongest, that with the old `white` covers the share `wanted`."""
     if white.mean() >= wanted or np.ptp(drawn_together) == 0.0:
         return np.zeros_like(white)
     rank = np.empty_like(white)
@@ -324,6 +315,7 @@ def new_foam(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np
     low, high = 0.0, 1.0
 
     def born(area: float) -> np.ndarray:
+        """Thickness of foam on the share `area` of cells with the strongest convergence, thinner at the edge."""
         return FRESH_THICKNESS * np.clip((area - rank) / (EDGE_SHARE * max(area, 1e-9)), 0.0, 1.0)
 
     for _ in range(24):
@@ -334,9 +326,8 @@ def new_foam(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np
 
 
 def edge_bends(x: np.ndarray, z: np.ndarray, angle: float) -> np.ndarray:
-    """Displacements (2, n) that bend the edges of foam at positions x, z (n,), all in cells of the foam's grid, whose
-    few values alone would make round blobs. They are longest along the wind, which blows to an `angle` [rad] from +x to
-    +z."""
+    """Displacements (2, n) that bend the edges of foam at positions x, z (n,), all in cells of the foam's grid, which
+    alone would give round blobs. They are longest along the wind, at an `angle` [rad] from +x to +z."""
     c, s = np.cos(angle), np.sin(angle)
     along, across, way = (c * x + s * z) / STREAK_STRETCH, c * z - s * x, np.zeros((2, len(x)))
     for wave, far in EDGE_BENDS:
@@ -346,15 +337,15 @@ def edge_bends(x: np.ndarray, z: np.ndarray, angle: float) -> np.ndarray:
 
 
 def grain_places(places: np.ndarray, angle: float) -> np.ndarray:
-    """Places (n, 2) [m] at which the noise of the foam's grain is read, for places x, z (n, 2) [m] of the water. They
-    lie nearer together along the wind, at an `angle` [rad] from +x to +z, so that threads are longer there."""
+    """Places (n, 2) [m] at which to evaluate the noise of the foam's grain for water at x, z (n, 2) [m]: compressed
+    along the wind, at an `angle` [rad] from +x to +z, so that threads are longer there."""
     way = np.array([np.cos(angle), np.sin(angle)])
     return places - (1.0 - 1.0 / THREAD_STRETCH) * (places @ way)[:, None] * way
 
 
 def levelled_heights(elevation: np.ndarray, inside: np.ndarray, reach: np.ndarray) -> np.ndarray:
-    """Heights (nx, nz) [m] in which points marked `inside` (nx, nz) take the mean of the others around them, with
-    Gaussian weights of standard deviations `reach` along x and z [cells]."""
+    """Heights (nx, nz) [m] in which points marked `inside` (nx, nz) take the mean of points not marked around them,
+    with Gaussian weights of standard deviations `reach` along x and z [cells]."""
     from scipy.ndimage import gaussian_filter
 
     outside = (~inside).astype(float)

@@ -30,7 +30,7 @@ class Wind(NamedTuple):
 
 
 def value_noise(x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Noise at points x, z: random values at integer points, smooth between them; and its derivatives along x and z."""
+    """Noise (n,) at points x, z (n,), smooth between random values at integer points, and its two derivatives."""
     i, j = np.floor(x), np.floor(z)
     f, g = x - i, z - j
     i, j = i.astype(np.int64), j.astype(np.int64)
@@ -42,7 +42,7 @@ def value_noise(x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, n
 
 
 def hashed_number(i: np.ndarray, j: np.ndarray) -> np.ndarray:
-    """Pseudorandom numbers, 0 to 1, for integers i, j: an integer hash, so that every processor gives the same."""
+    """Pseudorandom numbers, 0 to 1, for integers i, j, by an integer hash that is the same on every processor."""
     n = (i * 374761393 + j * 668265263) & 0xFFFFFFFF
     n = ((n ^ (n >> 13)) * 1274126177) & 0xFFFFFFFF
     return (n >> 16) / 65535.0

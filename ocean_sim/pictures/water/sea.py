@@ -31,24 +31,26 @@ HULL_PIXELS = (96, 96)  # of the map of distances to a hull and of its foam
 
 
 class Dome:
-    """The sky as a sphere around the eye, which moves with it."""
+    """Sphere with the image of the sky around the eye, which moves with it."""
 
     def __init__(self, stage: Stage, image: Any) -> None:
+        """`image`: texture of the sky."""
         dome = stage.pyvista.Icosphere(radius=1.0, nsub=3)
         self.directions = np.asarray(dome.points, dtype=np.float32)
         self.shaded = water_glsl.Shaded(dome, water_glsl.SKY_PROGRAM, "", {"sky": image})
         self.shaded.set(exposure=SEA_EXPOSURE)
 
     def stand(self, eye: np.ndarray) -> None:
+        """Move the sphere to an eye (3,) [m]."""
         self.shaded.mesh.points = (eye + 2.0 * far_sea.SEA_RADIUS * self.directions).astype(np.float32)
         self.shaded.set(eyeW=eye)
 
 
 class Sea(Content):
-    """The water surface of a picture at sea: the basin's inside it, blended into the far sea, and ended in fog."""
+    """Water surface of a picture at sea: that of the basin, blended into the far sea, which ends in fog."""
 
     def __init__(self, stage: Stage, order: Order, vessels: dict[str, Vessel], grid: Any, state: SeaState) -> None:
-        """`vessels`: tracks of ships by key; `grid`: arrays that the run keeps once; `state`: sea around the basin."""
+        """`vessels`: ships by key; `grid`: arrays that a run saves once; `state`: sea around the basin over time."""
         self.stage, self.order, self.state = stage, order, state
         self.surface = SeaSurface(grid, state, BASIN_NODES[order.quality])
         sky = self.sky = sky_module.cloudy_sky() if order.sky else sky_module.clear_sky_image()
@@ -93,7 +95,7 @@ class Sea(Content):
         self.kelvins = [Kelvin(of, self.hulls[key].beam) for key, of in vessels.items()] if alone else []
 
     def mesh_of(self, nodes: np.ndarray, corners: np.ndarray) -> Any:
-        """Mesh of nodes x, z (n, 2) [m] and triangles of a part of the sea, with empty arrays for their traits."""
+        """Mesh of nodes x, z (n, 2) [m] and triangles of a part of the sea, with empty arrays for shader attributes."""
         points = np.insert(nodes, 1, 0.0, axis=1).astype(np.float32)
         mesh = self.stage.pyvista.PolyData.from_regular_faces(points, corners)
         for name in NODE_TRAITS:
@@ -101,35 +103,36 @@ class Sea(Content):
         return mesh
 
     def set(self, **values: Any) -> None:
-        """Set uniforms of the shaders of the basin and of the sea around it."""
+        """Set uniforms of the shaders of both parts, the basin and the far sea."""
         for part in (self.near, self.far):
             part.set(**values)
 
     def lay(
         self, part: water_glsl.Shaded, points: np.ndarray, normals: np.ndarray, traits: np.ndarray, grain: np.ndarray
     ) -> None:
-        """Set the nodes of a part of the sea: points [m], normals, traits (white, crest, variance), and the places x, z
-        (n, 2) [m] at which the grain of foam is read."""
+        """Set the nodes of a part of the sea: points (n, 3) [m], normals, traits (n, 3) (whiteness, height, slope
+        variance), and the places x, z (n, 2) [m] at which the grain of foam is read."""
         part.mesh.points = points.astype(np.float32)
         values = normals, traits, np.insert(foam.grain_places(grain, self.state.angle), 1, 0.0, axis=1)
         for name, value in zip(NODE_TRAITS, values, strict=True):
             part.mesh.point_data[name] = value.astype(np.float32)
 
     def ship(self, model: ShipModel) -> ShadedShip:
-        """Add a ship in the light of this sea; `reflect` mirrors her."""
+        """Add a ship lit by this sea's sun and sky to the picture; call `reflect` afterwards to mirror all ships."""
         self.ships.append(ShadedShip(self.stage, model, self.sky, self.above))
         return self.ships[-1]
 
     def appear(self) -> None:
-        """Add water and sky to the plotter after the ships, the nearer first: hidden pixels are then never shaded."""
+        """Add water and sky to the plotter, the nearer first, after the ships: hidden pixels are then not shaded."""
         for part in (self.near, self.far, self.dome.shaded):
             self.stage.plotter.add_actor(part.actor, reset_camera=False, render=False)
 
     def reflect(self) -> None:
-        """Mirror the ships in the water from now on."""
+        """Mirror the ships in the water of all later pictures."""
         self.mirror = Mirror(self.stage, [ship.shaded for ship in self.ships], self.mirrored)
 
     def show(self, frame: Frame) -> None:
+        """Update water, sky, shadows, mirror image and spray to a frame."""
         self.now = self.state.at(frame.time)
         self.set(rippleVariance=slope_variance(self.now.wind.speed) if self.order.ripples else 0.0)
         self.show_basin(frame)
@@ -149,7 +152,7 @@ class Sea(Content):
             self.spray.show(frame.position, self.heights_at(frame.position[:, [0, 2]]))
 
     def darken(self) -> None:
-        """Update the shadows that ships cast on the water."""
+        """Update the maps of the shadows that ships cast on the water."""
         for k, ship in enumerate(self.ships):
             self.shadow[k] = ship.depth
             low, high = ship_glsl.shadow_bounds(ship.depth[..., 0], ship.shade.length)
@@ -165,10 +168,11 @@ class Sea(Content):
         return 2.0 * float(np.tan(angle / 2.0)) / self.order.size[1]
 
     def crest(self, height: np.ndarray) -> np.ndarray:
-        """Heights [m] over the mean level, in shares of half the significant height: 0 at rest, 1 on a crest."""
+        """Heights over the mean level [m] as shares of half the significant height: 0 at rest, 1 on a crest."""
         return (height - self.now.level) / max(0.5 * self.now.height, 1e-3)
 
     def show_basin(self, frame: Frame) -> None:
+        """Update the water inside the basin: heights with ship waves, and foam."""
         surface, answer = self.surface, frame.answer
         if answer is not None:
             x, z = surface.middles(frame.origin)
@@ -207,19 +211,19 @@ class Sea(Content):
         self.lay(self.near, points, surface.normals(now.height).reshape(-1, 3), traits.reshape(-1, 3), grain)
 
     def wetted_hull(self, key: str, position: np.ndarray, turn: np.ndarray) -> WettedHull:
-        """Hull of a ship at a position (3,) [m], turned (3, 3) from body to world, in the water as it is drawn now."""
+        """Hull of a ship at a position (3,) [m], in the water as drawn now; `turn`: (3, 3) from body to world."""
         speed = self.vessels[key].speed(self.frame.time) if key in self.vessels else 0.0
         return self.hulls[key].wetted_hull(position, turn, speed, self.heights_at)
 
     def bow_waves(self, frame: Frame) -> np.ndarray:
-        """Height (nx, nz) [m] that the bow waves of all ships add to the water at the nodes of the basin."""
+        """Height (nx, nz) [m] that the bow waves of all ships add at the nodes of the basin."""
         places = self.surface.nodes + frame.origin
         ships = [self.wetted_hull(key, *frame.ships[key]) for key in self.vessels]
         raised = sum((ship.raised(places) for ship in ships if ship.wet), np.zeros(len(places)))
         return raised.reshape(self.height.shape)
 
     def show_beyond(self, frame: Frame) -> None:
-        """Update the sea outside the basin, on a fan around the eye."""
+        """Update the water outside the basin, on a fan of nodes around the eye."""
         surface, camera = self.surface, self.stage.camera
         fan = surface.fan
         aspect = self.order.size[0] / self.order.size[1]
@@ -264,8 +268,8 @@ class Sea(Content):
         return at
 
     def meet(self, k: int, key: str, position: np.ndarray, turn: np.ndarray) -> float:
-        """Set the water around ship k: foam along its waterline, no water inside its hull, and the place of its mirror
-        image; returns the mean height of the water around it [m]."""
+        """Update the water around ship number k: foam along her waterline, a hole for her hull, and the place of her
+        mirror image; returns the mean height of the water around her [m]."""
         hull, ship = self.hulls[key], self.wetted_hull(key, position, turn)
         self.set(**{f"useHull{k}": float(ship.wet)})
         if ship.wet:
@@ -282,5 +286,6 @@ class Sea(Content):
         return float(self.heights_at(ship.line.reshape(-1, 2) if ship.wet else position[None, [0, 2]]).mean())
 
     def close(self) -> None:
+        """Close the plotter of the mirror image."""
         if self.mirror is not None:
             self.mirror.close()

@@ -28,7 +28,7 @@ DRY_DEPTH_SHARE = 0.5  # share of the depth below which the water of a sea does 
 
 
 class SeaNow(NamedTuple):
-    """Level, wave height, plane waves and wind of the sea around a basin at one time."""
+    """Level, wave height, plane waves and wind of the sea around a basin at a time."""
 
     level: float  # [m] mean height of the water
     height: float  # [m] four times the standard deviation of the elevation, lately
@@ -38,10 +38,10 @@ class SeaNow(NamedTuple):
 
 
 class SeaState:
-    """The sea around the basin of one run, at any time of its frames."""
+    """Sea around the basin of a run at the time of any frame, estimated from that frame and earlier ones."""
 
     def __init__(self, scene: dict[str, Any], grid: Any, log: FrameLog) -> None:
-        """`scene`: resolved scene of the run; `grid`: arrays that frames keep once."""
+        """`scene`: resolved scene of the run; `grid`: arrays that a run saves once."""
         self.scene, self.log = scene, log
         self.exact = exact_waves(grid)  # the waves themselves, where water is a closed form
         self.resolved = float(grid["spacing"])  # [m] between particles, or half the shortest wave
@@ -60,7 +60,7 @@ class SeaState:
         self.seen: dict[int, tuple[float, np.ndarray]] = {}  # level and variances of frames, by their numbers
 
     def at(self, time: float) -> SeaNow:
-        """The sea at the time [s] of a frame, from that frame and earlier ones."""
+        """Sea at the time [s] of a frame, from that frame and earlier ones."""
         sea = self.exact
         if sea is not None:
             height, raising = sea.significant_height, self.stated or far_sea.wind_speed_from_sea(sea, time)
@@ -74,6 +74,7 @@ class SeaState:
         return SeaNow(level, max(height, MIN_LIT_HEIGHT * self.resolved), waves, self.wind(height), self.stated)
 
     def look(self, number: int) -> tuple[float, np.ndarray]:
+        """Mean level [m] and variances (n,) [m2] of the plane waves, from the heights of a frame."""
         elevation = read_elevation(self.log.files[number])
         return float(elevation.mean()), self.modes.variances(elevation)
 
@@ -83,8 +84,8 @@ class SeaState:
 
 
 def recent_frames(times: np.ndarray, time: float) -> tuple[list[int], np.ndarray]:
-    """Numbers and weights of the frames for a mean over the past at a time [s], FRAME_INTERVAL apart. Each counts until
-    the next; weights decay over SWELL_SECONDS."""
+    """Indices and weights of frames, FRAME_INTERVAL apart, for a mean over the past at a time [s]; weights decay over
+    SWELL_SECONDS, and each frame counts until the next."""
     begins = max(
         times[0], times[0] + FRAME_INTERVAL * np.floor((time - MEMORY_LAGS * SWELL_SECONDS - times[0]) / FRAME_INTERVAL)
     )
@@ -98,7 +99,7 @@ def recent_frames(times: np.ndarray, time: float) -> tuple[list[int], np.ndarray
 
 
 def exact_waves(grid: Any) -> Components | None:
-    """Plane waves of a run whose water is a closed form; None for other water."""
+    """Plane waves of a run whose water is a closed form, from the arrays it saves once; None for other water."""
     if "sea_amplitude" not in grid:
         return None
     ramp = float(grid["sea_ramp"]) if "sea_ramp" in grid else 0.0
@@ -106,25 +107,25 @@ def exact_waves(grid: Any) -> Components | None:
 
 
 def is_open_sea(scene: dict[str, Any], first: Frame, depth: float) -> bool:
-    """True if a basin is a piece of sea: covered by water when the run begins, and without the fittings of a tank."""
+    """True if a basin is a piece of sea: its bed is under water at first, and it has no fittings of a tank."""
     fitted = any((scene.get("basin") or {}).get(key) for key in TANK_FITTINGS)
     return bool(first.elevation.min() > -DRY_DEPTH_SHARE * depth) and not fitted
 
 
 def run_scene(folder: Path) -> dict[str, Any]:
-    """Resolved scene from the manifest of a run; empty if it has none."""
+    """Resolved scene from the manifest in a run's folder; empty if it has none."""
     scene = run_files.read_manifest(folder).get("scene")
     return scene if isinstance(scene, dict) else {}
 
 
 def ripple_wind(scene: dict[str, Any], sea: Components | None, height: float) -> Wind:
-    """Wind that drives the ripples: speed and heading of the scene's wind, or where it lacks one, of a wind that raises
-    this sea of a significant height [m]."""
+    """Wind that drives the ripples: that of the scene, or if it states none, a wind that raises a significant height
+    [m] and blows along the waves of the sea."""
     return Wind(ripple_wind_speed(scene, height), wind_heading(scene, sea))
 
 
 def ripple_wind_speed(scene: dict[str, Any], height: float) -> float:
-    """Speed [m/s] of the wind that drives the ripples: the scene's, or one that raises a significant height [m]."""
+    """Speed [m/s] of the wind that drives the ripples: the scene's, or one that raises this significant height [m]."""
     return float(
         np.clip(stated_wind_speed(scene) or far_sea.wind_speed_from_height(height), MIN_RIPPLE_WIND, MAX_RIPPLE_WIND)
     )
@@ -137,7 +138,7 @@ def stated_wind_speed(scene: dict[str, Any]) -> float:
 
 
 def wind_heading(scene: dict[str, Any], sea: Components | None) -> float:
-    """Angle [rad], from +x to +z, towards which the scene's wind blows, or if it has no heading, the waves go."""
+    """Angle [rad], from +x to +z, towards which the scene's wind blows or, without a heading, its waves travel."""
     angle = scene_wind_heading(scene.get("wind") or {})
     if angle is not None:
         return angle
@@ -146,8 +147,8 @@ def wind_heading(scene: dict[str, Any], sea: Components | None) -> float:
 
 
 def scene_wind_heading(wind: dict[str, Any]) -> float | None:
-    """Angle [rad], from +x to +z, towards which the scene's wind blows: its heading, or the mean acceleration of its
-    volumes; None without either."""
+    """Angle [rad], from +x to +z, towards which a wind given by its config blows: its heading, or the mean acceleration
+    of its volumes; None without either."""
     if wind.get("heading_deg") is not None:
         turn = np.radians(wind["heading_deg"])
         return float(np.arctan2(np.cos(turn), np.sin(turn)))

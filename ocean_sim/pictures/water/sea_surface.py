@@ -15,8 +15,8 @@ GATHERING_LENGTH = 7.0  # [m] apart at which white water gathers along a crest
 
 
 class SeaSurface:
-    """Surface of the sea around an eye: the nodes of an even grid across the basin, and a fan of nodes beyond it.
-    Within the last fifth of the basin its own waves give way to the far ones. Only heights and the origin change."""
+    """Surface of the sea around an eye: an even grid of nodes over the basin, and a fan of nodes beyond it. Within the
+    last fifth of the basin its own waves are blended into the far ones. Only heights and the origin change."""
 
     def __init__(self, grid: Any, state: SeaState, nodes: int) -> None:
         """`nodes`: approximate number of nodes within the basin."""
@@ -37,25 +37,24 @@ class SeaSurface:
         self.wanted = 0.0  # share of white water
 
     def grain_at(self, origin: np.ndarray) -> np.ndarray:
-        """Readiness (nx, nz) of white water to gather at the nodes around an origin x, z [m]; 1 in the mean."""
+        """Patchiness factor (nx, nz) on convergence at the nodes around an origin x, z [m]; 1 in the mean."""
         return foam_gathering(*(self.nodes + origin).T).reshape(len(self.x), len(self.z))
 
     def blend_weight(self, k: int) -> np.ndarray:
-        """Share, 0 to 1, of the basin's own waves at the nodes along x (k = 0) or z (k = 1)."""
+        """Share, 0 to 1, of the basin's own waves in the surface at the nodes along x (k = 0) or z (k = 1)."""
         return far_sea.blend_weight((self.x, self.z)[k], self.lower[k], self.upper[k], self.margin)
 
     def middles(self, origin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Coordinates x (nx,) and z (nz,) [m] of the heights that frames keep, around an origin x, z [m]."""
+        """Coordinates x (nx,) and z (nz,) [m] of the heights in frames, for an origin x, z [m]."""
         cells = [own.shape[1] for own in self.own]
         step = (self.upper - self.lower) / cells
         x, z = (self.lower[k] + origin[k] + (np.arange(cells[k]) + 0.5) * step[k] for k in range(2))
         return x, z
 
     def at(self, frame: Frame, now: SeaNow, answer: np.ndarray | None = None) -> far_sea.SeaSample:
-        """Heights [m] and convergence of a frame at all nodes (nx, nz) of the basin.
+        """Heights [m] and convergence at all nodes (nx, nz) of the basin in a frame.
 
-        `answer`: additions of ships, winds and steepness to the exact waves, at the points of the basin [m].
-        """
+        `answer` [m]: response to ships, winds and steepness that a frame adds to the exact waves, on its own grid."""
         far = self.far.at(far_sea.complex_amplitudes(now.waves, frame.time, frame.origin))
         (x, z), mine = self.own, self.share
         if self.exact is not None and self.state.exact is not None:
@@ -76,7 +75,7 @@ class SeaSurface:
         )
 
     def around(self, frame: Frame, eye: np.ndarray, now: SeaNow) -> np.ndarray:
-        """Heights, slopes and convergence (rings, rays, 4) of the far sea around an eye [m], as of `far_sea.Fan.at`."""
+        """Height, slopes and convergence (rings, rays, 4) of the far sea around an eye (3,) [m], as from `Fan.at`."""
         found = self.fan.at(far_sea.complex_amplitudes(now.waves, frame.time, eye[[0, 2]]))
         found[..., 0] += now.level
         return found
@@ -88,7 +87,7 @@ class SeaSurface:
         return normal / np.linalg.norm(normal, axis=-1, keepdims=True)
 
     def foam(self, drawn_together: np.ndarray, cover: float | None = None) -> np.ndarray:
-        """Share (nx, nz) of white water by convergence; its mean is `cover`, by default that of breaking crests."""
+        """Share (nx, nz) of white water by convergence, in the mean `cover`, or by default that of breaking crests."""
         self.wanted = foam.crest_cover(drawn_together) if cover is None else cover
         return foam.white_shares(drawn_together * self.grain, self.wanted)
 
@@ -96,7 +95,7 @@ class SeaSurface:
         self, found: np.ndarray, rings: np.ndarray, nodes: np.ndarray, eye: np.ndarray, amplitude: np.ndarray
     ) -> np.ndarray:
         """Share (bands, rays) of white water on the far sea, at nodes x, z (bands * rays, 2) [m] of its fan around an
-        eye [m]. `rings` (bands, rays): numbers of their rings; `found`: values from `around`; `amplitude` (m,): of the
+        eye [m]. `rings` (bands, rays): indices of their rings; `found`: values from `around`; `amplitude` (m,): of the
         waves [m]. Its mean is the basin's on each ring; the fewer waves are drawn there, the more even it is."""
         if self.wanted <= 0.0:
             return np.zeros(rings.shape)
@@ -111,17 +110,17 @@ class SeaSurface:
         return self.wanted + told[rings] * (white - self.wanted)
 
     def whole(self, fresh: np.ndarray, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
-        """Share (nx, nz) of white water at the nodes: `kept` foam of a frame within the basin (see `laced`), blended
-        into the fresh foam of the far sea's crests (nx, nz) at its sides."""
+        """Share (nx, nz) of white water at the nodes: foam `kept` in a frame (see `laced`), blended at the basin's
+        sides into `fresh` foam (nx, nz) on the far sea's crests."""
         return self.laced(kept, grain) + (1.0 - self.share) * fresh
 
     def carried(self, kept: np.ndarray) -> np.ndarray:
-        """Values (nx, nz) at the nodes, interpolated from those a frame keeps; they fade to 0 at the basin's sides."""
+        """Values (nx, nz) at the nodes, interpolated from a frame's grid; they fade to 0 at the basin's sides."""
         x, z = self.own
         return self.share * (x @ kept @ z.T)
 
     def laced(self, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
-        """Share (nx, nz) of white water at the nodes from the foam of a frame on its own grid, with edges bent by noise
+        """Share (nx, nz) of white water at the nodes, from foam `kept` on a frame's grid, whose edges noise bends
         within a cell. `grain` (n, 2): places [m] at which the noise is read for each node; they move with the water."""
         from scipy.ndimage import map_coordinates, maximum_filter
 
@@ -140,5 +139,5 @@ class SeaSurface:
 
 
 def foam_gathering(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Readiness (n,) of white water to gather at positions x, z (n,) [m]; 1 in the mean."""
+    """Patchiness factor (n,) on the convergence of the sea at x, z (n,) [m]; 1 in the mean."""
     return foam.gathering_noise(x / GATHERING_LENGTH, z / GATHERING_LENGTH)

@@ -17,13 +17,12 @@ SPREAD_STEPS = 16  # edges from its rim to which what lies flat on a side goes w
 
 
 def smooth_mesh(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...], most: float) -> Mesh:
-    """Smoothed copy of a mesh. No vertex moves more than `most` [m], so that drops and thin sheets stay; then all move
-    by the thin layer that keeps its volume.
+    """Smoothed copy of a mesh. No vertex moves more than `most` [m], so that drops and thin sheets stay; then all
+    vertices move out or in by the thin layer that restores the volume.
 
     A surface that meets a side of the box from `lower` to `upper` [m] continues behind it as its mirror image, so that
     its rim slides along the side and is as smooth as the rest. Triangles flat on a side have vertices and normals of
-    their own, for a sharp edge between both. Measure volumes on the original mesh.
-    """
+    their own, for a sharp edge between both. Measure volumes on the original mesh."""
     n, corners = len(mesh.vertices), mesh.triangles
     if n == 0:
         return mesh
@@ -63,8 +62,8 @@ def smooth_mesh(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...], 
 
 
 def neighbour_weights(corners: np.ndarray, on: np.ndarray) -> Any:
-    """Sparse weights (n, n) of the neighbours of each vertex in triangles (m, 3). A neighbour counts 1, and double for
-    each side of the box on which the vertex lies (`on` (n, 3)) but not the neighbour, whose mirror image counts too."""
+    """Sparse weights (n, n) of the neighbours of each vertex in triangles `corners` (m, 3): 1, and double for each side
+    of the box on which the vertex lies (`on` (n, 3)) but not the neighbour, whose mirror image counts too."""
     from scipy.sparse import coo_array
 
     n = len(on)
@@ -75,16 +74,16 @@ def neighbour_weights(corners: np.ndarray, on: np.ndarray) -> Any:
 
 
 def level_rim(x: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
-    """Vertices (n, 3) [m], those on a side of the box moved to the mean of their neighbours off it: marching cubes end
-    half a cell inside, and would leave them in steps."""
+    """Vertices (n, 3) [m] in which those on a side of the box take the mean of their neighbours off it, unless `held`:
+    marching cubes end half a cell inside the side, and would leave them in steps."""
     beyond = adjacent > 1.0
     many = np.asarray(beyond.sum(axis=1))[:, None]
     return np.where(held | (many == 0), x, beyond @ x / np.maximum(many, 1))
 
 
 def spread_ways(way: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
-    """Displacements (n, 3) [m], smoothed over SPREAD_STEPS edges at vertices that are not `held`: the inside of a flat
-    side follows its rim, so that no triangle folds over."""
+    """Displacements (n, 3) [m], smoothed over SPREAD_STEPS edges at vertices that are not `held`, so that the inside of
+    a flat side follows its rim and no triangle folds over."""
     degree = np.maximum(np.asarray(adjacent.sum(axis=1)), 1.0)[:, None]
     for _ in range(SPREAD_STEPS):
         way = np.where(held, way, adjacent @ way / degree)
@@ -92,7 +91,7 @@ def spread_ways(way: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
 
 
 def split_edges(mesh: Mesh, flat: np.ndarray, facing: np.ndarray) -> Mesh:
-    """Copy of a mesh whose `flat` triangles (m,) have vertices of their own, with normals along axes (m, 3)."""
+    """Copy of a mesh whose `flat` triangles (m,) get vertices of their own, with normals `facing` (m, 3) along axes."""
     kinds, number = np.unique(facing[flat], axis=0, return_inverse=True)
     n, corners = len(mesh.vertices), mesh.triangles.copy()
     own, found = np.unique(number.reshape(-1, 1) * n + corners[flat], return_inverse=True)
@@ -103,13 +102,13 @@ def split_edges(mesh: Mesh, flat: np.ndarray, facing: np.ndarray) -> Mesh:
 
 
 def points_on_sides(x: np.ndarray, lower: tuple[float, ...], upper: tuple[float, ...]) -> np.ndarray:
-    """Masks (2, n, 3): True where points (n, 3) lie on the lower and on the upper side of a box along each axis."""
+    """Masks (2, n, 3): True for points (n, 3) on the lower and on the upper side of a box, along each axis."""
     low, up = np.array(lower), np.array(upper)
     return np.stack([x <= low + SIDE_TOLERANCE * (up - low), x >= up - SIDE_TOLERANCE * (up - low)])
 
 
 def vertex_areas(mesh: Mesh) -> np.ndarray:
-    """Outward vector areas (n, 3) [m2]: sums over the triangles around each vertex."""
+    """Outward area vectors (n, 3) [m2] at the vertices: sums over the triangles around each."""
     areas, across = np.zeros(mesh.vertices.shape), mesh.vector_areas
     for k in range(3):
         np.add.at(areas, mesh.triangles[:, k], across)
@@ -117,8 +116,8 @@ def vertex_areas(mesh: Mesh) -> np.ndarray:
 
 
 def low_pass_weights(edge: float, degree: int) -> np.ndarray:
-    """Weights (degree + 1,) of the Chebyshev polynomials T_n(cos t) of a low-pass filter: sum 1 at t = 0, a half at
-    `edge`, 0 beyond. They are the Fourier series of a step under von Hann's window."""
+    """Weights (degree + 1,) of Chebyshev polynomials T_n(cos t) of a low-pass filter, which passes 1 at t = 0, a half
+    at `edge`, and 0 beyond. They are the Fourier series of a step under von Hann's window."""
     n = np.arange(1, degree + 1)
     window = 0.5 + 0.5 * np.cos(np.pi * n / (degree + 1.0))
     weights = np.concatenate([[edge / np.pi], 2.0 * np.sin(n * edge) / (np.pi * n) * window])

@@ -58,13 +58,13 @@ PUFF_STREAM = 0x5_0003  # stream of random numbers
 
 
 def bell_numbers(uniform: np.ndarray) -> np.ndarray:
-    """Normally distributed numbers (n, 3) of variance 1/4 from evenly distributed ones (n, 6) (Box & Muller 1958)."""
+    """Normally distributed numbers (n, 3) of variance 1/4 from uniform ones (n, 6) in 0 to 1 (Box & Muller 1958)."""
     radius, angle = np.sqrt(-2.0 * np.log(1.0 - uniform[:, :3])), 2.0 * np.pi * uniform[:, 3:]
     return 0.5 * radius * np.cos(angle)
 
 
 class Splash(NamedTuple):
-    """Air, tearing and roughness of the water of each particle in a picture."""
+    """Look of splashing water around each particle: share of air, tearing and roughness."""
 
     air: np.ndarray  # (n,) share, 0 to 1, of air in their water
     torn: np.ndarray  # (n,) 0 to 1, how far their water has come apart
@@ -72,14 +72,14 @@ class Splash(NamedTuple):
 
 
 def clipped_ramp(value: np.ndarray, bounds: tuple[float, float]) -> np.ndarray:
-    """Linear ramp: 0 at the first bound, 1 at the second, constant beyond both."""
+    """Linear ramp of a value: 0 at the first bound, 1 at the second, constant beyond both."""
     return np.clip((value - bounds[0]) / (bounds[1] - bounds[0]), 0.0, 1.0)
 
 
 def stirred_air(position: np.ndarray, velocity: np.ndarray, depth: float) -> np.ndarray:
-    """Share (n,) of air, 0 to 1, in the water of particles (n, 3) [m] with velocities (n, 3) [m/s] in a tank of a depth
-    [m]. It is large where particles are fast and move unlike their neighbours (Ihmsen, Akinci, Akinci & Teschner 2012,
-    Vis. Comput. 28). The bounds are ours."""
+    """Share (n,) of air, 0 to 1, in the water around particles at positions (n, 3) [m] with velocities (n, 3) [m/s], in
+    a tank of a depth [m]: large where particles are fast and move unlike their neighbours (Ihmsen, Akinci, Akinci &
+    Teschner 2012, Vis. Comput. 28). The bounds are ours."""
     from scipy.spatial import cKDTree
 
     air = clipped_ramp((velocity**2).sum(axis=1) / (GRAVITY * depth), STIRRING_SPEEDS)
@@ -94,8 +94,8 @@ def stirred_air(position: np.ndarray, velocity: np.ndarray, depth: float) -> np.
 
 
 def flying_share(position: np.ndarray, floor: np.ndarray, spacing: float) -> np.ndarray:
-    """Degree (n,), 0 to 1, to which particles (n, 3) [m] fly: by the widest gap without water between each and the
-    floor (n,) [m] below it."""
+    """Degree (n,), 0 to 1, to which particles (n, 3) [m] are in the air: by the widest gap without particles between
+    each and the floor at heights (n,) [m] below it; `spacing` of particles [m]."""
     low, size = position.min(axis=0)[[0, 2]] - 0.5 * spacing, np.ptp(position, axis=0)[[0, 2]] + spacing
     broad = size / np.maximum(np.round(size / (COLUMN_BREADTH * spacing)), 1.0)  # so that none is half behind a side
     column = np.floor((position[:, [0, 2]] - low) / broad).astype(np.int64)
@@ -112,7 +112,7 @@ def flying_share(position: np.ndarray, floor: np.ndarray, spacing: float) -> np.
 
 
 def floor_heights(position: np.ndarray, bed: float, obstacles: np.ndarray) -> np.ndarray:
-    """Height (n,) [m] of the floor below particles (n, 3) [m]: of the bed, or of boxes (m, 2, 3) [m] under them."""
+    """Heights (n,) [m] of the floor below particles (n, 3) [m]: that of the bed [m], or of obstacles (m, 2, 3) [m]."""
     floor = np.full(len(position), bed)
     for low, up in obstacles:
         over = np.all((position[:, [0, 2]] > low[[0, 2]]) & (position[:, [0, 2]] < up[[0, 2]]), axis=1)
@@ -123,8 +123,8 @@ def floor_heights(position: np.ndarray, bed: float, obstacles: np.ndarray) -> np
 def risen_share(
     position: np.ndarray, elevation: np.ndarray, lower: np.ndarray, cell: np.ndarray, spacing: float
 ) -> np.ndarray:
-    """Degree (n,), 0 to 1, to which particles (n, 3) [m] are above the mean of the heights (nx, nz) [m] around them;
-    `lower` x, z: corner of the grid of heights, `cell`: sides of its cells [m]."""
+    """Degree (n,), 0 to 1, to which particles (n, 3) [m] are above the mean water height around them, from heights (nx,
+    nz) [m] on a grid with its corner at `lower` x, z and cells of sides `cell` [m]."""
     from scipy.ndimage import gaussian_filter, map_coordinates
 
     mean = gaussian_filter(elevation, MEAN_WIDTH * spacing / cell, mode="nearest")
@@ -137,8 +137,8 @@ def risen_share(
 def travel_share(
     position: np.ndarray, number: np.ndarray, birth: np.ndarray, first: np.ndarray, spacing: float
 ) -> np.ndarray:
-    """Degree (n,), 0 to 1, to which particles (n, 3) [m] have moved from their first positions, `birth` (n, 3) [m]; 1
-    for ids `number` that are not in `first`. Particles at the edge of a column that still stands have not splashed."""
+    """Degree (n,), 0 to 1, to which particles (n, 3) [m] have left their first positions `birth` (n, 3) [m]; 1 for ids
+    `number` not in `first`. Particles at the edge of a column that still stands have not splashed."""
     gone = clipped_ramp(np.linalg.norm(position - birth, axis=1) / spacing, SETTING_OFF_WAYS)
     return np.where(np.isin(number, first), gone, 1.0)
 
@@ -146,7 +146,7 @@ def travel_share(
 def particle_splash(
     position: np.ndarray, velocity: np.ndarray, up: np.ndarray, sides: np.ndarray, spacing: float, depth: float
 ) -> Splash:
-    """Splash of particles (n, 3) [m] with velocities (n, 3) [m/s]. Water is torn where it is fast, or `up` in the air
+    """Splash of particles (n, 3) [m] with velocities (n, 3) [m/s]. Water is torn if it is fast, or `up` in the air
     (n,), 0 to 1, and has few neighbours; `sides` (n,): number of walls beside each, behind which there are none."""
     from scipy.spatial import cKDTree
 
@@ -160,7 +160,7 @@ def particle_splash(
 
 
 def values_at_vertices(vertices: np.ndarray, position: np.ndarray, values: np.ndarray, spacing: float) -> np.ndarray:
-    """Values (m, k) at vertices (m, 3) [m]: distance-weighted means of those (n, k) of particles (n, 3) [m] nearby."""
+    """Values (m, k) at vertices (m, 3) [m]: distance-weighted means of the `values` (n, k) of nearby particles."""
     from scipy.spatial import cKDTree
 
     away, near = cKDTree(position).query(vertices, k=min(VERTEX_PARTICLES, len(position)), workers=1)
@@ -170,8 +170,8 @@ def values_at_vertices(vertices: np.ndarray, position: np.ndarray, values: np.nd
 
 
 def birth_places(position: np.ndarray, number: np.ndarray, first_position: np.ndarray, first: np.ndarray) -> np.ndarray:
-    """Positions (n, 3) [m] that particles of the ids `number` (n,) had in the first picture; the present ones for
-    particles not in it. Foam patterns drawn at these places move and stretch with the water."""
+    """Positions (n, 3) [m] that particles of ids `number` (n,) had in the first picture; particles new since then have
+    their present ones. Foam patterns drawn at these places move and stretch with the water."""
     if not len(first):
         return position
     order = np.argsort(first)
@@ -182,8 +182,8 @@ def birth_places(position: np.ndarray, number: np.ndarray, first_position: np.nd
 def torn_drops(
     position: np.ndarray, velocity: np.ndarray, number: np.ndarray, torn: np.ndarray, spacing: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Middles (m, 3) and radii (m,) [m] of the drops around particles, more of them where `torn` (n,), 0 to 1, is
-    larger, stretched along velocities (n, 3). `number` (n,): ids, which choose the same drops in every picture."""
+    """Middles (m, 3) and radii (m,) [m] of drops around particles (n, 3) [m]: more of them the larger `torn` (n,), 0 to
+    1, and spread along velocities (n, 3). `number` (n,): ids, which choose the same drops in every picture."""
     some = np.argsort(-torn, kind="stable")[:MAX_TORN_PARTICLES]
     some = some[torn[some] > 0.0]
     which = np.arange(PARTICLE_DROPS)
@@ -202,7 +202,7 @@ def torn_drops(
 
 
 def sphere_mesh(middles: np.ndarray, radii: np.ndarray, ball: Mesh) -> Mesh:
-    """Mesh of spheres with these middles (m, 3) and radii (m,) [m], each a copy of a ball of radius 1."""
+    """Mesh of spheres with middles (m, 3) and radii (m,) [m]; `ball`: mesh of radius 1 that is copied."""
     n, k = len(middles), len(ball.vertices)
     vertices = middles[:, None] + radii[:, None, None] * ball.vertices
     triangles = ball.triangles + k * np.arange(n)[:, None, None]
@@ -210,7 +210,7 @@ def sphere_mesh(middles: np.ndarray, radii: np.ndarray, ball: Mesh) -> Mesh:
 
 
 def has_left_water(position: np.ndarray, spacing: float, high: np.ndarray) -> np.ndarray:
-    """Mask (m,): True for each of the points `high` (m, 3) that has few neighbours among particles (n, 3)."""
+    """Mask (m,): True for points `high` (m, 3) [m] that have few neighbours among particles `position` (n, 3) [m]."""
     from scipy.spatial import cKDTree
 
     if not len(high):
@@ -220,9 +220,10 @@ def has_left_water(position: np.ndarray, spacing: float, high: np.ndarray) -> np
 
 
 class Spray:
-    """Drops in the air above a sea, as a fixed number of puffs; those not needed are hidden far below."""
+    """Spray above a sea: puffs of drops in a fixed number, of which unused ones are hidden far below."""
 
     def __init__(self, stage: Stage, spacing: float) -> None:
+        """`spacing` of the particles [m], to which drops and puffs are scaled."""
         self.spacing = spacing
         self.positions = np.tile(np.array([0.0, -SEA_RADIUS, 0.0], np.float32), (MAX_PUFFS * PUFF_DROPS, 1))
         n = np.arange(PUFF_KINDS * PUFF_DROPS)
@@ -240,7 +241,7 @@ class Spray:
         self.drawn = drops.mapper.dataset
 
     def show(self, position: np.ndarray, heights: np.ndarray) -> None:
-        """Draw puffs at the particles (n, 3) [m] that have left the water; `heights` (n,): of the water below [m]."""
+        """Draw puffs at particles (n, 3) [m] that have left the water; `heights` (n,): of the water below them [m]."""
         high = position[position[:, 1] > heights + MIN_SPRAY_HEIGHT * self.spacing]
         centres = high[has_left_water(position, self.spacing, high)][:MAX_PUFFS]
         drops = (centres[:, None] + self.offsets[np.arange(len(centres)) % PUFF_KINDS]).reshape(-1, 3)

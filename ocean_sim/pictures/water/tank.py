@@ -128,7 +128,7 @@ WATER_PROGRAM = f"""
 
 
 class Shell(Content):
-    """Closed surface of the water in a tank, with drops and folds, drawn smooth and clear."""
+    """Closed surface of the water in a glass tank, drawn smooth and clear, with drops."""
 
     def __init__(self, stage: Stage, grid: Any, upper: np.ndarray, first: Frame, white: bool) -> None:
         """`grid`: arrays that frames keep once; `upper`: top corner of the drawn tank [m]; `first`: first frame of the
@@ -175,8 +175,8 @@ class Shell(Content):
         self.measure.add_actor(self.backs.actor, reset_camera=False, render=False)
 
     def surface(self, frame: Frame) -> tuple[Mesh, np.ndarray, np.ndarray]:
-        """Surface mesh of a frame, and for its vertices the traits (n, 3) air, torn and rough, and the places (n, 3)
-        [m] at which their water began (see WATER_TRAITS)."""
+        """Surface mesh of a frame, and at its vertices traits (n, 3): shares of air, tearing and roughness; and the
+        places (n, 3) [m] at which their water was in the first frame (see WATER_TRAITS)."""
         assert frame.mesh is not None
         skin = smooth_mesh(Mesh(*frame.mesh), self.lower, self.upper, MAX_SMOOTHING * self.spacing)
         particles, start = (frame.position, frame.velocity, frame.id), (self.first.position, self.first.id)
@@ -211,6 +211,7 @@ class Shell(Content):
         return whole, np.concatenate([traits[:, :3], calm]), np.concatenate([traits[:, 3:], balls.vertices])
 
     def show(self, frame: Frame) -> None:
+        """Update the surface to a frame, and render the pictures of distances and background that its shader needs."""
         mesh, state, birth = self.surface(frame)
         shape = self.stage.pyvista.PolyData.from_regular_faces(mesh.vertices.astype(np.float32), mesh.triangles)
         for name, value in zip(WATER_TRAITS, (mesh.normals, state, birth), strict=True):
@@ -238,12 +239,12 @@ class Shell(Content):
         water_glsl.fill_image(self.farther.GetInput(), nearest)
 
     def distances(self) -> np.ndarray:
-        """Distances of the water's back faces as an image (height, width, 4), from the lowest row on."""
+        """Distances of the water's back faces as an image (height, width, 4), lowest row first."""
         self.measure.render()
         return self.measure.screenshot(None, return_img=True, transparent_background=True)[::-1]
 
     def see(self) -> None:
-        """Use the present picture as the background of the water from now on."""
+        """Render the present picture, and use it as the background seen through the water."""
         for mark in self.stage.over:
             mark.VisibilityOff()
         self.stage.plotter.render()
@@ -252,4 +253,5 @@ class Shell(Content):
         water_glsl.fill_image(self.behind.GetInput(), self.stage.plotter.screenshot(None, return_img=True)[::-1])
 
     def close(self) -> None:
+        """Close the plotter of the distances."""
         self.measure.close()

@@ -36,7 +36,7 @@ AMBIENT_LIGHT, SUN_LIGHT = 0.84, 0.26  # of light: from all sides, and the sun's
 
 
 class Panel(NamedTuple):
-    """A rectangle across an axis that faces the inside of the tank."""
+    """Bed or wall of a tank: a rectangle across an axis, facing inwards."""
 
     axis: int
     at: float  # [m]
@@ -44,14 +44,14 @@ class Panel(NamedTuple):
 
 
 def tank_panels(low: np.ndarray, up: np.ndarray) -> list[Panel]:
-    """Bed and walls of a tank between its corners `low` and `up` [m]."""
+    """Bed and four walls of a tank between its corners `low` and `up` (3,) [m]."""
     walls = [Panel(axis, end[axis], side) for axis in (0, 2) for end, side in ((low, 1.0), (up, -1.0))]
     return [Panel(1, low[1], 1.0), *walls]
 
 
 def panel_sheet(panel: Panel, u: np.ndarray, v: np.ndarray, out: float) -> tuple[np.ndarray, np.ndarray]:
-    """Points (n, 3) [m] of a panel at coordinates `u`, `v` along its next two axes [m], moved outwards by `out` [m],
-    and quadrilaterals (m, 4) between them that face inwards."""
+    """Points (n, 3) [m] of a panel on a grid `u`, `v` along its next two axes [m], moved outwards by `out` [m], and
+    quadrilaterals (m, 4) between them that face inwards."""
     points = np.full((len(u) * len(v), 3), panel.at - panel.inwards * out)
     along = np.meshgrid(u, v, indexing="ij")
     for n, places in enumerate(along, 1):
@@ -63,7 +63,7 @@ def panel_sheet(panel: Panel, u: np.ndarray, v: np.ndarray, out: float) -> tuple
 
 
 def panel_light(points: np.ndarray, panel: Panel, all_of_them: list[Panel], height: float) -> np.ndarray:
-    """Brightness (n,) of a panel at points (n, 3) [m], lower near the other panels of a tank of this height [m]."""
+    """Brightness (n,) of a panel at points (n, 3) [m], lower near the tank's other panels; `height` of the tank [m]."""
     sunny = max(panel.inwards * float(sky.SUN_DIRECTION[panel.axis]), 0.0)
     bright = np.full(len(points), AMBIENT_LIGHT + SUN_LIGHT * sunny)
     for other in all_of_them:
@@ -79,15 +79,15 @@ def line_sides(low: float, up: float, step: float) -> Iterator[np.ndarray]:
 
 
 def join_sheets(sheets: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
-    """Points and quadrilaterals of many sheets joined into one."""
+    """Join the points and quadrilaterals of many sheets into one sheet."""
     begins = np.cumsum([0] + [len(points) for points, _ in sheets])
     faces = [quads + begin for (_, quads), begin in zip(sheets, begins[:-1], strict=True)]
     return np.concatenate([points for points, _ in sheets]).astype(np.float32), np.concatenate(faces)
 
 
 def add_ground_lines(stage: Stage, low: np.ndarray, up: np.ndarray, height: float) -> None:
-    """Add lines to the ground at a height around a block from `low` to `up` [m], a round number of metres apart, to
-    show how far the ground extends."""
+    """Add grid lines to the ground at a height [m] around a block from `low` to `up` [m], a round number of metres
+    apart, to show the extent of the ground."""
     longer, level = max(up[0] - low[0], up[2] - low[2]), Panel(1, height, 1.0)
     reach, step = GROUND_REACH * longer, round_up(longer / GROUND_LINES)
     first, last = low - reach, up + reach
@@ -103,8 +103,7 @@ def add_ground_lines(stage: Stage, low: np.ndarray, up: np.ndarray, height: floa
 
 
 def add_tank(stage: Stage, low: np.ndarray, top: np.ndarray, depth: float) -> None:
-    """Add a tank from `low` to `top` [m]: its panels, its edges, and lines a round number of metres apart that suits
-    its depth [m]."""
+    """Add a tank from `low` to `top` [m]: panels, edges, and lines whose round distance suits the water's depth [m]."""
     pyvista, below, step = stage.pyvista, PANEL_OFFSET * (top[1] - low[1]), round_up(LINE_INTERVAL * depth)
     box = pyvista.Box(np.stack([low, top], axis=1).ravel()).extract_feature_edges(30.0)
     stage.plotter.add_mesh(box, color=EDGE_COLOUR, opacity=0.5, line_width=1.5 * stage.samples, lighting=False)
@@ -113,6 +112,7 @@ def add_tank(stage: Stage, low: np.ndarray, top: np.ndarray, depth: float) -> No
     bright: list[np.ndarray] = []
 
     def add(panel: Panel, u: np.ndarray, v: np.ndarray, out: float, share: float) -> None:
+        """Add the part of a panel on a grid `u`, `v` to `sheets`, with a share of the panel's light to `bright`."""
         sheets.append(panel_sheet(panel, u, v, out))
         bright.append(share * panel_light(sheets[-1][0], panel, whole, top[1] - low[1]))
 

@@ -43,14 +43,14 @@ LIMITED_REACH = (
 
 
 class Wake:
-    """Foam that a ship leaves along the track of its stern. The laws of its width and fading are ours."""
+    """Wake of foam along the track of a ship's stern. The laws of its width and fading are ours."""
 
     def __init__(self, vessel: Vessel, breadth: float, x: np.ndarray, z: np.ndarray) -> None:
         """`breadth` of the ship [m]; `x`, `z`: coordinates [m] of the nodes of the grid."""
         self.vessel, self.half, self.x, self.z = vessel, 0.5 * breadth, x, z
 
     def share(self, time: float, origin: np.ndarray) -> np.ndarray:
-        """Share (nx, nz) of foam at a time [s], at the nodes around an origin x, z [m]."""
+        """Share (nx, nz) of foam at a time [s], at the nodes for a grid origin x, z [m]."""
         share = np.zeros((len(self.x), len(self.z)))
         track = self.vessel.track
         if time <= track.time[0]:
@@ -95,9 +95,9 @@ class Wake:
 
 @lru_cache(maxsize=64)
 def kelvin_pattern(speed: float, breadth: float, length: float) -> np.ndarray:
-    """Height (n, m) [m] of the steady waves of a pressure as wide as a ship in deep water (Havelock 1908, Proc. R. Soc.
-    A 81; Darmon, Benzaquen & Raphael 2014, J. Fluid Mech. 738, equation 2.9), at nodes PATTERN_STEP breadths apart
-    behind the bow and to the side."""
+    """Height (n, m) [m] of the steady waves that a pressure patch as wide as a ship makes in deep water (Havelock 1908,
+    Proc. R. Soc. A 81; Darmon, Benzaquen & Raphael 2014, J. Fluid Mech. 738, equation 2.9), at nodes PATTERN_STEP
+    breadths apart, n behind the bow and m to the side."""
     step = PATTERN_STEP * breadth
     x, y = np.arange(0.0, KELVIN_ASTERN * length, step), np.arange(0.0, KELVIN_ABEAM * length, step)
     k0, froude = GRAVITY / speed**2, speed / np.sqrt(GRAVITY * breadth)
@@ -114,14 +114,14 @@ def kelvin_pattern(speed: float, breadth: float, length: float) -> np.ndarray:
 
 
 class Kelvin:
-    """Kelvin's waves behind a ship, and the hollow behind its transom."""
+    """Kelvin wave pattern behind a ship, and the hollow behind her transom."""
 
     def __init__(self, vessel: Vessel, breadth: float) -> None:
         """`breadth` of the ship [m]."""
         self.vessel, self.breadth = vessel, breadth
 
     def height(self, time: float, places: np.ndarray) -> np.ndarray:
-        """Height (n,) [m] of these waves at places x, z (n, 2) [m] at a time [s]; 0 for a ship too slow to make any."""
+        """Height (n,) [m] of the waves at places x, z (n, 2) [m] at a time [s]; 0 if the ship is too slow for any."""
         from scipy.ndimage import map_coordinates
 
         track, length = self.vessel.track, self.vessel.length
@@ -137,8 +137,8 @@ class Kelvin:
 
 
 def transom_hollow(astern: np.ndarray, aside: np.ndarray, speed: float, breadth: float) -> np.ndarray:
-    """Depth (n,) [m] by which water behind a transom stands below the water around, before it rises into a wave of the
-    ship's own length; `astern`, `aside`: distances from the transom [m]. The law is ours."""
+    """Depth (n,) [m] of the water surface behind a transom below the water around; it rises again into a wave as for
+    the ship's speed [m/s]. `astern`, `aside`: distances (n,) from the transom [m]. The law is ours."""
     depth = min(HOLLOW_DEPTH * speed**2 / GRAVITY, MAX_HOLLOW * breadth)
     k = GRAVITY / speed**2
     along = np.where(astern > 0.0, np.cos(k * astern) * np.exp(-0.3 * k * np.maximum(astern, 0.0)), 0.0)
@@ -149,8 +149,8 @@ def transom_hollow(astern: np.ndarray, aside: np.ndarray, speed: float, breadth:
 def limited_answer(
     answer: np.ndarray, vessel: Vessel, breadth: float, x: np.ndarray, z: np.ndarray, time: float
 ) -> np.ndarray:
-    """Response (nx, nz) [m] of the water to a ship, at nodes x, z [m], limited around her to V^2 / 2 g, the height at
-    which a flow of her speed stands (Bernoulli): linear waves do not break, and leave a hole of the hull's shape."""
+    """Response `answer` (nx, nz) [m] of the water to a ship at nodes x, z [m], limited around her to the stagnation
+    height V^2 / 2 g: linear waves do not break, and would leave a hole of the hull's shape."""
     track = vessel.track
     k = int(np.abs(track.time - time).argmin())
     along, aside = ship_coordinates(x[:, None], z[None, :], track.position[k], track.turn[k])

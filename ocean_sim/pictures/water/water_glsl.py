@@ -27,10 +27,12 @@ GLINTS = {"none": 0.0, "physical": 1.0, "thesis": 2.0}  # of the sun, as the pro
 
 
 def number(value: float) -> str:
+    """GLSL literal of a float, with a decimal point or an exponent."""
     return f"{float(value):.9g}" if "." in f"{float(value):.9g}" or "e" in f"{float(value):.9g}" else f"{value:.1f}"
 
 
 def vector(values: Iterable[float]) -> str:
+    """GLSL literal of a vec3."""
     return f"vec3({', '.join(number(v) for v in values)})"
 
 
@@ -180,9 +182,8 @@ vec3 sunGlint(vec3 n, vec3 e, float variance) {{
 
 
 def water_program(ships: int, grain: str = "posW.xz", shadows: str = "") -> str:
-    """GLSL program of the water around a number of ships, whose maps of distances to the hulls are stacked in one
-    texture. `grain`: place at which the grain of foam is read, of the pixel or of its water's origin; `shadows`:
-    program that reduces `sunlit`."""
+    """GLSL program of the water around some ships, whose maps of distances to the hulls are stacked in one texture.
+    `grain`: expression of the place at which foam's grain is read; `shadows`: program that reduces `sunlit`."""
     hulls = "".join(hull_program(k, ships) for k in range(ships))
     mirrors = "".join(mirror_program(k) for k in range(ships))
     return f"""
@@ -225,7 +226,7 @@ def water_program(ships: int, grain: str = "posW.xz", shadows: str = "") -> str:
 
 
 def hull_program(k: int, ships: int) -> str:
-    """GLSL program of the foam along the waterline of ship k; it discards water inside the hull."""
+    """GLSL program of the foam along the waterline of ship k of `ships`; it discards water inside the hull."""
     return f"""
   vec2 uv{k} = (posW.xz - hullBox{k}.xy) / hullSize{k}.xy;
   int near{k} = useHull{k} > 0.5 && all(greaterThan(uv{k}, vec2(0.0))) && all(lessThan(uv{k}, vec2(1.0))) ? 1 : 0;
@@ -266,12 +267,12 @@ SKY_PROGRAM = "  fragOutput0 = vec4(filmic(skyAt(normalize(posW - eyeW), 0.0)), 
 
 
 def sky_textures(sky: Sky) -> dict[str, Any]:
-    """Textures of a sky and of its haze, by their sampler names in the shaders."""
+    """Textures of a sky's image and of its haze, by their sampler names in the shaders."""
     return {"sky": make_texture(sky.image, smaller=True), "haze": make_texture(sky.haze)}
 
 
 def make_texture(image: np.ndarray, *, smaller: bool = False) -> Any:
-    """Texture of an image of floats or 8-bit numbers; row 0 is at the coordinate 0. `smaller`: with mipmaps."""
+    """Texture of an image of floats or 8-bit numbers, its row 0 at the coordinate 0; `smaller`: True for mipmaps."""
     from vtkmodules.vtkCommonDataModel import vtkImageData
 
     data = vtkImageData()
@@ -280,7 +281,8 @@ def make_texture(image: np.ndarray, *, smaller: bool = False) -> Any:
 
 
 def image_texture(data: Any, smaller: bool) -> Any:
-    """Texture of a VTK image. Each window needs its own: a shared one would be sent anew to each in every picture."""
+    """Texture of a VTK image; `smaller`: True for mipmaps. Each window needs a texture of its own: a shared one would
+    be sent to each window again in every picture."""
     from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLTexture
 
     made = vtkOpenGLTexture()
@@ -305,12 +307,13 @@ def fill_image(data: Any, image: np.ndarray) -> None:
 
 
 class Shaded:
-    """An actor of triangles with a fragment program of its own; its points are world coordinates [m]."""
+    """Actor of triangles with its own fragment program; its points are world coordinates [m]."""
 
     def __init__(
         self, mesh: Any, body: str, functions: str, textures: dict[str, Any], attributes: Sequence[str] = ()
     ) -> None:
-        """`attributes`: three-letter names of the mesh's vectors that the program reads with a W appended, as nrmW."""
+        """`body`, `functions`: fragment program and its GLSL functions; `textures`: by sampler name; `attributes`:
+        three-letter names of the mesh's vectors, which the program reads with a W appended, as nrmW."""
         self.mesh, self.attributes, self.textures = mesh, attributes, textures
         self.actor = self.drawn(textures)
         program = self.actor.GetShaderProperty()
@@ -328,7 +331,7 @@ class Shaded:
         self.uniforms = program.GetFragmentCustomUniforms()
 
     def drawn(self, textures: dict[str, Any]) -> Any:
-        """New actor of the mesh and its attributes, with these textures."""
+        """New actor of the mesh and its attributes with these textures, and without the program."""
         from vtkmodules.vtkCommonDataModel import vtkDataObject
         from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
@@ -344,7 +347,7 @@ class Shaded:
         return actor
 
     def twin(self) -> Any:
-        """Actor of the same mesh and program for another plotter, with textures of its own."""
+        """Second actor of the same mesh and program for another plotter, with textures of its own."""
         own = {name: image_texture(image.GetInput(), image.GetMipmap()) for name, image in self.textures.items()}
         twin = self.drawn(own)
         twin.SetShaderProperty(self.actor.GetShaderProperty())
@@ -367,7 +370,7 @@ class Shaded:
 
 
 def collect_messages() -> Any:
-    """Collect VTK's messages from now on; returns the collector, for `refusal`."""
+    """Redirect VTK's messages to a collector from now on; returns the collector, to pass to `refusal`."""
     from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 
     said = vtkStringOutputWindow()
@@ -376,7 +379,7 @@ def collect_messages() -> Any:
 
 
 def refusal(said: Any) -> str | None:
-    """Reason from collected messages why OpenGL has refused a shader program, or None; VTK then omits its actor."""
+    """Reason why OpenGL refused a shader program, from messages of `collect_messages`; None if it refused none."""
     if "vtkShaderProgram" not in (text := said.GetOutput()):
         return None
     why = (line for line in text.splitlines() if "error" in line.lower() and not line.startswith("ERROR: In"))
@@ -389,7 +392,7 @@ def sky_uniforms(sky: Sky) -> dict[str, Any]:
 
 
 def neutral_uniforms(ships: int) -> dict[str, Any]:
-    """Uniforms of calm, smooth water that touches no ship, with all terms of its colour: all except those of light."""
+    """Uniforms of calm, smooth water without mirrored ships and with all terms of its colour, except those of light."""
     nothing = dict.fromkeys(("useMirror", "rippleVariance", "windAngle", "time"), 0.0)
     ones = dict.fromkeys(("rippleLongest", "mirrorPixel", "glintKind"), 1.0)  # the kind of glint is a key of GLINTS
     ones |= dict.fromkeys(("useFresnel", "useReflection", "useBody", "useFoam", "useFog"), 1.0)

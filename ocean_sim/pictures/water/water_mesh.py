@@ -6,10 +6,9 @@ SIDE_ROWS = 9  # rows of vertices from the surface to the bed
 
 
 def spline_matrix(cells: int, factor: int) -> np.ndarray:
-    """Matrix (cells * factor + 1, cells): values in middles of equal cells -> cubic spline at nodes from wall to wall.
+    """Matrix (cells * factor + 1, cells) from values at cell centres to a cubic spline at nodes from wall to wall.
 
-    The spline is mirrored in the walls, where water under gravity alone stands level.
-    """
+    The spline is mirrored in the walls, where water under gravity alone stands level."""
     from scipy.ndimage import map_coordinates
 
     nodes = np.linspace(-0.5, cells - 0.5, cells * factor + 1)
@@ -17,15 +16,14 @@ def spline_matrix(cells: int, factor: int) -> np.ndarray:
 
 
 def grid_triangles(rows: int, columns: int) -> np.ndarray:
-    """Corners (m, 3) of two triangles for each cell of a grid of nodes numbered row by row, in an order that uses the
-    processor's cache well."""
+    """Node indices (m, 3) of two triangles for each cell of a grid of nodes numbered row by row."""
     k = np.arange(rows * columns).reshape(rows, columns)
     a, b, c, d = k[:-1, :-1], k[1:, :-1], k[1:, 1:], k[:-1, 1:]
     return np.stack([a, d, b, b, d, c], axis=-1).reshape(-1, 3)
 
 
 class WaterMesh:
-    """Mesh of a block of water above a bed; only its heights change from frame to frame."""
+    """Mesh of a block of water above a bed, with surface and cut sides; only its heights change from frame to frame."""
 
     def __init__(self, x: np.ndarray, z: np.ndarray, lower: np.ndarray, upper: np.ndarray, nodes: int) -> None:
         """`x`, `z`: middles of the cells of the heights [m]; `lower`, `upper`: corners of the basin [m]; `nodes`:
@@ -53,11 +51,11 @@ class WaterMesh:
         self.side_depth = np.concatenate([np.repeat(np.linspace(0.0, 1.0, SIDE_ROWS), len(rim)) for rim in self.rims])
 
     def heights(self, elevation: np.ndarray) -> np.ndarray:
-        """Heights (nodes,) [m] of the surface nodes: a cubic spline through heights (nx, nz) [m] in the cells."""
+        """Heights (nodes,) [m] of the surface nodes: a cubic spline through the cells' heights (nx, nz) [m]."""
         return (self.along_x @ elevation @ self.along_z.T).reshape(-1)
 
     def surface(self, elevation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Surface nodes (n, 3) [m] and their unit normals (n, 3), from heights (nx, nz) [m] in the cells."""
+        """Surface nodes (n, 3) [m] and their unit normals (n, 3), from the cells' heights (nx, nz) [m]."""
         height = self.heights(elevation)
         slope_x = (self.slope_x @ elevation @ self.along_z.T).reshape(-1)
         slope_z = (self.along_x @ elevation @ self.slope_z.T).reshape(-1)
@@ -66,7 +64,7 @@ class WaterMesh:
         return np.column_stack([self.nodes[:, 0], height, self.nodes[:, 1]]), normals
 
     def sides(self, surface: np.ndarray) -> np.ndarray:
-        """Nodes (m, 3) [m] of the four cut sides, from the rim of the surface nodes (n, 3) [m] down to the bed."""
+        """Nodes (m, 3) [m] of the four cut sides, from the rim of the `surface` nodes (n, 3) [m] down to the bed."""
         down = np.linspace(0.0, 1.0, SIDE_ROWS)[:, None]
         parts = []
         for rim in self.rims:

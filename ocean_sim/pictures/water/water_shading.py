@@ -39,12 +39,12 @@ FOG_END = 1.2, 2.2  # [of that] between which the sea ends in the horizon's colo
 
 
 def refracted_cosine(cos_incident: np.ndarray, n: float = REFRACTIVE_INDEX) -> np.ndarray:
-    """Cosine of the refraction angle in water by Snell's law (3.7); the angle is at most 48.6 degrees for n = 1.333."""
+    """Cosine (n,) of the refraction angle in water, from that of incidence, by Snell's law (3.7)."""
     return np.sqrt(1.0 - (1.0 - np.asarray(cos_incident) ** 2) / n**2)
 
 
 def fresnel(cos_incident: np.ndarray, n: float = REFRACTIVE_INDEX) -> np.ndarray:
-    """Reflected share of unpolarised light (3.8), in cosines, so that it is finite at normal incidence."""
+    """Reflected share (n,) of unpolarised light (3.8), from cosines of incidence; finite at normal incidence."""
     cos_refracted = refracted_cosine(cos_incident, n)
     across = (cos_incident - n * cos_refracted) / (cos_incident + n * cos_refracted)
     along = (n * cos_incident - cos_refracted) / (n * cos_incident + cos_refracted)
@@ -65,7 +65,7 @@ def slope_variance(wind_speed: float) -> float:
 
 
 def surface_light(position: np.ndarray, normal: np.ndarray, height: np.ndarray, eye: np.ndarray) -> np.ndarray:
-    """Linear RGB (n, 3) of points of the surface; `height` is -1 in a trough, 0 at rest, 1 on a crest."""
+    """Linear RGB (n, 3) of surface points (n, 3) [m] for an eye; `height`: -1 in a trough, 0 at rest, 1 on a crest."""
     to_eye = unit_vector(eye - position)
     facing = np.maximum((to_eye * normal).sum(axis=1), 0.0)
     cosine = np.sqrt(facing**2 + NODE_ROUGHNESS)  # ripples keep a rough sea from mirroring fully at grazing angles
@@ -80,7 +80,8 @@ def surface_light(position: np.ndarray, normal: np.ndarray, height: np.ndarray, 
 
 
 def sun_glint(normal: np.ndarray, to_eye: np.ndarray, cosine: np.ndarray) -> np.ndarray:
-    """Brightness (n,), over the sun's, of its glint on nodes, from facets with normally distributed slopes."""
+    """Brightness (n,) of the sun's glint on nodes, over that of the sun, from facets with normally distributed slopes;
+    `to_eye`: unit directions; `cosine` (n,): of the angle between normal and eye, softened by roughness."""
     half = unit_vector(SUN_DIRECTION + to_eye)
     share = fresnel(np.clip((half * to_eye).sum(axis=1), 0.0, 1.0))
     facets = beckmann((half * normal).sum(axis=1), np.full(len(half), NODE_ROUGHNESS))
@@ -88,7 +89,7 @@ def sun_glint(normal: np.ndarray, to_eye: np.ndarray, cosine: np.ndarray) -> np.
 
 
 def side_light(position: np.ndarray, normal: np.ndarray, depth: np.ndarray, eye: np.ndarray) -> np.ndarray:
-    """Linear RGB (n, 3) of the cut side of the water, as through glass; `depth` is 0 at the surface, 1 at the bed."""
+    """Linear RGB (n, 3) of points (n, 3) [m] on a cut side of the water, for an eye; `depth`: 0 at top, 1 at bed."""
     to_eye = unit_vector(eye - position)
     facing = np.clip((to_eye * normal).sum(axis=1), 0.0, 1.0)
     share = fresnel(facing)[:, None]
@@ -115,12 +116,12 @@ def relief_light(normal: np.ndarray, height: np.ndarray) -> np.ndarray:
 
 
 def filmic_curve(radiance: np.ndarray, exposure: float = 1.15) -> np.ndarray:
-    """Display values, 0 to 1, of linear RGB: a filmic curve (Narkowicz 2015, fit to ACES), then gamma 2.2."""
+    """Display RGB, 0 to 1, of linear RGB: a filmic curve (Narkowicz 2015, fit to ACES), then gamma 2.2."""
     c = np.maximum(radiance, 0.0) * exposure
     curve = c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14)
     return np.clip(curve, 0.0, 1.0) ** (1.0 / 2.2)
 
 
 def display_colours(radiance: np.ndarray, exposure: float = 1.15) -> np.ndarray:
-    """8-bit display colours of linear RGB, by `filmic_curve`."""
+    """Display RGB, 8-bit, of linear RGB, by `filmic_curve`."""
     return (255.0 * filmic_curve(radiance, exposure) + 0.5).astype(np.uint8)

@@ -14,7 +14,7 @@ SURFACE_NODES = {"draft": 40_000, "final": 160_000}  # of the drawn surface
 
 
 class Water(Content):
-    """The surface and the cut sides of the water, coloured at their nodes for the eye of the picture."""
+    """Water of a basin in a picture: surface and cut sides, coloured at their nodes for the eye."""
 
     def __init__(self, stage: Stage, grid: Any, nodes: int) -> None:
         """`nodes`: approximate number of nodes of the drawn surface."""
@@ -31,6 +31,7 @@ class Water(Content):
             stage.plotter.add_mesh(part, scalars="colour", rgb=True, lighting=False)
 
     def show(self, frame: Frame) -> None:
+        """Update heights and colours of the water to a frame and the present camera."""
         eye = self.stage.camera.eye
         points, normals = self.mesh.surface(frame.elevation)
         points += frame.place

@@ -29,13 +29,12 @@ FOAM_TRAIL = 0.9  # [breadths] behind the crest in which its white falls to a th
 
 
 class Bow(NamedTuple):
-    """Bow wave of a ship that goes at a steady speed, and the foam that it breaks into.
+    """Bow wave of a ship at a steady speed, and the foam into which it breaks.
 
     Height and place of the crest are those of a wedge (Noblesse, Delhommeau, Guilbaud, Hendrix & Yang 2008, J. Fluid
     Mech. 600); its course aside, and the white, are ours. The height is that by which waves at a bow stand at V^2 / 2 g
     where V / sqrt(g D) = 4.4 tan / cos - 1 (Delhommeau, Guilbaud, David, Yang & Noblesse 2009, J. Fluid Mech. 620,
-    abstract); the number of the place was not checked against the paper.
-    """
+    abstract); the number of the place was not checked against the paper."""
 
     length: float  # [m]
     breadth: float  # [m]
@@ -48,7 +47,7 @@ class Bow(NamedTuple):
 
     @property
     def crest(self) -> tuple[float, float]:
-        """Height of the crest over the water around, and its distance abaft the stem [m]."""
+        """Height of the crest over the water around it [m], and its distance abaft the stem [m]."""
         head = self.speed**2 / GRAVITY
         slowed = 1.0 + self.speed / np.sqrt(GRAVITY * DRAUGHT_SHARE * self.breadth)
         rise = CREST_RISE / slowed * self.wedge * np.hypot(1.0, self.wedge) * head
@@ -56,12 +55,12 @@ class Bow(NamedTuple):
 
     @property
     def breaks(self) -> float:
-        """Whiteness of the crest, 0 to 1."""
+        """Whiteness of the breaking crest, 0 to 1."""
         return float(np.clip((self.crest[0] - BREAKING_HEIGHT) / (WHITE_HEIGHT - BREAKING_HEIGHT), 0.0, 1.0))
 
     def across(self, abaft: np.ndarray, gap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Distance of places outside the line of the crest [widths of the crest], and the share of its height that
-        remains there; `abaft`: distance behind the stem, `gap`: off the hull [m]."""
+        """Distance of places outside the line of the crest, in widths of the crest, and the share of the crest's height
+        that remains there; `abaft`: distance behind the stem, `gap`: distance off the hull [m]."""
         back = self.crest[1]
         aft = np.maximum(abaft - back, 0.0)
         width = self.breadth * CREST_WIDTH + CREST_WIDENING * aft + 0.25 * back
@@ -70,24 +69,24 @@ class Bow(NamedTuple):
         return (gap - CREST_SLOPE * aft) / width, left * ahead
 
     def height(self, abaft: np.ndarray, gap: np.ndarray) -> np.ndarray:
-        """Height [m] of the wave at places abaft the stem and off the hull [m]: steepest outside the crest."""
+        """Height [m] of the wave at distances `abaft` the stem and `gap` off the hull [m]."""
         off, left = self.across(abaft, gap)
         return self.crest[0] * left * np.exp(-np.square(np.where(off > 0.0, off, 0.6 * off)))
 
     def white(self, abaft: np.ndarray, gap: np.ndarray) -> np.ndarray:
-        """Share of foam at places abaft the stem and off the hull [m]: on the crest's face, and thinner behind it."""
+        """Share of foam, 0 to 1, at distances `abaft` the stem and `gap` off the hull [m]."""
         off, left = self.across(abaft, gap)
         behind = np.exp(np.minimum(off, 0.0) * self.breadth * CREST_WIDTH / (FOAM_TRAIL * self.breadth) * 3.0)
         face = np.exp(-np.square(np.maximum(off, 0.0) / 0.8))
         return self.breaks * np.square(left) * np.where(off > 0.0, face, behind) * (gap > -1.0)
 
     def half_breadth(self, abaft: np.ndarray) -> np.ndarray:
-        """Half the breadth [m] of a wedge that stands for the bow, at distances abaft the stem [m]; constant behind."""
+        """Half breadth [m], at distances abaft the stem [m], of the wedge by which the bow is represented."""
         return np.clip(self.wedge * abaft, 0.0, 0.5 * self.breadth)
 
 
 class WettedHull(NamedTuple):
-    """A hull at one time, and the line along which it meets the water."""
+    """Hull of a ship at one time, with the line along which it meets the water."""
 
     line: np.ndarray  # (m, 2, 2) segments x, z [m] at which it meets the water
     position: np.ndarray  # (3,) [m]
@@ -100,18 +99,18 @@ class WettedHull(NamedTuple):
         return len(self.line) > 2
 
     def around(self) -> tuple[np.ndarray, np.ndarray]:
-        """Least and greatest x, z (2,) [m] of the water that the hull may whiten."""
+        """Least and greatest x, z (2,) [m] of the area in which the hull can whiten the water."""
         return self.line.min(axis=(0, 1)) - FOAM_REACH, self.line.max(axis=(0, 1)) + FOAM_REACH
 
     def places(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Distances (n,) [m] of places x, z (n, 2) abaft the stem, and to the side of the ship's middle line."""
+        """Distances (n,) [m] of points x, z (n, 2) [m] abaft the stem, and to the side of the ship's middle line."""
         ends = self.line.reshape(-1, 2)
         stem = ship_coordinates(ends[:, 0], ends[:, 1], self.position, self.turn)[0].max()
         along, aside = ship_coordinates(at[:, 0], at[:, 1], self.position, self.turn)
         return stem - along, aside
 
     def raised(self, at: np.ndarray) -> np.ndarray:
-        """Height (n,) [m] of the bow wave at places x, z (n, 2) [m]."""
+        """Height (n,) [m] of the ship's bow wave at places x, z (n, 2) [m]."""
         abaft, aside = self.places(at)
         return self.bow.height(abaft, np.abs(aside) - self.bow.half_breadth(abaft))
 
@@ -120,17 +119,17 @@ class WettedHull(NamedTuple):
         return distance_to_line(at, self.line)
 
     def breaking(self, at: np.ndarray, gap: np.ndarray) -> np.ndarray:
-        """Share (n,) of foam of the bow wave at places x, z (n, 2) [m] that lie a gap (n,) [m] off the hull."""
+        """Share (n,) of foam on the bow wave at places x, z (n, 2) [m] that are `gap` (n,) [m] off the hull."""
         return self.bow.white(self.places(at)[0], gap) * np.clip((FOAM_REACH - gap) / FOAM_FADE_WIDTH, 0.0, 1.0)
 
     def white(self, at: np.ndarray) -> np.ndarray:
-        """Share (n,) of foam at places x, z (n, 2) [m]: of the bow wave, and along the whole hull."""
+        """Share (n,) of foam at places x, z (n, 2) [m]: on the bow wave, and along the whole hull."""
         gap = self.gap(at)
         return np.maximum(self.breaking(at, gap), RESTING_FOAM * np.exp(-np.maximum(gap, 0.0) / CONTACT_WIDTH))
 
 
 class Hull:
-    """Surface mesh of a ship's hull, to be cut by the water."""
+    """Surface mesh of a ship's hull, to be cut by the water surface."""
 
     def __init__(self, grid: Any, key: str) -> None:
         """Read the hull of the ship with this key from the arrays that a run keeps once."""
@@ -140,7 +139,7 @@ class Hull:
     def wetted_hull(
         self, position: np.ndarray, turn: np.ndarray, speed: float, heights_at: Callable[[np.ndarray], np.ndarray]
     ) -> WettedHull:
-        """Hull in the water at a pose and speed [m/s]; `heights_at`: heights of the water [m] at places x, z (n, 2)."""
+        """Hull in the water at a pose and speed [m/s]; `heights_at`: water heights [m] at places x, z (n, 2) [m]."""
         vertices = self.vertices @ turn.T + position
         above = vertices[:, 1] - heights_at(vertices[:, [0, 2]])
         line = waterline_segments(vertices, self.triangles, above)
@@ -157,7 +156,7 @@ def ship_coordinates(
 
 
 def waterline_segments(vertices: np.ndarray, triangles: np.ndarray, above: np.ndarray) -> np.ndarray:
-    """Segments x, z (m, 2, 2) [m] where the water cuts a hull (n, 3) [m]; `above` (n,): height of its vertices [m]."""
+    """Segments x, z (m, 2, 2) [m] at which water cuts a hull; `above` (n,): heights of its vertices over water [m]."""
     a = above[triangles]
     cut = triangles[(a.min(axis=1) < 0.0) & (a.max(axis=1) >= 0.0)]
     ends = []
@@ -173,13 +172,13 @@ def waterline_segments(vertices: np.ndarray, triangles: np.ndarray, above: np.nd
 
 
 def distance_to_line(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
-    """Distance (n,) [m] from points x, z (n, 2) to the nearest segment, negative inside the closed line they form."""
+    """Distance (n,) [m] of points x, z (n, 2) from the closed line of segments (m, 2, 2) [m], negative inside it."""
     batches = [points[k : k + POINTS_PER_BATCH] for k in range(0, len(points), POINTS_PER_BATCH)]
     return np.concatenate([batch_distance(batch, segments) for batch in batches])
 
 
 def batch_distance(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
-    """Distances as from `distance_to_line`, for few points at once."""
+    """Distances (n,) [m] as from `distance_to_line`, computed at once, for few points."""
     (x, z), (along_x, along_z) = segments[:, 0].T, (segments[:, 1] - segments[:, 0]).T
     to_x, to_z = points[:, 0, None] - x, points[:, 1, None] - z
     share = np.clip((to_x * along_x + to_z * along_z) / np.maximum(along_x**2 + along_z**2, 1e-12), 0.0, 1.0)

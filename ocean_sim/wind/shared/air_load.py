@@ -17,7 +17,7 @@ U10 = 10.0  # [m/s] of a wind whose speed is left open, and of the real wind tha
 
 
 def drag_coefficient(u10):
-    """Drag coefficient of the sea surface at 10 m wind speed u10 [m/s] (2.21); its branches meet at 7.5 m/s."""
+    """Wu's drag coefficient of the sea surface at a 10 m wind speed u10 [m/s] (2.21); its branches meet at 7.5 m/s."""
     return max(1.2875e-3, (0.8 + 0.065 * u10) * 1e-3)
 
 
@@ -39,13 +39,12 @@ RANGES = {"wu": (0.0, 20.0), "garratt": (4.0, 21.0), "zijlema": (0.0, 50.0)}
 
 
 def stress(u10: float, law: DragLaw = LAW) -> float:
-    """Stress [Pa] on the sea surface of a wind of 10 m wind speed u10 [m/s] (2.20)."""
+    """Stress [Pa] of a wind on the sea surface at a 10 m wind speed u10 [m/s], by a drag law (2.20)."""
     return AIR_DENSITY * DRAG_LAWS[law](u10) * u10**2
 
 
 def speed_under(tau: float) -> float:
-    """U10 [m/s] at which Wu's law gives this stress [Pa]: the inverse of `stress`, sought up to the speed that the
-    law's least drag coefficient gives."""
+    """10 m wind speed [m/s] at which Wu's law gives the stress tau [Pa]: the inverse of `stress`, by root search."""
     from scipy.optimize import brentq
 
     strongest = (tau / (AIR_DENSITY * drag_coefficient(0.0))) ** 0.5
@@ -53,7 +52,7 @@ def speed_under(tau: float) -> float:
 
 
 def stated_speed(u10: float | None, tau: float | None) -> float:
-    """U10 [m/s] of a wind that a scene states by U10, by its stress [Pa], or by neither (then 10)."""
+    """10 m wind speed [m/s] of a wind given by u10 [m/s], by its stress tau [Pa], or by neither (then 10)."""
     if tau is not None:
         return speed_under(tau)
     return U10 if u10 is None else u10
@@ -64,14 +63,14 @@ C_d = ti.func(drag_coefficient)
 
 @ti.func
 def drag(wind, area):
-    """Drag [N] on `area` [m2] of the wind relative to it [m/s], downwind: (2.22) with the stress (2.20)."""
+    """Drag vector [N] on an `area` [m2]; `wind`: air velocity relative to it [m/s]: (2.22) with the stress (2.20)."""
     u = wind.norm()
     return AIR_DENSITY * C_d(u) * u * area * wind
 
 
 @ti.func
 def lift(wind, area, coefficient):
-    """Lift [N] on `area` [m2], across the wind relative to it [m/s] and upwards: (2.23) with a plus sign."""
+    """Lift vector [N] on an `area` [m2], upwards across the wind: (2.23) with a plus sign. `wind`: as in `drag`."""
     across = tm.vec3(wind.z, 0.0, -wind.x)
     horizontal = ti.max(across.norm(), 1e-12)  # in a vertical wind there is no lift
     return 0.5 * AIR_DENSITY * coefficient * area * wind.norm() * wind.cross(across) / horizontal

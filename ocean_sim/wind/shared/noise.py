@@ -30,8 +30,8 @@ NoiseSize = Annotated[tuple[NotNegative, NotNegative, NotNegative], Field(strict
 
 @in_kernels
 class Noise:
-    """Random draws for the noise of a wind. Each lasts `every` [s] and counts in a step for as long as the two overlap,
-    so the noise stirs alike at any step; 0: a new draw each step, as printed."""
+    """Random draws for the noise of a wind. Each lasts `every` [s] and is weighted in a time step by their overlap, so
+    that the noise has the same effect at any step; `every` 0: a new draw each step, as printed in the thesis."""
 
     def __init__(self, seed: int, every: float, row: DeviceRow) -> None:
         """`row`: device row that begins with the columns of DRAWS."""
@@ -40,22 +40,21 @@ class Noise:
         row.set(DRAWS.strength, 1.0)
 
     def restart(self, time: float) -> None:
-        """Store which draw is under way at a time [s], at which the clock is restarted."""
+        """Store the number and phase of the draw under way at a time [s]; called when the wind's clock restarts."""
         if self.every:
             draws = time / self.every
             self.row.set(DRAWS.number, int(draws) % DRAW_NUMBERS)
             self.row.set(DRAWS.phase, draws % 1.0)
 
     def advance(self) -> None:
-        """Move on to the next step."""
+        """Take the next draw, if there is one draw per step; called as the wind advances."""
         if not self.every:
             self.row.set(DRAWS.number, self.steps % DRAW_NUMBERS)
             self.steps += 1
 
     @ti.func
     def set_clock(self, since, step):
-        """Find which draws overlap the step of `step` [s] that ends `since` [s] after the clock was restarted, and for
-        what part of it each lasts."""
+        """Compute the draws that overlap the step of `step` [s] ending `since` [s] after the clock's restart."""
         if ti.static(self.every > 0.0):
             row = ti.static(self.row.field)
             span, left, each, strength = step / self.every, 0.0, 1.0, 1.0
@@ -70,7 +69,7 @@ class Noise:
 
     @ti.func
     def of(self, stream, key):
-        """Noise of this step for a particle, -1 to 1 on each axis: its draws, each weighted by its part of the step."""
+        """Noise (3,) of this step for particle `key`, -1 to 1 on each axis: weighted sum of draws from a stream."""
         row = ti.static(self.row.field)
         draw, left = (int(row[DRAWS.number]) + int(row[DRAWS.first])) % DRAW_NUMBERS, row[DRAWS.left]
         mean = (1.0 - left) * uniform3(self.seed, stream, key, draw)

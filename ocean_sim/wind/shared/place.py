@@ -21,7 +21,7 @@ from ocean_sim.wind.shared.shapes import turned
 
 
 class Placed(Model):
-    """A wind that has a place."""
+    """Key of a wind that has a place: the frame in which it stands or drifts."""
 
     frame: Literal["tile", "world"] | None = None
     """Over a patch of open sea: `tile`, it travels with the patch, so its places are seen from the ship and it comes in
@@ -29,7 +29,7 @@ class Placed(Model):
     null: tile."""
 
     def misframed(self, preflight: Preflight) -> Problems:
-        """Problem of a frame that is given over a basin that is no patch of open sea."""
+        """Fault of a `frame` that is given over a basin other than a patch of open sea; empty without fault."""
         if self.frame is None or preflight.tank.sea is not None:
             return []
         return [(("frame",), "a wind has a frame only over a patch of open sea; leave it out, or name a sea")]
@@ -37,7 +37,7 @@ class Placed(Model):
 
 @in_kernels
 class Patch:
-    """Patch of open sea under a wind. Over any other basin, positions are alike in the axes of wind and world."""
+    """Coordinates of a wind over a patch of open sea. Over any other basin the wind's axes are those of the world."""
 
     def __init__(self, config: Placed, basin: Basin) -> None:
         periods = (basin.periods[0], basin.periods[2]) if basin.sea is not None else (0.0, 0.0)
@@ -46,7 +46,7 @@ class Patch:
         self.row = DeviceRow(2)
 
     def follow(self, middle: np.ndarray) -> None:
-        """Set the middle of the patch, x, z (2,) in the world [m], from now on."""
+        """Set the middle x, z (2,) [m] of the patch in the world."""
         for axis, at in enumerate(middle.tolist()):
             self.row.set(axis, at)
 
@@ -58,7 +58,7 @@ class Patch:
 
     @ti.func
     def seen(self, position):
-        """Position in the axes of the wind [m], from one on the patch or in the world [m]."""
+        """Position [m] in the axes of the wind of a particle on the patch or of a ship in the world."""
         found = position
         for axis, k, period in ti.static(self.axes):
             middle = self.row.field[axis]
@@ -70,16 +70,15 @@ class Patch:
 
 
 def never(passage: int) -> tuple[float, float]:
-    """Turn 0 and strength 1 for every passage: nothing is drawn anew."""
+    """Turn 0 [rad] and strength 1 for every passage; default of `Passages` for a wind without random passages."""
     return 0.0, 1.0
 
 
 class Passages:
-    """Centre [m], turn [rad] and strength of a wind that drifts across the basin repeatedly; `number`: passages so far.
+    """Repeated passages of a drifting wind across the basin: its centre [m], turn [rad], strength and passage number.
 
-    It begins where it was put. When its rear has left the basin, direction and strength are drawn anew, and its front
-    comes in at the upwind border, on the line through the point where its first path came nearest to the centre.
-    """
+    The first begins at its start. When the rear has left the basin, direction and strength are drawn anew, and the
+    front comes in at the upwind border, on a line through the point of the first path nearest to the centre."""
 
     def __init__(
         self,
@@ -89,6 +88,7 @@ class Passages:
         basin: Basin,
         redraw: Callable[[int], tuple[float, float]] = never,
     ) -> None:
+        """`drift`: velocity [m/s]; `reach`: from centre to rear [m]; `redraw`: turn and strength by passage number."""
         self.drift, self.reach, self.redraw = np.array(drift, dtype=float), reach, redraw
         self.lower, self.upper = np.array(basin.lower), np.array(basin.upper)
         if basin.dimension == 2:  # a slice of a sea without sides
@@ -109,10 +109,11 @@ class Passages:
 
     @property
     def centre(self) -> np.ndarray:
+        """Present centre (3,) of the wind [m]."""
         return self.origin + self.velocity * self.elapsed
 
     def advance(self, dt: float) -> None:
-        """Move on by dt [s]; at the border, begin the next passage."""
+        """Move the wind on by dt [s]; after the rear has left the basin, begin the next passage."""
         self.elapsed += dt
         if self.elapsed >= self.lasts:
             self.elapsed -= self.lasts
@@ -125,7 +126,7 @@ class Passages:
             self.lasts = self._duration()
 
     def _duration(self) -> float:
-        """Time that this passage takes until the rear leaves the basin [s]."""
+        """Time [s] from the beginning of this passage until the rear leaves the basin; infinite without drift."""
         rear = self.origin - self.reach * self.direction
         return max(0.0, self._to_border(rear, self.direction) / self.speed) if self.speed else inf
 

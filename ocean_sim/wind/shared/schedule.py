@@ -30,6 +30,7 @@ class Timed(Model):
 
     @model_validator(mode="after")
     def _one_end(self) -> Self:
+        """Raise ValueError if stop and duration are both given, or stop is not later than start."""
         if self.stop is not None and self.duration is not None:
             raise ValueError("give either stop [s] or duration [s], not both")
         if self.stop is not None and self.stop <= self.start:
@@ -47,8 +48,8 @@ class Timed(Model):
         return self.start == 0.0 and self.end is None and self.ramp == 0.0
 
     def blowing(self, time: float, dt: float = 0.0) -> float:
-        """Share of its strength, 0 to 1, in a step of dt [s] from a time [s] on; it rises and falls as 3 s^2 - 2 s^3. A
-        wind that blows for a part of the step is weaker by that part, so the impulse is that of the time it blows."""
+        """Share of full strength, 0 to 1, in a step of dt [s] that begins at a time [s]; on the ramp it is 3 s^2 - 2
+        s^3. A step of which the wind blows for a part only is weaker by that part, so that the impulse is right."""
         begin, end = max(time, self.start), min(time + dt, np.inf if self.end is None else self.end)
         if end < begin or (end == begin and dt > 0.0) or time == self.end:
             return 0.0
@@ -60,7 +61,7 @@ class Timed(Model):
 
 
 class Row(Model):
-    """Speed and direction at one time."""
+    """One row of a schedule: time, speed and heading."""
 
     time: float = quantity("s", ge=0.0)
     """Time of this row."""
@@ -71,7 +72,7 @@ class Row(Model):
 
 
 class File(Model):
-    """The rows in a file."""
+    """Schedule given as a CSV file."""
 
     file: FileName
     """CSV with columns `time_s`, `speed_m_s` and `heading_deg`."""
@@ -85,24 +86,24 @@ class Schedule(NamedTuple):
     heading: np.ndarray  # (n,) [deg], each the shorter way from the one before
 
     def at(self, time: float) -> tuple[float, float]:
-        """Speed [m/s] and heading [deg] at a time [s]."""
+        """Speed [m/s] and heading [deg] interpolated at a time [s]."""
         return float(np.interp(time, self.time, self.speed)), float(np.interp(time, self.time, self.heading))
 
 
 class Scheduled(Timed):
-    """Keys of a wind whose speed and direction may change."""
+    """Keys of a wind whose speed and direction may follow a schedule."""
 
     schedule: list[Row] | File | None = Field(None, union_mode="left_to_right")
     """Rows of time, speed and heading_deg, or {file: ...csv}; in place of a constant speed and heading."""
 
     @cached_property
     def table(self) -> csv_file.Table | None:
-        """Table read from the file of the schedule; None if the schedule is in no file. Raises Unreadable."""
+        """Table read from the CSV file of the schedule; None if there is no file. Raises Unreadable if it is faulty."""
         return csv_file.Table(self.schedule.file) if isinstance(self.schedule, File) else None
 
     @cached_property
     def course(self) -> Schedule | None:
-        """Speed and heading over time by the schedule; None without a schedule. Raises ValueError."""
+        """Speed and heading over time from rows or file; None without a schedule. Raises ValueError for faulty rows."""
         if self.schedule is None:
             return None
         if self.table is not None:
@@ -121,7 +122,7 @@ class Scheduled(Timed):
         return Schedule(time, speed, np.unwrap(heading, period=360.0))
 
     def end_warnings(self, duration: float) -> list[str]:
-        """Warn of a schedule whose rows end before a run of this duration [s], or whose headings are in radians."""
+        """Warn if the rows of the schedule end before a run of this duration [s], or its headings look like radians."""
         if self.course is None:
             return []
         last = float(self.course.time[-1])

@@ -26,15 +26,15 @@ class Core:
     yaw: float  # turn about the vertical [rad]
 
     def in_own_axes(self, direction: np.ndarray) -> np.ndarray:
-        """Direction in the axes of the shape, from one in the axes of the world."""
+        """Direction vector in the axes of the shape, from one in the axes of the world."""
         return turned(direction, -self.yaw)
 
     def edges(self) -> np.ndarray:
-        """Ends (n, 2, 3) of lines that draw the shape [m]: edges of a box, else an outline in each of its planes."""
+        """Line segments (n, 2, 3) [m] that draw the shape: edges of a box, else an outline in each of its planes."""
         return turned(outline(self.half, self.radius), self.yaw) + self.centre
 
     def spread(self) -> np.ndarray:
-        """Points (n, 3) at the height of its centre, spread over the shape [m]."""
+        """Points (n, 3) [m] spread over the shape at the height of its centre, as feet of arrows."""
         size = np.array(self.half)[[0, 2]] + self.radius
         x, z = (np.linspace(-0.7, 0.7, n) * s if n > 1 else np.zeros(1) for n, s in zip(counts(*size), size))
         x, z = (a.ravel() for a in np.meshgrid(x, z))
@@ -45,7 +45,7 @@ class Core:
         return float(np.abs(self.in_own_axes(direction)) @ self.half + self.radius)
 
     def chord(self, direction: np.ndarray) -> float:
-        """Length [m] within the shape of the line through its centre along a unit vector."""
+        """Length [m] inside the shape of a line through its centre along a unit vector."""
         along = np.abs(self.in_own_axes(direction))
         inside, outside = 0.0, 2.0 * (float(np.linalg.norm(self.half)) + self.radius)
         for _ in range(50):
@@ -59,7 +59,7 @@ class Core:
 
 @lru_cache(maxsize=64)  # frames ask for it again and again
 def outline(half: tuple[float, float, float], radius: float) -> np.ndarray:
-    """Ends (n, 2, 3) of the lines that draw a core, in its own axes [m]."""
+    """Line segments (n, 2, 3) [m] that draw a core of half size `half` and a radius [m], in its own axes."""
     if radius == 0.0:
         corners = np.array(list(np.ndindex(2, 2, 2))) * 2.0 - 1.0
         near = np.abs(corners[:, None] - corners[None]).sum(axis=2) == 2.0
@@ -76,7 +76,7 @@ def outline(half: tuple[float, float, float], radius: float) -> np.ndarray:
 
 
 def counts(x: float, z: float) -> tuple[int, int]:
-    """Numbers of points along x and z to spread over a shape of half sizes x and z [m]."""
+    """Numbers of arrows along x and z for a shape of half sizes x and z [m]: 3 by 3, or 5 in a row on a long one."""
     return (3, 3) if max(x, z) < 2.0 * min(x, z) else (5, 1) if x > z else (1, 5)
 
 
@@ -93,6 +93,7 @@ class Box(Model):
 
     @property
     def core(self) -> Core:
+        """Box as a `Core` of radius 0."""
         return Core(np.array(self.centre), self.half_size, 0.0, radians(self.yaw_deg))
 
 
@@ -107,6 +108,7 @@ class Sphere(Model):
 
     @property
     def core(self) -> Core:
+        """Sphere as a `Core`: a point with its radius."""
         return Core(np.array(self.centre), (0.0, 0.0, 0.0), self.radius, 0.0)
 
 
@@ -127,6 +129,7 @@ class Capsule(Model):
 
     @property
     def core(self) -> Core:
+        """Capsule as a `Core`: the line between the centres of its ends, with its radius."""
         x, y, z = (self.half_length if self.axis == k else 0.0 for k in "xyz")
         return Core(np.array(self.centre), (x, y, z), self.radius, radians(self.yaw_deg))
 
@@ -135,7 +138,7 @@ Shape = Annotated[Box | Sphere | Capsule, Field(discriminator="kind")]
 
 
 def turned(vectors: ArrayLike, angle: float) -> np.ndarray:
-    """Vectors (..., 3) turned by `angle` [rad] about the vertical, by the right hand."""
+    """Vectors (..., 3) rotated by `angle` [rad] about the vertical axis, by the right hand."""
     given = np.asarray(vectors, dtype=float)
     x, y, z = given[..., 0], given[..., 1], given[..., 2]
     c, s = cos(angle), sin(angle)
@@ -144,12 +147,12 @@ def turned(vectors: ArrayLike, angle: float) -> np.ndarray:
 
 @ti.func
 def turned_back(v, cosine, sine):
-    """Vector turned back about the vertical by an angle with this cosine and sine."""
+    """Vector v (3,) rotated by minus the angle of this cosine and sine about the vertical axis."""
     return tm.vec3(cosine * v.x - sine * v.z, v.y, cosine * v.z + sine * v.x)
 
 
 @ti.func
 def within(x, half, radius):
-    """True if x, relative to the centre of a core and in its axes [m], lies in the shape."""
+    """True if point x [m], relative to a core's centre and in its axes, is in the core of this half size and radius."""
     beyond = ti.max(ti.abs(x) - half, 0.0)
     return beyond.dot(beyond) <= radius * radius

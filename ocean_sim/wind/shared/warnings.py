@@ -1,4 +1,4 @@
-"""Warnings about a wind: how much stronger than a real one it is, and what it will do to the water."""
+"""Warnings about a wind: how much stronger than a real one it is, and its effect on the water."""
 
 from math import hypot, isinf
 
@@ -11,7 +11,7 @@ REAL_DRAG_RATIO = "15 to 70"  # over the drag here: yacht, tug and barge in a wi
 
 
 def stylised(name: str, acceleration: float, preflight: Preflight) -> str:
-    """Warning that compares a force field of this size [m/s2] with the stress of a wind on one layer of particles."""
+    """Sentence that compares a force field `name` of a size [m/s2] with a real wind's stress on one particle layer."""
     thick = preflight.spacing or 1.0  # [m] one layer of particles; 1 where the water has none
     real = stress(U10) / (preflight.fluid.rest_density * thick)
     return (
@@ -21,8 +21,8 @@ def stylised(name: str, acceleration: float, preflight: Preflight) -> str:
 
 
 def velocity_change(name: str, acceleration: Vector3, passing_time: float, preflight: Preflight) -> list[str]:
-    """Sentence on a particle's change of velocity in one passage, and a warning if that throws water out of the
-    basin."""
+    """Sentence on a particle's change of velocity in one passage [s] of the force field `name`, and a warning if that
+    would throw water out of the basin."""
     if isinf(passing_time):
         return [f"{name}: does not drift: it keeps accelerating what it holds by {hypot(*acceleration):.3g} m/s2"]
     along, up = hypot(acceleration[0], acceleration[2]) * passing_time, acceleration[1] * passing_time
@@ -35,7 +35,7 @@ def velocity_change(name: str, acceleration: Vector3, passing_time: float, prefl
 
 
 def on_ships(preflight: Preflight) -> list[str]:
-    """Warn that the drag (2.22) on a hull is far from that of a real ship."""
+    """Warn that the drag (2.22) on the scene's ships is far from that of real ships; empty if no ship has a shape."""
     afloat = [called(name) for name, ship in preflight.ships.items() if ship.look(preflight) is not None]
     if not afloat:
         return []

@@ -71,8 +71,7 @@ def command_of(name: str) -> Any:
 
 
 class Verbs(TyperGroup):
-    """Group of all verbs, the subcommands of `ocean-sim`, with their lines in `--help`; the module of a verb is
-    imported once the verb or its help is called."""
+    """Group of all verbs (subcommands of `ocean-sim`); imports the module of a verb once it or its help is called."""
 
     def __init__(self, **given: Any) -> None:
         """Add every verb with its line in `--help` and without options; `given`: as for TyperGroup."""

@@ -130,8 +130,7 @@ def request_stop(*_: object) -> None:
 
 
 def stop_if_asked() -> None:
-    """Raise KeyboardInterrupt if a `stoppable` process goes on although a signal asked it to end: Taichi swallows
-    exceptions raised while it inspects a kernel."""
+    """Raise KeyboardInterrupt if a signal has asked a `stoppable` process to end: Taichi may have swallowed it."""
     if stop_requested.is_set():
         raise KeyboardInterrupt
 

@@ -1,4 +1,4 @@
-"""Frozen and strict models of what a user may write: numbers with units, no unknown keys."""
+"""Frozen and strict models of all user input: numbers with units, no unknown keys."""
 
 from typing import Annotated, Any
 

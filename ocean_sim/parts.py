@@ -306,8 +306,7 @@ class FluidConfig(KindConfig):
     def viscosity_added(
         self, preflight: Preflight, length: float, height: float = 0.0, standing: bool = False
     ) -> float:
-        """Numerical viscosity [m2/s] of the scheme, by measurements, for waves of a length and height [m], travelling
-        or `standing`; 0 without any."""
+        """Numerical viscosity [m2/s] of the scheme for waves (length, height [m]), from measurements; 0 without any."""
         return 0.0
 
     def statements(self, preflight: Preflight) -> list[str]:
@@ -332,8 +331,7 @@ class FluidConfig(KindConfig):
 
     @abstractmethod
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> Fluid:
-        """Build the water. `accounts`: True if it sums impulse and work of each force; `wind`: the wind on the
-        water."""
+        """Build the water. `accounts`: True if it sums impulse and work of each force; `wind`: acts on this water."""
 
     def sums_impulses(self, read: bool) -> bool:
         """True if the water sums impulse and work of each force; `read`: True if `accuracy` reads these sums."""
@@ -419,9 +417,7 @@ class TimeStepConfig(KindConfig):
         return []
 
     @abstractmethod
-    def build(self) -> TimeStep:
-        """Build the rule."""
-        ...
+    def build(self) -> TimeStep: ...
 
 
 @dataclass(frozen=True)

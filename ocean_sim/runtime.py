@@ -64,9 +64,8 @@ Kind = TypeVar("Kind", bound=type)
 
 
 def in_kernels(kind: Kind) -> Kind:
-    """Decorator of a class with methods that are kernels or are called by kernels, in place of Taichi's
-    `ti.data_oriented`: with that, each attribute that Python reads costs a microsecond, and again for every base
-    class."""
+    """Decorator of a class with methods that are kernels or are called by kernels. It replaces `ti.data_oriented`, with
+    which each attribute that Python reads costs a microsecond, and again for each base class."""
     if kernel_library.LIBRARY_NAME == kernel_library.QUADRANTS:
         if "__dataclass_fields__" in vars(kind):  # by which it would take `self` for a struct, handed over by value
             del kind.__dataclass_fields__  # type: ignore[attr-defined]
@@ -372,8 +371,7 @@ def _forget_declared() -> None:
 
 
 def start(config: RuntimeConfig) -> Backend:
-    """Start Taichi and return its backend; a running Taichi is kept if it suits this config (`must_restart`). A restart
-    loses all fields.
+    """Start Taichi and return its backend; one that runs is kept if it suits the config. A restart loses all fields.
 
     Raises BackendMissing if the backend obtained is not the one asked for, and RuntimeError if a simulation of another
     thread is open, or any at all after memory ran out.
@@ -433,14 +431,12 @@ def _start(config: RuntimeConfig) -> Backend:
 
 
 def _has_doubles(arch: str) -> bool:
-    """True if the started backend has double precision, tried by a kernel: with Vulkan and Metal it is up to the
-    driver."""
+    """True if the started backend has double precision, tried by a kernel: for Vulkan and Metal the driver decides."""
     if arch not in OPTIONAL_DOUBLES:
         return True
 
     @ti.kernel
     def halved(x: float) -> float:
-        """Half of a number, computed in double precision; raises RuntimeError if the backend has none."""
         return ti.cast(0.5 * ti.cast(x, ti.f64), float)
 
     try:
@@ -459,7 +455,6 @@ def vector_width() -> int:
 
         @ti.kernel
         def total() -> float:
-            """Sum of squares, a loop that the compiler vectorises."""
             found = 0.0
             ti.loop_config(serialize=True)
             for k in range(1024):

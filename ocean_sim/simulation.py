@@ -193,8 +193,7 @@ class Simulation:
         self.next_dt = self.time_step.next(self.limits())
 
     def run(self, until: float) -> None:
-        """Step until this time [s] is reached, and call the observers; raises Diverged if the state becomes
-        unphysical."""
+        """Step until this time [s] is reached, and call the observers; raises Diverged for an unphysical state."""
         until = number("until", until, "s", 0.0)
         try:
             if not self.begun:
@@ -242,8 +241,7 @@ class Simulation:
             raise failures[0]
 
     def conclude(self) -> list[BaseException]:
-        """Close all observers, even if one raises. Returns the exceptions; the first one becomes the outcome of a done
-        run."""
+        """Close all observers, even if one raises; returns the exceptions. The first one ends a run that was `done`."""
         failures: list[BaseException] = []
         concluded: list[OutcomeObserver] = []
         for observer in sorted(self.observers, key=lambda observer: isinstance(observer, OutcomeObserver)):

@@ -80,7 +80,7 @@ class Verbs(TyperGroup):
             self.add_command(TyperCommand(name, help=line, hidden=name in HIDDEN_VERBS))
 
     def resolve_command(self, ctx: Any, args: list[str]) -> tuple[str | None, Any, list[str]]:
-        """Name of the verb that is called, its full command instead of the placeholder, and its remaining arguments."""
+        """Name of the verb that is called, its Typer command with all options, and its remaining arguments."""
         name, command, rest = super().resolve_command(ctx, args)
         return name, command if command is None else command_of(str(name)), rest
 

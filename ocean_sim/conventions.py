@@ -138,7 +138,7 @@ def whole_number(name: str, value: Any) -> int:
 
 
 def row_array(name: str, values: Any, columns: str) -> np.ndarray:
-    """The values as an array (n, columns), with one column for each name in `columns`, as "x, z"; raises Unsuited."""
+    """The values as an array (n, columns), a column for each name in `columns`, as "x, z"; else raises Unsuited."""
     try:
         found = np.asarray(values, dtype=float)
     except (TypeError, ValueError):
@@ -171,5 +171,5 @@ class Diverged(Failed):
 
     @property
     def sentence(self) -> str:
-        """The message after the word "diverged"."""
+        """Message for the user: "diverged: " and the text of the exception."""
         return f"diverged: {self}"

@@ -105,11 +105,11 @@ class PartConfig(Model):
     """
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence) of these keys in this basin; other parts may be wrong themselves, and do not count."""
+        """Faults (key, sentence) of these keys alone in this basin; other parts may be wrong, and must not be read."""
         return []
 
     def mismatches(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence) of these keys in combination with other parts; called if no part has a `problem`."""
+        """Faults (key, sentence) of these keys together with other parts; called if no part has `problems`."""
         return []
 
     def warnings(self, preflight: Preflight) -> list[str]:
@@ -539,9 +539,17 @@ class Scene(Protocol):
     def preflight(self) -> Preflight: ...
     def warnings(self) -> list[str]: ...
     def ledger(self) -> list[LedgerRow]: ...
-    def resolved(self) -> dict[str, Any]: ...
-    def inputs(self) -> dict[str, str]: ...
-    def files(self) -> list[str]: ...
+    def resolved(self) -> dict[str, Any]:
+        """The whole scene as plain data, with all defaults, that load again to an equal scene."""
+        ...
+
+    def inputs(self) -> dict[str, str]:
+        """SHA-256 by name of each input file; raises Refused if one has changed since it was read."""
+        ...
+
+    def files(self) -> list[str]:
+        """Names of the files that a run writes into its folder; * stands for digits and dots."""
+        ...
 
 
 def config_of(slot: str, kind: str) -> type[KindConfig]:

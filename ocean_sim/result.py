@@ -162,8 +162,7 @@ def simulate(config: SceneConfig, folder: Path, observers: tuple[Observer, ...])
 
 
 def wave_field(scene: SceneConfig | str | Path | dict[str, Any]) -> WaveField:
-    """The waves of a scene (as `run` takes it), to be evaluated at any place and time; raises SceneError if the scene
-    is wrong, and Refused unless its water is a sum of plane waves or a patch of such a sea."""
+    """Waves of a scene, to evaluate at any place and time; raises SceneError, and Refused without plane waves."""
     with Simulation(scene if isinstance(scene, SceneConfig) else load(scene)) as simulation:
         sea = simulation.fluid.plane_waves
     if sea is None:

@@ -78,8 +78,7 @@ def in_kernels(kind: Kind) -> Kind:
 
 
 def _bound(kernel: Any) -> Any:
-    """Method that launches a kernel; from its second launch on it skips the look-ups of Taichi, which take 0.2 to 1 ms
-    of a step of 2 to 4 ms with 6000 particles on one thread."""
+    """Method that launches a kernel; from its second launch on it skips Taichi's look-ups (0.2 to 1 ms a step)."""
 
     @wraps(kernel)
     def launch(self: Any, *given: Any) -> Any:
@@ -446,8 +445,7 @@ def _has_doubles(arch: str) -> bool:
 
 
 def vector_width() -> int:
-    """Number of f32 lanes that compiled kernels use on this processor, read from the LLVM code of a sum. The call needs
-    a process of its own, since it restarts Taichi."""
+    """Number of f32 lanes that kernels use on this processor, from the LLVM code of a sum; restarts Taichi."""
     with tempfile.TemporaryDirectory() as folder, chdir(folder):  # where the library puts what it prints
         with redirect_stdout(StringIO()):
             ti.init(arch=ti.cpu, offline_cache=False, print_kernel_llvm_ir_optimized=True, log_level=ti.ERROR)

@@ -31,8 +31,7 @@ class Observer:
         """Observe the present state; called at time 0 and after the steps that `every` selects."""
 
     def resumed(self, changed: str) -> None:
-        """Adapt the files to a restored checkpoint; called before the run goes on. `changed`: differences of this
-        program from the one that made the checkpoint, in words; empty if there are none."""
+        """Hook after a checkpoint is restored; `changed`: how the program has changed since it was made, or empty."""
 
     def show_progress(self, progress: Progress) -> None:
         """Receive the callback to which an observer reports the progress of a long task; ignored by default."""
@@ -212,8 +211,7 @@ class Simulation:
         self.outcome = "done"
 
     def note(self, failure: BaseException) -> None:
-        """Set outcome and reason of a run that the exception `failure` ended: `stopped` if it diverged or a person
-        ended it, `failed` if the program or the machine failed."""
+        """Set outcome and reason of a run ended by `failure`: `stopped` (diverged, or by a person) or `failed`."""
         if isinstance(failure, Diverged):
             when = "" if "t = " in str(failure) else f"; t = {self.time:.4f} s, step {self.steps}"
             self.outcome, self.reason = "stopped", f"{failure}{when}"

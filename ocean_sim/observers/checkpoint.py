@@ -86,7 +86,7 @@ class Checkpoint(Observer):
         self.stop_requested = True
 
     def close(self) -> None:
-        """Give the handlers of signals back that were there before the run."""
+        """Restore the signal handlers that were there before the run."""
         for number, handler in (self.handlers or {}).items():
             signal.signal(number, handler)
 

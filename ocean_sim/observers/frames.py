@@ -172,8 +172,7 @@ class Frames(Observer):
     def breaking_heights(
         self, simulation: Simulation, points: np.ndarray, elevation: np.ndarray, origin: np.ndarray
     ) -> np.ndarray:
-        """Heights (nx, nz) [m] of the sea as if without ships, from which foam is formed: foam would else gather at the
-        steep dents of the hulls, whose own foam is drawn with them."""
+        """Heights (nx, nz) [m] as if without ships, from which foam forms: it would else gather at dents of hulls."""
         if not self.ships:
             return elevation
         undisturbed = simulation.fluid.undisturbed_elevations(points, elevation.ravel())
@@ -189,8 +188,7 @@ class Frames(Observer):
         return foam.levelled_heights(elevation, inside.reshape(self.shape), widest / self.cell)
 
     def whiten_past_sea(self, simulation: Simulation, points: np.ndarray) -> None:
-        """Form the foam of a sea in closed form over the seconds before the run: without a past, all foam would begin
-        at once, in a stripe along the highest crest."""
+        """Form the foam of a sea in closed form from its past: all would else begin at once, in one stripe."""
         sea, begins = simulation.fluid.plane_waves, simulation.time
         if sea is None or sea.ramp_share(begins) < 1.0:
             return
@@ -260,7 +258,7 @@ def topmost_velocity(snapshot: "Snapshot", points: np.ndarray, top: np.ndarray, 
 
 
 def fill_unknown(values: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """(nx, nz, m) values; one that is not known (nx, nz) becomes the mean of known ones around it, or 0."""
+    """(nx, nz, m) values; one not `known` (nx, nz) becomes the mean of known ones in the 8 cells around, else 0."""
     from scipy.ndimage import uniform_filter
 
     if known.all():

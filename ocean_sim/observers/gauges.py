@@ -88,7 +88,7 @@ def disc_points() -> np.ndarray:
 
 
 def nearest_axis(point: np.ndarray, flats: Sequence[tuple[int, float]], boxes: Sequence[Corners]) -> int | None:
-    """Axis (0 to 2) across the nearest flat side (axis, position [m]) or face of a box; None without any."""
+    """Axis (0 to 2) across the flat side (axis, position [m]) or box face nearest to a point; None without any."""
     found = [(abs(point[axis] - position), axis) for axis, position in flats]
     for low, high in boxes:
         beyond = np.maximum(np.maximum(np.array(low) - point, point - np.array(high)), 0.0)
@@ -176,7 +176,7 @@ def riding_problem(preflight: Preflight) -> str | None:
 
 
 def outside_reason(point: tuple[float, ...], axes: str, basin: Basin) -> str | None:
-    """Reason that a point with coordinates along `axes` is outside the water; None if it is inside or above it."""
+    """Reason that a point (coordinates along `axes`) is outside the basin; None if inside, or above an open one."""
     wanted = axes if basin.dimension == 3 else axes.replace("z", "")
     if len(point) != len(wanted):
         slice_ = "" if basin.dimension == 3 else ", the basin is 2-D"

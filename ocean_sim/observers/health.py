@@ -119,6 +119,7 @@ class Health(OutcomeObserver):
             self.record_event("the program has changed", what=changed)
 
     def observe(self, simulation: Simulation) -> None:
+        """Check water and ships, and record events; raises Diverged with the first violated bound."""
         if self.n > 0 and not self.begun:
             self.begin(simulation)
         if self.n > 0 and simulation.steps > 0:
@@ -320,7 +321,7 @@ class Health(OutcomeObserver):
         return self.failure_sentence(f"{what}{where}", self.suggest_cure())
 
     def suggest_cure(self) -> str:
-        """Advice to the user against the likeliest cause of a failure: another stiffness, or a shorter step."""
+        """Advice to the user against the likeliest cause of a failure, such as a stiffness or a shorter step."""
         fluid, basin, scene = self.simulation.fluid, self.simulation.basin, self.simulation.scene
         pull = float(np.linalg.norm(basin.gravity))
         if fluid.sound_speed == 0.0:

@@ -68,7 +68,7 @@ class Manifest(OutcomeObserver):
         self.write()
 
     def resumed(self, changed: str) -> None:
-        """Add the time at which the run was resumed, and the change of the program since the checkpoint."""
+        """Add to the manifest the time at which the run was resumed, and the change of the program since."""
         before, now = input_file.read_json(self.path), round(self.simulation.time, 9)
         self.facts["resumed_s"] = [*before.get("resumed_s", []), now]
         changes = [each for each in before.get("changed", []) if each["from_s"] < now]
@@ -107,8 +107,7 @@ def sha256(data: bytes) -> str:
 
 
 def state_sha256(simulation: Simulation) -> str:
-    """SHA-256 of the final positions and velocities, in the order of particle ids, and of the ships' states; for water
-    without particles, of its final heights along a diagonal of the basin."""
+    """SHA-256 of the final particles, by id, and ships; without particles, of heights along the basin's diagonal."""
     particles = simulation.fluid.particles
     if particles is None:
         points = np.linspace(simulation.basin.lower, simulation.basin.upper, 101)[:, [0, 2]]

@@ -300,7 +300,7 @@ class Drawer:
         self.reader.start()
 
     def follow(self) -> None:
-        """Report the progress that the child prints ("pictures 3 of 600") until it ends; total 0: unknown. A thread."""
+        """Report the child's progress lines ("pictures 3 of 600") until it ends; total 0: unknown. Runs in a thread."""
         assert self.child is not None and self.child.stdout is not None
         for line in self.child.stdout:
             words = line.split()
@@ -341,7 +341,7 @@ class Drawer:
 
 
 def start_drawing(asked: dict[str, Any], errors: IO[str], **how: Any) -> subprocess.Popen[Any]:
-    """Start a process that draws the request `asked` (see `main`); `errors`: file for its standard error."""
+    """Start a process that draws the request `asked` (see `main`); `errors`: its standard error; `how`: for Popen."""
     command = [sys.executable, "-m", "ocean_sim.observers.render", json.dumps(asked)]
     # Its standard input breaks when this process ends, however that comes.
     return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors, **how)
@@ -505,7 +505,7 @@ class ComingFrames:
         self.look()
 
     def look(self) -> None:
-        """Add new frame files to `log`; the last ones if the run was over before. Sets `ended` if it was."""
+        """Add new frame files to `log`; set `ended` if the run was over before the search, so that none is missed."""
         ended, number = self.over.is_set(), len(self.log.files)
         if ended:
             known = {path.name for path in self.log.files}
@@ -613,7 +613,7 @@ def draw_turns(
 def write_film(
     path: Path, order: Order, picture: Picture, coming: ComingFrames, others: Sequence[Painter]
 ) -> Iterator[tuple[int, int]]:
-    """Write a film in real time (H.264), and a row of moments of it; yields progress as `draw_order`."""
+    """Write a film in real time (H.264), and a row of small pictures from it; yields progress as `draw_order`."""
     with atomic_write(path) as draft:
         moments, image = Moments(), np.zeros(0)
         with film_writer(draft, order.every) as writer:

@@ -156,7 +156,7 @@ _COMMAND_ADAPTER: TypeAdapter[Command] = TypeAdapter(Annotated[Command, Field(di
 
 
 def parse_command(text: str) -> Command:
-    """Command in a text message from a page; raises BadMessage if the text is none."""
+    """Command in a text message from a page; raises BadMessage if the text follows the format of no command."""
     try:
         return _COMMAND_ADAPTER.validate_json(text)
     except (ValidationError, RecursionError) as error:

@@ -34,8 +34,7 @@ STAGE_NAMES = ("wind", "fluid", "surface", "ship", "observers")
 
 
 class Watch(Observer, TakesMotion):
-    """Observer that sends the newest state of a simulation to the open pages of a server, at most MAX_FRAME_RATE times
-    a second of wall time; none while no page is open."""
+    """Observer that sends the newest state to the open pages of a server, at most MAX_FRAME_RATE times a second."""
 
     at_once = True
 
@@ -86,7 +85,7 @@ class Watch(Observer, TakesMotion):
         simulation.stage = stage  # type: ignore[method-assign, assignment]
 
     def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
-        """Follow new rows of the motion log with the motion platform, if its ship wrote them."""
+        """Compute the platform's commands from new rows of the motion log, if they are of the ship that carries it."""
         if ship == self.ridden and self.platform is not None:
             done = self.platform.follow(ride_of(rows, frame))
             self.commands = np.concatenate([done.pose[-1], done.legs[-1]]).astype(np.float32)

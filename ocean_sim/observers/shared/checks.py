@@ -13,13 +13,13 @@ IMAGE_TOLERANCE = 1e-4  # of spacing and reference speed, for two halves that be
 
 
 def surely_inside(totals: Totals, basin: Basin) -> bool:
-    """True if totals alone show that no particle is outside the basin; False: each particle has to be checked."""
+    """True if the bounds in `totals` show that no particle is outside the basin; else each has to be checked."""
     low, up = basin.stops()
     return not basin.obstacles and bool((totals.lower >= low).all() and (totals.upper <= up).all())
 
 
 def distance_outside(position: np.ndarray, basin: Basin, time: float) -> np.ndarray:
-    """(n,) distance [m] of particles out of the walls or into an obstacle, at a time [s]; 0 in the water."""
+    """(n,) distance [m] of particles beyond walls or inside an obstacle, at a time [s]; 0 in the water."""
     low, up = (np.array(stop) for stop in basin.stops())
     distance = np.linalg.norm(position - np.clip(position, low, up), axis=1)
     for least, most in basin.obstacles_at(time):

@@ -114,7 +114,7 @@ class Sampled:
         self.before = None
 
     def rows(self, time: float, values: np.ndarray, held: tuple = ()) -> list[Sample]:
-        """Samples at the multiples passed since the last call, up to this state at `time` [s]; `held`: no numbers."""
+        """Samples at multiples passed since the last call up to `time` [s]; `values` are interpolated, `held` not."""
         now = Sample(time, np.asarray(values, dtype=np.float64), held)
         passed = self.multiples.reached(time)
         shown = passed if len(passed) <= self.most else (passed[0], passed[-1])

@@ -277,7 +277,7 @@ def motion_plots(title: str, log: Table) -> Iterator[str]:
 
 
 def wave_trains(part: dict[str, Any]) -> Iterator[str]:
-    """Yield a sentence about each wave train of a sea or a fluid; `part`: their keys in the scene, as plain data."""
+    """Yield a sentence about each wave train of a sea or a fluid, from its keys in the scene as data (`part`)."""
     spectrum = part.get("spectrum")
     if spectrum:
         kind, height = spectrum["kind"].replace("_", " "), spectrum["significant_wave_height"]

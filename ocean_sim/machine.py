@@ -130,7 +130,7 @@ def request_stop(*_: object) -> None:
 
 
 def stop_if_asked() -> None:
-    """Raise KeyboardInterrupt if a signal has asked a `stoppable` process to end: Taichi may have swallowed it."""
+    """Raise KeyboardInterrupt if a signal asked a `stoppable` process to end: Taichi may have swallowed the first."""
     if stop_requested.is_set():
         raise KeyboardInterrupt
 

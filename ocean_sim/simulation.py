@@ -239,7 +239,7 @@ class Simulation:
             raise failures[0]
 
     def conclude(self) -> list[BaseException]:
-        """Close all observers, even if one raises; returns the exceptions. The first one ends a run that was `done`."""
+        """Close all observers, even if one raises; returns the exceptions. The first one replaces an outcome `done`."""
         failures: list[BaseException] = []
         concluded: list[OutcomeObserver] = []
         for observer in sorted(self.observers, key=lambda observer: isinstance(observer, OutcomeObserver)):

@@ -224,7 +224,7 @@ class Restorer:
         return np.dtype(dtype).type(value)
 
     def from_path(self, node: Any, fresh: Any, path: str) -> Path:
-        """Path in the run folder, which is made again by `cut` if it is missing; raises Mismatch for another name."""
+        """Path in the run folder; `cut` makes it again if it was a folder. Raises Mismatch for another name."""
         found = self.folder / path_inside(node[PATH_KEY])
         if isinstance(fresh, Path) and not (fresh.is_dir() if found == self.folder else fresh.name == found.name):
             raise Mismatch(f"its {path.lstrip('.')} is {node[PATH_KEY]!r:.60}")

@@ -47,7 +47,7 @@ class Setting:
         surface: bool,
         particles: int,
     ) -> None:
-        """`grid`: content of frames/grid.npz; `scene`: resolved scene; `waves`: plane waves of water in closed form,
+        """`grid`: arrays as in frames/grid.npz; `scene`: resolved scene; `waves`: plane waves of water in closed form,
         else None; `surface`: True if there are heights to show; `particles`: number of those shown."""
         self.scene, self.title, self.waves, self.surface, self.particles = scene, title, waves, surface, particles
         names = "lower", "upper", "x", "z"  # corners of the basin; of the heights, from their origin [m]

@@ -77,7 +77,7 @@ def energy_scale(simulation: Simulation) -> float:
 
 
 def falls_without_potential(simulation: Simulation) -> bool:
-    """True if gravity or body force does work beyond potential energy: steady force, moving tank, periodic fall."""
+    """True if gravity or body force does work beyond potential energy, as in a moving tank or along a periodic axis."""
     basin = simulation.basin
     periodic = any(period > 0.0 and g != 0.0 for period, g in zip(basin.periods, basin.gravity, strict=True))
     return periodic or any(simulation.scene.fluid.steady_force) or basin.config.motion is not None

@@ -31,7 +31,7 @@ os.environ.setdefault("TI_SKIP_VERSION_CHECK", "ON")  # it would ask a server on
 
 
 def __getattr__(name: str) -> Any:
-    """A public name, imported when it is first used, so that `ocean-sim list` needs no Taichi."""
+    """Import a public name when it is first used (`list` needs no Taichi); raises AttributeError for others."""
     if name in PUBLIC_MODULES:
         return getattr(import_module(f"ocean_sim.{PUBLIC_MODULES[name]}"), name)
     raise AttributeError(f"module 'ocean_sim' has no attribute {name!r}")

@@ -62,7 +62,7 @@ FUNCTIONS = {  # of verbs that do not share its name with their module
 
 
 def command_of(name: str) -> Any:
-    """Typer command of a verb with its options; imports the module of the verb."""
+    """Typer command of a verb (a subcommand such as `run`) with its options; imports the module of the verb."""
     module, _, function = FUNCTIONS.get(name, f"{name}:{name}").partition(":")
     called = getattr(import_module(f"ocean_sim.verbs.{module}"), function)
     alone = typer.Typer(add_completion=False, rich_markup_mode=None)
@@ -71,15 +71,16 @@ def command_of(name: str) -> Any:
 
 
 class Verbs(TyperGroup):
-    """All verbs with their lines in `--help`; the module of a verb is imported once the verb or its help is called."""
+    """Group of all verbs (subcommands of `ocean-sim`); imports the module of a verb once it or its help is called."""
 
     def __init__(self, **given: Any) -> None:
+        """Add every verb with its line in `--help` and without options; `given`: as for TyperGroup."""
         super().__init__(**given)
         for name, line in VERBS.items():
             self.add_command(TyperCommand(name, help=line, hidden=name in HIDDEN_VERBS))
 
     def resolve_command(self, ctx: Any, args: list[str]) -> tuple[str | None, Any, list[str]]:
-        """Name and command of the verb that is called, and its remaining arguments."""
+        """Name of the verb that is called, its Typer command with all options, and its remaining arguments."""
         name, command, rest = super().resolve_command(ctx, args)
         return name, command if command is None else command_of(str(name)), rest
 
@@ -100,6 +101,7 @@ WrongUsage: Any = typer.BadParameter.__mro__[2]
 
 
 def show_version(asked: bool) -> None:
+    """Callback of `--version`: print the version of this program and exit, if the option was given."""
     if asked:
         from ocean_sim.machine import installed_version
 
@@ -117,7 +119,7 @@ def program(
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run the command line and leave with its exit code."""
+    """Run the command line, by default that of this process, and end the process with its exit code."""
     gc.set_threshold(20_000)  # reading kernels makes many small objects: a tenth of the time to the first step
     console.open_streams()
     given = sys.argv[1:] if arguments is None else arguments
@@ -131,7 +133,7 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def answered(arguments: list[str]) -> int:
-    """Run a command line and return its exit code; an error is reported in one sentence."""
+    """Run a command line and return its exit code; an error is printed as a sentence, with `--debug` its traceback."""
     debug, as_json = "--debug" in arguments, "--json" in arguments
     try:
         must_be_somewhere()
@@ -156,7 +158,7 @@ def must_be_somewhere() -> None:
 
 
 def reported(error: BaseException, as_json: bool) -> int:
-    """Print an error as a sentence, or as JSON if that was asked for; returns the exit code."""
+    """Print an error to standard error, or with `as_json` as JSON to standard output; returns the exit code."""
     code, sentence, problems = meaning(error)
     if as_json:
         sentence = console.problem_count(problems) if problems else sentence
@@ -172,7 +174,7 @@ def reported(error: BaseException, as_json: bool) -> int:
 
 
 def meaning(error: BaseException) -> tuple[int, str, list[Any]]:
-    """Exit code and sentence of an error, and the problems in a scene (with locations) that it is about, if any."""
+    """Exit code of an error, its sentence for the user, and the problems in a scene, with locations, if any."""
     if isinstance(error, Failed):
         return error.exit_code, error.sentence, [*error.problems]
     if isinstance(error, ImportError | OSError) and "libX11" in str(error):

@@ -51,7 +51,7 @@ AIR_DENSITY = 1.225  # [kg/m^3], ICAO standard atmosphere at sea level
 
 
 class Motions(NamedTuple):
-    """The six motions of a ship, in the order they are logged: [m] and [rad]."""
+    """The six motions of a ship, in the order they are logged: sway, heave, surge [m], pitch, yaw, roll [rad]."""
 
     sway: float  # along X
     heave: float  # along Y
@@ -62,7 +62,7 @@ class Motions(NamedTuple):
 
 
 class Setting(NamedTuple):
-    """A number that may change while a simulation goes on, without anything being compiled."""
+    """Present value and unit of a number that may change during a simulation without compiling a kernel anew."""
 
     now: float
     unit: str
@@ -99,28 +99,29 @@ def figures(value: float, count: int = 4) -> str:
 
 
 class Failed(Exception):
-    """A failed attempt. Every exception that is meant for people derives from this one; its message is one sentence."""
+    """Base of all exceptions that are meant for people: an attempt failed, and the message is one sentence."""
 
     exit_code: ClassVar[int] = 1  # of the command line
     problems: Sequence[Any] = ()  # locations in a scene that it is about, with a message each
 
     @property
     def sentence(self) -> str:
+        """Message for the user, one sentence."""
         return str(self)
 
 
 class Refused(Failed):
-    """The input is wrong."""
+    """The user's input is wrong: a scene, an option, a file or an argument."""
 
     exit_code = 2
 
 
 class Unsuited(Refused, ValueError):
-    """An argument of a function has an impossible value."""
+    """An argument of a Python function has an impossible value; also a ValueError."""
 
 
 def number(name: str, value: Any, unit: str, least: float = -inf) -> float:
-    """The value as a float; raises Unsuited unless it is a finite number of at least `least`."""
+    """The value as a float; raises Unsuited, with `name` and `unit`, unless it is finite and at least `least`."""
     value = value.item() if isinstance(value, np.ndarray) and value.ndim == 0 else value
     numeric = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
     if not numeric or not isfinite(value) or value < least:
@@ -137,7 +138,7 @@ def whole_number(name: str, value: Any) -> int:
 
 
 def row_array(name: str, values: Any, columns: str) -> np.ndarray:
-    """The values as an array (n, columns), one column for each name in `columns`; raises Unsuited if they are not."""
+    """The values as an array (n, columns), a column for each name in `columns`, as "x, z"; else raises Unsuited."""
     try:
         found = np.asarray(values, dtype=float)
     except (TypeError, ValueError):
@@ -149,13 +150,13 @@ def row_array(name: str, values: Any, columns: str) -> np.ndarray:
 
 
 class Lacking(Failed):
-    """The machine lacks a means that was asked for; the sentence names the package to install."""
+    """This machine lacks a package, a driver or a device that was asked for; the message says how to get it."""
 
     exit_code = 3
 
 
 def in_words(failure: BaseException) -> str:
-    """Sentence for people on the reason of a failure; that of an OSError names the file."""
+    """Sentence for the user on the reason of any exception; that of an OSError names the file."""
     if isinstance(failure, Failed):
         return failure.sentence
     if isinstance(failure, OSError):
@@ -166,8 +167,9 @@ def in_words(failure: BaseException) -> str:
 
 
 class Diverged(Failed):
-    """A run left the physical world; the message names the quantity, place and time, and a remedy."""
+    """A simulation has become unphysical; the message names the quantity, place and time, and a remedy."""
 
     @property
     def sentence(self) -> str:
+        """Message for the user: "diverged: " and the text of the exception."""
         return f"diverged: {self}"

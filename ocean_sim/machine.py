@@ -30,7 +30,7 @@ SOURCE_SUFFIXES = (".py", ".csv")  # suffixes of the program's files that its nu
 
 
 def available_cores() -> int:
-    """Cores that this process may use."""
+    """Number of processor cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
@@ -40,13 +40,13 @@ def cache_directory() -> Path:
 
 
 def kernel_cache() -> Path:
-    """Folder of the kernels that this copy of the program has compiled; each other copy has a folder of its own."""
+    """Folder of the kernels that this copy of the program has compiled, named by the path of the copy."""
     copy = hashlib.sha256(os.fsencode(Path(__file__).parent)).hexdigest()[:8]
     return cache_directory() / "kernels" / copy
 
 
 def memory_limit() -> int:
-    """Memory [bytes] of this machine, or less where a limit of this process or of its container is lower."""
+    """Physical memory [bytes] of this machine, or the limit of this process or of its container if that is lower."""
     limits = [os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"), resource_limit("RLIMIT_AS")]
     for file in CGROUP_LIMIT_FILES:
         with suppress(OSError, ValueError):  # there is no such bound
@@ -55,7 +55,7 @@ def memory_limit() -> int:
 
 
 def available_memory() -> int:
-    """Memory [bytes] that this process has or can still get, swap included; `memory_limit` on other systems."""
+    """Memory [bytes] that this process has or can still get, swap included; `memory_limit` on systems without /proc."""
     try:
         lines = [line.split() for file in MEMORY_FILES for line in Path(file).read_text().splitlines()]
     except OSError:
@@ -65,14 +65,14 @@ def available_memory() -> int:
 
 
 def resource_limit(name: str) -> int:
-    """Limit of the system on this process, by a name of module `resource`, as RLIMIT_AS; sys.maxsize if unlimited."""
+    """Limit of a resource of this process, by a name in module `resource`, as RLIMIT_AS; sys.maxsize if unlimited."""
     limit = resource.getrlimit(getattr(resource, name))[0]
     return sys.maxsize if limit == resource.RLIM_INFINITY else limit
 
 
 @cache
 def processor_facts() -> dict[str, str]:
-    """Entries of the first processor in /proc/cpuinfo; empty on other systems than Linux."""
+    """Entries of the first processor in /proc/cpuinfo, text by name; empty on systems other than Linux."""
     try:
         first = Path("/proc/cpuinfo").read_text(encoding="utf-8").partition("\n\n")[0]
     except OSError:
@@ -81,13 +81,13 @@ def processor_facts() -> dict[str, str]:
 
 
 def max_vector_width() -> int | None:
-    """Largest number of f32 lanes of the processor's vectors; None if unknown."""
+    """Largest number of f32 lanes in the vector registers of this processor; None if unknown."""
     flags = processor_facts().get("flags", "").split()
     return next((n for flag, n in (("avx512f", 16), ("avx2", 8), ("sse2", 4)) if flag in flags), None)
 
 
 def installed_version(package: str) -> str | None:
-    """The version of a package, None where it is missing."""
+    """Version of an installed Python package; None if it is missing."""
     try:
         return version(package)
     except PackageNotFoundError:
@@ -95,7 +95,7 @@ def installed_version(package: str) -> str | None:
 
 
 def missing_extra(extra: str) -> str | None:
-    """Sentence that names the missing packages of an extra and how to install them; None where all are there."""
+    """Sentence on the missing packages of an optional extra, such as `pictures`; None if all are installed."""
     missing = [package for package in EXTRA_PACKAGES[extra] if installed_version(package) is None]
     if not missing:
         return None
@@ -112,26 +112,25 @@ def extra_with(module: str) -> str | None:
 
 @cache
 def source_hashes() -> dict[str, str]:
-    """The hash of each file of this program that its numbers depend on, by its name in the package."""
+    """SHA-256 (16 hex digits) of each file of this program that its numbers depend on, by its path in the package."""
     package = Path(__file__).parent
     files = sorted(path for path in package.rglob("*") if path.suffix in SOURCE_SUFFIXES and path.is_file())
     return {path.relative_to(package).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()[:16] for path in files}
 
 
 def program_hash() -> str:
-    """One hash of all files of this program that its numbers depend on."""
+    """SHA-256 of all files of this program that its numbers depend on, together."""
     return hashlib.sha256("".join(f"{name} {each}\n" for name, each in source_hashes().items()).encode()).hexdigest()
 
 
 def request_stop(*_: object) -> None:
-    """Signal handler of a `stoppable` process: note the request to end, and raise KeyboardInterrupt."""
+    """Signal handler that `stoppable` installs: note that the process shall end, and raise KeyboardInterrupt."""
     stop_requested.set()
     raise KeyboardInterrupt
 
 
 def stop_if_asked() -> None:
-    """Raise KeyboardInterrupt if a `stoppable` process was asked to end but goes on: Taichi swallows exceptions raised
-    while it inspects a kernel."""
+    """Raise KeyboardInterrupt if a signal asked a `stoppable` process to end: Taichi may have swallowed the first."""
     if stop_requested.is_set():
         raise KeyboardInterrupt
 
@@ -140,7 +139,7 @@ def stop_if_asked() -> None:
 def stoppable() -> Iterator[None]:
     """Turn signals that ask this process to end into a KeyboardInterrupt inside the block: SIGINT (Ctrl-C), SIGTERM,
     SIGXCPU (processor time is spent), and SIGHUP (the terminal is closed) unless `nohup` ignores it. Only a main thread
-    receives signals; other threads pass through unchanged."""
+    receives signals; in other threads nothing is changed."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -158,8 +157,8 @@ def stoppable() -> Iterator[None]:
 
 @contextmanager
 def parent_pipe() -> Iterator[int]:
-    """File descriptor of the standard input for a child that calls `exit_with_parent`: a pipe that carries nothing, and
-    breaks when this process ends for whatever reason."""
+    """Yield the file descriptor to give as standard input to a child that calls `exit_with_parent`: a pipe that carries
+    nothing, and breaks when this process ends for whatever reason."""
     theirs, ours = os.pipe()
     try:
         yield theirs
@@ -170,7 +169,7 @@ def parent_pipe() -> Iterator[int]:
 
 def kill_session(child: subprocess.Popen[str]) -> None:
     """Kill a child that leads a session of its own, with every process that it has started, and wait until they have
-    ended: until then one may still be making a file."""
+    ended, at most KILL_TIMEOUT: until then one may still be writing a file."""
     patience = time.monotonic() + KILL_TIMEOUT
     with suppress(ProcessLookupError, PermissionError):  # none is left
         os.killpg(child.pid, signal.SIGKILL)
@@ -182,8 +181,8 @@ def kill_session(child: subprocess.Popen[str]) -> None:
 
 
 def yield_to_others(by: int) -> None:
-    """Let other processes go first on busy cores, where the system can: on Linux also those of other sessions, among
-    which it may share out the cores however nice their processes are (`autogroup` in sched(7)); `by` 0 ends that."""
+    """Raise the niceness of this process by `by`, so that others go first on busy cores. If it leads a session on
+    Linux, set that of the session too, by which cores are shared out (`autogroup` in sched(7)); 0 resets it."""
     os.nice(by)
     if os.getsid(0) == os.getpid():  # this session is its own
         with suppress(OSError):
@@ -192,10 +191,11 @@ def yield_to_others(by: int) -> None:
 
 def exit_with_parent() -> threading.Event:
     """End this process and its process group as soon as its standard input breaks: a `parent_pipe`, or another pipe
-    that its parent holds. The event returned is set when the parent writes something."""
+    that its parent holds. Returns an event that is set when the parent writes something."""
     spoken = threading.Event()
 
     def listen() -> None:
+        """Read standard input until it breaks, and set the event at every byte."""
         while os.read(sys.stdin.fileno(), 1):
             spoken.set()
 
@@ -207,6 +207,7 @@ def exit_after(wait: Callable[[], object]) -> None:
     """End this process, and its process group if it leads one, as soon as `wait` returns in another thread."""
 
     def end() -> None:
+        """End the process, and the group that it leads, once `wait` has returned; runs in a thread."""
         wait()
         if os.getpgrp() == os.getpid():
             os.killpg(0, signal.SIGKILL)

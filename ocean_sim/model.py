@@ -1,4 +1,4 @@
-"""Frozen and strict models of what a user may write: numbers with units, no unknown keys."""
+"""Frozen and strict models of all user input: numbers with units, no unknown keys."""
 
 from typing import Annotated, Any
 
@@ -6,7 +6,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 
 class Model(BaseModel):
-    """A mapping that a user may write: frozen, strict about types, no unknown keys, no NaN and no infinity."""
+    """Base of all models of user input: frozen, strict about types, no unknown keys, no NaN and no infinity."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
@@ -17,7 +17,7 @@ def quantity(unit: str, default: Any = ..., **bounds: Any) -> Any:
 
 
 def in_brackets(unit: str | None) -> str:
-    """Unit in brackets, to stand after a quantity: ` [m/s]`; empty without a unit."""
+    """Unit in brackets after a space, as in ` [m/s]`, to follow a quantity; empty without a unit, and for "1"."""
     return f" [{unit}]" if unit not in (None, "", "1") else ""
 
 

@@ -1,7 +1,8 @@
-"""A part is one file: "kind: gusts" under "wind:" is `ocean_sim/wind/gusts.py`, imported only when a scene names it.
+"""Contract of the parts of a scene. A part is one file: "kind: gusts" under "wind:" is `ocean_sim/wind/gusts.py`,
+imported only when a scene names it.
 
-This is the whole contract of its `Config`: the questions of a scene to a part between reading and building it. What is
-built of it has a protocol in the `__init__.py` of its slot.
+This module holds the base classes of its `Config`, with everything that a scene asks of a part between reading and
+building it. The object that a Config builds has a protocol in the `__init__.py` of its slot.
 """
 
 from __future__ import annotations
@@ -46,14 +47,14 @@ Problems = list[tuple[Key, str]]  # where below the part's own key, and a senten
 
 @cache
 def library(folder: str) -> Path:
-    """The folder of `scenes`, `configs` or `figures`: in the package when installed, next to it in a checkout."""
+    """Path of the folder `scenes`, `configs` or `figures`: in the package when installed, next to it in a checkout."""
     inside = PACKAGE / folder
     return inside if inside.is_dir() else PACKAGE.parent / folder
 
 
 @cache
 def kinds(slot: str) -> tuple[str, ...]:
-    """The kinds a scene may name in this slot: the modules of its folder."""
+    """Names of the kinds that a scene may choose in this slot, as `gusts` for `wind`: the modules of its folder."""
     return tuple(sorted(p.stem for p in (PACKAGE / slot).glob("[!_]*.py")))
 
 
@@ -64,7 +65,7 @@ def named(slot: str) -> tuple[str, ...]:
 
 
 def preset(slot: str, name: str) -> dict[str, Any]:
-    """The data of configs/<slot>/<name>.yaml; raises ValueError where there is none."""
+    """Content of the preset file configs/<slot>/<name>.yaml; raises ValueError if there is none."""
     from ocean_sim.files import yaml_file
 
     if name not in named(slot):
@@ -73,22 +74,22 @@ def preset(slot: str, name: str) -> dict[str, Any]:
 
 
 def key_of(ship: str) -> str:
-    """Key of a ship in a scene: `ship` for the only one, `ships.<name>` for one of several."""
+    """Key of a ship in a scene by her name: `ship` for the only one, `ships.<name>` for one of several."""
     return ALONE if ship == ALONE else f"{SEVERAL}.{ship}"
 
 
 def slot_of(place: str) -> str:
-    """Slot of a part by its key in a scene: `ship` for the key `ships.<name>`, else the key itself."""
+    """Slot of a part by its key in a scene: `ship` for the key `ships.<name>`, for others the key itself."""
     return ALONE if place.startswith(f"{SEVERAL}.") else place
 
 
 def called(ship: str) -> str:
-    """Name of a ship in messages: `the ship` if she is the only one."""
+    """Name of a ship in messages, by her name in the scene: `the ship` if she is the only one."""
     return "the ship" if ship == ALONE else ship
 
 
 class LedgerRow(NamedTuple):
-    """Memory of one thing that a scene makes the program allocate or compile, and why."""
+    """Row of the memory ledger: bytes of one thing that a part makes the program allocate or compile, and why."""
 
     part: str
     what: str
@@ -97,32 +98,31 @@ class LedgerRow(NamedTuple):
 
 
 class PartConfig(Model):
-    """Keys that a user may write for one part, and the questions that a scene asks of it before it is built.
+    """Keys that a user may write for one part, and the methods by which a scene examines it before it is built.
 
-    Every question comes with the one `Preflight` of the scene. `ledger` and, in each slot's own base class below,
+    Each of these methods gets the one `Preflight` of the scene. `ledger` and, in each slot's own base class below,
     `build` have no default: a kind without them cannot be instantiated.
     """
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence) of these keys in this basin, regardless of other parts, which may be wrong
-        themselves."""
+        """Faults (key, sentence) of these keys alone in this basin; other parts may be wrong, and must not be read."""
         return []
 
     def mismatches(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence) of these keys together with other parts; asked if no part has a problem of its own."""
+        """Faults (key, sentence) of these keys together with other parts; called if no part has `problems`."""
         return []
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warnings that a reader of the results should know, a sentence each."""
+        """Warnings for the readers of the results of this scene, a sentence each; empty by default."""
         return []
 
     @abstractmethod
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Rows of memory, one for each thing that this part will allocate or compile."""
+        """Rows of the memory ledger, one for each thing that this part will allocate or compile."""
 
 
 class KindConfig(PartConfig):
-    """Keys of a part that is one of several kinds."""
+    """Keys of a part that has several kinds, of which a scene chooses one by the key `kind`."""
 
     example: ClassVar[dict[str, Any]] = {}
     """The keys that have no default, with values that suit any basin a few metres in size."""
@@ -137,7 +137,7 @@ class KindConfig(PartConfig):
 
 
 class SeaConfig(KindConfig):
-    """Keys of any sea that the particles of a scene are a patch of."""
+    """Base of the keys of an open sea, of which the particles of a scene are a patch with periodic sides."""
 
     if TYPE_CHECKING:  # keys of each kind
         rim: Rim
@@ -151,7 +151,7 @@ class SeaConfig(KindConfig):
 
     @property
     def nonlinear(self) -> Nonlinear | None:
-        """Settings of a nonlinear sea; None for a linear one, which is the sum of its plane waves."""
+        """Settings of a nonlinear sea; None for a linear sea, which is the sum of its plane waves."""
         return None
 
     @abstractmethod
@@ -159,6 +159,7 @@ class SeaConfig(KindConfig):
         """Plane waves of the sea by linear theory, before they are fitted to the patch; None in calm water."""
 
     def problems(self, preflight: Preflight) -> Problems:
+        """Faults (key, sentence) of a patch in this basin: sides that are not periodic, too wide a rim, and others."""
         tank, found = preflight.tank, Problems()
         across = tank.dimension == 3
         if not tank.periods[0] or (across and not tank.periods[2]):
@@ -175,12 +176,12 @@ class SeaConfig(KindConfig):
         return found
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """No rows by default."""
+        """Rows of the memory ledger of this sea: none by default."""
         return []
 
 
 class WindConfig(KindConfig):
-    """Keys of any wind."""
+    """Base of the keys of all kinds of wind."""
 
     @property
     @abstractmethod
@@ -189,12 +190,12 @@ class WindConfig(KindConfig):
 
     @property
     def acts_on(self) -> Sequence[Target]:
-        """Targets on which the wind acts; the others are in still air."""
+        """Targets, "fluid" and "ship", on which the wind acts; others are in still air."""
         return ("fluid", "ship")
 
     @property
     def needs_area(self) -> bool:
-        """True if the wind's force on the water needs the exposed area of particles, which is else not computed."""
+        """True if the wind's force on the water needs the exposed area of particles; else no areas are computed."""
         return "fluid" in self.acts_on
 
     @property
@@ -214,7 +215,7 @@ class WindConfig(KindConfig):
 
     @property
     def strongest(self) -> float:
-        """Highest wind speed [m/s] 10 m above the water that the keys state; 0 where they state none."""
+        """Highest wind speed [m/s], 10 m above the water, that these keys state; 0 if they state none."""
         return 0.0
 
     def warnings(self, preflight: Preflight) -> list[str]:
@@ -225,11 +226,13 @@ class WindConfig(KindConfig):
         return [f"wind: {self.kind} does not act on ships; it leaves {ships} in still air"]
 
     @abstractmethod
-    def build(self, basin: Basin, seed: int) -> Wind: ...
+    def build(self, basin: Basin, seed: int) -> Wind:
+        """Build the wind over a basin; `seed`: seed of its random numbers."""
+        ...
 
 
 class FluidConfig(KindConfig):
-    """Keys of any water."""
+    """Base of the keys of all kinds of water, whether of particles or in closed form."""
 
     rest_density: float
 
@@ -252,47 +255,47 @@ class FluidConfig(KindConfig):
     """True if it answers to a body within a step, so that a ship of kind `pressure` may float on it."""
 
     def lattice(self, basin: Basin) -> Lattice | None:
-        """Lattice on which the particles start; None for water in closed form."""
+        """Lattice on which the particles start in this basin; None for water in closed form."""
         return None
 
     def most_particles(self, preflight: Preflight) -> int:
-        """Largest number of particles, roughly, that can be counted with their neighbours; 0 for water without any."""
+        """Rough greatest number of particles whose neighbours can be indexed; 0 for water without particles."""
         return 0
 
     def ratio(self, basin: Basin) -> float:
-        """Support radius over spacing; 0 where there are no particles."""
+        """Support radius of the smoothing kernel over particle spacing; 0 for water without particles."""
         return 0.0
 
     @property
     def support_asked(self) -> float | None:
-        """Support radius over spacing that the user asks for, or the fixed one of the scheme."""
+        """Support radius over particle spacing that the user asks for, or that the scheme fixes; None by default."""
         return None
 
     def sound_speed(self, basin: Basin) -> float:
-        """Speed of sound c [m/s]; 0 where nothing is compressed."""
+        """Speed of sound c [m/s]; 0 for water that is not compressed."""
         return 0.0
 
     @property
     def viscosity_asked(self) -> float:
-        """Kinematic viscosity that the user asks for [m2/s]."""
+        """Kinematic viscosity [m2/s] that the user asks for; 0 if none."""
         return 0.0
 
     @property
     def compression_asked(self) -> float:
-        """Compression (relative rise of the density) that the user asks for or allows; 0 where none is given."""
+        """Compression (relative rise of the density) that the user asks for or allows; 0 if none is given."""
         return 0.0
 
     def settling(self, preflight: Preflight) -> float:
-        """Distance [m] that the surface settles before the first step, under the weight of the water."""
+        """Distance [m] by which the surface sinks before the first step, under the weight of the water."""
         return 0.0
 
     def speed(self, basin: Basin) -> float:
-        """Reference speed [m/s]; by default sqrt(gravity x depth), that of long waves."""
+        """Reference speed [m/s] of the water; by default sqrt(gravity x depth), the speed of long waves."""
         return (hypot(*basin.gravity) * basin.depth) ** 0.5
 
     @property
     def steady_force(self) -> tuple[float, float, float]:
-        """A constant acceleration in addition to gravity [m/s2]."""
+        """Constant acceleration (x, y, z) [m/s2] of the water in addition to gravity: a body force."""
         return (0.0, 0.0, 0.0)
 
     @property
@@ -303,12 +306,11 @@ class FluidConfig(KindConfig):
     def viscosity_added(
         self, preflight: Preflight, length: float, height: float = 0.0, standing: bool = False
     ) -> float:
-        """Numerical viscosity [m2/s] of the scheme for waves of a length and height [m], from measurements; 0 without
-        any."""
+        """Numerical viscosity [m2/s] of the scheme for waves (length, height [m]), from measurements; 0 without any."""
         return 0.0
 
     def statements(self, preflight: Preflight) -> list[str]:
-        """Sentences on the water that a reader of its results should know."""
+        """Sentences about this water that a reader of its results should know; empty by default."""
         return []
 
     def notes(self, preflight: Preflight) -> list[str]:
@@ -316,40 +318,40 @@ class FluidConfig(KindConfig):
         return []
 
     def point_spacing(self, preflight: Preflight) -> float:
-        """Distance [m] of the points at which frames store the height of the water, unless the scene sets it."""
+        """Distance [m] between the points at which frames store the height of the water, unless the scene sets it."""
         return preflight.spacing or preflight.tank.depth
 
     def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
-        """Memory [bytes] of a window of plane waves, with `size` nodes and `levels`; 0 for water of particles."""
+        """Memory [bytes] of the sums of plane waves at `size` nodes on `levels` levels; 0 for water of particles."""
         return 0
 
     @abstractmethod
     def still_limits(self, preflight: Preflight) -> Limits:
-        """Limits of the time step in still water, before anything is allocated."""
+        """Limits of the time step in water at rest, known before anything is allocated."""
 
     @abstractmethod
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> Fluid:
-        """Build the water. `accounts`: it sums the impulse and work of each force; `wind`: the wind that acts on it."""
+        """Build the water. `accounts`: True if it sums impulse and work of each force; `wind`: acts on this water."""
 
     def sums_impulses(self, read: bool) -> bool:
-        """True if the water sums impulse and work of each force; `read`: whether `accuracy` reads them."""
+        """True if the water sums impulse and work of each force; `read`: True if `accuracy` reads these sums."""
         return read
 
 
 class SurfaceConfig(KindConfig):
-    """Keys of any surface, which follows particles."""
+    """Base of the keys of a surface, a mesh that follows the particles of the water."""
 
     def completed(self, preflight: Preflight) -> Self:
-        """Copy in which keys that the user left open are derived from the water."""
+        """Copy in which keys that the user left open have values derived from the water."""
         return self
 
     @abstractmethod
     def build(self, basin: Basin, fluid: Fluid) -> Surface:
-        """Build the surface of a completed config."""
+        """Build the surface over the water; its keys have to be `completed` before."""
 
 
 class ShipConfig(KindConfig):
-    """Keys of any ship."""
+    """Base of the keys of all kinds of ship."""
 
     needs_surface: ClassVar[bool] = True
     """True if, over particles, it asks a surface for the height of the water."""
@@ -359,36 +361,39 @@ class ShipConfig(KindConfig):
     points: dict[str, tuple[float, float, float]] = {}
 
     def solid(self, preflight: Preflight) -> Solid | None:
-        """Solid body of the ship, around which the water is built; None where water passes through her."""
+        """Solid body of the ship, around which the particles start; None if water passes through her."""
         return None
 
     def look(self, preflight: Preflight) -> Look | None:
-        """Data that a picture of the ship needs besides her triangles; None where she has no shape."""
+        """Data besides her triangles that a picture of the ship needs; None if she has no shape."""
         return None
 
     def floats(self, preflight: Preflight) -> Afloat | None:
-        """Displacement, draught and stability of the ship in still water; None where no hull states them."""
+        """Displacement, draught and stability of the ship in still water; None if no hull determines them."""
         return None
 
     def outline(self, preflight: Preflight) -> Outline | None:
-        """Plan-view outline and height range of the ship at the start; None where she has no shape."""
+        """Plan-view outline and height range of the ship at the start; None if she has no shape."""
         return None
 
     @abstractmethod
-    def build(self, name: str, basin: Basin, fluid: Fluid) -> Ship: ...
+    def build(self, name: str, basin: Basin, fluid: Fluid) -> Ship:
+        """Build the ship of this name, which floats in the water of a basin."""
+        ...
 
 
 class PlatformConfig(KindConfig):
-    """Keys of any motion platform."""
+    """Base of the keys of a motion platform."""
 
     ship: str | None = None
     """The name of the ship that it rides in; null: the first by name."""
 
     def ridden(self, ships: Sequence[str]) -> str:
-        """Name of the ship, among these, that carries the platform."""
+        """Name of the ship, one of `ships`, whose motion the platform reproduces."""
         return ships[0] if self.ship is None else self.ship
 
     def mismatches(self, preflight: Preflight) -> Problems:
+        """Faults (key, sentence): a ship that is not there, and gravity that is not the Earth's."""
         found = [] if self.ship is None else preflight.unknown_ship(self.ship)
         x, y, z = preflight.tank.gravity
         if hypot(x, y + GRAVITY, z) > GRAVITY_TOLERANCE:
@@ -398,15 +403,15 @@ class PlatformConfig(KindConfig):
 
     @abstractmethod
     def build(self, every: float) -> Platform:
-        """Build the platform. `every`: time between the rows of motion that it will follow [s]."""
+        """Build the platform. `every`: time [s] between the rows of the motion log that it will follow."""
 
 
 class TimeStepConfig(KindConfig):
-    """Keys of any rule for the time step."""
+    """Base of the keys of a rule that chooses the time step."""
 
     @abstractmethod
     def advice(self, limit: str, shortest: float) -> str:
-        """Advice after a run has diverged: the limit that sets the time step is `limit`, of `shortest` [s]."""
+        """Advice to the user after a run has diverged; `limit`: name of the limit that set the step `shortest` [s]."""
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         return []
@@ -419,7 +424,7 @@ class TimeStepConfig(KindConfig):
 class Preflight:
     """Facts of a scene before anything is built, derived once and given to the config of every part.
 
-    A part that could not be read is missing in `parts`; a property that needs it raises KeyError.
+    `parts` lacks a part whose keys could not be read; a property that needs it raises KeyError.
     """
 
     parts: Mapping[str, PartConfig]  # by slot, or name of an observer
@@ -434,6 +439,7 @@ class Preflight:
 
     @cached_property
     def sea(self) -> SeaConfig | None:
+        """Keys of the open sea; None without one."""
         return cast(SeaConfig | None, self.parts.get("sea"))
 
     @cached_property
@@ -448,12 +454,12 @@ class Preflight:
 
     @cached_property
     def ships(self) -> dict[str, ShipConfig]:
-        """Keys of each ship, by her name."""
+        """Keys of each ship, by the name of the ship."""
         written = {key: part for key, part in self.parts.items() if isinstance(part, ShipConfig)}
         return {key.removeprefix(f"{SEVERAL}."): part for key, part in written.items()}
 
     def unknown_ship(self, name: str) -> Problems:
-        """The fault of a part's key `ship` if it names no ship of this scene; empty if it does."""
+        """Fault (key, sentence) of a part whose key `ship` is `name`, if this scene has no such ship; else empty."""
         if name in self.ships:
             return []
         there = f"there are {', '.join(self.ships)}" if self.ships else "there is none"
@@ -465,7 +471,7 @@ class Preflight:
 
     @cached_property
     def untouched(self) -> Lattice | None:
-        """Lattice of the water without floating bodies; None without particles."""
+        """Lattice on which the particles would start without floating bodies; None without particles."""
         return self.fluid.lattice(self.tank)
 
     @cached_property
@@ -490,7 +496,7 @@ class Preflight:
 
     @property
     def repeats(self) -> tuple[float, float, float]:
-        """Periods [m] of the water along each axis; 0 along an axis that is not periodic."""
+        """Periods [m] of the particles along x, y and z; 0 for an axis that is not periodic, or without particles."""
         return self.tank.periods if self.fluid.made_of_particles else (0.0, 0.0, 0.0)
 
     @cached_property
@@ -500,13 +506,13 @@ class Preflight:
 
     @cached_property
     def solids(self) -> dict[str, Solid]:
-        """Solid bodies of ships around which the water is built, by the name of the ship."""
+        """Solid bodies of the ships around which the particles start, by the name of the ship."""
         found = {name: ship.solid(self) for name, ship in self.ships.items()}
         return {name: solid for name, solid in found.items() if solid is not None}
 
     @cached_property
     def basin(self) -> Basin:
-        """Basin with its floating bodies, around which the water is built."""
+        """Basin that contains the floating bodies around which the particles start."""
         return replace(self.tank, afloat=self.solids) if self.solids else self.tank
 
 
@@ -533,19 +539,27 @@ class Scene(Protocol):
     def preflight(self) -> Preflight: ...
     def warnings(self) -> list[str]: ...
     def ledger(self) -> list[LedgerRow]: ...
-    def resolved(self) -> dict[str, Any]: ...
-    def inputs(self) -> dict[str, str]: ...
-    def files(self) -> list[str]: ...
+    def resolved(self) -> dict[str, Any]:
+        """The whole scene as plain data, with all defaults, that load again to an equal scene."""
+        ...
+
+    def inputs(self) -> dict[str, str]:
+        """SHA-256 by name of each input file; raises Refused if one has changed since it was read."""
+        ...
+
+    def files(self) -> list[str]:
+        """Names of the files that a run writes into its folder; * stands for digits and dots."""
+        ...
 
 
 def config_of(slot: str, kind: str) -> type[KindConfig]:
-    """Config class of a kind; imports the module of the kind."""
+    """Config class of a kind of a slot; imports the module of the kind."""
     return import_module(f"ocean_sim.{slot}.{kind}").Config
 
 
 @cache
 def from_coarse(slot: str) -> tuple[str, ...]:
-    """Kinds of a slot from the coarsest to the finest; imports them all."""
+    """Kinds of a slot ordered from the coarsest to the finest, by their `fineness`; imports them all."""
     return tuple(sorted(kinds(slot), key=lambda kind: config_of(slot, kind).fineness))
 
 
@@ -556,5 +570,5 @@ def compared(slot: str) -> tuple[str, ...]:
 
 
 def water_schemes() -> tuple[tuple[str, type[FluidConfig]], ...]:
-    """Every kind of water and its Config class."""
+    """Name and Config class of every kind of water, particles or not."""
     return tuple((kind, cast(type[FluidConfig], config_of("fluid", kind))) for kind in kinds("fluid"))

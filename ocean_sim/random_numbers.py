@@ -14,7 +14,7 @@ UNIT_STEP = 2.0**-24  # step of the numbers in [0, 1)
 
 
 def pcg4d(a, b, c, d):
-    """pcg4d of four unsigned 32-bit words, or of four arrays of them; without annotations, which Taichi would read."""
+    """Mix four unsigned 32-bit words, or arrays of them, into four random ones; unannotated, for Taichi's sake."""
     a = a * 1664525 + 1013904223
     b = b * 1664525 + 1013904223
     c = c * 1664525 + 1013904223
@@ -51,30 +51,30 @@ def to_symmetric_interval(word):
 
 @ti.func
 def uniform(seed, stream, particle, step):
-    """Random number in [0, 1) for these four keys."""
+    """Random number in [0, 1) for these four integer keys; equal keys give the equal number."""
     a, _b, _c, _d = taichi_pcg4d(ti.u32(seed), ti.u32(stream), ti.u32(particle), ti.u32(step))
     return to_unit_interval(a)
 
 
 @ti.func
 def uniform3(seed, stream, particle, step):
-    """Three independent random numbers in (-1, 1) for these four keys."""
+    """Vector of three independent random numbers in (-1, 1) for these four integer keys."""
     a, b, c, _d = taichi_pcg4d(ti.u32(seed), ti.u32(stream), ti.u32(particle), ti.u32(step))
     return tm.vec3(to_symmetric_interval(a), to_symmetric_interval(b), to_symmetric_interval(c))
 
 
 def numpy_words(seed: ArrayLike, stream: ArrayLike, particle: ArrayLike, step: ArrayLike) -> tuple[np.ndarray, ...]:
-    """Four arrays of random 32-bit words for keys that are arrays or numbers; at least one-dimensional."""
+    """Four arrays of random unsigned 32-bit words for keys (arrays or numbers), broadcast to at least one axis."""
     keys = np.broadcast_arrays(*(np.atleast_1d(np.asarray(k, dtype=np.uint32)) for k in (seed, stream, particle, step)))
     return pcg4d(*keys)
 
 
 def numpy_uniform(seed: ArrayLike, stream: ArrayLike, particle: ArrayLike, step: ArrayLike) -> np.ndarray:
-    """Random numbers in [0, 1) for arrays of keys, equal to those of `uniform` bit for bit."""
+    """Random numbers in [0, 1) in the broadcast shape of the keys, equal to those of `uniform` bit for bit."""
     return (numpy_words(seed, stream, particle, step)[0] >> 8) * UNIT_STEP
 
 
 def numpy_uniform3(seed: ArrayLike, stream: ArrayLike, particle: ArrayLike, step: ArrayLike) -> np.ndarray:
-    """Random numbers (..., 3) in (-1, 1) for arrays of keys, equal to those of `uniform3` bit for bit."""
+    """Random numbers (..., 3) in (-1, 1) for keys broadcast to (...), equal to those of `uniform3` bit for bit."""
     words = numpy_words(seed, stream, particle, step)[:3]
     return np.stack([((w >> 8) | 1) * (2.0 * UNIT_STEP) - 1.0 for w in words], axis=-1)

@@ -40,41 +40,43 @@ class Result:
 
     @cached_property
     def events(self) -> list[dict[str, Any]]:
-        """Events of the run in order, without a last line that a killed run did not finish."""
+        """Events of the run in order, from events.jsonl, without a last line that a killed run did not finish."""
         path = self.folder / "events.jsonl"
         text = input_file.read_text(path) if path.exists() else ""
         return [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()]
 
     def table(self, name: str) -> dict[str, np.ndarray]:
-        """The columns of `<name>.csv`, each an array of its rows."""
+        """Columns of the file `<name>.csv` in the run folder by name, each an array over its rows."""
         return csv_file.read_columns(self.folder / f"{name}.csv")
 
     @cached_property
     def gauges(self) -> dict[str, np.ndarray]:
+        """Columns of gauges.csv by name."""
         return self.table("gauges")
 
     @cached_property
     def motion(self) -> dict[str, np.ndarray]:
-        """Columns of motion.csv, the motion log of the only ship."""
+        """Columns of motion.csv, the motion log of the only ship, by name."""
         return self.table("motion")
 
     @cached_property
     def motions(self) -> dict[str, dict[str, np.ndarray]]:
-        """Columns of the motion log of each of several ships, by her name."""
+        """Columns of the motion log of each of several ships, by her name; empty for a single ship."""
         return {name: self.table(f"motion_{name}") for name in self.manifest["scene"].get("ships", {})}
 
     @cached_property
     def accuracy(self) -> dict[str, np.ndarray]:
+        """Columns of accuracy.csv by name."""
         return self.table("accuracy")
 
     @cached_property
     def timings(self) -> dict[str, np.ndarray]:
+        """Columns of timings.csv by name."""
         return self.table("timings")
 
 
 class ProgressLines(Observer):
-    """Prints simulated time, speed and time left after each tenth of a run, and then how many of its pictures are
-    drawn."""
+    """Observer that prints simulated time, speed and time left after each tenth of a run, then the pictures drawn."""
 
     def __init__(self, duration: float) -> None:
         """`duration`: simulated time [s] of the run."""
@@ -99,12 +101,13 @@ class ProgressLines(Observer):
         self.say(f"t = {time:.2f} of {self.duration:g} s{speed}")
 
     def draw(self, done: int, total: int) -> None:
-        """Print progress after each tenth of the pictures; nothing while `total` is 0, which means unknown."""
+        """Print the number of drawn pictures after each tenth of them; nothing if `total` is 0, that is, unknown."""
         if total and PROGRESS_PARTS * done // total > self.drawn:
             self.drawn = PROGRESS_PARTS * done // total
             self.say(f"picture {done} of {total}")
 
     def say(self, line: str) -> None:
+        """Print a line to standard error."""
         print(line, file=sys.stderr, flush=True)
 
 
@@ -133,9 +136,9 @@ def run(
 def claim_run_folder(
     coming: Iterable[str], out: Path, overwrite: bool, named: str = "", cure: str = "give overwrite=True"
 ) -> Claim:
-    """Claim the folder of a run that leaves the files `coming`; an earlier run is deleted if it is to be overwritten.
-    Raises Refused where the folder holds another run, or other things. `named`: name of the folder in messages; `cure`:
-    their advice on how to overwrite."""
+    """Claim a folder `out` for a run that writes the files `coming`; an earlier run there is deleted if `overwrite`.
+    Raises Refused if the folder holds a run that may not be deleted, or other files. `named`: name of the folder in
+    messages; `cure`: their advice on how to overwrite."""
     claim = claim_folder(out, FIRST_FILE, named=named)
     try:
         if (out / MANIFEST_FILE).exists():
@@ -149,7 +152,7 @@ def claim_run_folder(
 
 
 def simulate(config: SceneConfig, folder: Path, observers: tuple[Observer, ...]) -> Result:
-    """Simulate a scene into a folder that the caller has claimed."""
+    """Simulate a scene into a folder that the caller has claimed; returns the reader of its files."""
     with stoppable(), Simulation(config, folder) as simulation:
         simulation.observers.extend(observers)
         stop_if_asked()
@@ -159,8 +162,7 @@ def simulate(config: SceneConfig, folder: Path, observers: tuple[Observer, ...])
 
 
 def wave_field(scene: SceneConfig | str | Path | dict[str, Any]) -> WaveField:
-    """The waves of a scene (as `run` takes it), to be evaluated at any place and time; raises SceneError, and Refused
-    unless its water is a sum of plane waves or a patch of such a sea."""
+    """Waves of a scene, to evaluate at any place and time; raises SceneError, and Refused without plane waves."""
     with Simulation(scene if isinstance(scene, SceneConfig) else load(scene)) as simulation:
         sea = simulation.fluid.plane_waves
     if sea is None:

@@ -64,8 +64,8 @@ Kind = TypeVar("Kind", bound=type)
 
 
 def in_kernels(kind: Kind) -> Kind:
-    """Decorator of a class whose methods are kernels or are called by them: in place of Taichi's `ti.data_oriented`,
-    with which each attribute that Python reads costs a microsecond, and again for every base class."""
+    """Decorator of a class with methods that are kernels or are called by kernels. It replaces `ti.data_oriented`, with
+    which each attribute that Python reads costs a microsecond, and again for each base class."""
     if kernel_library.LIBRARY_NAME == kernel_library.QUADRANTS:
         if "__dataclass_fields__" in vars(kind):  # by which it would take `self` for a struct, handed over by value
             del kind.__dataclass_fields__  # type: ignore[attr-defined]
@@ -78,8 +78,7 @@ def in_kernels(kind: Kind) -> Kind:
 
 
 def _bound(kernel: Any) -> Any:
-    """Method that launches a kernel; from the second time on it skips the look-ups of Taichi. These take 0.2 to 1 ms of
-    a step of 2 to 4 ms, with 6000 particles on one thread (2026-11-28)."""
+    """Method that launches a kernel; from its second launch on it skips Taichi's look-ups (0.2 to 1 ms a step)."""
 
     @wraps(kernel)
     def launch(self: Any, *given: Any) -> Any:
@@ -105,9 +104,10 @@ def _bound(kernel: Any) -> Any:
 
 
 class Launch:
-    """Compiled kernel, called with a method's arguments: numbers and arrays by slot; templates have none."""
+    """Compiled kernel that is called directly with the arguments of its method, without the look-ups of Taichi."""
 
     def __init__(self, compiled: Any, kernel: Any, takes: list["Taken"]) -> None:
+        """`compiled`: Taichi's compiled kernel data; `kernel`: the kernel; `takes`: its arguments in order."""
         self.compiled, self.context = compiled, kernel.make_launch_context
         self.arrays = [(k, slot, kind, ndim) for k, slot, kind, ndim in takes if slot is not None and ndim is not None]
         self.numbers = [(k, slot, kind) for k, slot, kind, ndim in takes if slot is not None and ndim is None]
@@ -115,7 +115,7 @@ class Launch:
         self.program = impl.get_runtime().prog.launch_kernel
 
     def suits(self, given: tuple) -> bool:
-        """True if it was compiled for arguments like these."""
+        """True if the kernel was compiled for arguments like these: equal templates, types and numbers of axes."""
         for k, same in self.templates:
             if given[k] is not same():
                 return False
@@ -126,6 +126,7 @@ class Launch:
         return True
 
     def __call__(self, given: tuple) -> None:
+        """Launch the kernel with these arguments, which suit it."""
         context = self.context()
         for k, slot, whole in self.numbers:
             if whole:
@@ -139,8 +140,8 @@ class Launch:
 
 
 class Taken(NamedTuple):
-    """One argument: its place, its slot (None for a template), and its check: the reference of a template, the type of
-    an array, or whether a number is an integer. `ndim`: axes of an array, else None."""
+    """Argument of a `Launch`: its place, its slot (None for a template), and its check `what`: a weak reference to the
+    template, the type of an array, or True for a whole number. `ndim`: axes of an array, else None."""
 
     place: int
     slot: tuple[int] | None
@@ -149,7 +150,7 @@ class Taken(NamedTuple):
 
 
 def _launch_of(primal: Any, owner: Any, given: tuple) -> Launch | None:
-    """Launch of a kernel that has just run with these arguments; None if only Taichi can pass such arguments."""
+    """Direct launch of a kernel that has just run with these arguments; None if the kernel needs Taichi's own call."""
     takes, slots = [], 0
     if primal.return_type is not None or primal.has_print:
         return None
@@ -179,26 +180,27 @@ def _launch_of(primal: Any, owner: Any, given: tuple) -> Launch | None:
 
 @in_kernels
 class FieldCopy:
-    """Copies a scalar field to NumPy, many times as fast as Taichi's own method."""
+    """Copy of a scalar field in NumPy by a kernel, many times as fast as Taichi's own method."""
 
     def __init__(self, field: Any) -> None:
         self.field = field
 
     def values(self) -> np.ndarray:
-        """Present values (n,), in the field's precision."""
+        """Present values (n,) of the field, in its precision."""
         found: np.ndarray = np.empty(self.field.shape, dtype=to_numpy_type(self.field.dtype))
         self.fill(found)
         return found
 
     @ti.kernel
     def fill(self, values: Array):  # type: ignore[no-untyped-def]
+        """Copy the field into `values` (n,)."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in self.field:
             values[i] = self.field[i]
 
 
 class BackendMissing(Lacking):
-    """The machine lacks the backend that was asked for."""
+    """This machine lacks the backend, or a property of it such as double precision, that was asked for."""
 
 
 class RuntimeConfig(Model):
@@ -221,7 +223,7 @@ class RuntimeConfig(Model):
 
 @dataclass(frozen=True)
 class Backend:
-    """Taichi backend that was obtained: its name, threads (0 on a GPU), and precision."""
+    """Taichi backend that was obtained: its name, threads (0 on a GPU), precision, and support of doubles."""
 
     arch: str
     threads: int
@@ -240,13 +242,13 @@ _starting = threading.RLock()  # held while Taichi changes its thread
 
 
 class Allocation(NamedTuple):
-    """A set of fields to which Taichi has given memory together."""
+    """A set of fields to which Taichi has given memory together, by one call."""
 
     tree: SNodeTree
     variables: list[Any]  # the expressions by which its fields are known
 
     def forget(self, why: str) -> None:
-        """Replace its fields by stubs that raise with this reason."""
+        """Replace the fields of this set by stubs that raise RuntimeError with the reason `why`."""
         for variable in self.variables:
             variable.ptr = FreedField(why)
 
@@ -304,13 +306,14 @@ class FreedField:
 
 
 class Fields:
-    """The Taichi fields declared inside its `with` block; an error there frees them."""
+    """Owner of the Taichi fields that are declared inside its `with` block; an error in the block frees them."""
 
     def __init__(self) -> None:
         self.allocations: list[Allocation] = []
         self.freed = False
 
     def __enter__(self) -> "Fields":
+        """Begin to own fields; raises RuntimeError in a thread other than the one that started Taichi."""
         with _starting:
             if threading.get_ident() != _thread:
                 raise RuntimeError(OTHER_THREAD_MESSAGE)
@@ -320,6 +323,7 @@ class Fields:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *rest: object) -> None:
+        """Give memory to the fields declared in the block, or drop and free them after an error."""
         built = False
         try:
             if kind is None:
@@ -337,8 +341,8 @@ class Fields:
             impl.get_runtime().materialize()
 
     def free(self) -> None:
-        """Free the memory of the fields. `SNodeTree.destroy` would also forget the compiled kernels of all other
-        simulations. Kernels of these fields are found only through the objects that own them."""
+        """Free the memory of these fields. `SNodeTree.destroy` is not used: it would also forget the compiled kernels
+        of all other simulations. Kernels of these fields are found only through the objects that own them."""
         self.freed = True
         _open.discard(self)
         program = impl.get_runtime().prog
@@ -366,10 +370,10 @@ def _forget_declared() -> None:
 
 
 def start(config: RuntimeConfig) -> Backend:
-    """Start Taichi, unless the one that runs suits this config (`must_restart`); a restart loses all fields.
+    """Start Taichi and return its backend; one that runs is kept if it suits the config. A restart loses all fields.
 
-    Raises BackendMissing where the backend obtained is not the one asked for, and RuntimeError where a simulation of
-    another thread is open, or one at all after memory ran out.
+    Raises BackendMissing if the backend obtained is not the one asked for, and RuntimeError if a simulation of another
+    thread is open, or any at all after memory ran out.
     """
     with _starting:
         if _open and (_short or threading.get_ident() != _thread):
@@ -380,6 +384,7 @@ def start(config: RuntimeConfig) -> Backend:
 
 
 def _start(config: RuntimeConfig) -> Backend:
+    """Start Taichi with this config, and forget all fields; raises BackendMissing as `start` does."""
     global _started, _numbered, _short, _thread
     if config.library not in (None, kernel_library.LIBRARY_NAME):
         raise BackendMissing(
@@ -425,8 +430,7 @@ def _start(config: RuntimeConfig) -> Backend:
 
 
 def _has_doubles(arch: str) -> bool:
-    """True if the started backend has double precision. Taichi does not say; kernels for Vulkan and Metal have it if
-    the driver offers it."""
+    """True if the started backend has double precision, tried by a kernel: for Vulkan and Metal the driver decides."""
     if arch not in OPTIONAL_DOUBLES:
         return True
 
@@ -441,8 +445,7 @@ def _has_doubles(arch: str) -> bool:
 
 
 def vector_width() -> int:
-    """Number of f32 lanes that compiled kernels use on this processor, read from the LLVM code of a sum. It needs a
-    process of its own: it restarts the library."""
+    """Number of f32 lanes that kernels use on this processor, from the LLVM code of a sum; restarts Taichi."""
     with tempfile.TemporaryDirectory() as folder, chdir(folder):  # where the library puts what it prints
         with redirect_stdout(StringIO()):
             ti.init(arch=ti.cpu, offline_cache=False, print_kernel_llvm_ir_optimized=True, log_level=ti.ERROR)
@@ -467,16 +470,15 @@ def running_arch() -> str:
 
 
 def runs_alone() -> bool:
-    """True if the launching thread runs short loops alone: on a processor, where waking another thread takes 7 us, and
-    several times that under load. Such a kernel also loads faster."""
+    """True if kernels run short loops in the launching thread alone, as they do on a processor: waking another thread
+    takes 7 us, and several times that under load. Such a kernel also loads faster."""
     return running_arch() == "cpu"
 
 
 def must_restart(config: RuntimeConfig) -> bool:
-    """True if `start` restarts Taichi, where it runs: for another config or thread; where too little room is left for
-    the fields of another simulation; and where all fields that there were are freed. Taichi numbers fields, and finds
-    compiled kernels again by these numbers, so that the same simulation a second time would be compiled a second
-    time."""
+    """True if `start` has to restart a running Taichi: for another config or thread; if too little room is left for the
+    fields of another simulation; and if all earlier fields are freed. Taichi numbers fields, and finds compiled kernels
+    by these numbers; without a restart an equal second simulation would be compiled again."""
     if _started is None:
         return False
     full = impl.get_runtime().prog.get_snode_tree_size() > MAX_FIELD_SETS - FIELD_SET_MARGIN
@@ -485,7 +487,7 @@ def must_restart(config: RuntimeConfig) -> bool:
 
 
 def require_running(backend: Backend) -> None:
-    """Raise RuntimeError if Taichi has been restarted since it gave this backend."""
+    """Raise RuntimeError if Taichi has been restarted since it returned this backend."""
     if _started is None or _started[1] is not backend:
         raise RuntimeError(RESTARTED_MESSAGE)
 
@@ -505,8 +507,8 @@ def compiled_kernels() -> list[str]:
 
 
 def kernels_in(module: str) -> list[str]:
-    """Names of all Taichi kernels that a kind uses: those of its module, of the modules below its slot that it imports,
-    and those of this module that they call. A kernel is compiled when it is first used."""
+    """Names of all Taichi kernels that a kind uses, by the name of its module: those of that module, of the modules
+    below its slot that it imports, and those of `runtime` that these call."""
     room, found = module.rpartition(".")[0], set()
     waiting, seen = [module], set()
     while waiting:
@@ -529,6 +531,7 @@ def allocated_bytes() -> int:
 
 
 def _kernel_cache() -> Path:
+    """Folder of compiled kernels, created if missing, without a stale lock; raises BackendMissing if not writable."""
     path = kernel_cache()
     try:
         if not path.is_dir():
@@ -546,7 +549,7 @@ def _kernel_cache() -> Path:
 
 
 def _remove_unused_caches(folder: Path) -> None:
-    """Remove the kernels of copies of the program that have not run for UNUSED_CACHE_AGE."""
+    """Remove from `folder` the compiled kernels of copies of the program that have not run for UNUSED_CACHE_AGE."""
     for other in folder.iterdir():
         with suppress(OSError):
             if time.time() - other.stat().st_mtime > UNUSED_CACHE_AGE:
@@ -554,12 +557,13 @@ def _remove_unused_caches(folder: Path) -> None:
 
 
 def _thread_ids() -> set[int]:
+    """Ids of the threads of this process; empty on systems other than Linux."""
     return {int(t) for t in os.listdir("/proc/self/task")} if sys.platform == "linux" else set()
 
 
 def _pin_threads(before: set[int], threads: int, one: bool) -> None:
-    """Bind Taichi's worker threads, its newest ones, to cores of their own, or each to only one (`one`): woken for a
-    short time, two would often share a core. `before`: ids of the threads before Taichi started."""
+    """Bind Taichi's worker threads, the newest of this process, to cores of their own, or each to only one (`one`): two
+    that are woken for a short time would often share a core. `before`: ids of the threads before Taichi."""
     usable = sorted(os.sched_getaffinity(0)) if sys.platform == "linux" else []
     workers = sorted(_thread_ids() - before)[-threads:] if usable else []
     for k, worker in enumerate(workers):

@@ -20,7 +20,7 @@ Progress = Callable[[int, int], None]  # pieces of a long task: done, total
 
 
 class Observer:
-    """Reads a simulation and writes files of its own; never changes the physics."""
+    """Base of all observers: reads a simulation and writes files of its own; never changes the physics."""
 
     every: float = 0.0
     """Simulated time between calls [s]; 0 is after every step."""
@@ -28,28 +28,27 @@ class Observer:
     """Attributes that a checkpoint of it does not hold."""
 
     def observe(self, simulation: "Simulation") -> None:
-        """Observe the present state; called at time 0 and after the steps that `every` asks for."""
+        """Observe the present state; called at time 0 and after the steps that `every` selects."""
 
     def resumed(self, changed: str) -> None:
-        """Called once a checkpoint has been restored, before the run goes on; `changed`: in words, how this program
-        differs from the one that made it, empty where it does not."""
+        """Hook after a checkpoint is restored; `changed`: how the program has changed since it was made, or empty."""
 
     def show_progress(self, progress: Progress) -> None:
-        """Set the callback that shows the progress of a long task."""
+        """Receive the callback to which an observer reports the progress of a long task; ignored by default."""
 
     def close(self) -> None:
         """Finish the files of the observer; called once, also after a run that failed."""
 
 
 class OutcomeObserver(Observer):
-    """Observer that states how a run ended. It is closed after the others, which may fail to close."""
+    """Observer whose files state how a run ended. It is closed last, since other observers may fail to close."""
 
     def amend(self) -> None:
-        """Write the outcome once more, since an observer that was closed later has failed."""
+        """Write the outcome once more; called if an observer that is closed after this one fails."""
 
 
 class ObserverConfig(PartConfig):
-    """Keys of any observer; one with a schedule of its own derives from `PeriodicConfig`."""
+    """Base of the keys of an observer; one with an interval of its own derives from `PeriodicConfig`."""
 
     needs: ClassVar[tuple[str, ...]] = ()
     """Slots and other observers without which there is nothing to observe."""
@@ -75,6 +74,7 @@ class ObserverConfig(PartConfig):
         return motion.every if isinstance(motion, PeriodicConfig) else 0.0
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        """One row of the memory ledger, without memory, that names the files of the observer."""
         return [LedgerRow(self.name(), self.leaves, 0, "")]
 
     def picture_time(self, preflight: Preflight) -> float:
@@ -82,7 +82,7 @@ class ObserverConfig(PartConfig):
         return 0.0
 
     def bytes_a_particle(self, preflight: Preflight) -> int:
-        """Memory [bytes] for each particle that the ledger of this observer contains."""
+        """Memory [bytes] for each particle that is part of the ledger of this observer."""
         return 0
 
     @abstractmethod
@@ -91,7 +91,7 @@ class ObserverConfig(PartConfig):
 
 
 class PeriodicConfig(ObserverConfig):
-    """Keys of an observer with a schedule of its own."""
+    """Base of the keys of an observer that observes at an interval of its own, `every` [s]."""
 
     every: float
 
@@ -99,6 +99,7 @@ class PeriodicConfig(ObserverConfig):
         return self.every
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        """Rows as of any observer, with the interval as their reason."""
         why = f"every {self.every:g} s" if self.every else ""
         return [row._replace(why=why) for row in super().ledger(preflight)]
 
@@ -106,7 +107,7 @@ class PeriodicConfig(ObserverConfig):
 class Simulation:
     """A built scene that can be stepped; use it as a context manager.
 
-    Raises BackendMissing where the machine lacks the backend of `runtime`. Its fields are freed when it is closed, when
+    Raises BackendMissing if the machine lacks the backend of `runtime`. Its fields are freed when it is closed, when
     another simulation starts with a different `runtime`, and when about a hundred are open.
     """
 
@@ -153,14 +154,13 @@ class Simulation:
 
     @property
     def ship(self) -> Ship | None:
-        """The ship of a scene with one, None without; raises ValueError where there are several, which `ships` has by
-        name."""
+        """The only ship; None without ships. Raises ValueError if there are several, which `ships` holds by name."""
         if len(self.ships) > 1:
             raise ValueError(f"there are several ships: {', '.join(self.ships)}; take one of simulation.ships")
         return next(iter(self.ships.values()), None)
 
     def limits(self) -> Limits:
-        """Limits of the time step: the least ones of the water and of every ship."""
+        """Limits of the time step: the least ones among those of the water and of every ship."""
         limits = self.fluid.limits()
         for ship in self.ships.values():
             limits = limits.and_of(ship.limits())
@@ -192,7 +192,7 @@ class Simulation:
         self.next_dt = self.time_step.next(self.limits())
 
     def run(self, until: float) -> None:
-        """Step until this time [s] is reached; raises Diverged where the run leaves the physical world."""
+        """Step until this time [s] is reached, and call the observers; raises Diverged for an unphysical state."""
         until = number("until", until, "s", 0.0)
         try:
             if not self.begun:
@@ -211,8 +211,7 @@ class Simulation:
         self.outcome = "done"
 
     def note(self, failure: BaseException) -> None:
-        """Set outcome and reason of a run that `failure` ended: `stopped` if it diverged or a person ended it, `failed`
-        if the program or the machine failed."""
+        """Set outcome and reason of a run ended by `failure`: `stopped` (diverged, or by a person) or `failed`."""
         if isinstance(failure, Diverged):
             when = "" if "t = " in str(failure) else f"; t = {self.time:.4f} s, step {self.steps}"
             self.outcome, self.reason = "stopped", f"{failure}{when}"
@@ -222,25 +221,25 @@ class Simulation:
             self.outcome, self.reason = "failed", in_words(failure)
 
     def _due(self, every: float, before: float) -> bool:
-        """True if a multiple of `every` lies between the last state and the coming one. The states on both sides of it
-        are observed, so that a sampled file can be interpolated onto it."""
+        """True if a multiple of `every` [s] lies between time `before` and the end of the coming step. The states on
+        both sides of it are observed, so that a sampled file can be interpolated onto it."""
         return every == 0.0 or floor((self.time + self.next_dt) / every) > floor(before / every)
 
     def _observe(self, observers: list[Observer]) -> None:
+        """Call these observers with the present state; timings book it as the stage `observers`."""
         with self.stage("observers"):
             for observer in observers:
                 observer.observe(self)
 
     def close(self) -> None:
-        """Close all observers, and free the memory of all fields; the first failure is raised at the end."""
+        """Close all observers, and free the memory of all fields; then raise the first exception of an observer."""
         failures = self.conclude()
         self.fields.free()
         if failures:
             raise failures[0]
 
     def conclude(self) -> list[BaseException]:
-        """Close every observer, even if another raises or interrupts. Returns the failures; the first one becomes the
-        outcome of a run that was done."""
+        """Close all observers, even if one raises; returns the exceptions. The first one replaces an outcome `done`."""
         failures: list[BaseException] = []
         concluded: list[OutcomeObserver] = []
         for observer in sorted(self.observers, key=lambda observer: isinstance(observer, OutcomeObserver)):
@@ -262,6 +261,7 @@ class Simulation:
         return self
 
     def __exit__(self, kind: type | None, failure: BaseException | None, where: object) -> None:
+        """Close the simulation; an exception of the block becomes its outcome, and precedes one of closing."""
         if failure is not None and self.outcome == "running":
             self.note(failure)
         try:
@@ -272,7 +272,7 @@ class Simulation:
 
 
 def require_doubles(scene: Scene, backend: runtime.Backend) -> None:
-    """Raise BackendMissing if a scene needs double precision and the backend has none."""
+    """Raise BackendMissing, with the keys that cause it, if a scene needs double precision and the backend has none."""
     if backend.doubles:
         return
     tank, wind = scene.preflight.tank, scene.wind

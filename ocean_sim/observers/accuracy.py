@@ -65,6 +65,7 @@ class Config(PeriodicConfig):
     """Simulated time between rows."""
 
     def mismatches(self, preflight: Preflight) -> Problems:
+        """Fault if the water does not sum the impulses that this observer reads."""
         if preflight.sums_impulses:
             return []
         return [((), "reads impulses, and the water sums none; set fluid.impulses: true, or accuracy: null")]
@@ -74,8 +75,8 @@ class Config(PeriodicConfig):
 
 
 class Accuracy(Observer):
-    """Writes accuracy.csv: errors and balances of the whole water, summed in float64. For water without particles it
-    has only the work of each term that the water sums, and the time step."""
+    """Writes accuracy.csv: errors and balances of the whole water, summed in float64. For water without particles the
+    table has only the work of each force that the water sums, and the time step."""
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.every = config.every
@@ -113,7 +114,7 @@ class Accuracy(Observer):
         )
 
     def column_meaning(self) -> dict[str, object]:
-        """Meaning of the columns by name, for the heading of the table."""
+        """Meaning of each column or group of columns, by name, for the comment lines of the table."""
         given = " + ".join(f"work_{term}" for term in self.balance.outer_terms) or "0"
         if self.balance.driven:
             given += " + (work_gravity + potential energy gained), the work of forces that have no potential"
@@ -136,7 +137,7 @@ class Accuracy(Observer):
         return meaning
 
     def balances(self, fluid: ParticleFluid, totals: Totals) -> list[float]:
-        """Values of BALANCE_COLUMNS, then impulse and work of each term."""
+        """Values of BALANCE_COLUMNS, then impulse [N s] and work [J] of each force since the start."""
         n, mass = fluid.particles.count.now, fluid.particles.mass
         impulse, work = fluid.impulse, fluid.work
         motion, internal = kinetic_energy(mass, totals), fluid.internal_energy()
@@ -183,8 +184,8 @@ class Accuracy(Observer):
 
 
 def highest_particles(basin: Basin, fluid: ParticleFluid) -> np.ndarray:
-    """(m, 3) points [m] half a spacing above the highest particle of every column that holds any, of two equally high
-    the one stored later; a particle beyond the basin belongs to the nearest column."""
+    """(m, 3) points [m] half a spacing above the highest particle of each column of the basin that holds any; of two
+    equally high the one stored later counts. A particle beyond the basin belongs to the nearest column."""
     x = fluid.particles.snapshot().position
     lower, size = np.array(basin.lower)[[0, 2]], np.subtract(basin.upper, basin.lower)[[0, 2]]
     counts = np.maximum(1, (size / (SURFACE_COLUMN_WIDTH * fluid.spacing) + 1.0e-6).astype(int))
@@ -198,13 +199,13 @@ def highest_particles(basin: Basin, fluid: ParticleFluid) -> np.ndarray:
 
 
 def surface_fit(surface: "Surface", points: np.ndarray) -> tuple[float, float]:
-    """Mean and root mean square [m] of the height of a surface over points (m, 3) [m]."""
+    """Mean and root mean square [m] of the height of a surface above points (m, 3) [m]."""
     away = surface.elevations(points[:, [0, 2]]) - points[:, 1]
     return float(away.mean()), float(np.sqrt(np.square(away).mean()))
 
 
 def surface_meaning(surface: "Surface | None") -> dict[str, object]:
-    """Meaning of the columns of a surface by name: its fit to the particles, and its own measurements."""
+    """Meaning of the columns on a surface, by name: its fit to the particles, and its own measurements."""
     if surface is None:
         return {}
     return SURFACE_MEANING | {name.rsplit("_m", 1)[0]: meaning for name, meaning in surface.measured.items()}

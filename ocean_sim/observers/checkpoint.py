@@ -33,8 +33,8 @@ class Config(PeriodicConfig):
 
 
 class Checkpoint(Observer):
-    """Writes checkpoint_<time>.h5 and keeps the newest two. Ctrl-C and SIGTERM let the step end, write a checkpoint,
-    then stop the run; a second one stops it at once. It observes last, after the other observers."""
+    """Writes checkpoint_<time>.h5 and keeps the newest two. The first Ctrl-C or SIGTERM lets the step end, writes a
+    checkpoint, then stops the run; the second stops it at once. Observes after all other observers."""
 
     left_out = ("contents", "last_write", "stop_requested", "handlers")
 
@@ -58,7 +58,7 @@ class Checkpoint(Observer):
             raise KeyboardInterrupt
 
     def write_state(self) -> None:
-        """Write the present state, and delete all files but the newest."""
+        """Write a checkpoint of the present state, and delete all checkpoints but the newest KEPT_FILES."""
         simulation = self.simulation
         name = checkpoint_file.checkpoint_name(simulation.time)
         self.names = [*(kept for kept in self.names if kept != name), name][-KEPT_FILES:]
@@ -74,7 +74,7 @@ class Checkpoint(Observer):
         self.last_write = perf_counter()
 
     def install_handlers(self) -> None:
-        """Install handlers of STOP_SIGNALS, in the main thread only, and keep the former ones for `close`."""
+        """Install handlers of STOP_SIGNALS, in the main thread only, and keep the earlier ones for `close`."""
         self.handlers = {}
         if threading.current_thread() is threading.main_thread():
             self.handlers = {number: signal.signal(number, self.handle_signal) for number in STOP_SIGNALS}
@@ -86,30 +86,31 @@ class Checkpoint(Observer):
         self.stop_requested = True
 
     def close(self) -> None:
+        """Restore the signal handlers that were there before the run."""
         for number, handler in (self.handlers or {}).items():
             signal.signal(number, handler)
 
 
 def roots(simulation: Simulation) -> dict[str, Any]:
-    """Root objects of a checkpoint: the simulation, and the observers that the scene names."""
+    """Objects from which a checkpoint saves all others: the simulation, and the observers that the scene names."""
     named = simulation.scene.observers
     return {"simulation": simulation, "observers": dict(zip(named, simulation.observers[: len(named)]))}
 
 
 def program_facts(simulation: Simulation) -> dict[str, Any]:
-    """Versions of packages, backend and hashes of sources, on which the bytes of a run depend."""
+    """Versions of packages, backend, and hashes of sources, by name, on which the bytes of a run depend."""
     return versions() | {"backend": simulation.backend.arch, "sources": source_hashes()}
 
 
 def versions() -> dict[str, str | None]:
-    """Installed versions, by name, of the packages on which the numbers of a run depend; None if missing."""
+    """Installed versions of this program and its numerical packages, by name; None for a missing one."""
     return {name: installed_version(name) for name in ("ocean-sim", kernel_library.LIBRARY_NAME, "numpy", "scipy")}
 
 
 def restore(simulation: Simulation, kept: checkpoint_file.Checkpoint, folder: Path, changed: str = "") -> None:
-    """Put a simulation that was built from the same scene into the state of a checkpoint, with its files in `folder`.
+    """Put a newly built simulation into the state of a checkpoint of the same scene, with its files in `folder`.
 
-    `changed`: differences of this program from that of the checkpoint, which every table states where it goes on.
+    `changed`: differences of this program from the one that made the checkpoint, which are written into every table.
     Raises Mismatch; then nothing in the folder has changed, and the simulation is of no use.
     """
     named = dict(zip(simulation.scene.observers, simulation.observers))

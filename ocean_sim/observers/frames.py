@@ -52,6 +52,7 @@ class Config(PeriodicConfig):
         return grid_size(preflight.tank, self.spacing or preflight.fluid.point_spacing(preflight))
 
     def mismatches(self, preflight: Preflight) -> Problems:
+        """Fault (key, sentence) of a spacing that gives a frame more than MAX_POINTS points."""
         points = self.point_count(preflight)
         if points <= MAX_POINTS:
             return []
@@ -60,7 +61,7 @@ class Config(PeriodicConfig):
         ]
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """A warning if the frames of a long or large run would fill a disk."""
+        """Warning, with a size on disk, if the frames of a long or large run would exceed WARNING_BYTES."""
         kept = preflight.particles if self.particles else 0
         frame = 4 * SURFACE_FIELDS * self.point_count(preflight) + BYTES_PER_PARTICLE * kept
         size = frame * (preflight.duration / self.every + 1.0)
@@ -74,7 +75,7 @@ class Config(PeriodicConfig):
 
 
 class Frames(Observer):
-    """Writes frames/grid.npz once, then frames/frame_00000.npz and so on, each by an atomic write."""
+    """Writes frames/grid.npz once, then frames/frame_00000.npz and so on, at intervals, each by an atomic write."""
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.config, self.every = config, config.every
@@ -144,8 +145,8 @@ class Frames(Observer):
         origin: np.ndarray,
         snapshot: "Snapshot | None",
     ) -> dict[str, np.ndarray]:
-        """Foam arrays of a frame: white share at the points, displacement of its texture [m], velocity of the surface
-        [m/s]; and the white share of the whole sea, if the water has no model of breaking crests."""
+        """Foam arrays of a frame: white share (nx, nz) at the points, displacement of its texture [m], velocity of the
+        surface [m/s]; and the white share of the whole sea, unless the water itself models breaking crests."""
         assert self.white is not None
         self.white.shift(np.round((origin - self.before) / self.cell))
         self.before = origin
@@ -171,8 +172,7 @@ class Frames(Observer):
     def breaking_heights(
         self, simulation: Simulation, points: np.ndarray, elevation: np.ndarray, origin: np.ndarray
     ) -> np.ndarray:
-        """Heights (nx, nz) [m] of the sea without its ships, on which foam is formed: it would else gather at the steep
-        dents of the hulls, whose own foam is drawn with them."""
+        """Heights (nx, nz) [m] as if without ships, from which foam forms: it would else gather at dents of hulls."""
         if not self.ships:
             return elevation
         undisturbed = simulation.fluid.undisturbed_elevations(points, elevation.ravel())
@@ -188,8 +188,7 @@ class Frames(Observer):
         return foam.levelled_heights(elevation, inside.reshape(self.shape), widest / self.cell)
 
     def whiten_past_sea(self, simulation: Simulation, points: np.ndarray) -> None:
-        """Form the foam of a sea in closed form over the seconds before the run: all of it would else begin at once, in
-        a stripe along the highest crest."""
+        """Form the foam of a sea in closed form from its past: all would else begin at once, in one stripe."""
         sea, begins = simulation.fluid.plane_waves, simulation.time
         if sea is None or sea.ramp_share(begins) < 1.0:
             return
@@ -200,8 +199,8 @@ class Frames(Observer):
             self.advance_foam(time, elevation, velocity, wind)
 
     def advance_foam(self, time: float, elevation: np.ndarray | None, velocity: np.ndarray, wind: float) -> None:
-        """Advance the foam to a time [s], carried with a velocity (nx, nz, 3) [m/s]; new foam forms on crests of
-        heights (nx, nz) [m], unless these are None, with the cover that belongs to a wind speed [m/s]."""
+        """Advance the foam to a time [s], carried with a velocity (nx, nz, 3) [m/s]. New foam forms on crests of the
+        heights `elevation` (nx, nz) [m], unless None, up to the cover that belongs to a wind speed `wind` [m/s]."""
         assert self.white is not None
         source = None
         if elevation is not None and velocity.any():  # a column before its release does not break
@@ -210,8 +209,8 @@ class Frames(Observer):
         self.white.advance(time, velocity[..., [0, 2]], source, wanted)
 
     def origin(self) -> np.ndarray:
-        """(2,) x and z [m] of the middle of the points of a frame: on a sea that ships disturb, near the middle of the
-        ships by whole cells, since they may sail away; else, and in 2-D, the middle of the basin."""
+        """(2,) x and z [m] of the middle of the points of a frame: near the middle of the ships, by whole cells, on a
+        sea that they disturb, since they may sail away; else, and in 2-D, the middle of the basin."""
         return middle_cell(self.ships, self.cell) if self.ships and self.cell.all() else np.zeros(2)
 
     def resumed(self, changed: str) -> None:
@@ -221,6 +220,7 @@ class Frames(Observer):
                 path.unlink()
 
     def write(self, name: str, **arrays: object) -> None:
+        """Write arrays into the file `name`.npz of the folder, atomically."""
         file = BytesIO()  # in memory: savez seeks and writes for every array
         np.savez(file, **arrays)  # type: ignore[arg-type]
         with atomic_write(self.folder / f"{name}.npz") as draft:
@@ -228,7 +228,7 @@ class Frames(Observer):
 
 
 def move_triangles(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) -> "Mesh":
-    """Copy of a surface between periodic sides, each triangle moved by whole periods next to an origin x, z [m]."""
+    """Copy of a surface mesh between periodic sides, each triangle moved by whole periods next to `origin` x, z [m]."""
     corners = mesh.vertices[mesh.triangles]
     shift = np.repeat(shifts(corners.mean(axis=1), origin, period), 3, axis=0)
     at = np.column_stack([mesh.triangles.ravel(), np.round(shift, 6)])
@@ -240,8 +240,8 @@ def move_triangles(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) ->
 
 
 def topmost_velocity(snapshot: "Snapshot", points: np.ndarray, top: np.ndarray, period: Sequence[float]) -> np.ndarray:
-    """(nx, nz, 3) mean velocity [m/s] of the particles above a height (nx, nz) [m] in the cell of each point, or in the
-    cells around it if it has none."""
+    """(nx, nz, 3) mean velocity [m/s] of the particles above the height `top` (nx, nz) [m] in the cell of each point,
+    or in the eight cells around if it holds none; `period`: of the basin along each axis [m], 0 if none."""
     high = np.flatnonzero(snapshot.position[:, 1] > top.min())  # all others lie lower
     x = snapshot.position.take(high, axis=0).astype(float)
     if any(period):
@@ -258,8 +258,7 @@ def topmost_velocity(snapshot: "Snapshot", points: np.ndarray, top: np.ndarray, 
 
 
 def fill_unknown(values: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """(nx, nz, m) values, each unknown one (nx, nz) replaced by the mean of the known ones of the eight cells around
-    it; 0 if all of these are unknown."""
+    """(nx, nz, m) values; one not `known` (nx, nz) becomes the mean of known ones in the 8 cells around, else 0."""
     from scipy.ndimage import uniform_filter
 
     if known.all():
@@ -270,5 +269,5 @@ def fill_unknown(values: np.ndarray, known: np.ndarray) -> np.ndarray:
 
 
 def single_precision(array: np.ndarray) -> np.ndarray:
-    """Floating-point numbers in single precision, which is plenty for a picture; anything else as it is."""
+    """Array in single precision, plenty for a picture, if it holds floating-point numbers; any other as it is."""
     return array.astype(np.float32, copy=False) if array.dtype.kind == "f" else array

@@ -55,7 +55,7 @@ class Sensor(Model):
     without turning."""
 
     def face_normal(self, basin: Basin) -> np.ndarray | None:
-        """(3,) unit normal of the sensor's face; None if neither `normal` nor a side or obstacle determines one."""
+        """(3,) unit normal of the sensor's face; None if neither key `normal` nor a side or obstacle determines one."""
         if self.normal is not None:
             across = in_space(self.normal)
             return across / np.linalg.norm(across) if across.any() else None
@@ -64,7 +64,7 @@ class Sensor(Model):
         return None if axis is None else np.eye(3)[axis]
 
     def face_points(self, basin: Basin) -> np.ndarray:
-        """(n, 3) points [m] whose mean pressure the sensor reads; only its middle without a diameter."""
+        """(n, 3) points [m] on the face whose mean pressure the sensor reads; without a diameter only its middle."""
         middle, across = in_space(self.at), self.face_normal(basin)
         if not self.diameter or across is None:
             return middle[None]
@@ -77,7 +77,7 @@ class Sensor(Model):
 
 
 def disc_points() -> np.ndarray:
-    """(DISC_POINTS, 2) points whose mean is that over a disc of radius 1."""
+    """(DISC_POINTS, 2) points in a disc of radius 1; a mean over them is exact for quadratic functions on the disc."""
     rings, within = [], 0
     for count in RING_POINTS:
         radius = ((within + 0.5 * count) / DISC_POINTS) ** 0.5  # root mean square radius of the ring's area
@@ -88,8 +88,7 @@ def disc_points() -> np.ndarray:
 
 
 def nearest_axis(point: np.ndarray, flats: Sequence[tuple[int, float]], boxes: Sequence[Corners]) -> int | None:
-    """The axis across the nearest of flat sides (axis and position [m]) and faces of boxes, the first of equally near
-    ones; None without any."""
+    """Axis (0 to 2) across the flat side (axis, position [m]) or box face nearest to a point; None without any."""
     found = [(abs(point[axis] - position), axis) for axis, position in flats]
     for low, high in boxes:
         beyond = np.maximum(np.maximum(np.array(low) - point, point - np.array(high)), 0.0)
@@ -112,17 +111,21 @@ class Config(PeriodicConfig):
 
     @model_validator(mode="after")
     def _measures(self) -> "Config":
+        """Require at least one gauge."""
         if not self.elevation and not self.pressure:
             raise ValueError("give at least one gauge, under elevation or pressure")
         return self
 
     def problems(self, preflight: Preflight) -> Problems:
+        """Faults (key, sentence) of gauges that cannot read in this basin."""
         return self.misplaced_gauges(preflight.tank)
 
     def mismatches(self, preflight: Preflight) -> Problems:
+        """Faults (key, sentence) of gauges that are to ride in a scene without a ship or patch to ride with."""
         return [(key, sentence) for key in self.riding_gauges if (sentence := riding_problem(preflight))]
 
     def warnings(self, preflight: Preflight) -> list[str]:
+        """Warnings about sensors inside an obstacle, and about water whose pressures are unreliable."""
         found, misread = super().warnings(preflight), preflight.fluid.misread
         for name, sensor in self.sensors.items():
             at = in_space(sensor.at)
@@ -132,12 +135,12 @@ class Config(PeriodicConfig):
 
     @property
     def riding_gauges(self) -> list[Key]:
-        """Keys of the gauges that ride with ships or patch, as ("elevation", name) or ("pressure", name)."""
+        """Keys, as ("elevation", name) or ("pressure", name), of the gauges that move with ships or patch."""
         waves: list[Key] = [("elevation", name) for name, wave in self.waves.items() if wave.rides]
         return [*waves, *(("pressure", name) for name, sensor in self.sensors.items() if sensor.rides)]
 
     def misplaced_gauges(self, basin: Basin) -> Problems:
-        """Faults (key, sentence) of gauges that cannot read in this basin: misplaced, or with an impossible face."""
+        """Faults (key, sentence) of gauges outside the water, or with an impossible face, in this basin."""
         points: dict[Key, tuple[tuple[float, ...], str]]
         points = {("elevation", name): (wave.at, "xz") for name, wave in self.waves.items()}
         sensors: dict[Key, Sensor] = {("pressure", name): sensor for name, sensor in self.sensors.items()}
@@ -151,12 +154,12 @@ class Config(PeriodicConfig):
 
     @property
     def waves(self) -> dict[str, Wave]:
-        """Gauges of elevation; a bare point is a fixed gauge."""
+        """Gauges of elevation by name; a point in the scene becomes a fixed gauge there."""
         return {n: w if isinstance(w, Wave) else Wave(at=w) for n, w in self.elevation.items()}
 
     @property
     def sensors(self) -> dict[str, Sensor]:
-        """Pressure sensors; a bare point is a sensor without a face."""
+        """Pressure sensors by name; a point in the scene becomes a sensor there without a face."""
         return {n: s if isinstance(s, Sensor) else Sensor(at=s) for n, s in self.pressure.items()}
 
     def build(self, folder: Path, simulation: Simulation) -> "Gauges":
@@ -164,7 +167,7 @@ class Config(PeriodicConfig):
 
 
 def riding_problem(preflight: Preflight) -> str | None:
-    """The reason that no gauge can ride with ships or a patch in a scene, or None."""
+    """Reason that no gauge can move with ships or a patch of open sea in this scene; None if one can."""
     if preflight.tank.sea is not None:
         return None
     if preflight.fluid.made_of_particles:
@@ -173,7 +176,7 @@ def riding_problem(preflight: Preflight) -> str | None:
 
 
 def outside_reason(point: tuple[float, ...], axes: str, basin: Basin) -> str | None:
-    """The reason that a point is outside the water, or None; an open basin has no upper end."""
+    """Reason that a point (coordinates along `axes`) is outside the basin; None if inside, or above an open one."""
     wanted = axes if basin.dimension == 3 else axes.replace("z", "")
     if len(point) != len(wanted):
         slice_ = "" if basin.dimension == 3 else ", the basin is 2-D"
@@ -189,7 +192,7 @@ def outside_reason(point: tuple[float, ...], axes: str, basin: Basin) -> str | N
 
 
 def face_problem(sensor: Sensor, basin: Basin) -> str | None:
-    """The reason that a sensor, whose middle is in the basin, cannot have the face of its keys, or None."""
+    """Reason that a sensor, whose middle is in the basin, cannot have the face of its keys; None if it can."""
     wanted = "xyz"[: basin.dimension]
     if sensor.normal is not None and len(sensor.normal) != len(wanted):
         return f"the normal {list(sensor.normal)} should be [{', '.join(wanted)}]"
@@ -208,7 +211,7 @@ def face_problem(sensor: Sensor, basin: Basin) -> str | None:
 
 
 def sensor_description(sensor: Sensor, points: int) -> str:
-    """Text on place and face of a sensor, which averages over `points`, for the heading of the table."""
+    """Text for the table's comment lines on position and face of a sensor, which averages over `points` points."""
     place = f"{list(sensor.at)} m{RIDING_PHRASE if sensor.rides else ''}"
     if points == 1:
         return f"pressure at {place}"
@@ -216,7 +219,7 @@ def sensor_description(sensor: Sensor, points: int) -> str:
 
 
 def hydrostatic_offset(simulation: Simulation) -> dict[str, object]:
-    """Line of the table's heading on the lowering of the surface by the water's own weight; empty if there is none."""
+    """Comment line of the table, by name, on the sinking of the surface by the water's own weight; empty if none."""
     if not simulation.fluid.surface_drop:
         return {}
     by = f"{simulation.fluid.surface_drop:.4g} m where it is deepest, g h^2 / (2 c^2) of a column of height h"
@@ -232,7 +235,7 @@ def dry_tops(obstacles: Sequence[Corners], columns: np.ndarray, heights: np.ndar
 
 
 def riding_centre(simulation: Simulation) -> np.ndarray:
-    """(2,) x, z [m] of the middle of the ships, or of the patch of open sea, with which gauges ride."""
+    """(2,) x, z [m] of the point with which gauges ride: the middle of the ships, or of the patch of open sea."""
     if simulation.ships:
         return np.mean([ship.body.position[[0, 2]] for ship in simulation.ships.values()], axis=0)
     return simulation.fluid.patch_centre

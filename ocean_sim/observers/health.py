@@ -105,7 +105,7 @@ class Health(OutcomeObserver):
         )
 
     def record_event(self, name: str, **facts: object) -> None:
-        """Write an event with its facts as one line of events.jsonl."""
+        """Write an event of this name, with time, step and its facts, as one line of events.jsonl."""
         if self.events is not None:
             simulation = self.simulation
             line = {"time_s": round(simulation.time, 9), "step": simulation.steps, "event": name, **facts}
@@ -114,10 +114,12 @@ class Health(OutcomeObserver):
                 self.events.flush()
 
     def resumed(self, changed: str) -> None:
+        """Record as an event that the program has changed since the checkpoint."""
         if changed:
             self.record_event("the program has changed", what=changed)
 
     def observe(self, simulation: Simulation) -> None:
+        """Check water and ships, and record events; raises Diverged with the first violated bound."""
         if self.n > 0 and not self.begun:
             self.begin(simulation)
         if self.n > 0 and simulation.steps > 0:
@@ -157,22 +159,22 @@ class Health(OutcomeObserver):
                 self.unexplained_energy(self.balance, totals)
 
     def is_suspicious(self) -> bool:
-        """True if speed or density in the last step's summary is out of bounds or not a number."""
+        """True if speed or density, by the summary of the last step, is out of bounds or not a number."""
         status = self.simulation.fluid.status
         dense = self.is_too_dense(status.max_density) or self.has_no_density(status.min_density)
         return not status.finite or not status.max_speed <= self.max_speed or dense
 
     def is_too_dense(self, density: float) -> bool:
-        """True if a density [kg/m3] is out of bounds; a fluid without sound speed may have any density."""
+        """True if a density [kg/m3] exceeds its bound; a fluid without sound speed may have any density."""
         fluid = self.simulation.fluid
         return fluid.sound_speed > 0.0 and not density <= self.config.max_density_ratio * fluid.rest_density
 
     def has_no_density(self, density: float) -> bool:
-        """True if a density [kg/m3] is not positive: a scheme that integrates the density can come to that."""
+        """True if a density [kg/m3] is not positive, as a scheme that integrates the density can make it."""
         return self.simulation.fluid.sound_speed > 0.0 and not density > 0.0
 
     def violations(self) -> Iterator[str]:
-        """Yield sentences about violated bounds, worst kind first; record lesser faults of the water as events."""
+        """Yield a sentence for each violated bound, worst kind first; record lesser faults of the water as events."""
         fluid, basin = with_particles(self.simulation.fluid), self.simulation.basin
         particles, totals = fluid.particles, fluid.totals()
         within = bool((totals.lower >= self.lower).all() and (totals.upper <= self.upper).all())
@@ -194,7 +196,7 @@ class Health(OutcomeObserver):
         yield from self.energy_violations(totals)
 
     def violations_of_particles(self) -> Iterator[str]:
-        """Yield sentences about violated bounds of single particles, each of which is checked."""
+        """Yield a sentence about each bound that a particle violates, after a check of every particle."""
         fluid = with_particles(self.simulation.fluid)
         particles, status = fluid.particles, fluid.status
         position = particles.position.to_numpy().astype(np.float64)
@@ -235,14 +237,14 @@ class Health(OutcomeObserver):
             self.reported.append(name)
 
     def record_change(self, kind: str, value: object, name: str, **facts: object) -> None:
-        """Record an event if the value of a kind has changed, at most every EVENT_INTERVAL for each kind."""
+        """Record the event `name` if the `value` of a kind has changed, at most every EVENT_INTERVAL for each."""
         due = self.simulation.time >= self.event_times[kind] + EVENT_INTERVAL
         if due and value != self.recorded[kind]:
             self.record_event(name, **facts)
             self.event_times[kind], self.recorded[kind] = self.simulation.time, value
 
     def note_particles(self, ids: np.ndarray) -> None:
-        """Record that particles are missing or there twice, as the ids of all particles (n,) show."""
+        """Record an event if, by the ids of all particles (n,), some are missing or there twice."""
         count = len(ids)
         there = np.bincount(ids[(ids >= 0) & (ids < count)], minlength=count)
         if (there != 1).any():
@@ -250,14 +252,14 @@ class Health(OutcomeObserver):
             self.record_once("particles from nowhere", lost=lost, twice=twice)
 
     def note_symmetry(self) -> None:
-        """Record the loss of a symmetry that the water began with, once, before rounding can have grown."""
+        """Record an event if the symmetry at the start is lost; judged once, before rounding can have grown."""
         if self.symmetry is not None:
             apart, self.symmetry = self.symmetry.largest_distance(self.simulation), None
             if not apart <= MAX_IMAGE_DRIFT:
                 self.record_once("symmetry lost", spacings=float(f"{apart:.3g}"), bound=MAX_IMAGE_DRIFT)
 
     def note_momentum(self, totals: Totals) -> None:
-        """Record that the water has momentum that no force has given."""
+        """Record an event if the water has momentum that no force has given."""
         if self.momentum is not None:
             share = self.momentum.unexplained_share(self.simulation, totals)
             if not share <= MOMENTUM_REPORTED:
@@ -265,8 +267,7 @@ class Health(OutcomeObserver):
                 self.record_once("momentum from nowhere", over_all_impulses=said, bound=MOMENTUM_REPORTED)
 
     def note_work(self, totals: Totals) -> None:
-        """Record energy that no force has given to driven water or to a patch of open sea; other water is judged by its
-        energy alone."""
+        """Record an event if driven water, or a patch of open sea, has energy that no force has given."""
         if self.balance is not None and not self.simulation.fluid.status.clipped:
             fluid = with_particles(self.simulation.fluid)
             work = fluid.work
@@ -277,7 +278,7 @@ class Health(OutcomeObserver):
                 self.record_once("energy that no work has given", over_all_work=said, bound=WORK_REPORTED)
 
     def unexplained_energy(self, balance: Balance, totals: Totals) -> float:
-        """Energy [J] that no force has given since the first check."""
+        """Energy [J] that no force has given to the water since the first check, or since a change of stiffness."""
         fluid, gravity = with_particles(self.simulation.fluid), self.simulation.basin.gravity
         if fluid.sound_speed != self.stiffness:  # a person has changed the stiffness
             balance.at_first, self.stiffness = None, fluid.sound_speed
@@ -286,12 +287,12 @@ class Health(OutcomeObserver):
         )
 
     def energy_parts(self, totals: Totals) -> tuple[float, float]:
-        """Energy [J] of motion and height together, and energy of compression."""
+        """Kinetic plus potential energy of the water, and its energy of compression [J]."""
         return mechanical_energy(self.simulation, totals), self.simulation.fluid.internal_energy()
 
     def energy_violations(self, totals: Totals) -> Iterator[str]:
-        """Yield sentences about energy that no force has given. An unstable scheme creates energy long before one
-        particle is out of bounds; the first lattice of a stiff one releases compression into motion and height."""
+        """Yield a sentence for each excess of energy that no force has given: an unstable scheme makes energy long
+        before a particle is out of bounds, and the first lattice of a stiff one turns compression into motion."""
         if self.judges_energy:
             fluid, bound = self.simulation.fluid, self.config.max_energy_gain
             scale = with_particles(fluid).particles.mass * self.n * fluid.reference_speed**2
@@ -310,17 +311,17 @@ class Health(OutcomeObserver):
                 yield self.failure_sentence(what, self.suggest_cure())
 
     def failure_sentence(self, what: str, cure: str) -> str:
-        """Sentence for the user on failure, time, cure and the file of the last good state."""
+        """Sentence for the user on the failure `what`, its time and cure, and the file of the last good state."""
         simulation = self.simulation
         return f"{what}, t = {simulation.time:.4f} s, step {simulation.steps}; {cure}{self.name_last_frame()}"
 
     def describe_failure(self, what: str, position: np.ndarray, worst: Iterable[int]) -> str:
-        """Sentence for the user on a failure and the positions of the worst particles, given by index."""
+        """Sentence for the user on the failure `what`, with positions [m] of the worst particles, given by index."""
         where = "".join(f" at ({', '.join(f'{x:.4g}' for x in position[i])}) m" for i in worst)
         return self.failure_sentence(f"{what}{where}", self.suggest_cure())
 
     def suggest_cure(self) -> str:
-        """Advice to the user against the likeliest cause of a failure."""
+        """Advice to the user against the likeliest cause of a failure, such as a stiffness or a shorter step."""
         fluid, basin, scene = self.simulation.fluid, self.simulation.basin, self.simulation.scene
         pull = float(np.linalg.norm(basin.gravity))
         if fluid.sound_speed == 0.0:
@@ -346,7 +347,7 @@ class Health(OutcomeObserver):
         return f"; the last picture before is frames/{frames[-1].name}" if frames else ""
 
     def judge_hulls(self, simulation: Simulation) -> None:
-        """Raise Diverged if two hulls overlap: contact between hulls is not modelled."""
+        """Raise Diverged if two hulls overlap, since contact between hulls is not modelled."""
         if len(simulation.ships) < 2:
             return
         outlines = [(name, ship.outline()) for name, ship in simulation.ships.items()]
@@ -362,8 +363,7 @@ class Health(OutcomeObserver):
                 raise Diverged(self.failure_sentence(f"{what} ({x:.4g}, {z:.4g}) m", cure))
 
     def note_rim(self, simulation: Simulation) -> None:
-        """Record that one of several ships lies in the rim of the patch, where water is relaxed towards the open
-        sea."""
+        """Record an event if one of several ships is in the patch's rim, the relaxation zone to the open sea."""
         if len(simulation.ships) < 2:
             return
         at = np.array([ship.body.position[[0, 2]] for ship in simulation.ships.values()])
@@ -373,7 +373,7 @@ class Health(OutcomeObserver):
                 self.record_once(event, **ship_facts(name, ship))
 
     def note_ships(self, simulation: Simulation) -> None:
-        """Record that a keel touches the bed, and that a whole hull has left the water or is back in it."""
+        """Record an event if a keel touches the bed, a whole hull leaves the water, or meets it again."""
         for name, ship in simulation.ships.items():
             grounding, flight = f"grounding of {name}", f"flight of {name}"
             if ship.airborne:
@@ -387,10 +387,12 @@ class Health(OutcomeObserver):
             self.record_change(flight, ship.airborne, event, **facts, speed_m_s=speed)
 
     def note_limit(self, simulation: Simulation) -> None:
+        """Record an event if another limit determines the time step."""
         limit, step = simulation.time_step.limited_by, float(simulation.next_dt)
         self.record_change("limit", limit, "limit", limited_by=limit, time_step_s=step)
 
     def note_clipping(self, simulation: Simulation) -> None:
+        """Record an event if `motion_limit` has held more particles back."""
         clipped = simulation.fluid.status.clipped
         if simulation.outcome != "running":
             self.event_times["clipped"] = -EVENT_INTERVAL
@@ -406,13 +408,14 @@ class Health(OutcomeObserver):
             self.events.close()
 
     def amend(self) -> None:
+        """Write the end of the run once more, as the last event."""
         if self.events is not None:
             self.events = Path(self.events.name).open("a", encoding="utf-8")
             self.close()
 
 
 def ship_facts(name: str, ship: Ship) -> dict[str, object]:
-    """Name and place of a ship, for an event; no name if she is the only one."""
+    """Facts about a ship for an event: her name, unless she is the only one, and x, z [m]."""
     x, _, z = ship.body.position
     which = {} if name == ALONE else {"ship": name}
     return which | {"x_m": round(float(x), 3), "z_m": round(float(z), 3)}

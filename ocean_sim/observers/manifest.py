@@ -38,7 +38,7 @@ class Config(ObserverConfig):
 
 
 class Manifest(OutcomeObserver):
-    """Writes manifest.json, without clock values, so that equal runs leave equal files."""
+    """Writes manifest.json, the facts of a run, without clock values, so that equal runs leave equal files."""
 
     left_out = ("facts",)  # the program that goes on has its own
 
@@ -95,19 +95,19 @@ class Manifest(OutcomeObserver):
         self.close()
 
     def write(self) -> None:
-        """Write the manifest; files that other programs have listed in it stay listed."""
+        """Write the manifest; files that other programs have added to its list stay in it."""
         if before := run_files.read_manifest(self.path.parent):
             self.facts["files"] = sorted({*self.facts["files"], *run_files.listed_files(before)})
         write_facts(self.path, self.facts)
 
 
 def sha256(data: bytes) -> str:
+    """SHA-256 of bytes, in hexadecimal digits."""
     return hashlib.sha256(data).hexdigest()
 
 
 def state_sha256(simulation: Simulation) -> str:
-    """Hash of final positions and velocities in the order of the particles' ids, and of the ships; of water without
-    particles, of its final heights along a diagonal of the basin."""
+    """SHA-256 of the final particles, by id, and ships; without particles, of heights along the basin's diagonal."""
     particles = simulation.fluid.particles
     if particles is None:
         points = np.linspace(simulation.basin.lower, simulation.basin.upper, 101)[:, [0, 2]]

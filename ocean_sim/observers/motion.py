@@ -47,7 +47,7 @@ def log_name(ship: str) -> str:
 
 
 def log_columns(parts: tuple[str, ...]) -> tuple[str, ...]:
-    """Column names of the motion log of a ship whose load has these parts."""
+    """Column names of the motion log of a ship whose load is the sum of these parts, such as `buoyancy`."""
     return (
         "time_s",
         "seq",
@@ -80,6 +80,7 @@ class Config(PeriodicConfig):
     """Axes of the columns; `ship`: ours, `ned` (SNAME) or `flu` (ISO 8855)."""
 
     def mismatches(self, preflight: Preflight) -> Problems:
+        """Faults (key, sentence): no ship to log, or a `point` that a ship does not have."""
         if not preflight.ships:
             return [((), "there is no ship whose motion could be logged")]
         found: Problems = []
@@ -101,7 +102,7 @@ class Config(PeriodicConfig):
 
 
 class Motion(Observer):
-    """Writes the motion log of each ship."""
+    """Writes the motion log of each ship, by one `Log` each."""
 
     every = 0.0  # the load at one time is known a step later
 
@@ -119,9 +120,8 @@ class Motion(Observer):
 
 
 class Log:
-    """motion.csv of one ship. A step computes the load at its beginning, so that the load at a time is known when the
-    step is over; at the last time the load of the step before stands in. Rows are computed for many moments together,
-    or at once if an observer waits for each."""
+    """Motion log of one ship. The load at a time is known one step later, as a step computes it at its beginning; at
+    the last time the load of the step before stands in. Rows are computed in batches, or singly if awaited."""
 
     last: "tuple[float, RigidBody, tuple[float, float]] | None"  # the newest time, body and orders
 
@@ -155,7 +155,7 @@ class Log:
         self.last = simulation.time, self.ship.body, self.ship.orders
 
     def complete(self, simulation: Simulation) -> None:
-        """Add the moment of the last state, whose load is known a step later, and write the rows that it completes."""
+        """Add the moment of the last state, whose load is known only now, and write the rows that it completes."""
         if self.last is None:
             return
         (time, body, orders), ship = self.last, self.ship
@@ -172,16 +172,16 @@ class Log:
             self.write(simulation)
 
     def is_awaited(self, simulation: Simulation) -> bool:
-        """True if an observer takes each row as soon as it is known."""
+        """True if an observer needs each row as soon as it is known."""
         return any(taker.at_once for taker in takers(simulation, TakesMotion))
 
     def set_first_velocity(self, body: "RigidBody", dt: float) -> None:
-        """Set the velocity at the first time: the mean of that now and that after the next step, of 2 dt [s]."""
+        """Set the velocity at the first moment, the mean of that now and that after a step of 2 `dt` [s]."""
         gained = dt * self.ship.acceleration, dt * self.ship.turning
         self.velocity = first_derivative(body.velocity + gained[0], body.angular_velocity + gained[1], body.orientation)
 
     def write(self, simulation: Simulation) -> None:
-        """Write the rows that are due, and keep the last moment, the first of the next batch."""
+        """Write the rows that are due, interpolated between moments; the last moment begins the next batch."""
         moments = self.moments[: self.seen]
         moments[:, QUATERNION] = short_way(moments[:, QUATERNION].T).T
         columns = moments[:, : MOMENT.size].T
@@ -205,14 +205,14 @@ class Log:
             self.hand_rows_on(rows, simulation)
 
     def hand_rows_on(self, rows: list[str], simulation: Simulation) -> None:
-        """Give rows to the observers that take them, rounded as in the file, so that both have the same results."""
+        """Give the text of new rows to the observers that take them, as numbers rounded like those in the file."""
         for observer in takers(simulation, TakesMotion):
             cells = [row.split(",", self.motion_columns)[: self.motion_columns] for row in rows]
             table = np.array([[float(number) for number in row] for row in cells]).T
             observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)
 
     def load_table(self, body: Attitude, acceleration: np.ndarray, turning: np.ndarray, rest: np.ndarray) -> np.ndarray:
-        """(n, m) accelerations, specific forces, loads and orders; `rest`: (n, k) orders and parts of the load."""
+        """(n, m) accelerations, specific forces, loads, orders; `rest`: (n, k) orders (throttle, rudder), loads."""
         felt = body.point_acceleration(self.arm, acceleration, turning)
         specific = to_frame(self.frame, body.to_body(felt - self.gravity[:, None]).T)
         orders, parts = rest[:, :2], rest[:, 2:].reshape(len(rest), -1, 6)
@@ -222,8 +222,8 @@ class Log:
         return np.concatenate([along, specific, loads.reshape(len(rest), -1), orders], axis=1)
 
     def motion_table(self, track: Track) -> np.ndarray:
-        """(16, n) table of position, angles, unit quaternion, velocity and rates in the axes of the log's frame. Angles
-        follow from the interpolated quaternion: interpolated angles leap where a bow points straight up."""
+        """(16, n) position, angles, unit quaternion, velocity and rates in the axes of the log's frame. Angles follow
+        from the interpolated quaternion: interpolated angles leap where a bow points straight up."""
         body, signs = attitude_of(track), self.signs[:, None]
         q = body.orientation
         pose, speed = (track.place[:3], body.angles), (track.velocity[:3], body.to_body(body.spin))
@@ -231,6 +231,7 @@ class Log:
         return np.concatenate([*(signs * x for x in pose), *turn, *(signs * x for x in speed)])
 
     def close(self, simulation: Simulation) -> None:
+        """Write the last rows, with the load of the step before, and close the file."""
         self.complete(simulation)
         if self.due:
             self.write(simulation)

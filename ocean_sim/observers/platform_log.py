@@ -33,7 +33,7 @@ class Config(ObserverConfig):
 
 
 def heading(every: float, frame: str = PLATFORM_FRAME) -> dict[str, object]:
-    """The comment lines that every platform.csv begins with."""
+    """Comment lines, by name, at the top of every platform.csv, whose rows are `every` [s] apart."""
     return {
         "frame": frame,
         "axes": AXES_IN_WORDS[frame],
@@ -46,14 +46,14 @@ def heading(every: float, frame: str = PLATFORM_FRAME) -> dict[str, object]:
 
 
 class PlatformLog(Observer, TakesMotion):
-    """Writes platform.csv from the rows of the motion log, with the values that `ocean-sim platform` gets from it."""
+    """Writes platform.csv from rows of the motion log, equal to that of `ocean-sim platform` from the whole log."""
 
     def __init__(self, csv: CsvFile, platform: Platform, simulation: Simulation, ship: str, at_once: bool) -> None:
-        """`ship`: name of the ship that carries the platform."""
+        """`ship`: name of the ship whose motion drives the platform; `at_once`: True if an observer awaits each row."""
         self.csv, self.platform, self.simulation, self.ship, self.at_once = csv, platform, simulation, ship, at_once
 
     def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
-        """Write the platform's commands for rows of its ship's motion log, and give them to other observers."""
+        """Write the platform's commands for rows of its ship's motion log, and give them to observers of commands."""
         if ship == self.ship:
             commands = self.platform.follow(ride_of(rows, frame))
             for row in commands.rows():

@@ -53,6 +53,7 @@ class Config(PeriodicConfig):
     @field_validator("size")
     @classmethod
     def _has_room(cls, size: tuple[int, int]) -> tuple[int, int]:
+        """Require a picture that the panel fits into."""
         if not (960 <= size[0] <= 7680 and 640 <= size[1] <= 4320):
             raise ValueError(f"the panel needs a picture of 960 x 640 pixels, at most 7680 x 4320, not {list(size)}")
         return size
@@ -65,7 +66,7 @@ class Config(PeriodicConfig):
 
 
 class Preview(Observer):
-    """Writes numbered pictures into the folder preview/ of a run, drawn as in the window."""
+    """Writes numbered pictures into the folder preview/ of a run, drawn as in the window of `ocean-sim preview`."""
 
     left_out = ("screen",)  # of its checkpoints
 
@@ -96,7 +97,7 @@ class Preview(Observer):
 
 
 class Buffer:
-    """Taichi field, of vectors or numbers, that the window reads; it grows as more values are put into it."""
+    """Taichi field of vectors or whole numbers that GGUI reads; it grows if more values are put into it."""
 
     def __init__(self, length: int = 3) -> None:
         """`length`: components of each vector; 0: a field of whole numbers."""
@@ -104,8 +105,8 @@ class Buffer:
         self.field: Any = None
 
     def put(self, values: np.ndarray) -> int:
-        """Copy (n, length) or (n,) values into the field; returns n. The last value fills the rest, since the window
-        draws some of it, whatever count it is given."""
+        """Copy (n, length) or (n,) values into the field; returns n. The rest of the field repeats the last value,
+        since GGUI draws some of it, whatever count it is given."""
         n = len(values)
         if self.field is None or self.field.shape[0] < n:
             room = max(64, 2 ** int(np.ceil(np.log2(max(n, 1)))))
@@ -130,7 +131,7 @@ class Mesh:
         self.vertices, self.normals, self.colours, self.corners = Buffer(), Buffer(), Buffer(), Buffer(0)
 
     def show(self, scene: Any, patch: Patch | None, wires: bool = False) -> None:
-        """Add a patch of triangles, if there is one, to a scene of GGUI; `wires`: only their edges."""
+        """Add a patch of triangles, unless None, to a scene of GGUI; `wires`: True to draw only their edges."""
         if patch is None:
             return
         self.normals.put(np.broadcast_to([0.0, 1.0, 0.0], patch.vertices.shape))  # plain colours need none, GGUI does
@@ -149,12 +150,13 @@ class Mesh:
 
 
 class Screen:
-    """A GGUI window, on a screen or hidden, and everything that is drawn in it.
+    """GGUI window, on a screen or hidden, and everything that is drawn in it.
 
     Raises VulkanMissing if GGUI has no Vulkan.
     """
 
     def __init__(self, config: Config, show: bool) -> None:
+        """`show`: True for a window on the screen, False for a hidden one."""
         self.size, self.shown = config.size, show
         notes = Path("imgui.ini").absolute()  # GGUI keeps where its boxes stand in the working directory
         self.litter = None if notes.exists() else notes
@@ -176,7 +178,7 @@ class Screen:
         self.cursor: tuple[float, float] | None = None
 
     def watch(self, simulation: "Simulation", panel: Panel, config: Config | None = None) -> None:
-        """Show another simulation from now on; the panel gets its cameras, contents and ships."""
+        """Draw another simulation from now on; the panel gets its cameras, contents and ships."""
         self.simulation, self.scene = simulation, PreviewScene(simulation)
         panel.cameras, panel.contents, panel.person = self.scene.cameras, self.scene.contents, None
         panel.ships = tuple(simulation.ships)
@@ -188,7 +190,7 @@ class Screen:
         panel.content = panel.content if panel.content in panel.contents else (*panel.contents, "surface")[0]
 
     def draw(self, panel: Panel, pace: float | None = None) -> None:
-        """Draw a picture of the present state of the simulation, which runs `pace` times real time."""
+        """Draw the present state; `pace`: simulated over real time, for the panel, None if unknown."""
         for _ in range(self.settling):
             self.compose(panel, pace)
             self.window.get_image_buffer_as_numpy()
@@ -196,7 +198,7 @@ class Screen:
         self.compose(panel, pace)
 
     def compose(self, panel: Panel, pace: float | None) -> None:
-        """Pass everything that is in the picture to the window."""
+        """Pass everything that a picture shows (sky, water, ships, lines, particles, panel) to the window."""
         eye = self.point_camera(panel)
         self.canvas.triangles(self.backdrop.field, per_vertex_color=self.backdrop_colours.field)
         self.plain.set_camera(self.camera)
@@ -220,7 +222,7 @@ class Screen:
                 box.text(panel.text(self.simulation, None if balls is None else balls.fastest, pace))
 
     def point_camera(self, panel: Panel) -> np.ndarray:
-        """Point the window's camera as the panel says; returns the eye (3,) [m]."""
+        """Set the window's camera as the panel chooses it; returns the eye point (3,) [m]."""
         width, height = self.size
         covered = 0.0 if panel.hidden else (PANEL_WIDTH + 2 * PANEL_EDGE) / width
         ship, length = self.simulation.ships.get(panel.ship), self.scene.lengths.get(panel.ship, 0.0)
@@ -236,7 +238,7 @@ class Screen:
         return camera.eye
 
     def show_balls(self, balls: Balls, eye: np.ndarray) -> None:
-        """Draw particles as lit balls; the lights are set after the plain scene is drawn, which would use them."""
+        """Draw particles as lit balls; called after the plain scene is drawn, which these lights would change."""
         self.lit.set_camera(self.camera)
         self.lit.ambient_light((0.55, 0.55, 0.55))
         self.lit.point_light(pos=tuple(eye + [-200.0, 300.0, -100.0]), color=(0.6, 0.6, 0.6))
@@ -248,14 +250,14 @@ class Screen:
         self.canvas.scene(self.lit)
 
     def image(self) -> np.ndarray:
-        """Picture (width, height, 3) in the window, 8-bit RGB, from its left lower corner."""
+        """Picture (width, height, 3) in the window, 8-bit RGB; its first pixel is the lower left corner."""
         buffer = self.window.get_image_buffer_as_numpy()
         buffer *= 255.0
         buffer += 0.5
         return buffer.astype(np.uint8)[..., :3]
 
     def listen(self, panel: Panel, seconds: float) -> None:
-        """Apply keys and mouse to the panel, as pressed and moved in the last `seconds`."""
+        """Apply keys and mouse to the panel, as they were used in the last `seconds` of wall time."""
         panel.closed = panel.closed or not self.window.running
         for event in self.window.get_events(ti.ui.PRESS):
             panel.press(event.key)
@@ -283,6 +285,6 @@ class Screen:
 
 
 def write_png(path: Path, image: np.ndarray) -> None:
-    """Write a picture as a PNG file, atomically."""
+    """Write a picture (width, height, 3), from its lower left corner, as a PNG file, atomically."""
     with atomic_write(path) as draft:
         ti.tools.imwrite(np.ascontiguousarray(image), str(draft))

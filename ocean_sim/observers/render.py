@@ -131,12 +131,14 @@ class Config(PeriodicConfig):
     @field_validator("size")
     @classmethod
     def even(cls, size: tuple[int, int]) -> tuple[int, int]:
+        """Require an even width and height, as the film's codec does."""
         if any(n % 2 or not 64 <= n <= 7680 for n in size):
             raise ValueError(f"a film needs an even width and height between 64 and 7680 pixels, not {list(size)}")
         return size
 
     @model_validator(mode="after")
     def aimed(self) -> "Config":
+        """Require `eye` and `target` for the fixed camera, and for no other."""
         if self.camera == "fixed" and (self.eye is None or self.target is None):
             raise ValueError("a fixed camera needs an eye and a target, [x, y, z] in metres each")
         if self.camera != "fixed" and not (self.eye is None and self.target is None):
@@ -149,6 +151,7 @@ class Config(PeriodicConfig):
         return [] if self.ship is None else preflight.unknown_ship(self.ship)
 
     def warnings(self, preflight: Preflight) -> list[str]:
+        """Warnings about a run without frames, and about stills after its end."""
         frames = preflight.parts.get("frames")
         if not isinstance(frames, PeriodicConfig):
             return ["render: without frames there is nothing to draw, no preview and no film"]
@@ -159,12 +162,11 @@ class Config(PeriodicConfig):
         return [f"render: stills at {times} s are never drawn: the run ends at {preflight.duration:g} s"]
 
     def film_pictures(self, duration: float, kept: float) -> int:
-        """Number of pictures in the film of a run of this duration [s] that keeps a frame each `kept` [s]; 0 without a
-        film."""
+        """Number of film pictures of a run of this duration [s] with frames `kept` [s] apart; 0 without a film."""
         return int(duration / max(self.every, kept) * (1.0 + 1e-9)) + 1 if self.film else 0
 
     def pictures(self, preflight: Preflight) -> int | None:
-        """Number of pictures in the film of a run; None if there is nothing to draw."""
+        """Number of pictures in the film of a run, 0 without a film; None if the run has no frames to draw."""
         frames = preflight.parts.get("frames")
         return self.film_pictures(preflight.duration, frames.every) if isinstance(frames, PeriodicConfig) else None
 
@@ -179,7 +181,7 @@ class Config(PeriodicConfig):
         return alone * wall + by_turns * wall_by_turns
 
     def scenery(self, preflight: Preflight) -> str:
-        """Kind of scenery in the pictures, a key of PROCESS_BYTES, as far as it is known without a frame."""
+        """Kind of scenery in the pictures (a key of PROCESS_BYTES), as far as it is known without a frame."""
         tank, water = preflight.tank, preflight.untouched
         if self.particles or tank.dimension == 2:
             return "particles"
@@ -194,7 +196,7 @@ class Config(PeriodicConfig):
         return 0 if pictures is None else PARTICLE_BYTES * painter_count(pictures)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """The memory of the processes that draw and of the encoder, without a graphics card."""
+        """Memory of the processes that draw and of the encoder, on a machine without a graphics card."""
         [row], pictures, pixels = super().ledger(preflight), self.pictures(preflight), self.size[0] * self.size[1]
         if pictures is None:
             return [row]
@@ -211,14 +213,13 @@ class Config(PeriodicConfig):
 
 
 def config_options(config: Config, folder: Path) -> dict[str, Any]:
-    """Options of `render_run` from a config; film pictures are no closer in time than the frames in the folder."""
+    """Options of `render_run` from a config; `every` is at least the interval between the frames in the folder."""
     with open_frame(folder / "frames" / "grid.npz") as grid:
         return config.model_dump() | {"every": max(config.every, float(grid["every"]))}
 
 
 class Render(OutcomeObserver):
-    """Draws film.mp4 from the frames while the run goes on, and preview.png and all else when it is over; then the
-    report is written again, with the pictures."""
+    """Draws film.mp4 while the run goes on, and all other pictures when it is over; then writes report.html again."""
 
     left_out = ("drawer", "progress", "every")  # of the process that goes on
 
@@ -233,7 +234,7 @@ class Render(OutcomeObserver):
             self.drawer.progress = progress
 
     def observe(self, simulation: Simulation) -> None:
-        """Begin to draw once there is a frame; the child does the rest."""
+        """Start the child process that draws as soon as there is a frame."""
         if self.drawer is None and self.config.film and frame_path(self.folder, 0).exists():
             self.drawer = Drawer(
                 [order_of(self.folder, **config_options(self.config, self.folder))], self.progress, goes_on=True
@@ -267,15 +268,16 @@ class Render(OutcomeObserver):
                 run_report.write_report(self.folder)
 
     def stop(self) -> None:
+        """End the child process that draws, if there is one."""
         if self.drawer is not None:
             self.drawer.stop()
 
 
 class Drawer:
-    """A child process that draws picture orders, in a session of its own with the processes that it starts."""
+    """Child process that draws picture orders; it leads a session of its own with the processes that it starts."""
 
     def __init__(self, orders: Sequence[Order], progress: Progress | None = None, goes_on: bool = False) -> None:
-        """`goes_on`: the run still writes frames, until `finish` is called."""
+        """Start the child. `goes_on`: True if the run still writes frames, until `finish` is called."""
         self.orders, self.progress = orders, progress
         self.errors = tempfile.TemporaryFile("w+")
         self.child: subprocess.Popen[str] | None = None
@@ -298,7 +300,7 @@ class Drawer:
         self.reader.start()
 
     def follow(self) -> None:
-        """Report the progress that the child prints ("pictures 3 of 600") until it ends; a total of 0 is unknown."""
+        """Report the child's progress lines ("pictures 3 of 600") until it ends; total 0: unknown. Runs in a thread."""
         assert self.child is not None and self.child.stdout is not None
         for line in self.child.stdout:
             words = line.split()
@@ -306,7 +308,7 @@ class Drawer:
                 self.progress(int(words[1]), int(words[3]))
 
     def finish(self) -> None:
-        """Tell the child that the run is over, and wait until all is drawn; raises OpenGLMissing or RenderFailed."""
+        """Tell the child that the run is over, and wait for its end; raises OpenGLMissing or RenderFailed."""
         try:
             if self.problem is not None:
                 raise self.problem
@@ -322,7 +324,7 @@ class Drawer:
             self.stop()
 
     def stop(self) -> None:
-        """End the child and its encoder, and remove their unfinished files."""
+        """Kill the child and its encoder if they still run, and remove their unfinished files."""
         child = self.child
         if child is not None:
             if child.returncode != 0:  # else it has ended what it led
@@ -339,14 +341,14 @@ class Drawer:
 
 
 def start_drawing(asked: dict[str, Any], errors: IO[str], **how: Any) -> subprocess.Popen[Any]:
-    """Start a process that draws the request `asked` (see `main`); `errors`: file of its standard error."""
+    """Start a process that draws the request `asked` (see `main`); `errors`: its standard error; `how`: for Popen."""
     command = [sys.executable, "-m", "ocean_sim.observers.render", json.dumps(asked)]
     # Its standard input breaks when this process ends, however that comes.
     return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors, **how)
 
 
 def drawing_failure(child: subprocess.Popen[Any], errors: IO[str]) -> RenderFailed:
-    """Exception for a drawing process that has ended too early, with the signal or the last line of its errors."""
+    """Exception for a drawing process that has ended too early, with its signal or the last line of its errors."""
     if child.returncode < 0:
         opengl.forget()
         return RenderFailed(f"the drawing process died (signal {-child.returncode}); {OpenGLMissing()}")
@@ -362,7 +364,7 @@ def render_run(
     progress: Progress | None = None,
     **asked: Any,
 ) -> list[Path]:
-    """Draw preview.png, and film, stills and strip when asked, into `out`; returns the files. `asked` as in Order.
+    """Draw preview.png, and film, stills and strip if asked, into `out`; returns the files. `asked`: fields of Order.
 
     Raises OpenGLMissing or RenderFailed.
     """
@@ -376,26 +378,25 @@ def render_run(
 
 
 def order_of(folder: Path, *, out: Path | None = None, every: float = 0.033, **asked: Any) -> Order:
-    """Order for pictures of a run into `out`, by default its own folder; `asked` as in Order."""
+    """Order for pictures of a run into `out`, by default its folder; `every` [s], `asked`: fields of Order."""
     by_turns = {"painters": painter_count(run_scene(folder).get("duration", 0.0) / every)}
     return Order(str(folder), str(out or folder), every=every, **by_turns | asked)
 
 
 def painter_count(pictures: float) -> int:
-    """Number of processes that draw a film of so many pictures by turns: one if it is short or there is but one
-    core."""
+    """Number of processes that share the pictures of a film: all cores up to MAX_PAINTERS, but 1 for a short film."""
     return min(MAX_PAINTERS, available_cores()) if pictures > SHORT_FILM else 1
 
 
 def draw_apart(orders: Sequence[Order], progress: Progress | None = None) -> None:
-    """Draw orders in a child process; raises OpenGLMissing or RenderFailed."""
+    """Draw orders in a child process and wait for it; raises OpenGLMissing or RenderFailed."""
     Drawer(orders, progress).finish()
 
 
 def obstacle_to_pictures(
     folder: Path, camera: CameraName, stills: Sequence[float], ship: str | None = None
 ) -> str | None:
-    """Reason why no picture can be drawn from a camera, of a ship or at a time, or None."""
+    """Reason why a run has no picture from a camera, of a ship or at a time in `stills` [s]; None if it has."""
     files, ground = frame_files(folder), folder / "frames" / "grid.npz"
     if not files or not ground.is_file():
         return f"{folder} has no frames to draw; run with the observer `frames`"
@@ -411,21 +412,21 @@ def obstacle_to_pictures(
 
 
 def times_without_frame(files: Sequence[Path], stills: Sequence[float]) -> list[float]:
-    """The times [s] that are farther than the mean interval between frames from any frame."""
+    """Times in `stills` [s] that are farther than the mean interval between frames from every frame."""
     start, end = FrameLog([files[0], files[-1]]).span
     interval = (end - start) / max(1, len(files) - 1) + 1e-6
     return [time for time in stills if not start - interval <= time <= end + interval]
 
 
 def no_picture_sentence(files: Sequence[Path], missing: Sequence[float]) -> str:
-    """Reason why there is no picture at the first of these times [s]."""
+    """Sentence that there is no picture at the first of the `missing` times [s], and the time span of the frames."""
     start, end = FrameLog([files[0], files[-1]]).span
     return f"there is no picture at {missing[0]:g} s; the frames of this run reach from {start:g} to {end:g} s"
 
 
 def variants(folder: Path, time: float, switched: Sequence[dict[str, Any]], **options: Any) -> np.ndarray:
-    """(n, height, width, 3) pictures of a run at a time [s], 8-bit RGB, for figures: one for each set of options as in
-    Order, which may name another `folder` and, as `stills: (time,)`, another time; all are drawn by one process."""
+    """(n, height, width, 3) pictures of a run at a time [s], 8-bit RGB, for figures: one for each dict in `switched` of
+    fields of Order, which may name another `folder` or, as `stills: (time,)`, time. One process draws all."""
     import imageio.v2 as imageio
 
     given: dict[str, Any] = {"folder": str(folder), "film": False, "preview": False, "stills": (time,)} | options
@@ -443,20 +444,20 @@ def variants(folder: Path, time: float, switched: Sequence[dict[str, Any]], **op
 
 
 def order_files(order: Order) -> list[str]:
-    """Names of the files that an order for pictures leaves."""
+    """Names of the files that an order for pictures leaves in its folder."""
     names = ["preview.png"] if order.preview else []
     names += [still_name(time) for time in order.stills]
     return names + ["strip.png"] * (order.strip > 0) + ["film.mp4", MOMENTS_FILE] * order.film
 
 
 def still_name(time: float) -> str:
-    """File name of a picture at a time [s]."""
+    """File name of the still picture at a time [s]."""
     return f"still_{time:08.3f}.png"
 
 
 def draw_order(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]:
     """Draw an order; yields the number of drawn pictures of the film and their total, 0 while that is unknown. `over`:
-    set when the run has written its last frame."""
+    event that is set when the run has written its last frame."""
     out = Path(order.out)
     with ExitStack() as stack:
         turns_of_others = range(1, order.painters) if order.film else ()
@@ -479,7 +480,7 @@ def draw_order(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]
 
 
 def begin_picture(order: Order, over: threading.Event) -> tuple[Picture, "ComingFrames"]:
-    """A picture ready to draw the frames of an order's run, and these frames; `over` as in `draw_order`."""
+    """Picture ready to draw frames of an order's run, and the coming frames; `over` as in `draw_order`."""
     folder = Path(order.folder)
     with open_frame(folder / "frames" / "grid.npz") as file:
         grid = dict(file)
@@ -491,12 +492,12 @@ def begin_picture(order: Order, over: threading.Event) -> tuple[Picture, "Coming
 
 
 def sample_files(files: list[Path]) -> list[Path]:
-    """About sixty of many frame files, from which a run is surveyed."""
+    """About sixty of many frame files, evenly chosen, from which a run is surveyed."""
     return files[:: max(1, len(files) // 60)]
 
 
 class ComingFrames:
-    """The frame files of a run, found as the run writes them."""
+    """Frame files of a run that is still going on, found as the run writes them; `over`: set at the end of the run."""
 
     def __init__(self, folder: Path, over: threading.Event) -> None:
         self.folder, self.over = folder, over
@@ -504,8 +505,7 @@ class ComingFrames:
         self.look()
 
     def look(self) -> None:
-        """Add new frame files; the end of the run is checked before, so that none is missed. A person may have deleted
-        some frames of a run that is over."""
+        """Add new frame files to `log`; set `ended` if the run was over before the search, so that none is missed."""
         ended, number = self.over.is_set(), len(self.log.files)
         if ended:
             known = {path.name for path in self.log.files}
@@ -517,13 +517,13 @@ class ComingFrames:
         self.ended = ended
 
     def wait(self) -> None:
-        """Wait until the run is over, and add its last frames."""
+        """Wait until the run is over, and add its last frames to `log`."""
         self.over.wait()
         self.look()
 
     def chosen(self, every: float) -> Iterator[tuple[Path, int]]:
-        """Yield the frame file of each picture of a film once it is known, and the number of pictures, 0 while unknown;
-        the first once there are two frames, which show how fast ships begin."""
+        """Yield the frame file of each picture of a film, `every` [s] apart, as soon as it is known, and the number of
+        pictures, 0 while unknown. The first comes once there are two frames, which show how fast ships begin."""
         done = 0
         while True:
             ended, there = self.ended, len(self.log.files)
@@ -539,11 +539,10 @@ class ComingFrames:
 
 
 class Painter:
-    """Another process that draws a film by turns with this one, which reads its pictures from a pipe; it belongs to the
-    same session and ends with this process."""
+    """Another process that draws a film by turns with this one, which reads the pictures from a pipe."""
 
     def __init__(self, order: Order, over: threading.Event, turn: int) -> None:
-        """Start the process; `over` as in `draw_order`; `turn`: its number among the processes; this one is 0."""
+        """Start the process; `over` as in `draw_order`; `turn`: its number, from 1; this process has number 0."""
         self.shape = *order.size[::-1], 3
         self.errors = tempfile.TemporaryFile("w+")
         asked = {"goes_on": not over.is_set(), "orders": [asdict(order)], "turn": turn}
@@ -554,14 +553,14 @@ class Painter:
             threading.Thread(target=self.tell, args=(over,), daemon=True).start()
 
     def tell(self, over: threading.Event) -> None:
-        """Tell the process that the run is over, once it is."""
+        """Wait until the run is over, and tell the process so; runs in a thread."""
         over.wait()
         with suppress(OSError, ValueError):  # it has ended
             self.told.write(b"over\n")
             self.told.flush()
 
     def picture(self) -> np.ndarray:
-        """Next picture (height, width, 3) of the process, 8-bit RGB; raises RenderFailed if it has ended."""
+        """Next picture (height, width, 3) that the process draws, 8-bit RGB; raises RenderFailed if it has ended."""
         size = int(np.prod(self.shape))
         pixels = self.pixels.read(size)
         if len(pixels) < size:
@@ -581,7 +580,7 @@ class Painter:
 
 def film_turns(coming: ComingFrames, every: float, of: int) -> Iterator[tuple[Path, int, int | None]]:
     """Yield, for each picture of a film, its frame file, the number of pictures (0 while unknown), and the number of
-    the process, of `of` in turn, that draws it; None where it equals the picture before."""
+    the process, among `of` that draw in turn, that draws it; None for a picture equal to the one before."""
     shown, turn = None, 0
     for file, total in coming.chosen(every):
         yield file, total, None if file == shown else turn % of
@@ -591,7 +590,7 @@ def film_turns(coming: ComingFrames, every: float, of: int) -> Iterator[tuple[Pa
 def draw_turns(
     order: Order, picture: Picture, coming: ComingFrames, turn: int, put: Callable[[Shot | int | None], None]
 ) -> Iterator[tuple[int, int]]:
-    """Draw the pictures of a film that are the turn of this process; yields progress as `draw_order`.
+    """Draw those pictures of a film that are the turn of this process; yields progress as `draw_order`.
 
     `put` is called in order with each picture that is drawn here, and for others with the number of their process. A
     thread calls it while the next picture is drawn: the plotter releases Python's lock meanwhile.
@@ -614,12 +613,13 @@ def draw_turns(
 def write_film(
     path: Path, order: Order, picture: Picture, coming: ComingFrames, others: Sequence[Painter]
 ) -> Iterator[tuple[int, int]]:
-    """Write a film in real time (H.264), and a row of small pictures of it; yields progress as `draw_order`."""
+    """Write a film in real time (H.264), and a row of small pictures from it; yields progress as `draw_order`."""
     with atomic_write(path) as draft:
         moments, image = Moments(), np.zeros(0)
         with film_writer(draft, order.every) as writer:
 
             def put(made: Shot | int | None) -> None:
+                """Append a picture: drawn here, by the process of this number, or (None) the last one again."""
                 nonlocal image
                 if made is not None:
                     image = made.finished() if isinstance(made, Shot) else others[made - 1].picture()
@@ -631,7 +631,7 @@ def write_film(
 
 
 def hand_over(order: Order, over: threading.Event, turn: int) -> None:
-    """Draw the pictures of a film that are this process's turn, and write their pixels to the standard output."""
+    """Draw the pictures of a film that are the turn of this process, and write their pixels to the standard output."""
     with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as pixels:
         os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # for what else is printed
         picture, coming = begin_picture(order, over)
@@ -646,7 +646,7 @@ def hand_over(order: Order, over: threading.Event, turn: int) -> None:
 
 
 def join_film(pictures: list[Path], path: Path, every: float) -> None:
-    """Write a film from picture files, one for each `every` [s]."""
+    """Write the film `path` from picture files, each shown for `every` [s]."""
     import imageio.v2 as imageio
 
     with atomic_write(path) as draft, film_writer(draft, every) as writer:
@@ -655,7 +655,7 @@ def join_film(pictures: list[Path], path: Path, every: float) -> None:
 
 
 def film_writer(path: Path, every: float) -> Any:
-    """Writer (imageio) of a film file, to which pictures are appended, one for each `every` [s]."""
+    """Writer (imageio) of a film file, to which pictures are appended, each shown for `every` [s]."""
     import imageio.v2 as imageio
 
     return imageio.get_writer(
@@ -670,6 +670,7 @@ def film_writer(path: Path, every: float) -> Any:
 
 
 def save_png(path: Path, image: np.ndarray) -> None:
+    """Write a picture (height, width, 3) as a PNG file, atomically."""
     import imageio.v2 as imageio
 
     with atomic_write(path) as draft:
@@ -677,14 +678,14 @@ def save_png(path: Path, image: np.ndarray) -> None:
 
 
 def hurry_when_over(over: threading.Event) -> None:
-    """Wait until the run is over, then no longer let other processes go first."""
+    """Wait until the run is over, then end the niceness of this session; runs in a thread."""
     over.wait()
     yield_to_others(0)
 
 
 def main() -> None:
-    """Draw the request in the first argument, in JSON: `orders`, whether their run `goes_on`, and the `turn` of this
-    process in drawing the pictures of a film; process 0 also draws all else."""
+    """Draw the request in the first argument, in JSON: `orders`, `goes_on` (true if their run goes on), and the `turn`
+    of this process in drawing the pictures of a film; process 0 also draws all else."""
     over = exit_with_parent()
     asked = json.loads(sys.argv[1])
     turn = asked["turn"]

@@ -18,8 +18,7 @@ class Config(ObserverConfig):
 
 
 class Report(OutcomeObserver):
-    """Writes the page from the files of the other observers. `render` closes later, since its film takes long, and
-    writes the page anew with its pictures."""
+    """Writes report.html from the files of the other observers; `render`, which closes later, writes it again."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder

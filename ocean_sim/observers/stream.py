@@ -33,10 +33,12 @@ class Config(ObserverConfig):
     @field_validator("to")
     @classmethod
     def _is_an_address(cls, value: str) -> str:
+        """Require an address like udp://127.0.0.1:5005."""
         parse_address(value)
         return value
 
     def problems(self, preflight: Preflight) -> Problems:
+        """Faults (key, sentence) of the key that signs packets: a format without signature, or an unreadable file."""
         if self.key is None:
             return []
         if self.packets != "ocean_sim":
@@ -55,11 +57,11 @@ class Config(ObserverConfig):
 
 
 class Stream(Observer, TakesCommands):
-    """Sends the rows of platform.csv. A run faster than real time waits; in a slower one the receiver holds its pose.
-    At the end the platform returns to neutral."""
+    """Sends the rows of platform.csv by UDP. A run faster than real time waits; in a slower one the receiver holds its
+    pose. At the end the platform returns to neutral."""
 
     def __init__(self, config: Config, platform: Platform) -> None:
-        """`platform`: one at rest, for the way back to neutral."""
+        """`platform`: platform at rest, which computes the way back to neutral."""
         self.config, self.platform = config, platform
         self.past = np.zeros((0, 6))  # the last two poses
         self.time, self.seq = 0.0, 0  # of the last row
@@ -71,11 +73,12 @@ class Stream(Observer, TakesCommands):
         self.send(rows)
 
     def send(self, rows: Commands) -> None:
-        """Send rows, each at its time."""
+        """Send each row as one packet at the time in the row, waiting until then."""
         for packet in row_packets(rows, self.config.frame):
             self.sender.send(packet)
 
     def close(self) -> None:
+        """Send the way back to neutral, print the jitter of the packets, and close the socket."""
         if len(self.past):
             self.send(self.platform.return_home(self.past[[0, -1]], self.time, self.seq))
         latency = self.sender.latency()

@@ -33,9 +33,9 @@ class Mark(NamedTuple):
 
 
 class Timings(Observer):
-    """Times the stages of every step; timings.csv has their means since the row before.
+    """Measures the wall time of the stages of every step; timings.csv has their means since the row before.
 
-    The first step compiles kernels. It stands apart, as `first_step_s`, and no mean contains it.
+    The first step compiles kernels. Its time stands apart, as `first_step_s`, and no mean contains it.
     """
 
     left_out = ("stage_times", "began", "first_step", "first_step_s", "start", "last")  # values of a clock
@@ -57,7 +57,7 @@ class Timings(Observer):
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Context that measures the wall time of a stage; replaces `simulation.stage`."""
+        """Measure the wall time of a stage, the body of the `with` block; replaces `simulation.stage`."""
         self.sync()
         entered = perf_counter()
         if self.start is None:
@@ -68,7 +68,7 @@ class Timings(Observer):
             self.stage_times[name] += perf_counter() - entered
 
     def warm_up(self, name: str, now: float) -> None:
-        """Record start and end of the first step, after which means begin; `now`: wall time [s]."""
+        """Note when the first step starts and ends, after which means begin; `now`: wall time [s]."""
         if self.began is not None and self.simulation.steps > self.first_step:
             self.first_step_s = now - self.began
             self.start = self.last = self.take_mark(now)
@@ -76,6 +76,7 @@ class Timings(Observer):
             self.began, self.first_step = now, self.simulation.steps
 
     def take_mark(self, now: float) -> Mark:
+        """Clock values at the wall time `now` [s]."""
         return Mark(now, self.simulation.time, self.simulation.steps, dict(self.stage_times))
 
     def observe(self, simulation: Simulation) -> None:
@@ -83,6 +84,7 @@ class Timings(Observer):
             self.write_row()
 
     def write_row(self) -> None:
+        """Write a row of means since the row before, if a step was taken and there is a run folder."""
         now = self.take_mark(perf_counter())
         if self.folder is None or self.last is None or self.start is None or now.steps == self.last.steps:
             return
@@ -103,11 +105,11 @@ class Timings(Observer):
 
     @property
     def stage_names(self) -> list[str]:
-        """The stages of a step, and `other`: choosing the time step, progress bars, the loop itself."""
+        """Names of the stages of a step, and `other`: choosing the time step, progress bars, the loop itself."""
         return [*self.names, "other"]
 
     def stage_means(self, before: Mark, after: Mark) -> tuple[float, dict[str, float]]:
-        """Real-time factor, and milliseconds a step by stage, between two marks."""
+        """Simulated over wall time between two marks, and mean wall time [ms/step] of each stage by name."""
         wall, steps = after.wall - before.wall, after.steps - before.steps
         taken = {name: after.stages.get(name, 0.0) - before.stages.get(name, 0.0) for name in self.names}
         taken["other"] = max(0.0, wall - sum(taken.values()))
@@ -120,7 +122,7 @@ class Timings(Observer):
 
 
 def synchronization(arch: str) -> Callable[[], None]:
-    """Function that waits until launched kernels are done; it does nothing on a processor, where launches wait."""
+    """Function that waits until all launched kernels are done; a no-op on a processor, where each launch waits."""
     if arch in ("cpu", "x64", "arm64"):
         return lambda: None
     from ocean_sim.kernel_library import ti

@@ -29,11 +29,13 @@ class Config(PeriodicConfig):
 
     @model_validator(mode="after")
     def _follows(self) -> "Config":
+        """Require ids or boxes."""
         if not self.ids and not self.boxes:
             raise ValueError("give at least one of ids and boxes")
         return self
 
     def mismatches(self, preflight: Preflight) -> Problems:
+        """Faults (key, sentence): water without particles, ids that no particle has, boxes without water."""
         lattice = preflight.untouched
         if lattice is None:
             return [((), f"fluid.kind {preflight.fluid.kind} has no particles to follow")]
@@ -55,7 +57,7 @@ class Config(PeriodicConfig):
 
 
 class Tracers(Observer):
-    """Writes tracers.csv: position and velocity of each tagged particle, with paths unwrapped across periodic sides."""
+    """Writes tracers.csv: position and velocity of each tagged particle, paths unwrapped across periodic sides."""
 
     last: np.ndarray | None
 
@@ -88,7 +90,7 @@ class Tracers(Observer):
 
 
 def tracer_ids(config: Config, simulation: Simulation) -> np.ndarray:
-    """Ids of the particles to follow, each once; raises ValueError if there are none or too many."""
+    """Ids of the particles to follow, sorted, each once; raises ValueError if a box is empty or there are too many."""
     particles = with_particles(simulation.fluid).particles
     ids, x = particles.id.to_numpy(), particles.position.to_numpy()
     found = [np.array(config.ids, dtype=int)]

@@ -29,11 +29,11 @@ CHECKPOINT_PATTERN = "checkpoint_*.h5"
 
 
 class UnreadableCheckpoint(Exception):
-    """A file is not an intact checkpoint; the message gives the reason."""
+    """A file is no intact checkpoint; the message gives the reason."""
 
 
 class Checkpoint(NamedTuple):
-    """State of a run at a time, with its scene and the versions that computed it."""
+    """Content of a checkpoint file: state of a run at a time, with its scene and the versions that computed it."""
 
     time: float  # [s]
     steps: int
@@ -49,7 +49,7 @@ def checkpoint_name(time: float) -> str:
 
 
 def write_checkpoint(checkpoint: Checkpoint, folder: Path) -> Path:
-    """Write a checkpoint atomically; returns its path. Raises OSError where the disk is full."""
+    """Write a checkpoint into a folder atomically; returns its path. Raises OSError if the disk is full."""
     import h5py
 
     content = BytesIO()
@@ -71,12 +71,12 @@ def write_checkpoint(checkpoint: Checkpoint, folder: Path) -> Path:
 
 
 def file_header(data: bytes) -> bytes:
-    """The 512-byte header for a checkpoint file with this data: format name and SHA-256."""
+    """Header of 512 bytes for a checkpoint file with this data: name of the format, and SHA-256 of the data."""
     return f"{HEADER_LINE}\nsha256 {hashlib.sha256(data).hexdigest()}\n".encode().ljust(HEADER_BYTES, b"\0")
 
 
 def read_checkpoint(path: Path) -> Checkpoint:
-    """The checkpoint in a file; raises UnreadableCheckpoint."""
+    """Content of a checkpoint file; raises UnreadableCheckpoint if it is damaged or holds no state of a run."""
     import h5py
 
     try:
@@ -107,7 +107,7 @@ def require_mapping(value: Any) -> dict[str, Any]:
 
 
 def time_of(path: Path) -> float:
-    """Time [s] in the name of a checkpoint file; raises ValueError."""
+    """Simulated time [s] in the name of a checkpoint file; raises ValueError if there is none."""
     return float(path.stem.removeprefix("checkpoint_"))
 
 

@@ -14,8 +14,8 @@ MAX_ROW_LENGTH = 2**31 - 1  # numbers in a row: kernels count them in 32 bits
 
 @in_kernels
 class FieldBundle:
-    """Scalar fields of one type, copied to and from one NumPy row. Fields of equal shape share a loop of the kernel, as
-    compile time grows with the number of loops."""
+    """Scalar fields of one type that are copied together to and from one NumPy array, the row, by one kernel. Fields of
+    equal shape share a loop of the kernel, as compile time grows with the number of loops."""
 
     def __init__(self, fields: list[ti.ScalarField]) -> None:
         self.shapes = [field.shape for field in fields]
@@ -26,18 +26,19 @@ class FieldBundle:
         self.row = np.zeros(sum(sizes), dtype=to_numpy_type(fields[0].dtype))
 
     def read(self) -> list[np.ndarray]:
-        """Values of each field as an array of its shape."""
+        """Values of each field, in the order of the fields, as an array of the field's shape."""
         self.copy_to(self.row)
         ends = [*self.firsts[1:], len(self.row)]
         rows = [self.row[first:end].copy() for first, end in zip(self.firsts, ends, strict=True)]
         return [row.reshape(shape) for row, shape in zip(rows, self.shapes, strict=True)]
 
     def write(self, arrays: list[np.ndarray]) -> None:
+        """Set each field to the array at its place in the list."""
         self.copy_from(np.concatenate([array.ravel() for array in arrays]).astype(self.row.dtype))
 
     @ti.func
     def index_of(self, field: ti.template(), index):  # type: ignore[valid-type]
-        """Flat (C order) index of an entry of a field."""
+        """Flat index (C order) of the entry of a field at a vector of indices."""
         k = 0
         for axis in ti.static(range(len(field.shape))):
             k = k * field.shape[axis] + index[axis]
@@ -45,6 +46,7 @@ class FieldBundle:
 
     @ti.kernel
     def copy_to(self, row: ti.types.ndarray(ndim=1)):  # type: ignore[valid-type]
+        """Copy all fields of the bundle into `row`, one after the other."""
         for alike in ti.static(self.alike):
             for index in ti.grouped(alike[0][0]):
                 k = self.index_of(alike[0][0], index)
@@ -53,6 +55,7 @@ class FieldBundle:
 
     @ti.kernel
     def copy_from(self, row: ti.types.ndarray(ndim=1)):  # type: ignore[valid-type]
+        """Set all fields of the bundle from `row`, which holds their values one after the other."""
         for alike in ti.static(self.alike):
             for index in ti.grouped(alike[0][0]):
                 k = self.index_of(alike[0][0], index)
@@ -61,14 +64,14 @@ class FieldBundle:
 
 
 class FieldContents:
-    """Reads and writes Taichi fields by name; a second call with the same fields compiles nothing."""
+    """Reader and writer of Taichi fields by name; a second call with the same fields compiles nothing."""
 
     def __init__(self) -> None:
         self.known: list[ti.Field] = []
         self.bundles: list[tuple[list[str], FieldBundle]] = []
 
     def read(self, fields: dict[str, ti.Field]) -> dict[str, np.ndarray]:
-        """Values of each field as an array, by its name."""
+        """Copy of each field as an array, by the name of the field."""
         self.bundle(fields)
         arrays = {name: field.to_numpy() for name, field in fields.items() if not isinstance(field, ti.ScalarField)}
         for names, bundle in self.bundles:
@@ -76,7 +79,7 @@ class FieldContents:
         return arrays
 
     def write(self, fields: dict[str, ti.Field], arrays: dict[str, np.ndarray]) -> None:
-        """Set each field to the array of its name, which has its shape and type."""
+        """Set each field to the array of the same name, shape and type."""
         self.bundle(fields)
         for name, field in fields.items():
             if not isinstance(field, ti.ScalarField):
@@ -85,7 +88,7 @@ class FieldContents:
             bundle.write([arrays[name] for name in names])
 
     def bundle(self, fields: dict[str, ti.Field]) -> None:
-        """Group the scalar fields by type into bundles, unless these same fields are grouped already."""
+        """Group the scalar fields by type into bundles, unless the last call had these same fields."""
         if len(fields) == len(self.known) and all(a is b for a, b in zip(fields.values(), self.known)):
             return
         self.known, self.bundles = list(fields.values()), []
@@ -96,7 +99,7 @@ class FieldContents:
 
 
 def group_names(sizes: dict[str, int]) -> Iterator[list[str]]:
-    """Yield field names, given with their sizes, in groups small enough for one kernel and one row."""
+    """Yield groups of field names, each small enough for one kernel and one row; `sizes`: lengths by name."""
     together: list[str] = []
     length = 0
     for name, size in sizes.items():
@@ -110,6 +113,6 @@ def group_names(sizes: dict[str, int]) -> Iterator[list[str]]:
 
 
 def array_shape(field: ti.Field) -> tuple[int, ...]:
-    """Shape of the NumPy array for a field: its own, then that of its vectors or matrices."""
+    """Shape of the NumPy array that holds a field: the field's shape, then that of its vectors or matrices."""
     own = getattr(field, "n", None), getattr(field, "m", None)
     return (*field.shape, *(() if isinstance(field, ti.ScalarField) else own[: field.ndim]))

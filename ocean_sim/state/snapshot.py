@@ -52,13 +52,13 @@ LIST_KEY, TUPLE_KEY, DICT_KEY, RANGE_KEY, FILE_KEY, PATH_KEY, OBJECT_KEY = (
 
 @runtime_checkable
 class PartlySaved(Protocol):
-    """A class that names in `left_out` the attributes which checkpoints omit."""
+    """Interface of a class that names in `left_out` the attributes which checkpoints omit."""
 
     left_out: ClassVar[tuple[str, ...]]
 
 
 class Mismatch(Exception):
-    """A saved state does not fit the newly built object; the message names the attribute."""
+    """A saved state does not fit the newly built simulation; the message names the attribute."""
 
 
 class FileShortened(Mismatch):
@@ -66,19 +66,19 @@ class FileShortened(Mismatch):
 
 
 def saved_attributes(value: Any) -> dict[str, Any]:
-    """Attributes of an object that are saved, by name: those neither `left_out`, cached nor of the kernel library."""
+    """Attributes of an object that are saved, by name: all but `left_out`, cached properties and those of Taichi."""
     out = value.left_out if isinstance(value, PartlySaved) else ()
     kept = {name: inner for name, inner in vars(value).items() if name not in out and not is_computed(value, name)}
     return {name: inner for name, inner in kept.items() if not is_library_attribute(name, inner)}
 
 
 def is_computed(value: Any, name: str) -> bool:
-    """True if an attribute is a cached property of the object."""
+    """True if `name` is a cached property of the class of `value`, which is computed again and not saved."""
     return any(isinstance(vars(kind).get(name), cached_property) for kind in type(value).__mro__)
 
 
 def path_step(key: Any, number: int) -> str:
-    """Path element of an entry of a mapping: its key if that is an identifier, else its number."""
+    """Last element of the path of an entry in a mapping: its key if that is an identifier, else its number."""
     return key if isinstance(key, str) and key.isidentifier() else str(number)
 
 
@@ -87,14 +87,13 @@ def is_named_tuple(value: Any) -> bool:
 
 
 class Snapshot:
-    """State of all objects reachable from `root`: a `tree` of plain data, and the `arrays` to which it refers.
+    """Saved state of all objects reachable from `root`: a `tree` of plain data, and the `arrays` to which it refers.
 
     Raises TypeError at an object of an unknown kind that is not left out.
     """
 
     def __init__(self, root: Any, folder: Path, contents: FieldContents | None = None) -> None:
-        """`folder`: run folder, to which the names of files are saved relative. `contents`: a reader that has compiled
-        kernels for these fields before."""
+        """`folder`: run folder, to which file names are relative; `contents`: reader with kernels for these fields."""
         self.folder = folder
         self.arrays: dict[str, np.ndarray] = {}
         self.fields: dict[str, ti.Field] = {}
@@ -104,7 +103,7 @@ class Snapshot:
         self.arrays |= (contents or FieldContents()).read(self.fields)
 
     def node(self, value: Any, path: str) -> Any:
-        """Saved form of a value: the value itself if plain, else a dict whose first key names its kind."""
+        """Node of the tree for a value at this path: itself if plain, else a dict whose first key names its kind."""
         if value is None or type(value) in PLAIN_TYPES:
             return value
         if isinstance(value, np.generic):
@@ -124,7 +123,7 @@ class Snapshot:
         return node
 
     def is_data(self, node: Any) -> bool:
-        """True if a node holds only data, which is created anew when restored, and nothing that keeps its identity."""
+        """True if a node holds only data, created anew when restored, and no object that has to keep its identity."""
         if isinstance(node, list):
             return all(self.is_data(inner) for inner in node)
         if not isinstance(node, dict):
@@ -138,7 +137,7 @@ class Snapshot:
         )
 
     def structure(self, value: Any, path: str) -> Any:
-        """Saved form of a container, field, array, file or object, met for the first time."""
+        """Node of a container, field, array, file or object that is met for the first time; `path`: from the root."""
         if isinstance(value, ti.Field):
             self.fields[path] = value
             return {FIELD_KEY: path}
@@ -168,13 +167,14 @@ class Snapshot:
 
 
 class Restorer:
-    """Restores a saved state into `root`, built from the same scene.
+    """Restores a saved state into `root`, newly built from the same scene.
 
-    Raises Mismatch where they do not fit. Files are opened in `folder`, but shortened to their saved length, and
-    deleted folders made again, only by `cut`: a state that does not fit changes nothing on disk.
+    Raises Mismatch if the state does not fit. Files are opened in `folder`, but only `cut` shortens them to their saved
+    length, and makes deleted folders again: a state that does not fit changes nothing on disk.
     """
 
     def __init__(self, root: Any, tree: Any, arrays: dict[str, np.ndarray], folder: Path) -> None:
+        """Restore the state (`tree` and `arrays` of a Snapshot) into the objects under `root`; raises Mismatch."""
         self.arrays, self.folder = arrays, folder
         self.made: dict[str, Any] = {}
         self.files: list[tuple[TextIOWrapper, int]] = []
@@ -190,7 +190,7 @@ class Restorer:
             raise Mismatch(f"what it holds is not the state of a run ({type(error).__name__})") from error
 
     def cut(self) -> None:
-        """Shorten files to their length at the time of the state, and make deleted folders again."""
+        """Shorten files to their length when the state was saved, and make deleted folders again."""
         for begun, gone in self.deleted:
             shutil.copytree(begun, gone)
         for file, size in self.files:
@@ -198,14 +198,14 @@ class Restorer:
             file.truncate()
 
     def value(self, node: Any, fresh: Any, path: str) -> Any:
-        """Restored value of a node; a `fresh` (newly built) value with fields is kept and filled. Raises Mismatch."""
+        """Restored value of a node; a newly built value, `fresh`, with fields is kept and filled. Raises Mismatch."""
         found = self.stands_for(node, fresh, path) if isinstance(node, dict) else node
         if has_wrong_kind(found, fresh):
             raise Mismatch(f"its {path.lstrip('.')} is {found!r:.60}")
         return found
 
     def stands_for(self, node: Any, fresh: Any, path: str) -> Any:
-        """Restored value of a node that is a dict, by the kind that its first key names."""
+        """Restored value of a node that is a dict, by the method `from_<kind>` of the kind that its first key names."""
         kind = next(iter(node))
         if kind == SAME_KEY:
             return self.made[node[SAME_KEY]]
@@ -219,10 +219,12 @@ class Restorer:
         return value
 
     def from_number(self, node: Any, fresh: Any, path: str) -> Any:
+        """NumPy scalar of the saved type."""
         dtype, value = node[NUMBER_KEY]
         return np.dtype(dtype).type(value)
 
     def from_path(self, node: Any, fresh: Any, path: str) -> Path:
+        """Path in the run folder; `cut` makes it again if it was a folder. Raises Mismatch for another name."""
         found = self.folder / path_inside(node[PATH_KEY])
         if isinstance(fresh, Path) and not (fresh.is_dir() if found == self.folder else fresh.name == found.name):
             raise Mismatch(f"its {path.lstrip('.')} is {node[PATH_KEY]!r:.60}")
@@ -231,6 +233,7 @@ class Restorer:
         return found
 
     def from_field(self, node: Any, fresh: Any, path: str) -> Any:
+        """The newly built field, to be filled later; raises Mismatch if its shape or type is not the saved one."""
         values = self.arrays[node[FIELD_KEY]]
         if (
             not isinstance(fresh, ti.Field)
@@ -242,9 +245,11 @@ class Restorer:
         return fresh
 
     def from_array(self, node: Any, fresh: Any, path: str) -> np.ndarray:
+        """Saved NumPy array."""
         return self.arrays[node[ARRAY_KEY]]
 
     def from_file(self, node: Any, fresh: Any, path: str) -> TextIOWrapper:
+        """Text file in the run folder, opened to go on writing; raises FileShortened if it has lost saved bytes."""
         name, size = node[FILE_KEY]
         if type(size) is not int or size < 0:
             raise Mismatch(f"{name} cannot have {size!r:.60} bytes")
@@ -261,10 +266,12 @@ class Restorer:
         return range(*node[RANGE_KEY])
 
     def from_list(self, node: Any, fresh: Any, path: str) -> list:
+        """Restored list; the newly built list itself if its items are identical to the restored ones."""
         new = self.each(node[LIST_KEY], fresh if isinstance(fresh, list) else [], path)
         return fresh if isinstance(fresh, list) and are_same_things(new, fresh) else new
 
     def from_tuple(self, node: Any, fresh: Any, path: str) -> tuple:
+        """Restored tuple or named tuple; the newly built one itself if its items are identical to the restored ones."""
         new = self.each(node[TUPLE_KEY], fresh if isinstance(fresh, tuple) else (), path)
         if isinstance(fresh, tuple) and are_same_things(new, fresh):
             return fresh
@@ -276,10 +283,12 @@ class Restorer:
         return named
 
     def each(self, nodes: list, fresh: Any, path: str) -> list:
+        """Restored values of a list of nodes, each with the item of `fresh` at its place, if there is one."""
         built = [*fresh, *([MISSING_VALUE] * (len(nodes) - len(fresh)))]
         return [self.value(node, built[k], f"{path}.{k}") for k, node in enumerate(nodes)]
 
     def from_dict(self, node: Any, fresh: Any, path: str) -> dict:
+        """Restored dict; the newly built dict itself if its keys are equal and its values identical."""
         new, there = {}, fresh if isinstance(fresh, dict) else {}
         for k, (key, inner) in enumerate(node[DICT_KEY]):
             name = self.value(key, MISSING_VALUE, f"{path}.{path_step(key, k)}.key")
@@ -287,7 +296,7 @@ class Restorer:
         return there if list(new) == list(there) and are_same_things(new.values(), there.values()) else new
 
     def thing(self, node: Any, fresh: Any, path: str) -> Any:
-        """Restored object of this package: data are created anew, others of the same class updated in place."""
+        """Restored object of this package: data are created anew, another object of equal class is updated in place."""
         made, data = find_class(node[OBJECT_KEY]), node["data"]
         if type(data) is not bool:
             raise Mismatch(f"its {path.lstrip('.')} is neither data nor not: {data!r:.60}")
@@ -305,14 +314,14 @@ class Restorer:
         return value
 
     def judge(self, value: Any, made: type, name: str, path: str) -> None:
-        """Raise Mismatch if a restored attribute is not of the type that its class declares."""
+        """Raise Mismatch if the restored `value` of attribute `name` is not of the type that class `made` declares."""
         if not has_declared_type(value, get_annotations(made).get(name, object)):
             raise Mismatch(f"its {path.lstrip('.')}.{name} is {value!r:.60}")
 
 
 def has_wrong_kind(found: Any, fresh: Any) -> bool:
-    """True if a restored value is of another kind than the newly built one. None in the new one allows any kind;
-    strings and objects of this package may be restored as None."""
+    """True if the restored value `found` is of another kind than the newly built `fresh`. A `fresh` None allows any
+    kind; strings and objects of this package may be restored as None."""
     if fresh is None or fresh is MISSING_VALUE:
         return False
     if is_package_object(fresh):
@@ -322,7 +331,7 @@ def has_wrong_kind(found: Any, fresh: Any) -> bool:
 
 
 def has_declared_type(value: Any, declared: Any) -> bool:
-    """True if a value is of a declared type; types given as text, protocols and Any allow everything."""
+    """True if a value is of a declared type; types given as text, protocols and Any allow every value."""
     if get_origin(declared) is UnionType:
         return any(has_declared_type(value, one) for one in get_args(declared))
     if get_origin(declared) is tuple and get_args(declared)[-1] is ...:
@@ -343,11 +352,12 @@ def are_same_things(new: Iterable[Any], fresh: Iterable[Any]) -> bool:
 
 
 def class_name(value: Any) -> str:
+    """Name of the class of a value, as `module:name`."""
     return f"{type(value).__module__}:{type(value).__qualname__}"
 
 
 def find_class(name: str) -> type:
-    """The class `module:name` of this package, if its module is imported; raises Mismatch otherwise."""
+    """Class of this package by its `module:name`; raises Mismatch if its module is not imported or lacks it."""
     module, _, qualified = name.partition(":")
     found: Any = sys.modules.get(module) if module.split(".")[0] == PACKAGE_NAME else None
     for step in qualified.split("."):
@@ -358,7 +368,7 @@ def find_class(name: str) -> type:
 
 
 def path_inside(name: str) -> Path:
-    """A name as a path that stays inside its folder; raises Mismatch otherwise."""
+    """Relative path by its name; raises Mismatch if it is absolute or contains "..", and so might leave its folder."""
     path = Path(name)
     if path.is_absolute() or ".." in path.parts:
         raise Mismatch(f"it names a file outside its folder: {name}")

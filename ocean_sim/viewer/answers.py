@@ -22,7 +22,7 @@ SLOPE_STEP = 0.5  # [spacings] of the water, on either side of a point
 
 
 def key_table(scene: SceneConfig) -> list[dict[str, Any]]:
-    """Rows of `key`, `value`, `unit`, `meaning`, `range`, `choices` of the numbers, words and switches of a scene."""
+    """Rows of `key`, `value`, `unit`, `meaning`, `range`, `choices` for all numbers, words and switches of a scene."""
     rows = [key_row(by_path()[name], name, getattr(scene, name)) for name in GENERAL_KEYS]
     for name, part in {"basin": scene.basin, **scene.parts(), "runtime": scene.runtime}.items():
         rows += model_rows(name, f"{slot_of(name)}.{part.kind}" if isinstance(part, KindConfig) else name, part)
@@ -30,7 +30,7 @@ def key_table(scene: SceneConfig) -> list[dict[str, Any]]:
 
 
 def model_rows(place: str, path: str, model: BaseModel) -> list[dict[str, Any]]:
-    """Rows as in `key_table` of a model and nested ones; `place`: its path in the scene, `path`: in the reference."""
+    """Rows as in `key_table` for a model and those in it; `place`: its path in the scene, `path`: in the reference."""
     rows: list[dict[str, Any]] = []
     for name in type(model).model_fields:
         value, known = getattr(model, name), by_path().get(f"{path}.{name}")
@@ -42,6 +42,7 @@ def model_rows(place: str, path: str, model: BaseModel) -> list[dict[str, Any]]:
 
 
 def key_row(known: Key, key: str, value: Any) -> dict[str, Any]:
+    """Row of `key_table` for a known key, with its value in the scene."""
     return {
         "key": key,
         "value": value,
@@ -53,7 +54,7 @@ def key_row(known: Key, key: str, value: Any) -> dict[str, Any]:
 
 
 def answer_waves(fluid: Fluid, now: float, asked: Waves) -> dict[str, Any]:
-    """Answer to a wave query: `time` [s] and `values`, one row a point, null without water. Raises Refused."""
+    """Answer to a wave query at `now` [s]: `time` [s] and `values`, one a point, null if dry. May raise Refused."""
     time, sea = now if asked.time is None else asked.time, fluid.plane_waves
     if asked.verb == "field":
         if sea is None:
@@ -89,7 +90,7 @@ def surface_normals(fluid: Fluid, points: np.ndarray) -> np.ndarray:
 
 
 def json_numbers(values: np.ndarray) -> list[Any]:
-    """Nested lists, for JSON, of numbers with six decimals; null for those that are not finite."""
+    """Array as nested lists for JSON, rounded to six decimals; null for numbers that are not finite."""
     rows = np.round(np.asarray(values, dtype=float), 6)
     whole = rows.astype(object)
     whole[~np.isfinite(rows)] = None

@@ -16,12 +16,14 @@ from ocean_sim.viewer.watch import Watch
 
 
 class View:
-    """The page as output of a notebook cell; `address` opens it in any browser, and is empty for a replay."""
+    """Output of a notebook cell that shows the page; `address` opens it in any browser, and is empty for a replay."""
 
     def __init__(self, source: str, height: int, address: str = "", server: Server | None = None) -> None:
+        """`source`: HTML attribute with the content of the frame; `height` [pixels]; `server`: of a live view."""
         self.source, self.height, self.address, self.server = source, height, address, server
 
     def _repr_html_(self) -> str:
+        """HTML of a frame that shows the page, which the notebook calls for."""
         style = f"width:100%;height:{self.height}px;border:0;border-radius:12px"
         return f'<iframe {self.source} style="{style}" allow="fullscreen; xr-spatial-tracking"></iframe>'
 
@@ -29,7 +31,7 @@ class View:
         return f"View({self.address or 'a replay'})"
 
     def close(self) -> None:
-        """Stop the server of a live view."""
+        """Stop the server of a live view; a replay has none."""
         if self.server is not None:
             self.server.close()
             self.server = None

@@ -49,25 +49,25 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$")]
 
 
 class BadMessage(Refused):
-    """A message from a page does not follow this protocol."""
+    """A message from a page does not follow this protocol; the server then closes the connection."""
 
 
 class Act(Model):
-    """Press of a button. `take` and `leave` are about the helm, which one page has at a time; any other command that
-    changes the simulation takes a free helm."""
+    """Command of a button of the page. `take` and `leave` are about the helm, which one page has at a time; any other
+    command that changes the simulation takes a free helm."""
 
     do: Literal["pause", "play", "step", "reset", "record", "stop", "take", "leave", "scene", "scenes", "keys"]
 
 
 class Speed(Model):
-    """Upper limit of simulated over real time; 0: as fast as possible."""
+    """Command to limit the speed of the simulation: most simulated over real time; 0: as fast as possible."""
 
     do: Literal["speed"]
     value: float = Field(ge=0.0, le=100.0)
 
 
 class Slide(Model):
-    """Value of a slider, named by its label; the running simulation continues with it."""
+    """Command to move the slider with the label `key` to a value; the running simulation continues with it."""
 
     do: Literal["slide"]
     key: Word
@@ -75,7 +75,7 @@ class Slide(Model):
 
 
 class Steer(Model):
-    """Throttle, -1 to 1, and rudder [rad, positive turns to port] of a ship, which is steered by hand from then on."""
+    """Command to steer a ship by hand from now on: throttle, -1 to 1, and rudder [rad, positive turns to port]."""
 
     do: Literal["steer"]
     ship: Word
@@ -84,7 +84,7 @@ class Steer(Model):
 
 
 class Route(Model):
-    """Waypoints x, z [m] for a pilot who steers a ship at a speed [m/s]; with none, its rudder goes amidships."""
+    """Command to a pilot to steer a ship along waypoints x, z [m] at a speed [m/s]; no points: rudder amidships."""
 
     do: Literal["route"]
     ship: Word
@@ -93,14 +93,14 @@ class Route(Model):
 
 
 class Wind(Model):
-    """Choice of another wind preset; the scene starts anew."""
+    """Command to choose another wind preset; the scene starts anew."""
 
     do: Literal["wind"]
     name: Word
 
 
 class Change(Model):
-    """New value, as YAML, of a key of the scene, as in `--set`; the scene starts anew."""
+    """Command to set a key of the scene to a value given as YAML, as by `--set`; the scene starts anew."""
 
     do: Literal["change"]
     key: Word
@@ -108,28 +108,28 @@ class Change(Model):
 
 
 class Check(Model):
-    """Request to check the text of a scene; answered by `problems`."""
+    """Request to check the text of a scene; the server answers with `problems`."""
 
     do: Literal["check"]
     text: Text
 
 
 class Apply(Model):
-    """Request to play the scene of this text."""
+    """Command to play the scene with this text, instead of the present one."""
 
     do: Literal["apply"]
     text: Text
 
 
 class Open(Model):
-    """Request to play a packaged scene."""
+    """Command to play a packaged scene, by its name."""
 
     do: Literal["open"]
     name: Word
 
 
 class Save(Model):
-    """Request to write the scene that is played into a file of this name."""
+    """Command to write the scene that is played into a new file of this name."""
 
     do: Literal["save"]
     name: Name
@@ -156,7 +156,7 @@ _COMMAND_ADAPTER: TypeAdapter[Command] = TypeAdapter(Annotated[Command, Field(di
 
 
 def parse_command(text: str) -> Command:
-    """Parse a message from a page into a command; raises BadMessage."""
+    """Command in a text message from a page; raises BadMessage if the text follows the format of no command."""
     try:
         return _COMMAND_ADAPTER.validate_json(text)
     except (ValidationError, RecursionError) as error:
@@ -168,7 +168,7 @@ def parse_command(text: str) -> Command:
 
 
 def packet(kind: str, arrays: Mapping[str, np.ndarray], boxes: Mapping[str, Any] | None = None, **header: Any) -> bytes:
-    """Binary packet of arrays and a header; `boxes`: additional header entries of arrays, by their names."""
+    """Binary packet of arrays; `header`: more entries of its header; `boxes`: more entries of arrays, by name."""
     rows, data = [], []
     for name, array in arrays.items():
         whole = np.ascontiguousarray(array)
@@ -182,19 +182,19 @@ def packet(kind: str, arrays: Mapping[str, np.ndarray], boxes: Mapping[str, Any]
 
 
 def box_scale(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Middle of a box [m], and integer steps per metre along each of its sides, for positions as 16-bit integers."""
+    """Middle of a box (3,) [m], and steps per metre along each axis (3,), for positions as 16-bit integers."""
     return 0.5 * (high + low), FULL_SCALE / np.maximum(0.5 * (high - low), 1e-9)
 
 
 def box_positions(positions: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Positions (..., 3) [m] as 16-bit integers in a box, clipped to it."""
+    """Positions (..., 3) [m] as 16-bit integers, -32767 at the corner `low` of a box to 32767 at `high`, clipped."""
     middle, scale = (array.astype(positions.dtype) for array in box_scale(low, high))
     share = np.clip((positions - middle) * scale, -FULL_SCALE, FULL_SCALE)
     return np.nan_to_num(np.rint(share)).astype(np.int16)
 
 
 def moment_differences(values: np.ndarray) -> np.ndarray:
-    """Differences (2, moments, n), uint8, between successive rows of integers (moments, n): high bytes, low bytes."""
+    """Differences (2, moments, n), uint8, of successive rows of integers (moments, n): high bytes, then low bytes."""
     turned = values.astype(np.uint16)
     step = np.diff(turned, axis=0, prepend=np.zeros_like(turned[:1]))
     return np.stack([(step >> 8).astype(np.uint8), (step & 255).astype(np.uint8)])

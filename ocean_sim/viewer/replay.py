@@ -35,7 +35,7 @@ PLOTTED_COLUMNS = {
 
 
 class Recorded:
-    """Run folder read for a replay; raises Refused if it is not one, or has no frames."""
+    """Frames and logs of a run folder, read for a replay; raises Refused if the folder is no run, or has no frames."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -53,16 +53,16 @@ class Recorded:
 
     @property
     def strides(self) -> tuple[int, int]:
-        """Strides along x and z with which the heights are thinned for the page."""
+        """Strides along x and z by which the grid of heights is thinned, to at most MAX_CELLS along each."""
         return tuple(-(-len(self.grid[axis]) // MAX_CELLS) for axis in "xz")  # type: ignore[return-value]
 
     def still(self) -> bytes:
-        """Packet of kind `still`, the static part of this run."""
+        """Packet of kind `still` with the static part of this run, sent to the page once."""
         return self.setting.packet()
 
     @cached_property
     def setting(self) -> Setting:
-        """Static part of this run: water, basin and ships."""
+        """Static part of this run: water, basin and ships, and the list of plotted numbers."""
         (i, j), first = self.strides, Frame(self.files[0])
         grid = self.grid | {"x": self.grid["x"][::i], "z": self.grid["z"][::j]}
         surface = bool(grid["has_surface"]) or len(grid["z"]) == 1
@@ -135,7 +135,7 @@ class Recorded:
 
     @staticmethod
     def sorted_by_id(values: np.ndarray, order: np.ndarray) -> np.ndarray:
-        """Rows (ids, k) of particle values, sorted by the particles' ids, `order`; NaN for ids that are not there."""
+        """Rows (ids, k) of values (n, k) of particles at the index of their ids `order` (n,); NaN for missing ids."""
         found = np.full((int(order.max()) + 1 if len(order) else 0, values.shape[1]), np.nan, np.float32)
         found[order] = values
         return found
@@ -148,13 +148,14 @@ class Recorded:
         return [*position.tolist(), *Rotation.from_matrix(turn).as_quat(canonical=True)[[3, 0, 1, 2]].tolist()]
 
     def plotted_numbers(self, times: np.ndarray) -> tuple[list[dict[str, str]], np.ndarray]:
-        """Plotted series of the run: rows of name, label, unit and group, and values (moments, k) at times [s]."""
+        """Plotted time series of the run: name, label, unit and group of each, and values (moments, k) at times [s]."""
         rows: list[dict[str, str]] = []
         columns: list[np.ndarray] = []
 
         def add(
             log: dict[str, np.ndarray], column: str, label: str, unit: str, group: str, factor: float = 1.0
         ) -> None:
+            """Add a column of a log, times `factor`, interpolated at the times."""
             values = np.asarray(log[column], float)
             values = np.unwrap(values) if column == "yaw_rad" else values
             rows.append({"name": f"{group}_{label}".replace(" ", "_"), "label": label, "unit": unit, "group": group})
@@ -197,13 +198,13 @@ class Recorded:
 
 
 def thin_frames(files: list[Path], every: float) -> list[Path]:
-    """Frames of a replay: every n-th file, at most MAX_MOMENT_RATE a second and MAX_MOMENTS in all."""
+    """Every n-th of these frame files, `every` [s] apart: at most MAX_MOMENT_RATE a second and MAX_MOMENTS in all."""
     step = max(1, round(1.0 / (MAX_MOMENT_RATE * max(every, 1e-9))), -(-len(files) // MAX_MOMENTS))
     return files[::step]
 
 
 def replay_file(folders: list[Path], path: Path) -> Path:
-    """Write the replay of a run, or of two side by side, as one page that needs no other file; returns its path."""
+    """Write the replay of a run folder, or of two side by side, as one HTML file without others; returns its path."""
     runs = [Recorded(folder) for folder in folders]
     data = {"sky": sky_packet()}
     for k, run in enumerate(runs):

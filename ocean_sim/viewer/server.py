@@ -61,14 +61,14 @@ File = Callable[[], bytes]  # the content of an address
 
 
 class Order(NamedTuple):
-    """A command, and the number of the watcher that sent it."""
+    """Command of a page, and the number of the watcher (page) that sent it."""
 
     watcher: int
     command: Command
 
 
 class Watcher:
-    """An open page: its socket, and the texts and packets to send to it."""
+    """Open page: its number and socket, and the texts and packets to send to it."""
 
     def __init__(self, number: int, socket: "web.WebSocketResponse") -> None:
         self.number, self.socket = number, socket
@@ -79,7 +79,7 @@ class Watcher:
         self.allowance, self.asked = float(MESSAGE_BURST), monotonic()
 
     def may_ask(self) -> bool:
-        """Count one more message of this watcher; True if it is within the allowed rate."""
+        """Count one more message of this page; True if it is within the allowed rate."""
         now = monotonic()
         self.allowance = min(MESSAGE_BURST, self.allowance + MESSAGE_RATE * (now - self.asked))
         self.asked = now
@@ -88,14 +88,14 @@ class Watcher:
 
 
 def is_own_failure(record: logging.LogRecord) -> bool:
-    """True for log records except those of requests that are not HTTP, which are answered and need no log."""
+    """True for log records to keep: all except those of requests that are not HTTP. Filter of the server's log."""
     from aiohttp.http_exceptions import HttpProcessingError
 
     return not (record.exc_info and isinstance(record.exc_info[1], HttpProcessingError))
 
 
 class Connections:
-    """Factory of aiohttp's protocols that limits the number of open connections."""
+    """Factory of aiohttp's protocols (one for each connection) that limits the number of open connections."""
 
     def __init__(self, protocols: "web.Server") -> None:
         self.protocols = protocols
@@ -104,12 +104,12 @@ class Connections:
         self.progress: dict[Any, tuple[float, int]] = {}  # time of the last progress [s], and bytes to be sent
 
     def incomplete_transports(self) -> list[Any]:
-        """Transports of connections without a whole request, the oldest first."""
+        """Transports of the open connections without a whole request, the oldest first."""
         lines = [one.transport for one in self.protocols.connections if one not in self.answering]
         return [line for line in lines if line is not None and not line.is_closing()]
 
     def __call__(self) -> asyncio.BaseProtocol:
-        """Protocol of one more connection; at the limit one without a whole request is closed, or else this one."""
+        """Protocol of a new connection; at the limit one without a whole request is closed, or else the new one."""
         if len(self.protocols.connections) < self.limit:
             return self.protocols()
         if not (lines := self.incomplete_transports()):
@@ -118,7 +118,7 @@ class Connections:
         return self.protocols()
 
     async def close_slow(self) -> None:
-        """Close, for as long as the server runs, connections that take too long over a request or an answer."""
+        """Close connections that take too long over a request or an answer; runs as long as the server."""
         while True:
             await asyncio.sleep(0.1 * MAX_REQUEST_SECONDS)
             before, self.progress, now = self.progress, {}, monotonic()
@@ -131,14 +131,14 @@ class Connections:
 
 
 class Closing(asyncio.Protocol):
-    """Protocol that closes a connection at once, for want of a free place."""
+    """Protocol that closes a connection at once, since the limit of connections is reached."""
 
     def connection_made(self, transport: Any) -> None:
         transport.abort()
 
 
 class Server:
-    """Web server that shows browsers a `Watch` and collects their commands; use it as a context manager."""
+    """Web server that shows pages a simulation, by its `Watch`, and collects their commands; a context manager."""
 
     def __init__(
         self,
@@ -149,9 +149,8 @@ class Server:
         hello: Mapping[str, Any] | None = None,
         framed: bool = False,
     ) -> None:
-        """`files`: type and content by path; `token`: secret of the address, if any; `hello`: first message to a page;
-        `framed`: True if other pages may show it in a frame. Raises Lacking without aiohttp, Refused if the port is
-        taken."""
+        """`files`: content type and content by path; `token`: secret of the address, or empty; `hello`: first message
+        to a page; `framed`: other pages may frame it. Raises Lacking without aiohttp, Refused if the port is taken."""
         try:
             import aiohttp.web  # noqa: F401
         except ImportError:
@@ -184,28 +183,31 @@ class Server:
 
     @property
     def address(self) -> str:
+        """URL of the page, with the token."""
         host = f"[{self.host}]" if ":" in self.host else self.host
         return f"http://{host}:{self.port}/" + (f"?token={self.token}" if self.token else "")
 
     # in the thread of the simulation
 
     def begin(self, still: bytes) -> None:
+        """Send the static part of a new simulation, a packet `still`, to all pages."""
         self.loop.call_soon_threadsafe(self.keep_packets, still, None)
 
     def show(self, frame: bytes) -> None:
+        """Send a packet `frame` to all pages, in place of one that a page has not yet got."""
         self.fresh = False
         self.loop.call_soon_threadsafe(self.keep_packets, None, frame)
 
     def tell(self, watcher: int | None, **message: Any) -> None:
-        """Send a text message to one watcher, or to all (None); watchers that come later get the last `panel`."""
+        """Send a text message to the page of this number, or to all (None); later pages get the last `panel`."""
         self.loop.call_soon_threadsafe(self.queue_text, watcher, message)
 
     def orders(self) -> list[Order]:
-        """Take the commands that have arrived since the last call."""
+        """Commands that have arrived since the last call, which are removed from the inbox."""
         return [self.inbox.popleft() for _ in range(len(self.inbox))]
 
     def close(self) -> None:
-        """Close all pages, and stop the server."""
+        """Close the sockets of all pages, and stop the server and its thread."""
         if self.thread.is_alive():
             with suppress(RuntimeError):
                 self.loop.call_soon_threadsafe(self.stopping.set)
@@ -220,6 +222,7 @@ class Server:
     # in its own thread
 
     def run_loop(self) -> None:
+        """Serve until the server is stopped; main function of its thread."""
         try:
             with asyncio.Runner(loop_factory=lambda: self.loop) as runner:
                 runner.run(self.serve())
@@ -227,6 +230,7 @@ class Server:
             self.ready.set()
 
     async def serve(self) -> None:
+        """Serve pages at the port until `stopping` is set, then close them; sets `failure` if no port is free."""
         from aiohttp import web
 
         self.stopping = asyncio.Event()
@@ -236,6 +240,7 @@ class Server:
             return await self.guard_request(request, handler)
 
         async def protect(request: web.Request, response: web.StreamResponse) -> None:
+            """Add the security headers to a response; called before each is sent."""
             response.headers.update(ANSWER_HEADERS)
             response.headers["Content-Security-Policy"] = self.policy.format(socket=f"ws://{request.host}")
 
@@ -276,7 +281,7 @@ class Server:
                     await watcher.socket.close(code=1001, message=b"the server has stopped")
 
     def handle_loop_failure(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-        """Log once that no more files can be opened, since asyncio tries again; leave other failures to asyncio."""
+        """Log once that no more files can be opened, since asyncio tries again; leave other exceptions to asyncio."""
         failure = context.get("exception")
         if not (isinstance(failure, OSError) and failure.errno in NO_FILES):
             loop.default_exception_handler(context)
@@ -285,7 +290,7 @@ class Server:
             self.log.error(f"{failure.strerror}: new pages wait until others are closed; raise `ulimit -n`")
 
     async def guard_request(self, request: "web.Request", handler: Any) -> Any:
-        """Refuse requests without the token; if there is none, those from other sites or by other host names."""
+        """Refuse a request without the token; if there is none, one from another site or by another host name."""
         from aiohttp import web
 
         if self.token:
@@ -303,6 +308,7 @@ class Server:
             self.connections.answering.discard(request.protocol)
 
     async def serve_file(self, request: "web.Request") -> Any:
+        """Response with the content of a path in `files`, made once; 404 if making it raises Failed."""
         from aiohttp import web
 
         kind, content = self.files[request.path]
@@ -359,7 +365,7 @@ class Server:
         return socket
 
     def receive(self, watcher: Watcher, text: str) -> None:
-        """Handle one message of a watcher; raises BadMessage, which ends its connection."""
+        """Handle a page's message: give the helm, or queue the command; raises BadMessage to close the connection."""
         if not watcher.may_ask():
             raise BadMessage("too many messages")
         order = parse_command(text)
@@ -377,11 +383,11 @@ class Server:
             self.arrived.set()
 
     def refuse_command(self, watcher: Watcher, text: str) -> None:
-        """Tell a page the reason for which its command is refused."""
+        """Tell a page by this text why its command is refused."""
         self.queue_text(watcher.number, {"type": "said", "text": text, "bad": True})
 
     def take_helm(self, number: int) -> bool:
-        """Give a watcher the helm if it is free or its holder is idle; True if this watcher has it."""
+        """Give the page of this number the helm if it is free or its holder is idle; True if the page has it now."""
         now = monotonic()
         if self.helm in (0, number) or now - self.touched > HELM_IDLE_SECONDS:
             before, self.helm, self.touched = self.helm, number, now
@@ -390,10 +396,11 @@ class Server:
         return self.helm == number
 
     def tell_helm(self) -> None:
-        """Tell all pages which watcher has the helm."""
+        """Tell all pages the number of the page that has the helm."""
         self.queue_text(None, {"type": "helm", "holder": self.helm, "watchers": len(self.all)})
 
     def queue_text(self, number: int | None, message: dict[str, Any]) -> None:
+        """Queue a message for the page of this number, or for all (None), and keep the last `panel` for new pages."""
         if message.get("type") == "panel" and number is None:
             self.panel = message
         text = json.dumps(message, allow_nan=False, default=str)
@@ -402,13 +409,13 @@ class Server:
             watcher.woken.set()
 
     def keep_packets(self, still: bytes | None, frame: bytes | None) -> None:
-        """Store the newest frame for all watchers, or a new static part, which discards the last frame."""
+        """Store the newest frame for all pages, or a new static part, which discards the last frame."""
         self.still, self.frame = still or self.still, frame
         for watcher in self.all.values():
             watcher.woken.set()
 
     async def send_to(self, watcher: Watcher) -> None:
-        """Send new texts and packets to a watcher as fast as it accepts them."""
+        """Send new texts and packets to a page as fast as it accepts them; closes its socket if it accepts none."""
         watcher.woken.set()
         with suppress(ConnectionError, TimeoutError):
             while True:

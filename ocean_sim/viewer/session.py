@@ -38,7 +38,7 @@ MAX_LAG = 0.1  # [s] of wall time, of a simulation that is too slow for its spee
 
 
 class Source(NamedTuple):
-    """A scene to play: its text, name and folder, profile and overrides."""
+    """Scene that a session plays: its text, name and folder, profile and overrides."""
 
     text: str
     name: str
@@ -48,23 +48,24 @@ class Source(NamedTuple):
 
     @classmethod
     def of(cls, scene: str | Path, profile: str | None = None, overrides: Mapping[str, Any] | None = None) -> "Source":
+        """Source of a scene file or a packaged scene, by its path or name."""
         path = scene_path(scene)
         return cls(input_file.read_text(path, MAX_TEXT_BYTES), path.stem, path.parent, profile, dict(overrides or {}))
 
     def load(self) -> SceneConfig:
-        """Load the scene; raises SceneError with every problem, located in the text."""
+        """Scene that the text describes; raises SceneError with every problem, located in the text."""
         return load_text(self.text, self.name, self.folder, dict(self.overrides), self.profile)
 
 
 class Session:
-    """Plays one simulation after another, each with a `Watch`; use it as a context manager."""
+    """Plays one simulation after another, each with a `Watch` that shows it, and obeys the pages; a context manager."""
 
     simulation: Simulation
 
     def __init__(
         self, source: Source, server: Server, out: Path, described: Callable[[], list[dict[str, str]]]
     ) -> None:
-        """`out`: folder of records and saved scenes; `described`: table of the packaged scenes."""
+        """Start a scene. `out`: folder of records and saved scenes; `described`: table of the packaged scenes."""
         self.source, self.server, self.out, self.described = source, server, out, described
         self.panel = Panel([*named("wind"), "still"], "")
         self.sliders: list[Slider] = []
@@ -81,7 +82,7 @@ class Session:
         self.start(load_within_memory(source))
 
     def start(self, config: SceneConfig, folder: Path | None = None) -> None:
-        """Build a simulation; its files go to a temporary folder unless one is given."""
+        """Build a simulation of this scene; its files go to a temporary folder unless one is given."""
         self.config = config
         if folder is None:
             self.away = TemporaryDirectory(prefix="ocean-sim-")
@@ -99,7 +100,7 @@ class Session:
         self.watch.show(perf_counter())
 
     def end(self) -> None:
-        """Close the simulation, and release its folder; completes a record."""
+        """Close the simulation, which completes a record, and remove or release its folder."""
         if not self.plays:
             return
         simulation, claim, touched, away = self.simulation, self.claim, self.touched, self.away
@@ -119,7 +120,7 @@ class Session:
                     run_files.add_to_manifest(claim.folder, [claim.folder / "touched.txt"])
 
     def play(self) -> None:
-        """Execute commands and step until an interrupt, or until `done` is set."""
+        """Execute commands of the pages and step, until an interrupt or until `done` is set."""
         last = perf_counter()
         while not self.done:
             now = perf_counter()
@@ -129,7 +130,7 @@ class Session:
             self.advance(wall)
 
     def advance(self, wall: float) -> None:
-        """Step to keep up with the wall time `wall` [s] since the last call, for at most STEP_BUDGET."""
+        """Step, for at most STEP_BUDGET, to keep up with the wall time `wall` [s] since the last call, or wait."""
         panel, begin = self.panel, perf_counter()
         if panel.take("step"):
             self.step()
@@ -148,7 +149,7 @@ class Session:
             self.server.arrived.wait(min(-self.due / self.speed, IDLE_WAIT))
 
     def step(self) -> None:
-        """Take one step; pause a simulation that diverges, and end a record that is complete or cannot be written."""
+        """Take one time step; pause if it diverges, and end a record that is complete or cannot be written."""
         simulation = self.simulation
         try:
             simulation.run(simulation.time + 0.5 * simulation.next_dt)
@@ -168,7 +169,7 @@ class Session:
             self.rebuild(self.source)
 
     def follow_routes(self) -> None:
-        """Tell pages when a ship begins another leg of its route; at its end the rudder goes amidships."""
+        """Tell the pages when a ship begins another leg of her route; at its end put the rudder amidships."""
         simulation = self.simulation
         for name, pilot in list(self.pilots.items()):
             if pilot.has_arrived(simulation.ships[name].body):
@@ -180,7 +181,7 @@ class Session:
                 self.tell_panel()
 
     def obey(self) -> None:
-        """Execute the new commands; of those that replace one another, only the newest."""
+        """Execute the commands that have come; of those that replace one another, as of a slider, only the newest."""
         orders = self.server.orders()
         last = {replacement_key(order): k for k, order in enumerate(orders)}
         changed = False
@@ -202,7 +203,7 @@ class Session:
             self.tell_panel()
 
     def execute(self, order: Order) -> bool:
-        """Execute a command; True if the panel has changed."""
+        """Execute a command; True if the pages have to be sent the panel. Raises Failed if it cannot be executed."""
         command, panel = order.command, self.panel
         match command:
             case p.Act(do="pause" | "play"):
@@ -270,7 +271,7 @@ class Session:
         return command.do not in (*p.QUERY_NAMES, "save")
 
     def hand_steering(self, name: str) -> "Person":
-        """Hand steering of a ship, which replaces any other control; raises Failed if there is no such ship."""
+        """Hand steering of the ship of this name, instead of other control; raises Failed if there is no such ship."""
         ship = self.ship_named(name)
         self.pilots.pop(name, None)
         if name not in self.persons:
@@ -278,7 +279,7 @@ class Session:
         return self.persons[name]
 
     def steer_amidships(self, name: str) -> None:
-        """Steer a ship by hand: throttle as it is, rudder amidships; raises Failed if there is no such ship."""
+        """Steer a ship by hand, throttle as it is and rudder amidships; raises Failed if there is no such ship."""
         person = self.hand_steering(name)
         person.give(person.throttle, 0.0)
 
@@ -296,7 +297,7 @@ class Session:
 
     def rebuild(self, source: Source, folder: Path | None = None) -> bool:
         """Play a source from its beginning; True if that succeeds. The present scene continues if the source cannot be
-        loaded or is too large, and begins again if it cannot be built."""
+        loaded or is too large (which raises), and begins again if the source cannot be built."""
         more = {} if folder is None else {"render": None}
         config = load_within_memory(source._replace(overrides={**source.overrides, **more}))
         self.say("building anew ...")
@@ -320,7 +321,7 @@ class Session:
         return built
 
     def record(self) -> None:
-        """Start the scene anew, and record it into a run folder that stays."""
+        """Start the scene anew with a run folder that stays, and tell the pages its name."""
         folder = next(path for k in range(1, 10_000) if not (path := self.out / f"{self.source.name}-{k}").exists())
         claim = Claim(folder)
         with ExitStack() as failed:
@@ -334,12 +335,12 @@ class Session:
         self.say(f"recording {self.config.duration:g} s into {folder}")
 
     def note_setting(self, what: str) -> None:
-        """Note a setting made by hand in the record, if there is one, since its scene does not contain it."""
+        """Note a setting made by hand in the record, if there is one, since the scene there does not contain it."""
         if self.claim is not None and self.plays:
             self.touched.append(f"t = {self.simulation.time:.6f} s: {what}")
 
     def check_text(self, watcher: int, text: str) -> None:
-        """Check the text of a scene in an editor, and send its problems, or none, to the page."""
+        """Check the text of a scene from an editor, and send its problems, or none, to the page of this number."""
         try:
             self.source._replace(text=text, overrides={}).load()
         except SceneError as error:
@@ -348,12 +349,12 @@ class Session:
             self.server.tell(watcher, type="problems", problems=[])
 
     def tell_problems(self, watcher: int, error: SceneError) -> None:
-        """Send the problems of a scene to a page."""
+        """Send the problems of a scene to the page of this number."""
         rows = [each._asdict() for each in error.problems[:100]]
         self.server.tell(watcher, type="problems", problems=rows)
 
     def save_scene(self, name: str) -> None:
-        """Save the scene that is played: its text, or all keys if some were overridden; raises Failed if it exists."""
+        """Save the played scene: its text, or all keys if some were overridden; raises Failed if the file exists."""
         path = self.out / f"{name}.yaml"
         if path.exists():
             raise Failed(f"{path}: there is such a file already; choose another name")
@@ -367,7 +368,7 @@ class Session:
         self.say(f"saved: {path}")
 
     def tell_waves(self, watcher: int, asked: p.Waves) -> None:
-        """Send a page the answer to its wave query."""
+        """Send the answer to a wave query to the page of this number."""
         try:
             found = answer_waves(self.simulation.fluid, self.simulation.time, asked)
         except Refused as refusal:
@@ -375,15 +376,16 @@ class Session:
         self.server.tell(watcher, type="waves", id=asked.id, verb=asked.verb, **found)
 
     def tell_scene(self, watcher: int | None) -> None:
-        """Send the text of the scene that is played, and its overrides, to a page, or to all (None)."""
+        """Send the text and overrides of the scene that is played to the page of this number, or to all (None)."""
         laid = [f"{key}={plain_value(value)}" for key, value in self.source.overrides.items()]
         self.server.tell(watcher, type="scene", name=self.source.name, text=self.source.text, sets=laid)
 
     def say(self, text: str, watcher: int | None = None, bad: bool = False) -> None:
+        """Send a sentence for the user to the page of this number, or to all (None); `bad`: True for a failure."""
         self.server.tell(watcher, type="said", text=text, bad=bad)
 
     def tell_panel(self) -> None:
-        """Send the settings and their values to all pages."""
+        """Send the panel to all pages: settings and their values, sliders, and ships."""
         simulation, panel = self.simulation, self.panel
         sliders = [{"label": s.label, "value": s.value, "low": s.low, "high": s.high} for s in self.sliders]
         ships = [
@@ -406,7 +408,7 @@ class Session:
         )
 
     def route_ahead(self, name: str) -> list[tuple[float, float]]:
-        """Waypoints x, z [m] still ahead of a ship on a route; empty without one."""
+        """Waypoints x, z [m] still ahead of the ship of this name; empty if she sails no route."""
         return self.pilots[name].ahead if name in self.pilots else []
 
     def __enter__(self) -> "Session":
@@ -418,7 +420,7 @@ class Session:
 
 
 def load_within_memory(source: Source) -> SceneConfig:
-    """Load a scene; raises Refused if it needs more memory than is available."""
+    """Scene of a source; raises SceneError if it is wrong, and Refused if it needs more memory than is available."""
     config = source.load()
     parts = [row.bytes for row in config.ledger() if row.part not in config.observers]
     taken, left = base_memory(config.preflight.particles) + sum(parts), machine.available_memory()
@@ -441,12 +443,12 @@ def wind_name(source: Source) -> str:
 
 
 def plain_value(value: Any) -> Any:
-    """Value of an override, without its position in the text."""
+    """Value of an override as plain data, without its position in the text."""
     return value.plain() if isinstance(value, Node) else value
 
 
 def replacement_key(order: Order) -> tuple[str, ...]:
-    """Key shared by commands of which the newest replaces the others; its first word is empty if it replaces none."""
+    """Key that is equal for commands of which the newest replaces the others; its first word is empty if none do."""
     command = order.command
     if isinstance(command, p.Slide):
         return ("slide", command.key)

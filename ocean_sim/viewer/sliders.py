@@ -12,7 +12,7 @@ STEP_LABELS = {"courant_number": ("Courant number", 1.0), "dt": ("time step [ms]
 
 @dataclass
 class Slider:
-    """A number that a user moves between two ends; `apply` passes it to the running simulation."""
+    """Slider of the page: a number between two ends; `apply` passes a new value to the running simulation."""
 
     label: str
     value: float
@@ -21,7 +21,7 @@ class Slider:
     apply: Callable[[float], None]
 
     def move(self, value: float) -> bool:
-        """Set the value, clipped to the ends; True if it changed by more than single precision."""
+        """Set the value, clipped to the ends, and apply it; True if it changed by more than single precision."""
         value = min(max(value, self.low), self.high)
         if np.float32(value) == np.float32(self.value):
             return False
@@ -31,7 +31,7 @@ class Slider:
 
 
 def sliders_of(simulation: Simulation) -> list[Slider]:
-    """Sliders for the numbers of a simulation that can change while it runs."""
+    """Sliders for all numbers of a simulation that may change while it runs: wind, water, time step."""
     found = []
     fluid, time_step = simulation.fluid, simulation.time_step
     if not simulation.scene.wind.still:
@@ -40,6 +40,7 @@ def sliders_of(simulation: Simulation) -> list[Slider]:
         ends = (0.25 * now, 4.0 * now) if name == "stiffness" else (0.0, max(4.0 * now, 1.0))
 
         def adjust_fluid(value: float, name: str = name) -> None:
+            """Set a number of the water, and derive the next time step from it."""
             fluid.adjust(**{name: value})
             simulation.next_dt = time_step.next(simulation.limits())
 
@@ -48,6 +49,7 @@ def sliders_of(simulation: Simulation) -> list[Slider]:
         label, shown = STEP_LABELS[name]
 
         def adjust_time_step(value: float, name: str = name, shown: float = shown) -> None:
+            """Set a number of the rule for the time step, and derive the next step from it."""
             time_step.adjust(**{name: value * shown})
             simulation.next_dt = time_step.next(simulation.limits())
 
@@ -57,7 +59,7 @@ def sliders_of(simulation: Simulation) -> list[Slider]:
 
 
 def restore_sliders(sliders: list[Slider], before: list[Slider]) -> list[Slider]:
-    """Move the sliders of a new simulation to the values of those `before` with the same labels; returns them."""
+    """Move the sliders of a new simulation to the values of those `before` with equal labels; returns the new ones."""
     values = {slider.label: slider.value for slider in before}
     for slider in sliders:
         slider.move(values.get(slider.label, slider.value))

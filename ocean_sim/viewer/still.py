@@ -36,7 +36,7 @@ RIPPLE_LENGTHS = 0.02, 3.0  # [m] least and greatest length of the longest rippl
 
 
 class Setting:
-    """Static part of a simulation or a replay: its water, basin and ships."""
+    """Static part of a simulation or a replay, sent to a page once: its water, basin and ships."""
 
     def __init__(
         self,
@@ -47,8 +47,8 @@ class Setting:
         surface: bool,
         particles: int,
     ) -> None:
-        """`grid`: arrays that frames keep once; `scene`: resolved scene; `waves`: of water in closed form, else None;
-        `surface`: True if there are heights to show; `particles`: number of those shown."""
+        """`grid`: arrays as in frames/grid.npz; `scene`: resolved scene; `waves`: plane waves of water in closed form,
+        else None; `surface`: True if there are heights to show; `particles`: number of those shown."""
         self.scene, self.title, self.waves, self.surface, self.particles = scene, title, waves, surface, particles
         names = "lower", "upper", "x", "z"  # corners of the basin; of the heights, from their origin [m]
         self.lower, self.upper, self.x, self.z = (np.asarray(grid[name], dtype=float) for name in names)
@@ -63,11 +63,12 @@ class Setting:
 
     @property
     def flat(self) -> bool:
+        """True if the water is 2-D, with heights along x only."""
         return len(self.z) == 1
 
     @property
     def box(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper corner [m] of the space in which particles are shown."""
+        """Lower and upper corner (3,) [m] of the space in which particles are shown: the basin and a margin."""
         size = self.upper - self.lower
         room = np.array([0.02 * size[0], 0.0, 0.02 * size[2]])
         above = max(size[1], 0.2 * size[0])  # the still surface: room for spray
@@ -76,7 +77,7 @@ class Setting:
         return low, high
 
     def packet(self) -> bytes:
-        """Packet of kind `still`, this static part for a page, deflated."""
+        """Packet of kind `still` with this static part, deflated."""
         arrays: dict[str, np.ndarray] = {}
         boxes: dict[str, Any] = {}
         ships = [self.ship_header(k, *ship, arrays, boxes) for k, ship in enumerate(self.models.items())]
@@ -117,7 +118,7 @@ class Setting:
     def ship_header(
         self, k: int, name: str, model: ShipModel, arrays: dict[str, Any], boxes: dict[str, Any]
     ) -> dict[str, Any]:
-        """Header of ship k; adds her model and the map of distances to her waterline, in body axes, to `arrays`."""
+        """Header entry of ship k; adds her triangles and the map of distances to her waterline to `arrays`."""
         hull, corners = model.hull, model.mesh.corners.reshape(-1, 3)
         low, high = corners.min(axis=0), corners.max(axis=0)
         arrays[f"corners{k}"] = box_positions(corners, low, high)
@@ -144,7 +145,7 @@ class Setting:
         }
 
     def sea_header(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Headers in the packet of the plane waves around the basin, and of the water shader's uniforms."""
+        """Header entries on the plane waves of the sea around the basin, and on the uniforms of the water shader."""
         height = self.waves.significant_height if self.waves is not None else 0.5
         wind = ripple_wind(dict(self.scene), self.waves, height)
         if self.waves is not None:
@@ -175,8 +176,8 @@ TANK_KEYS = ("motion", "wavemaker", "lid", "obstacles")  # of a basin that is a 
 
 
 def synthetic_waves(angle: float, length: float, spacing: float) -> np.ndarray:
-    """Plane waves (SYNTHETIC_WAVES, 5) around a wind's angle [rad], with a significant height of 1 m, for the sea
-    around a basin that does not determine it: amplitude, wavevector, angular frequency, phase."""
+    """Plane waves about a wind's angle [rad], with a significant height of 1 m, for the sea around a basin of a
+    `length` [m] without a sea of its own: rows (SYNTHETIC_WAVES, 5) of amplitude, wavevector x, z, frequency, phase."""
     share = (np.arange(SYNTHETIC_WAVES) + 0.5) / SYNTHETIC_WAVES
     wavelength = max(4.0 * spacing, 0.08 * length) ** (1.0 - share) * (0.7 * length) ** share
     turn = 0.9 * np.sin(2.399963 * (np.arange(SYNTHETIC_WAVES) + 1.0) * 7.0)
@@ -188,7 +189,7 @@ def synthetic_waves(angle: float, length: float, spacing: float) -> np.ndarray:
 
 
 def shader_sources(ships: int) -> dict[str, str]:
-    """GLSL sources of the pictures' shaders by name, to which a page adds the declarations of its own version."""
+    """GLSL sources, by name, of the shaders for a number of ships; a page adds the declarations of its version."""
     return {
         "common": water_glsl.COMMON_FUNCTIONS,
         "functions": water_glsl.WATER_FUNCTIONS,
@@ -207,7 +208,7 @@ def sky_packet() -> bytes:
 
 
 def shared_exponent(image: np.ndarray) -> np.ndarray:
-    """Pixels (rows, columns), uint32, of an RGB image in OpenGL's RGB9_E5: three 9-bit mantissas, a 5-bit exponent."""
+    """RGB image (rows, columns, 3) as uint32 pixels in OpenGL's RGB9_E5: three 9-bit mantissas, a 5-bit exponent."""
     colours = np.clip(image, 0.0, 65000.0)
     largest = colours.max(axis=-1)
     exponent = np.clip(np.ceil(np.log2(np.maximum(largest, 2.0**-16))), -15, 16)
@@ -223,19 +224,19 @@ def spacing_of(places: np.ndarray) -> float:
 
 
 def json_numbers(value: Any) -> Any:
-    """Nested lists, for JSON, of an array's numbers with seven significant digits."""
+    """Number or array as a float or nested lists for JSON, with seven significant digits."""
     array = np.asarray(value, dtype=float)
     return [json_numbers(part) for part in array] if array.ndim else float(f"{float(array):.7g}")
 
 
 @cache
 def page_file(name: str) -> str:
-    """Text of a file of the page in the folder static."""
+    """Text of a file of the page, such as index.html, in the folder `static`."""
     return (STATIC_FOLDER / name).read_text(encoding="utf-8")
 
 
 def page_document(title: str, start: dict[str, Any], data: dict[str, bytes] | None = None) -> bytes:
-    """HTML document of the page. `start`: constants of its programs; `data`: packets that it contains, by name."""
+    """HTML document of the page, in UTF-8. `start`: constants of its programs; `data`: packets in it, by name."""
     held = "".join(
         f'<script type="application/octet-stream" id="{name}">{base64.b64encode(content).decode()}</script>\n'
         for name, content in (data or {}).items()

@@ -34,12 +34,12 @@ STAGE_NAMES = ("wind", "fluid", "surface", "ship", "observers")
 
 
 class Watch(Observer, TakesMotion):
-    """Observer that sends a server's pages the newest state, at most MAX_FRAME_RATE times a second of wall time, and
-    none while no page is open."""
+    """Observer that sends the newest state to the open pages of a server, at most MAX_FRAME_RATE times a second."""
 
     at_once = True
 
     def __init__(self, simulation: Simulation, server: "Server") -> None:
+        """Send the static part of the simulation to the server, and prepare frames."""
         self.simulation, self.server = simulation, server
         self.last = -1.0  # wall time of the last frame [s]
         self.seq, self.fastest = 0, MIN_TOP_SPEED
@@ -71,11 +71,12 @@ class Watch(Observer, TakesMotion):
         server.begin(self.setting.packet())
 
     def measure_stages(self, simulation: Simulation) -> None:
-        """Measure the wall time of each stage of a step, in addition to any measurement already there."""
+        """Measure the wall time of each stage of a step from now on, besides any measurement already there."""
         inner, taken = simulation.stage, self.stage_times
 
         @contextmanager
         def stage(name: str) -> Iterator[None]:
+            """Add the wall time [s] of the block to the stage of this name."""
             with inner(name):
                 entered = perf_counter()
                 yield
@@ -84,6 +85,7 @@ class Watch(Observer, TakesMotion):
         simulation.stage = stage  # type: ignore[method-assign, assignment]
 
     def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
+        """Compute the platform's commands from new rows of the motion log, if they are of the ship that carries it."""
         if ship == self.ridden and self.platform is not None:
             done = self.platform.follow(ride_of(rows, frame))
             self.commands = np.concatenate([done.pose[-1], done.legs[-1]]).astype(np.float32)
@@ -94,14 +96,14 @@ class Watch(Observer, TakesMotion):
             self.show(now)
 
     def show(self, now: float) -> None:
-        """Send a frame of the present state; `now`: wall time [s]."""
+        """Send a frame of the present state to the server; `now`: wall time [s]."""
         self.last = now
         self.update_pace(now)
         self.server.show(self.frame())
         self.seq += 1
 
     def update_pace(self, now: float) -> None:
-        """Update the real-time factor and the wall time of each stage since the last frame; `now`: wall time [s]."""
+        """Update simulated over real time, and the time of each stage, since the last frame; `now`: wall time [s]."""
         wall, time, steps = self.mark
         done = self.simulation.steps - steps
         if done:
@@ -111,7 +113,7 @@ class Watch(Observer, TakesMotion):
         self.mark = (now, self.simulation.time, self.simulation.steps)
 
     def frame(self) -> bytes:
-        """Packet of kind `frame`, the present state of the simulation."""
+        """Packet of kind `frame` with the present state of the simulation."""
         simulation = self.simulation
         arrays: dict[str, np.ndarray] = {}
         boxes: dict[str, Any] = {}
@@ -151,18 +153,18 @@ class Watch(Observer, TakesMotion):
 
     @property
     def is_rare_frame(self) -> bool:
-        """True if the next frame holds the arrays that most frames omit."""
+        """True if the next frame also holds arrays that most frames omit, such as the lines of wind and basin."""
         return self.seq % RARE_FRAME_INTERVAL == 0 or self.server.fresh
 
     def origin(self) -> np.ndarray:
-        """Middle x, z (2,) [m] of the heights: whole cells near the ships where the water has no bounds, else 0."""
+        """Middle (2,) x, z [m] of the shown heights: near the ships, by whole cells, on an unbounded sea; else 0."""
         ships = self.simulation.ships.values()
         if not (self.follows and ships):
             return np.zeros(2)
         return middle_cell(ships, np.array([places[1] - places[0] for places in (self.setting.x, self.setting.z)]))
 
     def particle_arrays(self, particles: "Particles") -> dict[str, np.ndarray]:
-        """Positions in the box and speeds of the shown particles, as integers, sorted by id: storage order changes."""
+        """Arrays of a frame, as integers, of shown particles by id: `particles` (n, 3) in the box, `speed` (n,)."""
         rows = particles.in_box(self.middle, self.scale, FULL_SCALE, particle_stride(particles.n))
         places, speed = rows[:, :3].astype(np.int16), rows[:, 3]
         if self.is_rare_frame and len(speed):
@@ -172,7 +174,7 @@ class Watch(Observer, TakesMotion):
         return {"particles": places, "speed": pace}
 
     def plotted_numbers(self, heights: np.ndarray) -> list[float]:
-        """Present plotted numbers, in the order of the static part's `scalars`; `heights` (n,): of the water [m]."""
+        """Present values of the plotted numbers, in the order of `setting.scalars`; `heights` (n,) [m] of the water."""
         simulation = self.simulation
         values = [*(simulation.fluid.elevations(self.gauges) if len(self.gauges) else [])]
         rise = heights - heights.mean()
@@ -191,7 +193,7 @@ class Watch(Observer, TakesMotion):
 
 
 def setting_of(simulation: Simulation) -> Setting:
-    """Static part of a simulation, for its pages."""
+    """Static part of a simulation, for its pages: water, basin, ships, and the list of plotted numbers."""
     scene, basin, fluid = simulation.scene, simulation.basin, simulation.fluid
     grid = grid_arrays(simulation, *height_grid(basin, fluid.spacing))
     surface = not basin.closed and (fluid.particles is None or fluid.sound_speed > 0.0)
@@ -208,19 +210,19 @@ def setting_of(simulation: Simulation) -> Setting:
 
 
 def particle_stride(n: int) -> int:
-    """Stride with which n particles are thinned for a page."""
+    """Stride with which n particles are thinned for a page, to at most MAX_PARTICLES."""
     return max(1, -(-n // MAX_PARTICLES))
 
 
 def height_grid(basin: "Basin", spacing: float) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinates x and z [m] of the heights shown: half a cell from every side, at most MAX_CELLS along each."""
+    """Coordinates x and z [m], each (n,), of the heights shown: middles of cells, at most MAX_CELLS along each axis."""
     sides = ((float(basin.lower[k]), float(basin.upper[k])) for k in (0, 2))
     x, z = (middles(low, high, max(spacing, (high - low) / MAX_CELLS)) for low, high in sides)
     return x, np.zeros(1) if basin.dimension == 2 else z
 
 
 def plotted_rows(gauges: Any, ships: list[str], platform: bool, particles: bool) -> list[dict[str, str]]:
-    """Rows with name, label, unit and group of the plotted numbers of gauges, ships, motion platform and particles."""
+    """Rows (name, label, unit, group) of the plotted numbers of gauges, ships, motion platform and particles."""
 
     def row(name: str, label: str, unit: str, group: str) -> dict[str, str]:
         return {"name": name, "label": label, "unit": unit, "group": group}

@@ -13,14 +13,13 @@ IMAGE_TOLERANCE = 1e-4  # of spacing and reference speed, for two halves that be
 
 
 def surely_inside(totals: Totals, basin: Basin) -> bool:
-    """True if totals alone show that no particle is outside; False means that each must be looked at."""
+    """True if the bounds in `totals` show that no particle is outside the basin; else each has to be checked."""
     low, up = basin.stops()
     return not basin.obstacles and bool((totals.lower >= low).all() and (totals.upper <= up).all())
 
 
 def distance_outside(position: np.ndarray, basin: Basin, time: float) -> np.ndarray:
-    """(n,) distance [m] of each particle at a time [s] beyond walls, floor and lid, or inside an obstacle; 0 in the
-    water and at open sides."""
+    """(n,) distance [m] of particles beyond walls or inside an obstacle, at a time [s]; 0 in the water."""
     low, up = (np.array(stop) for stop in basin.stops())
     distance = np.linalg.norm(position - np.clip(position, low, up), axis=1)
     for least, most in basin.obstacles_at(time):
@@ -31,8 +30,9 @@ def distance_outside(position: np.ndarray, basin: Basin, time: float) -> np.ndar
 def level_ratio(position: np.ndarray, spacing: float, basin: Basin) -> float:
     """Height over the bed of the centre of mass of particles (n, 3) [m], as a multiple of its height at rest.
 
-    At rest the water of each column, three spacings wide, lies on the bed at rest density, one layer at least. NaN if
-    a position is not finite."""
+    At rest the water of each column, three spacings wide, would lie on the bed at rest density, one layer at least. NaN
+    if a position is not finite.
+    """
     if not np.isfinite(position).all():
         return float("nan")
     axes = [0, 2][: basin.dimension - 1]
@@ -48,11 +48,11 @@ def level_ratio(position: np.ndarray, spacing: float, basin: Basin) -> float:
 
 
 class Symmetry:
-    """Pairs of particles that mirror each other in x = 0 and in z = 0, of water that begins symmetric.
+    """Pairs of particles (twins) that mirror each other in x = 0 or in z = 0, in water that begins symmetric.
 
     In the first 50 steps rounding parts images by up to 3e-5 spacings in single precision where pressures follow from
-    the density, and by 2.5e-3 where they are solved for; then it grows tenfold every few dozen steps, however exact a
-    scheme is, and after impacts two halves of a tank have nothing in common.
+    the density, and by 2.5e-3 where they are solved for; then the distance grows tenfold every few dozen steps, however
+    exact a scheme is, and after impacts two halves of a tank have nothing in common.
     """
 
     def __init__(self, simulation: Simulation) -> None:
@@ -80,19 +80,19 @@ class Symmetry:
 
 
 def sorted_by_id(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
-    """(n, 3) positions [m] and velocities [m/s] in the order of the particles' ids."""
+    """Positions [m] and velocities [m/s], each (n, 3), of all particles in the order of their ids."""
     snapshot = with_particles(simulation.fluid).particles.snapshot()
     order = np.argsort(snapshot.id)
     return snapshot.position[order].astype(float), snapshot.velocity[order].astype(float)
 
 
 def mirrored(vectors: np.ndarray, axis: int) -> np.ndarray:
-    """(n, 3) vectors with one component reversed."""
+    """(n, 3) vectors with the component along `axis` reversed."""
     return vectors * np.where(np.arange(3) == axis, -1.0, 1.0)
 
 
 def image_ids(place: np.ndarray, axis: int) -> np.ndarray:
-    """(n,) id of each particle's mirror image, valid if every particle has one; `place`: (n, 3) [spacings]."""
+    """(n,) id of each particle's mirror image across `axis`, if each has one; `place`: (n, 3) [spacings]."""
     here, there = (np.lexsort(x.round(3).T + 0.0) for x in (place, mirrored(place, axis)))
     twin = np.empty(len(place), dtype=int)
     twin[here] = there
@@ -100,7 +100,7 @@ def image_ids(place: np.ndarray, axis: int) -> np.ndarray:
 
 
 def is_symmetric(basin: Basin, axis: int) -> bool:
-    """True if gravity, walls and obstacles are mirror images of themselves along an axis."""
+    """True if gravity, walls and obstacles equal their mirror images across `axis`."""
     name = "xyz"[axis]
     walls = basin.walls.at(f"{name}_min") == basin.walls.at(f"{name}_max")
     boxes = {tuple(np.round([*low, *up], 9)) for low, up in basin.obstacles}
@@ -113,20 +113,19 @@ def is_symmetric(basin: Basin, axis: int) -> bool:
 
 
 class Momentum:
-    """Compares the momentum that the water gains from now on with the impulse of all forces. The fluid must sum the
-    impulse of each force, as `accuracy` requests."""
+    """Compares the momentum that the water gains from now on with the impulses of all forces (the fluid sums them)."""
 
     def __init__(self, simulation: Simulation) -> None:
         self.first = self.unexplained(simulation, with_particles(simulation.fluid).totals())
 
     def unexplained(self, simulation: Simulation, totals: Totals) -> np.ndarray:
-        """(3,) momentum that no force has given since the fluid was built [kg m/s]."""
+        """(3,) momentum [kg m/s] that no force has given since the fluid was built."""
         moving = with_particles(simulation.fluid).particles.mass * totals.velocity
         return moving - sum(simulation.fluid.impulse.values(), np.zeros(3))
 
     def unexplained_share(self, simulation: Simulation, totals: Totals) -> float:
-        """Momentum since the start of this check that no force has given, over all impulses plus mass times reference
-        speed; 0 where no impulse is summed, or where `motion_limit` has held particles back."""
+        """Momentum that no force has given since the start of this check, over the sum of all impulses plus mass times
+        reference speed; 0 without impulses, and if `motion_limit` has held particles back."""
         fluid = simulation.fluid
         impulses = fluid.impulse
         if not impulses or fluid.status.clipped:

@@ -26,7 +26,7 @@ TIME_TOLERANCE = 1.0e-9  # of `every`: a time so little short of a multiple has 
 
 
 def heading(simulation: "Simulation", rate: str, **more: object) -> dict[str, object]:
-    """The comment lines that every CSV of a run begins with."""
+    """Comment lines, by name, at the top of every CSV file of a run; `rate`: text on the interval of rows."""
     return {
         "frame": "world",
         "axes": "right-handed, x and z horizontal, y up, origin at the centre of the still surface",
@@ -37,7 +37,7 @@ def heading(simulation: "Simulation", rate: str, **more: object) -> dict[str, ob
 
 
 def cell_text(value: object) -> str:
-    """A number with nine significant digits, on every machine; anything else by `str`."""
+    """Text of a cell: a real number with nine significant digits, on every machine; anything else by `str`."""
     return format(value, ".9g") if isinstance(value, REAL_TYPES) else str(value)
 
 
@@ -48,9 +48,10 @@ def row_format(kinds: tuple[type, ...]) -> str:
 
 
 class CsvFile:
-    """A growing table on disk. Each row reaches the file whole, so that a killed run leaves whole lines."""
+    """Growing CSV file. Each row reaches the disk whole, so that a killed run leaves whole lines."""
 
     def __init__(self, path: Path, heading: Mapping[str, object], columns: Sequence[str]) -> None:
+        """Create the file with its comment lines, `heading` by name, and the line of column names."""
         self.columns = tuple(columns)
         self.file = path.open("w", encoding="utf-8", newline="\n")
         with file_named_in_errors(path):
@@ -58,7 +59,7 @@ class CsvFile:
         self.row(self.columns)
 
     def row(self, values: Iterable[object]) -> str:
-        """Write a row; returns its line."""
+        """Write a row of values; returns its line of text."""
         cells = tuple(values)
         line = row_format(tuple(map(type, cells))) % cells
         with file_named_in_errors(self.file.name):
@@ -71,7 +72,7 @@ class CsvFile:
 
 
 class Multiples:
-    """Multiples of `every` [s] that simulated time reaches, each counted once, from the first call on."""
+    """Counter of the multiples of `every` [s] that simulated time reaches, each once, from the first call on."""
 
     next: int | None
 
@@ -80,7 +81,7 @@ class Multiples:
         self.next = None
 
     def reached(self, time: float) -> range:
-        """Numbers k of the multiples k * every passed since the last call."""
+        """Numbers k of the multiples k * every that time [s] has reached since the last call."""
         if self.next is None:
             self.next = math.ceil(time / self.every - TIME_TOLERANCE)
         end = math.floor(time / self.every + TIME_TOLERANCE) + 1
@@ -90,7 +91,7 @@ class Multiples:
 
 
 class Sample(NamedTuple):
-    """One row: `values` are interpolated linearly between two states, `held` are those of the earlier state."""
+    """Row at a time [s]: `values` interpolated linearly between two states, `held` from the earlier state."""
 
     time: float
     values: np.ndarray
@@ -98,7 +99,7 @@ class Sample(NamedTuple):
 
 
 class Sampled:
-    """A vector sampled at multiples of `every`, linear between steps, which is second-order in the time step.
+    """Sampler of a vector at multiples of `every` [s], linear between steps, which is second-order in the time step.
 
     A run calls its observers with the last state before and the first state after each multiple. Names and counts
     cannot be interpolated and keep their value of the state before.
@@ -107,13 +108,13 @@ class Sampled:
     before: Sample | None
 
     def __init__(self, every: float, most: float = math.inf) -> None:
-        """`most`: multiples that one step may pass; of more, only the first and the last have rows."""
+        """`most`: number of multiples that one step may pass; of more, only the first and the last have rows."""
         self.every, self.most = every, most
         self.multiples = Multiples(every)
         self.before = None
 
     def rows(self, time: float, values: np.ndarray, held: tuple = ()) -> list[Sample]:
-        """Samples at the multiples passed since the last call, up to the state at `time` [s]."""
+        """Samples at multiples passed since the last call up to `time` [s]; `values` are interpolated, `held` not."""
         now = Sample(time, np.asarray(values, dtype=np.float64), held)
         passed = self.multiples.reached(time)
         shown = passed if len(passed) <= self.most else (passed[0], passed[-1])
@@ -123,7 +124,7 @@ class Sampled:
 
 
 def interpolated(before: Sample, after: Sample, time: float) -> Sample:
-    """Sample at `time` on the straight line from `before` to `after`; `held` is of `before` until `after`."""
+    """Sample at `time` [s] on the straight line between two samples; its `held` is that of `before` until `after`."""
     if time >= after.time or after.time <= before.time:
         return Sample(time, after.values, after.held)
     part = max(0.0, (time - before.time) / (after.time - before.time))
@@ -131,18 +132,20 @@ def interpolated(before: Sample, after: Sample, time: float) -> Sample:
 
 
 class TakesMotion:
-    """An observer that gets each new row of a ship's motion log, in the order of time, without the loads."""
+    """Base of an observer that gets each new row of a ship's motion log, in the order of time, without the loads."""
 
     at_once = False  # True: it gets each row as soon as it is known, not many together
 
     def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
+        """Receive new rows of the log of this ship, an array for each column, in the axes of `frame`."""
         raise NotImplementedError
 
 
 class TakesCommands:
-    """An observer that gets each row of platform.csv, in the order of time."""
+    """Base of an observer that gets each row of platform.csv, the commands of the platform, in the order of time."""
 
     def take_commands(self, rows: "Commands") -> None:
+        """Receive new commands of the motion platform."""
         raise NotImplementedError
 
 
@@ -150,5 +153,5 @@ Taker = TypeVar("Taker", TakesMotion, TakesCommands)
 
 
 def takers(simulation: "Simulation", kind: type[Taker]) -> list[Taker]:
-    """The observers of a run that take rows of this kind."""
+    """Observers of a run that are of this kind, `TakesMotion` or `TakesCommands`."""
     return [observer for observer in simulation.observers if isinstance(observer, kind)]

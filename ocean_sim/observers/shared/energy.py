@@ -13,19 +13,19 @@ CONVERSION_TERMS = ("gravity", "pressure")  # their work turns one energy into a
 
 
 class Balance:
-    """Compares energy gained by the particles with the work of all forces. The fluid must sum the work."""
+    """Compares the energy gained by the particles with the work of all forces, which the fluid has to sum."""
 
     at_first: float | None
 
     def __init__(self, simulation: Simulation, working: Sequence[str]) -> None:
-        """`working`: the forces whose work is summed, in the order in which they are added."""
+        """`working`: names of the forces whose work is summed, in the order in which they are added."""
         inner = CONVERSION_TERMS[: 1 if simulation.fluid.solvers else 2]  # incompressible water stores no energy
         self.outer_terms = [term for term in working if term not in inner]  # they give and take energy
         self.driven = falls_without_potential(simulation)
         self.at_first = None
 
     def residual(self, energy: float, potential_energy: float, work: dict[str, float]) -> float:
-        """Energy [J] that the water has gained since the first call and no force has given."""
+        """Gain of `energy` [J] since the first call that no force has given; `work`: of each force so far [J]."""
         given = sum(work[term] for term in self.outer_terms)
         if self.driven:
             given += work.get("gravity", 0.0) + potential_energy
@@ -35,29 +35,29 @@ class Balance:
 
 
 def kinetic_energy(mass: float, totals: Totals) -> float:
-    """Kinetic energy [J] of particles that each have this mass [kg]."""
+    """Kinetic energy [J] of all particles; `mass`: of one particle [kg]."""
     return 0.5 * mass * totals.squared_speed
 
 
 def potential_energy(mass: float, totals: Totals, gravity: Sequence[float] | np.ndarray) -> float:
-    """Potential energy [J] in gravity [m/s2] of particles that each have this mass [kg], zero at the origin."""
+    """Potential energy [J] of all particles in gravity [m/s2], zero at the origin; `mass`: of one particle [kg]."""
     with np.errstate(invalid="ignore"):  # infinite is NaN along axes without gravity
         return -mass * float(totals.position @ gravity)
 
 
 def mechanical_energy(simulation: Simulation, totals: Totals) -> float:
-    """Kinetic and potential energy [J] of all particles."""
+    """Kinetic plus potential energy [J] of all particles, from their totals."""
     mass = with_particles(simulation.fluid).particles.mass
     return kinetic_energy(mass, totals) + potential_energy(mass, totals, simulation.basin.gravity)
 
 
 def total_energy(simulation: Simulation) -> float:
-    """Kinetic, potential and compression energy [J] of all particles."""
+    """Kinetic, potential and compression energy [J] of all particles together."""
     return mechanical_energy(simulation, with_particles(simulation.fluid).totals()) + simulation.fluid.internal_energy()
 
 
 def stored_by_weight(simulation: Simulation) -> float:
-    """Largest energy [J] of compression by the water's own weight: (g depth)^2 / (6 c^2) per kilogram, at rest."""
+    """Greatest energy [J] of compression by the water's weight, at rest: (g depth)^2 / (6 c^2) per kilogram."""
     fluid, basin = simulation.fluid, simulation.basin
     particles = with_particles(fluid).particles
     head = float(np.linalg.norm(basin.gravity)) * basin.depth  # [m2/s2]
@@ -65,8 +65,8 @@ def stored_by_weight(simulation: Simulation) -> float:
 
 
 def energy_scale(simulation: Simulation) -> float:
-    """Energy [J] to which a gain is compared: kinetic energy at the reference speed. In a patch of open sea with waves,
-    the energy of these waves and the energy that the weight of the water stores by compression."""
+    """Energy [J] by which a gain is divided: kinetic energy of the water at the reference speed; in a patch of open sea
+    with waves, the energy of these waves plus the energy that the weight of the water stores by compression."""
     basin, particles = simulation.basin, with_particles(simulation.fluid).particles
     sea = None if basin.sea is None else basin.sea.plane_waves(basin)
     if sea is None or simulation.fluid.solvers:
@@ -77,8 +77,7 @@ def energy_scale(simulation: Simulation) -> float:
 
 
 def falls_without_potential(simulation: Simulation) -> bool:
-    """True if potential energy does not hold all work of gravity: with a body force, in a tank that moves, or with
-    gravity along a periodic axis."""
+    """True if gravity or body force does work beyond potential energy, as in a moving tank or along a periodic axis."""
     basin = simulation.basin
     periodic = any(period > 0.0 and g != 0.0 for period, g in zip(basin.periods, basin.gravity, strict=True))
     return periodic or any(simulation.scene.fluid.steady_force) or basin.config.motion is not None
@@ -98,7 +97,7 @@ def separable_work_terms(simulation: Simulation) -> list[str]:
 
 
 def has_driving_walls(basin: Basin) -> bool:
-    """True if a piston or a lid moves, or an absorbing zone relaxes the water towards a given motion."""
+    """True if a wavemaker or a lid moves, or an absorbing zone relaxes the water towards a given motion."""
     lid, absorbing = basin.config.lid, [side.absorbing for side in basin.sides if side.absorbing is not None]
     moved = basin.config.wavemaker is not None or (lid is not None and any(lid.velocity))
     return moved or any(zone.target is not None for zone in absorbing)

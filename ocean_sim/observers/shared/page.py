@@ -30,7 +30,7 @@ PLOT_CLIP = (
 
 
 def html_page(title: str, parts: Iterable[str]) -> str:
-    """HTML text of a whole page from the parts of its body."""
+    """HTML text of a whole page with a title, from the HTML parts of its body."""
     head = [
         '<meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
@@ -44,7 +44,7 @@ def html_page(title: str, parts: Iterable[str]) -> str:
 
 
 def link_headings(parts: list[str]) -> list[str]:
-    """HTML parts with a name for every heading, and links to all headings before the first."""
+    """The HTML parts with an id in every heading, and links to all headings before the first."""
     headings: list[str] = []
 
     def name_heading(match: re.Match[str]) -> str:
@@ -72,7 +72,7 @@ def html_table(rows: Iterable[Sequence[object]], heads: Sequence[str] = (), row_
 
 
 def embedded_picture(path: Path, caption: str, link: str | None = None) -> str:
-    """HTML of a picture inside the page, at most MAX_PICTURE_WIDTH wide; empty if the file cannot be read."""
+    """HTML of a picture in the page, at most MAX_PICTURE_WIDTH wide; empty if the file cannot be read."""
     if not path.exists():
         return ""
     from PIL import Image, UnidentifiedImageError
@@ -97,7 +97,7 @@ def embedded_picture(path: Path, caption: str, link: str | None = None) -> str:
 
 
 def scene_text(value: Any, indent: str = "") -> str:
-    """A scene as YAML, a key a line, without keys that are null."""
+    """YAML text of a scene, one key a line, without keys that are null."""
     lines = []
     for key, inner in value.items():
         if inner is None:
@@ -112,7 +112,7 @@ def scene_text(value: Any, indent: str = "") -> str:
 
 
 def round_ticks(low: float, high: float, about: int = 6) -> np.ndarray:
-    """Round numbers between `low` and `high`: 1, 2 or 5 times a power of ten apart; never -0."""
+    """Round numbers between `low` and `high`, `about` so many: 1, 2 or 5 times a power of ten apart; never -0."""
     raw = (high - low) / about
     power = 10.0 ** np.floor(np.log10(raw))
     step = next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= raw * (1.0 - 1e-9))
@@ -120,7 +120,7 @@ def round_ticks(low: float, high: float, about: int = 6) -> np.ndarray:
 
 
 def axis_range(values: np.ndarray) -> tuple[float, float]:
-    """Least and largest value, with a margin, as the ends of an axis; NaN does not count."""
+    """Ends of an axis: least and greatest value with a margin; NaN does not count."""
     finite = values[np.isfinite(values)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
     gap = 0.05 * (high - low) or 0.05 * abs(high) or 1.0
@@ -128,7 +128,7 @@ def axis_range(values: np.ndarray) -> tuple[float, float]:
 
 
 def range_without_spikes(values: np.ndarray) -> tuple[float, float]:
-    """Least and greatest value that is drawn: of all values, or without a few spikes that would flatten the rest."""
+    """Least and greatest value that a plot shows: of all values, or without a few spikes that flatten the rest."""
     finite = values[np.isfinite(values)]
     if not finite.size:
         return -np.inf, np.inf
@@ -140,7 +140,7 @@ def range_without_spikes(values: np.ndarray) -> tuple[float, float]:
 
 
 def keep_crests(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Thin a curve to MAX_POINTS points: the least and the greatest of each of many intervals."""
+    """Times and values of a curve thinned to MAX_POINTS points, the least and greatest of many intervals."""
     if len(time) <= MAX_POINTS:
         return time, values
     kept = []
@@ -152,7 +152,7 @@ def keep_crests(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 def curve_stroke(k: int) -> str:
-    """SVG attributes of the line of curve k; the first 49 differ in colour or dashes."""
+    """SVG attributes of the line of curve number k; the first 49 curves differ in colour or dashes."""
     colour = CURVE_COLOURS[k % len(CURVE_COLOURS)]
     dashes = CURVE_DASHES[(k + k // len(CURVE_COLOURS)) % len(CURVE_DASHES)]
     return f'fill="none" stroke="{colour}" stroke-width="1.7" stroke-dasharray="{dashes}"'
@@ -161,7 +161,7 @@ def curve_stroke(k: int) -> str:
 def draw_curves(
     time: np.ndarray, series: Mapping[str, np.ndarray], label: str, limits: Mapping[str, float] | None = None
 ) -> str:
-    """HTML figure with one curve a name, over time [s], and lines at the limits; empty if every value is 0 or NaN.
+    """HTML figure with a curve for each name over time [s], and lines at the limits; empty if every value is 0 or NaN.
     Spikes that would flatten the rest are cut, and the caption says so."""
     everything = np.concatenate(list(series.values()))
     if not np.nan_to_num(everything).any():
@@ -175,12 +175,15 @@ def draw_curves(
     note = f" ({beyond} values cut, as far as {farthest:.4g})" if beyond else ""
 
     def x(t: float) -> float:
+        """Abscissa in the drawing of a time [s]."""
         return LEFT + (t - left) / (right - left) * (PLOT_WIDTH - LEFT - RIGHT)
 
     def y(value: float) -> float:
+        """Ordinate in the drawing of a value."""
         return PLOT_HEIGHT - BOTTOM - (value - low) / (high - low) * (PLOT_HEIGHT - TOP - BOTTOM)
 
     def level_line(value: float, attributes: str) -> str:
+        """SVG path of a horizontal line at a value."""
         return f'<path d="M{LEFT} {y(value):.1f}H{PLOT_WIDTH - RIGHT}" {attributes}/>'
 
     parts = [

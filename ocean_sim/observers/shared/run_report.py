@@ -23,7 +23,7 @@ Table = Mapping[str, np.ndarray]
 
 
 def write_report(folder: Path) -> Path:
-    """Write report.html of a run folder, however the run ended."""
+    """Write report.html of a run folder, however the run ended; returns its path."""
     run = Run(folder)
     path = folder / "report.html"
     with atomic_write(path) as draft:
@@ -32,7 +32,7 @@ def write_report(folder: Path) -> Path:
 
 
 class Run:
-    """A run folder and the HTML parts that report.html shows of it; a missing or incomplete file is left out."""
+    """Run folder, and the HTML parts that report.html shows of it; a missing or incomplete file is left out."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -71,6 +71,7 @@ class Run:
         return f'<p class="outcome{"" if outcome == "done" else " bad"}">{html.escape(sentence)}</p>'
 
     def pictures(self) -> Iterator[str]:
+        """Yield HTML of the pictures in the run folder."""
         folder, film = self.folder, "film.mp4" if (self.folder / "film.mp4").exists() else None
         more = "; click for film.mp4, next to this page" if film else ""
         yield embedded_picture(folder / "preview.png", f"The run at its liveliest{more}.", film)
@@ -80,7 +81,7 @@ class Run:
             yield embedded_picture(path, f"t = {path.stem.removeprefix('still_').lstrip('0') or '0'} s")
 
     def summary_rows(self) -> Iterator[tuple[str, str]]:
-        """Yield about a dozen rows (name, text) on scene and machine."""
+        """Yield about a dozen rows (name, text) on the scene and the machine."""
         scene, manifest = self.scene, self.manifest
         basin = scene.get("basin", {})
         if "depth" in basin:
@@ -110,21 +111,24 @@ class Run:
             yield "seed", str(manifest["seed"])
 
     def warnings(self) -> Iterator[str]:
+        """Yield an HTML list of the warnings about the scene, if there are any."""
         warnings = self.manifest.get("warnings", [])
         if warnings:
             rows = "".join(f"<li>{html.escape(sentence)}</li>" for sentence in warnings)
             yield f"<h2>Warnings</h2>\n<ul>{rows}</ul>"
 
     def table(self, name: str) -> Table:
-        """Columns of a CSV file of the run by name; empty if there is no such file."""
+        """Columns, by name, of a CSV file in the run folder; empty if there is no such file."""
         return csv_file.read_columns_if_any(self.folder / name)
 
     def motions(self) -> Iterator[str]:
+        """Yield HTML plots of the motion logs of all ships."""
         yield from motion_plots("Motions of the ship", self.table("motion.csv"))
         for name in self.scene.get("ships", {}):
             yield from motion_plots(f"Motions of {name}", self.table(f"motion_{name}.csv"))
 
     def platform(self) -> Iterator[str]:
+        """Yield HTML plots of the motion platform, if there is one."""
         log = self.table("platform.csv")
         if "leg1_m" not in log:
             return
@@ -146,6 +150,7 @@ class Run:
         yield f"<p>A limit was reached in {100.0 * share:.3g} % of the rows.</p>"
 
     def gauges(self) -> Iterator[str]:
+        """Yield HTML plots of the gauges, and a table of their elevations."""
         log = self.table("gauges.csv")
         heights = columns_between(log, "", "_m")
         pressures = columns_between(log, "", "_Pa")
@@ -162,6 +167,7 @@ class Run:
             yield draw(log, "pressure [kPa]", pressures, 0.001)
 
     def accuracy(self) -> Iterator[str]:
+        """Yield HTML plots of accuracy.csv, for water of particles."""
         log = self.table("accuracy.csv")
         if "compression_mean" not in log:  # water without particles keeps no balances
             return
@@ -183,6 +189,7 @@ class Run:
             yield draw(log, "time step [ms]", {"time step": "time_step_s"}, 1000.0)
 
     def timings(self) -> Iterator[str]:
+        """Yield an HTML table and plots of timings.csv."""
         log = self.table("timings.csv")
         stages = columns_between(log, "", "_ms_per_step")
         if not stages:
@@ -197,6 +204,7 @@ class Run:
         yield draw(log, "simulated time over wall time", {"real-time factor": "real_time_factor"})
 
     def event_table(self) -> Iterator[str]:
+        """Yield an HTML table of the events, at most MAX_EDGE_EVENTS from each end."""
         if not self.events:
             return
         yield "<h2>Events</h2>"
@@ -208,6 +216,7 @@ class Run:
         yield html_table(rows, ("time [s]", "event", ""), row_names=False)
 
     def versions(self) -> Iterator[str]:
+        """Yield an HTML table of versions, machine and hashes."""
         manifest = self.manifest
         rows = [(name, str(value)) for name, value in manifest.get("versions", {}).items() if value]
         rows += [(name, str(value)) for name, value in manifest.get("machine", {}).items() if value]
@@ -217,6 +226,7 @@ class Run:
             yield f"<h2>Versions</h2>\n{html_table(rows)}"
 
     def file_links(self) -> Iterator[str]:
+        """Yield HTML links to the files of the run."""
         names = [*FILES, *(f"motion_{name}.csv" for name in self.scene.get("ships", {}))]
         links = [f'<a href="{name}">{name}</a>' for name in names if (self.folder / name).exists()]
         if links:
@@ -224,7 +234,7 @@ class Run:
 
 
 def whole_lines(path: Path) -> list[dict[str, Any]]:
-    """The objects of a JSON-lines file up to its first incomplete line."""
+    """Objects in the lines of a JSON-lines file, up to its first incomplete line; empty if there is no file."""
     objects = []
     for line in input_file.read_text(path).splitlines() if path.is_file() else ():
         try:
@@ -237,19 +247,19 @@ def whole_lines(path: Path) -> list[dict[str, Any]]:
 def draw(
     log: Table, label: str, columns: Mapping[str, str], factor: float = 1.0, limits: Mapping[str, float] | None = None
 ) -> str:
-    """HTML plot of columns of a table, by the names of their curves, times a factor; empty if there are none."""
+    """HTML plot of columns, by the names of their curves, of a table, times a factor; empty without columns."""
     series = {name: factor * log[column] for name, column in columns.items()}
     return draw_curves(log["time_s"], series, label, limits) if series else ""
 
 
 def columns_between(log: Table, prefix: str, suffix: str) -> dict[str, str]:
-    """Columns of a table that begin with `prefix` and end with `suffix`, by the part of their name between."""
+    """Names of columns that begin with `prefix` and end with `suffix`, by the part of the name between these."""
     named = [column for column in log if column.startswith(prefix) and column.endswith(suffix)]
     return {column.removeprefix(prefix).removesuffix(suffix): column for column in named}
 
 
 def motion_plots(title: str, log: Table) -> Iterator[str]:
-    """Yield HTML plots of the motions of one ship, from her motion log."""
+    """Yield HTML plots of the motions of one ship, from her motion log, under a title."""
     if "heave_m" not in log:
         return
     yield f"<h2>{html.escape(title)}</h2>"
@@ -267,7 +277,7 @@ def motion_plots(title: str, log: Table) -> Iterator[str]:
 
 
 def wave_trains(part: dict[str, Any]) -> Iterator[str]:
-    """Yield a sentence for each wave train of a sea or a fluid of a scene, given as data."""
+    """Yield a sentence about each wave train of a sea or a fluid, from its keys in the scene as data (`part`)."""
     spectrum = part.get("spectrum")
     if spectrum:
         kind, height = spectrum["kind"].replace("_", " "), spectrum["significant_wave_height"]
@@ -288,6 +298,6 @@ def heading_text(waves: dict[str, Any]) -> str:
 
 
 def event_details(event: dict[str, Any]) -> str:
-    """Text of the facts of an event apart from its time, step and name."""
+    """Text of the facts of an event, apart from its time, step and name."""
     facts = {key: value for key, value in event.items() if key not in ("time_s", "step", "event") and value is not None}
     return ", ".join(f"{k} {v:.5g}" if isinstance(v, float) else f"{k} {v}" for k, v in facts.items())

@@ -28,7 +28,6 @@ class Config(WaterConfig):
     kind: Literal["ballistic"] = "ballistic"
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence) of these keys in this basin; a rough bed is one."""
         found = super().problems(preflight)
         if preflight.tank.rough_bed is not None:
             found.append(
@@ -49,7 +48,6 @@ class Config(WaterConfig):
         return SUPPORT_RATIO
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Rows of the memory ledger: particles, grid and budget."""
         size, word = self.size(preflight.basin, preflight.arch), preflight.word
         n, what = size.lattice.n, "position, velocity, density, pressure, number"
         return [
@@ -59,7 +57,6 @@ class Config(WaterConfig):
         ]
 
     def still_limits(self, preflight: Preflight) -> Limits:
-        """Limits of the time step for particles that fall under gravity and body force."""
         basin = preflight.tank
         return force_limit(preflight.support, float(np.linalg.norm(np.add(basin.gravity, self.body_force))))
 
@@ -68,8 +65,7 @@ class Config(WaterConfig):
 
 
 def force_limit(support: float, acceleration: float) -> Limits:
-    """Limits of the time step [s] by a support [m] and an acceleration [m/s2]; parabolas are exact for any step, but no
-    step may jump over wind and walls."""
+    """Limits of the time step by support [m] and acceleration [m/s2], so that no parabola jumps over wind and walls."""
     return Limits(force=(0.5 * support / acceleration) ** 0.5) if acceleration > 0.0 else Limits()
 
 
@@ -88,11 +84,9 @@ class Ballistic(ParticleWater):
         self.begin()
 
     def arrive(self) -> None:
-        """Sort the particles at their present positions, and sum up their state."""
         self.settle(self.summary)
 
     def step(self, dt: float) -> None:
-        """Move all particles for dt [s] along parabolas, sort them, and sum up the step."""
         self.advance_all(dt, self.wind.since, self.summary)
 
     @ti.kernel
@@ -146,5 +140,4 @@ class Ballistic(ParticleWater):
         return force_limit(self.grid.support, self.status.max_acceleration)
 
     def internal_energy(self) -> float:
-        """Zero [J]: nothing is compressed."""
         return 0.0

@@ -107,24 +107,21 @@ class Config(SphConfig):
     def viscosity_added(
         self, preflight: Preflight, length: float, height: float = 0.0, standing: bool = False
     ) -> float:
-        """Numerical plus artificial viscosity [m2/s] for waves of a length and height [m]."""
+        """Numerical plus artificial viscosity [m2/s] for waves of a length and height [m], `standing` or not."""
         artificial = self.viscosity(preflight.tank) - self.kinematic_viscosity
         return artificial + super().viscosity_added(preflight, length, height, standing)
 
     def limits_at(self, basin: Basin, speed: float, acceleration: float) -> Limits:
-        """Limits of the time step at this speed [m/s] and acceleration [m/s2]. None is for sound, but neighbours hold a
-        particle under a pressure p as springs of frequency sqrt(p / density) / spacing. Pair friction relaxes at up to
-        twice the sum's rate."""
+        """Limits of the time step at this speed [m/s] and acceleration [m/s2]: none by sound, but neighbours under a
+        pressure p swing at sqrt(p / density) / spacing; friction relaxes a pair at up to twice its viscous rate."""
         speed = max(speed, MIN_LIMIT_SPEED * self.speed(basin))
         return step_limits(self.smoothing(basin), 0.0, 2.0 * self.viscosity(basin), speed, acceleration)
 
     def still_limits(self, preflight: Preflight) -> Limits:
-        """Limits of the time step in still water, by viscosity, gravity and body force."""
         basin = preflight.tank
         return self.limits_at(basin, 0.0, float(np.linalg.norm(np.add(basin.gravity, self.body_force))))
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warnings of every SPH scheme, and of a support so small that still water stirs."""
         found, basin = super().warnings(preflight), preflight.tank
         ratio = self.ratio(basin)
         if ratio < MIN_STEADY_SUPPORT[basin.dimension - 2] and not self.is_enclosed(basin):
@@ -145,7 +142,6 @@ class Config(SphConfig):
         return Stencil(self.smoothing(basin), self.lattice(basin).spacing).neighbours
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Rows of the memory ledger for the fields of this scheme and its kept pairs."""
         basin, word = preflight.tank, preflight.word
         what = "position, velocity, density, pressure, number; predicted velocity, way and two solvers' fields"
         sizes = self.list_size(self.start_lattice(preflight), preflight.arch, FORCE_ROW.size, 1)
@@ -163,8 +159,8 @@ class Config(SphConfig):
 
 @in_kernels
 class Density(Law):
-    """Pair law for the density by summation, its deficit in gaps, and the diagonal A_ii of the solvers over dt^2 (2015,
-    eq. 9: their 1 / alpha), which is raised where particles crowd, since A / A_ii reaches further beyond one there."""
+    """Pair law for the summed density, for the density that gaps may gain, and for the diagonal A_ii over dt^2 (2015,
+    eq. 9: their 1 / alpha), enlarged where particles crowd: there a Jacobi step with A_ii itself would overshoot."""
 
     terms, options = Columns(density=1, gradient=3, squares=1), WalkOptions(apart=True, padded=True)
 
@@ -189,7 +185,7 @@ class Density(Law):
 
     @ti.func
     def pair(self, own, other):
-        """Shape of W, its gradient, and the square of the gradient, of a neighbour."""
+        """W, grad W and |grad W|^2 at a neighbour, without the constants of the kernel."""
         x_ij = own - other
         r2 = x_ij.dot(x_ij)
         r, smoothing = ti.sqrt(r2), self.fluid.smoothing
@@ -198,7 +194,7 @@ class Density(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Store density, diagonal, and the allowance of gaps or the shift of particle i."""
+        """Store density and A_ii of particle i, and the density that its gap may gain or, in closed water, a shift."""
         fluid, rest = self.fluid, ti.static(self.fluid.particles.rest_density)
         total += beyond
         if ti.static(fluid.bodies):
@@ -240,7 +236,7 @@ class Forces(Force):
 
     @ti.func
     def prefactor(self, own):
-        """Factor of the pressure sum: m / rho0^2 times the constant of grad W, over the lattice's `gain`."""
+        """Factor of the pressure sum: m / rho0^2 times the constant of grad W, over `Stencil.gain`."""
         return self.fluid.pressing
 
     @ti.func
@@ -252,7 +248,6 @@ class Forces(Force):
 
     @ti.func
     def acceleration(self, own, total):
-        """Acceleration [m/s2] of a particle by its sums of pressure and friction."""
         a = self.prefactor(own) * vec3(total, self.terms.push)
         if ti.static(self.viscous):
             a += self.rubbing * vec3(total, self.terms.rub)
@@ -275,7 +270,6 @@ class Forces(Force):
 
     @ti.func
     def pair(self, own, other):
-        """Pressure and viscous terms of a pair, as vectors."""
         x_ij, smoothing = vec3(own, self.row.position) - vec3(other, self.row.position), self.fluid.smoothing
         gradient, total = smoothing.pair_gradient(x_ij), ti.Vector.zero(float, self.terms.size)
         push = self.pressure(own[self.row.pressure], other[self.row.pressure], gradient)
@@ -379,8 +373,7 @@ class Dfsph(Sph):
         super().begin()
 
     def make_room(self) -> None:
-        """Displace particles that are too dense next to a solid body, before the run and without a velocity: the first
-        step would do it within its own time, and so the faster the shorter it is."""
+        """Displace too dense particles near solid bodies before the run, or a short first step would throw them."""
         self.dt[None] = 2.0**-20  # [s] so brief that no body moves; beside that only the way counts
         for _ in range(MAX_ROOM_STEPS):
             if self.status.max_density <= (1.0 + self.config.density_tolerance) * self.particles.rest_density:
@@ -392,7 +385,6 @@ class Dfsph(Sph):
             self.status = self.accounts.status(self.summary, self.grid)
 
     def arrive(self) -> None:
-        """Sort the particles at their present positions, and compute their density."""
         self.settle(self.summary, self.report)
         if self.closed:
             self.level[None] = self.report[TOO_DENSE] / self.particles.count.now
@@ -410,14 +402,13 @@ class Dfsph(Sph):
         self.arrive()
 
     def solve(self, solver: Solver, dt: float, calm: bool) -> None:
-        """Iterate a solver until its mean error is below the goal (its tolerance, or less in calm water), or its
-        iterations are used up, and record the step. `calm`: True if the water hardly moves."""
+        """Iterate a solver until its mean error meets its goal, lower in `calm` water (hardly moving); record it."""
         solver.record_step(*self.iterate_to(solver, solver.error_goal(self.error, dt, calm)))
         if self.accounts.impulses and solver.forces:
             self.book_pressures(solver)
 
     def iterate_to(self, solver: Solver, enough: float) -> tuple[int, float]:
-        """Iterate a solver until the error is at most `enough`; return the number of iterations and the error left."""
+        """Iterate a solver until the mean error is at most `enough`; return the number of iterations and that error."""
         done, along = 0, 1.0
         while not self.error <= enough and done < solver.most:
             if self.report[UPHILL_SLOPE] > 0.0:
@@ -429,13 +420,13 @@ class Dfsph(Sph):
 
     @property
     def error(self) -> float:
-        """Mean error of the density over the rest density: of too dense or of too thin particles, whichever is more."""
+        """Mean density error over the rest density: the larger of the errors of too dense and too thin particles."""
         scale = 1.0 / (self.particles.count.now * self.particles.rest_density)
         return scale * float(self.report[:UPHILL_SLOPE].max())
 
     @ti.kernel
     def predict(self, dt: float, since: float, report: Array):
-        """Predict velocities under all forces and the last pressures, and sum their compression errors to `report`."""
+        """Predict velocities after dt [s], and sum compression errors to `report`; `since`: the wind's clock [s]."""
         self.dt[None], self.momentum[None] = dt, 0.0
         self.wind.set_clock(since, dt)
         self.neighbours.walk(self.forces, False)
@@ -444,8 +435,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def iterate(self, solver: Template, momentum: float, report: Array):
-        """Run one iteration of a solver: velocities under its pressures, then the remaining errors (to `report`) and
-        the next pressures; `momentum`: Nesterov's factor."""
+        """Run one solver iteration and sum its remaining errors to `report`; `momentum`: Nesterov's factor."""
         self.momentum[None] = momentum
         self.pairs.walk(solver.push)
         self.pairs.walk(solver.compression)
@@ -458,8 +448,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def predict_density(self, speed: float, report: Array):
-        """Predict the density from the predicted velocities and, in closed water, from shifts of particles at `speed`
-        [m/s]; sum the errors to `report`. Without shifts the divergence solver has computed the compression already."""
+        """Predict densities after the step, in closed water with shifts at `speed` [m/s]; sum errors to `report`."""
         self.momentum[None] = 0.0
         for i in range(self.particles.count.there()):
             self.incompressible.begin(i)
@@ -510,7 +499,7 @@ class Dfsph(Sph):
 
     @ti.func
     def landing(self, i, way, u):
-        """Position [m] and velocity [m/s] of particle i after a move `way` [m] at velocity u [m/s] and the walls."""
+        """Position [m] and velocity [m/s] of particle i that moves by `way` [m] at velocity u [m/s], after walls."""
         p = self.particles.position
         return self.walls.bounce(tm.vec3(p.x[i], p.y[i], p.z[i]) + self.grid.whole_quanta(i, way), u)
 
@@ -535,7 +524,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def settle(self, summary: Array, report: Array):
-        """Sort the particles, compute their density, and reduce extremes to `summary`, sums of density to `report`."""
+        """Sort the particles, compute densities, and reduce extremes to `summary`, density sums to `report`."""
         self.grid.sort()
         self.neighbours.walk(self.density, True)
         self.rows.sum_into(report)
@@ -543,7 +532,6 @@ class Dfsph(Sph):
 
     @ti.func
     def density_allowance(self, i):
-        """Density that particle i may gain in this step, in a gap that closes [kg/m3]."""
         surplus = 0.0
         if ti.static(not self.closed):
             surplus = self.closing[i]
@@ -551,7 +539,6 @@ class Dfsph(Sph):
 
     @ti.func
     def admissible_pressure(self, pressure):
-        """Pressure [Pa] that the water can have, nearest to this one: not negative under a free surface."""
         p = pressure
         if ti.static(not self.closed):
             p = tm.max(p, 0.0)
@@ -582,5 +569,4 @@ class Dfsph(Sph):
         return self.config.limits_at(self.basin, self.max_speed, self.status.max_acceleration)
 
     def internal_energy(self) -> float:
-        """Zero [J]: nothing is compressed."""
         return 0.0

@@ -34,7 +34,6 @@ class Config(waves.GrowingTrain, FluidConfig):
     """Density of the water."""
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence) of these waves in this basin: too steep, or with obstacles or a rough bed."""
         basin = preflight.tank
         found: Problems = [(("kind",), sentence) for sentence in waves.basin_faults(basin)]
         found = found or [(self.height_key, sentence) for sentence in waves.basin_faults(basin, *self.scale)]
@@ -48,7 +47,6 @@ class Config(waves.GrowingTrain, FluidConfig):
         return [NO_DRIFT] if preflight.ships and self.scale[0] > 0.0 else []
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warnings of a run shorter than the ramp of the waves, and of a wind, which these waves do not feel."""
         found: list[str] = []
         if self.scale[0] > 0.0:
             found += waves.cut_short(preflight.duration, self.with_ramp(self.sea(preflight.tank)).ramp)
@@ -57,13 +55,11 @@ class Config(waves.GrowingTrain, FluidConfig):
         return found
 
     def still_limits(self, preflight: Preflight) -> Limits:
-        """Limits of the time step, the same as in waves."""
         return self.smooth
 
     @property
     def smooth(self) -> Limits:
-        """Limits of the time step. The waves are exact at any step; this limit keeps the linear interpolation between
-        steps, by which files are sampled, within 0.05 % of them."""
+        """Limits of the time step that keep linear interpolation of files between steps within 0.05 % of the waves."""
         return Limits(force=SMOOTH_STEP_PERIODS * self.scale[1])
 
     def point_spacing(self, preflight: Preflight) -> float:
@@ -75,7 +71,6 @@ class Config(waves.GrowingTrain, FluidConfig):
         return 2.0 * np.pi / float(k) / POINTS_PER_WAVE
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Row of the memory ledger for the plane waves."""
         n, word = len(self.sea(preflight.tank).amplitude), preflight.word
         return [
             LedgerRow(
@@ -117,7 +112,6 @@ class LinearWaves(OpenWater):
         self.waves.begin(self.config.with_ramp(sea))
 
     def advance(self, dt: float) -> None:
-        """Advance the phases of the waves by a step of dt [s]."""
         self.before, self.time = self.time, self.time + dt
         self.waves.set_time(self.time)
 

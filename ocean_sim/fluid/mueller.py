@@ -64,7 +64,6 @@ class Config(SphConfig):
         return sqrt(self.stiffness) if self.stiffness else super().sound_speed(basin)
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warnings of every SPH scheme, and of a viscosity so low that still water boils."""
         found, basin = super().warnings(preflight), preflight.tank
         least = CALMING_VISCOSITY[basin.dimension - 2] * self.sound_speed(basin) * self.lattice(basin).spacing
         pull = waves.downward_gravity(basin)
@@ -77,7 +76,6 @@ class Config(SphConfig):
         return found
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Rows of the memory ledger for the fields of this scheme."""
         sizes = self.list_size(self.start_lattice(preflight), preflight.arch, Momentum.row.size)
         what = "position, velocity, density, pressure, volume, number"
         return scheme_ledger(preflight, sizes, 9, what, self.told_to_bodies)
@@ -110,7 +108,7 @@ class Density(Law):
 
     @ti.func
     def pair(self, own, other):
-        """Shape of W_poly6 for a neighbour (2.13)."""
+        """W_poly6 at a neighbour, without its constant (2.13)."""
         x_ij = own - other
         return ti.Vector([self.fluid.smoothing.shape_poly6(x_ij.dot(x_ij))])
 
@@ -124,7 +122,6 @@ class Density(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Store density and pressure of particle i."""
         fluid, particles = self.fluid, self.fluid.particles
         if ti.static(self.bodies):
             solid = self.solid.total(own, own)
@@ -168,8 +165,7 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def viscosity(self, v_ji):
-        """Viscous term of a pair (2.18): mu v_ji, the Laplacian of the viscosity kernel over its constant and q = h -
-        r, in units of this law's prefactor."""
+        """Viscous term of a pair (2.18), without the kernel's constant and q = h - r, over this law's prefactor."""
         return self.fluid.factors[VISCOUS_FACTOR] * v_ji
 
     @ti.func

@@ -74,18 +74,16 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return Tile(side, self.cells, self.cells if basin.dimension == 3 else 1, basin.depth, g)
 
     def tile_of(self, basin: Basin) -> Tile:
-        """Make the tile of sea on which waves are computed, for a basin."""
         return self.tiled(basin, basin.config.length, basin.config.width or 0.0)
 
     def tile_step(self, tile: Tile) -> float:
-        """Time step [s] of the waves on tiles."""
+        """Time step [s] of waves on tiles: the key `step`, else by the shortest and, if nonlinear, highest waves."""
         if self.step is not None:
             return self.step
         step = tile_step(tile)
         return min(step, self.highest[1] / STEPS_PER_WAVE) if self.order == 3 and self.highest is not None else step
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence) of these keys in this basin: obstacles, a rough bed, or waves that fit no tile."""
         basin = preflight.tank
         found = self.sea_faults(basin)
         if basin.obstacles:
@@ -99,7 +97,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return found
 
     def unfitted(self, basin: Basin) -> Problems:
-        """Faults (key, sentence) of waves not periodic on the tile, or of a tile with too little of the energy."""
+        """Faults (key, sentence) of waves not periodic on the tile, or of a tile that holds too little energy."""
         tile, found = self.tile_of(basin), Problems()
         for _, train in self.trains:
             if train.spectrum is not None or not train.scale[0]:
@@ -180,12 +178,10 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         ]
 
     def still_limits(self, preflight: Preflight) -> Limits:
-        """Limits of the time step, the same as in waves."""
         return self.smooth(self.tile_of(preflight.tank))
 
     def smooth(self, tile: Tile) -> Limits:
-        """Limits of the time step. The sea is exact at any step; this limit keeps the linear interpolation between
-        steps, by which files are sampled, within 0.05 % of the waves, and skips no step of a tile."""
+        """Limits of the time step that keep linear interpolation between steps within 0.05 %, and skip no tile step."""
         period = self.highest[1] if self.highest is not None else np.inf
         return Limits(force=min(SMOOTH_STEP_PERIODS * period, 4.0 * self.tile_step(tile)))
 
@@ -193,7 +189,6 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return spacing(self.sea_of(preflight.tank), self.tile_of(preflight.tank))
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Rows of the memory ledger: plane waves, and the tiles of a nonlinear sea, of ships and of the wind."""
         word, tile = preflight.word, self.tile_of(preflight.tank)
         cells = tile.cells * tile.rows
         why = f"fluid.cells {self.cells}"
@@ -231,7 +226,6 @@ class Made(OnTile):
         self.tile, self.ship, self.layer, self.time, self.begun = tile, ship, Layer(tile), 0.0, False
 
     def covers(self, points: np.ndarray) -> np.ndarray:
-        """Mask (m,) of the points x, z (m, 2) [m] on the tile around its centre."""
         return self.layer.covers(points)
 
     def modes_at(self, time: float) -> TileModes:
@@ -244,8 +238,7 @@ class Steep(OnTile):
     """Nonlinear sea, stored at two steps of its tile around the present time and interpolated between them."""
 
     def __init__(self, sea: HighOrder, step: float, ramp: float) -> None:
-        """Compute the first two states; `step` of the tile [s]; `ramp`: time [s] over which the waves that are read
-        grow, while those computed are of full height."""
+        """Compute the first two states, `step` [s] apart; their readers see them grow over the time `ramp` [s]."""
         self.sea, self.tile, self.step, self.ramp, self.number = sea, sea.tile, step, ramp, 0
         self.slots = [np.array(sea.potentials()), np.array(sea.potentials())]
         """Modes of the elevation, of the potential and of its growth, (3, cells, rows // 2 + 1) each."""
@@ -308,7 +301,6 @@ class SpectralSea(OpenWater):
         self.set_clocks()
 
     def nonlinear(self, sea: waves.Components) -> HighOrder:
-        """Make the nonlinear sea that starts from these linear waves."""
         period = self.config.highest[1] if self.config.highest is not None else 0.0
         return nonlinear_sea(sea, self.tile, self.config.onset_in(period), self.config.breaking, period)
 
@@ -329,7 +321,6 @@ class SpectralSea(OpenWater):
         return {"breaking": -self.rest_density * broken.lost} if self.accounts and broken is not None else {}
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
-        """Heights (m,) [m] at points x, z (m, 2) [m] without the waves of ships."""
         if not any(made.ship is not None for made in self.made):
             return elevation
         at = np.asarray(points, dtype=float) - self.drift
@@ -407,7 +398,7 @@ class SpectralSea(OpenWater):
             self.show(made, sheet)
 
     def leaning(self, raised: Made, time: float) -> tuple[np.ndarray, np.ndarray]:
-        """Slopes along x and z, (cells, rows) each, of sea and wind waves on the wind's tile at a time [s]."""
+        """Slopes along x and z (cells, rows) of the sea plus the wind waves `raised`, on their tile, at a time [s]."""
         along, across = (self.tile.to_values(slope) for slope in self.tile.slopes(raised.modes_at(time).e))
         if self.steep is not None:
             afar = [self.steep.tile.to_values(of) for of in self.steep.tile.slopes(self.steep.modes_at(self.time).e)]
@@ -428,8 +419,7 @@ class SpectralSea(OpenWater):
         return along, across
 
     def displace(self, made: Made, ship: Displacing, dt: float) -> None:
-        """Advance the tile of a ship's waves by dt [s], under the pressure of her displaced volume at her present
-        place; raise Diverged if the waves are no longer finite."""
+        """Advance a ship's waves by dt [s] under her displaced volume at her place; raise Diverged if not finite."""
         points, volumes = ship.displaced()
         centre = np.array([ship.body.position[0], ship.body.position[2]]) - self.drift
         pressure = self.tile.gravity * self.tile.spread_modes(points - self.drift, volumes)
@@ -448,7 +438,7 @@ class SpectralSea(OpenWater):
         return at - self.drift
 
     def show(self, made: Made, sheet: Sheet) -> None:
-        """Write a maker's waves, at the present time and one tile step later, to the sheet that kernels read."""
+        """Write the waves of a ship or wind, now and one tile step later, to the sheet that kernels read."""
         for slot, time in enumerate((self.time, self.time + self.step)):
             sheet.write_modes(slot, *made.modes_at(time))
 
@@ -457,8 +447,7 @@ class SpectralSea(OpenWater):
         self.sheets[0].write_modes(steep.number % 2, *steep.grown(1))
 
     def set_clocks(self) -> None:
-        """Set the place of each sheet, and the interpolation weights between its two stored times, for the present time
-        and for the beginning of the last step."""
+        """Set place and time of each sheet, for the present and for the beginning of the last step."""
         drifts = np.outer((self.time, self.before), self.current)
         if self.steep is not None:
             first, last = self.steep.share(self.time), self.steep.share(self.before)

@@ -60,8 +60,7 @@ class Body:
     floats: bool = False  # whether it answers to the water
 
     def strength(self, smoothing: Smoothing, spacing: float) -> float:
-        """Factor of the weight of the body's samples in the water's laws: 1, but larger for a gate thinner than the
-        support, so that it holds the first row of water as solid ground does."""
+        """Factor of the weight of the body's samples in the water's laws: 1, more for a gate thinner than a support."""
         count, apart = self.across
         if count == 0:
             return 1.0
@@ -71,7 +70,7 @@ class Body:
 
 
 def plane_pressure(away: np.ndarray, smoothing: Smoothing, spacing: float) -> float:
-    """Sum of -grad W / slope over planes of particles at distances `away` (k,) [m]: their push on a particle."""
+    """Push on a particle by planes of particles at distances `away` (k,) [m]: sum of -grad W without its constant."""
     last = ceil(smoothing.support / spacing)
     along = spacing * np.array(list(product(range(-last, last + 1), repeat=smoothing.dimension - 1)), dtype=float)
     r = np.sqrt(away[:, None] ** 2 + (along**2).sum(axis=1))
@@ -274,7 +273,7 @@ class Boundary:
 
     @ti.func
     def turn_arm(self, s, motion: Template):
-        """Turn the position of sample s from its body's origin (its arm) with the body; extend the body's box to it."""
+        """Turn the vector from its body's origin to sample s with the body; extend the body's bounding box to it."""
         b, local = self.owner[s], vector(self.local, s)
         for k, arm in ti.static(enumerate(self.arm)):
             along = ti.cast(three(motion, b, MOTION_COLUMNS.rotation + 3 * k).dot(local), float)
@@ -291,7 +290,7 @@ class Boundary:
 
     @ti.func
     def store_sample(self, s, to, motion: Template):
-        """Store position, velocity, acceleration and normal of sample s at index `to` in the order of the cells."""
+        """Store position, velocity, acceleration and normal of sample s at index `to`, in the order of the cells."""
         b, arm, x, facing = self.owner[s], vector(self.arm, s), self.sample_position(s, motion), vector(self.facing, s)
         spin = three(motion, b, MOTION_COLUMNS.angular_velocity)
         swept = spin.cross(arm)

@@ -48,7 +48,7 @@ class Exposure(Law):
         plan_area: float,
         bends: bool,
     ) -> None:
-        """Make the fields. `positions`: fields by which the walk `neighbours` finds particles; `plan_area` of the water
+        """Make the fields. `positions`: those by which the walk `neighbours` finds particles; `plan_area` of the water
         [m2], 0 if unknown; `bends`: True if the bend of the surface is computed, too."""
         particles, smoothing = water.particles, water.smoothing
         self.particles, self.smoothing, self.neighbours = particles, smoothing, neighbours
@@ -74,9 +74,8 @@ class Exposure(Law):
 
     @ti.kernel
     def find_areas(self):
-        """Compute all areas, then scale them so that their horizontal projections sum to the plan area of the water, if
-        it is known: a wind stress then acts on the surface exactly once, whatever the order of particles and however
-        many of them count as exposed."""
+        """Compute all areas, scaled so that their horizontal projections sum to the plan area of the water, if it is
+        known: then a wind stress acts on the surface exactly once, however many particles count as exposed."""
         self.neighbours.walk(self, False)
         if ti.static(self.bends):
             self.neighbours.walk(self.bending, False)
@@ -117,8 +116,7 @@ class Exposure(Law):
     @ti.func
     def finish(self, i, own, total, beyond, group):
         """Store the exposed area of particle i: twice its volume times the gradient [1/m] of the smoothed share of
-        water, turned outwards. The share falls from 1 to 1/2 on the water's side of a surface; walls are mirrors, so
-        water at them is not exposed."""
+        water, outwards: 1/2 on a surface, 1 inside and, since walls are mirrors, at walls."""
         area = self.prefactor(own) * self.with_bodies(total, own, own)
         if area.norm() < self.least:
             area = tm.vec3(0.0)
@@ -180,8 +178,8 @@ class Bend(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Fit the symmetric Hessian H of the height to the sums of particle i: H M + M H = twice the sums of slope
-        differences times distances, M = sum of x x. Store its three components times `skin`."""
+        """Fit the symmetric Hessian H of the height: H M + M H = twice the sums of slope differences times distances, M
+        = sum of x x. Store its three components times `skin`."""
         xx, xz, zz = total[self.terms.xx], total[self.terms.xz], total[self.terms.zz]
         along_x, along_z = total[self.terms.x_along_x], total[self.terms.z_along_z]
         bend, narrow = tm.vec3(0.0), xx * zz - xz * xz < MIN_DETERMINANT * xx * zz

@@ -156,7 +156,7 @@ class Target:
 
     @ti.func
     def velocity(self, x):
-        """Velocity of the target [m/s] at x [m]."""
+        """Velocity [m/s], of current and waves, towards which the zone relaxes water at x [m]."""
         v = self.current
         if ti.static(self.waving):
             v += self.waves.velocity(x)

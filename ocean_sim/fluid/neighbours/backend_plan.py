@@ -23,35 +23,28 @@ class ParticlePlan(Plan):
     samples: ClassVar[int] = 1
 
     def task_count(self, n: int) -> int:
-        """Number of tasks: one for each particle."""
         return n
 
     def chunk_count(self, n: int) -> int:
-        """One chunk: atomic counters replace chunks."""
+        """One chunk for all particles: atomic counters replace chunks."""
         return 1
 
     def parts_per_axis(self, full: float, dimension: int) -> int:
-        """One part: cells stay whole."""
         return 1
 
     def sorting_integers(self, n: int, cells: int) -> int:
-        """Number of integers of the sort: a slot for each particle, and the partial sums of cells."""
         return n + sum(level_sizes(cells)[1:])
 
     def list_bytes(self, size: GridSize, word: int) -> int:
-        """Zero: no candidates are listed."""
         return 0
 
     def pair_bytes(self, size: GridSize, neighbours: int, word: int) -> int:
-        """Bytes of the kept pairs (PairSlots)."""
         return slot_bytes(size.lattice.n, neighbours, word)
 
     def highest_index(self, size: GridSize, neighbours: int) -> int:
-        """Highest index of a pair slot or particle."""
         return size.lattice.n * (slot_count(neighbours) if neighbours else 1)
 
     def account_bytes(self, n: int, word: int, impulses: bool) -> int:
-        """Bytes of the momentum budget, a row for each particle."""
         return n * (5 * word + 8 + (8 * 4 * len(TERM_NAMES) if impulses else 0))
 
 
@@ -63,6 +56,6 @@ PLANS: dict[str, Plan] = {"cpu": CELL_PLAN, "auto": CELL_PLAN} | dict.fromkeys(
 
 
 def account_ledger(size: GridSize, word: int, impulses: bool) -> list[LedgerRow]:
-    """Memory ledger row of the momentum budget of a plan that has a row for each particle; empty for other plans."""
+    """Row of the memory ledger for the momentum budget, if the plan has a row for each particle; else empty."""
     taken = size.plan.account_bytes(size.lattice.n, word, impulses)
     return [LedgerRow("fluid", "accounts", taken, "a row for each particle")] if taken else []

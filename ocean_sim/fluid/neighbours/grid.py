@@ -140,8 +140,7 @@ class Grid:
 
     @ti.func
     def whole_quanta(self, i, way):
-        """Round the move `way` [m] of particle i, plus the remainder of its last one, to whole quanta [m]; keep the new
-        remainder for the next step."""
+        """Round the move `way` [m] of particle i, plus the rest of its last one, to whole quanta [m]; keep the rest."""
         now = tm.vec3(0.0)
         for k in ti.static(self.axes):
             whole = way[k] + self.left[k][i]

@@ -112,7 +112,6 @@ class GridSize:
 
     @property
     def cell_count(self) -> int:
-        """Number of all cells, padding included."""
         nx, ny, nz = self.cells
         return nx * ny * nz
 
@@ -143,7 +142,6 @@ class GridSize:
 
     @property
     def chunks(self) -> int:
-        """Number of chunks in which the particles are counted and sorted."""
         return self.plan.chunk_count(self.lattice.n)
 
     @property
@@ -166,7 +164,7 @@ class GridSize:
 
     @property
     def at_rest(self) -> float:
-        """Number of candidates of a full part of a cell in water at rest: those in a box two supports wider."""
+        """Number of candidates of a part of a cell in water at rest: particles in a box two supports wider."""
         return (2.0 + 1.0 / self.halves) ** self.lattice.basin.dimension * self.cell_particles
 
     @property
@@ -187,8 +185,7 @@ class GridSize:
 
     @property
     def shapes_per_particle(self) -> int:
-        """Number of kept gradient shapes for each particle: a quarter more than in water that has lost its lattice,
-        whose parts are full. A shape without room is computed again when it is read."""
+        """Number of gradient shapes kept for each particle; those without room are computed again at each reading."""
         lattice, side = self.lattice, 1.0 / self.halves
         around = side**2 + 4.0 * side + pi
         if lattice.basin.dimension == 3:
@@ -197,7 +194,7 @@ class GridSize:
 
     @property
     def spare_shapes(self) -> int:
-        """Number of a group's kept shapes besides those of its particles; particles without room use the last."""
+        """Number of a group's kept shapes besides those of its particles; particles without room share the last."""
         return 4 * self.capacity + self.width
 
     @property

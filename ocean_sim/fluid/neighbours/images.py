@@ -98,7 +98,7 @@ def mirror_direction(mirror, d):
 
 @ti.func
 def hydrostatic_offset(mirror, x, pull):
-    """Rise of p / rho [m2/s2] from x to its image: (pull [m/s2] - acceleration of the side) . (image of x - x)."""
+    """Rise of p / rho [m2/s2] from x to its image: (gravity `pull` - acceleration of the side) . (image of x - x)."""
     head = 0.0
     for k in ti.static(range(3)):
         head += (pull[k] - mirror[SIDE_ACCELERATION, k]) * (
@@ -115,7 +115,7 @@ def mirror_velocity(mirror, v):
 
 @ti.func
 def mirror_row(mirror, other):
-    """Field values of a neighbour's image: position and velocity, its first columns, mirrored, others unchanged."""
+    """Field values `other` of a neighbour, mirrored: position and velocity, the first columns; others unchanged."""
     x_image = mirror_position(mirror, vec3(other, MOTION_COLUMNS.position))
     v_image = mirror_velocity(mirror, vec3(other, MOTION_COLUMNS.velocity))
     image = other
@@ -137,7 +137,7 @@ def mirror_row_free_slip(mirror, other):
 
 @ti.func
 def row_at(own, d, v):
-    """Copy of a particle's row `own`, moved by d [m] and with velocity v [m/s]; other columns are the particle's."""
+    """Field values `own` of a particle (position and velocity first), moved by d [m] and with velocity v [m/s]."""
     other = own
     for k in ti.static(range(3)):
         other[MOTION_COLUMNS.position + k], other[MOTION_COLUMNS.velocity + k] = (

@@ -40,7 +40,7 @@ class KeptLaw(Law):
 
     @abstractmethod
     def kept_image(self, other: Any, name: Any, away: Any) -> Any:
-        """Field values of the image of neighbour `other`; `name` codes its mirrored axes; `away` leads to water."""
+        """Field values of the image of neighbour `other`; `name` codes its mirrored axes; `away` leads to the water."""
 
     @abstractmethod
     def kept_pair(self, own: Any, other: Any, gradient: Any) -> Any:
@@ -71,7 +71,7 @@ class KeptPairs(ABC):
 
     @ti.func
     def image_velocity(self, v, name, away):
-        """Velocity [m/s] of the image of a particle with velocity v: only its normal component reversed."""
+        """Velocity [m/s] of the image of a particle with velocity v, normal component reversed; see kept_image."""
         image, flips = v, name // MOST_PARTICLES
         for k in ti.static(range(3)):
             image[k] = ti.select(flips >> k & 1, -image[k], image[k])
@@ -96,14 +96,12 @@ class PairSlots(KeptPairs):
 
     @ti.func
     def walk(self, law: Template):
-        """Sum law.kept_pair over the slots of each particle, then call law.finish; at the top of a kernel."""
         for t in range(self.tasks.iterations):
             if t % self.tasks.stride == 0:
                 self.walk_group(t // self.tasks.stride, law)
 
     @ti.func
     def walk_group(self, group, law: Template):
-        """Sum the law for the particles of one group, and call its `finish`."""
         law.begin(group)
         for i in range(self.tasks.first_particle(group), self.tasks.first_particle(group + 1)):
             own, first = self.particle_row(law, i), i * self.slots
@@ -162,9 +160,8 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def keep_part(self, k, group, names: Template, n, images, m, end):
-        """Store the m candidates of part k in the scratch, the first n of them particles; images begin at `images`, and
-        their padding ends at `end`. Return the index of the shapes of its first particle, the step to those of the next
-        one, and 1 if the candidates have room, else 0."""
+        """Store the m candidates of part k (n particles; images from scratch index `images` to `end`). Return the index
+        of the first particle's shapes, the step to the next one's, and 1 if there is room, else 0."""
         scratch, first, begun = group * self.width, self.next_first[group], self.next_begun[group]
         near, seen, room = images - scratch, end - scratch, 1
         if first + seen > (group + 1) * self.segment:
@@ -190,14 +187,12 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def walk(self, law: Template):
-        """Sum law.kept_pair over the candidates of each particle, then call law.finish; at the top of a kernel."""
         for g in range(self.groups * TASK_ITERATIONS):
             if g % TASK_ITERATIONS == 0:
                 self.walk_group(g // TASK_ITERATIONS, law)
 
     @ti.func
     def walk_group(self, group, law: Template):
-        """Sum the law for the particles in the parts of cells of one group, and call its `finish`."""
         law.begin(group)
         for k in range(self.grid.first_part(group), self.grid.first_part(group + 1)):
             self.gather(k, law, group * self.width)
@@ -205,7 +200,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def gather(self, k, law: Template, scratch):
-        """Copy the fields that the law reads, for the candidates of part k, to the scratch."""
+        """Copy the fields that the law reads, for the candidates of part k, to the scratch from index `scratch` on."""
         first, near = self.first[k], self.near[k]
         own = place_at(self.position, self.grid.first[k])  # of one of them, in the water
         for a in range(near):
@@ -252,5 +247,4 @@ class PairBlocks(KeptPairs):
 
 @ti.func
 def place_at(places: Template, i):
-    """Position [m] at index i of three component fields."""
     return tm.vec3(places.x[i], places.y[i], places.z[i])

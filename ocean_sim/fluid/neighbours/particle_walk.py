@@ -49,7 +49,6 @@ class WideGrid(Grid):
 
     @ti.func
     def sort(self):
-        """Sort the staged states by cell into the particles' fields (stable counting sort), at the top of a kernel."""
         # Count the particles of each cell, and sum the counts to the first particle of each.
         for c in self.count:
             self.count[c] = 0
@@ -103,7 +102,6 @@ class WideAccounts(Accounts):
 
     @ti.func
     def summarise(self, summary: Template):
-        """Reduce all rows to the SUMMARY_SIZE numbers of Accounts.summarise, by way of blocks."""
         for b in range(self.blocks.groups):
             self.add_up(b)
         self.blocks.summarise(summary)
@@ -130,7 +128,6 @@ class WideAccounts(Accounts):
                     self.blocks.given[b, term, k] = four[k]
 
     def totals(self) -> dict[str, np.ndarray]:
-        """Impulse [N s] and work [J] of each force term since the start, (4,) each, by name; empty if not summed."""
         if self.impulses:
             self.add_up_impulses()
         return self.blocks.totals()
@@ -138,16 +135,16 @@ class WideAccounts(Accounts):
 
 @in_kernels
 class RowLaw:
-    """Adapter from a pair law to a point sum, over the particles around a particle or over their images."""
+    """PointLaw made from a pair law: its terms with the particles around a particle, or with their images."""
 
     def __init__(self, law: Law, grid: Grid, reflected: bool) -> None:
-        """Adapt a law; `reflected`: for images, whose set of sides, one bit a side, follows the particle's row."""
+        """Adapt a law; `reflected`: for images, whose sides, one bit a side, follow the particle's own values."""
         self.law, self.images, self.reflected, self.sums = law, grid.images, reflected, law.terms.size
         self.periodic = any(grid.basin.periods)
 
     @ti.func
     def term(self, own_and_sides, j, d, mirror):
-        """Pair term of the law with particle j, or with its image in these sides, at d [m]."""
+        """Pair term with particle j or its image, at d [m]; `own_and_sides`: the particle's values, then its sides."""
         own = ti.Vector([own_and_sides[k] for k in ti.static(range(self.law.row.size))])
         other = ti.Vector([field[j] for field in ti.static(self.law.reads)])
         if ti.static(self.reflected):
@@ -196,13 +193,13 @@ class ParticleWalk:
         self.keeps = False
 
     def keep_pairs(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> KeptPairs:
-        """Make the store of pairs that later walks with `find` fill, for solvers that iterate."""
+        """Make the store of pairs that walks with `find` fill; `neighbours`: number at a particle on the lattice."""
         self.keeps, self.pairs = True, PairSlots(self.most, self.grid.images, tasks, neighbours)
         self.kept = PairCollector(self.pairs, smoothing)
         return self.pairs
 
     def sums_of(self, law: Law) -> tuple[PointSum, RowLaw, RowLaw]:
-        """Point sum over the fields that a law reads, and its terms over particles and over images; cached by law."""
+        """PointSum over the fields that a law reads, and its RowLaws for particles and for images; cached by law."""
         if law not in self.shown:
             places = PointSum(law.reads[:3], self.grid)
             self.shown[law] = places, RowLaw(law, self.grid, False), RowLaw(law, self.grid, True)
@@ -210,8 +207,7 @@ class ParticleWalk:
 
     @ti.func
     def walk(self, law: Template, find: Template):
-        """Sum law.pair over the neighbours of each particle, then call law.finish, as `CellWalk.walk`; `find`: also
-        store the pairs, if they are kept."""
+        """Sum law.pair over the neighbours of each particle, then call law.finish; `find`: also keep the pairs."""
         around, water, images = ti.static(self.sums_of(law))
         for i in range(self.most):
             law.begin(i)
@@ -230,7 +226,7 @@ class ParticleWalk:
 
     @ti.func
     def image_total(self, x, own, around: Template, images: Template):
-        """Sum of a law's terms over all images around a particle at x [m] with row `own`."""
+        """Sum of a law over images around a particle at x [m]; `around`, `images`: PointSum and RowLaw of sums_of."""
         here, total = self.grid.wrap_position(x), ti.Vector.zero(float, images.sums)
         reach = around.sides_in_reach(here)
         own_and_sides = ti.Vector.zero(float, images.law.row.size + 1)
@@ -244,7 +240,7 @@ class ParticleWalk:
 
     @ti.func
     def store_pairs(self, i, x, around: Template):
-        """Store the kept pairs of particle i at x [m], with particles first, then with images."""
+        """Store the kept pairs of particle i at x [m], found by the PointSum `around`: particles, then images."""
         pairs = self.pairs
         pairs.seen[i] = 0
         around.water_total(x, self.kept, i)

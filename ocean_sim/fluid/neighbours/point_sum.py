@@ -133,8 +133,7 @@ class PointSum:
 
     @ti.func
     def nearest_repeat(self, x, middle):
-        """Periodic repeat of x [m] nearest to the middle of its cell [m]: a scheme that sorts in the middle of its step
-        may have moved a particle on through a periodic side."""
+        """Periodic repeat of x [m] nearest to the `middle` [m] of its cell, which it may have left since the sort."""
         for k, period in ti.static(enumerate(self.periods)):
             if ti.static(period > 0.0):
                 x[k] -= period * ti.round((x[k] - middle[k]) / period)

@@ -60,12 +60,10 @@ class Rows:
 
     @ti.func
     def add(self, row, column: Template, number):
-        """Add a number to a column of a task's row."""
         self.rows[row, column] = self.rows[row, column] + number
 
     @ti.func
     def clear(self, row):
-        """Set a task's row to 0."""
         for k in ti.static(range(self.columns)):
             self.rows[row, k] = 0.0
 

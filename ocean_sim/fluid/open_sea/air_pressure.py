@@ -82,7 +82,7 @@ class AirPressure:
         centre_x: float,
         centre_z: float,
     ):
-        """Evaluate the wind in the middle of each cell and slab, and add its upward impulse over dt [s]."""
+        """Add the wind's upward impulse over dt [s]; `since`, `step`: its clock [s]; first_x, first_z: a cell [m]."""
         self.wind.set_clock(since, step)
         for i, k in ti.ndrange(self.cells, self.rows):
             x = nearest_image(first_x + i * self.cell, centre_x, self.cell * self.cells) + drift_x

@@ -44,7 +44,6 @@ class OpenWater(Fluid):
     before: float  # when the last step began: where bodies are that take theirs after the water has [s]
 
     def internal_energy(self) -> float:
-        """Zero [J]: nothing is compressed."""
         return 0.0
 
     @ti.func
@@ -57,7 +56,6 @@ class OpenWater(Fluid):
 
     @ti.func
     def rise(self, x, z):
-        """Elevation [m] of the waves on tiles at x, z [m] when the last step began."""
         eta = 0.0
         for sheet in ti.static(self.sheets):
             eta += sheet.elevation(x, z, sheet.before)
@@ -65,8 +63,6 @@ class OpenWater(Fluid):
 
     @ti.func
     def moving(self, x, z, depth):
-        """Velocity [m/s] and acceleration [m/s2] of the current and the waves on tiles, at x, z [m] and a depth [m] of
-        the Wheeler-stretched column, when the last step began."""
         v, a = tm.vec3(self.current[0], 0.0, self.current[1]), tm.vec3(0.0)
         for sheet in ti.static(self.sheets):
             v += sheet.velocity(x, z, depth, sheet.before)
@@ -88,7 +84,6 @@ class OpenWater(Fluid):
         return Arriving(sea.ramp_share(self.before) * sea.amplitude, angle, sea.omega, heading, sea.wavenumber)
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
-        """Heights (m,) [m] of the surface at points x, z (m, 2) [m]."""
         return self.water_elevations(np.asarray(points, dtype=float) - self.drift)
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
@@ -114,7 +109,6 @@ class OpenWater(Fluid):
         return self.flow_velocities(at, y)
 
     def surface_velocities(self, points: np.ndarray) -> np.ndarray:
-        """Velocities (m, 3) [m/s] of the surface at points x, z (m, 2) [m]."""
         at = np.asarray(points, dtype=float) - self.drift
         return self.flow_velocities(at, np.zeros(len(at)))
 
@@ -130,7 +124,6 @@ class OpenWater(Fluid):
         return v
 
     def pressures(self, points: np.ndarray) -> np.ndarray:
-        """Pressures (m,) [Pa] at points (m, 3) [m]; 0 above the water."""
         at, (eta, y) = self.locate_points(points)
         stretched = np.stack([at[:, 0], y, at[:, 1]], axis=1)
         head = waves.pressure_head(self.waves.sea, stretched, self.time) - points[:, 1]

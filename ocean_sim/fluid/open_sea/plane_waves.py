@@ -42,7 +42,7 @@ class PlaneWaves:
 
     @ti.kernel
     def store_waves(self, each: Array2, turns: Doubles2):
-        """Copy the rows of wave parameters (n, 5) and phases in turns (n, 4) to the fields."""
+        """Copy `each` (n, 5): amplitude, k, kx, kz, speed; `turns` (n, 4): phase, omega, kx, kz, each over 2 pi."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(self.amplitude.shape[0]):
             self.amplitude[i], self.k[i], self.speed[i] = each[i, 0], each[i, 1], each[i, 4]
@@ -51,8 +51,7 @@ class PlaneWaves:
                 self.at_first[i][c] = turns[i, c]
 
     def set_time(self, time: float, drift: tuple[float, float] = (0.0, 0.0)) -> None:
-        """Set the phases for a time [s] and a `drift` along x and z [m] by the current. They are reduced in f64, so
-        they stay exact in a run of any length and precision."""
+        """Set the phases, reduced in f64, for a time [s] and a `drift` along x and z [m] by the current."""
         self.compute_phases(time, *drift, self.sea.ramp_share(time))
 
     @ti.kernel

@@ -75,7 +75,7 @@ class Sheet:
 
     @ti.kernel
     def store_values(self, slot: int, values: ti.types.ndarray(ndim=3)):  # type: ignore[valid-type]
-        """Copy elevation, velocities and accelerations of one slot to the fields."""
+        """Copy `values` to one slot: elevation, then three velocities and three accelerations of each level."""
         for i, k in ti.ndrange(self.cells, self.rows):
             self.level[slot, i, k] = values[0, i, k]
             for l in range(SHEET_LEVELS):
@@ -85,7 +85,7 @@ class Sheet:
 
     @ti.func
     def locate_cell(self, x, z, when: Template):
-        """Indices of the cell at x, z [m], shares of the way to the next cells, and True if the sheet covers it."""
+        """Indices of the cell at x, z [m], shares of the way to the next, 1 if covered; `when` as in `elevation`."""
         a, b = (x - self.clock[when, 1]) / self.cell, (z - self.clock[when, 2]) / self.cell
         i, k = int(ti.floor(a)), int(ti.floor(b))
         there = True
@@ -97,12 +97,10 @@ class Sheet:
 
     @ti.func
     def wrap_x(self, i):
-        """Index of a cell along x, wrapped into the periodic tile."""
         return i - self.cells * int(ti.floor(i / self.cells))
 
     @ti.func
     def wrap_z(self, k):
-        """Index of a cell along z, wrapped into the periodic tile."""
         return k - self.rows * int(ti.floor(k / self.rows))
 
     @ti.func

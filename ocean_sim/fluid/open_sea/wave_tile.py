@@ -47,7 +47,6 @@ class Tile:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Numbers of cells along x and z."""
         return self.cells, self.rows
 
     @property
@@ -86,8 +85,7 @@ class Tile:
         return {}
 
     def evolve(self, e: np.ndarray, p: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
-        """Advance the modes e of the elevation and p of the potential by dt [s] of linear theory, without pressure on
-        the surface; the mean level stays."""
+        """Advance the modes e of elevation and p of potential by dt [s] without pressure; the mean level stays."""
         if dt not in self.turn_cache:
             self.turn_cache.clear()
             omega, g = self.omega, self.gravity
@@ -245,7 +243,7 @@ class OnTile:
 
 
 def cubic_weights(s: np.ndarray) -> list[np.ndarray]:
-    """Weights of cubic interpolation between four values, at a share s of the way from the second to the third."""
+    """Weights (4 of (m,)) of cubic interpolation between four values, at shares s (m,) from the second to the third."""
     return [
         0.5 * s * (-1.0 + s * (2.0 - s)),
         0.5 * (2.0 + s * s * (3.0 * s - 5.0)),

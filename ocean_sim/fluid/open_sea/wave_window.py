@@ -107,7 +107,7 @@ class Window:
 
     @ti.kernel
     def add_up(self, cosine: Doubles2, sine: Doubles2):
-        """Sum the waves at each node for both times, by rotating their angles from node to node."""
+        """Sum the waves at each node, both times; `cosine`, `sine` (rows, n) of first angles and of steps of nodes."""
         # Cosines and sines along the first axis, at both times, and across it: one rotation a node.
         for n in range(self.n):
             along = tm.vec2(cosine[ANGLE_ALONG, n], sine[ANGLE_ALONG, n])
@@ -153,6 +153,6 @@ class Window:
 
     @ti.func
     def interpolate(self, first, last, growth, grows, late):
-        """Hermite cubic at the share `late` between two values with their rates of change [1/s]."""
+        """Hermite cubic at share `late` between values `first`, `last` with rates of change `growth`, `grows` [1/s]."""
         way, back, span = late * late * (3.0 - 2.0 * late), 1.0 - late, self.clock[None]
         return (1.0 - way) * first + way * last + span * late * back * (back * growth - late * grows)

@@ -95,13 +95,11 @@ class SeaTable:
 
     @ti.kernel
     def store_slot(self, slot: int, values: ti.types.ndarray(ndim=4)):  # type: ignore[valid-type]
-        """Copy values to slot 0 or 1."""
         for i in ti.grouped(self.now):
             self.slots[slot, i] = values[i]
 
     @ti.kernel
     def shift_slots(self):
-        """Copy slot 1 to slot 0."""
         for i, k in ti.ndrange(*self.count):
             for l, c in ti.ndrange(TABLE_LEVELS + 1, NODE_VALUES):  # a node's numbers lie in a row
                 self.slots[0, i, k, l, c] = self.slots[1, i, k, l, c]

@@ -80,11 +80,8 @@ class Bed:
 
     @ti.func
     def push(self, x, v, dt):
-        """Mean acceleration [m/s2] by bed friction over dt [s] of a particle at x [m] that would end the step at v
-        [m/s] without it.
-
-        Of du/dt = -k |u| u, k = drag share / row, the solution u / (1 + k |u| dt): no step turns the water round.
-        """
+        """Acceleration [m/s2] by bed friction over dt [s] at x [m] for a velocity v [m/s] without it: by the solution u
+        / (1 + k |u| dt) of du/dt = -k |u| u, k = drag share / row. No step turns the water round."""
         z, along = x.y - self.level, tm.vec3(v.x, 0.0, v.z)
         share = tm.clamp((NO_SHARE_ROWS - z / self.row) / (NO_SHARE_ROWS - FULL_SHARE_ROWS), 0.0, 1.0)
         rate = self.drag(z) * share / self.row * along.norm()

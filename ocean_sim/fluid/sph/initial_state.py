@@ -93,7 +93,7 @@ class StandingWave(Start):
             yield ("mode",), f"x is periodic: the mode must be even, got {self.mode}"
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
-        """Positions, velocities and pressures at time 0 of water that would rest at `positions` (n, 3) [m]."""
+        """Positions (n, 3), velocities (n, 3) and pressures (n,) at time 0 of water that would rest at `positions`."""
         return displaced_state(self.sea(basin), positions, basin, density)
 
 
@@ -133,7 +133,6 @@ class RegularWave(Start):
             )
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
-        """Positions, velocities and pressures at time 0 of water that would rest at `positions` (n, 3) [m]."""
         return displaced_state(fitted_waves(self.sea(basin), basin), positions, basin, density)
 
 
@@ -160,7 +159,6 @@ class RandomWaves(Start):
             yield from ((heading, sentence) for sentence in wall_problems(self.sea(basin).wavevector[0], basin))
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
-        """Positions, velocities and pressures at time 0 of water that would rest at `positions` (n, 3) [m]."""
         kept = bearable_waves(self.sea(basin), self.spectrum.significant_wave_height, mean_spacing(positions, basin))
         return displaced_state(fitted_waves(kept, basin), positions, basin, density)
 

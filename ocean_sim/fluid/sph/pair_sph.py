@@ -51,7 +51,7 @@ class Force(Law):
 
     @ti.func
     def pressure_rise(self, head):
-        """Rise of the row's `pressure` for a rise `head` [m2/s2] of p / rho."""
+        """Rise of the value in the row's column `pressure` for a rise `head` [m2/s2] of p / rho."""
         return self.fluid.rest_density * head
 
     @ti.func
@@ -121,12 +121,10 @@ class MomentumLaw(Force):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values of sample s of a solid body, with the particle's own pressure continued to it."""
         return self.continued_sample(own, s, d, mirror)
 
     @ti.func
     def acceleration(self, own, total):
-        """Acceleration [m/s2] of a particle with row `own` by its sum of pair terms."""
         both = vec3(total, self.terms.push)
         if ti.static(self.options.apart):
             both += vec3(total, self.terms.rub)
@@ -168,8 +166,8 @@ class MomentumLaw(Force):
 
     @ti.func
     def constrain(self, i, x, v, dt):
-        """Position [m] of particle i after a step from x [m] at v [m/s], without walls and with them; its velocity
-        [m/s] after the walls; and 1 if the motion limit slowed it, else 0."""
+        """Position [m] of particle i after a step from x [m] at v [m/s], without and with walls; velocity [m/s] with
+        walls; and 1 if the motion limit slowed it, else 0."""
         fluid, walls = self.fluid, self.fluid.walls
         pushed, fast = walls.limit_motion(walls.relax(x, v, dt), dt)
         x_free = x + fluid.grid.whole_quanta(i, ti.static(1.0 - self.drifted) * dt * pushed)
@@ -178,8 +176,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def remember_acceleration(self, i, own, total, beyond, parts: Template):
-        """Store the acceleration of particle i by gravity and pressure alone, with which solid bodies extrapolate its
-        pressure beyond their faces: friction and wind do not change the pressure gradient."""
+        """Store the acceleration of particle i by gravity and pressure alone, for bodies to continue its pressure."""
         a_water, a_walls = parts[:2]
         a = self.fluid.pull.at_rest(vec3(own, self.row.position)) + a_water + a_walls
         if ti.static(self.sheared):
@@ -189,7 +186,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def book_step(self, group, own, total, beyond, a, parts: Template, x_free, x_new, v_new, dt):
-        """Add impulse and work of each force term on a particle in a step to row `group` of the budget."""
+        """Book impulse and work of each force term in row `group`; a, parts: of `kick`; x_free, ...: of `constrain`."""
         accounts, m = self.fluid.accounts, ti.static(self.fluid.particles.mass)
         x, v = vec3(own, self.row.position), vec3(own, self.row.velocity)
         a_water, a_walls, a_wind, a_pull, a_hull, a_bed, a_sea = parts
@@ -221,7 +218,6 @@ class PairSph(Sph):
         self.settle(self.summary)
 
     def step(self, dt: float) -> None:
-        """Move the particles for dt [s], sort them, and sum density and pressure."""
         self.move(dt, self.wind.since)
         self.settle(self.summary)
 

@@ -108,7 +108,6 @@ class ParticleWater(ParticleFluid):
         return self.rim.contains(points, self.time) if self.joined else super().in_rim(points)
 
     def add_contact(self, contact: Contact) -> None:
-        """Add a ship's hull, which pushes the water from the first step on."""
         self.contacts.append(contact)
         self.accounts.idle = tuple(term for term in self.accounts.idle if term != SHIP)
 
@@ -148,13 +147,11 @@ class ParticleWater(ParticleFluid):
         self.grid.stage_state(i, x, v)
 
     def begin(self) -> None:
-        """Start from the present positions and velocities of the particles."""
         self.stage_all()
         self.arrive()
         self.status = self.accounts.status(self.summary, self.grid)
 
     def advance(self, dt: float) -> None:
-        """Advance by a step of dt [s]; raise Diverged where particles are too crowded for the neighbour lists."""
         self.advance_boundaries(dt)
         self.step(dt)
         self.status = self.accounts.status(self.summary, self.grid)
@@ -236,12 +233,10 @@ class ParticleWater(ParticleFluid):
 
     @property
     def impulse(self) -> dict[str, np.ndarray]:
-        """Impulse (3,) [N s] on the water since the start, by name of the force term; empty if not summed."""
         return {term: row[:WORK_COLUMN] for term, row in self.budget().items() if term != TERM_NAMES[DIFFUSION]}
 
     @property
     def work(self) -> dict[str, float]:
-        """Work [J] on the water since the start, by name of the force term; empty if not summed."""
         return {term: float(row[WORK_COLUMN]) for term, row in self.budget().items()}
 
     @ti.func
@@ -255,7 +250,6 @@ class ParticleWater(ParticleFluid):
         return self.summing.totals()
 
     def positions(self) -> np.ndarray:
-        """Positions (n, 3) [m] in float64, with the parts of moves that `particles.position` rounds off."""
         x = self.particles.position.to_numpy().astype(float)
         for k, left in zip(self.grid.axes, self.grid.left):
             x[:, k] += left.to_numpy()[: len(x)]

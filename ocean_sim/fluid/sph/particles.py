@@ -16,12 +16,8 @@ GAP_TYPE = ti.i32
 
 
 def staggered_field(dtype: Any, n: int) -> Any:
-    """Make a field of n numbers, placed in memory so that fields read together do not compete for cache lines.
-
-    A cache holds only a few lines that lie equally far from the beginning of their pages. All that belongs to one
-    particle would lie equally far in fields of whole pages. So a gap follows each field of a page or more: the next
-    field begins an odd number of lines further, and all 64 lines of a page are passed before one comes again.
-    """
+    """Make a field of n numbers. A gap follows each field of a page or more, or all numbers of a particle would lie
+    equally far from the beginning of a page and compete for the same few cache lines."""
     field = ti.field(dtype, shape=n)
     size = n * np.dtype(to_numpy_type(field.dtype)).itemsize
     if size >= PAGE_BYTES and (gap := (CACHE_LINE_BYTES - size) % (2 * CACHE_LINE_BYTES)):
@@ -103,7 +99,6 @@ class Components:
 
     @ti.kernel
     def copy_to(self, rows: Array2):
-        """Copy all vectors to an array (n, 3)."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in self.x:
             rows[i, 0], rows[i, 1], rows[i, 2] = self.x[i], self.y[i], self.z[i]
@@ -114,7 +109,6 @@ class Components:
 
     @ti.kernel
     def copy_from(self, rows: Array2):
-        """Copy an array (n, 3) to the vectors."""
         for i in range(rows.shape[0]):
             self.x[i], self.y[i], self.z[i] = rows[i, 0], rows[i, 1], rows[i, 2]
 
@@ -164,7 +158,6 @@ class Particles:
 
     @ti.kernel
     def copy_to(self, position: Array2, velocity: Array2, number: Integers, pressure: Array):
-        """Copy position, velocity, id and pressure of all particles to arrays."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(number.shape[0]):
             x, v = self.position, self.velocity
@@ -181,7 +174,6 @@ class Particles:
 
     @ti.kernel
     def put_in_box(self, rows: Array2, count: int, middle: tm.vec3, scale: tm.vec3, most: float, every: int):
-        """Fill the rows of `in_box`."""
         for i in range(count):
             k = self.id[i]
             if k % every == 0:

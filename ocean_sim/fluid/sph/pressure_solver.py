@@ -77,7 +77,6 @@ class Compression(KeptLaw):
 
     @ti.func
     def kept_image(self, other, name, away):
-        """Velocity [m/s] of the image of a neighbour with velocity `other`."""
         return self.pairs.image_velocity(other, name, away)
 
     @ti.func
@@ -87,7 +86,7 @@ class Compression(KeptLaw):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values of sample s of a solid body, which moves with the body."""
+        """Position and velocity of sample s of a solid body, which moves with the body, at d [m] in a mirror."""
         return row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
 
     @ti.func
@@ -211,10 +210,9 @@ class Solver:
         start: ti.Field | None = None,
         brief: float = 0.0,
     ) -> None:
-        """Make a solver that changes `velocity`. `tolerance`: error over the rest density at which it stops, after at
-        most `most` iterations; `least`: error [tolerances] that needs no iteration. `start`: initial pressures of the
-        divergence solver; without them it is the density solver. In steps shorter than `brief` [s] the least error
-        falls with their square, as the compression by a force in one step does, which nothing else would undo."""
+        """Make a solver that changes `velocity`: at most `most` iterations, until the error over the rest density is
+        below `tolerance`; `least`: error [tolerances] that needs none, less with dt^2 in steps shorter than `brief`
+        [s]. `start`: initial pressures of the divergence solver; None: density solver."""
         self.velocity, self.restores = tuple(velocity), start is None
         self.start = start if start is not None else ti.field(float, shape=())
         self.forces = not (self.restores and fluid.closed)  # whether its pressures are forces

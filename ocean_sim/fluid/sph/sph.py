@@ -100,7 +100,6 @@ class SphConfig(WaterConfig):
         return self.kinematic_viscosity
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence) of these keys in this basin, also of sizes beyond 32-bit counts and of a rough bed."""
         found, basin = super().problems(preflight), preflight.tank
         if self.sound_speed(basin) == 0.0:
             found.append((("reference_speed",), "is required without gravity: compression needs a speed to refer to"))
@@ -150,7 +149,6 @@ class SphConfig(WaterConfig):
             )
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warnings of stiffness, sides, sea and scale: settings with which results would be poor."""
         found, basin = super().warnings(preflight), preflight.tank
         if basin.rough_bed is not None:
             found += basin.rough_bed.warnings(self.lattice(basin).row)
@@ -257,7 +255,6 @@ class SphConfig(WaterConfig):
         return self.kinematic_viscosity
 
     def losses(self, lattice: Lattice, sea: waves.Components) -> np.ndarray | None:
-        """Complex decay rate (n,) [1/s] of each wave of a sea by measured viscosity and delay; None if not measured."""
         basin, attenuation = lattice.basin, self.attenuation
         if attenuation is None or self.ratio(basin) != self.default_ratio[basin.dimension - 2]:
             return None
@@ -267,7 +264,6 @@ class SphConfig(WaterConfig):
         return decay - 1j * sea.omega * self.delay.share(k, height, lattice.spacing)
 
     def statements(self, preflight: Preflight) -> list[str]:
-        """Sentences on sound speed, clamped pressures, bed, sea, absorbing zones and the decay of waves."""
         basin = preflight.tank
         c, speed = self.sound_speed(basin), self.speed(basin)
         found = [
@@ -488,15 +484,13 @@ class Sph(ParticleWater):
 
     @ti.func
     def damp_crowded(self, i, share):
-        """Limit the stored acceleration of particle i, which solid bodies read, where bodies fill a large `share` of
-        its kernel: it would grow there."""
+        """Limit the stored acceleration of particle i where bodies fill a large `share` of its kernel."""
         for component in ti.static(self.last_acceleration):
             component[i] *= tm.min(1.0, CROWDED_SHARE / tm.max(share, CROWDED_SHARE))
 
     @ti.func
     def exposed_area(self, i):
-        """Exposed area of particle i times its outward normal [m2], zero inside the water; seen from above the areas
-        sum to the plan area of the water."""
+        """Exposed area of particle i times its outward normal [m2], see Exposure.of; zero if no wind needs it."""
         area = tm.vec3(0.0)
         if ti.static(self.exposed):
             area = self.exposure.of(i)

@@ -76,7 +76,6 @@ class WaterConfig(FluidConfig):
         return self.impulses
 
     def statements(self, preflight: Preflight) -> list[str]:
-        """Sentences on the motion limit and on the motion of gates."""
         found = []
         if self.motion_limit is not None:
             limit = f"{self.motion_limit:g}"
@@ -88,7 +87,6 @@ class WaterConfig(FluidConfig):
         return found
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warnings of gravity, rounding, short ramps, thin obstacles and fast gates."""
         found, tank, spacing = super().warnings(preflight), preflight.tank, preflight.spacing
         found += [*odd_gravity(tank.gravity), *falling_warnings(tank), *rounding_warnings(preflight)]
         if tank.piston is not None:
@@ -113,8 +111,7 @@ class WaterConfig(FluidConfig):
         return found
 
     def losses(self, lattice: Lattice, sea: Components) -> np.ndarray | None:
-        """Complex decay rate (n,) [1/s] of each wave of a sea by the scheme, whose imaginary part is minus the fall of
-        its frequency; None if it has not been measured."""
+        """Complex decay rate (n,) [1/s] of each wave (imaginary: minus the fall of its frequency); None if unknown."""
         return None
 
     @property
@@ -144,7 +141,6 @@ class WaterConfig(FluidConfig):
         return Lattice(self, basin)
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence) of boxes, initial state, emitter and particle number in this basin."""
         basin = preflight.tank
         found: Problems = []
         if basin.dimension == 2 and self.body_force[2] != 0.0:

@@ -113,7 +113,7 @@ class Config(SphConfig):
 
     def limits_at(self, basin: Basin, speed: float, acceleration: float) -> Limits:
         """Limits of the time step at this speed [m/s] and acceleration [m/s2]: none by sound, but neighbours under a
-        pressure p swing at sqrt(p / density) / spacing; friction relaxes a pair at up to twice its viscous rate."""
+        pressure p oscillate at sqrt(p / density) / spacing; friction relaxes a pair at up to twice its viscous rate."""
         speed = max(speed, MIN_LIMIT_SPEED * self.speed(basin))
         return step_limits(self.smoothing(basin), 0.0, 2.0 * self.viscosity(basin), speed, acceleration)
 
@@ -159,8 +159,8 @@ class Config(SphConfig):
 
 @in_kernels
 class Density(Law):
-    """Pair law for the summed density, for the density that gaps may gain, and for the diagonal A_ii over dt^2 (2015,
-    eq. 9: their 1 / alpha), enlarged where particles crowd: there a Jacobi step with A_ii itself would overshoot."""
+    """Pair law for the summed density, for the rise of density allowed where a gap closes, and for the diagonal A_ii
+    over dt^2 (2015, eq. 9: their 1 / alpha), raised where particles crowd, lest Jacobi steps overshoot there."""
 
     terms, options = Columns(density=1, gradient=3, squares=1), WalkOptions(apart=True, padded=True)
 
@@ -194,7 +194,7 @@ class Density(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Store density and A_ii of particle i, and the density that its gap may gain or, in closed water, a shift."""
+        """Store density and A_ii of particle i, and the rise of density allowed in a gap; in closed water the shift."""
         fluid, rest = self.fluid, ti.static(self.fluid.particles.rest_density)
         total += beyond
         if ti.static(fluid.bodies):
@@ -220,7 +220,7 @@ class Density(Law):
 
 @in_kernels
 class Forces(Force):
-    """Pair law for all forces but new pressures, plus the last step's pressures, where the divergence solver starts."""
+    """Pair law for all forces but pressure, and for last step's pressures, with which the divergence solver starts."""
 
     fluid: "Dfsph"
     row = FORCE_ROW
@@ -402,7 +402,8 @@ class Dfsph(Sph):
         self.arrive()
 
     def solve(self, solver: Solver, dt: float, calm: bool) -> None:
-        """Iterate a solver until its mean error meets its goal, lower in `calm` water (hardly moving); record it."""
+        """Iterate a solver until its mean error meets its goal (lower in `calm` water) or iterations end; record
+        both."""
         solver.record_step(*self.iterate_to(solver, solver.error_goal(self.error, dt, calm)))
         if self.accounts.impulses and solver.forces:
             self.book_pressures(solver)

@@ -238,7 +238,7 @@ class Steep(OnTile):
     """Nonlinear sea, stored at two steps of its tile around the present time and interpolated between them."""
 
     def __init__(self, sea: HighOrder, step: float, ramp: float) -> None:
-        """Compute the first two states, `step` [s] apart; their readers see them grow over the time `ramp` [s]."""
+        """Compute the first two states, `step` [s] apart; they are read at a height that grows over `ramp` [s]."""
         self.sea, self.tile, self.step, self.ramp, self.number = sea, sea.tile, step, ramp, 0
         self.slots = [np.array(sea.potentials()), np.array(sea.potentials())]
         """Modes of the elevation, of the potential and of its growth, (3, cells, rows // 2 + 1) each."""
@@ -419,7 +419,7 @@ class SpectralSea(OpenWater):
         return along, across
 
     def displace(self, made: Made, ship: Displacing, dt: float) -> None:
-        """Advance a ship's waves by dt [s] under her displaced volume at her place; raise Diverged if not finite."""
+        """Advance a ship's waves `made` by dt [s] under her displaced volume; raise Diverged if they are not finite."""
         points, volumes = ship.displaced()
         centre = np.array([ship.body.position[0], ship.body.position[2]]) - self.drift
         pressure = self.tile.gravity * self.tile.spread_modes(points - self.drift, volumes)

@@ -241,7 +241,7 @@ class Boundary:
 
     @ti.kernel
     def sort_samples(self, motion: Doubles2):
-        """Move the samples by `motion`, a row of MOTION_COLUMNS a body, and sort them by cell (stably)."""
+        """Move the samples by `motion` (bodies, MOTION_COLUMNS), and sort them by cell (stably)."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             for c in range(self.grid.cell_count + 1):
@@ -388,7 +388,6 @@ class Boundary:
         return share
 
     def sample_sum(self, law: Law) -> "SampleSum":
-        """Make the sum of a pair law over the samples around a particle."""
         return SampleSum(self, law)
 
     def forces(self) -> tuple[np.ndarray, np.ndarray]:
@@ -419,7 +418,7 @@ class Boundary:
         return self.sum_by_body(self.impulse)
 
     def sum_by_body(self, summed: ti.Field) -> np.ndarray:
-        """Sum a field of rows, one a sample, over the samples of each body; one row a body."""
+        """Sum the rows of a field, one for each sample, over the samples of each body: a row (k, ...) for each."""
         each = summed.to_numpy()
         return np.array([each[self.owners == k].sum(axis=0) for k in range(len(self.bodies))])
 

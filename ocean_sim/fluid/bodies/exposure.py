@@ -110,13 +110,13 @@ class Exposure(Law):
 
     @ti.func
     def pair(self, own, other):
-        """Gradient of the kernel at the neighbour without its constant: -x_ij times the shape of grad W."""
+        """Gradient of the kernel at the neighbour, without its constant."""
         return -self.smoothing.pair_gradient(own - other)
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
         """Store the exposed area of particle i: twice its volume times the gradient [1/m] of the smoothed share of
-        water, outwards: 1/2 on a surface, 1 inside and, since walls are mirrors, at walls."""
+        water (1 inside, 1/2 on a surface), turned outwards. Walls are mirrors: water at them is not exposed."""
         area = self.prefactor(own) * self.with_bodies(total, own, own)
         if area.norm() < self.least:
             area = tm.vec3(0.0)

@@ -128,7 +128,7 @@ def zone(side: Side, basin: Basin, of_scene: waves.Components | None, absorbing:
 
 
 def warnings(found: tuple[Zone, ...]) -> Iterator[str]:
-    """Yield warnings of absorbing zones that are too short, or that fill more than half of the basin along an axis."""
+    """Yield warnings of absorbing zones (`found`) too short, or filling more than half of the basin along an axis."""
     for one in found:
         if one.warning is not None:
             yield one.warning

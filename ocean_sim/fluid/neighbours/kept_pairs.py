@@ -44,7 +44,7 @@ class KeptLaw(Law):
 
     @abstractmethod
     def kept_pair(self, own: Any, other: Any, gradient: Any) -> Any:
-        """Term of one neighbour, as `pair`; `gradient`: x_ij times the shape of grad W; `own`, `other`: rows."""
+        """Term of one neighbour, as `pair`; `gradient`: grad W without its constant; `own`, `other`: field values."""
 
 
 @in_kernels
@@ -125,8 +125,8 @@ def flip_code(mirror):
 
 @in_kernels
 class PairBlocks(KeptPairs):
-    """Kept pairs by part of a cell: its candidates, particles first and images after them, each filled up to whole
-    vectors; and for each of its particles the shapes of grad W."""
+    """Kept pairs by part of a cell: its candidates, particles before images, each filled up to whole vectors; and for
+    each of its particles and candidates the shape of grad W, which is grad W over its constant and x_ij."""
 
     def __init__(
         self, position: Components, grid: Grid, scratch: tuple[ti.Field, ...], smoothing: Smoothing, size: GridSize
@@ -160,8 +160,8 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def keep_part(self, k, group, names: Template, n, images, m, end):
-        """Store the m candidates of part k (n particles; images from scratch index `images` to `end`). Return the index
-        of the first particle's shapes, the step to the next one's, and 1 if there is room, else 0."""
+        """Store the m candidates of part k (n particles; images from scratch index `images` to `end`) and `names`.
+        Return the index of its first particle's shapes, the step to the next one's, and 1 if there is room, else 0."""
         scratch, first, begun = group * self.width, self.next_first[group], self.next_begun[group]
         near, seen, room = images - scratch, end - scratch, 1
         if first + seen > (group + 1) * self.segment:
@@ -182,7 +182,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def keep_shape(self, away, to):
-        """Store the shape of grad W of a pair at index `to`; `away`: vector between both particles [m]."""
+        """Store the shape of grad W of a pair (see PairBlocks) at index `to`; `away`: between its particles [m]."""
         self.shape[to] = self.smoothing.shape_gradient(ti.sqrt(away.dot(away)))
 
     @ti.func

@@ -82,7 +82,8 @@ class AirPressure:
         centre_x: float,
         centre_z: float,
     ):
-        """Add the wind's upward impulse over dt [s]; `since`, `step`: its clock [s]; first_x, first_z: a cell [m]."""
+        """Add the wind's upward impulse over dt [s] in each cell and slab; `since`, `step`: its clock [s]; x, z [m] of
+        the first cell from the tile's middle, and of drift and centre as in collect_impulse."""
         self.wind.set_clock(since, step)
         for i, k in ti.ndrange(self.cells, self.rows):
             x = nearest_image(first_x + i * self.cell, centre_x, self.cell * self.cells) + drift_x

@@ -65,8 +65,8 @@ class Sheet:
         self.store_values(slot, values)
 
     def set_clock(self, shares: tuple[float, float], drifts: np.ndarray, centre: np.ndarray) -> None:
-        """Set where kernels read, `now` and `before`: `shares` of the way from the first slot's time to the second's,
-        `drifts` (2, 2) of the water [m]; and the tile's `centre` (2,) in axes that move with the current [m]."""
+        """Set the times `now` and `before` of kernels: `shares` of the way from the first slot's time to the second's,
+        `drifts` (2, 2) by the current [m]; and the tile's `centre` (2,) in axes that move with the current [m]."""
         tile = self.tile
         size = np.array([tile.side, tile.width])
         first = np.array([axis[0] for axis in tile.nodes()]) + size * np.round(centre / size)

@@ -204,16 +204,16 @@ class OnTile:
         return self.tile.interpolate(self.tile.to_values(self.modes_at(time).e), points)
 
     def heads(self, points: np.ndarray, y: np.ndarray, time: float) -> np.ndarray:
-        """Dynamic pressure over rho g (m,) [m] at points and heights y (m,) [m] of the Wheeler-stretched column; summed
-        mode by mode, without interpolation."""
+        """Dynamic pressure over rho g (m,) [m] at points x, z (m, 2) [m] and heights y (m,) [m] of the
+        Wheeler-stretched column; summed mode by mode, without interpolation."""
         growth, found = self.modes_at(time).growth, np.zeros(len(points))
         for n, level, _ in self.point_modes(points, y):
             found[n] = -(level * growth).real.sum() / self.tile.gravity
         return found
 
     def velocities(self, points: np.ndarray, y: np.ndarray, time: float) -> np.ndarray:
-        """Velocities (m, 3) [m/s] at points and heights y (m,) [m] of the Wheeler-stretched column; interpolated
-        between cells where there are many points, all on the surface."""
+        """Velocities (m, 3) [m/s] at points x, z (m, 2) [m] and heights y (m,) [m] of the Wheeler-stretched column;
+        interpolated between cells where there are many points, all on the surface."""
         tile, potential, found = self.tile, self.modes_at(time).potential, np.zeros((len(points), 3))
         if len(points) >= MIN_LATTICE_POINTS and not y.any():
             rising = tile.omega**2 / tile.gravity * tile.directed_modes * potential
@@ -227,8 +227,8 @@ class OnTile:
         return found
 
     def point_modes(self, points: np.ndarray, y: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-        """Yield the index of each point, and factors (cells, columns) of the modes there: one array for horizontal
-        velocity and pressure, one (times k [1/m]) for vertical velocity."""
+        """Yield the index of each point x, z [m] and factors (cells, columns) of the modes there at its height y [m]:
+        one array for horizontal velocity and pressure, one (times k [1/m]) for vertical velocity."""
         tile, first = self.tile, np.array([axis[0] for axis in self.tile.nodes()])
         twice = np.where((np.arange(tile.k.shape[1]) == 0) | (2 * np.arange(tile.k.shape[1]) == tile.rows), 1.0, 2.0)
         scale = twice * tile.directed_modes / (tile.cells * tile.rows)
@@ -243,7 +243,7 @@ class OnTile:
 
 
 def cubic_weights(s: np.ndarray) -> list[np.ndarray]:
-    """Weights (4 of (m,)) of cubic interpolation between four values, at shares s (m,) from the second to the third."""
+    """Four weights (m,) of cubic interpolation between four values, at shares s (m,) from the second to the third."""
     return [
         0.5 * s * (-1.0 + s * (2.0 - s)),
         0.5 * (2.0 + s * s * (3.0 * s - 5.0)),
@@ -278,8 +278,8 @@ class Layer:
         return {}
 
     def begin(self, pressure: np.ndarray, centre: np.ndarray, dt: float) -> None:
-        """Start at rest under the modes of a pressure over the density [m2/s2]: the surface lies lower by its head,
-        times the factor by which steps of dt [s] keep it at rest."""
+        """Start at rest around `centre` under a pressure over the density (modes [m2/s2]): the surface lies lower by
+        its head, corrected so that steps of dt [s] keep it at rest."""
         tile, half = self.tile, 0.5 * dt * self.tile.omega
         rest = np.divide(half, np.tan(half), out=np.ones(half.shape), where=half > 0.0) / tile.gravity
         self.set_pressure(pressure)

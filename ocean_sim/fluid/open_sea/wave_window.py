@@ -107,7 +107,8 @@ class Window:
 
     @ti.kernel
     def add_up(self, cosine: Doubles2, sine: Doubles2):
-        """Sum the waves at each node, both times; `cosine`, `sine` (rows, n) of first angles and of steps of nodes."""
+        """Sum the n waves at each node for both times; `cosine`, `sine` (4, n): of their angles at the first node at
+        each time, and of the steps of these angles from node to node along and across."""
         # Cosines and sines along the first axis, at both times, and across it: one rotation a node.
         for n in range(self.n):
             along = tm.vec2(cosine[ANGLE_ALONG, n], sine[ANGLE_ALONG, n])

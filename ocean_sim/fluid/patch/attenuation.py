@@ -31,7 +31,7 @@ class Attenuation:
     """Fit for travelling waves; None: this one serves for them too."""
 
     def share(self, k: float, depth: float, height: float, spacing: float, standing: bool) -> float:
-        """Added viscosity over h c for waves of wavenumber k [rad/m] and height [m]; `depth` and `spacing` [m]."""
+        """Added viscosity over h c for waves, `standing` or not: k [rad/m], `height`, `depth`, and `spacing` [m]."""
         if self.travelling is not None and not standing:
             return self.travelling.share(k, depth, height, spacing, standing)
         of_layers = self.flat / sqrt(tanh(k * depth)) + self.steep * (height / spacing) ** 1.5 * k * spacing

@@ -53,7 +53,7 @@ def table_bytes(band: RelaxationBand, sea: Components, word: int) -> int:
 
 @in_kernels
 class SeaTable:
-    """Table over the patch of the sea's velocity and of its feed, at one time."""
+    """Table, over a patch at one time, of the sea's velocity and feed (acceleration against the scheme's losses)."""
 
     def __init__(self, band: RelaxationBand, sea: Components) -> None:
         basin, self.sea = band.lattice.basin, sea

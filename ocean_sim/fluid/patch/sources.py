@@ -40,7 +40,7 @@ class Source(Protocol):
     """Interface of the sea that fills a SeaTable, before its ramp is applied."""
 
     def modes(self, time: float) -> np.ndarray:
-        """Complex modes (levels, values, nodes x, nodes z) of the table at a time [s]; times must not decrease."""
+        """Complex modes (levels, values, nodes x, nodes z) of velocity and feed at a time [s], never decreasing."""
         ...
 
 

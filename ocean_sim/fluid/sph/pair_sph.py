@@ -18,8 +18,8 @@ if TYPE_CHECKING:  # it is imported only where there are bodies
 
 @in_kernels
 class Force(Law):
-    """Pair law that sums forces. Its row begins with `position`, `velocity` and `pressure`; its terms have `push`, and
-    `rub` where friction is summed apart."""
+    """Base class of pair laws that push particles. Its `row` begins with `position`, `velocity` and `pressure`; its
+    `terms` have `push` and, where friction is summed apart, `rub`."""
 
     stores_pressure_work: ClassVar[bool] = False
     """True if the work of pressure on images and bodies becomes internal energy of the water, not work of walls."""
@@ -43,7 +43,7 @@ class Force(Law):
 
     @ti.func
     def wall_acceleration(self, own, total):
-        """Part of the acceleration [m/s2] by a sum whose work is booked as that of walls."""
+        """Part of the acceleration [m/s2] by a sum `total` whose work is booked under walls."""
         a = self.acceleration(own, total)
         if ti.static(self.stores_pressure_work):
             a = self.prefactor(own) * vec3(total, self.terms.rub)
@@ -69,7 +69,7 @@ class Force(Law):
 
     @ti.func
     def rubbing_sample(self, own, s, d, mirror):
-        """Field values of sample s of a solid body, at d [m], with its velocity in friction; others are from `own`."""
+        """Field values of sample s of a solid body, at d [m], with its velocity in friction; others as in `own`."""
         return row_at(own, d, self.boundary.rubbing_velocity(vec3(own, self.row.velocity), s, mirror))
 
     @ti.func

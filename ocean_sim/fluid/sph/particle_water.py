@@ -124,7 +124,7 @@ class ParticleWater(ParticleFluid):
 
     @ti.func
     def surface_bend(self, i):
-        """Bend of the surface at particle i [1] (Exposure.bend_of): zero, unless a scheme computes it."""
+        """Second derivatives of the surface's height at particle i times a depth [1], see Exposure.bend_of; zero."""
         return tm.vec3(0.0)
 
     @ti.func

@@ -53,7 +53,7 @@ class IncompressibleWater(Protocol):
         ...
 
     def apply_pressures(self, i: Any, dt: Any, total: Any, beyond: Any) -> Any:
-        """ti.func: change of velocity [m/s] of particle i by the pressures of water and walls, booked as well."""
+        """ti.func: book and return the velocity change [m/s] of particle i by pressure sums, `beyond` over walls."""
         ...
 
 
@@ -72,7 +72,7 @@ class Compression(KeptLaw):
 
     @ti.func
     def begin(self, group):
-        """Reset the sums that a group reports."""
+        """Reset the sums of errors of a group of particles."""
         self.fluid.rows.clear(group)
 
     @ti.func
@@ -81,7 +81,7 @@ class Compression(KeptLaw):
 
     @ti.func
     def kept_pair(self, own, other, gradient):
-        """Compression term of a pair: v_ij . x_ij times the shape of grad W; `own`, `other`: velocities [m/s]."""
+        """Compression term of a pair: v_ij . grad W without its constant; `own`, `other`: velocities [m/s]."""
         return ti.Vector([gradient.dot(own - other)])
 
     @ti.func
@@ -91,7 +91,7 @@ class Compression(KeptLaw):
 
     @ti.func
     def pair(self, own, other):
-        """Term of a sample of a solid body: v_ij . x_ij times the shape of grad W."""
+        """Term of a sample of a solid body: v_ij . grad W without its constant."""
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         v_ij = vec3(own, self.row.velocity) - vec3(other, self.row.velocity)
         return ti.Vector([v_ij.dot(self.fluid.smoothing.pair_gradient(x_ij))])
@@ -131,8 +131,8 @@ class Compression(KeptLaw):
 
 @in_kernels
 class Push(KeptLaw):
-    """Pair law for the velocity under all pressures that a solver has gained; the adjoint of Compression. It is
-    computed from all gains each time, so that rounding does not add up over iterations."""
+    """Pair law for the velocity under all pressures that a solver has added in a step; the adjoint of Compression. It
+    sums them anew in each iteration, so that rounding does not add up."""
 
     row, terms = Columns(position=3, pressure=1), Columns(push=3)  # the row of what is summed over samples of bodies
 
@@ -148,7 +148,7 @@ class Push(KeptLaw):
 
     @ti.func
     def kept_pair(self, own, other, gradient):
-        """Term of a pair: the sum of both pressures times x_ij and the shape of grad W."""
+        """Term of a pair: the sum of both pressures times grad W without its constant."""
         return (own[0] + other[0]) * gradient
 
     @ti.func
@@ -158,7 +158,7 @@ class Push(KeptLaw):
 
     @ti.func
     def pair(self, own, other):
-        """Term of a sample of a solid body: the sum of both pressures times x_ij and the shape of grad W."""
+        """Term of a sample of a solid body: the sum of both pressures times grad W without its constant."""
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         return (own[self.row.pressure] + other[self.row.pressure]) * self.fluid.smoothing.pair_gradient(x_ij)
 
@@ -173,7 +173,7 @@ class Push(KeptLaw):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Store the velocity of particle i under the gained pressures, and take over the gain of this iteration."""
+        """Store the velocity of particle i under the added pressures, and take over the pressure of this iteration."""
         fluid, solver = self.fluid, self.solver
         scale = fluid.dt[None] * fluid.pressing
         push = total + beyond + self.body_total(i, own)
@@ -184,7 +184,7 @@ class Push(KeptLaw):
 
 @in_kernels
 class Account(Push):
-    """Pair law that books the impulses of the pressures gained by a solver in the momentum budget."""
+    """Pair law that books the impulses of the pressures added by a solver in the momentum budget."""
 
     def __init__(self, fluid: IncompressibleWater, solver: "Solver") -> None:
         super().__init__(fluid, solver)
@@ -192,7 +192,7 @@ class Account(Push):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Book the change of velocity of particle i by the gained pressures."""
+        """Book the change of velocity of particle i by the added pressures."""
         self.fluid.apply_pressures(i, self.fluid.dt[None], total, beyond + self.body_total(i, own))
 
 
@@ -210,9 +210,9 @@ class Solver:
         start: ti.Field | None = None,
         brief: float = 0.0,
     ) -> None:
-        """Make a solver that changes `velocity`: at most `most` iterations, until the error over the rest density is
-        below `tolerance`; `least`: error [tolerances] that needs none, less with dt^2 in steps shorter than `brief`
-        [s]. `start`: initial pressures of the divergence solver; None: density solver."""
+        """Make a solver that changes `velocity`: at most `most` iterations, until the density error over the rest
+        density is below `tolerance`; in calm water and in steps shorter than `brief` [s] it may have to fall to `least`
+        times that. `start`: initial pressures of the divergence solver; None makes the density solver."""
         self.velocity, self.restores = tuple(velocity), start is None
         self.start = start if start is not None else ti.field(float, shape=())
         self.forces = not (self.restores and fluid.closed)  # whether its pressures are forces
@@ -246,6 +246,6 @@ class Solver:
 
     @ti.func
     def begin(self, i):
-        """Reset the pressure that the solver gives particle i to 0."""
+        """Reset the pressure that the solver adds at particle i to 0."""
         self.gain[i] = self.next[i] = 0.0
         self.best[i] = self.start_pressure(i)

@@ -125,7 +125,7 @@ class SphConfig(WaterConfig):
         return min(MOST_PARTICLES, sizes.lattice.n * MAX_COUNT // max(counted, 1))
 
     def untouched_sizes(self, preflight: Preflight) -> GridSize:
-        """Sizes of the grid and lists for the lattice without floating bodies."""
+        """Sizes of the grid and lists (GridSize) for the lattice as it would be without floating bodies."""
         lattice = preflight.untouched
         assert isinstance(lattice, Lattice)
         return self.list_size(lattice, preflight.arch, 1)
@@ -490,7 +490,6 @@ class Sph(ParticleWater):
 
     @ti.func
     def exposed_area(self, i):
-        """Exposed area of particle i times its outward normal [m2], see Exposure.of; zero if no wind needs it."""
         area = tm.vec3(0.0)
         if ti.static(self.exposed):
             area = self.exposure.of(i)
@@ -498,7 +497,6 @@ class Sph(ParticleWater):
 
     @ti.func
     def surface_bend(self, i):
-        """Bend of the surface at particle i [1], see Exposure.bend_of; zero if no wind needs it."""
         bend = tm.vec3(0.0)
         if ti.static(self.exposed):
             bend = self.exposure.bend_of(i)

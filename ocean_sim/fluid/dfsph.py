@@ -113,7 +113,8 @@ class Config(SphConfig):
 
     def limits_at(self, basin: Basin, speed: float, acceleration: float) -> Limits:
         """Limits of the time step at this speed [m/s] and acceleration [m/s2]: none by sound, but neighbours under a
-        pressure p oscillate at sqrt(p / density) / spacing; friction relaxes a pair at up to twice its viscous rate."""
+        pressure p oscillate at sqrt(p / density) / spacing; pair friction relaxes at up to twice the rate of its
+        sum."""
         speed = max(speed, MIN_LIMIT_SPEED * self.speed(basin))
         return step_limits(self.smoothing(basin), 0.0, 2.0 * self.viscosity(basin), speed, acceleration)
 
@@ -402,8 +403,7 @@ class Dfsph(Sph):
         self.arrive()
 
     def solve(self, solver: Solver, dt: float, calm: bool) -> None:
-        """Iterate a solver until its mean error meets its goal (lower in `calm` water) or iterations end; record
-        both."""
+        """Iterate a solver until its mean error meets its goal (lower in `calm` water) or iterations end; record it."""
         solver.record_step(*self.iterate_to(solver, solver.error_goal(self.error, dt, calm)))
         if self.accounts.impulses and solver.forces:
             self.book_pressures(solver)

@@ -25,7 +25,6 @@ PROMISES = (Promise("reflection", "%", "three gauges; 2 %, linear theory", {"del
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: a flume, with 80 (coarse: 40) particles to the wavelength."""
     spacing = WAVELENGTH / (40 if coarse else 80)
     scene = flume_scene(LENGTH, DEPTH, spacing, RECORD_START + 8.0 * PERIOD, {"height": HEIGHT, "period": PERIOD})
     return [Problem(scene, PROMISES, measure, slow=not coarse)]

@@ -34,7 +34,6 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: a flume, with 200 (coarse: 40) particles to the peak wavelength."""
     spectrum = {"significant_wave_height": HEIGHT, "peak_period": PERIOD, "seed": SEED, "cut_off": 2.0}
     spacing = WAVELENGTH / (40 if coarse else 200)
     scene = flume_scene(LENGTH, DEPTH, spacing, RECORD_START + 20.0 * PERIOD, {"spectrum": spectrum})

@@ -22,7 +22,6 @@ WIND_SPEED, DURATION = 7.0, 500.0  # [m/s], [s]
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: a raft before the wind, independent of `coarse`."""
     shape = {"kind": "box", "length": LENGTH, "breadth": BREADTH, "height": HEIGHT}
     ship = {
         "hull": {"shape": shape, "mass": MASS},

@@ -27,7 +27,6 @@ LEVEL_SOURCE = "mean offset below a tenth of a spacing, as for a ball of particl
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: a slab; coarse: with twice the particle spacing."""
     spacing = 0.2 if coarse else 0.1
     scene = {
         "duration": FRAME_INTERVAL,

@@ -45,7 +45,6 @@ PROMISES = tuple(
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: a dam break, with 80 (coarse: 20) particles over the height of the column."""
     left = -TANK_LENGTH * HEIGHT / 2
     scene = {
         "duration": END_TIME / np.sqrt(GRAVITY / HEIGHT).item(),

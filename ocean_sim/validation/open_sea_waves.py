@@ -107,8 +107,7 @@ def fit_wave(water: State, amplitude: float, at: float) -> tuple[complex, float]
 
 
 def measure_regular(simulation: Simulation, amplitude: float, speed: float) -> Finding:
-    """Run; measure wave height, phase and current at a point that moves at `speed` [m/s]; `amplitude`: the sea's
-    [m]."""
+    """Run; measure wave height, phase and current at a point moving at `speed` [m/s]; `amplitude`: of the sea [m]."""
     time, fits = record_run(
         simulation, PERIOD / PERIOD_SAMPLES, lambda water: fit_wave(water, amplitude, speed * water.time)
     )

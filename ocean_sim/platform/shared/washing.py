@@ -74,12 +74,10 @@ class Filter:
 
 
 def design_sections(zeros: Sequence[float], poles: Sequence[complex], gain: float, every: float) -> np.ndarray:
-    """Second-order sections (m, 6) of a transfer function for rows `every` [s]. They are cached on disk, as importing
-    `scipy.signal` takes longer than a minute of platform motion."""
+    """Second-order sections (m, 6) of a filter, cached on disk: SciPy's import takes longer than a minute of motion."""
     import scipy
 
     def design() -> dict[str, np.ndarray]:
-        """Sections as computed by SciPy, if they are not in the cache."""
         from scipy.signal import bilinear_zpk, zpk2sos
 
         return {"sections": zpk2sos(*bilinear_zpk(zeros, poles, gain, 1.0 / every))}
@@ -152,13 +150,12 @@ class Washing:
         return Cue(pose, limited, inertial + rest_force(scaled_attitude), ride.rate * config.rotation_scale)
 
     def clip_input(self, wanted: np.ndarray, limit: float, limited: np.ndarray) -> np.ndarray:
-        """Input (n, 3) clipped to -`limit` to `limit`; sets INPUT_LIMIT in the bits `limited` (n,) of clipped rows."""
+        """Copy of `wanted` (n, 3) clipped to +-`limit`; sets the bit INPUT_LIMIT in `limited` (n,) of clipped rows."""
         limited[(np.abs(wanted) > limit).any(axis=1)] |= INPUT_LIMIT
         return np.clip(wanted, -limit, limit)
 
     def lasting_force(self, ride: Ride) -> np.ndarray:
-        """Scaled specific force (n, 2) [m/s2] along x and y for the tilt, without the gravity component of angles that
-        the platform reproduces directly."""
+        """Scaled specific force (n, 2) [m/s2] along x, y, to tilt for, without gravity of angles that are followed."""
         force, own = ride.specific_force[:, :2].copy(), rest_force(ride.attitude)
         if self.turns[1] is None:
             force[:, 0] -= own[:, 0]

@@ -65,7 +65,7 @@ class Config(PlatformConfig):
         ]
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """One row of the memory ledger: without fields, as the row of `platform_log` holds the cost."""
+        """One row of the memory ledger with no bytes of its own: the row of `platform_log` counts them."""
         kind = cast(WashoutConfig, self.washout).kind
         return [LedgerRow("platform", f"{kind} washout and six legs", 0, "for platform_log")]
 
@@ -120,7 +120,7 @@ class Moving:
         return lengths, speeds, limited
 
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
-        """Commands that glide back to neutral within the ramp, or longer for slow legs; arguments as in Platform."""
+        """Commands that glide back to neutral within the ramp, longer for slow legs; arguments as in `Platform`."""
         lengths, every, machine = self.hexapod.legs(past), self.every, self.geometry
         longest = (
             machine.longest - machine.shortest
@@ -145,7 +145,8 @@ class Moving:
         return smooth_step(np.clip((time - self.start) / self.ramp, 0.0, 1.0))
 
     def felt_motion(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Specific force (n, 3) [m/s2], rate (n, 3) [rad/s] on the platform, in its axes, by backward differences."""
+        """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] on the platform, in platform axes, from backward
+        differences of poses (n, 6) and the two before: acceleration lags by one row, the rate by half a row."""
         known = np.vstack([self.past, pose])
         self.past = known[-2:]
         rates = np.diff(known, axis=0)[1:, 3:] / self.every

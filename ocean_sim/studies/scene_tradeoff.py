@@ -68,7 +68,8 @@ class Budget:
         return cls(text.strip(), float(found[1]) if found[1] else 1.0)
 
     def seconds(self, row: dict[str, Any]) -> float | None:
-        """Time [s] that the budget limits: per simulated second, or in all; of wall and processor time the less."""
+        """Time [s] that the budget limits, from a row of costs: per simulated second, or in all with compilation. The
+        less of wall and processor time counts, as waiting or several cores raise one of them; None without both."""
         unit = "per_s" if self.name == "realtime" or self.name.endswith("ms") else "s"
         return min(filter(None, (row.get(f"wall_{unit}"), row.get(f"cpu_{unit}"))), default=None)
 
@@ -219,7 +220,8 @@ def rms_difference(
 def tradeoff_summary(
     setting: Setting, answers: list[dict[str, Any]], apart: list[dict[str, float | None]]
 ) -> dict[str, Any]:
-    """Row of a setting: median costs of `answers`; mean and spread of errors `apart`, by name for each seed."""
+    """Row of a setting: median costs of `answers`, mean and spread of errors `apart` over seeds; None if a run
+    failed."""
     lost = next((answer for answer in answers if answer["outcome"] != "done"), None)
     row: dict[str, Any] = dict(setting.values) | {
         "setting": setting.line(),

@@ -163,7 +163,7 @@ def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
 def verdict_of(
     answer: dict[str, Any], accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool
 ) -> tuple[str, str, dict[str, float]]:
-    """Verdict (of VERDICT_WORDS), its reason, and its numbers: energy gain over m v^2, greatest mean compression."""
+    """Verdict (of VERDICT_WORDS), its reason, and energy gain and greatest mean compression; `driven`: a wind acts."""
     gain, dense = (
         energy_gain(accuracy, scene, driven),
         float(np.max(accuracy.get("compression_mean", [0.0]), initial=0.0)),
@@ -186,8 +186,8 @@ def verdict_of(
 
 
 def energy_gain(accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool) -> float:
-    """Largest rise of energy, without wind work if `driven`, over mass times square of reference speed; 0 if no
-    table."""
+    """Largest unexplained gain of energy over mass times squared reference speed, 0 without a table; `driven`: wind
+    work is subtracted. Walls at rest do no work, whatever a scheme books for single forces."""
     if not len(accuracy.get("kinetic_energy_J", ())):
         return 0.0
     names = ("kinetic_energy_J", "potential_energy_J", "internal_energy_J")

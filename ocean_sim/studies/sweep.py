@@ -109,7 +109,7 @@ def _without_pictures(settings: Settings) -> Settings:
 
 
 def _run_order(plan: Node, settings: Settings, found: Problem) -> Problem:
-    """Copy of `found`, a problem of a scene, that points to a line of the plan if the plan caused it."""
+    """Copy of `found`, a scene's problem, located in the plan if it has no line or concerns a key that the plan set."""
     touched = [value for key, value in settings.items() if key.split(".")[0] == found.key.split(".")[0]]
     if found.line is not None and found.file != plan.location.file and touched:
         message = f"{found.message} (together with {found.file}:{found.line})"

@@ -66,7 +66,7 @@ class Trial:
 
     @property
     def schemes(self) -> tuple[str, ...]:
-        """Kinds of the slot under which the case is run."""
+        """Names of the schemes, kinds of the slot `slot`, with which the case is run."""
         return self.only or compared(self.slot)
 
 

@@ -41,7 +41,6 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Run, and compare sea state and reflection, once the shortest waves have arrived, with linear theory."""
     away = np.stack([GAUGE_DISTANCE + GAUGE_POSITIONS, 0.0 * GAUGE_POSITIONS], axis=1)
     piston = simulation.basin.piston
     assert piston is not None

@@ -68,7 +68,6 @@ def sensor_positions() -> np.ndarray:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Run, record all height gauges and pressure sensors over time, and compare them with the measured table."""
     fluid, sensors = simulation.fluid, sensor_positions()
     probes = np.array([(away - LENGTH / 2, 0.0) for away in HEIGHT_GAUGES.values()])
     times, values = record_run(

@@ -33,7 +33,6 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Run under thrust, then coasting; compare speed and distance with the closed form."""
     ship = ship_of(simulation)
     whole = MASS + float(ship.added[2])
     top = sqrt(THRUST / DRAG)

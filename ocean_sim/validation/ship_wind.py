@@ -40,7 +40,6 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Run under the wind; compare speed, distance and drag at rest with the closed form."""
     ship = ship_of(simulation)
     whole = MASS + float(ship.added[2])
     first = float(current_load(simulation).parts[2, 0, 2])

@@ -50,7 +50,7 @@ def smoothing_loss(spacing: float, apart: float) -> float:
 
 
 def wave_positions(position: np.ndarray) -> np.ndarray:
-    """Positions (n, 3) [m] of particles, sheared vertically so that their surface is the wave."""
+    """Positions (n, 3) [m] of particles, sheared vertically so that their surface is the wave a cos k x."""
     moved = position.copy()
     share = np.clip((position[:, 1] + DEPTH) / (DEPTH - RIGID_DEPTH), 0.0, 1.0)
     moved[:, 1] += share * AMPLITUDE * np.cos(K * position[:, 0])

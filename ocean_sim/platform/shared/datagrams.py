@@ -290,7 +290,8 @@ class Receiver(SmoothPose):
 
     @np.errstate(all="ignore")
     def is_plausible(self, pose: np.ndarray, time: float, now: float, silent: bool) -> bool:
-        """True if legs can reach a pose (6,) sent at `time` [s] by `now` [s]; if `silent`, only the stroke counts."""
+        """True if the legs can reach a pose (6,), by stroke, speed and acceleration: `time` [s] in the stream, `now`
+        [s] its arrival. After a silence (`silent`) only the stroke is checked."""
         lengths, speeds = self.hexapod.legs(pose[None])[0], UNKNOWN_SPEEDS
         low, high = self.hexapod.low - NUMBER_TOLERANCE, self.hexapod.high + NUMBER_TOLERANCE
         if not ((lengths > low) & (lengths < high)).all():

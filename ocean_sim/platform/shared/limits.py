@@ -32,7 +32,8 @@ class Workspace:
         self.ends = hexapod.excursions()  # (6, 2) [m, rad]
 
     def usage(self, pose: np.ndarray) -> np.ndarray:
-        """Fraction (n,) of the stroke that poses (n, 6) use: 32-norm over the legs, smooth where they change roles."""
+        """Fraction (n,) of the stroke that poses (n, 6) use, as a 32-norm over the legs: smooth where another leg
+        becomes the most extended, and up to 6 % more than that leg uses."""
         strokes = self.hexapod.strokes(pose)
         most = strokes.max(axis=1)
         return most * ((strokes / np.maximum(most, USAGE_TOLERANCE)[:, None]) ** USAGE_NORM).sum(axis=1) ** (
@@ -174,8 +175,7 @@ class Governor:
         return self.hexapod.jacobian(pose)[0] @ np.concatenate([motion[:3], turning])
 
     def chase_step(self, step: np.ndarray) -> int:
-        """Let a late platform chase its target, which moves at `step` (6,) [m/s, rad/s], for a row; returns limit
-        bits."""
+        """Let a late platform chase its target, moving at `step` (6,) [m/s, rad/s], for a row; returns limit bits."""
         dt, a = self.every, self.catch_up
         behind = self.target - self.pose
         far = self.motion_size(behind)
@@ -263,8 +263,7 @@ class Legs:
         return there and not fast and not hard
 
     def chase_step(self, target: np.ndarray, wanted: np.ndarray) -> int:
-        """Let late legs chase lengths `target` (6,) [m], moving at `wanted` (6,) [m/s], for a row; returns limit
-        bits."""
+        """Let late legs chase lengths `target` (6,) [m], moving at `wanted` (6,) [m/s], one row; returns limit bits."""
         dt, a = self.every, self.acceleration
         behind = self.target - self.length
         brake = np.sqrt((0.5 * a * dt) ** 2 + 2.0 * a * np.abs(behind)) - 0.5 * a * dt  # stops in whole rows

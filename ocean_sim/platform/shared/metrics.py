@@ -46,7 +46,7 @@ def ride_metrics(ride: Ride, done: Commands, hexapod: Hexapod, every: float) -> 
 
 
 def felt_motions(pose: np.ndarray, every: float) -> np.ndarray:
-    """Specific force [m/s2] and rate [rad/s], (n, 6), in platform axes, by central differences of poses (n, 6)."""
+    """Specific force [m/s2] and rate [rad/s] (n, 6) in platform axes by central differences of poses `every` [s]."""
     known = np.vstack([2.0 * pose[0] - pose[1], pose, 2.0 * pose[-1] - pose[-2]])
     acceleration = np.diff(known[:, :3], n=2, axis=0) / every**2
     return np.hstack(kinematics.felt_motion(pose, acceleration, (known[2:, 3:] - known[:-2, 3:]) / (2.0 * every)))
@@ -96,7 +96,8 @@ def motion_gain(felt: np.ndarray, given: np.ndarray, every: float) -> float:
 
 
 def delayed_products(felt: np.ndarray, given: np.ndarray, every: float) -> np.ndarray:
-    """Cross-correlation (2 m + 1,) of two signals (n,) at delays of -m to m rows; one NaN if a signal is constant."""
+    """Cross-correlation (2 m + 1,) of signals (n,) at delays of -m to m rows of `every` [s]; (1,) NaN if one is
+    constant."""
     from scipy.signal import correlate
 
     a, b = felt - felt.mean(), given - given.mean()

@@ -74,7 +74,7 @@ class Filter:
 
 
 def design_sections(zeros: Sequence[float], poles: Sequence[complex], gain: float, every: float) -> np.ndarray:
-    """Second-order sections (m, 6) of a filter, cached on disk: SciPy's import takes longer than a minute of motion."""
+    """Second-order sections (m, 6) of a filter for rows `every` [s]; cached on disk, as SciPy's import is slow."""
     import scipy
 
     def design() -> dict[str, np.ndarray]:
@@ -96,7 +96,8 @@ class Tilt:
     """Tilt angle by which gravity stands in for the slow part of a specific force, at a limited rate."""
 
     def __init__(self, frequency: float, rate: float, every: float) -> None:
-        """`frequency`: corner of the low-pass [rad/s]; `rate`: highest [rad/s]; `every`: time between rows [s]."""
+        """`frequency`: corner of the low-pass; `rate`: highest rate of tilt [both rad/s]; `every`: time between rows
+        [s]."""
         self.slow = Filter([], second_order(frequency, 1.0), frequency**2, every)
         self.step, self.angle = rate * every, 0.0
 
@@ -155,7 +156,8 @@ class Washing:
         return np.clip(wanted, -limit, limit)
 
     def lasting_force(self, ride: Ride) -> np.ndarray:
-        """Scaled specific force (n, 2) [m/s2] along x, y, to tilt for, without gravity of angles that are followed."""
+        """Scaled specific force (n, 2) [m/s2] along x and y for the tilt, without the gravity component of angles that
+        the platform reproduces directly."""
         force, own = ride.specific_force[:, :2].copy(), rest_force(ride.attitude)
         if self.turns[1] is None:
             force[:, 0] -= own[:, 0]

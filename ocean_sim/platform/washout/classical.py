@@ -45,7 +45,7 @@ class Travel:
     def __init__(
         self, frequency: float, damping: float, back: float, every: float, ends: Sequence[float] = (-inf, inf)
     ) -> None:
-        """`frequency`, `back` [rad/s]: corners of the high-passes, 0 is no second one; `ends`: of the travel [m]."""
+        """`frequency`, `back` [rad/s]: corners of two high-passes (`back` 0: only one); `ends`: of the travel [m]."""
         poles, zeros = second_order(frequency, damping), []
         if back > 0.0:  # s^3 / ((s^2 + 2 zeta omega s + omega^2) (s + omega_b)), integrated twice
             poles, zeros = [*poles, complex(-back)], [0.0]
@@ -74,5 +74,5 @@ class Travel:
         return moved, cut
 
     def is_within(self, moved: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-        """True (n,) if displacements (n,) [m] are inside the travel, or accelerations (n,) point back into it."""
+        """True (n,) if displacements `moved` (n,) [m] are in the travel, or accelerations (n,) point back into it."""
         return ~(((moved > self.high) & (acceleration > 0.0)) | ((moved < self.low) & (acceleration < 0.0)))

@@ -40,8 +40,7 @@ class Clocked(Simulation):
         self.spent.append((FRAME_SECONDS, perf_counter() - wall, process_time() - cpu))
 
     def costs(self) -> list[dict[str, float]]:
-        """Costs (see `median_cost`) of TIMED_PARTS interleaved parts of the run (a disturbance rarely hits two of
-        them)."""
+        """Costs (see `median_cost`) of TIMED_PARTS interleaved parts of the run; a disturbance rarely hits two."""
         parts = [
             [step for k, step in enumerate(self.spent[WARM_UP_STEPS:]) if k // BLOCK_STEPS % TIMED_PARTS == n]
             for n in range(TIMED_PARTS)

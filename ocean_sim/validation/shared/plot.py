@@ -44,7 +44,7 @@ def draw(path: Path, case: str, runs: list[tuple[Problem, str, Finding]]) -> Non
 
 
 def plot_curve(axes: Any, curve: Curve, label: str, colour: str, n: int) -> None:
-    """Plot a curve as a line or points on Matplotlib axes; `n`: number of its line or marker style."""
+    """Plot a curve as a line or points on Matplotlib axes; `n`: index of its style in LINE_STYLES or MARKER_STYLES."""
     dots = {"linestyle": "none", "marker": MARKER_STYLES[n % len(MARKER_STYLES)], "markersize": 3}
     line = {"linestyle": LINE_STYLES[n % len(LINE_STYLES)], "linewidth": 1.2}
     axes.plot(curve.x, curve.y, label=label, color=colour, **(dots if curve.points else line))

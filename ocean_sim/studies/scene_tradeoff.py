@@ -220,8 +220,7 @@ def rms_difference(
 def tradeoff_summary(
     setting: Setting, answers: list[dict[str, Any]], apart: list[dict[str, float | None]]
 ) -> dict[str, Any]:
-    """Row of a setting: median costs of `answers`, mean and spread of errors `apart` over seeds; None if a run
-    failed."""
+    """Row of a setting: median costs of `answers`, mean and spread over seeds of errors `apart`; None if one failed."""
     lost = next((answer for answer in answers if answer["outcome"] != "done"), None)
     row: dict[str, Any] = dict(setting.values) | {
         "setting": setting.line(),

@@ -110,7 +110,7 @@ def heaving_problem() -> Problem:
 
 def fit_columns(water: State) -> tuple[np.ndarray, np.ndarray]:
     """Least-squares problem for waves that leave the box and return: velocities (n, 4) [m/s] of waves of 1 m (leaving
-    cosine and sine, returning cosine and sine), and velocities (n,) [m/s] of the water beside the box."""
+    cosine, sine, returning cosine, sine), and (n,) [m/s] of the water, both components of particles beside the box."""
     (x, y), (u, v) = water.position[:, :2].T, water.velocity[:, :2].T
     far = np.abs(x)
     first, last = (share * WAVELENGTH for share in FIT_RANGE)

@@ -36,8 +36,8 @@ def poiseuille_profile(y: np.ndarray, time: float) -> np.ndarray:
 
 
 def gap_problem(exact: Profile, column: str, lid: list[float], force: float, coarse: bool) -> Problem:
-    """Set-up of the gap under a velocity (3,) [m/s] of its `lid` and a body `force` [m/s2]; `column`: in the published
-    table.
+    """Set-up of the gap under a lid of velocity `lid` (3,) [m/s] and a body `force` [m/s2]; `column`: see
+    `measure_profiles`.
 
     Compression follows the largest of V^2, nu V / L and F L, as Morris, Fox & Zhu (1997) advise.
     """
@@ -68,7 +68,7 @@ def gap_problem(exact: Profile, column: str, lid: list[float], force: float, coa
 
 
 def measure_profiles(simulation: Simulation, exact: Profile, column: str, times: list[float]) -> Finding:
-    """Run, and find the largest error of speed at each time [L^2 / nu]; `column`: of the table that the plot shows."""
+    """Run; find the largest error of speed at each time [L^2 / nu]; `column`: of the published table, to plot."""
     numbers, measured, expected = [], [], []
     data = table("analytic_poiseuille_couette")
     for time in times:

@@ -161,7 +161,7 @@ def section_keys(cells: int) -> dict[str, Any]:
 
 
 def measured_amplitudes(scenario: str = "heave+roll") -> dict[float, dict[str, float]]:
-    """Published amplitudes by wave period [s] and motion, over wave amplitude, roll over k a; means of repetitions."""
+    """Published amplitudes by wave period [s] and motion: over wave amplitude, roll over k a; mean of repetitions."""
     table = csv_file.read_columns(table_path("sundsdal2025_section"))
     found: dict[float, dict[str, float]] = {}
     for motion in FREE_MOTIONS[scenario]:

@@ -71,7 +71,8 @@ def tow_pressure(simulation: Simulation, u: float) -> tuple[float, np.ndarray]:
 
 
 def track_crests(simulation: Simulation, eta: np.ndarray, u: float) -> tuple[np.ndarray, np.ndarray, float]:
-    """Distances (n,) behind the pressure, elevations there (n,), wavelength, all [m]; `eta` (cells, rows), `u` [m/s]"""
+    """Distances behind the pressure (n,), elevations there (n,), and wavelength, all [m]; `eta`: elevation (cells,
+    rows) [m] behind a pressure of speed `u` [m/s]."""
     tile = sea_of(simulation).tile
     behind = np.arange(2.0 * np.pi * u**2 / GRAVITY, FREE_SHARE * TILE_SIDE, 0.01)
     points = np.stack([u * END_TIME - behind, np.zeros(len(behind))], axis=1)

@@ -166,7 +166,7 @@ def wave_problem(reynolds: float | None, coarse: bool, decay: dict[str, float], 
 
 
 def compare_wave(times: np.ndarray, share: np.ndarray, viscosity: float) -> Finding:
-    """Compare period and decay rate of a velocity `share` (n,) of that at the start with theory; viscosity [m2/s]."""
+    """Compare period and decay rate of `share`, velocity (n,) over that at the start, with theory; viscosity [m2/s]."""
     period, rate = DEEP_WAVE.fit_damped_cosine(times, share)
     expected, root = DEEP_WAVE.leading_rate(viscosity), DEEP_WAVE.viscous_root(viscosity)
     effective = rate / DEEP_WAVE.leading_rate(1.0)

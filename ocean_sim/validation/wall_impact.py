@@ -74,7 +74,7 @@ def measure(simulation: Simulation) -> Finding:
 
 
 def arrival_and_impulse(time: np.ndarray, pressure: np.ndarray) -> tuple[float, float]:
-    """Arrival time t* and impulse [p* t*] of a pressure p* (n,) at times t* (n,), smoothed by a moving mean."""
+    """Arrival time t* and impulse (p* integrated over t*) of a pressure p* (n,) at times t* (n,), after smoothing."""
     even = np.arange(0.0, END_TIME, 0.01)
     order = np.argsort(time, kind="stable")
     width = round(MEAN_TIME / 0.01)

@@ -96,8 +96,7 @@ def motion_gain(felt: np.ndarray, given: np.ndarray, every: float) -> float:
 
 
 def delayed_products(felt: np.ndarray, given: np.ndarray, every: float) -> np.ndarray:
-    """Cross-correlation (2 m + 1,) of signals (n,) at delays of -m to m rows of `every` [s]; (1,) NaN if one is
-    constant."""
+    """Cross-correlation (2 m + 1,) of two signals (n,) at delays of -m to m rows `every` [s]; one NaN if constant."""
     from scipy.signal import correlate
 
     a, b = felt - felt.mean(), given - given.mean()

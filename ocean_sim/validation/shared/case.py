@@ -30,7 +30,7 @@ class Promise:
     """Tolerance by scheme; the error of any other scheme is only reported."""
 
     def row(self, case: str, scheme: str, value: float | None, reference: float | None, error: float | None) -> dict:
-        """Row (keys: ROW_KEYS) of the results table for one run; `error` is in the promise's unit, None a miss."""
+        """Row of the results table for one run, keys ROW_KEYS; an error of None counts as outside the tolerance."""
         tolerance = self.tolerance.get(scheme)
         numbers = {"value": value, "reference": reference, "error": error}
         return {

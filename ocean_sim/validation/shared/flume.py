@@ -56,7 +56,7 @@ def reflection_ratio(
     k = waves.wavenumber(omega, depth)
 
     def wave_columns(x: np.ndarray, way: float) -> np.ndarray:
-        """Cosines, then sines, of k frequencies at n times at `x` (m,) [m]: (n m, 2 k); `way`: 1 to +x, -1 to -x."""
+        """Columns cos, sin of k waves, at n times and positions x (m,) [m]: (n m, 2 k); `way`: 1 to +x, -1 to -x."""
         angle = way * np.outer(x, k)[None] - np.outer(time, omega)[:, None]
         return np.concatenate([np.cos(angle), np.sin(angle)], axis=2).reshape(n * len(x), -1)
 

@@ -38,8 +38,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def flume_problem(far: int, begin: float, tolerance: float, coarse: bool, slow: bool = False) -> Problem:
-    """Set-up of a flume, gauges 1 and `far` wavelengths off, read from `begin` [s] on; `tolerance`: of the far one
-    [%]."""
+    """Set-up of a flume, gauges 1 and `far` wavelengths off, read from `begin` [s] on; `tolerance` [%]: far gauge."""
     zone = 0.5 * (GROUP_SPEED * (begin + RECORD_LENGTH) + far * WAVELENGTH)  # [m] from the piston to the zone
     waves_made = {"height": HEIGHT, "period": PERIOD}
     scene = flume_scene(zone + WAVELENGTH, DEPTH, DEPTH / (10 if coarse else 20), begin + RECORD_LENGTH, waves_made)

@@ -96,8 +96,7 @@ class Tilt:
     """Tilt angle by which gravity stands in for the slow part of a specific force, at a limited rate."""
 
     def __init__(self, frequency: float, rate: float, every: float) -> None:
-        """`frequency`: corner of the low-pass [rad/s]; `rate`: highest of the tilt [rad/s]; `every`: of the rows
-        [s]."""
+        """`frequency`: low-pass corner [rad/s]; `rate`: highest of the tilt [rad/s]; `every`: time between rows [s]."""
         self.slow = Filter([], second_order(frequency, 1.0), frequency**2, every)
         self.step, self.angle = rate * every, 0.0
 

@@ -52,7 +52,7 @@ class Commands(NamedTuple):
     cue: Cue  # the request of the washout
 
     def select(self, which: slice) -> "Commands":
-        """Copy with the rows that the slice `which` takes, in all columns."""
+        """Copy with the rows of a slice, in all columns."""
         cue = Cue(*(column[which] for column in self.cue))
         return Commands._make([*(column[which] for column in self[:-1]), cue])
 
@@ -87,11 +87,11 @@ class Platform(Protocol):
 
     @property
     def neutral_legs(self) -> np.ndarray:
-        """(6,) lengths of the legs in the neutral pose [m]."""
+        """Lengths (6,) of the legs in the neutral pose [m]."""
 
     def follow(self, ride: Ride) -> Commands:
         """Commands for the next rows of ship motion; the state of washout and legs is kept between calls."""
         ...
 
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
-        """Commands back to neutral after the poses `past` (2, 6), of which the last has a row `time` [s] and `seq`."""
+        """Commands back to neutral after the last poses `past` (2, 6); `time` [s] and `seq`: of the last one's row."""

@@ -65,12 +65,11 @@ class Config(PlatformConfig):
         ]
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """One row of the memory ledger: without fields, as the row of `platform_log` holds the cost."""
+        """One row of the memory ledger with no bytes of its own: the row of `platform_log` counts them."""
         kind = cast(WashoutConfig, self.washout).kind
         return [LedgerRow("platform", f"{kind} washout and six legs", 0, "for platform_log")]
 
     def build(self, every: float) -> "Moving":
-        """Build the platform for log rows that are `every` [s] apart."""
         return Moving(self, every)
 
 
@@ -107,8 +106,8 @@ class Moving:
         return Commands(ride.time, ride.seq, pose, legs, velocity, force, rate, limited, cue)
 
     def move_legs(self, legs: Legs, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Leg lengths (n, 6) [m], leg speeds (n, 6) [m/s], and bits (n,) of the limits that acted, for wanted poses (n,
-        6). Where legs cannot reach a pose in time, its row of `pose` is overwritten by the pose reached."""
+        """Lengths (n, 6) [m], speeds (n, 6) [m/s] and limit bits (n,) of the legs for wanted poses (n, 6). Where legs
+        cannot reach a pose in time, its row of `pose` is overwritten by the pose reached."""
         free = self.hexapod.legs(pose)
         within = np.clip(free, self.hexapod.low, self.hexapod.high)
         lengths, speeds, limited = legs.follow(within)
@@ -121,8 +120,7 @@ class Moving:
         return lengths, speeds, limited
 
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
-        """Commands that glide from poses `past` (2, 6), the last at `time` [s] in row `seq`, back to neutral within the
-        ramp, as far as acceleration and stroke of the legs allow; slow legs take more rows."""
+        """Commands that glide back to neutral within the ramp, longer for slow legs; arguments as in `Platform`."""
         lengths, every, machine = self.hexapod.legs(past), self.every, self.geometry
         longest = (
             machine.longest - machine.shortest

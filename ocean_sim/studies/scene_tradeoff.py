@@ -68,14 +68,13 @@ class Budget:
         return cls(text.strip(), float(found[1]) if found[1] else 1.0)
 
     def seconds(self, row: dict[str, Any]) -> float | None:
-        """Time [s] of the kind that the budget limits, from a row of costs: per simulated second, or in all with
-        compilation. The less of wall and processor time counts, as waiting or several cores raise one of them; None
-        without both."""
+        """Time [s] that the budget limits, from a row of costs: per simulated second, or in all with compilation. The
+        less of wall and processor time counts, as waiting or several cores raise one of them; None without both."""
         unit = "per_s" if self.name == "realtime" or self.name.endswith("ms") else "s"
         return min(filter(None, (row.get(f"wall_{unit}"), row.get(f"cpu_{unit}"))), default=None)
 
     def spent(self, row: dict[str, Any]) -> float | None:
-        """Time that a run, in a row of costs, took in the unit of the limit `most`; None if unknown."""
+        """Time that a run (a row of costs) took, in the unit of the limit `most`; None if unknown."""
         cost = self.seconds(row)
         return 1e3 * cost / 60.0 if cost is not None and self.name.endswith("ms") else cost
 
@@ -105,7 +104,6 @@ class Repeat:
     scene: SceneConfig
 
     def order(self) -> dict[str, Any]:
-        """Order (job description as plain data) of this run, for the process that executes it."""
         return run_order(self.scene)
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
@@ -129,7 +127,7 @@ def vary_setting(texts: list[str]) -> Varied:
 
 
 def finest_setting(key: str, values: list[Any]) -> Any:
-    """Finest value of a key: last in a known order, greatest for keys MORE_IS_FINER, else the least number."""
+    """Finest of the values of a key: last in a known order, greatest for keys MORE_IS_FINER, else the least number."""
     place, _, name = key.rpartition(".")
     if key in FROM_COARSE or (slot_of(place) in SLOTS and name == "kind"):
         order = FROM_COARSE.get(key) or from_coarse(slot_of(place))
@@ -203,7 +201,7 @@ def errors_against(result: Result, reference: Result) -> dict[str, float | None]
 
 
 def _of_waves(gauge: str, own: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> dict[str, float | None]:
-    """Differences of wave heights [m] and period [s] at a gauge between two tables; None where one holds no wave."""
+    """Differences of wave heights [m] and period [s] at a gauge, by name, between two tables; None without a wave."""
     a, b = (wave_heights(gauge, table["time_s"], table[f"{gauge}_m"]) for table in (own, other))
     return {key: abs(a[key] - b[key]) if a[key] is not None and b[key] is not None else None for key in b}  # type: ignore[operator]
 
@@ -211,7 +209,7 @@ def _of_waves(gauge: str, own: dict[str, np.ndarray], other: dict[str, np.ndarra
 def rms_difference(
     time: np.ndarray, values: np.ndarray, other_time: np.ndarray, others: np.ndarray, whole: float = np.inf
 ) -> float:
-    """Rms difference of two records over the times that both cover, NaN if none; `whole`: full turn, for angles."""
+    """Rms difference of two records at their shared times, NaN if none; `whole`: full turn [rad] of an angle."""
     shared = other_time[(other_time >= time[0]) & (other_time <= time[-1])]
     gap = np.interp(shared, time, values) - np.interp(shared, other_time, others)
     if np.isfinite(whole):
@@ -222,7 +220,7 @@ def rms_difference(
 def tradeoff_summary(
     setting: Setting, answers: list[dict[str, Any]], apart: list[dict[str, float | None]]
 ) -> dict[str, Any]:
-    """Row of a setting over its seeds: median costs, and mean and spread of errors `apart`, None if a run failed."""
+    """Row of a setting: median costs of `answers`, mean and spread over seeds of errors `apart`; None if one failed."""
     lost = next((answer for answer in answers if answer["outcome"] != "done"), None)
     row: dict[str, Any] = dict(setting.values) | {
         "setting": setting.line(),
@@ -250,21 +248,20 @@ def measure_names(rows: list[dict[str, Any]]) -> list[str]:
 
 
 def best_setting(rows: list[dict[str, Any]], by: str, budget: Budget) -> dict[str, Any] | None:
-    """Cheapest row within the budget whose error `by` exceeds the least by no more than the seeds' spread, or None."""
+    """Cheapest row within the budget whose error, column `by`, exceeds the least by at most the spread; else None."""
     able = [row for row in rows if row.get(by) is not None and (budget.spent(row) or np.inf) <= budget.most]
     if not able:
         return None
     least = min(able, key=lambda row: row[by])
 
     def alike(row: dict[str, Any]) -> bool:
-        """True if the row's error is no worse than the least one, within the spread over seeds."""
         return row[by] - least[by] <= max(one[f"{by}_spread"] or 0.0 for one in (row, least))
 
     return min(filter(alike, able), key=lambda row: budget.spent(row) or np.inf)
 
 
 def clocks_differ(rows: list[dict[str, Any]]) -> str:
-    """Sentence that wall and processor time of the rows differ, and why; empty if within a factor CLOCKS_APART."""
+    """Sentence for the user if wall and processor time differ by more than a factor CLOCKS_APART, else empty."""
     shares = [row["wall_per_s"] / row["cpu_per_s"] for row in rows if row["wall_per_s"] and row["cpu_per_s"]]
     share = median(shares) if shares else 1.0
     if 1.0 / CLOCKS_APART <= share <= CLOCKS_APART:

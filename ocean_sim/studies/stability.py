@@ -106,7 +106,6 @@ class Spot:
     scene: SceneConfig
 
     def order(self) -> dict[str, Any]:
-        """Order (job description as plain data) of this run, for the process that executes it, on one thread."""
         return run_order(self.scene, 1)
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
@@ -164,7 +163,7 @@ def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
 def verdict_of(
     answer: dict[str, Any], accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool
 ) -> tuple[str, str, dict[str, float]]:
-    """Verdict (VERDICT_WORDS), its reason, and its numbers: relative gain of energy, greatest mean compression."""
+    """Verdict (of VERDICT_WORDS), its reason, and energy gain and greatest mean compression; `driven`: a wind acts."""
     gain, dense = (
         energy_gain(accuracy, scene, driven),
         float(np.max(accuracy.get("compression_mean", [0.0]), initial=0.0)),
@@ -187,7 +186,7 @@ def verdict_of(
 
 
 def energy_gain(accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool) -> float:
-    """Largest unexplained gain of energy over mass times squared reference speed, 0 without a table. `driven`: wind
+    """Largest unexplained gain of energy over mass times squared reference speed, 0 without a table; `driven`: wind
     work is subtracted. Walls at rest do no work, whatever a scheme books for single forces."""
     if not len(accuracy.get("kinetic_energy_J", ())):
         return 0.0

@@ -58,7 +58,6 @@ class Planned:
     planned: dict[str, Any]
 
     def order(self) -> dict[str, Any]:
-        """Order (job description as plain data) of this run, for the process that executes it."""
         return self.planned
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
@@ -93,7 +92,7 @@ def read_plan(path: Path, threads: int | None = None) -> list[Planned]:
 
 
 def _grid_settings(node: Node) -> Iterator[Settings]:
-    """Yield the settings of each run of a plan, by key; every value knows its location in the file."""
+    """Yield the settings of each run of a plan, by key; each value knows its line in the plan file."""
     listed, grid, seeds = (node.child(key) for key in ("list", "grid", "seeds"))
     groups = [group.data for group in listed.data] if listed is not None else [{}]
     keys = list(grid.data) if grid is not None else []
@@ -110,7 +109,7 @@ def _without_pictures(settings: Settings) -> Settings:
 
 
 def _run_order(plan: Node, settings: Settings, found: Problem) -> Problem:
-    """Problem of a scene, located in the plan if it has no line of a file or concerns a part that the plan sets."""
+    """Copy of `found`, a scene's problem, located in the plan if it has no line or concerns a key that the plan set."""
     touched = [value for key, value in settings.items() if key.split(".")[0] == found.key.split(".")[0]]
     if found.line is not None and found.file != plan.location.file and touched:
         message = f"{found.message} (together with {found.file}:{found.line})"

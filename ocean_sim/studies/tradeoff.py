@@ -66,7 +66,7 @@ class Trial:
 
     @property
     def schemes(self) -> tuple[str, ...]:
-        """Kinds of the slot under which the case is run."""
+        """Names of the schemes, kinds of the slot `slot`, with which the case is run."""
         return self.only or compared(self.slot)
 
 
@@ -105,7 +105,6 @@ class Point:
     patience: float
 
     def order(self) -> dict[str, Any]:
-        """Order (job description as plain data) of this run, for the process that executes it."""
         given = (self.trial.case, self.trial.set_up, self.coarse, self.scheme, self.settings, self.patience)
         return run_order(*given)
 
@@ -193,8 +192,7 @@ def pareto_front(pairs: list[tuple[float, float]]) -> list[int]:
 def equal_cost_rows(rows: list[dict[str, Any]], speed: str) -> list[dict[str, Any]]:
     """Best row of each scheme in each case, at equal time (column `speed`) and at equal numbers of particles.
 
-    At equal time it is the least error of each scheme within the time of the slowest scheme's cheapest run; at equal
-    number, for every number, that of each scheme with its defaults.
+    Equal time is that of the slowest scheme's cheapest run; equal numbers are compared with default settings only.
     """
     done = [row for row in rows if row.get("error") is not None and row.get(speed)]
     found = []

@@ -25,7 +25,6 @@ PROMISES = (Promise("reflection", "%", "three gauges; 2 %, linear theory", {"del
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: a flume, with 80 (coarse: 40) particles to the wavelength."""
     spacing = WAVELENGTH / (40 if coarse else 80)
     scene = flume_scene(LENGTH, DEPTH, spacing, RECORD_START + 8.0 * PERIOD, {"height": HEIGHT, "period": PERIOD})
     return [Problem(scene, PROMISES, measure, slow=not coarse)]
@@ -38,7 +37,6 @@ def theoretical_reflection() -> float:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Run the flume and measure its reflection by three gauges, next to that of linear theory."""
     points = np.stack([GAUGE_POSITIONS, 0.0 * GAUGE_POSITIONS], axis=1)
     time, found = resample_evenly(*gauge_records(simulation, points, SAMPLE_INTERVAL), RECORD_START, SAMPLE_INTERVAL)
     back = reflection_ratio(SAMPLE_INTERVAL, found, GAUGE_POSITIONS, DEPTH, (0.7 / PERIOD, 1.3 / PERIOD))

@@ -43,7 +43,7 @@ def square_problem(precision: str, coarse: bool) -> Problem:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Run STEP_COUNT steps from random velocities; largest relative losses of linear and angular momentum in a step."""
+    """Run STEP_COUNT steps from random velocities; measure the largest relative loss of either momentum in a step."""
     before = particle_state(simulation)
     set_state(simulation, before.position, random_shifts(simulation, before.position, START_SPEED))
     before = particle_state(simulation)

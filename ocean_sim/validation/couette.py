@@ -7,12 +7,11 @@ from ocean_sim.validation.shared.case import Problem
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: the gap under a moving lid; coarse: with twice the particle spacing, and shorter."""
     return [gap_problem(couette_profile, "u_couette", [FINAL_SPEED, 0.0, 0.0], 0.0, coarse)]
 
 
 def couette_profile(y: np.ndarray, time: float) -> np.ndarray:
-    """Exact speed (n,) over that of the upper plate, at heights `y` (n,) [L] and a time [L^2 / nu]."""
+    """Exact speed (n,) over that of the upper plate, at heights `y` (n,) in gap widths L and a time [L^2 / nu]."""
     waves = np.sin(np.pi * np.outer(y, SERIES_TERMS)) * np.exp(-((SERIES_TERMS * np.pi) ** 2) * time)
     waves = waves * (-1.0) ** SERIES_TERMS / SERIES_TERMS
     return y + 2.0 / np.pi * waves.sum(axis=1)

@@ -112,14 +112,14 @@ def measure_gated(simulation: Simulation) -> Finding:
 
 
 def front_record(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
-    """Run to the end: scaled times T (n,), and distances (n,) of the front from the wall in widths of the column."""
+    """Run to the end: scaled times T (n,), and distances Z (n,) of the front from the wall in widths of the column."""
     every = simulation.scene.duration / 60
     times, front = record_run(simulation, every, lambda water: front_position(water.position, water.spacing))
     return scaled_time(times, GRAVITY, WIDTH), (front - simulation.basin.lower[0]) / WIDTH
 
 
 def table_curves(tables: dict[str, str]) -> list[Curve]:
-    """Curves of tables (file name by label), to plot as points up to LAST_TIME."""
+    """Curves of published fronts up to LAST_TIME, to plot as points; `tables`: name of the data file by label."""
     curves = []
     for label, file in tables.items():
         known = table(file)
@@ -131,15 +131,15 @@ def table_curves(tables: dict[str, str]) -> list[Curve]:
 def front_distance(
     known: dict[str, np.ndarray], time: np.ndarray, z: np.ndarray, delay: float = 0.0
 ) -> tuple[float, float, float]:
-    """Mean front of a run Z(T), mean of a `known` one (columns T, Z) at its own times, and their mean distance [%];
-    `delay`: scaled time of the release on the known one's clock."""
+    """Mean z of a run's front (n,) and of a `known` table (columns T, Z), and mean distance between them [%], over the
+    table's times; `delay`: scaled time of the release on the table's clock."""
     at = (known["T"] >= FIRST_TIME) & (known["T"] <= LAST_TIME)
     seen, wanted = np.interp(known["T"][at] - delay, time, z), known["Z"][at]
     return float(seen.mean()), float(wanted.mean()), 100.0 * float(np.mean(np.abs(seen / wanted - 1.0)))
 
 
 def compare_front(time: np.ndarray, z: np.ndarray) -> Finding:
-    """Compare a front Z (n,) at scaled times T (n,) with all experiments and computations, at the times of each."""
+    """Compare a front at distances z (n,), at scaled times (n,), with all experiments and computations."""
     numbers = [front_distance(table(file), time, z) for file in EXPERIMENTS.values()]
     numbers += [front_distance(table(file), time, z, LETHE_DELAY) for file in MARTIN_MOYCE.values()]
     for file in EXPERIMENTS.values():

@@ -25,7 +25,6 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: the drop of radius 1 m with 40 (coarse: 10) particles to its radius."""
     spacing = 0.1 if coarse else 0.025
     scene = {
         "duration": END_TIME / STRAIN_RATE,
@@ -47,10 +46,9 @@ def disc_rows(spacing: float) -> list[dict]:
 
 
 def exact_ellipse(end: float, steps: int = 2000) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times A0 t, minor and major semi-axes [m], (steps + 1,) each, up to A0 t = `end`, by Runge-Kutta."""
+    """Times A0 t, minor and major semi-axes [m], each (steps + 1,), up to A0 t = `end`, by Runge-Kutta."""
 
     def change(y: np.ndarray) -> np.ndarray:
-        """Derivatives by A0 t of strain rate (over A0) and minor semi-axis [m]."""
         rate, minor = y
         return np.array([rate**2 * (minor**4 - 1.0) / (minor**4 + 1.0), -minor * rate])
 

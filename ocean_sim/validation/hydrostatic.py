@@ -78,7 +78,7 @@ def measure_long(simulation: Simulation) -> Finding:
     low, up = np.array(simulation.basin.lower), np.array(simulation.basin.upper)
 
     def motion(water: State) -> tuple[float, float, int]:
-        """Kinetic energy over m g H, height of the centre of mass [m] and number of particles outside."""
+        """Kinetic energy over m g H, height of the centre of mass [m], and number of particles outside the tank."""
         energy = water.kinetic_energy / (water.mass * len(water.position) * g * depth)
         out = (water.position < low) | (water.position > up)
         return energy, water.position[:, 1].mean(), out[:, :2].any(axis=1).sum()

@@ -34,7 +34,6 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: a flume, with 200 (coarse: 40) particles to the peak wavelength."""
     spectrum = {"significant_wave_height": HEIGHT, "peak_period": PERIOD, "seed": SEED, "cut_off": 2.0}
     spacing = WAVELENGTH / (40 if coarse else 200)
     scene = flume_scene(LENGTH, DEPTH, spacing, RECORD_START + 20.0 * PERIOD, {"spectrum": spectrum})
@@ -42,7 +41,6 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Run, and compare sea state and reflection, once the shortest waves have arrived, with linear theory."""
     away = np.stack([GAUGE_DISTANCE + GAUGE_POSITIONS, 0.0 * GAUGE_POSITIONS], axis=1)
     piston = simulation.basin.piston
     assert piston is not None

@@ -43,7 +43,6 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: the dam break with 20 (coarse: 8) particles over the depth of the water."""
     low, bed = -LENGTH / 2, -DEPTH
     box = {
         "min": [low + FACE_DISTANCE, bed, -BOX_WIDTH / 2],
@@ -69,7 +68,6 @@ def sensor_positions() -> np.ndarray:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Run, record all height gauges and pressure sensors over time, and compare them with the measured table."""
     fluid, sensors = simulation.fluid, sensor_positions()
     probes = np.array([(away - LENGTH / 2, 0.0) for away in HEIGHT_GAUGES.values()])
     times, values = record_run(
@@ -91,7 +89,7 @@ def arrival_time(time: np.ndarray, channel: np.ndarray, threshold: float) -> flo
 
 
 def compare_channels(time: np.ndarray, channels: dict[str, np.ndarray]) -> Finding:
-    """Compare heights [m] and pressures [Pa] (n,) by channel name, at times (n,) [s], with the measured table."""
+    """Compare `channels`, heights [m] and pressures [Pa] (n,) by name, at times (n,) [s], with the measured table."""
     data = table(CHANNEL_TABLE)
     found: dict[str, Number] = {}
     within = (data["t"] <= END_TIME) & (data["t"] <= time[-1] + SAMPLE_INTERVAL)

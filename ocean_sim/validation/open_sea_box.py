@@ -57,7 +57,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def floating_problem(name: str, speed: float) -> Problem:
-    """Set-up of the box in a patch, held in sway or towed at a speed [m/s] along x; a larger patch checks the first."""
+    """Set-up of the box in waves, held in sway or towed at a speed [m/s] along x, on a patch and on a larger one."""
     moves = SHIP_MOTIONS if speed == 0.0 else ("sway", *SHIP_MOTIONS)
     source, within = "linear_waves, with its table", THEORY_TOLERANCE if speed == 0.0 else None
     small_patch, larger_patch = f"{FREE_LENGTHS[0]:g} of them free", f", {FREE_LENGTHS[1]:g} wavelengths free"
@@ -65,7 +65,6 @@ def floating_problem(name: str, speed: float) -> Problem:
     promises += [motion_promise(f"{name}: {motion}{larger_patch}", PATCH_TOLERANCE, small_patch) for motion in MOTIONS]
 
     def measure(simulation: Simulation) -> Finding:
-        """Run both patches; compare motions with linear theory, and those of the larger patch with the smaller."""
         exact, small = closed_form_motions(simulation, speed), follow_motions(simulation, speed)
         with other_simulation(simulation, patch_scene(FREE_LENGTHS[1], moves)) as larger:
             large = follow_motions(larger, speed)
@@ -79,13 +78,12 @@ def floating_problem(name: str, speed: float) -> Problem:
 
 
 def heaving_problem() -> Problem:
-    """Set-up of the box in forced heave in calm water: height of waves that the rim sends back over those radiated."""
+    """Set-up of the box in forced heave in calm water: waves that the rim returns over those that the box sends [%]."""
     back = Promise("heaving: wave that comes back, over that which leaves", "%", "none; 5 %", {"pressure": 5.0})
     scene = patch_scene(FREE_LENGTHS[0], ["heave"])
     scene["sea"] = {"kind": "linear_waves", "rim": scene["sea"]["rim"]}
 
     def measure(simulation: Simulation) -> Finding:
-        """Run with forced heave, and fit radiated and returned waves to the velocities of the water."""
         omega, rows, values, nexts = 2.0 * pi / PERIOD, [], [], (RUN_PERIODS - JUDGED_PERIODS) * PERIOD
         began = float(ship_of(simulation).body.position[1])
         while simulation.time < RUN_PERIODS * PERIOD:
@@ -111,8 +109,8 @@ def heaving_problem() -> Problem:
 
 
 def fit_columns(water: State) -> tuple[np.ndarray, np.ndarray]:
-    """Velocities (n, 4) [m/s] of waves of 1 m, cosine and sine, leaving and returning, for a least-squares fit, and
-    those of the water (n,) [m/s]: both components of all particles in FIT_RANGE on either side of the box."""
+    """Least-squares problem for waves that leave the box and return: velocities (n, 4) [m/s] of waves of 1 m (leaving
+    cosine, sine, returning cosine, sine), and (n,) [m/s] of the water, both components of particles beside the box."""
     (x, y), (u, v) = water.position[:, :2].T, water.velocity[:, :2].T
     far = np.abs(x)
     first, last = (share * WAVELENGTH for share in FIT_RANGE)
@@ -129,7 +127,7 @@ def fit_columns(water: State) -> tuple[np.ndarray, np.ndarray]:
 
 
 def motion_promise(quantity: str, within: float | None, source: str) -> Promise:
-    """Promise of heave over wave amplitude, or pitch over wave slope; `within`: tolerance [%], None to report only."""
+    """Promise of a motion `quantity` over wave amplitude, or over wave slope if pitch; `within`: tolerance [%]."""
     over = "k a" if "pitch" in quantity else "a"
     if within is None:
         return Promise(f"{quantity} [{over}]", "%", f"{source}; reported")
@@ -137,7 +135,7 @@ def motion_promise(quantity: str, within: float | None, source: str) -> Promise:
 
 
 def patch_scene(free: float, moves: Sequence[str]) -> dict[str, Any]:
-    """Scene of a box, free in the motions `moves`, on a patch with `free` wavelengths between its rims."""
+    """Scene of a box on a patch with `free` wavelengths between its rims; `moves`: names of the box's free motions."""
     rim = {"width": RIM_WIDTH * WAVELENGTH}
     return {
         "duration": RUN_PERIODS * PERIOD,
@@ -154,7 +152,7 @@ def patch_scene(free: float, moves: Sequence[str]) -> dict[str, Any]:
 
 
 def box_keys(moves: Sequence[str]) -> dict[str, Any]:
-    """Ship keys of the box, free in the motions `moves`."""
+    """Ship keys of the box; `moves`: names of its free motions."""
     whole = ship_of_section(BREADTH, HEIGHT, BILGE, LENGTH, MASS, KG, ROLL_RADIUS, cells=12)
     return whole | {"free": list(moves)}
 
@@ -168,7 +166,7 @@ class ImposedMotion(NamedTuple):
 
 
 def impose_motion(simulation: Simulation, axis: int, moved: ImposedMotion) -> None:
-    """Move the box along a world axis (0 x, 1 y) as prescribed, despite all forces, and tell the water its state."""
+    """Move the box along a world axis (0 x, 1 y) as prescribed by `moved`, despite forces; tell the water its state."""
     ship = ship_of(simulation)
     position, velocity = ship.body.position.copy(), ship.body.velocity.copy()
     position[axis], velocity[axis] = moved.place, moved.speed
@@ -180,7 +178,7 @@ def impose_motion(simulation: Simulation, axis: int, moved: ImposedMotion) -> No
 
 
 def motion_amplitudes(rows: np.ndarray, speed: float) -> list[float]:
-    """Amplitudes of heave and pitch over the last periods, from rows (n, 3) of `follow_motions` at a speed [m/s]."""
+    """Amplitudes of heave and pitch over the last wave periods; `rows` (n, 3), `speed` [m/s]: of `follow_motions`."""
     t = rows[:, 0]
     last = t > t[-1] - JUDGED_PERIODS * PERIOD
     encounter = 2.0 * pi / PERIOD - WAVENUMBER * speed  # [rad/s]
@@ -188,13 +186,12 @@ def motion_amplitudes(rows: np.ndarray, speed: float) -> list[float]:
 
 
 def motion_curves(rows: np.ndarray, suffix: str = "") -> list[Curve]:
-    """Curves of heave and pitch over time, from rows (n, 3) of `follow_motions`; `suffix` ends their labels."""
+    """Curves of heave and pitch over time, from rows (n, 3) of `follow_motions`; `suffix`: end of their labels."""
     return [Curve(f"{motion}{suffix}", rows[:, 0] / PERIOD, rows[:, k + 1]) for k, motion in enumerate(MOTIONS)]
 
 
 def follow_motions(simulation: Simulation, speed: float) -> np.ndarray:
-    """Run the box, held in sway or towed at a speed [m/s] along x: rows (n, 3) of time [s], heave over wave amplitude,
-    pitch over wave slope."""
+    """Run the box at a speed [m/s] along x: rows (n, 3) of time [s], heave / wave amplitude, pitch / wave slope."""
     rows, x, before, last = [], 0.0, 0.0, 0.0
     for time, body in follow_body(simulation, RUN_PERIODS * PERIOD):
         if speed != 0.0:
@@ -209,7 +206,7 @@ def follow_motions(simulation: Simulation, speed: float) -> np.ndarray:
 
 
 def closed_form_motions(simulation: Simulation, speed: float) -> np.ndarray:
-    """Rows (n, 3) as by `follow_motions`, of the box in `linear_waves`; sway is imposed, so it cannot turn the box."""
+    """Rows (n, 3) as `follow_motions` returns, of the same box in `linear_waves`, moved along x at a speed [m/s]."""
     extra = {"kind": "dynamic", "radiation": str(table_path("box_radiation")), "damping": {"cross_flow": 0.0}}
     of_waves = {"height": 2.0 * AMPLITUDE, "period": PERIOD, "heading_deg": 90.0}
     scene = at_sea(box_keys(SHIP_MOTIONS) | extra, BREADTH, PERIOD / PERIOD_STEPS, RUN_PERIODS * PERIOD, **of_waves)

@@ -79,8 +79,8 @@ def regular_problem(
     slow: bool = False,
     kind: str = "linear_waves",
 ) -> Problem:
-    """Set-up of a wave of steepness `ka` in a sea, around a point at a `speed` [group speeds], for so many periods;
-    tolerances `within` [%] of height and `degrees` of phase."""
+    """Set-up of a wave of steepness `ka`, seen from a point that moves at a `speed` [group speeds], for so many wave
+    periods; `particles` to the wavelength; tolerances `within` [%] of height and `degrees` of phase."""
     where = "at rest" if speed == 0.0 else f"at {speed:+g} group speeds"
     name = f"ka {ka:g}, {where}" + ("" if kind == "linear_waves" else ", nonlinear")
     height = Promise(f"{name}: height over that of the sea", "%", f"{SOURCE_TEXT}; {within:g} %", {"delta_sph": within})
@@ -92,8 +92,7 @@ def regular_problem(
 
 
 def fit_wave(water: State, amplitude: float, at: float) -> tuple[complex, float]:
-    """Complex height of the wave near x = `at` [m] over `amplitude` [m], that of the sea, and current [m/s], by least
-    squares of the velocities of the water there."""
+    """Complex wave height near x = `at` [m] over the sea's `amplitude` [m], and current [m/s], by fit to velocities."""
     x, y = water.position[:, 0], water.position[:, 1]
     far = (x - at + 0.5 * PATCH_LENGTH * LENGTH) % (PATCH_LENGTH * LENGTH) - 0.5 * PATCH_LENGTH * LENGTH
     near = (np.abs(far) < FIT_DISTANCE * LENGTH) & (y < -amplitude) & (y > LOWEST_FIT * DEPTH)
@@ -108,7 +107,7 @@ def fit_wave(water: State, amplitude: float, at: float) -> tuple[complex, float]
 
 
 def measure_regular(simulation: Simulation, amplitude: float, speed: float) -> Finding:
-    """Run; height, phase and current around a point at a `speed` [m/s], in a sea of this `amplitude` [m]."""
+    """Run; measure wave height, phase and current at a point moving at `speed` [m/s]; `amplitude`: of the sea [m]."""
     time, fits = record_run(
         simulation, PERIOD / PERIOD_SAMPLES, lambda water: fit_wave(water, amplitude, speed * water.time)
     )
@@ -126,7 +125,7 @@ def measure_regular(simulation: Simulation, amplitude: float, speed: float) -> F
 
 
 def linear_wave_share(simulation: Simulation, time: np.ndarray) -> np.ndarray:
-    """Complex height (n,) of the surrounding sea over that of its linear waves, at rising times (n,) [s]."""
+    """Complex wave height (n,) of the sea around the patch over that of a linear wave, at increasing times (n,) [s]."""
     around_it = relaxation_band(with_particles(simulation.fluid).config.lattice(simulation.basin))
     if around_it is None or around_it.sea is None or around_it.nonlinear is None:
         return np.ones(len(time), dtype=complex)
@@ -142,7 +141,7 @@ def linear_wave_share(simulation: Simulation, time: np.ndarray) -> np.ndarray:
 
 
 def packet_problem(width: float, within: float) -> Problem:
-    """Set-up of a wave packet in a calm sea, with a rim of a width [wavelengths]; `within`: tolerance [%]."""
+    """Set-up of a wave packet in a calm sea, with a rim of a `width` [wavelengths]; `within`: height tolerance [%]."""
     quantity = f"rim of {width:g} wavelengths: height of a packet that returns once round"
     promise = Promise(quantity, "%", f"none; {within:g} %", {"delta_sph": within})
     periods = PACKET_WAY * LENGTH / GROUP_SPEED / PERIOD + 1.0
@@ -178,7 +177,7 @@ def measure_packet(simulation: Simulation) -> Finding:
 
 
 def fit_heights(water: State, sea: waves.Components) -> np.ndarray:
-    """Complex heights (k,) [m] of a sea's k waves, whichever way they run, from the velocities below the troughs."""
+    """Complex heights (k,) [m] of the k waves of a sea, either way they run, fitted to velocities below the troughs."""
     x, y = water.position[:, 0], water.position[:, 1]
     deep = (y < -PACKET_SLOPE / K * 2.0) & (y > LOWEST_FIT * DEPTH)
     angle = x[deep, None] * sea.wavenumber
@@ -192,13 +191,13 @@ def fit_heights(water: State, sea: waves.Components) -> np.ndarray:
 
 
 def part_directions(found: np.ndarray, omega: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Split complex heights (n, m) at times (n,) [s] over a period into those that travel ahead and back, (m,) each."""
+    """Split heights `found` (n, m) of waves of frequencies `omega` (m,) [rad/s], at times (n,) [s] over a period, into
+    those of waves that travel ahead and back, (m,) each."""
     turned = np.exp(1j * omega * time[:, None])
     return (found * turned.conj()).mean(axis=0), (found * turned).mean(axis=0)
 
 
 def random_problem() -> Problem:
-    """Set-up of a random sea with a JONSWAP spectrum."""
     spectrum = {"significant_wave_height": HEIGHT, "peak_period": PERIOD, "cut_off": 2.0, "seed": SEED}
     promises = (
         Promise("JONSWAP: 4 sqrt m0 in the free part [m]", "%", f"{SOURCE_TEXT}; 6 %", {"delta_sph": 6.0}),
@@ -210,7 +209,7 @@ def random_problem() -> Problem:
 
 
 def measure_random(simulation: Simulation) -> Finding:
-    """Run, and compare height and phase in the free part, over the second half of the run, with linear theory."""
+    """Run; compare height and phase between the rims, over the second half of the run, with linear theory."""
     sea = patch_waves(simulation.basin, simulation.fluid.spacing)
     assert sea is not None
     half = (0.5 * RANDOM_PATCH - RANDOM_RIM) * LENGTH

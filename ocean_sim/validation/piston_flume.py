@@ -38,7 +38,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def flume_problem(far: int, begin: float, tolerance: float, coarse: bool, slow: bool = False) -> Problem:
-    """Set-up of a flume with gauges 1 and `far` wavelengths away, read from `begin` [s] on; `tolerance` [%] at far."""
+    """Set-up of a flume, gauges 1 and `far` wavelengths off, read from `begin` [s] on; `tolerance` [%]: far gauge."""
     zone = 0.5 * (GROUP_SPEED * (begin + RECORD_LENGTH) + far * WAVELENGTH)  # [m] from the piston to the zone
     waves_made = {"height": HEIGHT, "period": PERIOD}
     scene = flume_scene(zone + WAVELENGTH, DEPTH, DEPTH / (10 if coarse else 20), begin + RECORD_LENGTH, waves_made)
@@ -52,7 +52,6 @@ def flume_problem(far: int, begin: float, tolerance: float, coarse: bool, slow: 
     away = (1, far)
 
     def measure(simulation: Simulation) -> Finding:
-        """Run, and compare the harmonics at both gauges with linear theory."""
         piston, distances = simulation.basin.piston, WAVELENGTH * np.array(away)
         assert piston is not None
         gauges = np.stack([simulation.basin.lower[0] + distances, np.zeros(2)], axis=1)
@@ -93,7 +92,8 @@ def first_harmonic(times: np.ndarray, signal: np.ndarray) -> complex:
 def compare_harmonics(
     times: np.ndarray, elevation: np.ndarray, theory: np.ndarray, stroke: float, away: tuple[int, int]
 ) -> Finding:
-    """Compare elevations (n, 2) [m] `away` wavelengths from a piston of a stroke [m] with linear theory (n, 2)."""
+    """Compare elevations (n, 2) [m] at times (n,) [s], `away` wavelengths from a piston of a `stroke` [m], with those
+    of linear `theory` (n, 2) [m]."""
     late = times >= times[-1] - RECORD_LENGTH
     near, far = (first_harmonic(times[late], column[late]) for column in elevation.T)
     near_theory, far_theory = (first_harmonic(times[late], column[late]) for column in theory.T)

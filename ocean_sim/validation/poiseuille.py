@@ -24,21 +24,20 @@ Profile = Callable[[np.ndarray, float], np.ndarray]
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: the gap under a body force; coarse: with twice the particle spacing, and shorter."""
     force = 8.0 * FINAL_SPEED  # u_max = F L^2 / (8 nu)
     return [gap_problem(poiseuille_profile, "u_poiseuille", [0.0, 0.0, 0.0], force, coarse)]
 
 
 def poiseuille_profile(y: np.ndarray, time: float) -> np.ndarray:
-    """Exact speed (n,) under a body force, over u_max, at heights `y` (n,) [L] and a time [L^2 / nu]."""
+    """Exact speed (n,) under a body force, over u_max, at heights `y` (n,) in gap widths L and a time [L^2 / nu]."""
     odd = 2.0 * SERIES_TERMS - 1.0
     waves = np.sin(np.pi * np.outer(y, odd)) * np.exp(-((odd * np.pi) ** 2) * time) / odd**3
     return 4.0 * y * (1.0 - y) - 32.0 / np.pi**3 * waves.sum(axis=1)
 
 
 def gap_problem(exact: Profile, column: str, lid: list[float], force: float, coarse: bool) -> Problem:
-    """Set-up of the gap, periodic along it, under a velocity of the `lid` [m/s] and a body force [m/s2]; the plot shows
-    `column` of the published table.
+    """Set-up of the gap under a lid of velocity `lid` (3,) [m/s] and a body `force` [m/s2]; `column`: see
+    `measure_profiles`.
 
     Compression follows the largest of V^2, nu V / L and F L, as Morris, Fox & Zhu (1997) advise.
     """
@@ -69,7 +68,7 @@ def gap_problem(exact: Profile, column: str, lid: list[float], force: float, coa
 
 
 def measure_profiles(simulation: Simulation, exact: Profile, column: str, times: list[float]) -> Finding:
-    """Run, and compare profiles of speed at times [L^2 / nu] with the exact one; largest error at each."""
+    """Run; find the largest error of speed at each time [L^2 / nu]; `column`: of the published table, to plot."""
     numbers, measured, expected = [], [], []
     data = table("analytic_poiseuille_couette")
     for time in times:

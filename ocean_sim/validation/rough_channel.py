@@ -45,7 +45,6 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: a channel, with 10 (coarse: 5) layers of particles."""
     layers = 5 if coarse else 10
     spacing = DEPTH / layers
     scene = {

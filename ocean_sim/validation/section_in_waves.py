@@ -56,7 +56,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def closed_form_problem(scenario: str, coarse: bool = False) -> Problem:
-    """Set-up of all wave periods of a scenario of FREE_MOTIONS, one after the other, in closed-form waves."""
+    """Set-up of all wave periods of a scenario of FREE_MOTIONS, one after another, in closed-form waves."""
     seen, freed = measured_amplitudes(scenario), FREE_MOTIONS[scenario]
     periods = sorted(seen, reverse=True)[1:3] if coarse else sorted(seen, reverse=True)
     pairs = [(period, motion) for period in periods for motion in freed if motion in seen[period]]
@@ -71,7 +71,6 @@ def closed_form_problem(scenario: str, coarse: bool = False) -> Problem:
     )
 
     def measure(simulation: Simulation) -> Finding:
-        """Run all periods, and compare motions with those measured."""
         found = {period: wave_response(simulation, period) for period in periods}
         numbers = [percent_error(found[period][motion], seen[period][motion]) for period, motion in pairs]
         curves, expected = [], []
@@ -162,7 +161,7 @@ def section_keys(cells: int) -> dict[str, Any]:
 
 
 def measured_amplitudes(scenario: str = "heave+roll") -> dict[float, dict[str, float]]:
-    """Measured amplitudes by period [s] and motion: over the wave amplitude a, roll over k a; means of repetitions."""
+    """Published amplitudes by wave period [s] and motion: over wave amplitude, roll over k a; mean of repetitions."""
     table = csv_file.read_columns(table_path("sundsdal2025_section"))
     found: dict[float, dict[str, float]] = {}
     for motion in FREE_MOTIONS[scenario]:
@@ -174,7 +173,7 @@ def measured_amplitudes(scenario: str = "heave+roll") -> dict[float, dict[str, f
 
 
 def wave_response(simulation: Simulation, period: float) -> dict[str, float]:
-    """Run in a regular wave of a period [s]; amplitudes of sway and heave over a, and roll over k a."""
+    """Run in a regular wave of a period [s]; amplitudes by motion: sway, heave over wave amplitude a, roll over k a."""
     rest, omega = KG - floating_ship(simulation).hydrostatics.draught, 2.0 * pi / period
     t, sway, heave, _, _, _, roll = record_in_waves(simulation, rest, 2.0 * AMPLITUDE, period, 90.0)
     sway, heave, roll = first_harmonics(t, np.stack([sway, heave, roll], axis=1), omega) / AMPLITUDE

@@ -79,7 +79,6 @@ def trim_problem() -> Problem:
     )
 
     def measure(simulation: Simulation) -> Finding:
-        """Compare the trim of the balanced barge with the closed form."""
         ship = ship_of(simulation)
         return Finding([percent_error(-degrees(ship.body.angles[0]), degrees(BARGE_TRIM))])
 

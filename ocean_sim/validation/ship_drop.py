@@ -37,7 +37,6 @@ def drop_problem(name: str, keys: dict[str, Any], limit: float, coarse: bool) ->
     promise = Promise(f"{name}: rms of heave [m]", "m", "OES Task 10, mean of six; their spread", {"dynamic": limit})
 
     def measure(simulation: Simulation) -> Finding:
-        """Drop the sphere, and compare its heave with the mean of the participants."""
         real = table("oes_task10_sphere_1m")
         others = np.stack([column for name, column in real.items() if name != "time_s"])
         ship = ship_of(simulation)

@@ -64,7 +64,6 @@ def thesis_problem() -> Problem:
     )
 
     def measure(simulation: Simulation) -> Finding:
-        """Compare the righting levers with COLUMN_LEVERS."""
         found = righting_levers(simulation, np.array(list(COLUMN_LEVERS)))
         return Finding([absolute_error(*pair) for pair in zip(found, COLUMN_LEVERS.values(), strict=True)])
 

@@ -20,7 +20,6 @@ TOLERANCE, SOURCE_TEXT = {"manoeuvring": 0.5}, "PythonVehicleSimulator, otter.py
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Set-ups to run: a straight run and a turn, both independent of `coarse`."""
     ahead = {"throttle": 100.0 / MAX_PROPELLER_RATE}
     turn = {"throttle": 80.0 / MAX_PROPELLER_RATE, "rudder": -20.0 / MAX_PROPELLER_RATE * MAX_RUDDER}
     straight = tuple(Promise(name, "%", SOURCE_TEXT, TOLERANCE) for name in STRAIGHT_RESULTS)
@@ -47,7 +46,7 @@ def sail_record(simulation: Simulation) -> np.ndarray:
 
 
 def measure_straight(simulation: Simulation) -> Finding:
-    """Run straight ahead; compare final speed, way to 95 % of it, and trim with the published program."""
+    """Run straight ahead; compare final speed, distance to 95 % of it, and trim with the published program."""
     t, _, z, u, pitch, _, _ = sail_record(simulation)
     way = z[np.argmax(u >= 0.95 * u[-1])] - z[0]
     found = (u[-1], way, np.degrees(pitch[-1]))

@@ -45,7 +45,6 @@ def release_problem(
     promises = tuple(Promise(f"{name}: {motion} period [s]", "%", SOURCE_TEXT, limits) for motion in STIFFNESS)
 
     def measure(simulation: Simulation) -> Finding:
-        """Release the barge in each motion, and compare its period with the exact one."""
         wet = ship_of(simulation).added.any()
         numbers, curves = [], []
         for motion, k in STIFFNESS.items():
@@ -59,7 +58,7 @@ def release_problem(
 
 
 def release_record(simulation: Simulation, motion: str, seconds: float) -> tuple[np.ndarray, np.ndarray]:
-    """Release the ship from 2 cm or half a degree in a motion, and run: times (n,) [s], values (n,) [m] or [rad]."""
+    """Release the ship from 2 cm or half a degree in a `motion`, and run: times (n,) [s], values (n,) [m] or [rad]."""
     rest = np.array([0.0, 0.5, 0.0])
     turn = {"roll": turn_quaternion(2, 0.5), "pitch": turn_quaternion(0, 0.5), "heave": turn_quaternion(0, 0.0)}[motion]
     set_pose(simulation, position=rest + [0.0, 0.02 if motion == "heave" else 0.0, 0.0], orientation=turn)

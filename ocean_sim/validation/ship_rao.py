@@ -65,7 +65,6 @@ def hull_problem(
     )
 
     def measure(simulation: Simulation) -> Finding:
-        """Run at each frequency, and compare two motions with potential flow."""
         reference, numbers = table(f"{hull}_rao"), []
         for omega in omegas:
             heave, pitch, roll = wave_response(simulation, omega, HULL_LENGTH[hull], 180.0 if sea == "head" else 90.0)
@@ -101,8 +100,8 @@ def allowed_error(hull: str, omega: float, motion: str) -> float | None:
 
 
 def wave_response(simulation: Simulation, omega: float, length: float, heading: float) -> tuple[float, float, float]:
-    """Amplitudes of heave [m/m], pitch and roll [deg/m] over the waves', of a hull of a length [m] in waves of a
-    frequency [rad/s] and heading [deg]."""
+    """Heave [m/m], pitch, roll [deg/m] per wave amplitude, of a hull of a length [m] in regular waves of a frequency
+    `omega` [rad/s] and a heading [deg]."""
     rest, amplitude = floating_ship(simulation).first_body.position[1], STEEPNESS * length
     rows = record_in_waves(simulation, rest, 2.0 * amplitude, 2.0 * np.pi / omega, heading)
     t, _, heave, _, pitch, _, roll = rows

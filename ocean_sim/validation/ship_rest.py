@@ -10,7 +10,6 @@ REST_DURATION = 60.0  # [s]
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: a yacht at rest with 8 (coarse: 4) cells to the draught."""
     ship = {"hull": "yacht", "cells_per_draught": 4 if coarse else 8, "heading_deg": 30.0}
     scene = at_sea(ship, 15.0, 0.05, REST_DURATION) | {"runtime": {"precision": "f32"}}
     promises = (

@@ -34,8 +34,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def box_problem(density: float, coarse: bool) -> Problem:
-    """Set-up of a box of a relative density, with ten (coarse: five) spacings in its draught. It settles, and is then
-    recorded for a period of its heave, with the added mass of half a plate."""
+    """Set-up of a box of a density over the water's, ten (coarse: five) spacings deep; it settles before the record."""
     draught = BOX_SIDE * density
     period = 2.0 * np.pi * np.sqrt((density * BOX_SIDE**2 + np.pi / 8.0 * BOX_SIDE**2) / (GRAVITY * BOX_SIDE))
     shape = {"kind": "box", "length": 1.0, "breadth": BOX_SIDE, "height": BOX_SIDE}
@@ -75,7 +74,7 @@ def measure_draught(simulation: Simulation, exact: float) -> Finding:
 
 
 def cylinder_problem(coarse: bool) -> Problem:
-    """Set-up of the heave decay of the cylinder, with ten (coarse: five) spacings to its radius."""
+    """Set-up of the cylinder released in heave, with ten (coarse: five) spacings to its radius."""
     hull = {
         "shape": {"kind": "cylinder", "length": 1.0, "radius": RADIUS},
         "mass": 500.0 * np.pi * RADIUS**2,

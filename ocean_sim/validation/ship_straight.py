@@ -17,7 +17,6 @@ THRUST_TIME, COAST_TIME = 30.0, 20.0  # [s]
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: a yacht under thrust, then coasting, independent of `coarse`."""
     ship = {
         "hull": "yacht",
         "cells_per_draught": 4,
@@ -34,7 +33,6 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Run under thrust, then coasting; compare speed and distance with the closed form."""
     ship = ship_of(simulation)
     whole = MASS + float(ship.added[2])
     top = sqrt(THRUST / DRAG)

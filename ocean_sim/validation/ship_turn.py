@@ -98,8 +98,8 @@ def zigzag_limits(angle: float) -> dict[str, tuple[float, float] | None]:
 def sail_rows(
     simulation: Simulation, orders: Callable[[float, float], float], duration: float
 ) -> Iterator[tuple[float, ...]]:
-    """Gather way, then run for a duration [s] with `orders`, the rudder [rad] at a time [s] and yaw [rad]; yield after
-    every step time [s], x, z [m], yaw, heel [rad], velocity along x and z [m/s], from the first order on."""
+    """Gather way, then run for a duration [s]; `orders`: rudder [rad] by time [s] and yaw [rad]. Yield time [s], x, z
+    [m], yaw, heel [rad], velocity along x and z [m/s] after every step, measured from the first order."""
     ship = ship_of(simulation)
     helm = ship.hand_over()
     helm.give(1.0, 0.0)
@@ -125,7 +125,6 @@ def measure_circle(simulation: Simulation, length: float) -> Finding:
     drift = np.unwrap(np.arctan2(vx, vz)) - np.unwrap(yaw)
 
     def at(angle: float, y: np.ndarray) -> float | None:
-        """Value of |y| at a yaw `angle` [deg], or None if the ship did not turn as far."""
         return float(np.interp(radians(angle), turned, np.abs(y))) if turned[-1] > radians(angle) else None
 
     lengths = [at(90.0, z), at(90.0, x), at(180.0, x), speed[last].mean() / rate]
@@ -140,7 +139,7 @@ def measure_zigzag(simulation: Simulation, angle: float) -> Finding:
     way, executed = [1.0], []
 
     def orders(time: float, yaw: float) -> float:
-        """Rudder angle [rad]: reversed each time that the yaw has reached the angle on its side."""
+        """Rudder angle [rad]: reversed each time that the yaw [rad] has reached the zig-zag's angle on its side."""
         if way[0] * yaw >= radians(angle):
             way[0] = -way[0]
             executed.append(time)

@@ -22,7 +22,6 @@ WIND_SPEED, DURATION = 7.0, 500.0  # [m/s], [s]
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: a raft before the wind, independent of `coarse`."""
     shape = {"kind": "box", "length": LENGTH, "breadth": BREADTH, "height": HEIGHT}
     ship = {
         "hull": {"shape": shape, "mass": MASS},
@@ -41,7 +40,6 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Run under the wind; compare speed, distance and drag at rest with the closed form."""
     ship = ship_of(simulation)
     whole = MASS + float(ship.added[2])
     first = float(current_load(simulation).parts[2, 0, 2])

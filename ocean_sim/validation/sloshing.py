@@ -80,7 +80,6 @@ def compare_mode(times: np.ndarray, signal: np.ndarray) -> Finding:
     from scipy.optimize import curve_fit
 
     def model(t: np.ndarray, a: float, b: float, omega: float, rate: float, c: float, d: float) -> np.ndarray:
-        """Fit function: a decaying free oscillation plus the response at SWAY_OMEGA."""
         rings = (a * np.cos(omega * t) + b * np.sin(omega * t)) * np.exp(-rate * t)
         return rings + c * np.cos(SWAY_OMEGA * t) + d * np.sin(SWAY_OMEGA * t)
 
@@ -106,7 +105,7 @@ def measure_series(simulation: Simulation) -> Finding:
 
 
 def arrival_time(times: np.ndarray, elevation: np.ndarray, level: float) -> float:
-    """Time at which the elevation (n,) first rises above a level [m], in the unit of `times`; the last one if never."""
+    """Time, in the unit of `times`, at which an elevation (n,) first exceeds a level [m]; the last time if never."""
     above = np.flatnonzero((elevation[1:] > level) & (elevation[:-1] <= level))
     return float(times[1 + above[0]]) if above.size else float(times[-1])
 

@@ -18,7 +18,6 @@ SOURCE_TEXT = "linear_waves, the same waves"
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Set-ups to run: the barge in a head and in a beam sea, with 8 (coarse: 4) cells to the draught."""
     return [barge_problem(sea, 4 if coarse else 8) for sea in SEA_HEADINGS]
 
 
@@ -42,7 +41,6 @@ def barge_problem(sea: str, cells: int) -> Problem:
     made = Promise(f"{sea} sea: how far the barge moves the water's surface [m]", "m", "above zero")
 
     def measure(simulation: Simulation) -> Finding:
-        """Run on `spectral_sea` and in `linear_waves`, and compare motions."""
         ours = frequency_responses(simulation, heading)
         highest = float(np.abs(sea_of(simulation).made[0].layer.eta).max())
         with other_simulation(simulation, closed_form) as other:

@@ -24,17 +24,14 @@ RISE_INTERVAL = 1.0e-3  # [s] of the difference in time
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Set-ups to run: conservation, reflection, and random seas of order 1 and 3, independent of `coarse`."""
     return [conservation_problem(), reflection_problem(), *(random_sea_problem(order) for order in (1, 3))]
 
 
 def conservation_problem() -> Problem:
-    """Set-up for the energy and phase of free waves on a tile without rim."""
     energy = Promise("energy after 100 periods, change", "1", "none is lost", {"spectral_sea": 1e-6})
     phase = Promise("phase after 100 periods, error [rad]", "rad", "omega^2 = g k", {"spectral_sea": 1e-9})
 
     def measure(simulation: Simulation) -> Finding:
-        """Advance random waves for 100 periods; change of energy and phase."""
         tile = sea_of(simulation).tile
         layer, still = Layer(tile, rim=False), np.zeros(tile.k.shape)
         mode, random_ = (6, 5), np.random.default_rng(1).normal(size=tile.shape)
@@ -53,14 +50,12 @@ def conservation_problem() -> Problem:
 
 
 def reflection_problem() -> Problem:
-    """Set-up for the reflection of waves by the rim of a tile, compared with a larger tile."""
     promises = tuple(
         Promise(f"returned by the rim, {n} waves on the tile", "%", "none on a wide sea", {"spectral_sea": 2.0})
         for n in REFLECTED_WAVE_COUNTS
     )
 
     def measure(simulation: Simulation) -> Finding:
-        """Reflected over sent amplitude [%], for each wave count."""
         small = sea_of(simulation).tile
         large = Tile(LARGE_TILE_RATIO * small.side, LARGE_TILE_RATIO * small.cells, 1, small.depth, small.gravity)
         numbers = []
@@ -76,7 +71,7 @@ def reflection_problem() -> Problem:
 
 
 def radiated_amplitude(tile: Tile, k: float, rim: bool) -> np.ndarray:
-    """Complex amplitudes (n,) [m] of waves from an oscillating pressure, inside the rim; `k`: wavenumber [1/m]."""
+    """Complex amplitudes (n,) [m] along x of waves of wavenumber `k` [1/m] that an oscillating pressure sends out."""
     layer, omega = Layer(tile, rim), np.sqrt(GRAVITY * k)
     dt, source = 2.0 * np.pi / omega / PERIOD_STEPS, tile.to_modes(np.exp(-((tile.nodes()[0] * k / 1.5) ** 2))[:, None])
     found = []
@@ -99,7 +94,6 @@ def random_sea_problem(order: int) -> Problem:
     side = 12.0 * GRAVITY * asked.peak_period**2 / (2.0 * np.pi)
 
     def measure(simulation: Simulation) -> Finding:
-        """Compare height, period and direction of the sea with its spectrum."""
         eta, rise, slope = surface_samples(simulation, order)
         h = 4.0 * float(np.sqrt(np.mean(eta**2)))
         t = 2.0 * np.pi * float(np.sqrt(np.mean(eta**2) / np.mean(rise**2)))
@@ -117,8 +111,7 @@ def random_sea_problem(order: int) -> Problem:
 
 
 def surface_samples(simulation: Simulation, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Elevations (m,) [m], vertical surface speeds (m,) [m/s] and slopes (m, 2): of a linear sea at random points and
-    times, of a nonlinear one at each cell at its start."""
+    """Elevations (m,) [m], vertical speeds (m,) [m/s] and slopes (m, 2) along x, z of a random sea at m points."""
     fluid = sea_of(simulation)
     if fluid.steep is not None:
         from ocean_sim.fluid.spectral_sea import SPECTRUM_COMPONENTS, snapped

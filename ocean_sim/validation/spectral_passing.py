@@ -28,7 +28,6 @@ RAY_ANGLE, RAY_END = np.pi / 8.0, 7.0  # [rad]; over the width of the Gaussian
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: a moving pressure, independent of `coarse`."""
     promises = tuple(
         Promise(f"height of the wake {n} x {SHIP_LENGTH:g} m abeam [m]", "%", "Havelock 1932", {"spectral_sea": 5.0})
         for n in BEAM_DISTANCES
@@ -36,7 +35,6 @@ def problems(coarse: bool) -> list[Problem]:
     own = Promise("the wake where its own ship is shown the water [m]", "m", "nothing", {"spectral_sea": 0.0})
 
     def measure(simulation: Simulation) -> Finding:
-        """Run, and compare elevations abeam with Havelock's integral."""
         tile = sea_of(simulation).tile
         # widths of the pressure as the tile spreads it
         widths = [np.sqrt(width**2 + (2.0 + 1.0 / 3.0) * tile.cell**2) for width in (WIDTH_ALONG, WIDTH_ACROSS)]
@@ -73,7 +71,7 @@ class GaussianPressure(Displacing):
 
 
 def passing_waters(simulation: Simulation) -> tuple:
-    """Run a moving pressure; water as another ship and as the pressure itself sees it, and its position x [m]."""
+    """Run a moving pressure; water as another ship feels it, water as the pressure feels it, and its last x [m]."""
     patch, other = GaussianPressure(), GaussianPressure()
     by_itself, by_another = sea_of(simulation).add_ships([patch, other])
     while simulation.time < END_TIME - 0.5 * TIME_STEP:
@@ -84,12 +82,12 @@ def passing_waters(simulation: Simulation) -> tuple:
 
 
 def steady_wake(x: np.ndarray, z: float, long: float, broad: float) -> np.ndarray:
-    """Elevations (n,) [m] at `x` (n,) ahead and `z` beside a Gaussian pressure of widths `long`, `broad` [m]."""
+    """Elevations (n,) [m] `x` (n,) ahead of and `z` beside a pressure exp(-(x / long)^2 - (z / broad)^2); all [m]."""
     return np.array([elevation_at(each, z, long, broad) for each in x])
 
 
 def elevation_at(x: float, z: float, long: float, broad: float) -> float:
-    """Elevation [m] at a point `x` ahead and `z` beside a Gaussian pressure of widths `long`, `broad` [m]."""
+    """Elevation [m] at a point `x` ahead of and `z` beside a pressure exp(-(x / long)^2 - (z / broad)^2); all [m]."""
     edge = np.arctan2(-x, z)  # w changes its sign here
     total = 0.0
     for low, high in ((-0.5 * np.pi, edge), (edge, 0.5 * np.pi)):

@@ -21,12 +21,10 @@ JUDGED_PERIODS = (25, 50)  # start and end of the measured growth
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Set-ups to run: Stokes waves and side-band growth, independent of `coarse`."""
     return [stokes_problem(), side_band_problem()]
 
 
 def stokes_problem() -> Problem:
-    """Set-up for speed and energy of Stokes waves of three steepnesses."""
     promises = [
         Promise(f"speed of a wave of steepness {s:g} [m/s]", "%", "Fenton 1985", {"spectral_sea": most})
         for s, most in SPEED_TOLERANCES.items()
@@ -37,7 +35,6 @@ def stokes_problem() -> Problem:
     ]
 
     def measure(simulation: Simulation) -> Finding:
-        """Run each wave for PERIOD_COUNT periods; speed and change of energy."""
         tile, speeds, energies = sea_of(simulation).tile, [], []
         k = 2.0 * np.pi * WAVE_COUNT / tile.side
         for s in SPEED_TOLERANCES:
@@ -58,11 +55,9 @@ def stokes_problem() -> Problem:
 
 
 def side_band_problem() -> Problem:
-    """Set-up for the growth of the side-bands of a steep wave (Benjamin-Feir instability)."""
     promise = Promise("growth of side-bands [1/s]", "%", "Dysthe 1979", {"spectral_sea": 10.0})
 
     def measure(simulation: Simulation) -> Finding:
-        """Run, and compare the growth rate [1/s] with Dysthe's."""
         tile, s, delta = sea_of(simulation).tile, 0.1, 1.0 / CARRIER_COUNT
         k = 2.0 * np.pi * CARRIER_COUNT / tile.side
         x, omega = tile.nodes()[0][:, None], np.sqrt(GRAVITY * k)

@@ -23,7 +23,6 @@ FREE_SHARE = 0.35  # of the side, from the pressure to the rim
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: a towed pressure at three speeds, independent of `coarse`."""
     resistance = tuple(
         Promise(f"wave resistance at {u:g} m/s [N]", "%", "Havelock 1932", {"spectral_sea": 0.5}) for u in TOWING_SPEEDS
     )
@@ -31,7 +30,6 @@ def problems(coarse: bool) -> list[Problem]:
     inside = Promise("wave energy outside the cusp angle", "%", "Kelvin 1887", {"spectral_sea": 5.0})
 
     def measure(simulation: Simulation) -> Finding:
-        """Run at each speed, and compare wave resistance and wake with theory."""
         numbers, wakes = [], []
         for u in TOWING_SPEEDS:
             value, wake = tow_pressure(simulation, u)
@@ -73,7 +71,8 @@ def tow_pressure(simulation: Simulation, u: float) -> tuple[float, np.ndarray]:
 
 
 def track_crests(simulation: Simulation, eta: np.ndarray, u: float) -> tuple[np.ndarray, np.ndarray, float]:
-    """Distances behind the pressure, elevations there (n,) [m], and wavelength [m], from `eta` (cells, rows) [m]."""
+    """Distances behind the pressure (n,), elevations there (n,), and wavelength, all [m]; `eta`: elevation (cells,
+    rows) [m] behind a pressure of speed `u` [m/s]."""
     tile = sea_of(simulation).tile
     behind = np.arange(2.0 * np.pi * u**2 / GRAVITY, FREE_SHARE * TILE_SIDE, 0.01)
     points = np.stack([u * END_TIME - behind, np.zeros(len(behind))], axis=1)

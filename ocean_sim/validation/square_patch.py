@@ -25,7 +25,6 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: a patch, with 80 (coarse: 25) particles to its side."""
     scene = {
         "duration": END_TIME / SPIN_RATE,
         "basin": free_space(6.0 * SIDE, 3.0 * SIDE),

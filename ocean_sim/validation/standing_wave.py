@@ -85,8 +85,7 @@ class StandingWave:
         return self.fit_damped_cosine(times, np.cos(phase) * np.exp(root.real * times))[0]
 
     def unit_flow(self, position: np.ndarray) -> np.ndarray:
-        """Velocity (n, 3) [m/s] at positions (n, 3) [m] of a linear wave of amplitude 1 m, when its surface is
-        level."""
+        """Velocity (n, 3) [m/s] at positions (n, 3) [m] in a linear wave of amplitude 1 m whose surface is level."""
         x, y = position[:, 0] + 0.5 * self.length, position[:, 1] + self.depth
         scale = self.gravity * self.k / self.omega / np.cosh(self.k * self.depth)
         along, up = -np.sin(self.k * x) * np.cosh(self.k * y), np.cos(self.k * x) * np.sinh(self.k * y)
@@ -101,7 +100,7 @@ class StandingWave:
         return exp(-rate * self.period)
 
     def finding(self, numbers: tuple[Number, ...], times: np.ndarray, share: np.ndarray, rate: float) -> Finding:
-        """Finding with these numbers, and the measured curve `share` next to a wave that decays at a rate [1/s]."""
+        """Finding with these numbers, and curves: measured `share` (n,) of the amplitude, and decay at a rate [1/s]."""
         return Finding(
             numbers,
             [Curve("wave", times / self.period, share)],
@@ -110,7 +109,7 @@ class StandingWave:
         )
 
     def amplitude_share(self, water: State) -> float:
-        """Velocity amplitude of the mode in the water, over that at the start; negative in the opposite direction."""
+        """Velocity amplitude of the mode over that at the start; negative if it moves the opposite way."""
         mode = self.unit_flow(np.minimum(water.position, [np.inf, 0.0, np.inf]))
         return float((water.velocity * mode).sum() / (mode * mode).sum()) / self.amplitude
 
@@ -126,7 +125,6 @@ class StandingWave:
         from scipy.optimize import curve_fit
 
         def model(t: np.ndarray, a: float, b: float, omega: float, rate: float) -> np.ndarray:
-            """Fit function a cos(omega t + b) exp(-rate t)."""
             return a * np.cos(omega * t + b) * np.exp(-rate * t)
 
         settled = times > 0.25 * self.period
@@ -168,7 +166,7 @@ def wave_problem(reynolds: float | None, coarse: bool, decay: dict[str, float], 
 
 
 def compare_wave(times: np.ndarray, share: np.ndarray, viscosity: float) -> Finding:
-    """Compare period and decay rate of a signal `share` (n,) at times (n,) [s] with theory for a viscosity [m2/s]."""
+    """Compare period and decay rate of `share`, velocity (n,) over that at the start, with theory; viscosity [m2/s]."""
     period, rate = DEEP_WAVE.fit_damped_cosine(times, share)
     expected, root = DEEP_WAVE.leading_rate(viscosity), DEEP_WAVE.viscous_root(viscosity)
     effective = rate / DEEP_WAVE.leading_rate(1.0)

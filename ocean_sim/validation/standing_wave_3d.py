@@ -40,8 +40,7 @@ def wave_problem(
     period: dict[str, float],
     decay: dict[str, float],
 ) -> Problem:
-    """Set-up of a wave at a Reynolds number sqrt(g h) h / nu, with so many layers of particles, over so many periods;
-    `period` and `decay`: tolerances [%] by scheme."""
+    """Set-up of a wave at a Reynolds number sqrt(g h) h / nu for so many periods; tolerances of period and decay."""
     spacing, viscosity = wave.depth / layers, wave.viscosity(reynolds)
     width = LAYERS_ACROSS * spacing
     scene = {

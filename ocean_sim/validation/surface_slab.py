@@ -27,7 +27,6 @@ LEVEL_SOURCE = "mean offset below a tenth of a spacing, as for a ball of particl
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: a slab; coarse: with twice the particle spacing."""
     spacing = 0.2 if coarse else 0.1
     scene = {
         "duration": FRAME_INTERVAL,
@@ -51,7 +50,7 @@ def smoothing_loss(spacing: float, apart: float) -> float:
 
 
 def wave_positions(position: np.ndarray) -> np.ndarray:
-    """Positions (n, 3) [m] of particles, sheared vertically so that their surface is the wave."""
+    """Positions (n, 3) [m] of particles, sheared vertically so that their surface is the wave a cos k x."""
     moved = position.copy()
     share = np.clip((position[:, 1] + DEPTH) / (DEPTH - RIGID_DEPTH), 0.0, 1.0)
     moved[:, 1] += share * AMPLITUDE * np.cos(K * position[:, 0])

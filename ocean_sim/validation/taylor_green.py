@@ -26,7 +26,6 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: a periodic square with 50 (coarse: 25) particles to its side."""
     scene = {
         "duration": 1.0,
         "basin": {

@@ -15,7 +15,6 @@ REFERENCE_ORIENTATION = np.array([-0.84949542, 0.21516101, -0.09205273, -0.47285
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: a spinning body, independent of `coarse`."""
     box = {
         "shape": {"kind": "box", "length": 1.0, "breadth": 1.0, "height": 1.0},
         "mass": 500.0,

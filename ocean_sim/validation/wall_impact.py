@@ -45,7 +45,6 @@ PROMISES = tuple(
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: a dam break, with 80 (coarse: 20) particles over the height of the column."""
     left = -TANK_LENGTH * HEIGHT / 2
     scene = {
         "duration": END_TIME / np.sqrt(GRAVITY / HEIGHT).item(),
@@ -65,7 +64,6 @@ def scaled_time(time: np.ndarray, g: float, height: float) -> np.ndarray:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Run, and compare the mean pressure on each sensor over time with its table."""
     wall, duration = simulation.basin.upper[0], simulation.scene.duration
     heights = np.stack([np.linspace(sensor.low, sensor.high, SENSOR_POINTS) for sensor in SENSORS]) * HEIGHT
     points = np.stack([np.full(heights.size, wall), heights.ravel() - HEIGHT, np.zeros(heights.size)], axis=1)
@@ -76,7 +74,7 @@ def measure(simulation: Simulation) -> Finding:
 
 
 def arrival_and_impulse(time: np.ndarray, pressure: np.ndarray) -> tuple[float, float]:
-    """Arrival time t* and impulse [p* t*] of a pressure p* (n,) at times t* (n,), even or not, after a moving mean."""
+    """Arrival time t* and impulse (p* integrated over t*) of a pressure p* (n,) at times t* (n,), after smoothing."""
     even = np.arange(0.0, END_TIME, 0.01)
     order = np.argsort(time, kind="stable")
     width = round(MEAN_TIME / 0.01)

@@ -35,7 +35,6 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The only set-up to run: a periodic wave, with 64 (coarse: 32) particles to its length."""
     scene = {
         "duration": PERIODS * PERIOD,
         "basin": {"length": WAVELENGTH, "depth": DEPTH, "walls": {"x": "periodic"}},

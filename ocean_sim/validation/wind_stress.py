@@ -76,12 +76,11 @@ def measure(simulation: Simulation) -> Finding:
 
 
 def wind_keys(stress: float, **keys: float) -> dict:
-    """Scene keys of a wind along +x with a stress [Pa], set by its gain; `keys`: further ones."""
+    """Scene keys of a wind along +x with a stress [Pa], reached by a gain on the law's own; `keys`: further keys."""
     return {"kind": "stress", "u10": WIND_SPEED, "heading_deg": 90.0, "gain": stress / WU_STRESS, **keys}
 
 
 def without_wind(simulation: Simulation) -> Simulation:
-    """New simulation of the same scene without wind."""
     assert isinstance(simulation.scene, SceneConfig)
     return Simulation(
         simulation.scene.model_copy(update={"wind": config_of("wind", "still").model_validate({"kind": "still"})})

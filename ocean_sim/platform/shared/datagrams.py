@@ -80,7 +80,6 @@ class Jitter(NamedTuple):
     late: float  # part of the packets that came more than two intervals after the one before
 
     def __str__(self) -> str:
-        """Sentence for the user: number of packets, mean, deviation and longest interval, late packets."""
         ms = [f"{1e3 * value:.3f} ms" for value in (self.interval, self.deviation, self.longest)]
         return (
             f"{self.packets} packets, every {ms[0]}, deviation {ms[1]}, longest {ms[2]}, {100 * self.late:.2g} % late"
@@ -96,7 +95,6 @@ class Latency(NamedTuple):
     longest: float  # [s]
 
     def __str__(self) -> str:
-        """Sentence for the user: median, 99th percentile and longest delay, and number of packets."""
         ms = [f"{1e3 * value:.3f} ms" for value in (self.median, self.most, self.longest)]
         return f"there and back: median {ms[0]}, 99 % within {ms[1]}, longest {ms[2]}, of {self.packets} packets"
 
@@ -169,7 +167,6 @@ class Sender:
         return "" if came is None else f"the platform was stopped, {came - self.sent[0]:.2f} s after the first packet"
 
     def jitter(self) -> Jitter:
-        """Statistics of the times between the packets sent so far."""
         gaps, wanted = np.diff(self.sent), np.diff(self.due)
         if not len(gaps):
             return Jitter(len(self.sent), 0.0, 0.0, 0.0, 0.0)
@@ -293,8 +290,8 @@ class Receiver(SmoothPose):
 
     @np.errstate(all="ignore")
     def is_plausible(self, pose: np.ndarray, time: float, now: float, silent: bool) -> bool:
-        """True if the legs can reach a pose (6,) of packet time `time` [s], arrived at `now` [s]: stroke, speed,
-        acceleration. After a silence (`silent`) only the stroke is checked."""
+        """True if the legs can reach a pose (6,), by stroke, speed and acceleration: `time` [s] in the stream, `now`
+        [s] its arrival. After a silence (`silent`) only the stroke is checked."""
         lengths, speeds = self.hexapod.legs(pose[None])[0], UNKNOWN_SPEEDS
         low, high = self.hexapod.low - NUMBER_TOLERANCE, self.hexapod.high + NUMBER_TOLERANCE
         if not ((lengths > low) & (lengths < high)).all():
@@ -368,7 +365,6 @@ def receive_stream(
 
 
 def print_some(packet: Packet) -> None:
-    """Print time, frame and pose of every hundredth packet."""
     if packet.seq % 100 == 0:
         pose = ", ".join(f"{value:+.4f}" for value in packet.pose)
         print(f"{packet.time:8.2f} s  {packet.frame}  x y z roll pitch yaw: {pose}", flush=True)

@@ -80,7 +80,6 @@ class Hexapod:
         reach = np.linalg.norm(offset[:, :2], axis=1)
 
         def mean_length(z: float) -> float:
-            """Mean leg length [m] with the level platform at the height z [m]."""
             return float(np.hypot(reach, offset[:, 2] + z).mean())
 
         low, high = -float(offset[:, 2].min()), length + float(np.abs(offset[:, 2]).max()) + 1.0
@@ -89,7 +88,7 @@ class Hexapod:
         return bisect_last(lambda z: mean_length(z) <= length, low, high)
 
     def leg_vectors(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Vectors [m, floor axes] by pose: legs (n, 6, 3) from base to platform, joints (n, 6, 3) from its origin."""
+        """Legs from base to platform and joints from the platform's origin: vectors (n, 6, 3) [m] in floor axes."""
         arm = self.joints @ np.swapaxes(rotation_matrices(pose[:, 3:]), 1, 2)
         leg = pose[:, None, :3] + [0.0, 0.0, self.neutral_height] + arm - self.base
         return leg, arm

@@ -61,8 +61,8 @@ class Workspace:
         return kept, limited
 
     def scale_factor(self, fixed: np.ndarray, moving: np.ndarray, knee: np.ndarray) -> np.ndarray:
-        """Factors (n,) f for which the poses `fixed` + f `moving` (n, 6) use no more than the softened fraction of the
-        stroke; f is 1 for a usage below `knee` (n,)."""
+        """Factors (n,) f so that poses `fixed` + f `moving` (n, 6) use at most a fraction of the stroke softened above
+        `knee` (n,), as by `soften_usage`; f is 1 for a usage below that."""
         usage, factor = self.usage(fixed + moving), np.ones(len(fixed))
         far = usage > knee
         if far.any():
@@ -124,8 +124,8 @@ class Governor:
         self.asked = np.zeros((2, 6))  # the last two requested poses
 
     def follow(self, wanted: np.ndarray, asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Poses (n, 6) that the machine can follow, and bits (n,) of limits that acted. `wanted` (n, 6): poses in the
-        workspace; `asked` (n, 6): those requested by the washout, whose accelerations are allowed."""
+        """Poses (n, 6) that the machine can follow, and limit bits (n,). `wanted` (n, 6): poses in the workspace;
+        `asked` (n, 6): those requested by the washout, whose accelerations are allowed."""
         n, dt = len(wanted), self.every
         known, free = np.vstack([self.target, wanted]), np.vstack([self.asked, asked])
         self.asked = free[-2:]
@@ -157,12 +157,11 @@ class Governor:
         return np.maximum(along, self.hexapod.radius * around)
 
     def motion_size(self, motion: np.ndarray) -> float:
-        """Size [m] of one pose change (6,), defined as in `motion_sizes`."""
         return float(self.motion_sizes(motion[None])[0])
 
     def can_follow(self, step: np.ndarray, allowed: float) -> bool:
-        """True if the platform is in its target pose and can take the velocity `step` (6,) [m/s, rad/s] in one row,
-        within the acceleration of its legs and a change of velocity `allowed` [m/s]."""
+        """True if the platform is at its target and its legs can take the velocity `step` (6,) [m/s, rad/s] in one row,
+        within a change of velocity `allowed` [m/s]."""
         if self.motion_size(self.pose - self.target) > LEG_MATCH:
             return False
         change = step - self.velocity
@@ -264,7 +263,7 @@ class Legs:
         return there and not fast and not hard
 
     def chase_step(self, target: np.ndarray, wanted: np.ndarray) -> int:
-        """Let late legs chase `target` (6,) [m], moving at `wanted` (6,) [m/s], for one row; returns limit bits."""
+        """Let late legs chase lengths `target` (6,) [m], moving at `wanted` (6,) [m/s], one row; returns limit bits."""
         dt, a = self.every, self.acceleration
         behind = self.target - self.length
         brake = np.sqrt((0.5 * a * dt) ** 2 + 2.0 * a * np.abs(behind)) - 0.5 * a * dt  # stops in whole rows

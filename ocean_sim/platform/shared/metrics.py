@@ -23,8 +23,7 @@ class Metric(NamedTuple):
 
 
 def ride_metrics(ride: Ride, done: Commands, hexapod: Hexapod, every: float) -> list[Metric]:
-    """Metrics of a ride: motion felt on the platform against the ship's scaled motion at the same row, with poses by
-    central differences; limits, legs, motion sickness. `every`: time between rows [s]."""
+    """Metrics of a ride `done` every `every` [s]: felt against scaled ship motion, limits, legs and motion sickness."""
     felt, scaled = felt_motions(done.pose, every), np.hstack([done.cue.force, done.cue.rate])
     names = [f"force_{axis}" for axis in "xyz"] + [f"rate_{axis}" for axis in "xyz"]
     found = []
@@ -47,15 +46,14 @@ def ride_metrics(ride: Ride, done: Commands, hexapod: Hexapod, every: float) -> 
 
 
 def felt_motions(pose: np.ndarray, every: float) -> np.ndarray:
-    """Specific force [m/s2] and rate [rad/s], (n, 6) in platform axes, for poses (n, 6) each `every` [s], by central
-    differences; acceleration is 0 in the first and last row."""
+    """Specific force [m/s2] and rate [rad/s] (n, 6) in platform axes by central differences of poses `every` [s]."""
     known = np.vstack([2.0 * pose[0] - pose[1], pose, 2.0 * pose[-1] - pose[-2]])
     acceleration = np.diff(known[:, :3], n=2, axis=0) / every**2
     return np.hstack(kinematics.felt_motion(pose, acceleration, (known[2:, 3:] - known[:-2, 3:]) / (2.0 * every)))
 
 
 def rest_value(name: str) -> float:
-    """Value that the motion of this name has on a platform at rest in neutral: g for `force_z`, 0 for all others."""
+    """Value of the motion component of this name on a platform at rest in neutral: g for `force_z`, else 0."""
     return GRAVITY if name == "force_z" else 0.0
 
 
@@ -73,7 +71,6 @@ def compare_motion(name: str, unit: str, felt: np.ndarray, scaled: np.ndarray, e
 
 
 def rms(signal: np.ndarray) -> float:
-    """Root mean square of a signal (n,)."""
     return float(np.sqrt(np.mean(signal**2)))
 
 
@@ -93,15 +90,13 @@ def best_delay(felt: np.ndarray, scaled: np.ndarray, every: float) -> float:
 
 
 def motion_gain(felt: np.ndarray, given: np.ndarray, every: float) -> float:
-    """Gain from signal `given` (n,) to signal `felt` (n,) by cross-correlation at the best delay; unlike a ratio of rms
-    values it ignores shocks and unrelated motion."""
+    """Gain from signal `given` (n,) to `felt` (n,) by cross-correlation at the best delay, blind to other motion."""
     products = delayed_products(felt, given, every)
     return float(products.max() / np.sum((given - given.mean()) ** 2))
 
 
 def delayed_products(felt: np.ndarray, given: np.ndarray, every: float) -> np.ndarray:
-    """Cross-correlation (2 m + 1,) of two signals (n,) about their means at delays of -m to m rows of `every` [s], up
-    to LONGEST_DELAY; one NaN if a signal is constant."""
+    """Cross-correlation (2 m + 1,) of two signals (n,) at delays of -m to m rows `every` [s]; one NaN if constant."""
     from scipy.signal import correlate
 
     a, b = felt - felt.mean(), given - given.mean()
@@ -125,7 +120,6 @@ def sickness_weighting(every: float) -> np.ndarray:
     from scipy.signal import bilinear_zpk, zpk2sos
 
     def pole_pair(frequency: float, quality: float) -> np.ndarray:
-        """Poles (2,) of a resonance with a frequency [Hz] and a quality factor."""
         omega = 2.0 * np.pi * frequency
         return np.roots([1.0, omega / quality, omega**2]).astype(complex)
 

@@ -222,7 +222,7 @@ def check_agreement(log: MotionLog) -> None:
 
 
 def compare_columns(path: str | Path, own: Columns, other: Columns, least: float, most: float = MAX_FACTOR) -> None:
-    """Raise Unreadable if columns `own` (n, k) differ from `other` (n, k) in sign, axis or unit: by a factor above
+    """Raise Unreadable if named columns `own` (n, k) and `other` (n, k) differ in sign, axis or unit: by a factor above
     `most`. Columns with a standard deviation below `least` are skipped."""
     (names, says), (others, follows) = own, other
     if len(says) < MIN_COMPARED_ROWS:
@@ -258,7 +258,7 @@ def ride_rotations(ride: Ride) -> Any:
 
 
 def turn_to_level(attitude: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """Rotate vectors (n, 3) by Ry(pitch) Rx(roll) from body axes to level axes with the ship's heading."""
+    """Rotate vectors (n, 3) from body axes to level axes that keep the ship's heading, by Ry(pitch) Rx(roll)."""
     (sr, sp, _), (cr, cp, _) = np.sin(attitude).T, np.cos(attitude).T
     x, y, z = vector.T
     along = sr * y + cr * z

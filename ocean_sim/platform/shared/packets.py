@@ -73,7 +73,6 @@ def pack_ocean_sim(packet: Packet) -> bytes:
 
 
 def pack_openmotionsim(packet: Packet) -> bytes:
-    """Bytes of a packet in the layout `openmotionsim`: time, three angles and height."""
     upward = FRAME_AXES[packet.frame] @ [0.0, 0.0, 1.0]
     roll, pitch, yaw = np.degrees(packet.pose[3:])
     return OPENMOTIONSIM_STRUCT.pack(packet.time, yaw, pitch, roll, float(upward @ packet.pose[:3]))
@@ -88,12 +87,10 @@ def six_motions(packet: Packet) -> list[float]:
 
 
 def pack_floats(packet: Packet) -> bytes:
-    """Bytes of a packet in the layout `floats`: time, number, six motions, limits."""
     return FLOATS_STRUCT.pack(packet.time, packet.seq, *six_motions(packet), packet.limited)
 
 
 def pack_text(packet: Packet) -> bytes:
-    """Bytes of a packet in the layout `text`: a line of time and six motions."""
     return (",".join(f"{value:.3f}" for value in [packet.time, *six_motions(packet)]) + "\n").encode()
 
 
@@ -170,7 +167,6 @@ def parse_report(data: bytes) -> LegReport:
 
 
 def pack_report(found: LegReport) -> bytes:
-    """Bytes of a report in the layout `legs`."""
     return LEGS_STRUCT.pack(LEGS_MAGIC, FORMAT_VERSION, int(found.stopped), found.seq, found.time, *found.legs)
 
 

@@ -74,12 +74,10 @@ class Filter:
 
 
 def design_sections(zeros: Sequence[float], poles: Sequence[complex], gain: float, every: float) -> np.ndarray:
-    """Second-order sections (m, 6) of a transfer function for rows `every` [s]. They are cached on disk, as importing
-    `scipy.signal` takes longer than a minute of platform motion."""
+    """Second-order sections (m, 6) of a filter for rows `every` [s]; cached on disk, as SciPy's import is slow."""
     import scipy
 
     def design() -> dict[str, np.ndarray]:
-        """Sections as computed by SciPy, if they are not in the cache."""
         from scipy.signal import bilinear_zpk, zpk2sos
 
         return {"sections": zpk2sos(*bilinear_zpk(zeros, poles, gain, 1.0 / every))}
@@ -98,7 +96,7 @@ class Tilt:
     """Tilt angle by which gravity stands in for the slow part of a specific force, at a limited rate."""
 
     def __init__(self, frequency: float, rate: float, every: float) -> None:
-        """`frequency`: corner of the low-pass [rad/s]; `rate`: highest [rad/s]; `every`: time between rows [s]."""
+        """`frequency`: low-pass corner [rad/s]; `rate`: highest of the tilt [rad/s]; `every`: time between rows [s]."""
         self.slow = Filter([], second_order(frequency, 1.0), frequency**2, every)
         self.step, self.angle = rate * every, 0.0
 
@@ -152,7 +150,7 @@ class Washing:
         return Cue(pose, limited, inertial + rest_force(scaled_attitude), ride.rate * config.rotation_scale)
 
     def clip_input(self, wanted: np.ndarray, limit: float, limited: np.ndarray) -> np.ndarray:
-        """Input (n, 3) clipped to -`limit` to `limit`; sets INPUT_LIMIT in the bits `limited` (n,) of clipped rows."""
+        """Copy of `wanted` (n, 3) clipped to +-`limit`; sets the bit INPUT_LIMIT in `limited` (n,) of clipped rows."""
         limited[(np.abs(wanted) > limit).any(axis=1)] |= INPUT_LIMIT
         return np.clip(wanted, -limit, limit)
 

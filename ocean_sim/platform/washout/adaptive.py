@@ -33,7 +33,6 @@ class Config(WashingConfig):
     """Time over which the cost is averaged; it must be longer than the waves, or it distorts them."""
 
     def build(self, every: float, travel: np.ndarray) -> Washing:
-        """Build the washout for a time between rows [s] and a `travel` (3, 2), lowest and highest x, y, z [m]."""
         return Washing(self, every, [AdaptiveTravel(self, axis, every) for axis in range(3)])
 
 
@@ -51,7 +50,6 @@ class AdaptiveTravel:
         self.wanted, self.dear = 0.0, 0.0  # means of late: of a s'', and of s''^2 + W_s s^2 + W_v v^2 with share 1
 
     def displace(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Displacements (n,) [m] for scaled accelerations (n,) [m/s2], and a mask (n,) of cut inputs: all False."""
         dt, moved = self.every, []
         for a in acceleration.tolist():
             whole = a - self.drag * self.whole_speed - self.pull * self.whole_place

@@ -34,7 +34,6 @@ class Config(WashingConfig):
     """Corner frequency of one more high-pass, which brings the platform back to neutral; 0 is none."""
 
     def build(self, every: float, travel: np.ndarray) -> Washing:
-        """Build the washout for a time between rows [s] and a `travel` (3, 2), lowest and highest x, y, z [m]."""
         back, frequency, damping = self.translation_return, self.translation_frequency, self.translation_damping
         travels = [Travel(frequency[k], damping, back[k], every, tuple(travel[k])) for k in range(3)]
         return Washing(self, every, travels)
@@ -46,7 +45,7 @@ class Travel:
     def __init__(
         self, frequency: float, damping: float, back: float, every: float, ends: Sequence[float] = (-inf, inf)
     ) -> None:
-        """`frequency`, `back` [rad/s]: corners of the high-passes, 0 is no second one; `ends`: of the travel [m]."""
+        """`frequency`, `back` [rad/s]: corners of two high-passes (`back` 0: only one); `ends`: of the travel [m]."""
         poles, zeros = second_order(frequency, damping), []
         if back > 0.0:  # s^3 / ((s^2 + 2 zeta omega s + omega^2) (s + omega_b)), integrated twice
             poles, zeros = [*poles, complex(-back)], [0.0]
@@ -54,10 +53,9 @@ class Travel:
         self.low, self.high = ends
 
     def displace(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Displacements (n,) [m] for scaled accelerations (n,) [m/s2], and (n,) True where an acceleration was cut.
+        """Displacements (n,) [m] for accelerations (n,) [m/s2], and (n,) True where an acceleration was cut.
 
-        Beyond an end of the travel, acceleration further outward counts as 0: the platform returns as soon as the
-        motion turns, and not only after the filter has run empty.
+        Beyond an end of the travel, acceleration further outward counts as 0, so that the platform returns at once.
         """
         moved, cut, start = np.empty(len(acceleration)), np.zeros(len(acceleration), dtype=bool), 0
         while start < len(acceleration):
@@ -76,5 +74,5 @@ class Travel:
         return moved, cut
 
     def is_within(self, moved: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-        """True (n,) if displacements (n,) [m] are inside the travel, or accelerations (n,) point back into it."""
+        """True (n,) if displacements `moved` (n,) [m] are in the travel, or accelerations (n,) point back into it."""
         return ~(((moved > self.high) & (acceleration > 0.0)) | ((moved < self.low) & (acceleration < 0.0)))

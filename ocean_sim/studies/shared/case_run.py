@@ -21,14 +21,14 @@ WATCHED_SCENES: dict[str, dict[str, Any]] = {"fluid": {"health": {}}}
 
 
 def run_order(case: str, set_up: str, coarse: bool, scheme: str, settings: dict[str, Any], patience: float) -> dict:
-    """Order (job description as plain data) to run a set-up of a validation case, with scheme and settings; it is timed
-    up to MAX_REPEATS times, but not again once `patience` [s] of processor time have passed."""
+    """Order (job description as plain data) to run and time a set-up of a case; `settings`: scene settings by key;
+    `patience`: processor time [s] after which no repetition starts."""
     order = {"task": __name__, "case": case, "set_up": set_up, "coarse": coarse, "scheme": scheme}
     return order | {"set": settings, "machine": {"patience": patience}}
 
 
 def problem_of(case: str, set_up: str, coarse: bool, scheme: str) -> Problem:
-    """Set-up of a case with this name, slow or not; if several have it, the first that the scheme can run."""
+    """Set-up `set_up` of a validation case, slow or not; if several have this name, the first that fits the scheme."""
     found = [problem for problem in problems(case, slow=True, coarse=coarse) if problem.name == set_up]
     return next(problem for problem in found if problem.schemes_for([scheme]))
 
@@ -52,7 +52,7 @@ def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def measure_run(problem: Problem, order: dict[str, Any], scene: Any) -> dict[str, Any]:
-    """Run a set-up once; returns its outcome, errors by quantity, particles, time step and costs."""
+    """Run a set-up once with a scene; returns outcome, errors by quantity, particles, time step and costs."""
     with Clocked(scene) as simulation:
         try:
             found, reason = problem.measure(simulation).numbers, ""

@@ -18,7 +18,6 @@ class Clocked(Simulation):
     """Simulation that records the simulated, wall and processor time of each step, excluding the work of observers."""
 
     def __init__(self, *given: Any) -> None:
-        """`given`: arguments of Simulation, passed on."""
         self.spent: list[tuple[float, float, float]] = []
         super().__init__(*given)
 
@@ -41,8 +40,7 @@ class Clocked(Simulation):
         self.spent.append((FRAME_SECONDS, perf_counter() - wall, process_time() - cpu))
 
     def costs(self) -> list[dict[str, float]]:
-        """Costs (see `median_cost`) of each of TIMED_PARTS interleaved parts of the run, since a disturbance rarely
-        hits two of them; empty if the run is too short."""
+        """Costs (see `median_cost`) of TIMED_PARTS interleaved parts of the run; a disturbance rarely hits two."""
         parts = [
             [step for k, step in enumerate(self.spent[WARM_UP_STEPS:]) if k // BLOCK_STEPS % TIMED_PARTS == n]
             for n in range(TIMED_PARTS)

@@ -20,7 +20,7 @@ MIN_DRAWN_ERROR = 1e-6  # an error of nothing still has a position on a logarith
 
 
 def draw_pareto(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> None:
-    """Draw error against time, column `speed` of the rows, and against particles if any, of one case into a file."""
+    """Draw a picture file for one case: error over time (column `speed` of the rows), and over particles if any."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -43,7 +43,7 @@ def draw_pareto(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str
 
 
 def draw_panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
-    """Draw the error of a case against the column `key` of the rows, with the Pareto front and failed runs."""
+    """Draw the error of a case over column `key` of its rows, with the Pareto front and failed runs, into `axes`."""
     axes.set_xscale("log")
     axes.set_yscale("log")
     there = [row for row in rows if row.get(key)]
@@ -67,7 +67,7 @@ def draw_panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) ->
 
 
 def spread_heights(axis: Any) -> None:
-    """Label a logarithmic matplotlib axis, whose ends are set, with a few readable numbers, however short it is."""
+    """Label a logarithmic Matplotlib axis, x or y, with a few readable numbers; its ends must be set."""
     from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
     low, high = axis.get_view_interval()
@@ -83,7 +83,7 @@ def text_height(row: dict[str, Any]) -> float:
 
 
 def scatter_points(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
-    """Draw rows as points over column `key`: full and joined with a scheme's defaults, hollow with another setting."""
+    """Draw rows over column `key`: full points joined by lines for default settings, hollow ones for other settings."""
     for n, scheme in enumerate(trial.schemes):
         own = [row for row in rows if row["scheme"] == scheme]
         look = {"color": SERIES[n % len(SERIES)], "marker": MARK_SHAPES[n % len(MARK_SHAPES)]}
@@ -103,7 +103,7 @@ def scatter_points(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]
 
 
 def name_points(axes: Any, name: str, at: tuple[float, float], **look: Any) -> None:
-    """Write a name beside the point `at`, in data coordinates; `shift_apart` then moves it to a free place."""
+    """Write a name near the point `at`, in data coordinates, until `shift_apart` places it; `look`: text properties."""
     line = {"arrowstyle": "-", "lw": 0.3, "color": "0.6", "shrinkA": 0.0, "shrinkB": 2.0}
     axes.annotate(name, at, NAME_SHIFTS[0], textcoords="offset points", arrowprops=line, in_layout=False, **look)
 
@@ -132,7 +132,7 @@ def shift_apart(figure: Any) -> None:
 
 
 def list_failures(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict[str, Any]]) -> None:
-    """Draw runs that failed, and have no error, as crosses at their `key` along the upper edge."""
+    """Draw failed runs, which have no error, as crosses at their value of column `key` along the upper edge."""
     for n, scheme in enumerate(schemes):
         own = [row[key] for row in rows if row["scheme"] == scheme and row.get(key)]
         if own:
@@ -142,7 +142,7 @@ def list_failures(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict
 
 
 def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget: Budget | None) -> None:
-    """Draw the settings of one scene into a file: panels of errors `names` over time, spread of seeds, budget."""
+    """Draw settings of one scene into a file: a panel of time and error for each of `names`, seed spread and budget."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

@@ -54,7 +54,8 @@ def run_answers(
 ) -> Iterator[tuple[int, dict[str, Any]]]:
     """Yield (index in the list, answer) of each order once it has an answer; those with one from earlier calls first.
 
-    `limit`: wall time [s] after which a run is ended, and has failed. Equal orders are run once. Raises ClusterMissing.
+    `scheduler`: address of a Dask cluster, else `workers` processes of this machine run at once; `limit`: wall time [s]
+    after which a run is ended, and has failed. Equal orders are run once. Raises ClusterMissing.
     """
     indices: dict[str, list[int]] = {}
     for k, order in enumerate(orders):

@@ -18,7 +18,7 @@ PICTURE_OBSERVERS = ("render", "frames", "report")  # a study makes none unless 
 
 
 def run_order(config: SceneConfig, threads: int | None = None) -> dict[str, Any]:
-    """Order (job description as plain data) to run a scene; `threads`: used if the scene does not set them."""
+    """Order (job description as plain data) to run a scene; `threads`: number of them if the scene does not set it."""
     return {"task": __name__, "scene": config.resolved(), "inputs": config.inputs(), "machine": {"threads": threads}}
 
 

@@ -44,7 +44,6 @@ class Study:
 
     @property
     def rows(self) -> list[dict[str, Any]]:
-        """Table rows of the finished points, in the order of the points."""
         return [row for k in sorted(self.found) for row in self.found[k]]
 
 

@@ -30,7 +30,7 @@ class Promise:
     """Tolerance by scheme; the error of any other scheme is only reported."""
 
     def row(self, case: str, scheme: str, value: float | None, reference: float | None, error: float | None) -> dict:
-        """Row of the results table (ROW_KEYS) for one run; an error of None misses its tolerance."""
+        """Row of the results table for one run, keys ROW_KEYS; an error of None counts as outside the tolerance."""
         tolerance = self.tolerance.get(scheme)
         numbers = {"value": value, "reference": reference, "error": error}
         return {
@@ -45,7 +45,7 @@ class Promise:
         }
 
     def coarsened(self, case: str) -> "Promise":
-        """Copy with tolerances of the table `coarse` added; the promise itself if the table lacks its quantity."""
+        """Copy with tolerances of validation/data/coarse.csv added; the promise itself if that lacks its quantity."""
         own = coarse_tolerances().get((case, self.quantity))
         if own is None:
             return self

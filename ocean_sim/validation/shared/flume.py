@@ -13,7 +13,7 @@ MIN_FIT_SHARE = 1e-3  # regularisation: amplitude over the largest that the reco
 
 
 def flume_scene(length: float, depth: float, spacing: float, duration: float, piston: dict[str, Any]) -> dict[str, Any]:
-    """Scene of a flume: length, depth, spacing [m], duration [s]; `piston`: keys of the wavemaker beside its wall."""
+    """Scene of a flume: length, depth, spacing [m], duration [s]; `piston`: keys of its wavemaker, except the wall."""
     return {
         "duration": duration,
         "basin": {
@@ -42,7 +42,7 @@ def resample_evenly(
 def reflection_ratio(
     every: float, elevation: np.ndarray, positions: np.ndarray, depth: float, band: tuple[float, float]
 ) -> float:
-    """Height of reflected over incident waves, from records (n, m) [m] `every` [s] at positions (m,) [m] along the
+    """Height of reflected over incident waves, from elevations (n, m) [m] `every` [s] at positions (m,) [m] along the
     waves, in a band of frequencies [Hz].
 
     Waves of the dispersion relation that run both ways are fitted to all records at once, by least squares in space and
@@ -56,7 +56,7 @@ def reflection_ratio(
     k = waves.wavenumber(omega, depth)
 
     def wave_columns(x: np.ndarray, way: float) -> np.ndarray:
-        """Columns (n * len(x), 2 * frequencies), cosines and sines at x [m], of waves towards +x, or -x (`way` -1)."""
+        """Columns cos, sin of k waves, at n times and positions x (m,) [m]: (n m, 2 k); `way`: 1 to +x, -1 to -x."""
         angle = way * np.outer(x, k)[None] - np.outer(time, omega)[:, None]
         return np.concatenate([np.cos(angle), np.sin(angle)], axis=2).reshape(n * len(x), -1)
 

@@ -12,8 +12,7 @@ LINE_STYLES, MARKER_STYLES = ("-", "--", ":", "-."), (".", "^", "s", "x", "+")
 
 
 def draw(path: Path, case: str, runs: list[tuple[Problem, str, Finding]]) -> None:
-    """Draw the runs of one case, each (set-up, scheme, finding), into a file: a panel for each set-up that has curves
-    or diverged. Without panels no file is written."""
+    """Draw runs (set-up, scheme, finding) of a case into a file; none is written if no run has curves or diverged."""
     from matplotlib.figure import Figure
 
     panels = list(dict.fromkeys(problem.name for problem, _, found in runs if found.measured or not found.numbers))
@@ -45,7 +44,7 @@ def draw(path: Path, case: str, runs: list[tuple[Problem, str, Finding]]) -> Non
 
 
 def plot_curve(axes: Any, curve: Curve, label: str, colour: str, n: int) -> None:
-    """Plot a curve as line or points, in the n-th line or marker style."""
+    """Plot a curve as a line or points on Matplotlib axes; `n`: index of its style in LINE_STYLES or MARKER_STYLES."""
     dots = {"linestyle": "none", "marker": MARKER_STYLES[n % len(MARKER_STYLES)], "markersize": 3}
     line = {"linestyle": LINE_STYLES[n % len(LINE_STYLES)], "linewidth": 1.2}
     axes.plot(curve.x, curve.y, label=label, color=colour, **(dots if curve.points else line))

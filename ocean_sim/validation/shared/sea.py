@@ -15,7 +15,7 @@ SPECTRAL_SCHEMES = ("spectral_sea",)
 
 
 def tile_scene(side: float, cells: int, slice_: bool = False, depth: float = 500.0, **keys: Any) -> dict[str, Any]:
-    """Scene of a tile of a side [m] and so many cells along it, 2-D if `slice_`; calm without `keys` of the fluid."""
+    """Scene of a tile of a side [m] with so many cells along it, 2-D if `slice_`; `keys`: of the fluid; none: calm."""
     basin = {"length": side, "depth": depth, "walls": "none"} | ({} if slice_ else {"width": side})
     return {
         "duration": 1.0,
@@ -26,7 +26,6 @@ def tile_scene(side: float, cells: int, slice_: bool = False, depth: float = 500
 
 
 def sea_of(simulation: Simulation) -> "SpectralSea":
-    """Fluid of a simulation, typed as SpectralSea."""
     return cast("SpectralSea", simulation.fluid)
 
 

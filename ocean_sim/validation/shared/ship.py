@@ -24,7 +24,7 @@ COMPARED_SHIPS = compared("ship")  # the kinds that studies compare
 
 
 def at_sea(ship: dict[str, Any], size: float, dt: float, duration: float = 1.0, **waves: float) -> dict[str, Any]:
-    """Scene of a ship of a `size` [m] on a wide, deep sea, calm without keys `waves`; step `dt` and duration [s]."""
+    """Scene of a ship on a wide, deep sea; `size` [m]: of the ship; `dt`: time step [s]; `waves`: keys of the sea."""
     return {
         "duration": duration,
         "basin": {"length": 40.0 * size, "width": 40.0 * size, "depth": 20.0 * size, "walls": "none"},
@@ -38,8 +38,8 @@ def at_sea(ship: dict[str, Any], size: float, dt: float, duration: float = 1.0, 
 def ship_of_section(
     breadth: float, height: float, bilge: float, length: float, mass: float, kg: float, roll_radius: float, cells: int
 ) -> dict[str, Any]:
-    """Ship keys of a prismatic hull with round bilges and flat ends: breadth, height over the keel, bilge radius,
-    length [m], mass [kg], height `kg` of the centre of mass over the keel, and radius of roll inertia [m]."""
+    """Ship keys of a prismatic hull with flat ends: breadth, height, bilge radius, length [m], mass [kg], height `kg`
+    [m] of the centre of mass over the keel, radius of roll inertia [m], and number of cells to the draught."""
     angles, inner = np.linspace(0.0, pi / 2.0, BILGE_CORNERS + 1), breadth / 2.0 - bilge
     side = [(breadth / 2.0, height)] + [(inner + bilge * cos(a), bilge - bilge * sin(a)) for a in angles]
     points = [[float(x), float(y), end * length / 2.0] for x, y in side for end in (1.0, -1.0)]
@@ -56,7 +56,7 @@ def ship_of_section(
 
 
 def first_harmonics(t: np.ndarray, values: np.ndarray, omega: float) -> np.ndarray:
-    """Amplitudes (k,) of records (n, k) at times (n,) [s] at a frequency [rad/s], fitted with mean and trend."""
+    """Amplitudes (k,) of signals (n, k) at times (n,) [s] at a frequency [rad/s], fitted with mean and trend."""
     base = np.stack([np.cos(omega * t), np.sin(omega * t), np.ones_like(t), t], axis=1)
     fit = np.linalg.lstsq(base, values, rcond=None)[0]
     return np.hypot(fit[0], fit[1])
@@ -68,12 +68,11 @@ def ship_of(simulation: Simulation) -> "Ship":
 
 
 def floating_ship(simulation: Simulation) -> "FloatingShip":
-    """Ship of the simulation, typed as FloatingShip."""
     return cast("FloatingShip", simulation.ships["ship"])
 
 
 def set_pose(simulation: Simulation, **changes: Any) -> None:
-    """Replace fields of the ship's body, given by name; velocity and angular momentum become 0 unless given."""
+    """Replace fields of the ship's body by `changes`; velocity and angular momentum become 0 unless given."""
     ship = ship_of(simulation)
     still = {"velocity": np.zeros(3), "angular_momentum": np.zeros(3)}
     ship.body = replace(ship.body, **(still | changes))
@@ -106,15 +105,15 @@ def turn_quaternion(axis: int, degrees: float) -> np.ndarray:
 
 
 def follow_body(simulation: Simulation, until: float) -> Iterator[tuple[float, "RigidBody"]]:
-    """Run until a time [s]; yield time [s] and body of the ship after every step."""
+    """Run until a time [s]; yield time [s] and rigid body of the ship after every step."""
     while simulation.time < until:
         simulation.step()
         yield simulation.time, ship_of(simulation).body
 
 
 def record_in_waves(simulation: Simulation, rest: float, height: float, period: float, heading: float) -> np.ndarray:
-    """Run the ship, at first upright at the height `rest` [m], in regular waves of a height [m], period [s] and heading
-    [deg]: rows (7, n) of time [s], position [m], pitch, yaw and roll [rad] over the last JUDGED_WAVES waves."""
+    """Run the ship from upright at height `rest` [m] in regular waves of a height [m], period [s], heading [deg]: rows
+    (7, n) of time [s], position [m], pitch, yaw and roll [rad] over the last JUDGED_WAVES waves."""
     fluid: Any = simulation.fluid  # of kind linear_waves
     clock: Any = simulation.time_step  # of kind fixed
     set_pose(simulation, position=np.array([0.0, rest, 0.0]), orientation=UPRIGHT)

@@ -28,12 +28,11 @@ class State:
 
     @property
     def kinetic_energy(self) -> float:
-        """Kinetic energy [J]."""
         return 0.5 * self.mass * float((self.velocity**2).sum())
 
     @property
     def momentum(self) -> np.ndarray:
-        """Momentum (3,) [N s], summed exactly: a plain sum would round off more than a momentum that cancels leaves."""
+        """Momentum (3,) [N s], summed exactly: rounding of a plain sum exceeds a momentum that cancels."""
         return self.mass * np.array([fsum(component) for component in self.velocity.T])
 
     @property
@@ -44,7 +43,6 @@ class State:
 
     @property
     def max_speed(self) -> float:
-        """Largest speed [m/s]."""
         return float(np.sqrt((self.velocity**2).sum(axis=1).max()))
 
 
@@ -74,7 +72,7 @@ def set_state(
 
 
 def random_shifts(simulation: Simulation, at: np.ndarray, size: float) -> np.ndarray:
-    """Random vectors (n, 3), one for each position `at` (n, 3), within a cube of half-width `size`; flat in 2-D."""
+    """Random vectors (n, 3) for n positions `at` (n, 3), each within a cube of half-width `size`; z is 0 in 2-D."""
     random = size * numpy_uniform3(simulation.scene.seed, SHIFT_STREAM, np.arange(len(at)), 0)
     random[:, simulation.basin.dimension :] = 0.0
     return random

@@ -12,12 +12,11 @@ from ocean_sim.files import csv_file
 
 
 def table_path(name: str) -> Path:
-    """Path of the table validation/data/<name>.csv."""
     return Path(__file__).parents[1] / "data" / f"{name}.csv"
 
 
 def table(name: str) -> dict[str, np.ndarray]:
-    """Columns of the table validation/data/<name>.csv by name."""
+    """Columns by name of the table validation/data/<name>.csv."""
     return csv_file.Table(table_path(name))
 
 

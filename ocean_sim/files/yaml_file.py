@@ -221,7 +221,7 @@ def core_tag(loader: Any, kind: Any, text: str, implicit: Any) -> str:
 
 
 def composed_tree(text: str, start: Location, candidates: Sequence[Any]) -> Any:
-    """PyYAML's tree of a text by the first loader, or the next if it fails; raises SceneError if nested too deeply."""
+    """PyYAML's tree of a text by the first of `candidates`, or if it fails the next; raises SceneError if too deep."""
     import yaml
     from yaml.events import CollectionEndEvent, CollectionStartEvent
 

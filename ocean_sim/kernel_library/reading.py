@@ -164,7 +164,7 @@ class FailingReader:
 
 
 def read_node(builder: Any, context: Any, node: Any) -> Any:
-    """Translate one node of a tree; after an error, let Taichi raise it again with its place. Replaces `__call__`."""
+    """Translate a node; after an error, let Taichi raise it again with its place. Replaces `Builder.__call__`."""
     places = impl.pytaichi.src_info_stack
     places.append(node.place)
     try:

@@ -86,7 +86,7 @@ def refusal_end(word: str) -> str:
 
 
 def likeliest_beside(word: str) -> str:
-    """End of an error message that suggests a key or kind near the word: `wind.u10` for `wind.speed`; may be empty."""
+    """End of an error message that suggests a key or kind beside the word: `wind.u10` for `wind.speed`; or empty."""
     above, _, last = word.rpartition(".")
     beside = by_kind(above)
     there = {key.path.rpartition(".")[2] for key in keys_at(beside)} - {beside.rpartition(".")[2]} if above else set()

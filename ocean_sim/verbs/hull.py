@@ -248,7 +248,7 @@ def mass_at(shape: "Hull", asked: Asked) -> float:
 
 
 def hull_report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> tuple[dict[str, Any], list[str]]:
-    """Facts of a hull as loaded, as JSON data with notes and problems; and the notes alone, as sentences."""
+    """Facts of a hull in its loading condition as JSON data, with notes and problems; and the notes, as sentences."""
     from ocean_sim.ship.hull.hull import CUBE_BUDGET
     from ocean_sim.ship.hull.voxels import MISSED_SHARE
     from ocean_sim.ship.naval.hydrostatics import metacentric_heights

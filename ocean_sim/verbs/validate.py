@@ -118,7 +118,7 @@ Order = tuple[str, list[str], bool, bool, list[str], Path]
 
 
 def case_answer(order: Order) -> list[dict[str, Any]]:
-    """Run a case under its schemes, draw its picture, and return a row for each result."""
+    """Run the case of an `Order` under its schemes, draw its picture, and return a row for each result."""
     case, schemes, slow, coarse, sets, out = order
     overrides, rows, runs = console.set_values(sets), [], []
     for problem, scheme in pairs_of(case, schemes, slow, coarse):

@@ -16,8 +16,7 @@ MAX_FOLDER_BYTES = 300_000_000  # of a folder; beyond them what was not used for
 
 
 def cached_arrays(folder: str, content: bytes, made: Callable[[], dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
-    """Arrays by name that `made()` computes, or that an earlier call cached in `folder` for equal `content`, the bytes
-    of its input, and equal source files. A cache that cannot be written is ignored."""
+    """Arrays by name that `made()` computes, cached in `folder` for equal input bytes `content` and source files."""
     package = made.__module__.split(".")[1]
     laws = [item for item in source_hashes().items() if item[0].startswith(f"{package}/")]
     path = cache_directory() / folder / f"{hashlib.sha256(repr(laws).encode() + content).hexdigest()}.npz"

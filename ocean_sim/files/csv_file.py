@@ -157,7 +157,8 @@ class Table(dict[str, np.ndarray]):
 
 
 def unreached_times_warning(what: str, times: np.ndarray, duration: float, instead: str) -> list[str]:
-    """A warning in a list if no time (n,) [s] of the table `what` is in the run of this duration [s], else empty."""
+    """Warning, in a list, if no time (n,) [s] of table `what` is in the run of this duration [s], else empty;
+    `instead`: its effect in words, {} the row that holds, `first` or `last`."""
     first, last = float(times[0]), float(times[-1])
     if last < 0.0:
         return [f"{what} ends at {last:.12g} s, before the run begins: {instead.format('last')}; {TIMES_REACHED_RULE}"]
@@ -166,8 +167,7 @@ def unreached_times_warning(what: str, times: np.ndarray, duration: float, inste
 
 
 def find_separator(names: str, row: str) -> str:
-    """Cell separator of a table: the first that splits heading `names` and first row into equally many cells, else one
-    in the heading, else a comma."""
+    """Separator that gives heading `names` and first `row` equally many cells, or one in the heading, or a comma."""
     bare = [QUOTED_CELL.sub('""', line) for line in (names, row)]
     for each in CELL_SEPARATORS:
         counts = [len(line.split(each.strip(" ") or None)) for line in bare]
@@ -177,8 +177,7 @@ def find_separator(names: str, row: str) -> str:
 
 
 def read_columns(path: str | Path) -> dict[str, np.ndarray]:
-    """Columns (n,) by name of a CSV file that a run wrote: float64, or text if a cell is a word; empty without a
-    heading. An unfinished last line is skipped. Raises Unreadable, a ValueError."""
+    """Columns (n,) by name of a CSV file that a run wrote: float64, or text if a cell is a word. Raises Unreadable."""
     text = input_file.read_text(path)
     _, heading, rows = split_lines(text[: text.rfind("\n") + 1])
     names = [name.strip() for name in split_cells(heading)] if heading else []
@@ -234,8 +233,7 @@ def number_or_word_column(_: str, found: Sequence[str]) -> np.ndarray:
 
 
 def numeric_column(name: str, found: Sequence[str]) -> np.ndarray:
-    """Cells of a column as float64 (n,), NaN where a cell is no number; for `build_columns`. A time column of ISO dates
-    with times of day, all with a zone or all without, becomes seconds since the first."""
+    """Cells as float64 (n,), NaN if no number; ISO dates as seconds since the first. For `build_columns`."""
     if name == TIME_COLUMN:
         with suppress(ValueError):
             dates = [datetime.fromisoformat(cell) for cell in found if "T" in cell or ":" in cell]
@@ -258,7 +256,6 @@ def split_cells(line: str, separator: str = ",") -> list[str]:
 
 
 def first_duplicate(names: list[str]) -> str | None:
-    """The first name that repeats an earlier one, or None."""
     return next((name for k, name in enumerate(names) if name in names[:k]), None)
 
 

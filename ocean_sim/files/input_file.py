@@ -44,7 +44,6 @@ class Rule(str):
 
     @property
     def sentence(self) -> str:
-        """The rule with a capital first letter."""
         return self[0].upper() + self[1:]
 
     def broken(self, path: str | Path, found: str) -> Unreadable:
@@ -91,8 +90,7 @@ def size_of(path: str | Path, most: int = MAX_FILE_BYTES) -> int:
 
 
 def read_bytes(path: str | Path, most: int = MAX_FILE_BYTES) -> bytes:
-    """Content of a regular file; raises Unreadable if missing or larger than `most` bytes. No more than the stated size
-    is read, as some files of the kernel do not end."""
+    """Content of a regular file, up to its stated size; raises Unreadable if missing or larger than `most` bytes."""
     try:
         size = size_of(path, most)
         with Path(path).open("rb") as file:

@@ -142,7 +142,6 @@ class Glb:
         run["channels"].append({"sampler": len(run["samplers"]) - 1, "target": {"node": node, "path": path}})
 
     def save(self, path: Path) -> None:
-        """Write all meshes and animations as one binary glTF file, atomically."""
         self.data += b"\0" * (-len(self.data) % 4)
         self.tree["buffers"] = [{"byteLength": len(self.data)}]
         if not self.tree["animations"][0]["channels"]:
@@ -157,11 +156,8 @@ class Glb:
 
 
 class Series:
-    """Writer of a VTKHDF file of points, cells and fields, one moment after the other; a context manager. `add` raises
-    OSError before the disk is full, since HDF5 would end the process.
-
-    Cells equal to those of the moment before are not written again.
-    """
+    """Writer of a VTKHDF file of points, cells and fields, one moment after the other; equal cells are written once.
+    A context manager; `add` raises OSError before the disk is full, since HDF5 would end the process."""
 
     def __init__(self, path: Path, topology: str) -> None:
         """`path`: the file to create; `topology`: kind of the cells, a key of CELL_CORNERS."""

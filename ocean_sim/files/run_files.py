@@ -57,11 +57,10 @@ class FolderClaimed(Refused):
 
 
 class Claim:
-    """Exclusive right to write into a folder, which is created if missing; a context manager.
+    """Exclusive right to write into a folder, created if missing; a context manager. Its lock ends with the process.
 
-    The lock is the kernel's, so it ends with its process. Drafts of killed processes are removed, and at the end so is
-    a folder that was created here and stayed empty. Raises FolderClaimed if another process holds the folder, Refused
-    if none can be created there, and Lacking if the file system has no locks.
+    Drafts of killed processes are removed, and at the end the folder, if new and empty. Raises FolderClaimed if another
+    process holds it, Refused if none can be created there, and Lacking if the file system has no locks.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -75,8 +74,7 @@ class Claim:
                 left.unlink()
 
     def locked(self) -> int:
-        """Create and lock the lock file; return its descriptor. Retried if another process deletes the file in between,
-        as a claim does at its end. Raises the errors of the class."""
+        """Create and lock the lock file, again if another process deletes it meanwhile; return its descriptor."""
         for _ in range(MAX_CLAIM_TRIES):
             try:
                 self.folder.mkdir(parents=True, exist_ok=True)
@@ -116,7 +114,6 @@ class Claim:
                 self.folder.rmdir()
 
     def __enter__(self) -> Path:
-        """Return the claimed folder."""
         return self.folder
 
     def __exit__(self, *exception: object) -> None:

@@ -99,7 +99,6 @@ class Node:
 
     @property
     def is_mapping(self) -> bool:
-        """True if the value is a mapping, stored as a dict of nodes."""
         return isinstance(self.data, dict)
 
     def child(self, step: str | int) -> "Node | None":
@@ -202,7 +201,7 @@ def parse_yaml(text: str, start: Location) -> Node:
 
 
 def mark_location(start: Location, mark: Any) -> Location:
-    """Location in a text of a mark, PyYAML's position (from 0); `start`, the text's own, if that has no line."""
+    """Location of a PyYAML mark (line and column from 0) in a text; the text's own, `start`, if that has no line."""
     return start if start.line is None or mark is None else Location(start.file, mark.line + 1, mark.column + 1)
 
 
@@ -216,14 +215,13 @@ def yaml_loaders() -> tuple[Any, ...]:
 
 
 def core_tag(loader: Any, kind: Any, text: str, implicit: Any) -> str:
-    """Type (null, bool, int, float or str) of a scalar without a tag, by the core schema of YAML 1.2, for PyYAML."""
+    """Type (null, bool, int, float or str) of an untagged scalar by the core schema of YAML 1.2; PyYAML calls it."""
     match = CORE_SCHEMA.fullmatch(text) if kind.id == "scalar" and implicit[0] else None
     return str(match.lastgroup) if match is not None else "str"
 
 
 def composed_tree(text: str, start: Location, candidates: Sequence[Any]) -> Any:
-    """PyYAML's node tree of a text by the first of the loaders or, after an error, the next, whose messages are better.
-    Raises PyYAML's errors, and SceneError if the text is too long or nested too deeply."""
+    """PyYAML's tree of a text by the first of `candidates`, or if it fails the next; raises SceneError if too deep."""
     import yaml
     from yaml.events import CollectionEndEvent, CollectionStartEvent
 
@@ -288,7 +286,6 @@ class _Reader:
         self.open: set[int] = set()
 
     def location(self, tree: Any) -> Location:
-        """Location of the beginning of a PyYAML node."""
         return mark_location(self.start, tree.start_mark)
 
     def refuse(self, tree: Any, key: str, message: str) -> Node:

@@ -62,8 +62,8 @@ class Boats:
         return self.velocity[:, 1:]
 
     def begin(self, which: np.ndarray, seas: Sequence[waves.Components], heading: np.ndarray, speed: float) -> None:
-        """Start the boats in the mask `which` (n,) at the origin, without heave, roll or pitch: the next of `seas` and
-        of `heading` [rad] for each, all at `speed` [m/s]."""
+        """Start the boats in the mask `which` (n,) at the origin at `speed` [m/s], without heave, roll or pitch; each
+        takes the next of `seas` and of `heading` [rad]."""
         for k, sea in zip(np.flatnonzero(which), seas):
             self.amplitude[k], self.phase[k], self.omega[k] = sea.amplitude, sea.phase, sea.omega
             self.wavevector[k] = sea.wavevector
@@ -91,8 +91,7 @@ class Boats:
         return (self.amplitude * np.cos(self.wave_phases(bow, later))).sum(axis=1)
 
     def wave_forcing(self) -> tuple[np.ndarray, np.ndarray]:
-        """Heave [m], roll and pitch [rad] (n, 3) at which the boats would be in equilibrium with the waves now, and the
-        rate of turn (n,) [rad/s] that the waves cause."""
+        """Heave [m], roll and pitch [rad] (n, 3) in balance with the waves now; rate of turn (n,) [rad/s] by waves."""
         ahead, boat = self.bow_direction(), self.boat
         along = (self.wavevector * ahead[:, None]).sum(axis=2)
         across = self.wavevector[:, :, 0] * ahead[:, 1, None] - self.wavevector[:, :, 1] * ahead[:, 0, None]  # to port

@@ -46,7 +46,7 @@ def action_space() -> spaces.Box:
 
 
 def random_sea(height: float, period: float, heading_deg: float, depth: float, seed: int) -> waves.Components:
-    """WAVE_COUNT plane waves drawn by `seed`: significant height [m], peak period [s], depth of the water [m]."""
+    """WAVE_COUNT waves by `seed`: significant height [m], peak period [s], mean direction [deg], depth of water [m]."""
     sea = waves.Spectrum(significant_wave_height=1.0, peak_period=period, heading_deg=heading_deg, seed=seed)
     whole = sea.components(waves.heading_vector(heading_deg, 3), depth, count=WAVE_COUNT)
     return replace(whole, amplitude=height * whole.amplitude)
@@ -122,7 +122,7 @@ class OceanVectorEnv(VectorEnv):
         return self.observations(), reward, over, late, self.info()
 
     def info(self) -> dict[str, Any]:
-        """`position` (n, 2), x and z [m], `heading` (n,) [rad], and for each Gymnasium's mask (n,), True for all."""
+        """Dict of `position` (n, 2), x and z [m], `heading` (n,) [rad], and Gymnasium's mask (n,) of each, all True."""
         known = np.ones(self.num_envs, dtype=bool)
         found = {"position": self.boats.place.copy(), "heading": self.boats.heading.copy()}
         return found | {f"_{name}": known for name in found}
@@ -161,7 +161,7 @@ class OceanEnv(gymnasium.Env):
         return seen[0], float(reward[0]), bool(over[0]), bool(late[0]), self.info()
 
     def info(self) -> dict[str, Any]:
-        """`position` (2,), x and z [m], and `heading` [rad] of the boat."""
+        """Dict of `position` (2,), x and z [m], and `heading` [rad] of the boat."""
         return {"position": self.many.boats.place[0].copy(), "heading": float(self.many.boats.heading[0])}
 
 

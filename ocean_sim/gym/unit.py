@@ -73,7 +73,6 @@ class OceanBoat(Fmi2Slave):
         return True
 
     def set_outputs(self) -> None:
-        """Set the output variables to the present state of the boat."""
         boats = self.boats
         (sway, surge), (roll, pitch) = boats.place[0].tolist(), boats.angles[0].tolist()
         motions = (surge, sway, boats.heave[0], roll, pitch, boats.heading[0], boats.speed[0])

@@ -73,16 +73,14 @@ except ModuleNotFoundError as missing:
 
 
 def knows_processor() -> bool:
-    """True if the library's compiler knows this processor; for an unknown one it compiles as for the first of its kind,
-    with vectors of only four f32 numbers."""
+    """True if the compiler knows this processor; else it compiles for the first of its kind: vectors of four f32."""
     facts = processor_facts()
     family = int(facts.get("cpu family", NEWEST_AMD_FAMILY))
     return LIBRARY_NAME == QUADRANTS or facts.get("vendor_id") != "AuthenticAMD" or family <= NEWEST_AMD_FAMILY
 
 
 def is_library_attribute(name: str, value: object) -> bool:
-    """True if the kernel library has put this attribute on one of our objects: the fork stores results there under
-    names that begin with _qd_, and each bound kernel under its method's name."""
+    """True if an attribute of one of our objects is a result or bound kernel that the fork Quadrants has put there."""
     return LIBRARY_NAME == QUADRANTS and (
         name.startswith("_qd_") or type(value).__module__.startswith("quadrants.lang._quadrants_callable")
     )

@@ -53,7 +53,6 @@ class Source:
     """Source text of a function, and the syntax trees parsed from it that are not in use."""
 
     def __init__(self, function: FunctionType) -> None:
-        """Find the source lines of a function and parse them."""
         self.name, self.file = function.__name__, kernel_impl.getsourcefile(function)
         self.trees: list[Tree] = []  # those that nothing reads now
         try:
@@ -114,8 +113,7 @@ def tree_and_context(
     ast_builder: Any = None,
     is_real_function: bool = False,
 ) -> tuple[Any, Any]:
-    """Syntax tree of a kernel or a function, and the context in which Taichi translates it; replaces Taichi's
-    `_get_tree_and_ctx`, whose arguments it takes."""
+    """Syntax tree of a kernel or a function, and context to translate it; replaces Taichi's `_get_tree_and_ctx`."""
     function = reader.func
     source = known_sources.get(function.__code__)
     if source is None:
@@ -140,13 +138,12 @@ def tree_and_context(
 
 
 def read_tree(root: Any, context: Any) -> Any:
-    """Translate a tree from its root and return its value; then free it for reuse, unless it is a kernel's, from which
-    Taichi removes parameters. Replaces Taichi's `transform_tree`."""
+    """Translate a tree from its root, return its value and free it for reuse; replaces Taichi's `transform_tree`."""
     try:
         read_node(Transformer(), context, root)
     finally:
         root.tree.clear()
-    if not context.is_kernel:
+    if not context.is_kernel:  # from whose tree Taichi removes parameters
         root.tree.source.trees.append(root.tree)
     return context.return_data
 
@@ -161,14 +158,13 @@ class FailingReader:
         """Function that raises the error, as the method `build_...` for any kind of node."""
 
         def fail(context: Any, node: Any) -> None:
-            """Raise the error, in place of the translation of a node."""
             raise self.error
 
         return fail
 
 
 def read_node(builder: Any, context: Any, node: Any) -> Any:
-    """Translate one node of a tree; after an error, let Taichi raise it again with its place. Replaces `__call__`."""
+    """Translate a node; after an error, let Taichi raise it again with its place. Replaces `Builder.__call__`."""
     places = impl.pytaichi.src_info_stack
     places.append(node.place)
     try:
@@ -189,7 +185,6 @@ def node_reader(kind: Any) -> Any:
     """Method of Taichi that translates nodes of the class `kind`; if there is none, one that raises a syntax error."""
 
     def refuse(context: Any, node: Any) -> None:
-        """Raise TaichiSyntaxError: Taichi has no method for this kind of node."""
         raise ti.TaichiSyntaxError(f'Unsupported node "{kind.__name__}"')
 
     return getattr(Transformer, f"build_{kind.__name__}", refuse)
@@ -202,7 +197,7 @@ def vector_elements(value: Any) -> dict[tuple[int, ...], Any]:
 
 
 def reduce_vector(value: Any, combine: Any) -> Any:
-    """Combine all elements of a vector or a matrix in order by `combine`, for example to their sum."""
+    """Combine all elements of a vector or matrix in order by `combine`, as to a sum; replaces Taichi's `_reduce`."""
     if not impl.inside_kernel():
         return taichi_reduce(value, combine)
     return impl.expr_init(reduce(combine, vector_elements(value).values()))

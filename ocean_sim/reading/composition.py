@@ -213,8 +213,7 @@ class Composition:
 
 
 def compose(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> Composition:
-    """Lay a profile and the `--set` values over a scene. Each part in the result is a mapping with `kind`; mistakes are
-    listed in its `problems`."""
+    """Lay a profile and `--set` values over a scene; parts become mappings with `kind`, `problems` lists mistakes."""
     result = Composition(scene.with_data(dict(scene.data)))
     for slot in SLOTS:
         if slot in scene.data:
@@ -321,7 +320,7 @@ def kind_of_keys(slot: str, node: Node) -> str | None:
 
 
 def with_owners(found: Problem, slot: str, place: str) -> Problem:
-    """The problem; for an unknown key without a suggestion, with the kinds of the slot that have the key added."""
+    """The problem; if of an unknown key without a suggestion, with the slot's kinds that have the key added to it."""
     key = found.key.removeprefix(f"{place}.")
     if not found.message.startswith("unknown key") or found.suggestion is not None:
         return found
@@ -342,8 +341,7 @@ def known_names(slot: str) -> list[str]:
 
 
 def unknown_name(what: str, name: Node, key: str, choices: Any = None) -> Problem:
-    """Problem of a name that is none of `choices`, by default the presets and kinds of slot `what`: suggests the
-    closest one and lists all."""
+    """Problem of a name that is none of `choices`, by default names of slot `what`; suggests the closest, lists all."""
     choices = choices or known_names(what)
     end, suggestion = choice_sentence(name.data, choices)
     if suggestion is not None:

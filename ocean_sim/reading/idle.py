@@ -23,7 +23,7 @@ def has_particles(mapping: Any, known: Preflight, *_: Any) -> bool:
 
 
 def has_stops(mapping: Any, known: Preflight, *_: Any) -> bool:
-    """True if the water is made of particles that can meet a wall, a floor, a lid or an obstacle."""
+    """True if particles of the water can meet a wall, a floor, a lid or an obstacle; a condition in IDLE_RULES."""
     return known.fluid.made_of_particles and bool(known.tank.sides or known.tank.config.obstacles)
 
 

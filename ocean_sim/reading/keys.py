@@ -79,7 +79,6 @@ class Key(NamedTuple):
 
 @cache
 def whole_schema() -> dict[str, Any]:
-    """The JSON Schema of a scene, cached."""
     return scene_schema()
 
 
@@ -227,7 +226,7 @@ def value_of(path: str, node: dict[str, Any]) -> str:
 
 
 def value_within(node: dict[str, Any], name: str, within: tuple[str, ...]) -> str:
-    """An example value for key `name` by its schema, as YAML: its default, a stated example, or one of its type."""
+    """An example value for key `name` by its schema `node`, as YAML: default, stated example, or one of its type."""
     default = node.get("default")
     if default not in (None, [], {}, ""):
         return in_yaml(default)
@@ -280,7 +279,6 @@ def bound_of(node: dict[str, Any], *names: str) -> float | None:
 
 @cache
 def by_path() -> dict[str, Key]:
-    """All keys of a scene by their paths."""
     return {key.path: key for key in scene_keys()}
 
 
@@ -303,7 +301,7 @@ def keys_at(word: str) -> list[Key]:
 
 
 def is_path_match(path: list[str], steps: list[str]) -> bool:
-    """True if the steps of a key's path equal those that a user wrote, any of which matches NAME."""
+    """True if a key's path equals the steps that a user wrote; NAME in the path matches any step."""
     return len(path) == len(steps) and all(p in (s, NAME_STEP) for p, s in zip(path, steps, strict=True))
 
 

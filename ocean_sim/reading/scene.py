@@ -108,8 +108,7 @@ class SceneConfig(Heading):
         return [row for key, part in self.parts().items() for row in of_place(key, part.ledger(preflight))]
 
     def inputs(self) -> dict[str, str]:
-        """SHA-256 by name of each input file that the scene's numbers depend on; raises Refused if one has changed
-        since the scene was loaded."""
+        """SHA-256 by name of each input file of the scene's numbers; raises Refused if one changed since loading."""
         parts = [part.model_dump() for part in (self.basin, *self.parts().values())]
         found = {name: file_digest(name) for name in sorted(set(input_names(parts)))}
         for name, now in found.items():
@@ -134,8 +133,7 @@ class SceneConfig(Heading):
         return [*told, *idle_keys(whole, preflight)]
 
     def resolved(self) -> dict[str, Any]:
-        """The scene as plain data that load again to an equal scene. Keys left out are null, and spacings are already
-        multiplied by the resolution."""
+        """The scene as plain data that load to an equal one: absent keys null, spacings times the resolution."""
         data = self.model_dump(mode="json", by_alias=True, serialize_as_any=True, exclude={"notes"})
         ships, observers = data[SEVERAL], data.pop("observers")
         written = (ALONE, ships.get(ALONE)) if not ships or ALONE in ships else (SEVERAL, ships)
@@ -151,7 +149,6 @@ def of_place(place: str, rows: list[LedgerRow]) -> list[LedgerRow]:
 
 
 def observer_names() -> tuple[str, ...]:
-    """Names of all observers of the program."""
     return kinds("observers")
 
 
@@ -163,11 +160,9 @@ def on_unless_null(slots: Iterable[str]) -> list[str]:
 def load(
     source: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None, profile: str | None = None
 ) -> SceneConfig:
-    """Load the scene in a file, a packaged scene of this name or a dict, with overrides and a profile laid over it.
-
-    Names of files in it, and in overrides, are relative to its own file; in a dict, to the working directory. Raises
-    SceneError, which lists all mistakes at once.
-    """
+    """Load a scene from a file, the name of a packaged scene or a dict, with overrides (values by dotted key) and a
+    profile over it. Names of files start in the folder of its file, of a dict in the working directory. Raises
+    SceneError, which lists all mistakes at once."""
     if not isinstance(source, str | PathLike | dict):
         raise Unsuited(f"load: source is the name or the file of a scene, or a dict, not {source!r:.60}")
     if overrides is not None and not (isinstance(overrides, dict) and all(isinstance(key, str) for key in overrides)):
@@ -214,14 +209,12 @@ def scene_path(source: str | Path) -> Path:
 
 
 def packaged_scenes() -> list[str]:
-    """Names of the scenes that are installed with the program, such as `showcase`."""
     folder = library("scenes")
     return sorted(path.relative_to(folder).with_suffix("").as_posix() for path in folder.rglob("*.yaml"))
 
 
 def profile_layer(profile: str | None) -> tuple[Node | None, list[Problem]]:
-    """The mapping in a profile's file, and a problem for each key in it that is not of numerical effort, which is left
-    out; None and no problems without a profile."""
+    """Mapping in a profile's file, less keys not of numerical effort, and problems of these; None without a profile."""
     if profile is None:
         return None, []
     if profile not in named("run"):
@@ -323,7 +316,7 @@ def _overlapping_ships(preflight: Preflight, root: Node) -> list[Problem]:
 
 
 def _unknown_keys(root: Node, headings: tuple[str, ...]) -> list[Problem]:
-    """Problems of unknown keys at the top level of a scene."""
+    """Problems of unknown keys at the top level of a scene; `headings`: its keys that belong to no part."""
     known, problems = (*headings, "basin", *SLOTS, *KEYS_BESIDE_SLOTS, SEVERAL, "runtime", *observer_names()), []
     for key, node in root.data.items():
         if key not in known:
@@ -338,7 +331,6 @@ def _suggest_below(key: str, data: dict[str, Node]) -> tuple[str, str | None]:
     from ocean_sim.reading.keys import example_path, keys_elsewhere, named_so  # they read scenes
 
     def here(path: str) -> bool:
-        """True if the key at this path is of the kind that the scene has in its slot, or in no slot."""
         slot, kind, *_ = path.split(".")
         return slot not in SLOTS or (slot in data and data[slot].is_mapping and data[slot].plain()["kind"] == kind)
 
@@ -351,8 +343,8 @@ def _suggest_below(key: str, data: dict[str, Node]) -> tuple[str, str | None]:
 def _part_model(
     name: str, model: type[Model] | None, composition: Composition, problems: list[Problem], folder: Path | None
 ) -> Any:
-    """The checked Config of a part, of class `model` or, if None, that of its kind; None where it is absent or wrong.
-    Mistakes are appended to `problems`."""
+    """The checked Config of a part, of class `model` or else of its kind; None where it is absent or wrong, with its
+    mistakes appended to `problems`. `folder`: base of file names."""
     node = _place_node(composition.root.data, name)
     if node is not None and node.data is not None:
         if model is not None:
@@ -436,7 +428,6 @@ def _scale_spacings(root: Node, factor: float, dimension: int, notes: list[str])
     the power `dimension`; sentences on it are added to `notes`. Values from `--set` are kept."""
 
     def scaled(node: Node, path: tuple[str, ...]) -> Node:
-        """The node with every spacing and particle count inside it scaled."""
         if isinstance(node.data, dict):
             return node.with_data({key: scaled(inner, (*path, key)) for key, inner in node.data.items()})
         value, number = node.data, node.data

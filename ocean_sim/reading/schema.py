@@ -60,7 +60,6 @@ def scene_schema() -> dict[str, Any]:
 
 
 def schema_text() -> str:
-    """The JSON Schema of a scene as JSON text."""
     return json.dumps(scene_schema(), indent=1, ensure_ascii=False) + "\n"
 
 
@@ -96,7 +95,7 @@ def _preset_schema(slot: str, name: str, definitions: dict[str, Any]) -> dict[st
 
 
 def _add_explanation(node: dict[str, Any], definitions: dict[str, Any]) -> None:
-    """Append unit and default to the description of a key; `meaning` keeps the text without them."""
+    """Append unit and default to the description in a key's schema `node`, which keeps the former as `meaning`."""
     if "meaning" in node or "const" in node:
         return
     union = node.get("anyOf", node.get("oneOf", [node]))
@@ -112,11 +111,9 @@ def _add_explanation(node: dict[str, Any], definitions: dict[str, Any]) -> None:
 
 
 class _Generator(GenerateJsonSchema):
-    """Generator of a schema without pydantic's titles, with the docstrings of keys as descriptions. They are read here,
-    not when a model class is created, which would slow down every start."""
+    """Schema generator that omits titles and describes keys by their docstrings, read only now to keep starts fast."""
 
     def field_title_should_be_set(self, schema: Any) -> bool:
-        """False: keys get no titles."""
         return False
 
     def normalize_name(self, name: str) -> str:
@@ -147,7 +144,6 @@ def _docstrings(model: type[BaseModel]) -> dict[str, str]:
 
 
 def _class_body(model: type) -> list[ast.stmt]:
-    """The syntax trees of the statements in a model's class."""
     body: list[ast.stmt] = _module_tree(model.__module__).body
     for name in model.__qualname__.split("."):
         body = next(node.body for node in body if isinstance(node, ast.ClassDef) and node.name == name)
@@ -156,5 +152,4 @@ def _class_body(model: type) -> list[ast.stmt]:
 
 @lru_cache
 def _module_tree(name: str) -> ast.Module:
-    """Syntax tree of an imported module, by its name."""
     return ast.parse(getsource(sys.modules[name]))

@@ -40,5 +40,4 @@ def file_sentence(path: Path) -> str:
 
 
 def is_comment(line: str) -> bool:
-    """True if a line of a YAML file is a comment."""
     return line.startswith("# ")

@@ -204,7 +204,6 @@ class _Found(NamedTuple):
 
 @cache
 def _model_schema(model: type[BaseModel]) -> dict[str, Any]:
-    """The JSON Schema of a model, cached."""
     return model.model_json_schema()
 
 
@@ -285,8 +284,7 @@ def _is_short(found: _Found) -> bool:
 
 
 def _union_problems(found: list[_Found], prefix: Path) -> list[Problem]:
-    """Problems of a value that fits no member of a union: those of the member with the fewest errors among members of
-    the same shape, else one that lists the expected shapes."""
+    """Problems of a value that fits no member of a union: those of the likeliest one, else one with all shapes."""
     members: dict[str, list[_Found]] = {}
     for f in found:
         members.setdefault(f.member, []).append(f)
@@ -384,10 +382,8 @@ def _value_form(place: dict[str, Any], definitions: dict[str, Any]) -> str:
 
 
 def _entry_count(count: int) -> str:
-    """Count of list entries in words: `1 entry`, `2 entries`."""
     return "1 entry" if count == 1 else f"{count} entries"
 
 
 def _bound_text(bound: Any) -> str:
-    """Bound of a number as text, `0.5` or `3`."""
     return f"{bound:g}" if isinstance(bound, float) else str(bound)

@@ -52,7 +52,7 @@ def bench(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Measure scenes one after the other and report; with peers those alone, unless scenes are named."""
+    """Measure the speed of scenes one after the other; with --peers and no scene, time other programs alone."""
     from ocean_sim.verbs.shared import history
 
     if peer_python and not peers:
@@ -96,8 +96,7 @@ def peer_programs() -> ModuleType:
 
 
 def measure_in_child(order: dict[str, Any], cold: bool) -> dict[str, Any]:
-    """Run `bench-one` with an order (scene and options) in a child process, with an empty kernel cache if `cold`, and
-    return its answer; its errors are raised."""
+    """Answer of `bench-one` to `order` (scene, options), run in a child process; `cold`: with an empty kernel cache."""
     with tempfile.TemporaryDirectory() as empty:
         environment = os.environ | ({"XDG_CACHE_HOME": empty} if cold else {})
         command = [sys.executable, "-m", "ocean_sim", "bench-one", "--json"]
@@ -162,7 +161,7 @@ def bench_one(order: str, as_json: Json = False) -> None:
 
 
 def time_block(simulation: "Simulation", sync: Callable[[], None]) -> tuple[int, float, float, float]:
-    """Step for MIN_BLOCK_SECONDS or more: number of steps, and their wall, processor and simulated time [s]."""
+    """Steps of MIN_BLOCK_SECONDS or more: number, wall, processor and simulated time [s]; `sync` awaits kernels."""
     steps, wall, cpu, simulated = 0, perf_counter(), process_time(), simulation.time
     while perf_counter() - wall < MIN_BLOCK_SECONDS:
         simulation.step()

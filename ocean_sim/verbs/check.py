@@ -34,7 +34,7 @@ def check(
     time: Annotated[bool, typer.Option("--time", help="Take some steps first, to estimate the wall time.")] = False,
     as_json: Json = False,
 ) -> None:
-    """Report the needs of a scene, and its problems."""
+    """Report the memory, time step and wall time that a scene needs, and its problems."""
     try:
         config = load(scene, console.set_values(sets), profile)
     except SceneError as error:
@@ -125,8 +125,7 @@ def picture_time(config: SceneConfig) -> float:
 
 
 def particle_room(config: SceneConfig, rows: list[LedgerRow], particles: int) -> dict[str, int | None]:
-    """Bytes per particle, and number of particles that fits into nine tenths of the machine's memory with the
-    observers' copies, or on a graphics card into CARD_BYTES. Both None without particles."""
+    """Bytes per particle, and number of particles that fits into memory, by ledger `rows`; None without particles."""
     from ocean_sim.runtime import BASE_MEMORY, COPY_BYTES_PER_PARTICLE, GRAPHICS_CARD_CHOICES
 
     if not particles:
@@ -162,7 +161,7 @@ def ship_facts(config: SceneConfig) -> dict[str, dict[str, Any]]:
 
 
 def ledger_rows(found: dict[str, Any], config: SceneConfig) -> list[dict[str, Any]]:
-    """Ledger in the facts `found` as dicts; the first row of each part lists the kernels of the whole part."""
+    """Memory ledger of `preflight` (`found`) as dicts; the first row of a part lists the kernels of the whole part."""
     from ocean_sim.runtime import kernels_in
 
     parts, listed, rows = {"basin": config.basin} | config.parts(), set(), []
@@ -186,7 +185,7 @@ def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
 
 
 def memory_taken(found: dict[str, Any]) -> str:
-    """Memory of a run in words, from the facts `found`, with the part of it that pictures take."""
+    """Memory of a run in words, from the facts `found` of `preflight`, with the part of it that pictures take."""
     pictures = f" ({found['pictures_mb']:.0f} of them for pictures)" if found["pictures_mb"] else ""
     return f"{found['memory_mb']:.0f} MB{pictures}"
 
@@ -219,7 +218,6 @@ def preflight_lines(found: dict[str, Any], config: SceneConfig) -> str:
 
 
 def print_preflight(found: dict[str, Any], config: SceneConfig) -> None:
-    """Print all facts of `preflight` (`found`) for people."""
     console.say(config.title or "untitled")
     console.table(
         "",

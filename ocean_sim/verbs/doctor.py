@@ -36,7 +36,7 @@ PROBE_SECONDS = 90.0  # [s] for one probe
 
 
 def doctor(as_json: Json = False) -> None:
-    """Report what the machine can do; what is missing is not an error."""
+    """Report the abilities of the machine; a missing one is not an error."""
     found = examine_machine()
     if as_json:
         console.answer(found)
@@ -55,7 +55,6 @@ def doctor(as_json: Json = False) -> None:
 
 
 def _row(fact: dict[str, Any]) -> list[str]:
-    """Table cells of a fact: yes or no, and its detail."""
     return ["yes" if fact["ok"] else "no", fact["detail"]]
 
 
@@ -114,8 +113,7 @@ def opengl_row() -> dict[str, Any]:
 
 
 def vector_row() -> dict[str, Any]:
-    """Fact on the kernels' vector instructions: `ok` if they are as wide as suits the processor, and `detail` in words.
-    Taichi 1.7 does not recognise newer processors."""
+    """Fact on the kernels' vector instructions: `ok` if as wide as suits the processor, and `detail` in words."""
     fact, room = run_probe(VECTOR_PROBE), machine.max_vector_width()
     if not fact["ok"]:
         return fact

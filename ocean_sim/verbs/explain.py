@@ -29,7 +29,7 @@ def explain(
     ],
     as_json: Json = False,
 ) -> None:
-    """Explain a key, or the keys of a preset or a kind; what is none of them is refused with the likeliest key."""
+    """Explain a key, or the keys of a preset or a kind; another word is refused, with the likeliest key."""
     asked = key.partition("=")[0].strip().lower()
     if asked in (*SLOTS, SEVERAL):
         list_choices(ALONE if asked == SEVERAL else asked, as_json)
@@ -62,7 +62,7 @@ def preset_choice(word: str) -> tuple[str, str] | None:
 
 
 def with_preset_value(key: Key, slot: str, name: str) -> Key:
-    """The key with, as its default, the value that the preset `name` of its kind sets, if it sets one."""
+    """The key with the value that preset `name` of a slot gives it as its default; unchanged if it gives none."""
     own = choice_of(slot, node_of(name, Location(name))).base.plain()
     value = own.get(key.path.split(".")[2])
     return key if value is None else key._replace(default=in_yaml(value))
@@ -86,7 +86,7 @@ def refusal_end(word: str) -> str:
 
 
 def likeliest_beside(word: str) -> str:
-    """End of an error message that suggests a key or kind near the word: `wind.u10` for `wind.speed`; may be empty."""
+    """End of an error message that suggests a key or kind beside the word: `wind.u10` for `wind.speed`; or empty."""
     above, _, last = word.rpartition(".")
     beside = by_kind(above)
     there = {key.path.rpartition(".")[2] for key in keys_at(beside)} - {beside.rpartition(".")[2]} if above else set()
@@ -96,7 +96,7 @@ def likeliest_beside(word: str) -> str:
 
 
 def group_alike(found: list[Key]) -> list[tuple[Key, list[str]]]:
-    """Pairs of a key and the paths of all keys in the list that are equal but for their kind, each once."""
+    """Groups of keys that are equal but for their kind: for each group its first key, and the paths of all."""
     same: dict[tuple[Any, ...], tuple[Key, list[str]]] = {}
     for key in found:
         name = key.path.split(".")
@@ -121,12 +121,10 @@ def key_lines(key: Key, paths: list[str]) -> list[str]:
 
 
 def key_row(key: Key, paths: list[str]) -> list[str]:
-    """Table cells of a key: path (and number of others), default, meaning with unit."""
     more = f" and {len(paths) - 1} more" if len(paths) > 1 else ""
     return [paths[0] + more, key.default, f"{key.meaning}{in_brackets(key.unit)}"]
 
 
 def key_answer(key: Key, paths: list[str]) -> dict[str, Any]:
-    """Facts of a key as JSON data; `paths`: all paths at which it is found."""
     shown = ("meaning", "takes", "unit", "default", "range", "example")
     return {"key": paths[0], "keys": paths} | {name: getattr(key, name) for name in shown}

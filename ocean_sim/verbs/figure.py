@@ -106,8 +106,7 @@ def report_figure(outcome: Outcome) -> str:
 
 
 def draw_figure(name: str, script: Path, fast: bool, out: Path, show: Callable[[float, str], None]) -> Outcome:
-    """Run a figure's script in a child process, where Taichi starts fresh; its files are moved to `out` once complete.
-    `show(share, text)` gets its progress, 0 to 1."""
+    """Run a script in a child process, then move its files to `out`; `show(share, text)` gets its progress, 0 to 1."""
     began = perf_counter()
     paths = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
     with TemporaryDirectory(prefix=".figure-", dir=out) as folder:

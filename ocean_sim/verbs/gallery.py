@@ -50,8 +50,7 @@ class Entry(Model):
 
     @property
     def stamp(self) -> str:
-        """Hash of all that the picture depends on: scene, presets, drawing command, code and look. If it changes, the
-        picture is out of date."""
+        """Hash of the scene, presets, drawing command, code and look; if it changes, the picture is out of date."""
         scene = read_mapping(library("scenes") / f"{self.scene}.yaml").plain()
         asked = [{key: value for key, value in scene.items() if key != "title"}, self.until, self.draw, pictures.LOOK]
         asked += [part.model_dump(mode="json", exclude_defaults=True) for part in law_files(self.scene).values()]
@@ -89,7 +88,6 @@ def is_computing(code: str) -> list[str]:
 
 
 def gallery_entries() -> list[Entry]:
-    """All pictures of the gallery, as LIST_FILE lists them."""
     listed = read_mapping(library("figures") / "gallery" / LIST_FILE).plain()["pictures"]
     return [Entry.model_validate(row) for row in listed]
 

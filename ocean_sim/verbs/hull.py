@@ -43,7 +43,7 @@ class Asked(NamedTuple):
     scale: float | None = None  # metres per unit of a mesh file
 
     def agree(self, loading: Path | None) -> None:
-        """Raise Refused where an option is not finite, or several options state the same quantity."""
+        """Raise Refused if an option is not finite, or mass or centre is stated twice; `loading`: file of --loading."""
         for name, value in self._asdict().items():
             if name not in ("up", "bow") and not np.isfinite([] if value is None else value).all():
                 raise console.Refused(f"--{name.replace('_', '-')}: expected finite numbers")
@@ -142,8 +142,8 @@ def hull(
 
 
 def found_hull(name: str, ship: str | None, asked: Asked) -> "tuple[Hull, float, tuple[float, float] | None]":
-    """The hull called `name` (in configs/hull/ or configs/ship/), of a mesh file, or of a ship in a scene; density of
-    the water [kg/m3]; length and breadth of the bilge keels [m] or None. Raises ValueError, SceneError or Refused."""
+    """The hull called `name` (in configs/hull/ or configs/ship/, a mesh file, or `ship` of a scene), density of the
+    water [kg/m3], length and breadth of the bilge keels [m] or None. Raises ValueError, SceneError or Refused."""
     from ocean_sim.parts import library, named
     from ocean_sim.ship.hull.hull import MESH_ENDINGS, hull_of
 
@@ -248,7 +248,7 @@ def mass_at(shape: "Hull", asked: Asked) -> float:
 
 
 def hull_report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> tuple[dict[str, Any], list[str]]:
-    """Facts of a hull as JSON data, with notes and problems; and the notes alone, as sentences."""
+    """Facts of a hull in its loading condition as JSON data, with notes and problems; and the notes, as sentences."""
     from ocean_sim.ship.hull.hull import CUBE_BUDGET
     from ocean_sim.ship.hull.voxels import MISSED_SHARE
     from ocean_sim.ship.naval.hydrostatics import metacentric_heights
@@ -322,8 +322,7 @@ def stability_problems(stability: "Stability") -> list[str]:
 
 
 def roll_damping_rows(afloat: "Hydrostatics", asked: Asked) -> tuple[list[dict[str, float]], list[str]]:
-    """Roll damping by components (Ikeda), as shares of critical, in a row per roll amplitude; and warnings where the
-    hull is outside the range of the regressions."""
+    """Roll damping by components (Ikeda) as shares of critical, a row per amplitude; and warnings out of its range."""
     from ocean_sim.ship.forces.added_mass import by_rule
     from ocean_sim.ship.forces.roll_damping import BilgeKeels, Ikeda, RollDamping
 
@@ -348,8 +347,7 @@ def roll_damping_rows(afloat: "Hydrostatics", asked: Asked) -> tuple[list[dict[s
 
 
 def squat_rows(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[str, float]], list[str]]:
-    """Squat at some speeds in water of this depth [m], a row per Froude number, and warnings on blunt ends; both empty
-    without a depth. Raises Refused if the ship draws more than the depth."""
+    """Squat in water of `depth` [m], a row per Froude number, and warnings; empty without a depth. Raises Refused."""
     from math import degrees, sqrt
 
     from ocean_sim.ship.naval.hydrostatics import bow_squat, slender_squat
@@ -371,7 +369,7 @@ def squat_rows(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[s
 
 
 def stated_balance(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[str, Any]:
-    """Draught, GM, trim, righting levers, criteria and natural periods as JSON data; `cross`: and cross curves."""
+    """Draught, GM, trim, righting levers, criteria and natural periods as JSON data; `cross`: also cross curves."""
     from ocean_sim.ship.forces.added_mass import by_rule
     from ocean_sim.ship.naval.hydrostatics import LEVER_HEELS
     from ocean_sim.ship.naval.stability import CROSS_HEELS
@@ -411,8 +409,7 @@ def stated_balance(afloat: "Hydrostatics", stability: "Stability", cross: bool) 
 
 
 def balance_at_rest(afloat: "Hydrostatics") -> dict[str, float | None]:
-    """Draughts fore and aft [m], trim and heel at rest [deg], positive with bow and starboard down; all None where the
-    ship has no equilibrium."""
+    """Draughts fore and aft [m], trim and heel [deg], > 0 with bow and starboard down; None without equilibrium."""
     from math import asin, degrees
 
     from ocean_sim.ship.body.floating import lean_matrix, rest_angles
@@ -428,7 +425,6 @@ def balance_at_rest(afloat: "Hydrostatics") -> dict[str, float | None]:
 
 
 def print_report(name: str, found: dict[str, Any], notes: list[str], picture: Path | None) -> None:
-    """Print the facts of `hull_report` (`found`) on a hull for people, and the path of its picture."""
     from ocean_sim.ship.naval.stability import LAST_HEEL
 
     console.say(name)
@@ -483,7 +479,7 @@ def print_report(name: str, found: dict[str, Any], notes: list[str], picture: Pa
 
 
 def draw_hull(path: Path, shape: Any, found: dict[str, Any]) -> None:
-    """Draw three views of the hull with its waterline, and its righting levers, into a PNG file."""
+    """Draw three views of the hull with its waterline, and righting levers from `found`, its facts, into a PNG file."""
     from matplotlib.figure import Figure
 
     from ocean_sim.ship.hull.voxels import voxels

@@ -25,7 +25,7 @@ def list_choices(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Print every slot, or one of them."""
+    """Print the names of every section, or of one (`slot`), each with a sentence."""
     if slot is not None and slot not in SECTION_NAMES:
         raise console.Refused(f"there is nothing called {slot!r} to list{choice_sentence(slot, SECTION_NAMES)[0]}")
     rows = [row for name in ([slot] if slot else SECTION_NAMES) for row in section_rows(name)]

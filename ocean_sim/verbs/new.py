@@ -85,7 +85,7 @@ def schema_file() -> Path:
 
 
 def section_lines(data: dict[str, Node], meanings: dict[str, str]) -> Iterator[str]:
-    """Yield the lines of a scene's keys, by name, with their meanings (by path) as comments."""
+    """Yield the lines of a scene's keys, `data` by name, with their `meanings`, by path, as comments."""
     for key, node in data.items():
         name = isinstance(node.data, str) and key in SLOTS
         comment = part_sentence(key, node.data) if name else meanings.get(key, "")
@@ -100,7 +100,7 @@ def section_lines(data: dict[str, Node], meanings: dict[str, str]) -> Iterator[s
 
 
 def with_comment(text: str, comment: str) -> str:
-    """A line of YAML with a comment at COMMENT_COLUMN, if there is one."""
+    """The line `text` of YAML, with the comment at COMMENT_COLUMN unless it is empty."""
     return f"{text:<{COMMENT_COLUMN}}  # {comment}" if comment else text
 
 

@@ -57,7 +57,7 @@ def platform(
     ),
     as_json: Json = False,
 ) -> None:
-    """Follow a log and report; everything is computed before anything is written."""
+    """Turn a motion log into commands of a motion platform; all is computed before anything is written."""
     with console.claim(out, "platform.csv", ".platform-*"):
         for what, name, known in (("frame", frame or "flu", FRAME_AXES), ("packets", packets, wire.FORMAT_NAMES)):
             if name not in known:
@@ -94,8 +94,7 @@ def platform(
 
 
 def platform_config(geometry: str, washout: str, sets: Sequence[str] = ()) -> Config:
-    """Config of a motion platform from geometry and washout, each a name or a file, and settings `key=value`; raises
-    SceneError or Refused."""
+    """Config of a platform by geometry and washout (names, files), `key=value` settings; raises SceneError, Refused."""
     nodes = {"geometry": platform_choice("geometry", geometry), "washout": platform_choice("washout", washout)}
     whole = node_of(nodes, Location("--geometry, --washout"))
     for key, value in console.set_values([*sets]).items():
@@ -119,7 +118,7 @@ def platform_choice(what: str, name: str) -> Node:
 
 
 def open_log(stream: str, packets: str, key: Path | None) -> datagrams.Sender:
-    """Sender of packets to an address, signed with the content of the file `key` if given; raises Refused."""
+    """Sender of packets of a format to an address `stream`, signed with the content of file `key`; raises Refused."""
     try:
         secret = b"" if key is None else datagrams.read_key(str(key))
         return datagrams.Sender(stream, packets, secret)
@@ -156,7 +155,7 @@ def join_words(parts: Sequence[Commands]) -> Commands:
 
 
 def to_log_frame(done: Commands, frame: str) -> Commands:
-    """Platform commands with pose, forces and rates along the axes `frame` (`ship`, `ned` or `flu`)."""
+    """Platform commands `done` with pose, forces and rates along the axes `frame` (`ship`, `ned` or `flu`)."""
     force, rate = done.felt_force @ FRAME_AXES[frame].T, done.felt_rate @ FRAME_AXES[frame].T
     return done._replace(pose=wire.turn_to_frame(done.pose, frame), felt_force=force, felt_rate=rate)
 
@@ -171,7 +170,7 @@ def write_commands(
     frame: str | None,
     film: bool,
 ) -> list[Path]:
-    """Write commands, metrics and pictures of a ride into `out`, moved there once all are complete; return paths."""
+    """Write commands `done`, metrics `found` and pictures of a ride into `out`, at once when complete; return paths."""
     with TemporaryDirectory(prefix=".platform-", dir=out) as name:
         folder = Path(name)
         head = heading(log.every, frame or "flu") | (
@@ -209,7 +208,7 @@ def commands_table(path: Path, head: dict[str, Any], columns: Sequence[str], row
 
 
 def stream_ride(sender: datagrams.Sender, done: Commands, machine: Moving, frame: str) -> datagrams.Jitter:
-    """Send each row of the ride at its time, then, also after Ctrl-C, the return to neutral; return the send jitter."""
+    """Send each row of `done` (commands) at its time, then, even after Ctrl-C, the return to neutral; return jitter."""
     try:
         for packet in wire.row_packets(done, frame):
             sender.send(packet)
@@ -224,7 +223,6 @@ def stream_ride(sender: datagrams.Sender, done: Commands, machine: Moving, frame
 
 
 def print_report(done: Commands, found: list[Metric], files: list[Path]) -> None:
-    """Print the metrics of a ride for people."""
     value = {metric.quantity: metric.value for metric in found}
     kinds = ("scaled_rms", "felt_rms", "error_rms", "correlation", "delay", "false_cue")
     numbers = [[value[f"{name}_{kind}"] for kind in kinds] for name in FELT_COLUMNS]

@@ -83,7 +83,6 @@ def preview(
 
 
 def picture_name(number: int) -> str:
-    """File name of a picture by its number: `00012.png`."""
     return f"{number:05d}.png"
 
 
@@ -112,7 +111,7 @@ class Session:
         self.screen.watch(self.simulation, self.panel, self.look)
 
     def film(self, frames: int, quiet: bool) -> None:
-        """Write so many numbered pictures, `preview.every` s of simulated time apart, and join them to a film."""
+        """Write `frames` numbered pictures, `preview.every` s of simulated time apart, and join them to a film."""
         self.open(show=False)
         self.folder.mkdir(parents=True, exist_ok=True)
         bar = Bar(frames, quiet)
@@ -157,7 +156,7 @@ class Session:
             self.pictures += 1
 
     def obey(self) -> None:
-        """Carry out what the user has requested since the last picture: helm, reset and wind."""
+        """Carry out the user's requests since the last picture: helm, reset and wind."""
         panel = self.panel
         if panel.take("helm") and panel.ship:
             panel.person = self.simulation.ships[panel.ship].hand_over()
@@ -199,7 +198,6 @@ class Session:
             panel.paused, panel.message = True, f"diverged: {failure}. Reset starts again."
 
     def close(self) -> None:
-        """Close window and simulation, and delete temporary files."""
         if self.screen is not None:
             self.screen.close()
         self.simulation.close()
@@ -214,7 +212,6 @@ class Session:
         return Simulation(self.config.model_copy(update={"observers": playing}), Path(self.scratch.name))
 
     def facts(self) -> dict[str, Any]:
-        """Numbers of pictures and snapshots, simulated time [s], time a picture [ms] and folder, as JSON data."""
         drawn = sorted(self.milliseconds[1:] or self.milliseconds)
         return {
             "pictures": self.pictures,
@@ -225,7 +222,6 @@ class Session:
         }
 
     def summary(self) -> str:
-        """The facts as a sentence for people."""
         facts = self.facts()
         sentence = f"{facts['pictures']} pictures, {facts['simulated_s']:.3g} s simulated"
         if facts["ms_per_picture"] is not None:

@@ -65,7 +65,6 @@ def resume_claimed(folder: Path, until: float | None, anyway: bool, as_json: boo
         console.say(f"{folder}: {start}\n{kernel_notice()}")
 
     def made() -> Result:
-        """Run on from the checkpoint, or from the start if there is none."""
         if kept is None:
             return simulate(config, folder, (progress,))
         return continue_run(config, kept, folder, progress, changed)
@@ -83,7 +82,6 @@ def continue_run(
     from ocean_sim.state.snapshot import FileShortened, Mismatch
 
     def restored(simulation: "Simulation") -> None:
-        """Restore the checkpoint in a simulation; raises Refused if it does not fit."""
         if kept.made.get("backend") != simulation.backend.arch:
             backends = f"{kept.made.get('backend')}, and this one on {simulation.backend.arch}"
             raise console.Refused(f"{folder}: the checkpoint was made on {backends}")
@@ -148,7 +146,6 @@ def library_of(manifest: dict[str, Any], config: SceneConfig) -> str | None:
 
 
 def report_finished(folder: Path, manifest: dict[str, Any], as_json: bool) -> None:
-    """Print that the run has already reached its end, with its facts in JSON."""
     facts = {key: manifest.get(key) for key in ("outcome", "steps", "simulated_s")} | {"folder": str(folder)}
     if as_json:
         console.answer(facts)
@@ -210,7 +207,7 @@ def check_checkpoint(
 
 
 def program_changes(made: dict[str, Any]) -> str:
-    """Versions and source files that differ from those in `made`, of a checkpoint, in words; empty if none do."""
+    """Differences in words of this program from `made`, a checkpoint's versions and source hashes; empty if none."""
     from ocean_sim.observers.checkpoint import versions
 
     now, then, library = versions(), made.get("sources") or {}, other_library(made)
@@ -231,21 +228,21 @@ def program_changes(made: dict[str, Any]) -> str:
 
 
 def other_library(made: dict[str, Any]) -> str:
-    """Kernel library and version in `made`, of a checkpoint, if this process uses another library; else empty."""
+    """Kernel library and version in `made`, a checkpoint's versions, if this process uses another one; else empty."""
     return next(
         (f"{name} {made[name]}" for name in (TAICHI, QUADRANTS) if name in made and LIBRARY_NAME not in made), ""
     )
 
 
 def scene_differences(kept: Any, now: Any) -> str:
-    """Differences of two nested dicts in words, at most MAX_SHOWN_DIFFERENCES of them; empty if they are equal."""
+    """Differences in words of nested dicts, of a checkpoint and now, at most MAX_SHOWN_DIFFERENCES; empty if none."""
     found = list(differing_keys(kept, now, ""))
     more = f", and {len(found) - MAX_SHOWN_DIFFERENCES} more" if len(found) > MAX_SHOWN_DIFFERENCES else ""
     return ", ".join(found[:MAX_SHOWN_DIFFERENCES]) + more
 
 
 def differing_keys(kept: Any, now: Any, key: str) -> Any:
-    """Yield a sentence for each key in which two nested dicts differ; `key`: dotted path of the two."""
+    """Yield a sentence for each key in which nested dicts, of a checkpoint and now, differ; `key`: path of both."""
     if isinstance(kept, dict) and isinstance(now, dict):
         for name in sorted({*kept, *now}):
             yield from differing_keys(kept.get(name), now.get(name), f"{key}.{name}".lstrip("."))

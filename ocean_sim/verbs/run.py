@@ -104,15 +104,15 @@ def until_node(until: float) -> Node:
 
 
 def run_folder(stem: str, out: Path | None, overwrite: bool, coming: Iterable[str] = ()) -> Claim:
-    """Claim `out`, or else an unused folder in runs/, for a run that writes the files `coming`; raises Refused if
-    another run (unless `overwrite`) or other files are there."""
+    """Claim `out`, or else an unused folder in runs/ named after `stem`, for a run that writes the files `coming`.
+    Raises Refused if another run (unless `overwrite`) or other files are there."""
     if out is None:
         return next(filter(None, map(unused_folder, run_folders(stem))))
     return claim_run_folder(coming, out, overwrite, f"--out {out}", "add --overwrite")
 
 
 def run_folders(stem: str) -> Iterator[Path]:
-    """Yield folders to try for a run: runs/STEM, runs/STEM-2 and so on."""
+    """Yield folders to try for a run of the scene `stem`: runs/STEM, runs/STEM-2 and so on."""
     return (Path("runs") / (stem if k == 1 else f"{stem}-{k}") for k in count(1))
 
 
@@ -166,7 +166,7 @@ def balance_remarks(columns: dict[str, Any], spacing: float | None) -> list[str]
 
 
 def run_summary(facts: dict[str, Any]) -> str:
-    """Text for people at the end of a run, from its facts."""
+    """Text for people at the end of a run, from the facts of `run_facts` and `Progress.summary`."""
     factor, limits = f"{figures(facts['real_time_factor'], 2)} x real time after the start", facts["limited_by"]
     end, since = f"{facts['simulated_s']:.3g} s simulated", facts["since_s"]
     span = f"t = {since:.3g} s to {end}" if since else end
@@ -192,6 +192,5 @@ def run_summary(facts: dict[str, Any]) -> str:
 
 
 def describe_event(event: dict[str, Any]) -> str:
-    """An event of a run in words: its name, and its other data in brackets."""
     rest = [f"{key} {value}" for key, value in event.items() if key not in ("time_s", "step", "event")]
     return f"{event.get('event')} ({', '.join(rest)})" if rest else str(event.get("event"))

@@ -42,7 +42,7 @@ def serve(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Serve the page until Ctrl-C."""
+    """Serve a page with a scene or with finished runs until Ctrl-C."""
     runs = [Path(target) for target in targets if (Path(target) / MANIFEST_FILE).exists()]
     if len(runs) == len(targets) and len(runs) <= 2:
         if profile or sets:
@@ -81,7 +81,7 @@ def serve_play(
 
 
 def live_files(title: str) -> dict[str, Any]:
-    """Content type, and function that returns the content, by address for the page of a live simulation."""
+    """Files of a live simulation's page by address: content type, and function that returns the content."""
     from ocean_sim.reading.schema import scene_schema
     from ocean_sim.viewer.still import page_document, sky_packet
 
@@ -120,7 +120,7 @@ def access_token(host: str) -> str:
 
 
 def announce_page(server: Any, as_json: bool, show: bool, more: str) -> None:
-    """Print the address of a page, and open it in a browser if `show` and there is a screen."""
+    """Print a page's address and the hint `more`, and open it in a browser if `show` and there is a screen."""
     if as_json:
         console.answer({"address": server.address})
     else:
@@ -132,7 +132,6 @@ def announce_page(server: Any, as_json: bool, show: bool, more: str) -> None:
 
 
 def has_screen() -> bool:
-    """True if this machine has a graphical display."""
     return sys.platform == "darwin" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
@@ -141,7 +140,7 @@ def report(
     out: Annotated[Path | None, typer.Option(help="The page; by default replay.html in the run folder.")] = None,
     as_json: Json = False,
 ) -> None:
-    """One page with the replay of a run, or of two, that needs no server; and report.html anew."""
+    """Write one page with the replay of a run, or of two, that needs no server; and write report.html anew."""
     from ocean_sim.observers.shared import run_report
     from ocean_sim.viewer.replay import replay_file
 

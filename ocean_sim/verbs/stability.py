@@ -21,7 +21,7 @@ def stability(
     out: Annotated[Path, typer.Option(help="Where tables, pictures and runs go.")] = Path("runs/stability"),
     as_json: Json = False,
 ) -> int:
-    """Maps of all settings; leaves stability.csv, limits.csv and a picture a map; 1 where a point has no verdict."""
+    """Map stability over all settings; writes stability.csv, limits.csv, pictures; 1 where a point has no verdict."""
     with console.claim(out, "stability.csv", "runs"):
         plan = grid_points(quick, scene)
         if not plan:
@@ -51,7 +51,7 @@ def stability(
 
 
 def print_map(lines: list[dict[str, Any]], table: list[dict[str, Any]], out: Path) -> None:
-    """Print the limits of stability, points that are degraded or without a verdict, and the count of each verdict."""
+    """Print the limits of stability (`lines`), points of `table` degraded or without a verdict, and verdict counts."""
     names = list(lines[0])
     title = (
         "steps over courant's own in still water; numbers: the longest stable step over h / c, h^2 / nu, sqrt(h / a)"

@@ -29,7 +29,7 @@ def sweep(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Run all that a plan asks for and that has not been run yet; the table is whole after every run."""
+    """Run all runs of a plan that have not been run yet; the table is complete after every run."""
     at_once = workers or available_cores()
     runs = read_plan(plan, max(1, available_cores() // at_once))
     folder = Path("runs") / plan.stem if out is None else out
@@ -49,7 +49,6 @@ def print_rows(rows: list[dict[str, Any]], keys: list[str]) -> None:
 
 
 def sweep_summary(rows: list[dict[str, Any]], folder: Path) -> str:
-    """Sentence with the number of runs by outcome."""
     counts = {name: sum(row["outcome"] == name for row in rows) for name in ("done", "stopped", "failed")}
     sentence = f"{counts['done']} of {len(rows)} runs done"
     if counts["stopped"]:

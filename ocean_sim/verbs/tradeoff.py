@@ -53,7 +53,7 @@ def tradeoff(
     out: Annotated[Path | None, typer.Option(help="Where tables, pictures and runs go.")] = None,
     as_json: Json = False,
 ) -> None:
-    """Study the validation cases, or a scene."""
+    """Study cost and accuracy of the validation cases, or of a scene."""
     vary, sets = vary or [], sets or []
     if scene is not None:
         folder = out or Path("runs") / "tradeoff" / Path(scene).stem
@@ -179,8 +179,7 @@ def compare_peers(plan: list[Setting], seeds: int, runs: list[dict[str, Any]]) -
 def json_answer(
     plan: list[Setting], rows: list[dict[str, Any]], judge: str, limit: Budget, seeds: int, out: Path, quiet: bool
 ) -> dict[str, Any] | None:
-    """The best setting within the budget, by the error `judge` (see `best_setting`), that keeps to it also when run
-    again with a new seed; None if none does."""
+    """The best setting within the budget, by the error `judge`, that stays so in a run with a new seed; else None."""
     left, again = list(rows), out / "runs" / "again"
     shutil.rmtree(again, ignore_errors=True)  # an earlier study's
     reference = next(setting for setting in plan if setting.finest)

@@ -118,7 +118,7 @@ Order = tuple[str, list[str], bool, bool, list[str], Path]
 
 
 def case_answer(order: Order) -> list[dict[str, Any]]:
-    """Run a case under its schemes, draw its picture, and return a row for each result."""
+    """Run the case of an `Order` under its schemes, draw its picture, and return a row for each result."""
     case, schemes, slow, coarse, sets, out = order
     overrides, rows, runs = console.set_values(sets), [], []
     for problem, scheme in pairs_of(case, schemes, slow, coarse):
@@ -130,8 +130,7 @@ def case_answer(order: Order) -> list[dict[str, Any]]:
 
 
 def case_answers(orders: list[Order], workers: int) -> Iterator[list[dict[str, Any]]]:
-    """Yield the rows of each case in order; several cases run at a time in processes that share the cores, or with one
-    worker in this process."""
+    """Yield the rows of each case in order, run in `workers` processes that share the cores, or if 1 in this one."""
     workers = min(workers, len(orders))
     if workers < 2:
         yield from map(case_answer, orders)
@@ -183,13 +182,11 @@ def left_out(plan: dict[str, list[tuple[Problem, str]]], schemes: list[str], coa
 
 
 def print_row(case: str, rows: list[dict[str, Any]]) -> None:
-    """Print all result rows of a case as a table."""
     columns = ["scheme", "quantity", "value", "reference", "error", "tolerance", "", "source"]
     console.table(f"\n{case}", columns, [row_line(row) for row in rows])
 
 
 def row_line(row: dict[str, Any]) -> list[str]:
-    """Table cells of a result row, as text."""
     unit = "" if row["unit"] == "1" else f" {row['unit']}"
     verdict = "reported" if row["tolerance"] is None else "ok" if row["ok"] else "MISSED"
     error = f"{number_cell(row['error'])}{unit}" if row["error"] is not None else "-"
@@ -207,7 +204,6 @@ def row_line(row: dict[str, Any]) -> list[str]:
 
 
 def number_cell(value: float | None) -> str:
-    """A number as text with four digits; a dash for None."""
     return "-" if value is None else f"{value:.4g}"
 
 

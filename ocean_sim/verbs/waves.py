@@ -62,8 +62,7 @@ def waves(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Measure every elevation gauge; leaves waves.csv, spectra.csv, waves.png, of frames surface.csv, and of tracers
-    orbits.csv."""
+    """Measure every gauge; writes waves.csv, spectra.csv, waves.png, of frames surface.csv, of tracers orbits.csv."""
     treatment = Treatment(detrend, hysteresis)
     if not isfinite(treatment.hysteresis):
         raise console.Refused(f"--hysteresis is a height in metres, not {treatment.hysteresis:g}")
@@ -116,8 +115,7 @@ def waves(
 
 
 def surface_of(folder: Path, begin: float, quiet: bool) -> SurfaceRecord | None:
-    """Circulation and white-cap cover in the frames of a run from the time `begin` [s]; None if it kept no frames, or,
-    with a message, if they cannot be read."""
+    """Circulation and white-cap cover in a run's frames from `begin` [s] on; None if it has none that can be read."""
     if not (folder / "frames" / "grid.npz").is_file():
         return None
     try:
@@ -144,8 +142,8 @@ def surface_sentence(surface: SurfaceRecord) -> str:
 
 
 def particle_orbits(path: Path, folder: Path, begin: float, period: float | None) -> list[Path]:
-    """Print the orbits of tagged particles under waves of a period [s] and write orbits.csv; return its path in a list,
-    or, after a message, an empty list."""
+    """Print the orbits of tracers (file `path`) from `begin` [s] on, in waves of a period [s], and write orbits.csv;
+    return its path in a list, which is empty, after a message, if there are none."""
     if period is None:
         console.say(f"{path}: no orbits, as no gauge's record resolves a peak period")
         return []
@@ -224,7 +222,6 @@ def wind_of(path: Path) -> str | None:
 
 
 def print_waves(found: dict[str, Sea], path: Path, treatment: Treatment, time: np.ndarray) -> None:
-    """Print the wave statistics of all gauges as a table, with notes."""
     rows = [[name, *(table_cell(getattr(sea, key)) for key in WAVE_COLUMNS.values())] for name, sea in found.items()]
     heads = [f"{head} [{key.split('_')[-1]}]" if "_" in key else head for head, key in WAVE_COLUMNS.items()]
     console.table(f"{path}: {len(time)} samples from {time[0]:.12g} to {time[-1]:.12g} s", ["gauge", *heads], rows)
@@ -240,7 +237,7 @@ def print_waves(found: dict[str, Sea], path: Path, treatment: Treatment, time: n
 
 
 def sampling_facts(errors: list[float]) -> list[str]:
-    """Sentence, in a list, on the sampling error of significant wave height; empty for regular waves."""
+    """Sentence, in a list, on the errors (shares) of gauges' significant wave heights; empty for regular waves."""
     irregular = sorted(error for error in errors if error < REGULAR_ERROR)
     if not irregular:
         return []
@@ -266,7 +263,6 @@ def record_shortcomings(sea: Sea, treatment: Treatment) -> list[str]:
 
 
 def table_cell(value: float | None) -> str:
-    """A number as the text of a table cell; a dash for None."""
     return "-" if value is None else f"{value:d}" if isinstance(value, int) else f"{value:.4g}"
 
 
@@ -278,7 +274,6 @@ def write_seas(path: Path, found: dict[str, Sea], notes: Mapping[str, str]) -> N
 
 
 def write_columns(path: Path, columns: dict[str, np.ndarray]) -> None:
-    """Write arrays (n,) as named columns of a CSV file."""
     csv_file.write_table(path, columns, ([f"{value:.9g}" for value in row] for row in zip(*columns.values())))
 
 
@@ -289,7 +284,7 @@ def draw_waves(
     frequency: np.ndarray,
     densities: dict[str, np.ndarray],
 ) -> None:
-    """Draw the elevation records [m] over time [s], and below them their spectra [m2 s], into a PNG file."""
+    """Draw the elevation records [m] over time [s], and below them their spectra [m2 s] over frequency [Hz], as PNG."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.0, 7.0), layout="constrained")
@@ -312,7 +307,7 @@ def draw_waves(
 
 
 def orbit_rows(names: Sequence[int], found: Motion) -> list[list[str]]:
-    """Table rows of particle orbits (ORBIT_COLUMNS), as text, the highest particle first."""
+    """Table rows of particle orbits (ORBIT_COLUMNS), as text, the highest first; `names`: ids of the particles."""
     return [
         [f"{name}", *(f"{value:.6g}" for value in (level, o.along_m, o.up_m, o.ratio, o.drift_m_s))]
         for name, level, o in sorted(zip(names, found.level_m, found.orbits), key=lambda row: -row[1])

@@ -43,7 +43,6 @@ class Bar:
             console.say(f"{share:4.0%}  {text}")
 
     def begun(self) -> Any:
-        """Start a progress bar of the library rich, and return it."""
         from rich.progress import BarColumn, TextColumn
         from rich.progress import Progress as RichProgress
 
@@ -89,7 +88,6 @@ class Drawing:
         return (total - done) * (now - self.first[0]) / (done - self.first[1])
 
     def close(self) -> None:
-        """Stop redrawing the bar."""
         self.bar.close()
 
 

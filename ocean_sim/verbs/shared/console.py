@@ -63,8 +63,7 @@ class Anew(BaseException):
 
 
 def open_streams() -> None:
-    """Prepare stdin, stdout and stderr: a closed one becomes the null device, characters that the encoding lacks are
-    escaped, and output to a closed pipe is discarded."""
+    """Prepare the standard streams: closed ones, characters that the encoding lacks and closed pipes raise no error."""
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         stream = getattr(sys, name)
         if stream is None:
@@ -135,8 +134,7 @@ def problem_count(problems: list[Any]) -> str:
 
 
 def set_values(sets: list[str] | None) -> dict[str, Node]:
-    """Values of the options `--set KEY=VALUE` by dotted key; a null also removes earlier ones below its key. Raises
-    SceneError with all mistakes."""
+    """Values of `--set KEY=VALUE` by dotted key; null also removes earlier ones below its key. Raises SceneError."""
     values: dict[str, Node] = {}
     problems: list[Problem] = []
     for text in sets or ():
@@ -180,8 +178,8 @@ def duration(seconds: float) -> str:
 def must_compute_with(
     library: str | None, asked: str = "runtime.library", cure: str = ", or leave the key out"
 ) -> None:
-    """Raise Anew if a scene asks for another kernel library than this process uses, unless the environment fixes it;
-    Lacking if that one is not installed. `asked` and `cure`: words of the message."""
+    """Raise Anew if another kernel library is asked for than this process uses, unless the environment fixes it, or
+    Lacking if that one is not installed. `asked` and `cure`: beginning and end of the message."""
     from ocean_sim import kernel_library
 
     if library in (None, kernel_library.LIBRARY_NAME) or kernel_library.LIBRARY_VARIABLE in os.environ:

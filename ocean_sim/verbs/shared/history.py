@@ -25,8 +25,7 @@ def bench_file() -> Path:
 
 
 def rate_file() -> Path:
-    """Path of the file with wall times [s] per particle and step of last runs, by their conditions; per step for water
-    without particles."""
+    """Path of the JSON file with last runs' wall times [s] per step, and particle if any, by `rate_conditions`."""
     return machine.cache_directory() / "step_rates.json"
 
 
@@ -50,8 +49,8 @@ def bench_conditions(order: dict[str, Any], row: dict[str, Any]) -> str:
 
 
 def slowdown(order: dict[str, Any], row: dict[str, Any]) -> float | None:
-    """Ratio of the processor time per step in `row` to the median of earlier ones under equal conditions, None if there
-    are too few; the new measurement is stored."""
+    """Ratio of the processor time per step in `row`, measured by `order`, to the median of earlier ones under equal
+    conditions, None if there are too few; then store the new one."""
     conditions = bench_conditions(order, row)
     known = read_json_object(bench_file()).get(conditions)
     before = [speed for speed in known if isinstance(speed, float)] if isinstance(known, list) else []
@@ -70,7 +69,7 @@ def slowdown_warning(scene: str, times: float) -> str | None:
 
 
 def rate_conditions(config: SceneConfig) -> str:
-    """Key of runs with similar times per particle and step: water, backend, library, threads and processor."""
+    """Key common to runs with similar times per particle and step: water, backend, library, threads, processor."""
     from ocean_sim import kernel_library
 
     runtime = config.runtime

@@ -24,7 +24,6 @@ def completion(names: Callable[[], Iterable[str]]) -> Callable[[str], list[str]]
     """Completion function for a shell that lists the names which begin with a given text."""
 
     def complete(begun: str) -> list[str]:
-        """Names that begin with the text `begun`."""
         return [name for name in names() if name.startswith(begun)]
 
     return complete

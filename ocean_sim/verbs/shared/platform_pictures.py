@@ -25,8 +25,7 @@ PLATE_THICKNESS = 0.025  # of the drawn platform, as a part of its height
 
 
 def draw_pictures(folder: Path, done: Commands, config: Config, machine: Moving, film: bool) -> None:
-    """Draw motion.png, legs.png, workspace.png, strips.png, and film.gif if `film`, of a platform's ride to a
-    folder."""
+    """Draw motion.png, legs.png, workspace.png, strips.png, and film.gif if `film`, of a ride to a folder."""
     shown = done.select(liveliest_span(done, machine, MAX_CURVE_SECONDS))
     for picture, name in (
         (draw_motion(shown), "motion.png"),
@@ -53,7 +52,7 @@ def liveliest_span(done: Commands, machine: Moving, seconds: float) -> slice:
 
 
 def new_figure(rows: int, columns: int, size: tuple[float, float], **more: Any) -> tuple[Any, np.ndarray]:
-    """Matplotlib figure of `size` [inch] without a display, and its axes as an array (rows, columns)."""
+    """Matplotlib figure of `size` [inch] and its axes as an array (rows, columns); `more`: arguments of `subplots`."""
     from matplotlib.figure import Figure
 
     picture = Figure(figsize=size, layout="tight")
@@ -61,7 +60,6 @@ def new_figure(rows: int, columns: int, size: tuple[float, float], **more: Any) 
 
 
 def save_figure(picture: Any, path: Path) -> None:
-    """Write a Matplotlib figure as a PNG file, atomically."""
     with atomic_write(path) as draft:
         picture.savefig(draft, dpi=100)
 
@@ -95,7 +93,7 @@ def draw_motion(done: Commands) -> Any:
 
 
 def label_axes(axis: Any, title: str, columns: int) -> None:
-    """Add a grid, a title, and a legend above the axes, where it hides no curve."""
+    """Add a grid, a title, and a legend in so many columns above the axes, where it hides no curve."""
     axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, ncol=columns, fontsize=8, frameon=False)
     axis.set_title(title, fontsize=9, loc="right")
     axis.grid(alpha=0.3)
@@ -143,8 +141,7 @@ def draw_workspace(done: Commands, machine: Moving) -> Any:
 
 
 def reached_range(machine: Moving, one: int, other: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Grids, all of one shape, of two motions (numbers of pose columns) [m, deg] around their common reach, and of the
-    part of the stroke used there; 2 marks singular poses."""
+    """Grids of one shape: motions `one` and `other` (pose columns) [m, deg], part of stroke used there, 2: singular."""
     size = np.ones(2)
     ends = in_degrees(machine.workspace.ends.T).T
     while True:
@@ -187,7 +184,7 @@ def snapshot(points: np.ndarray) -> np.ndarray:
 
 
 def draw_stand(axis: Any, hexapod: Hexapod, pose: np.ndarray, offset: float = 0.0) -> None:
-    """Draw the hexapod in a pose (6,) [m, rad], shifted by `offset` [m], with its neutral platform dotted."""
+    """Draw the hexapod in a pose (6,) [m, rad], shifted by `offset` [m], and its neutral platform dotted, on `axis`."""
     resting, moved = hexapod.leg_vectors(np.array([np.zeros(6), pose]))[0]
     rings = (
         0.0 * moved,
@@ -210,7 +207,7 @@ def draw_stand(axis: Any, hexapod: Hexapod, pose: np.ndarray, offset: float = 0.
 
 
 def draw_cylinder(hexapod: Hexapod, leg: np.ndarray) -> np.ndarray:
-    """Vectors (6, 3) [m] from the legs' feet to the ends of their cylinders, drawn as 0.8 of the shortest leg."""
+    """Vectors (6, 3) [m] along `leg`, (6, 3), from the feet to the cylinders' ends: 0.8 of the shortest leg long."""
     return leg * (0.8 * hexapod.low / np.linalg.norm(leg, axis=1))[:, None]
 
 

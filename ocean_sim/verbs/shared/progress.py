@@ -124,6 +124,5 @@ class Progress(OutcomeObserver):
         }
 
     def close(self) -> None:
-        """Stop redrawing the bars."""
         self.bar.close()
         self.drawing.close()

@@ -120,7 +120,6 @@ def rotation_matrix(q: np.ndarray) -> np.ndarray:
 
 
 def unit_quaternion(q: np.ndarray) -> np.ndarray:
-    """Quaternion (4,) scaled to unit length."""
     return np.array(small_linalg.unit_quaternion(q.tolist()))
 
 

@@ -19,7 +19,7 @@ class Track(NamedTuple):
     velocity: np.ndarray
 
     def moments(self, number: np.ndarray) -> "Track":
-        """Part of the track: the moments with these indices."""
+        """Part of the track: its moments with the indices `number` (m,)."""
         return Track(self.time[number], self.place[:, number], self.velocity[:, number])
 
 

@@ -154,7 +154,8 @@ def line_and_turn(motion: np.ndarray) -> tuple[list[float], list[float]]:
 
 
 def water_momentum(water: list[float], between: np.ndarray | None, line: Vector, turn: Vector) -> tuple[Three, Three]:
-    """Linear and angular momentum of added mass (6,) at a velocity `line`, `turn`; or rates at an acceleration."""
+    """Linear and angular momentum of added mass `water` (6,), coupled by `between` (6, 6), at a velocity `line`,
+    `turn`."""
     own = times_each(water[:3], line), times_each(water[3:], turn)
     if between is None:
         return own

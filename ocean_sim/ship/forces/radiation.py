@@ -207,7 +207,6 @@ class Scattering:
     """
 
     def __init__(self, table: BemTable) -> None:
-        """Take frequencies, added mass and damping from a table that has scattered waves."""
         assert table.scattered is not None
         self.omega, self.scattered = table.omega, table.scattered
         self.numbers = [Motions._fields.index(motion) for motion in table.motions]
@@ -287,7 +286,6 @@ class Radiation:
     """
 
     def __init__(self, file: str) -> None:
-        """Read and check the table in a file; raises ValueError if it is unusable."""
         table = read_bem_table(file)
         self.numbers = [Motions._fields.index(motion) for motion in table.motions]
         omega, back = table.omega, np.flatnonzero(np.diff(table.omega, prepend=0.0) <= 0.0)
@@ -371,7 +369,6 @@ class Memory:
     """Radiation force on one hull by the waves of its past motions (Cummins 1962)."""
 
     def __init__(self, radiation: Radiation) -> None:
-        """Begin with the impulse response of a table and without past motions."""
         self.impulse_response, self.numbers = radiation.impulse_response, np.array(radiation.numbers)
         self.pairs = np.argwhere(self.impulse_response.kernels.any(axis=2)).tolist()  # which motions act on which
         self.often = float(self.impulse_response.times[1])  # [s] at least between what is kept

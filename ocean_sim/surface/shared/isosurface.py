@@ -239,7 +239,7 @@ class Isosurface:
 
     @ti.func
     def first_row(self, slab):
-        """Index of the first stored row of a slab of rows."""
+        """Index of the first stored row of a slab, a group of successive rows that one thread goes through."""
         return slab * self.rows.count[None] // ROW_SLABS
 
     @ti.kernel
@@ -302,7 +302,7 @@ class Isosurface:
 
     @ti.func
     def write_vertices(self, n, vertices: Template, normals: Template):
-        """Write the vertices on the edges of node n, where the linear field is 0, and their normals."""
+        """Write the vertices on the edges of node n, where the linear field is 0, and their unit normals."""
         node = self.node_indices(n)
         vertex, mask = self.owned[n] >> 3, self.owned[n] & 7
         own, slope = self.value[n], self.gradient(node)
@@ -335,7 +335,7 @@ class Isosurface:
 
     @ti.func
     def write_triangles(self, slab, triangles: Template):
-        """Write the vertex numbers of all triangles of one slab."""
+        """Write the vertex numbers of all triangles of one slab of rows to `triangles`."""
         nx, ny, nz = ti.static(self.shape)
         written = self.counted[slab, TRIANGLES]
         for n in range(self.first_row(slab), self.first_row(slab + 1)):

@@ -306,7 +306,7 @@ class Piston:
 
     @cached_property
     def amplitude(self) -> np.ndarray:
-        """Half the stroke (n,) for each wave [m]: the amplitude of the wave over H/S."""
+        """Half the stroke (n,) [m] for each wave: its amplitude over the ratio of wave height to stroke."""
         return self.sea.amplitude / waves.piston_transfer(self.sea.wavenumber * self.sea.depth)
 
     @property

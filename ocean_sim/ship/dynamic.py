@@ -67,14 +67,14 @@ class SeakeepingConfig(FloatingConfig):
         return self.added_mass.diagonal(still)
 
     def moved_at_once(self, still: Hydrostatics) -> np.ndarray:
-        """(6,) added mass [kg], inertia [kg m2] of quick motions: A(infinity) of the table, else `moved_along`."""
+        """(6,) added mass [kg], inertia [kg m2] at infinite frequency, by the radiation table; else `moved_along`."""
         added = self.moved_along(still)
         if self.table is not None:
             added[self.table.numbers] = np.diag(self.table.impulse_response.added)
         return added
 
     def moved_together(self) -> np.ndarray | None:
-        """(6, 6) added mass [kg], [kg m], [kg m2] that couples two motions, diagonal 0; None if there is none."""
+        """(6, 6) added mass [kg], [kg m], [kg m2] between two motions of `Motions`, diagonal 0; None without any."""
         if self.table is None:
             return None
         own, found = self.table.impulse_response.added, np.zeros((6, 6))

@@ -222,7 +222,7 @@ class MarchingCubes:
             self.heights.height[n] = height
 
     def read_by_a_kernel(self) -> bool:
-        """Note, while it is compiled, that a kernel reads heights; raises RuntimeError if out of date."""
+        """Note that the kernel being compiled reads heights; always True. Raises RuntimeError for old heights."""
         self.read_by_kernel = True
         if self.levelled != self.moment:
             raise RuntimeError("the heights are out of date: call `level` before the first kernel that reads them")

@@ -108,5 +108,5 @@ def turn_quaternion(turn: Vector) -> Four:
 
 
 def spin_of(turn: Rows, momentum: Vector, inertia_body: Rows) -> Three:
-    """Angular velocity in world axes [rad/s] of an angular momentum, by the inertia of (4.19)."""
+    """Angular velocity [rad/s] of a momentum [kg m2/s], world axes, by (4.19); `turn`: matrix from body to world."""
     return matrix_times(turn, solve_3x3(inertia_body, transpose_times(turn, momentum)))

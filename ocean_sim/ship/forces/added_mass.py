@@ -93,7 +93,7 @@ def by_rule(hull: Hydrostatics) -> np.ndarray:
 
 
 def equivalent_breadth_4(hull: Hydrostatics, breadth: np.ndarray, draught: np.ndarray) -> np.ndarray:
-    """(n,) breadth^4 [m4] of the flat plate with each section's added roll inertia; sections are equally full."""
+    """(n,) breadth^4 [m4] of plates with the added roll inertia of equally full sections, `breadth` by `draught`."""
     full = min(hull.needed_volume, hull.voxels.volume) / float((breadth * draught).sum() * hull.voxels.size[2])
     share = min(max((full - pi / 4.0) / (1.0 - pi / 4.0), 0.0), 1.0)
     deep = np.minimum(draught / np.maximum(breadth, 1e-9), DRAUGHT_RATIOS[-1])
@@ -154,7 +154,7 @@ def line_and_turn(motion: np.ndarray) -> tuple[list[float], list[float]]:
 
 
 def water_momentum(water: list[float], between: np.ndarray | None, line: Vector, turn: Vector) -> tuple[Three, Three]:
-    """Linear and angular momentum of added mass `water` (6,), coupled by `between` (6, 6), at a velocity `line`,
+    """Linear, angular momentum of added mass `water` (6,), coupled by `between` (6, 6), at a velocity `line`,
     `turn`."""
     own = times_each(water[:3], line), times_each(water[3:], turn)
     if between is None:

@@ -215,8 +215,7 @@ class Cubes:
 
     @ti.func
     def add_water(self, total: Template, k, water: Template, tall, arm, x, turn: Template):
-        """Add the water's loads on cube k, `tall` [m], at x, `arm` from the centre, to `total`; returns its wet
-        part."""
+        """Add the water's loads on cube k, `tall` [m], at x, `arm` from the centre, to `total`; return its wet part."""
         corner = water.cell_at(x.x, x.z)
         eta, slope = water.surface_at(corner)
         depth = eta - x.y

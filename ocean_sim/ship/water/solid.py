@@ -49,7 +49,7 @@ class Solid:
 
     @property
     def dimension(self) -> int:
-        """2 for the section of a slice, else 3."""
+        """2 for the section amidships, in a 2-D basin, else 3."""
         return 2 if self.flat else 3
 
     @cached_property

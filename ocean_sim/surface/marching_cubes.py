@@ -359,7 +359,7 @@ class DensityMap:
 
     @ti.func
     def gather_bins(self, x, last, step, run: Template):
-        """Sums (run,) of (radius^2 - r^2)^3 [m6] over particles in the bins around points from x to `last`."""
+        """Sums (run,) of (radius^2 - r^2)^3 [m6] over particles near the points from x to `last`, `step` [m] apart."""
         total, here, there = ti.Vector.zero(float, run), self.bin_of(x), self.bin_of(last)
         low = tm.max(tm.min(here, there) - 1, 0)
         high = tm.min(tm.max(here, there) + 1, tm.ivec3(self.bins) - 1)
@@ -387,7 +387,7 @@ class DensityMap:
 
     @ti.func
     def particles_near(self, y, z):
-        """True if there are particles in the bins around a row of nodes and the rows next to it, or their images."""
+        """True if particles lie in the bins around the row of nodes at y, z [m] or rows next to it, or their images."""
         found = 0
         for c in range(AXIS_IMAGES):
             along = self.image[2, c, 0] * z + self.image[2, c, 1]

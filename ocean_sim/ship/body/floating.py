@@ -143,7 +143,7 @@ class FloatingConfig(VesselConfig):
         return Solid(self.whole_hull.shape, still.matter.centre, body, False, is_sampled=False, reach=reach)
 
     def above_unsettled_water(self, body: RigidBody, preflight: Preflight) -> RigidBody:
-        """A body with a given height, raised by the fall of the surface as the water settles; others unchanged."""
+        """A body with a given height, raised by as much as the water will settle, so no gap opens; others unchanged."""
         rise = 0.0 if self.afloat_at_first else preflight.fluid.settling(preflight)
         return replace(body, position=body.position + [0.0, rise, 0.0])
 
@@ -360,7 +360,7 @@ def rest_angles(still: Hydrostatics) -> np.ndarray | None:
     """(2,) pitch and roll [rad] at which a floating hull balances, upright if it can; None if beyond MAX_LEAN."""
 
     def levers(angle: np.ndarray) -> np.ndarray:
-        """(2,) distances [m] ahead and to port of buoyancy from the centre of mass, at a pitch and a roll [rad]."""
+        """(2,) distances [m] ahead and to port of buoyancy from the centre of mass; `angle`: pitch and roll [rad]."""
         return still.buoyancy_offset(lean_matrix(angle))[::-1]
 
     upright = np.zeros(2)
@@ -385,5 +385,5 @@ def newton_balance(levers: Callable[[np.ndarray], np.ndarray], angle: np.ndarray
 
 
 def lean_matrix(angle: np.ndarray) -> np.ndarray:
-    """(3, 3) rotation matrix, body to world, of (2,) pitch and roll [rad] without yaw."""
+    """(3, 3) rotation matrix, body to world, of `angle`, (2,) pitch and roll [rad], without yaw."""
     return rotation_matrix(euler_quaternion(angle[0], 0.0, angle[1]))

@@ -138,7 +138,7 @@ class FloatingShip(Vessel):
         return self.damping(now) + self.slamming.heave_drag(self.wet, self.rising) * self.upwards
 
     def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """The `forces` by part with the reaction of added mass to them; unchanged in kinds without added mass."""
+        """The `forces` by part, and the reaction of added mass to them; unchanged in kinds without added mass."""
         return forces
 
     def advance(self, load: Load, dt: float) -> None:

@@ -145,8 +145,8 @@ class Actuators:
         self.time += dt
 
     def load(self, motion: np.ndarray, density: float, wet: float) -> dict[str, np.ndarray]:
-        """(2, 3) force [N] and torque about the centre of mass [N m] of propeller and rudder, body axes, by name; at a
-        velocity relative to the water (6,), times the share `wet` under water, 0 to 1."""
+        """(2, 3) force [N] and torque about the centre of mass [N m] of propeller and rudder, body axes, by name, at a
+        velocity `motion` (6,) relative to the water; times `wet`, the share under water, 0 to 1."""
         found, thrust = {}, 0.0
         velocity, rates = motion[:3].tolist(), motion[3:].tolist()
         if self.propeller is not None:
@@ -200,7 +200,7 @@ class Vessel(Ship):
         actuators.steer(body, 0.0)
 
     def moor(self, lines: list[Mooring], points: Mapping[str, tuple[float, ...]]) -> None:
-        """Moor the ship by lines and fenders between its named `points`; their force is the load's part `mooring`."""
+        """Moor the ship by any lines and fenders at her named `points`; their force is the load's part `mooring`."""
         if lines:
             self.moorings = Moorings(lines, points, self.actuators.centre, self.body)
             self.parts = (*self.parts, "mooring")

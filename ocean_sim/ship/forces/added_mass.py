@@ -121,10 +121,10 @@ def water_reaction(
     water's own.
 
     Kirchhoff's equations with the added mass (6,) of each motion in body axes and, if any, `between` them, (6, 6)
-    symmetric with a diagonal of 0; the rest of the load [N], [N m] in world axes; the water's own velocity and
-    acceleration (6,) in body axes. The axes turn with the hull, so the relative velocity of hull and water also changes
-    by omega x (the water's own) (Fossen 2021, 10.3). They are solved together with the hull's equations, so a light
-    body is no harder than a heavy one. Motions that are not `free` (6,) have no acceleration that others could feel.
+    symmetric with a diagonal of 0; `force` [N], `torque` [N m]: the rest of the load, world axes; `drift`, `surge`: the
+    water's own velocity and acceleration (6,) in body axes. These turn with the hull, so the relative velocity of hull
+    and water also changes by omega x `drift` (Fossen 2021, 10.3). The equations are solved together with the hull's, so
+    a light body is no harder than a heavy one. Motions that are not `free` (6,) have no acceleration.
     """
     r, inertia, water = body.rows, body.inertia_body.tolist(), added.tolist()
     v, omega = body.own_velocity, body.own_spin
@@ -154,8 +154,7 @@ def line_and_turn(motion: np.ndarray) -> tuple[list[float], list[float]]:
 
 
 def water_momentum(water: list[float], between: np.ndarray | None, line: Vector, turn: Vector) -> tuple[Three, Three]:
-    """Linear, angular momentum of added mass `water` (6,), coupled by `between` (6, 6), at a velocity `line`,
-    `turn`."""
+    """Momentum (linear, angular) of added mass `water` (6,) at a velocity `line`, `turn`; rates at an acceleration."""
     own = times_each(water[:3], line), times_each(water[3:], turn)
     if between is None:
         return own

@@ -82,7 +82,7 @@ class BemTable(NamedTuple):
 
 
 def columns_of(motion: str, other: str) -> tuple[str, str]:
-    """Names of the columns of added mass and damping of a motion, or of the coupling of two motions."""
+    """Names of the columns of added mass and damping, of one motion (`other` is the same) or of a coupling of two."""
     whole = motion if motion == other else f"{motion}_{other}"
     unit = ADDED_UNITS[motion] if ADDED_UNITS[motion] == ADDED_UNITS[other] else "kg_m"
     return f"{whole}_added_{unit}", f"{whole}_damping_{unit}_s"
@@ -192,7 +192,7 @@ def symmetric_part(file: str, names: list[str], matrix: np.ndarray) -> np.ndarra
 
 
 def in_axis_order(data: Any, name: str, axes: tuple[str, ...]) -> np.ndarray:
-    """Array `name` of an HDF5 file, transposed to the axes of these names."""
+    """Array `name` of an open HDF5 file `data`, transposed so that its axes follow in the order `axes`."""
     numbers = read_data_set(data, name)
     names = [dimension[0].name.strip("/") for dimension in data[name].dims]
     return np.transpose(numbers, [names.index(axis) for axis in axes])

@@ -202,8 +202,8 @@ def skin_friction(form: Form, amplitude: float, viscosity: float, gravity: float
 
 
 def waves_made(cb: float, cm: float, bd: float, og: float, frequency: float) -> float:
-    """Roll damping by waves without forward speed, in the units of `Components`, by C_B, C_M, breadth over draught,
-    depth of the centre of mass over draught, and omega sqrt(B / 2g)."""
+    """Roll damping by waves without forward speed, in the units of `Components`, by C_B, C_M, `bd` (breadth over
+    draught), `og` (depth of the centre of mass over draught), and `frequency`, omega sqrt(B / 2g)."""
     if frequency == 0.0:
         return 0.0
     over = 1.0 - og

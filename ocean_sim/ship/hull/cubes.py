@@ -135,7 +135,7 @@ class Cubes:
         self, body: RigidBody, around: SurroundingWater | SurroundingSea
     ) -> tuple[np.ndarray, np.ndarray]:
         """x and z (m, 2) [m] of the cubes under water at the pose of a body, and the volume that each displaces (m,)
-        [m3]. The water surface is that of the last load, moved on by its current."""
+        [m3]. The water surface is that `around` the hull at the last load, moved on by its current."""
         write_pose(self.table[0], body)
         middle = around.middle_now()
         self.table[0, [pose.position, pose.position + 2]] -= middle
@@ -145,7 +145,7 @@ class Cubes:
 
     @ti.kernel
     def find_immersed(self, around: Template, table: Array2, found: Array2):
-        """Write x, z [m] and volume under water [m3] of each cube to `found` (n, 3), at the pose in `table`."""
+        """Write x, z [m] and volume [m3] under the water `around` of each cube to `found` (n, 3); pose in `table`."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for block in range(self.blocks):
             position, turn = row_vector(table, pose.position), row_matrix(table)
@@ -164,7 +164,7 @@ class Cubes:
         wind: Template,
         table: Array2,
     ):
-        """Sample the water, then write the sums of SUM_COLUMNS over each block of cubes to its row of `table`."""
+        """Sample `water` by `around`, then write sums of SUM_COLUMNS over each block of cubes to its row of `table`."""
         around.read_water(water, table)
         wind.set_clock(ti.cast(table[0, ROW_COLUMNS.since], float), ti.cast(table[0, ROW_COLUMNS.step], float))
         ti.loop_config(serialize=ti.static(runs_alone()))
@@ -270,7 +270,7 @@ class Cubes:
 
 def as_one_body(moved: list[float], faces: list[float], size: list[float]) -> np.ndarray:
     """(6,) motion of the water as one rigid body about the centre of mass, by least squares over cubes of a size (3,):
-    from the sums (6,) of `add_motion` and those of FACE_COLUMNS, so that uniform flow turns nothing."""
+    from `moved`, the sums (6,) of `add_motion`, and `faces`, those of FACE_COLUMNS; uniform flow turns nothing."""
     x, y, z, turned_x, turned_y, turned_z = moved
     area_x, area_y, area_z = (max(area, 1e-12) for area in faces[:3])
     ahead, ahead_x, aside = faces[3] / area_y, faces[4] / area_x, faces[5] / area_y

@@ -178,7 +178,7 @@ def closed_mesh(file: str, data: bytes, scale: float | None, up: str | None, bow
 
 
 def read_mesh(file: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
-    """(n, 3) corners [units of the file] and (m, 3) faces with three different corners; raises BadMesh."""
+    """(n, 3) corners [units of the file] and (m, 3) faces, whose corners differ, in `data`; raises BadMesh."""
     import trimesh
 
     kind = file.lower().rpartition(".")[2]

@@ -222,8 +222,8 @@ def near_to(points: np.ndarray, others: np.ndarray, reach: float) -> np.ndarray:
 
 
 def even_out(free: np.ndarray, fixed: np.ndarray, spacing: float, dimension: int) -> np.ndarray:
-    """(n, 3) positions near `free` at which Wendland's kernel (C2), summed over all pairs, is smallest; (m, 4) `fixed`
-    are positions of points that stay, and their weights in points."""
+    """(n, 3) positions near `free` for the smallest sum of Wendland's kernel (C2) over all pairs; `fixed` (m, 4):
+    positions of points that stay, and their weights in points; `spacing` [m]: the kernel's unit of length."""
     from scipy.optimize import minimize
     from scipy.spatial import cKDTree
 

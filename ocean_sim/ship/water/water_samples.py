@@ -84,7 +84,7 @@ class SampleLattice:
 
     @ti.func
     def node_place(self, n, sine, cosine):
-        """Indices of node n along and across the lattice, and its x and z [m] from the middle at this heading."""
+        """Indices of node n along and across the lattice, and its x, z [m] from the middle; sine, cosine of heading."""
         i, k = n // NODES_ACROSS, n % NODES_ACROSS
         along, across = i * self.step[0] - self.half[0], k * self.step[1] - self.half[1]
         return i, k, along * sine + across * cosine, along * cosine - across * sine

@@ -270,7 +270,7 @@ class WaveContact:
 
     @ti.func
     def list_particle(self, total: Template, i, to):
-        """List particle i at index `to` if it is near, and add it if it touches; returns 1 if it is near."""
+        """List particle i at index `to` if it is near; add it to `total` if it touches; returns 1 if it is near."""
         p, u, near = self.particles.position, self.particles.velocity, 0
         d = self.hull.offset_to(tm.vec3(p.x[i], p.y[i], p.z[i]))
         if self.hull.is_near(d, self.spacing):
@@ -284,7 +284,7 @@ class WaveContact:
 
     @ti.func
     def add_touching(self, total: Template, normal, d, v):
-        """Add a particle at d from the centre of mass, v its relative velocity, to the sums of collision equations."""
+        """Add a particle at d from the hull's centre, v its relative velocity, to the sums of collision equations."""
         total[FOUND_COLUMNS.touching] += 1.0
         speed = v.dot(normal)
         if speed < 0.0:

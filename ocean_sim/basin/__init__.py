@@ -30,17 +30,17 @@ BOX_ROUNDING = 1e-9  # [m] by which a box may reach over a side or into another 
 
 
 def with_what_is_open(written: Any) -> Any:
-    """Turn the word `absorbing` for a side into a mapping of its keys, so that dumped configs show defaults."""
+    """Turn a side `written` as the word `absorbing` into a mapping of its keys, so dumped configs show defaults."""
     return {"kind": "absorbing"} if written == "absorbing" else written
 
 
 def with_each_side(written: Any) -> Any:
-    """Turn the word `absorbing` for all walls into a mapping with one entry each for x and z."""
+    """Turn walls `written` as the word `absorbing` into a mapping with such an entry each for x and z."""
     return {"x": written, "z": written} if written == "absorbing" else written
 
 
 def word_or_mapping(written: Any) -> str:
-    """Tag of the type of a side: `Absorbing` if it is written as a mapping, `Wall` if as a word."""
+    """Pydantic tag of a side of the basin: `Absorbing` if it is `written` as a mapping, `Wall` if as a word."""
     return "Absorbing" if isinstance(written, dict | Absorbing) else "Wall"
 
 
@@ -278,7 +278,7 @@ def odd_gravity(gravity: Vector3) -> list[str]:
 
 
 def box_faults(key: str, boxes: Sequence[Box], basin: "Basin", overlap: str) -> list[tuple[tuple[str | int, ...], str]]:
-    """Faults (key path, sentence) of boxes out of the basin or overlapping; `overlap`: sentence on the latter."""
+    """Faults (key path, sentence) of boxes under `key` that leave the basin or overlap; `overlap`: sentence on that."""
     found: list[tuple[tuple[str | int, ...], str]] = []
     fitting = [k for k, box in enumerate(boxes) if len(box.min) == basin.dimension]
     low = np.array([boxes[k].min for k in fitting]).reshape(-1, basin.dimension)
@@ -553,7 +553,7 @@ class Basin:
         )
 
     def stops(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-        """Lowest and highest positions by axis [m] of walls, bed, lid and a piston at its farthest; OPEN without."""
+        """Lowest and highest x, y, z [m] that walls, bed, lid and a moving piston allow; +-OPEN without limit."""
         low, up = [-OPEN] * 3, [OPEN] * 3
         for side in self.sides:
             away = side.piston.reach if side.piston is not None else 0.0

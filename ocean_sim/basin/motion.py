@@ -65,10 +65,9 @@ def turned(vector: np.ndarray, angle: np.ndarray) -> np.ndarray:
 
 
 def ramp_law(law: Law, ramp: float) -> Law:
-    """Law of motion that grows to `law` over `ramp` [s] by 10 s^3 - 15 s^4 + 6 s^5, without a jump in acceleration."""
+    """Law of motion that grows to `law` by 10 s^3 - 15 s^4 + 6 s^5, s = t / `ramp` [s]: acceleration does not jump."""
 
     def grown(t: float) -> tuple[float, float, float]:
-        """Displacement, velocity and acceleration at a time t [s]."""
         x, v, a = law(t)
         if t >= ramp:
             return x, v, a
@@ -82,7 +81,7 @@ def ramp_law(law: Law, ramp: float) -> Law:
 
 
 def spline_law(times: np.ndarray, moved: np.ndarray) -> Law:
-    """Law of motion through times [s] and displacements: a cubic spline, at rest before and after them."""
+    """Law of motion through displacements `moved` (n,) at times (n,) [s]: a cubic spline, at rest before and after."""
     from scipy.interpolate import CubicSpline
 
     spline = CubicSpline(times, moved)
@@ -150,19 +149,15 @@ class Harmonic(Tank):
         return 2.0 * pi / self.period
 
     def problems(self, basin: waves.Tank) -> Problems:
-        """Faults (key path, sentence) of point and axis of this motion in a basin."""
         return super().problems(basin) + axis_faults(self.axis, basin)
 
     def warnings(self, duration: float) -> list[str]:
-        """Warning of a tank that turns over, as its angle may be in degrees."""
         return overturn_warnings(self.axis, abs(self.amplitude))
 
     def build(self) -> "TankMotion":
-        """Motion of the tank by these keys, growing over `ramp`."""
         omega, phase = 2.0 * pi / self.period, radians(self.phase_deg)
 
         def law(t: float) -> tuple[float, float, float]:
-            """Displacement, velocity and acceleration at a time t [s], without ramp."""
             x = self.amplitude * sin(omega * t + phase)
             return x, self.amplitude * omega * cos(omega * t + phase), -(omega**2) * x
 
@@ -205,7 +200,6 @@ class Recorded(Tank):
         return float(speed / moved) if moved > 0.0 else 0.0
 
     def problems(self, basin: waves.Tank) -> Problems:
-        """Faults (key path, sentence) of the file, and of point and axis of this motion in a basin."""
         try:
             axis = self.rows()[0]
         except Unreadable as error:
@@ -213,7 +207,6 @@ class Recorded(Tank):
         return super().problems(basin) + axis_faults(axis, basin)
 
     def warnings(self, duration: float) -> list[str]:
-        """Warnings of rows beyond the run, of odd angles of roll, and of speeds that jump at the first or last row."""
         (axis, times, moved), law = self.rows(), self.build().law
         fastest = max(abs(law(float(t))[1]) for t in np.linspace(times[0], times[-1], FREQUENCY_SAMPLES))
         unit = "rad/s" if axis.startswith("roll") else "m/s"
@@ -284,7 +277,7 @@ class Wavemaker(waves.WaveTrain):
     """Time over which the motion grows; by default one period (of a spectrum its peak period)."""
 
     def problems(self, basin: waves.Tank, side: str) -> Problems:
-        """Faults of this wavemaker in this basin, whose wall there is of the kind `side`."""
+        """Faults (key path, sentence) of this wavemaker; `side`: kind of the basin's wall on the side `wall`."""
         found = [(self.height_key, sentence) for sentence in waves.basin_faults(basin, *self.scale)]
         if self.spectrum is not None and self.spectrum.heading_deg is not None:
             found.append((("spectrum", "heading_deg"), "the waves of a piston go away from its wall: leave this out"))
@@ -313,7 +306,7 @@ class Piston:
 
     @cached_property
     def amplitude(self) -> np.ndarray:
-        """Half the stroke (n,) for each wave [m]: the amplitude of the wave over H/S."""
+        """Half the stroke (n,) [m] for each wave: its amplitude over the ratio of wave height to stroke."""
         return self.sea.amplitude / waves.piston_transfer(self.sea.wavenumber * self.sea.depth)
 
     @property
@@ -335,7 +328,7 @@ class Piston:
         return float(x.sum()), float(v.sum()), -float((omega**2 * x).sum())
 
     def at(self, time: float) -> tuple[float, float, float]:
-        """Displacement [m], velocity [m/s] and acceleration [m/s2] along the axis of the wall at a time [s]."""
+        """Displacement [m], velocity, acceleration along the wall's axis (its + direction) at a time [s], with ramp."""
         x, v, a = ramp_law(self.steady, self.ramp)(time)
         return self.inward * x, self.inward * v, self.inward * a
 

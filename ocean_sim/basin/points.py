@@ -9,7 +9,7 @@ from ocean_sim.basin import Basin
 
 
 def in_space(vector: Sequence[float]) -> np.ndarray:
-    """Point or direction in 3-D (3,); z is 0 where a slice gives none."""
+    """Point or direction in 3-D (3,); z is 0 for a vector of a 2-D basin."""
     return np.array((*vector, 0.0)[:3])
 
 

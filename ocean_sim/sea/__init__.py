@@ -27,14 +27,11 @@ class Written(Seas, SeaConfig):
     where a ship is in the water, since waves that are there at once would run through her; else 0, at once."""
 
     def plane_waves(self, basin: waves.Tank) -> waves.Components | None:
-        """Plane waves of the sea by linear theory in a basin; None in calm water."""
         sea = self.sea_of(basin)
         return sea if sea.amplitude.any() else None
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence) of the waves in this basin, or of the patch."""
         return self.sea_faults(preflight.tank) or super().problems(preflight)
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warnings, also of angles in a table of waves that could be radians."""
         return self.like_radians() + super().warnings(preflight)

@@ -20,13 +20,11 @@ class Config(Steepening, Written):
 
     @property
     def nonlinear(self) -> Nonlinear | None:
-        """Settings of the nonlinear sea; None at order 1 or in calm water."""
         if self.order == 1 or self.highest is None:
             return None
         return Nonlinear(self.onset_in(self.highest[1]), self.breaking)
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence), also of sides that are not multiples of one cell."""
         found = super().problems(preflight)
         if not found and self.nonlinear is not None and width_over_length(preflight.tank.periods) is None:
             sentence = f"the sides of the patch are not multiples of one cell; take a ratio of at most {MOST_PARTS}"

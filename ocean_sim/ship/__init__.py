@@ -29,8 +29,7 @@ class Load:
 
     @classmethod
     def of(cls, forces: dict[str, np.ndarray], names: tuple[str, ...] = PARTS) -> "Load":
-        """Build a load from `forces`, the (2, 3) force [N] and torque [N m] by name of part; parts of `names` without
-        one are zero. Raises ValueError for a part that is not in `names`."""
+        """Load of the (2, 3) `forces` by part, 0 for others in `names`; raises ValueError for an unknown part."""
         for name in forces:
             if name not in names:
                 raise ValueError(f"a ship with a force {name!r} must name it in `parts`, which are {', '.join(names)}")
@@ -150,8 +149,7 @@ class Ship(Protocol):
         """Plan-view outline and height range of the hull at its present pose; None where the ship has no shape."""
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
-        """Positions x and z (m, 2) [m], volumes (m,) [m3] of water that the hull displaces; m is 0 if the kind has
-        none."""
+        """(m, 2) positions x, z [m] and (m,) volumes [m3] of the water that the hull displaces; m may be 0."""
         return np.zeros((0, 2)), np.zeros(0)
 
     def limits(self) -> "Limits":

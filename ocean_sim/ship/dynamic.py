@@ -64,18 +64,17 @@ class SeakeepingConfig(FloatingConfig):
         return None if self.radiation is None else Radiation(self.radiation)
 
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
-        """(6,) added mass [kg] and inertia [kg m2], given or by rule, in the order of `Motions`."""
         return self.added_mass.diagonal(still)
 
     def moved_at_once(self, still: Hydrostatics) -> np.ndarray:
-        """(6,) added mass [kg], inertia [kg m2] of quick motions: A(infinity) of the table, else `moved_along`."""
+        """(6,) added mass [kg], inertia [kg m2] at infinite frequency, by the radiation table; else `moved_along`."""
         added = self.moved_along(still)
         if self.table is not None:
             added[self.table.numbers] = np.diag(self.table.impulse_response.added)
         return added
 
     def moved_together(self) -> np.ndarray | None:
-        """(6, 6) added mass [kg], [kg m], [kg m2] that couples two motions, diagonal 0; None if there is none."""
+        """(6, 6) added mass [kg], [kg m], [kg m2] between two motions of `Motions`, diagonal 0; None without any."""
         if self.table is None:
             return None
         own, found = self.table.impulse_response.added, np.zeros((6, 6))
@@ -88,7 +87,6 @@ class SeakeepingConfig(FloatingConfig):
         return Resistance(self.damping, still, self.moved_at_once(still), radiated)
 
     def mismatches(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence), also of a table whose added mass is too negative or that is used among particles."""
         found = super().mismatches(preflight)
         if self.table is not None:
             still = self.hydrostatics_of(preflight)
@@ -103,7 +101,6 @@ class SeakeepingConfig(FloatingConfig):
         return found
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warnings of the floating hull, and of a radiation table that does not suit the ship or the water."""
         deep = "a hull that feels only the surface of the water is lifted too much by short waves"
         found = super().warnings(preflight) + ([deep] if preflight.surface is not None else [])
         still = self.hydrostatics_of(preflight)
@@ -143,7 +140,6 @@ class SeakeepingConfig(FloatingConfig):
                 yield f"the scattered forces of the table are of {only}, and are taken for those of any waves"
 
     def feels_bed(self, depth: float) -> bool:
-        """True if the radiation table is of water of this depth [m]."""
         return self.table is not None and self.table.depth == depth
 
     def table_differences(self, table: Radiation, tank: Basin, still: Hydrostatics) -> list[str]:
@@ -180,7 +176,6 @@ class SeakeepingShip(FloatingShip):
     samples_depth: ClassVar[bool] = True
 
     def __init__(self, name: str, config: SeakeepingConfig, basin: Basin, fluid: Fluid) -> None:
-        """Prepare added mass, damping, slamming and, with a table, radiated and scattered waves."""
         super().__init__(name, config, basin, fluid)
         self.added, self.between = config.moved_at_once(self.hydrostatics), config.moved_together()
         self.memory: Memory | None = None
@@ -201,7 +196,6 @@ class SeakeepingShip(FloatingShip):
         self.motion_limits = self.limits_of_motion(self.added)
 
     def damping(self, now: Immersion) -> np.ndarray:
-        """(2, 3) force [N] and torque [N m], world axes, of damping and, with a table, of radiated waves."""
         resisted = self.resistance.load(now.motion)
         if self.memory is not None:
             self.made = now.motion + (now.wet.velocity - self.drift_velocity(now))
@@ -234,7 +228,6 @@ class SeakeepingShip(FloatingShip):
         return forces | {"wave": forces["wave"] + carried, "damping": forces["damping"] + moved}
 
     def advance(self, load: Load, dt: float) -> None:
-        """Take a step of dt [s]; the velocity before it is stored for the force of radiated waves."""
         if self.memory is not None:
             self.memory.remember(self.actuators.time, self.made)
         super().advance(load, dt)
@@ -248,5 +241,4 @@ class Config(SeakeepingConfig):
     kind: Literal["dynamic"] = "dynamic"
 
     def build(self, name: str, basin: Basin, fluid: Fluid) -> SeakeepingShip:
-        """Build the ship `name` of this config."""
         return SeakeepingShip(name, self, basin, fluid)

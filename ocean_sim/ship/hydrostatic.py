@@ -44,12 +44,10 @@ class Hydrostatic(FloatingShip):
     samples_depth: ClassVar[bool] = True
 
     def __init__(self, name: str, config: Config, basin: Basin, fluid: Fluid) -> None:
-        """Prepare damping, and slamming unless particles push the hull."""
         super().__init__(name, config, basin, fluid)
         self.resistance = config.resistance(self.hydrostatics)
         if self.contact is None:
             self.slamming = Slamming(self.hydrostatics, float(by_rule(self.hydrostatics)[1]))
 
     def damping(self, now: Immersion) -> np.ndarray:
-        """(2, 3) damping force [N] and torque [N m], world axes, less as the hull leaves the water."""
         return now.share * to_world(self.resistance.load(now.motion), now.body)

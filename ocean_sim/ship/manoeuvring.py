@@ -46,16 +46,13 @@ class Config(VesselConfig):
     kind: Literal["manoeuvring"] = "manoeuvring"
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence) of keys that contradict the basin."""
         return self.basin_problems(preflight.tank)
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warnings, with one that waves and wind do not act on the ship."""
         calm = "the Otter's model is of calm water: neither waves nor wind act on it"
         return [*super().warnings(preflight), calm]
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """One row of 0 bytes: the model has no fields."""
         return [LedgerRow("ship", "the matrices of the Otter's model", 0, "ship.kind is manoeuvring")]
 
     def build(self, name: str, basin: Basin, fluid: Fluid) -> Ship:
@@ -68,7 +65,7 @@ def skew_matrix(a: np.ndarray) -> np.ndarray:
 
 
 def shift_matrix(arm: np.ndarray) -> np.ndarray:
-    """(6, 6) matrix from the linear and angular velocity at one point of a body to those at a point `arm` [m] away."""
+    """(6, 6) matrix from the velocity (6,), linear and angular, of a body at one point to that `arm` (3,) [m] away."""
     whole = np.eye(6)
     whole[:3, 3:] = skew_matrix(arm).T
     return whole
@@ -78,7 +75,6 @@ class Otter:
     """Mass, stiffness and damping of the Otter, in SNAME axes about its origin amidships at the still water."""
 
     def __init__(self) -> None:
-        """Compute all matrices and coefficients from the constants of this module."""
         self.mass = HULL_MASS + PAYLOAD_MASS
         self.payload = np.array([0.05, 0.0, -0.35])
         self.centre = (HULL_MASS * np.array([0.2, 0.0, -0.2]) + PAYLOAD_MASS * self.payload) / self.mass
@@ -139,7 +135,6 @@ class Manoeuvring(Vessel):
     prompt: ClassVar[bool] = True
 
     def __init__(self, name: str, config: Config, basin: Basin) -> None:
-        """Begin at the Otter's floating height, with both propellers at rest."""
         self.model = model = Otter()
         centre = from_frame("ned", model.centre)
         keel = np.array([centre[0], model.draught + centre[1], centre[2]])
@@ -208,5 +203,4 @@ class Manoeuvring(Vessel):
         self.revolutions = mean + (self.revolutions - mean) * exp(-dt / PROPELLER_DELAY)
 
     def limits(self) -> Limits:
-        """Constant time scale [s] that bounds the time step."""
         return Limits(force=0.08)

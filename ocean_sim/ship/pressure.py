@@ -42,7 +42,6 @@ class Config(FloatingConfig):
     """The laws of the water itself act between particles and this hull."""
 
     def solid(self, preflight: Preflight) -> Solid:
-        """The hull at the start as a solid body in the water; in 2-D the section amidships."""
         still = self.hydrostatics_of(preflight)
         flat = preflight.tank.dimension == 2
         body = self.above_unsettled_water(self.starting_body(still, flat), preflight)
@@ -53,7 +52,7 @@ class Config(FloatingConfig):
         return by_rule(still)
 
     def starting_body(self, still: Hydrostatics, flat: bool) -> RigidBody:
-        """Rigid body at the start of a run; in 2-D with the mass and inertia of a metre of the hull."""
+        """Rigid body at the start of a run; if `flat`, in 2-D, with mass and inertia of a metre of the hull."""
         matter = still.matter
         if flat:
             share = 1.0 / float(np.ptp(self.whole_hull.shape.bounds(), axis=0)[2])
@@ -61,7 +60,6 @@ class Config(FloatingConfig):
         return self.body_at_start(matter, *afloat_pose(still))
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warnings, also of wind, which does not act on the ship, and of a hull thinner than MIN_SPACINGS spacings."""
         found, spacing = super().warnings(preflight), preflight.spacing
         if not preflight.wind.still:
             found.append("a ship of kind pressure feels only the water; wind does not act on it")
@@ -94,7 +92,6 @@ class Pressure(Vessel):
     """A ship moved by the pressure of particles on her hull, which is one of the fluid's solid boundary bodies."""
 
     def __init__(self, name: str, config: Config, basin: Basin, fluid: Fluid) -> None:
-        """Find the hull among the fluid's solid bodies and begin at its pose in settled water."""
         solid, water = basin.afloat[name], with_particles(fluid)
         assert isinstance(solid, Solid) and water.boundary is not None
         felt = [ship for ship, other in basin.afloat.items() if other.is_sampled]

@@ -43,7 +43,6 @@ class Thesis(FloatingShip):
     """The ship of the thesis: columns of water carry the hull, and forward Euler moves it."""
 
     def __init__(self, name: str, config: Config, basin: Basin, fluid: Fluid) -> None:
-        """Prepare the columns of water and the rates of damping."""
         super().__init__(name, config, basin, fluid)
         self.lost = np.array([config.linear_damping, config.angular_damping])  # [1/s]
         self.columns = Columns(self.hydrostatics, basin)
@@ -57,12 +56,10 @@ class Thesis(FloatingShip):
         }
 
     def damping(self, now: Immersion) -> np.ndarray:
-        """(2, 3) force [N] and torque [N m], world axes, opposite to momentum and angular momentum."""
         body = self.body
         return -self.lost[:, None] * np.stack([body.mass * body.velocity, body.angular_momentum])
 
     def free_step(self, body: RigidBody, load: Load, dt: float) -> RigidBody:
-        """The body a step of dt [s] later, by forward Euler as the thesis prints it."""
         return thesis_advance(body, load.force, load.torque, dt)
 
 
@@ -102,7 +99,7 @@ class Columns:
 
     @ti.kernel
     def sum_columns(self, surface: Template, position: tm.vec3, turn: tm.mat3):
-        """Write force [N] and torque [N m] of each column to `out`; `turn`: rotation from body to world."""
+        """Write force [N] and torque [N m] of each column to `out`; `position`: of the body, `turn`: to world axes."""
         for k in range(self.n):
             arm = turn @ self.bottom[k]
             x = position + arm

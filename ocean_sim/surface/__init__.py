@@ -84,4 +84,4 @@ class Surface(Protocol):
         """The surface as triangles, computed anew by each call."""
 
     def measures(self) -> list[float]:
-        """Present values of the columns `measured` of accuracy.csv, in their order."""
+        """Values of the columns of accuracy.csv that the class names in `measured`, in their order."""

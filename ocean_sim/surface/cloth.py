@@ -62,7 +62,6 @@ class Config(SurfaceConfig):
     """Simulated time between updates, to the nearest step."""
 
     def completed(self, preflight: Preflight) -> Self:
-        """Copy with spacing and thickness, where left open, derived from the particles."""
         assert preflight.spacing is not None
         widest = min(2.0 * preflight.spacing, preflight.support)
         return self.model_copy(
@@ -70,13 +69,11 @@ class Config(SurfaceConfig):
         )
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Fault (key, sentence) of a basin without a free surface."""
         if preflight.tank.closed:
             return [(("kind",), "a basin without a free surface has nothing for a cloth to lie on; leave it out")]
         return []
 
     def mismatches(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence) of too many nodes, or of a thickness outside its limits."""
         least, most = preflight.spacing, preflight.support
         assert least is not None
         nx, nz = self.completed(preflight).nodes(preflight.tank)
@@ -99,7 +96,6 @@ class Config(SurfaceConfig):
         return column_counts(basin, self.spacing)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Memory of the sheet's nodes."""
         nx, nz = self.completed(preflight).nodes(preflight.tank)
         size, why = 3 * preflight.word * nx * nz, "surface.kind is cloth"
         return [LedgerRow("surface", f"{nx} x {nz} nodes", size, why)]
@@ -113,7 +109,6 @@ class Cloth:
     """A sheet of nodes, which have a height, and the springs between them; node (i, k) has the number i nz + k."""
 
     def __init__(self, config: Config, basin: Basin, fluid: Fluid) -> None:
-        """Make nodes and springs, and lay the sheet on the water."""
         water = with_particles(fluid)
         self.config, self.around, particles = config, water.around, water.particles
         self.nodes, self.flat, self.bed = config.nodes(basin), basin.dimension == 2, basin.lower[1]
@@ -146,7 +141,6 @@ class Cloth:
             self.update(0.0)
 
     def follow(self, particles: "Particles", dt: float) -> None:
-        """Count a step of dt [s] of the particles, and update the sheet when an update is due."""
         self.age += dt
         if self.age + 0.5 * dt > self.config.every:
             self.update(self.age)
@@ -224,15 +218,12 @@ class Cloth:
 
     @ti.func
     def elevation(self, x, z):
-        """Height of the sheet [m] at x, z [m], bilinear between nodes."""
         return self.heights.height_at(x, z)
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
-        """Heights (m,) [m] of the sheet at points x, z (m, 2) [m]."""
         return self.heights.elevations(points)
 
     def mesh(self) -> Mesh:
-        """The sheet as a mesh of two triangles a cell."""
         return self.heights.mesh()
 
     def measures(self) -> list[float]:
@@ -250,7 +241,7 @@ class Contact:
     sums = 2
 
     def __init__(self, dimension: int, thickness: float, spacing: float) -> None:
-        """`spacing` of the particles [m]."""
+        """`thickness`: radius of the smoothing kernel [m]; `spacing` of the particles at rest [m]."""
         self.dimension, self.thickness, self.spacing = dimension, thickness, spacing
         constant = {2: 4.0 / (pi * thickness**8), 3: 315.0 / (64.0 * pi * thickness**9)}[dimension]
         self.constant = constant * spacing**dimension

@@ -62,7 +62,6 @@ class Config(SurfaceConfig):
     """Largest number of triangles of a mesh; more stop the run."""
 
     def completed(self, preflight: Preflight) -> Self:
-        """Copy with spacing, radius and height, where left open, derived from particles and basin."""
         assert preflight.spacing is not None
         found = {
             "spacing": self.spacing or NODE_SPACINGS * preflight.spacing,
@@ -72,7 +71,6 @@ class Config(SurfaceConfig):
         return self.model_copy(update=found)
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Fault (key, sentence) of a 2-D basin, or of one without a free surface."""
         basin = preflight.tank
         if basin.dimension == 2:
             return [(("kind",), "marching cubes need a basin with a width; in 2-D use surface: cloth")]
@@ -81,7 +79,6 @@ class Config(SurfaceConfig):
         return []
 
     def mismatches(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence) of a radius outside its limits, and of too many nodes."""
         found, apart = Problems(), preflight.spacing
         assert apart is not None
         if self.radius is not None and not 1.2 * apart <= self.radius <= MAX_RADIUS * apart:
@@ -113,7 +110,6 @@ class Config(SurfaceConfig):
         return float(np.prod(extents / self.spacing + 2.0))
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Memory of the stored nodes, and of the particles sorted into bins."""
         completed, word, particles = self.completed(preflight), preflight.word, preflight.particles
         assert completed.radius is not None and preflight.spacing is not None
         nodes = completed.nodes(preflight.tank)
@@ -136,7 +132,6 @@ class MarchingCubes:
     left_out = ("followed", "read_by_kernel")  # of checkpoints: what this simulation's kernels are compiled for
 
     def __init__(self, config: Config, basin: Basin, particles: "Particles") -> None:
-        """Make the grid of nodes, the bins of particles and the columns of heights; compute nothing yet."""
         assert config.radius is not None
         self.config, self.basin, self.nodes = config, basin, config.nodes(basin)
         self.map = DensityMap(particles, basin, self.nodes, config.radius)
@@ -227,7 +222,7 @@ class MarchingCubes:
             self.heights.height[n] = height
 
     def read_by_a_kernel(self) -> bool:
-        """Note, while it is compiled, that a kernel reads heights; raises RuntimeError if out of date."""
+        """Note that the kernel being compiled reads heights; always True. Raises RuntimeError for old heights."""
         self.read_by_kernel = True
         if self.levelled != self.moment:
             raise RuntimeError("the heights are out of date: call `level` before the first kernel that reads them")
@@ -240,7 +235,6 @@ class MarchingCubes:
         return self.heights.height_at(x, z)
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
-        """Heights (m,) [m] of the highest water at points x, z (m, 2) [m]."""
         self.update_heights()
         return self.heights.elevations(points)
 
@@ -365,7 +359,7 @@ class DensityMap:
 
     @ti.func
     def gather_bins(self, x, last, step, run: Template):
-        """Sums (run,) of (radius^2 - r^2)^3 [m6] over particles in the bins around points from x to `last`."""
+        """Sums (run,) of (radius^2 - r^2)^3 [m6] over particles near the points from x to `last`, `step` [m] apart."""
         total, here, there = ti.Vector.zero(float, run), self.bin_of(x), self.bin_of(last)
         low = tm.max(tm.min(here, there) - 1, 0)
         high = tm.min(tm.max(here, there) + 1, tm.ivec3(self.bins) - 1)
@@ -393,7 +387,7 @@ class DensityMap:
 
     @ti.func
     def particles_near(self, y, z):
-        """True if there are particles in the bins around a row of nodes and the rows next to it, or their images."""
+        """True if particles lie in the bins around the row of nodes at y, z [m] or rows next to it, or their images."""
         found = 0
         for c in range(AXIS_IMAGES):
             along = self.image[2, c, 0] * z + self.image[2, c, 1]
@@ -414,14 +408,14 @@ class DensityMap:
 
     @ti.kernel
     def fill_rows(self, rows: Template, value: Template, level: float):
-        """Write the share of water less `level` to all nodes of the stored rows that lie within the box."""
+        """Write the share of water less `level` to `value`, the field at the nodes of the stored `rows` in the box."""
         for g in range(ROW_GROUPS * TASK_ITERATIONS):
             if g % TASK_ITERATIONS == 0:
                 self.fill_group(g // TASK_ITERATIONS, rows, value, level)
 
     @ti.func
     def fill_group(self, group, rows: Template, value: Template, level):
-        """Fill every ROW_GROUPS-th stored row of nodes, from row `group` on."""
+        """Part of `fill_rows` that one thread does: every ROW_GROUPS-th stored row, from row `group` on."""
         nx, ny, nz = ti.static(self.nodes.inner)
         for turn in range((rows.count[None] - group + ROW_GROUPS - 1) // ROW_GROUPS):
             n = group + turn * ROW_GROUPS

@@ -23,7 +23,6 @@ class Config(TimeStepConfig):
     """The longest time step allowed."""
 
     def advice(self, limit: str, shortest: float) -> str:
-        """Advice after a run has diverged, whatever `limit` has set the time step."""
         return "try a smaller time_step.courant_number, a smaller fluid.compression (stiffer water), or a weaker wind"
 
     def build(self) -> "Courant":
@@ -51,11 +50,9 @@ class Courant:
 
     @property
     def adjustable(self) -> dict[str, Setting]:
-        """The setting `courant_number`."""
         return {"courant_number": Setting(self.config.courant_number, "1")}
 
     def adjust(self, **values: float) -> None:
-        """Set `courant_number` from the next step on."""
         self.config = self.config.model_copy(update=values)
 
     def next(self, limits: Limits) -> float:

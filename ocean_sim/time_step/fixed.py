@@ -17,7 +17,6 @@ class Config(TimeStepConfig):
     """The time step."""
 
     def advice(self, limit: str, shortest: float) -> str:
-        """Advice after a run has diverged, of which `limit` would allow steps of `shortest` [s]."""
         if self.dt > shortest:
             return f"try time_step: courant, or a dt below its {limit} limit (here {shortest:.3g} s)"
         return "try a smaller time_step.dt, or a weaker wind"
@@ -36,13 +35,10 @@ class Fixed:
 
     @property
     def adjustable(self) -> dict[str, Setting]:
-        """The setting `dt` [s]."""
         return {"dt": Setting(self.config.dt, "s")}
 
     def adjust(self, **values: float) -> None:
-        """Set `dt` [s] from the next step on."""
         self.config = self.config.model_copy(update=values)
 
     def next(self, limits: Limits) -> float:
-        """The constant time step `dt` [s], whatever the limits."""
         return self.config.dt

@@ -96,7 +96,7 @@ class FloatingConfig(VesselConfig):
         return self.in_still_water(-preflight.tank.gravity[1], preflight.fluid.rest_density)
 
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
-        """(6,) added mass [kg] and inertia [kg m2] in the ship's law of motion, order of `Motions`; default 0."""
+        """(6,) added mass [kg] and inertia [kg m2] of the law of motion, in the order of `Motions`; default 0."""
         return np.zeros(6)
 
     def resistance(self, still: Hydrostatics) -> Resistance | None:
@@ -104,7 +104,6 @@ class FloatingConfig(VesselConfig):
         return None
 
     def floats(self, preflight: Preflight) -> Afloat:
-        """Displacement, draught, metacentric heights and natural periods in the still water of a scene."""
         still = self.hydrostatics_of(preflight)
         if isinf(still.draught):
             return Afloat(still.matter.mass, still.draught, 0.0, 0.0, {})
@@ -120,7 +119,6 @@ class FloatingConfig(VesselConfig):
         return self.face_gms[still]
 
     def look(self, preflight: Preflight) -> Look:
-        """Name, submerged share and breadth of the hull, for pictures."""
         still = self.hydrostatics_of(preflight)
         name = self.hull if isinstance(self.hull, str) else ""
         lower, upper = self.whole_hull.shape.bounds()
@@ -128,7 +126,6 @@ class FloatingConfig(VesselConfig):
         return Look(f"{name} {self.whole_hull.shape.kind}", submerged, float(upper[0] - lower[0]))
 
     def outline(self, preflight: Preflight) -> Outline:
-        """Plan-view outline and height range of the hull at the start of a run."""
         still = self.hydrostatics_of(preflight)
         corners = convex_corners(self.whole_hull.shape) - still.matter.centre
         return placed_outline(corners, self.resting_body(still))
@@ -138,7 +135,6 @@ class FloatingConfig(VesselConfig):
         return self.body_at_start(still.matter, *afloat_pose(still))
 
     def solid(self, preflight: Preflight) -> Solid | None:
-        """The hull at the start as a solid body in the water; None without contact or particles."""
         if self.contact is None or preflight.spacing is None:
             return None
         still = self.hydrostatics_of(preflight)
@@ -147,7 +143,7 @@ class FloatingConfig(VesselConfig):
         return Solid(self.whole_hull.shape, still.matter.centre, body, False, is_sampled=False, reach=reach)
 
     def above_unsettled_water(self, body: RigidBody, preflight: Preflight) -> RigidBody:
-        """A body with a given height, raised by the water's later settling, so no gap opens; others unchanged."""
+        """A body with a given height, raised by as much as the water will settle, so no gap opens; others unchanged."""
         rise = 0.0 if self.afloat_at_first else preflight.fluid.settling(preflight)
         return replace(body, position=body.position + [0.0, rise, 0.0])
 
@@ -162,7 +158,6 @@ class FloatingConfig(VesselConfig):
         return f"the hull takes {' and '.join(sides)}" if sides else ""
 
     def mismatches(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence): a hull too large, too small for the spacing, or through bed or walls."""
         found, basin, spacing = Problems(), preflight.tank, preflight.spacing or 0.0
         solid = self.solid(preflight)
         large = self.oversize(basin) if preflight.fluid.made_of_particles else ""
@@ -201,7 +196,6 @@ class FloatingConfig(VesselConfig):
         return found
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence) of start, orders, moorings and hull, such as a draught beyond the depth."""
         basin = preflight.tank
         found = self.basin_problems(basin) + self.unfollowable_orders()
         for k, mooring in enumerate(self.moorings):
@@ -282,7 +276,6 @@ class FloatingConfig(VesselConfig):
         return [f"{than}: {rolls}; {cure}"]
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warnings of hull, start, orders, stability, shallow water, damping and resolution."""
         hull = self.hydrostatics_of(preflight)
         mesh = self.whole_hull.shape.closed_mesh()
         remarks = [] if mesh is None else [f"the hull's mesh: {remark}" for remark in mesh.remarks]
@@ -337,7 +330,6 @@ class FloatingConfig(VesselConfig):
         return found
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Memory of the hull's cubes, of the samples of water, and of the distances from the hull."""
         basin, word = preflight.tank, preflight.word
         n = len(self.in_still_water(-basin.gravity[1], WATER_DENSITY).voxels.share)
         size = Cubes.bytes(n, word) + SurroundingSea.bytes(word)
@@ -368,7 +360,7 @@ def rest_angles(still: Hydrostatics) -> np.ndarray | None:
     """(2,) pitch and roll [rad] at which a floating hull balances, upright if it can; None if beyond MAX_LEAN."""
 
     def levers(angle: np.ndarray) -> np.ndarray:
-        """(2,) distances [m] ahead and to port of buoyancy from the centre of mass, at a pitch and a roll [rad]."""
+        """(2,) distances [m] ahead and to port of buoyancy from the centre of mass; `angle`: pitch and roll [rad]."""
         return still.buoyancy_offset(lean_matrix(angle))[::-1]
 
     upright = np.zeros(2)
@@ -393,5 +385,5 @@ def newton_balance(levers: Callable[[np.ndarray], np.ndarray], angle: np.ndarray
 
 
 def lean_matrix(angle: np.ndarray) -> np.ndarray:
-    """(3, 3) rotation matrix, body to world, of (2,) pitch and roll [rad] without yaw."""
+    """(3, 3) rotation matrix, body to world, of `angle`, (2,) pitch and roll [rad], without yaw."""
     return rotation_matrix(euler_quaternion(angle[0], 0.0, angle[1]))

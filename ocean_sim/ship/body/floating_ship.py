@@ -49,7 +49,6 @@ class FloatingShip(Vessel):
     slamming: Slamming | None = None  # of a hull that falls into the water; particles push one themselves
 
     def __init__(self, name: str, config: FloatingConfig, basin: Basin, fluid: Fluid) -> None:
-        """Build cubes, samples of the water, contact, moorings, and the body at the start of the run."""
         particles = fluid.of_particles
         self.hydrostatics = still = config.in_still_water(-basin.gravity[1], fluid.rest_density)
         self.cubes = Cubes(still)
@@ -100,7 +99,6 @@ class FloatingShip(Vessel):
         return replace(body, velocity=body.velocity + flow)
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
-        """Compute all forces and torques on the ship at her present pose, by part (4.27)."""
         body = self.centred_body if self.water.samples_depth else self.body
         wet = self.cubes.sum_forces(body, self.water, surface, wind)
         # Added mass, damping and thrust are whole until half the usual volume is out of the water.
@@ -140,7 +138,7 @@ class FloatingShip(Vessel):
         return self.damping(now) + self.slamming.heave_drag(self.wet, self.rising) * self.upwards
 
     def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """The `forces` by part with the reaction of added mass to them; unchanged in kinds without added mass."""
+        """The `forces` by part, and the reaction of added mass to them; unchanged in kinds without added mass."""
         return forces
 
     def advance(self, load: Load, dt: float) -> None:
@@ -155,7 +153,6 @@ class FloatingShip(Vessel):
             raise Diverged(f"{called(self.name)} has sunk to the bed, {-self.bed:g} m down, at ({x:.4g}, {z:.4g}) m")
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
-        """Positions x and z (m, 2) [m] and volumes (m,) [m3] of the parts of cubes under water."""
         return self.cubes.displaced_water(self.body, self.water)
 
     def limits_of_motion(self, added: np.ndarray) -> Limits:
@@ -167,5 +164,4 @@ class FloatingShip(Vessel):
         return Limits(force=min(periods) / STEPS_A_PERIOD / FORCE_NUMBER) if periods else Limits()
 
     def limits(self) -> Limits:
-        """Limit of the time step by natural periods, computed once."""
         return self.motion_limits

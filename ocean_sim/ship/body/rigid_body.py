@@ -84,7 +84,7 @@ def to_world(load: np.ndarray, body: RigidBody) -> np.ndarray:
 
 
 def plain_components(vector: np.ndarray) -> list:
-    """Components of a vector as Python floats, for quick arithmetic; k arrays (n,) of n vectors (k, n)."""
+    """List of a vector's components as Python floats, for quick arithmetic; of n vectors (k, n): k arrays (n,)."""
     return vector.tolist() if vector.ndim == 1 else list(vector)
 
 
@@ -120,7 +120,6 @@ def rotation_matrix(q: np.ndarray) -> np.ndarray:
 
 
 def unit_quaternion(q: np.ndarray) -> np.ndarray:
-    """Quaternion (4,) scaled to unit length."""
     return np.array(small_linalg.unit_quaternion(q.tolist()))
 
 

@@ -14,19 +14,16 @@ Rows = Sequence[Vector]  # of a matrix
 
 
 def plus(a: Vector, b: Vector) -> Three:
-    """Sum a + b of two vectors."""
     (ax, ay, az), (bx, by, bz) = a, b
     return ax + bx, ay + by, az + bz
 
 
 def minus(a: Vector, b: Vector) -> Three:
-    """Difference a - b of two vectors."""
     (ax, ay, az), (bx, by, bz) = a, b
     return ax - bx, ay - by, az - bz
 
 
 def times(factor: float, a: Vector) -> Three:
-    """Product of a number and a vector."""
     x, y, z = a
     return factor * x, factor * y, factor * z
 
@@ -38,19 +35,16 @@ def times_each(factors: Vector, a: Vector) -> Three:
 
 
 def dot(a: Vector, b: Vector) -> float:
-    """Dot product a . b."""
     (ax, ay, az), (bx, by, bz) = a, b
     return ax * bx + ay * by + az * bz
 
 
 def cross(a: Vector, b: Vector) -> Three:
-    """Cross product a x b."""
     (ax, ay, az), (bx, by, bz) = a, b
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
 def matrix_times(m: Rows, a: Vector) -> Three:
-    """Product of a (3, 3) matrix m and a vector a."""
     (p, q, r), (s, t, u), (v, w, o) = m
     x, y, z = a
     return p * x + q * y + r * z, s * x + t * y + u * z, v * x + w * y + o * z
@@ -100,7 +94,6 @@ def rotation_matrix(q: Vector) -> tuple[Three, Three, Three]:
 
 
 def unit_quaternion(q: Vector) -> Four:
-    """The quaternion scaled to unit length."""
     w, x, y, z = q
     size = sqrt(w * w + x * x + y * y + z * z)
     return w / size, x / size, y / size, z / size
@@ -115,5 +108,5 @@ def turn_quaternion(turn: Vector) -> Four:
 
 
 def spin_of(turn: Rows, momentum: Vector, inertia_body: Rows) -> Three:
-    """Angular velocity in world axes [rad/s] of an angular momentum, by the inertia of (4.19)."""
+    """Angular velocity [rad/s] of a momentum [kg m2/s], world axes, by (4.19); `turn`: matrix from body to world."""
     return matrix_times(turn, solve_3x3(inertia_body, transpose_times(turn, momentum)))

@@ -19,7 +19,7 @@ class Track(NamedTuple):
     velocity: np.ndarray
 
     def moments(self, number: np.ndarray) -> "Track":
-        """Part of the track: the moments with these indices."""
+        """Part of the track: its moments with the indices `number` (m,)."""
         return Track(self.time[number], self.place[:, number], self.velocity[:, number])
 
 
@@ -47,7 +47,7 @@ class Attitude(NamedTuple):
 
 
 def short_way(orientation: np.ndarray) -> np.ndarray:
-    """(4, n) quaternions with signs chosen so that each is nearer to the one before than its negative is."""
+    """(4, n) quaternions of successive moments, each with the sign that brings it nearer to the one before."""
     away = (orientation[:, 1:] * orientation[:, :-1]).sum(axis=0) < 0.0
     return orientation * np.cumprod(np.append(1.0, np.where(away, -1.0, 1.0))) if away.any() else orientation
 
@@ -65,7 +65,7 @@ def first_derivative(velocity: np.ndarray, spin: np.ndarray, orientation: np.nda
 def second_derivative(
     acceleration: np.ndarray, turning: np.ndarray, spin: np.ndarray, orientation: np.ndarray
 ) -> np.ndarray:
-    """(7, n) second time derivatives of position and quaternion, from accelerations and `spin`, (3, n) each."""
+    """(7, n) second time derivatives of position and quaternion, from linear and angular acceleration and `spin`."""
     x, y, z = spin
     turned = quaternion_product(pure_quaternion(turning), orientation) - 0.5 * (x * x + y * y + z * z) * orientation
     return np.concatenate([acceleration, 0.5 * turned])

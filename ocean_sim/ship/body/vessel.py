@@ -80,7 +80,6 @@ class VesselConfig(Helm, ShipConfig):
         return found
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warnings of initial motions that are held, and of orders after the end of the run."""
         return [*self.lost_at_first(), *self.late_orders(preflight.duration)]
 
     def lost_at_first(self) -> list[str]:
@@ -102,7 +101,7 @@ class VesselConfig(Helm, ShipConfig):
         return len(self.position) == 2
 
     def body_at_start(self, matter: Matter, height: float, trim: np.ndarray) -> RigidBody:
-        """Rigid body at the start; `height` [m] and `trim`, a quaternion, count where the config gives none."""
+        """Rigid body at the start; `height` of its centre [m] and `trim`, a quaternion, where the config gives none."""
         pitch, yaw, roll = (radians(angle) for angle in self.attitude_deg)
         turn = euler_quaternion(pitch, yaw + radians(self.heading_deg), roll)
         if not (pitch or roll):
@@ -146,8 +145,8 @@ class Actuators:
         self.time += dt
 
     def load(self, motion: np.ndarray, density: float, wet: float) -> dict[str, np.ndarray]:
-        """(2, 3) force [N] and torque about the centre of mass [N m] of propeller and rudder, body axes, by name; at a
-        velocity relative to the water (6,), times the share `wet` under water, 0 to 1."""
+        """(2, 3) force [N] and torque about the centre of mass [N m] of propeller and rudder, body axes, by name, at a
+        velocity `motion` (6,) relative to the water; times `wet`, the share under water, 0 to 1."""
         found, thrust = {}, 0.0
         velocity, rates = motion[:3].tolist(), motion[3:].tolist()
         if self.propeller is not None:
@@ -201,7 +200,7 @@ class Vessel(Ship):
         actuators.steer(body, 0.0)
 
     def moor(self, lines: list[Mooring], points: Mapping[str, tuple[float, ...]]) -> None:
-        """Moor the ship by lines and fenders, if any; their force becomes the part `mooring` of its load."""
+        """Moor the ship by any lines and fenders at her named `points`; their force is the load's part `mooring`."""
         if lines:
             self.moorings = Moorings(lines, points, self.actuators.centre, self.body)
             self.parts = (*self.parts, "mooring")
@@ -209,17 +208,14 @@ class Vessel(Ship):
 
     @property
     def orders(self) -> tuple[float, float]:
-        """Present throttle (-1 to 1) and rudder angle [rad]."""
         return self.actuators.throttle, self.actuators.rudder
 
     def hand_over(self) -> Person:
-        """Replace the crew by a person, who begins with the present orders, and return the person."""
         person = Person(*self.orders, self.actuators.rudder_limit)
         self.actuators.crew = person
         return person
 
     def sail(self, route: list[Vector2], speed: float) -> Helmsman:
-        """Replace the crew by a pilot along waypoints x, z [m] at a speed [m/s], and return the pilot."""
         shape = self.drawn()
         length = None if shape is None else float(np.ptp(shape[0][:, 2]))
         pilot = Pilot(route=route, speed=speed, arrival=length).crew()
@@ -228,7 +224,6 @@ class Vessel(Ship):
         return pilot
 
     def drawn(self) -> tuple[np.ndarray, np.ndarray] | None:
-        """Vertices (n, 3) from the centre of mass, body axes [m], and triangles (m, 3); None without a shape."""
         if self.shape is None:
             return None
         vertices, triangles = drawn_mesh(self.shape)
@@ -240,7 +235,6 @@ class Vessel(Ship):
         return None if self.shape is None else convex_corners(self.shape) - self.actuators.centre
 
     def outline(self) -> Outline | None:
-        """Plan-view outline and height range of the hull at its present pose; None without a shape."""
         return None if self.outline_corners is None else placed_outline(self.outline_corners, self.body)
 
     @property
@@ -252,7 +246,6 @@ class Vessel(Ship):
         return replace(body, velocity=body.velocity + faster, angular_momentum=body.angular_momentum + more)
 
     def limits(self) -> Limits:
-        """No limits, unless a kind overrides it."""
         return Limits()
 
     def free_step(self, body: RigidBody, load: Load, dt: float) -> RigidBody:

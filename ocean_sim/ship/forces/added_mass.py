@@ -93,7 +93,7 @@ def by_rule(hull: Hydrostatics) -> np.ndarray:
 
 
 def equivalent_breadth_4(hull: Hydrostatics, breadth: np.ndarray, draught: np.ndarray) -> np.ndarray:
-    """(n,) breadth^4 [m4] of the flat plate with each section's added roll inertia; sections are equally full."""
+    """(n,) breadth^4 [m4] of plates with the added roll inertia of equally full sections, `breadth` by `draught`."""
     full = min(hull.needed_volume, hull.voxels.volume) / float((breadth * draught).sum() * hull.voxels.size[2])
     share = min(max((full - pi / 4.0) / (1.0 - pi / 4.0), 0.0), 1.0)
     deep = np.minimum(draught / np.maximum(breadth, 1e-9), DRAUGHT_RATIOS[-1])
@@ -121,10 +121,10 @@ def water_reaction(
     water's own.
 
     Kirchhoff's equations with the added mass (6,) of each motion in body axes and, if any, `between` them, (6, 6)
-    symmetric with a diagonal of 0; the rest of the load [N], [N m] in world axes; the water's own velocity and
-    acceleration (6,) in body axes. The axes turn with the hull, so the relative velocity of hull and water also changes
-    by omega x (the water's own) (Fossen 2021, 10.3). They are solved together with the hull's equations, so a light
-    body is no harder than a heavy one. Motions that are not `free` (6,) have no acceleration that others could feel.
+    symmetric with a diagonal of 0; `force` [N], `torque` [N m]: the rest of the load, world axes; `drift`, `surge`: the
+    water's own velocity and acceleration (6,) in body axes. These turn with the hull, so the relative velocity of hull
+    and water also changes by omega x `drift` (Fossen 2021, 10.3). The equations are solved together with the hull's, so
+    a light body is no harder than a heavy one. Motions that are not `free` (6,) have no acceleration.
     """
     r, inertia, water = body.rows, body.inertia_body.tolist(), added.tolist()
     v, omega = body.own_velocity, body.own_spin
@@ -154,7 +154,7 @@ def line_and_turn(motion: np.ndarray) -> tuple[list[float], list[float]]:
 
 
 def water_momentum(water: list[float], between: np.ndarray | None, line: Vector, turn: Vector) -> tuple[Three, Three]:
-    """Linear and angular momentum of added mass (6,) at a velocity `line`, `turn`; or rates at an acceleration."""
+    """Momentum (linear, angular) of added mass `water` (6,) at a velocity `line`, `turn`; rates at an acceleration."""
     own = times_each(water[:3], line), times_each(water[3:], turn)
     if between is None:
         return own

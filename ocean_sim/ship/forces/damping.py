@@ -103,7 +103,7 @@ class Resistance:
             yield f"damping.cross_flow is 0: a steady drift in {' and '.join(across)} meets no drag of her sections"
 
     def load(self, motion: np.ndarray) -> np.ndarray:
-        """(2, 3) damping force [N] and torque [N m], body axes, at a velocity relative to the water (6,), body axes."""
+        """(2, 3) damping force [N] and torque [N m] at a velocity (6,) relative to the water; all in body axes."""
         sway, heave, surge, pitch, yaw, roll = motion.tolist()
         middle = sway - roll * self.rolled  # where water crosses amidships (4.15)
         crossed, crossed_turn = self.crossing.strip_drag(middle, yaw)

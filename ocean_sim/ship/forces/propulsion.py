@@ -219,7 +219,6 @@ class Crew:
     """Orders of a scene: throttle and rudder [rad] over time, or the autopilot's."""
 
     def __init__(self, controls: Controls) -> None:
-        """Read the orders over time; without any, throttle and rudder are 0."""
         self.course = controls.autopilot if isinstance(controls, Autopilot) else None
         self.time, self.throttle, self.rudder = np.zeros((3, 1))  # (n,) each [s], [rad]
         if isinstance(controls, Track):
@@ -242,7 +241,6 @@ class Helmsman:
     start: tuple[float, float] | None
 
     def __init__(self, config: Pilot) -> None:
-        """Begin on the first leg, with all integrals 0."""
         self.config = config
         self.route = [place for place, _ in groupby(config.route or [])]  # a place twice in a row is no leg
         self.reach = config.look_ahead or LOOK_AHEAD_TIME * config.speed  # [m]
@@ -325,6 +323,6 @@ class Person:
 
 
 def rate_limited(now: float, wanted: float, rate: float | None, dt: float, limit: float) -> float:
-    """Position of an actuator dt [s] later, towards `wanted` within +-`limit`, by at most `rate` a second."""
+    """Position of an actuator dt [s] after `now`: nearer to `wanted`, at most `rate` a second, within +-`limit`."""
     wanted = min(max(wanted, -limit), limit)
     return wanted if rate is None else now + min(max(wanted - now, -rate * dt), rate * dt)

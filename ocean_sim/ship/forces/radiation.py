@@ -82,7 +82,7 @@ class BemTable(NamedTuple):
 
 
 def columns_of(motion: str, other: str) -> tuple[str, str]:
-    """Names of the columns of added mass and damping of a motion, or of the coupling of two motions."""
+    """Names of the columns of added mass and damping, of one motion (`other` is the same) or of a coupling of two."""
     whole = motion if motion == other else f"{motion}_{other}"
     unit = ADDED_UNITS[motion] if ADDED_UNITS[motion] == ADDED_UNITS[other] else "kg_m"
     return f"{whole}_added_{unit}", f"{whole}_damping_{unit}_s"
@@ -180,7 +180,7 @@ def read_capytaine(file: str) -> BemTable:
 
 
 def symmetric_part(file: str, names: list[str], matrix: np.ndarray) -> np.ndarray:
-    """(m, m, n) mean of each entry and its mirror image; raises Unreadable beyond RECIPROCITY_TOLERANCE."""
+    """(m, m, n) mean of an entry of `matrix` and its mirror image; raises Unreadable beyond RECIPROCITY_TOLERANCE."""
     most = np.sqrt(np.abs(matrix[np.diag_indices(len(names))]).max(axis=1))
     mirrored = matrix.transpose(1, 0, 2)
     apart = np.median(np.abs(matrix - mirrored), axis=2) / np.maximum(np.outer(most, most), 1e-300)
@@ -192,7 +192,7 @@ def symmetric_part(file: str, names: list[str], matrix: np.ndarray) -> np.ndarra
 
 
 def in_axis_order(data: Any, name: str, axes: tuple[str, ...]) -> np.ndarray:
-    """Array `name` of an HDF5 file, transposed to the axes of these names."""
+    """Array `name` of an open HDF5 file `data`, transposed so that its axes follow in the order `axes`."""
     numbers = read_data_set(data, name)
     names = [dimension[0].name.strip("/") for dimension in data[name].dims]
     return np.transpose(numbers, [names.index(axis) for axis in axes])
@@ -207,7 +207,6 @@ class Scattering:
     """
 
     def __init__(self, table: BemTable) -> None:
-        """Take frequencies, added mass and damping from a table that has scattered waves."""
         assert table.scattered is not None
         self.omega, self.scattered = table.omega, table.scattered
         self.numbers = [Motions._fields.index(motion) for motion in table.motions]
@@ -287,7 +286,6 @@ class Radiation:
     """
 
     def __init__(self, file: str) -> None:
-        """Read and check the table in a file; raises ValueError if it is unusable."""
         table = read_bem_table(file)
         self.numbers = [Motions._fields.index(motion) for motion in table.motions]
         omega, back = table.omega, np.flatnonzero(np.diff(table.omega, prepend=0.0) <= 0.0)
@@ -371,7 +369,6 @@ class Memory:
     """Radiation force on one hull by the waves of its past motions (Cummins 1962)."""
 
     def __init__(self, radiation: Radiation) -> None:
-        """Begin with the impulse response of a table and without past motions."""
         self.impulse_response, self.numbers = radiation.impulse_response, np.array(radiation.numbers)
         self.pairs = np.argwhere(self.impulse_response.kernels.any(axis=2)).tolist()  # which motions act on which
         self.often = float(self.impulse_response.times[1])  # [s] at least between what is kept

@@ -202,8 +202,8 @@ def skin_friction(form: Form, amplitude: float, viscosity: float, gravity: float
 
 
 def waves_made(cb: float, cm: float, bd: float, og: float, frequency: float) -> float:
-    """Roll damping by waves without forward speed, in the units of `Components`, by C_B, C_M, breadth over draught,
-    depth of the centre of mass over draught, and omega sqrt(B / 2g)."""
+    """Roll damping by waves without forward speed, in the units of `Components`, by C_B, C_M, `bd` (breadth over
+    draught), `og` (depth of the centre of mass over draught), and `frequency`, omega sqrt(B / 2g)."""
     if frequency == 0.0:
         return 0.0
     over = 1.0 - og
@@ -219,7 +219,7 @@ def waves_made(cb: float, cm: float, bd: float, og: float, frequency: float) -> 
 
 def eddy_damping(cb: float, cm: float, bd: float, og: float, amplitude: float) -> float:
     """Roll damping of the naked hull by eddies at an amplitude [deg], in the units of `Components` over the frequency;
-    0 where the regression, beyond a block coefficient of 0.84, is negative: a drag takes energy."""
+    cb to og as in `waves_made`. It is 0 where the regression, beyond a block coefficient of 0.84, is negative."""
     form = max((-0.0182 * cb + 0.0155) * (bd - 1.8) ** 3 + polynomial_at(EDDIES_FORM, cb), 0.0)
     axis = (3.98 * cb - 5.1525) * (-0.2 * bd + 1.6) * og
     axis *= (0.9717 * cb**2 - 1.55 * cb + 0.723) * og + 0.04567 * cb + 0.9408
@@ -231,7 +231,7 @@ def eddy_damping(cb: float, cm: float, bd: float, og: float, amplitude: float) -
 
 def keel_damping(cb: float, cm: float, bd: float, og: float, amplitude: float, long: float, broad: float) -> float:
     """Roll damping by bilge keels at an amplitude [deg], in the units of `Components` over the frequency; `long` and
-    `broad`: length and breadth of the keels over those of the hull."""
+    `broad`: length and breadth of the keels over those of the hull; cb to og as in `waves_made`."""
     form = (-0.3651 * cb + 0.3907) * (bd - 2.83) ** 2 - 2.21 * cb + 2.632
     swing = 0.00255 * amplitude**2 + 0.122 * amplitude + 0.4794
     size = (-0.8913 * broad**2 - 0.0733 * broad) * long**2

@@ -93,7 +93,7 @@ class Cubes:
 
     @ti.kernel
     def upload_cubes(self, arm: Array2, area: Array2, volume: Array, box: Array2, key: Integers):
-        """Copy arrays of the cubes (n, ...) and of the blocks' boxes to the fields."""
+        """Copy `arm`, `area`, `volume`, `key` of the cubes and middle and half size (`box`) of each block to fields."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for k in range(self.n):
             self.arm[k] = tm.vec3(arm[k, 0], arm[k, 1], arm[k, 2])
@@ -135,7 +135,7 @@ class Cubes:
         self, body: RigidBody, around: SurroundingWater | SurroundingSea
     ) -> tuple[np.ndarray, np.ndarray]:
         """x and z (m, 2) [m] of the cubes under water at the pose of a body, and the volume that each displaces (m,)
-        [m3]. The water surface is that of the last load, moved on by its current."""
+        [m3]. The water surface is that `around` the hull at the last load, moved on by its current."""
         write_pose(self.table[0], body)
         middle = around.middle_now()
         self.table[0, [pose.position, pose.position + 2]] -= middle
@@ -145,7 +145,7 @@ class Cubes:
 
     @ti.kernel
     def find_immersed(self, around: Template, table: Array2, found: Array2):
-        """Write x, z [m] and volume under water [m3] of each cube to `found` (n, 3), at the pose in `table`."""
+        """Write x, z [m] and volume [m3] under the water `around` of each cube to `found` (n, 3); pose in `table`."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for block in range(self.blocks):
             position, turn = row_vector(table, pose.position), row_matrix(table)
@@ -164,7 +164,7 @@ class Cubes:
         wind: Template,
         table: Array2,
     ):
-        """Sample the water, then write the sums of SUM_COLUMNS over each block of cubes to its row of `table`."""
+        """Sample `water` by `around`, then write sums of SUM_COLUMNS over each block of cubes to its row of `table`."""
         around.read_water(water, table)
         wind.set_clock(ti.cast(table[0, ROW_COLUMNS.since], float), ti.cast(table[0, ROW_COLUMNS.step], float))
         ti.loop_config(serialize=ti.static(runs_alone()))
@@ -199,7 +199,8 @@ class Cubes:
         velocity,
         omega,
     ):
-        """Add the loads of water and wind on cube k to `total`, the sums of SUM_COLUMNS of its block."""
+        """Add loads of water and wind on cube k to its block's `total`: hull at `position` with matrix `turn`,
+        `velocity`, `omega`; cubes `tall` [m]; `middle` of the lattice, from which positions count."""
         arm = turn @ self.arm[k]
         x, wet = position + arm, 0.0
         if x.y - 0.5 * tall < water.frame[HIGHEST_LEVEL]:
@@ -214,7 +215,7 @@ class Cubes:
 
     @ti.func
     def add_water(self, total: Template, k, water: Template, tall, arm, x, turn: Template):
-        """Add the loads of the water on cube k to `total`; returns the share of the cube that is under water."""
+        """Add the water's loads on cube k, `tall` [m], at x, `arm` from the centre, to `total`; return its wet part."""
         corner = water.cell_at(x.x, x.z)
         eta, slope = water.surface_at(corner)
         depth = eta - x.y
@@ -258,8 +259,8 @@ class Cubes:
 
     @ti.func
     def add_motion(self, total: Template, column: Template, own, face, moved):
-        """Add to `total` the velocity or acceleration `moved` of water at a cube, times the area `face` (3,) of the
-        cube, and its moments for pitch, yaw and roll about `own` (3,), the cube's position from the centre of mass."""
+        """Add `moved`, velocity or acceleration of the water at a cube, times the cube's `face` (3,) areas to `total`,
+        and its moments for pitch, yaw and roll about the centre of mass, from which the cube lies at `own` (3,)."""
         for c in ti.static(range(3)):
             self.add_number(total, column + c, face[c] * moved[c])
         self.add_number(total, column + 3, -face.y * own.z * moved.y)
@@ -268,8 +269,8 @@ class Cubes:
 
 
 def as_one_body(moved: list[float], faces: list[float], size: list[float]) -> np.ndarray:
-    """(6,) velocity or acceleration of the water as one rigid body about the centre of mass: least squares over cubes
-    of a size (3,) from the sums (6,) of `add_motion` and those of FACE_COLUMNS, so that uniform flow turns nothing."""
+    """(6,) motion of the water as one rigid body about the centre of mass, by least squares over cubes of a size (3,):
+    from `moved`, the sums (6,) of `add_motion`, and `faces`, those of FACE_COLUMNS; uniform flow turns nothing."""
     x, y, z, turned_x, turned_y, turned_z = moved
     area_x, area_y, area_z = (max(area, 1e-12) for area in faces[:3])
     ahead, ahead_x, aside = faces[3] / area_y, faces[4] / area_x, faces[5] / area_y

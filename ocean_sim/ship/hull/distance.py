@@ -24,7 +24,7 @@ def lattice_shape(shape: HullShape, side: float, reach: float) -> tuple[float, n
 
 
 def lattice_memory(shape: HullShape, side: float, reach: float, word: int) -> tuple[int, int]:
-    """Number of nodes of the lattice around a hull, and their memory [bytes] with floats of `word` bytes."""
+    """Number of nodes of the lattice of `lattice_shape`, and their memory [bytes] with floats of `word` bytes."""
     _, size, margin = lattice_shape(shape, side, reach)
     lower, upper = shape.bounds()
     n = int((np.round((upper - lower) / size) + 2 * margin).prod())

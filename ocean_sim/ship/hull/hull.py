@@ -76,7 +76,7 @@ class Hull(Model):
         return float((upper - lower).prod() / CUBE_BUDGET) ** (1.0 / 3.0)
 
     def in_cubes(self, side: float, density: float, gravity: float, flat: float = MAX_FLATNESS) -> Hydrostatics:
-        """Hydrostatics of the hull in cubes `side` [m] high and up to `flat` times as long; raises ValueError."""
+        """Hydrostatics in such water, by cubes `side` [m] high and up to `flat` times as long; raises ValueError."""
         cubes = voxels(self.shape, side, flat)
         return Hydrostatics(cubes, self.matter_of(cubes), density, gravity)
 

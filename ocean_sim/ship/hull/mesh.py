@@ -38,7 +38,6 @@ class BadMesh(ValueError):
     """Error of a mesh that is no hull; `problems` are sentences on the fault and its place."""
 
     def __init__(self, *problems: Unreadable) -> None:
-        """Join the sentences of all problems to one message."""
         self.problems = [str(problem) for problem in problems]
         super().__init__("; ".join(self.problems))
 
@@ -179,7 +178,7 @@ def closed_mesh(file: str, data: bytes, scale: float | None, up: str | None, bow
 
 
 def read_mesh(file: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
-    """(n, 3) corners [units of the file] and (m, 3) faces with three different corners; raises BadMesh."""
+    """(n, 3) corners [units of the file] and (m, 3) faces, whose corners differ, in `data`; raises BadMesh."""
     import trimesh
 
     kind = file.lower().rpartition(".")[2]
@@ -302,7 +301,7 @@ def guess_axes(triangles: np.ndarray, scale: float | None, up: str | None, bow: 
 
 
 def gauss_points(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss points and weights [m] along an axis, between the corners of a mesh (at most MIN_PANELS of them)."""
+    """Gauss points and weights [m] along an axis, on MIN_PANELS panels or more between a mesh's `corners` (n,)."""
     breaks = np.unique(corners)
     even = np.searchsorted(breaks, np.linspace(breaks[0], breaks[-1], MIN_PANELS + 1))
     breaks = breaks if len(breaks) <= MIN_PANELS else breaks[np.unique(even)]
@@ -364,7 +363,7 @@ def inside_stretches(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tup
 
 
 def column_shares(triangles: np.ndarray, x: np.ndarray, z: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """(len(x), len(edges) - 1, len(z)) share inside a mesh of each interval along y, in columns at x and z."""
+    """(len(x), len(edges) - 1, len(z)) share of each interval between y `edges` inside a mesh, in columns x, z."""
     line, low, high = inside_stretches(triangles, x, z)
     parts = np.diff(np.clip(edges, low[:, None], high[:, None])) / np.diff(edges)
     shares = np.zeros((len(x) * len(z), len(edges) - 1))

@@ -65,11 +65,9 @@ class Box(HullShape):
     """Height from keel to deck."""
 
     def bounds(self) -> Box3:
-        """Lower and upper corner (3,) [m]."""
         return box_on_keel(self.breadth, self.height, self.length)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
-        """True for points (..., 3) [m] in the box."""
         lower, upper = self.bounds()
         return np.all((x >= lower) & (x <= upper), axis=-1)
 
@@ -89,11 +87,9 @@ class Wigley(HullShape):
     """Height from keel to deck."""
 
     def bounds(self) -> Box3:
-        """Lower and upper corner (3,) [m] of the box around the hull."""
         return box_on_keel(self.breadth, self.height, self.length)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
-        """True for points (..., 3) [m] between the parabolic sides, keel and deck."""
         below = np.clip(1.0 - x[..., 1] / self.draught, 0.0, 1.0)
         half = self.breadth / 2 * (1.0 - (2.0 * x[..., 2] / self.length) ** 2) * (1.0 - below**2)
         return (np.abs(x[..., 0]) <= half) & (x[..., 1] >= 0.0) & (x[..., 1] <= self.height)
@@ -110,11 +106,9 @@ class Cylinder(HullShape):
     """Radius of the circle."""
 
     def bounds(self) -> Box3:
-        """Lower and upper corner (3,) [m] of the box around the cylinder."""
         return box_on_keel(2.0 * self.radius, 2.0 * self.radius, self.length)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
-        """True for points (..., 3) [m] in the cylinder."""
         return (np.hypot(x[..., 0], x[..., 1] - self.radius) <= self.radius) & (np.abs(x[..., 2]) <= self.length / 2)
 
 
@@ -127,11 +121,9 @@ class Sphere(HullShape):
     """Radius of the ball."""
 
     def bounds(self) -> Box3:
-        """Lower and upper corner (3,) [m] of the box around the ball."""
         return box_on_keel(*[2.0 * self.radius] * 3)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
-        """True for points (..., 3) [m] in the ball."""
         return np.linalg.norm(x - [0.0, self.radius, 0.0], axis=-1) <= self.radius
 
 
@@ -143,17 +135,14 @@ class Outline(HullShape):
     """Vertices [m]; each with x > 0 also stands for its mirror image on starboard."""
 
     def vertices(self) -> np.ndarray:
-        """(n, 3) points of both sides [m], port and its mirror image."""
         port = np.array(self.points, dtype=float)
         return np.concatenate([port, port[port[:, 0] > 0.0] * [-1.0, 1.0, 1.0]])
 
     def bounds(self) -> Box3:
-        """Lower and upper corner (3,) [m] of the box around the points."""
         x = self.vertices()
         return x.min(axis=0), x.max(axis=0)
 
     def fill_lattice(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
-        """(len(x), len(y), len(z)) True for lattice points [m] between the planes of the convex hull."""
         from scipy.spatial import ConvexHull
 
         low, high = np.full((len(x), len(z)), -np.inf), np.full((len(x), len(z)), np.inf)
@@ -183,18 +172,15 @@ class MeshFile(HullShape):
     """The file's axis that points to the bow; null takes the longest."""
 
     def content(self) -> bytes:
-        """Bytes that identify the shape: its keys, and the content of the file."""
         return super().content() + read_bytes(self.file)
 
     def closed_mesh(self) -> ClosedMesh:
-        """The mesh of the file in the hull's axes; raises BadMesh if it cannot be read or is not closed."""
         try:
             return closed_mesh(self.file, read_bytes(self.file), self.scale, self.up, self.bow)
         except Unreadable as error:
             raise BadMesh(error) from None
 
     def bounds(self) -> Box3:
-        """Lower and upper corner (3,) [m] of the box around the mesh; raises BadMesh."""
         return self.closed_mesh().bounds
 
 

@@ -109,7 +109,8 @@ def voxels(shape: HullShape, side: float, flat: float = MAX_FLATNESS) -> Voxels:
 def sample_cubes(
     shape: HullShape, counts: np.ndarray, lower: np.ndarray, upper: np.ndarray, samples: int
 ) -> dict[str, np.ndarray]:
-    """Arrays `share`, `centre` [m], outward `area` [m2] of all cubes not empty, by `samples` columns along x and z."""
+    """Arrays `share`, `centre` [m], outward `area` [m2] of the cubes not empty among `counts` (3,) from `lower` to
+    `upper` [m], by `samples` columns along x and z in each."""
     size = (upper - lower) / counts
     per_cube = (samples, EDGE_SAMPLES, samples)
     axes = [lower[a] + size[a] * (np.arange(counts[a] * per_cube[a]) + 0.5) / per_cube[a] for a in range(3)]

@@ -94,7 +94,7 @@ class Hydrostatics:
 
     @cached_property
     def keel(self) -> float:
-        """Height of the lowest cubes' lower side over the hull's origin [m]: 0, or that of an outline's points."""
+        """Height of the hull's lowest cubes over its origin [m]: 0, unless points of an outline go lower or higher."""
         return float(self.voxels.lower[1])
 
     def centre_of_buoyancy(self, turn: np.ndarray | None = None) -> np.ndarray:

@@ -40,7 +40,6 @@ class Solid:
 
     @property
     def origin(self) -> np.ndarray:
-        """(3,) position of the centre of mass at the beginning [m]."""
         return self.body.position
 
     @cached_property
@@ -50,12 +49,11 @@ class Solid:
 
     @property
     def dimension(self) -> int:
-        """2 for the section of a slice, else 3."""
+        """2 for the section amidships, in a 2-D basin, else 3."""
         return 2 if self.flat else 3
 
     @cached_property
     def extent(self) -> np.ndarray:
-        """(2, 3) lowest and highest corner of the box around the hull at the beginning [m]."""
         corners = np.array(list(product(*np.transpose(self.shape.bounds()))))
         placed = (corners - self.centre) @ self.turn.T + self.origin
         return np.stack([placed.min(axis=0), placed.max(axis=0)])
@@ -63,19 +61,14 @@ class Solid:
     def make_room(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, spacing: float, volume: float
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Make room for the hull in a lattice of particles at rest.
-
-        (n, 3) `positions` of particles of a `volume` [m3], in 2-D [m2], that fill `boxes`, and (m, 3) points `beyond`
-        at which their lattice goes on [m]. As many particles go as the hull displaces, the deepest first; those around
-        it move. Returned are (n,) True for those that are gone, and (n, 3) positions of the others. Kept in the user's
-        cache, because it takes longer than any other preparation of a run.
-        """
+        """Make room for the hull in a lattice of particles at rest, as `basin.Solid` says: as many go as it displaces,
+        the deepest first, and those around move. Kept in the user's cache, as nothing else in preparing a run takes
+        longer."""
         poses = [self.centre, self.origin, self.turn, *(corner for box in boxes for corner in box)]
         numbers = repr([spacing, volume, self.is_sampled, self.flat, *(array.tolist() for array in poses)]).encode()
         content = self.shape.content() + numbers + positions.tobytes() + beyond.tobytes()
 
         def made() -> dict[str, np.ndarray]:
-            """Indices of particles `gone` and `near`, and positions `moved`, to be cached."""
             if self.is_sampled:
                 return self.fit_room(positions, beyond, boxes, spacing, volume)
             return self.carve_room(positions, boxes, spacing)
@@ -86,8 +79,8 @@ class Solid:
         return gone, moved
 
     def carve_room(self, positions: np.ndarray, boxes: Boxes, spacing: float) -> dict[str, np.ndarray]:
-        """Indices of particles that are `gone` and of those `near` the hull, and the latter's positions [m] `moved` to
-        half a spacing off the hull and away from each other."""
+        """Room for a hull without samples: indices of particles `gone` and of those `near` the hull, and positions [m]
+        of the latter, `moved` half a spacing off the hull and away from each other. Water fills `boxes`."""
         values, first, step = distance_lattice(self.shape, spacing / CUBES_A_SPACING, spacing, 2.0 * spacing)
         distance, order = self.deepest_first((positions - self.origin) @ self.turn + self.centre, spacing)
         gone = np.zeros(len(positions), dtype=bool)
@@ -107,9 +100,9 @@ class Solid:
     def fit_room(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, spacing: float, volume: float
     ) -> dict[str, np.ndarray]:
-        """Indices of particles that are `gone` and of those `near` the hull, and the latter's positions [m] `moved` to
-        minimise a kernel's sum over particles and samples of the hull, so that an even pressure pushes none (particle
-        packing, Colagrossi et al. 2012)."""
+        """Room for a sampled hull (arguments of `make_room`): indices of particles `gone` and `near`, and positions [m]
+        of the latter, `moved` to minimise a kernel's sum over particles and samples of the hull, so that an even
+        pressure pushes none (particle packing, Colagrossi et al. 2012)."""
         points = np.concatenate([positions, beyond])
         water = np.arange(len(points)) < len(positions)
         # To a thousandth of a spacing, since minimisation would make rounding of a pose a hundred times as large.
@@ -140,7 +133,7 @@ class Solid:
         return distance, np.lexsort((np.arange(len(own)) * GOLDEN_RATIO % 1.0, rows))
 
     def displaced_volume(self, spacing: float, boxes: Boxes) -> float:
-        """Volume of the hull inside `boxes` [m3]; in 2-D its area [m2]."""
+        """Volume of the hull inside `boxes` [m3], in 2-D its area [m2], by cubes finer than a `spacing` [m]."""
         cubes = voxels(self.shape, spacing / CUBES_A_SPACING, 1.0)
         positions, tall = (cubes.centre - self.centre) @ self.turn.T + self.origin, cubes.height_spread(self.turn[1])
         found, across, met = 0.0, [0] if self.flat else [0, 2], self.met_cubes(cubes)
@@ -157,8 +150,6 @@ class Solid:
         return np.asarray(cubes.cells[:, 2] == np.round((upper - lower) / cubes.size).astype(int)[2] // 2)
 
     def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Samples of the hull's inside near the water: (n, 3) positions from the centre of mass, body axes [m], (n,)
-        volumes [m3], in 2-D areas [m2], and (n, 3) outward normals of the nearest face."""
         from scipy.ndimage import distance_transform_edt
 
         cubes = voxels(self.shape, spacing, 1.0)
@@ -231,15 +222,15 @@ def near_to(points: np.ndarray, others: np.ndarray, reach: float) -> np.ndarray:
 
 
 def even_out(free: np.ndarray, fixed: np.ndarray, spacing: float, dimension: int) -> np.ndarray:
-    """(n, 3) positions near `free` at which Wendland's kernel (C2), summed over all pairs, is smallest; (m, 4) `fixed`
-    are positions of points that stay, and their weights in points."""
+    """(n, 3) positions near `free` for the smallest sum of Wendland's kernel (C2) over all pairs; `fixed` (m, 4):
+    positions of points that stay, and their weights in points; `spacing` [m]: the kernel's unit of length."""
     from scipy.optimize import minimize
     from scipy.spatial import cKDTree
 
     n, tree = len(free), cKDTree(fixed[:, :3])
 
     def summed(flat: np.ndarray) -> tuple[float, np.ndarray]:
-        """Sum, and its gradient by the n * dimension coordinates, in spacings."""
+        """Sum over pairs and its gradient at flat coordinates (n * dimension,), all in spacings."""
         points = free.copy()
         points[:, :dimension] = spacing * flat.reshape(n, dimension)
         moving = cKDTree(points)

@@ -59,7 +59,7 @@ class Sides:
         return replace(body, position=body.position + move) if move.any() else body
 
     def with_impulses(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> Load:
-        """Load with the impulses of walls and bed over dt [s] added to `wave`; `after`: body after a load."""
+        """Load plus impulses of walls and bed over dt [s], in `wave`; `after` gives the body dt later under a load."""
         body = after(load)
         normals, arms = [], []
         self.bed = False
@@ -104,6 +104,6 @@ class Sides:
 
 
 def effective_mass(mass: float, heavy: np.ndarray, arm: np.ndarray, along: np.ndarray) -> float:
-    """Mass [kg] that a push at `arm` [m] along a unit vector feels; `heavy`: inverse of inertia, world axes."""
+    """Mass [kg] that a push at `arm` [m] along a unit vector feels; `heavy`: (3, 3) inverse of inertia; world axes."""
     lever = cross(arm, along)
     return float(1.0 / (1.0 / mass + lever @ heavy @ lever))

@@ -84,7 +84,7 @@ class SampleLattice:
 
     @ti.func
     def node_place(self, n, sine, cosine):
-        """Indices of node n along and across the lattice, and its x and z [m] from the middle at this heading."""
+        """Indices of node n along and across the lattice, and its x, z [m] from the middle; sine, cosine of heading."""
         i, k = n // NODES_ACROSS, n % NODES_ACROSS
         along, across = i * self.step[0] - self.half[0], k * self.step[1] - self.half[1]
         return i, k, along * sine + across * cosine, along * cosine - across * sine
@@ -159,7 +159,7 @@ class SurroundingWater(SampleLattice):
 
     @ti.func
     def read_water(self, water: Template, table: Template):
-        """Sample the elevation around a ship at the pose in row 0 of `table`. Call it at the top of a kernel."""
+        """Sample the elevation of `water` around a ship at the pose in row 0 of `table`, at the top of a kernel."""
         position, turn = row_vector(table, pose.position), row_matrix(table)
         ahead, heading = tm.vec2(turn[0, 2], turn[2, 2]), tm.vec2(0.0, 1.0)
         if ahead.norm() > 0.0:
@@ -215,11 +215,9 @@ class SurroundingSea(SampleLattice):
 
     @staticmethod
     def bytes(word: int) -> int:
-        """Memory [bytes] of the lattice's fields with floats of `word` bytes."""
         return SampleLattice.bytes(word) + 6 * word * NODES_ALONG * NODES_ACROSS * DEPTH_LEVELS
 
     def place(self, body: RigidBody, row: np.ndarray) -> None:
-        """Carry the lattice with the current, or lay it anew when it is too old or astray; write it to `row`."""
         x, _, z = body.position.tolist()
         late, share, holds = self.window.now()
         flow = self.window.current
@@ -253,7 +251,7 @@ class SurroundingSea(SampleLattice):
 
     @ti.func
     def read_water(self, water: Template, table: Template):
-        """Sample the water on the lattice at its place. Call it at the top of a kernel."""
+        """Sample the waves at the nodes, plus the rise and motion that `water` adds. Call it at the top of a kernel."""
         sine, cosine = ti.cast(table[0, ROW_COLUMNS.heading], float), ti.cast(table[0, ROW_COLUMNS.heading + 1], float)
         late, share = ti.cast(table[0, ROW_COLUMNS.late], float), ti.cast(table[0, ROW_COLUMNS.share], float)
         for n in range(NODES_ALONG * NODES_ACROSS):
@@ -281,6 +279,6 @@ class SurroundingSea(SampleLattice):
 
     @ti.func
     def on_level(self, i, k, a, b, l):
-        """(6,) velocity [m/s] and acceleration over gravity, bilinear in a cell of depth level l."""
+        """(6,) velocity [m/s] and acceleration over gravity on depth level l, in the cell i, k, a, b of `cell_at`."""
         near = (1.0 - b) * self.moved[i, k, l] + b * self.moved[i, k + 1, l]
         return (1.0 - a) * near + a * ((1.0 - b) * self.moved[i + 1, k, l] + b * self.moved[i + 1, k + 1, l])

@@ -113,7 +113,7 @@ class MovingHull:
 
     @ti.func
     def sample(self, d, turn: Template):
-        """Outward normal, distance [m], thinning [1/m] of `Distance.at`, world axes; d from the centre of mass."""
+        """Normal, distance [m], thinning [1/m] of `Distance.at`, at d from the centre of mass; all in world axes."""
         normal, away, thinning = self.distance.at(turn.transpose() @ d)
         return turn @ normal, away, turn @ thinning
 
@@ -125,7 +125,7 @@ class MovingHull:
 
     @ti.func
     def push(self, x, ahead):
-        """Acceleration [m/s2] of water at x by a hull that has moved on from its pose for `ahead` [s]."""
+        """Acceleration [m/s2] of water at x [m] by a hull that has moved on from its pose for `ahead` [s]."""
         d, a = self.offset_to(x), tm.vec3(0.0)
         if self.is_near(d, self.reach):
             d -= ahead * self.point_velocity(d)
@@ -179,8 +179,8 @@ class WaveContact:
         self.push_particles(self.table)
 
     def collide_step(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> tuple[Load, RigidBody]:
-        """The load with the collisions of a step of dt [s] added to `wave`, and the body after it; `after` gives the
-        body after a load. The particles move off the hull."""
+        """Load plus the collisions of a step of dt [s], in `wave`, and the body after it, as `after` gives it for a
+        load. The particles move off the hull."""
         trial, table = after(load), self.table
         write_pose(table[0], trial)
         self.find_touching(table)
@@ -224,8 +224,8 @@ class WaveContact:
 
     @ti.func
     def cell_range(self, k: Template):
-        """Number of the first cell along an axis that the box around the hull reaches, and the number of cells; a
-        scheme that sorts in the middle of its step may have moved a particle on from its cell."""
+        """First cell along axis k that the box around the hull reaches, and number of cells, with a margin for
+        particles that a scheme which sorts in the middle of its step has moved on from their cell."""
         pose = ti.static(self.hull.pose)
         position, centre = pose[ti.static(BOX_COLUMNS.position + k)], pose[ti.static(BOX_COLUMNS.middle + k)]
         middle = position + centre - self.grid.lower[k]
@@ -270,7 +270,7 @@ class WaveContact:
 
     @ti.func
     def list_particle(self, total: Template, i, to):
-        """List particle i at index `to` if it is near, and add it if it touches; returns 1 if it is near."""
+        """List particle i at index `to` if it is near; add it to `total` if it touches; returns 1 if it is near."""
         p, u, near = self.particles.position, self.particles.velocity, 0
         d = self.hull.offset_to(tm.vec3(p.x[i], p.y[i], p.z[i]))
         if self.hull.is_near(d, self.spacing):
@@ -284,7 +284,7 @@ class WaveContact:
 
     @ti.func
     def add_touching(self, total: Template, normal, d, v):
-        """Add a touching particle with the velocity v relative to the hull to the sums of the collision equations."""
+        """Add a particle at d from the hull's centre, v its relative velocity, to the sums of collision equations."""
         total[FOUND_COLUMNS.touching] += 1.0
         speed = v.dot(normal)
         if speed < 0.0:
@@ -317,8 +317,8 @@ class WaveContact:
 
     @ti.func
     def collide_particle(self, total: Template, i, first, spin, slipping):
-        """Collide particle i with the hull, which had velocity `first` and `spin` before the step, move it off, and add
-        impulse, moment and work to `total`."""
+        """Collide particle i with the hull, which had velocity `first` and `spin` before the step; move it off; add
+        impulse, moment and work to `total`. `slipping`: factor on the friction's change of velocity."""
         p, u = self.particles.position, self.particles.velocity
         x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
         d = self.hull.offset_to(x)
@@ -345,7 +345,7 @@ class WaveContact:
 
     @ti.func
     def move_off(self, i, x):
-        """Move particle i off the hull, by quanta of the grid, not through walls; returns its displacement [m]."""
+        """Move particle i from x [m] off the hull, by quanta of the grid, not through walls; returns that shift [m]."""
         start, turn = x, self.hull.rotation()
         for _ in range(EXIT_STEPS):
             normal, away, _thinning = self.hull.sample(self.hull.offset_to(x), turn)

@@ -40,7 +40,7 @@ class Heights:
 
     @classmethod
     def over_basin(cls, basin: Basin, count: tuple[int, int]) -> "Heights":
-        """Heights with the outermost columns on the sides of the basin."""
+        """Heights on `count` columns along x and z, the outermost on the sides of the basin."""
         lower, upper = np.array(basin.lower)[[0, 2]], np.array(basin.upper)[[0, 2]]
         return cls(lower, upper, count, (basin.periods[0] > 0.0, basin.periods[2] > 0.0))
 

@@ -50,7 +50,7 @@ def edge_between(p: int, q: int) -> int:
 
 
 def face_lines(case: int, corners: list[int]) -> list[tuple[int, int]]:
-    """Lines (from edge, to edge) that cut off each run of wet corners of a face, with the water always on one hand."""
+    """Lines (from edge, to edge) that cut off each run of wet `corners` of a face, water always on the same side."""
     wet = [bool(case >> c & 1) for c in corners]
     found = []
     for k in range(4):
@@ -103,7 +103,7 @@ def diagonal_lengths() -> np.ndarray:
 
 
 def triangles(loop: Loop, lengths: np.ndarray) -> list[tuple[int, int, int]]:
-    """Triangles of a closed loop of edges, with the shortest diagonals of which none lies on a face of the cube."""
+    """Triangles of a loop of edges, by the shortest diagonals (squared `lengths`) of which none lies on a face."""
     n = len(loop)
 
     def length(cut: Cut) -> float:
@@ -157,7 +157,7 @@ class Isosurface:
         most_nodes: int = MAX_NODES,
         dry: float = -1.0,
     ) -> None:
-        """`periodic`: the axes along which the field repeats; `dry`: the field at nodes that are not stored."""
+        """`periodic`: axes along which the field repeats; `most_nodes` to store; `dry`: the field at all others."""
         self.nodes, self.shape, self.periodic, self.rows = nodes, nodes.shape, periodic, Rows(nodes, most_nodes)
         self.lower, self.upper, self.width = tm.vec3(nodes.lower), tm.vec3(nodes.upper), tm.vec3(nodes.width)
         kept = (self.rows.most + 1) * self.rows.length
@@ -239,7 +239,7 @@ class Isosurface:
 
     @ti.func
     def first_row(self, slab):
-        """Index of the first stored row of a slab of rows."""
+        """Index of the first stored row of a slab, a group of successive rows that one thread goes through."""
         return slab * self.rows.count[None] // ROW_SLABS
 
     @ti.kernel
@@ -302,7 +302,7 @@ class Isosurface:
 
     @ti.func
     def write_vertices(self, n, vertices: Template, normals: Template):
-        """Write the vertices on the edges of node n, where the linear field is 0, and their normals."""
+        """Write the vertices on the edges of node n, where the linear field is 0, and their unit normals."""
         node = self.node_indices(n)
         vertex, mask = self.owned[n] >> 3, self.owned[n] & 7
         own, slope = self.value[n], self.gradient(node)
@@ -335,7 +335,7 @@ class Isosurface:
 
     @ti.func
     def write_triangles(self, slab, triangles: Template):
-        """Write the vertex numbers of all triangles of one slab."""
+        """Write the vertex numbers of all triangles of one slab of rows to `triangles`."""
         nx, ny, nz = ti.static(self.shape)
         written = self.counted[slab, TRIANGLES]
         for n in range(self.first_row(slab), self.first_row(slab + 1)):

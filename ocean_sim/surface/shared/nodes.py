@@ -38,7 +38,6 @@ class Nodes:
 
     @property
     def count(self) -> int:
-        """Number of all nodes of the grid."""
         nx, ny, nz = self.shape
         return nx * ny * nz
 

@@ -125,8 +125,7 @@ class WaveField:
         return found / np.linalg.norm(found, axis=1, keepdims=True)
 
     def velocity(self, points: np.ndarray, time: float) -> np.ndarray:
-        """Velocities (n, 3) of the water [m/s] at points x, y, z (n, 3) [m] and a time [s], in columns stretched from
-        bed to surface (Wheeler 1970); points above the water get the velocity of its surface."""
+        """Water velocities (n, 3) [m/s] at points x, y, z (n, 3) [m] and a time [s], by `waves.velocity`."""
         return waves.velocity(self.sea, row_array("points", points, "x, y, z"), number("time", time, "s"))
 
     def periodic(self, side: float) -> "WaveField":

@@ -197,7 +197,6 @@ class Grid:
 
     @property
     def middle(self) -> tuple[float, float]:
-        """Middle of the basin in x and z [m]."""
         x, z = 0.5 * (self.upper + self.lower)[[0, 2]]
         return float(x), float(z)
 
@@ -242,7 +241,7 @@ def surface_record(grid: Grid, frames: Iterable[Frame], begin: float) -> Surface
 
 
 def frame_circulation(grid: Grid, frame: Frame) -> float:
-    """Circulation [m2/s] of a frame's particles about the middle of the basin; NaN in 2-D, or if none are there."""
+    """Circulation [m2/s] of a frame's particles about the middle of the basin; NaN in 2-D or without particles."""
     if grid.is_slice or frame.position is None or frame.velocity is None:
         return np.nan
     try:

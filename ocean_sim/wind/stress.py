@@ -66,7 +66,6 @@ class Config(Scheduled, WindConfig):
 
     @property
     def needs_area(self) -> bool:
-        """True if the wind acts on the fluid, as a stress on its plan area."""
         return "fluid" in self.targets
 
     @property
@@ -76,12 +75,10 @@ class Config(Scheduled, WindConfig):
 
     @property
     def acts_on(self) -> list[Target]:
-        """Targets that the scene names."""
         return self.targets
 
     @property
     def stylised(self) -> bool:
-        """False: the wind is a physical stress, no force field."""
         return False
 
     def blows(self, time: float, dimension: int) -> tuple[float, float]:
@@ -102,7 +99,6 @@ class Config(Scheduled, WindConfig):
 
     @property
     def strongest(self) -> float:
-        """Greatest U10 [m/s] that the wind ever has."""
         return self.speed if self.course is None else float(self.course.speed.max())
 
     def on_water(self, u10: float) -> float:
@@ -136,11 +132,9 @@ class Config(Scheduled, WindConfig):
         return found
 
     def build(self, basin: Basin, seed: int) -> Wind:
-        """Build the stress on the device."""
         return Stress(self, basin)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Row of the memory ledger for the wind's numbers on the device."""
         return [LedgerRow("wind", "stress, pressure and direction", 6 * preflight.word, "wind.kind is stress")]
 
     def warnings(self, preflight: Preflight) -> list[str]:
@@ -280,7 +274,6 @@ class Stress(Wind):
         self._set_strength(0.0)
 
     def on(self, target: Target) -> Wind:
-        """Wind that acts on a target: stress on the fluid, drag on a ship, or still air if it is none of `targets`."""
         return self.ship if target == "ship" and self.ship is not None else super().on(target)
 
     def advance(self, dt: float) -> None:
@@ -292,7 +285,6 @@ class Stress(Wind):
             self.ship.advance(dt)
 
     def strengthen(self, factor: float) -> None:
-        """Set the factor on the U10 of the scene."""
         super().strengthen(factor)
         self._set_strength(0.0)
         if self.ship is not None:

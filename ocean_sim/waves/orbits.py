@@ -219,7 +219,6 @@ class SurfaceRecord:
     """Wavelength of the shortest waves that `cover` counts [m]: four points of the frames apart."""
 
     def means(self) -> dict[str, float | None]:
-        """Means of circulation and cover over time, by name."""
         turn = None if self.circulation is None else float(self.circulation.mean())
         return {"circulation_m2_s": turn, "white_cap_cover": float(self.cover.mean())}
 

@@ -92,7 +92,6 @@ class Volume(Scheduled):
 
     @property
     def velocity(self) -> np.ndarray:
-        """Velocity of the volume's drift (3,) [m/s]."""
         return np.multiply(self.drift, self.ahead) if isinstance(self.drift, (int, float)) else np.array(self.drift)
 
     @property
@@ -193,7 +192,6 @@ class Config(Placed, WindConfig):
         return [g for g, v in enumerate(self.volumes) if target in (self.targets if v.targets is None else v.targets)]
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults of the volumes' schedules and of the key `frame`, each as key path and sentence."""
         unscheduled: Problems = [
             (("volumes", g, *path), message) for g, v in enumerate(self.volumes) for path, message in v.unscheduled()
         ]
@@ -207,7 +205,6 @@ class Config(Placed, WindConfig):
         return [LedgerRow("wind", "moving volumes of air", preflight.word * numbers, f"{n} in wind.volumes")]
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warnings about force fields, velocity changes, ends of schedules and drag on ships."""
         sentences = []
         for g, volume in enumerate(self.volumes):
             name, size = f"wind.volumes[{g}]", hypot(*volume.acceleration, *volume.noise)

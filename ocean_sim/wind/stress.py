@@ -94,7 +94,6 @@ class Config(Scheduled, WindConfig):
 
     @property
     def law(self) -> DragLaw:
-        """Name of the drag law: that of the scene, or else the default one."""
         return self.drag_law or LAW
 
     @property
@@ -116,7 +115,6 @@ class Config(Scheduled, WindConfig):
         return self.gain_of_pressure * self.sheltering * AIR_DENSITY * relative * abs(relative)
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults of the schedule, of exclusive keys, and of heading or basin, each as key path and sentence."""
         basin, found = preflight.tank, list(self.unscheduled())
         stated = {"u10": self.u10, "drag_law": self.drag_law, "schedule": self.schedule}
         others = [key for key, value in stated.items() if value is not None]
@@ -138,7 +136,6 @@ class Config(Scheduled, WindConfig):
         return [LedgerRow("wind", "stress, pressure and direction", 6 * preflight.word, "wind.kind is stress")]
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warnings about the size of the stress, the schedule, ships, the drag law and unresolved waves."""
         u10 = self.strongest
         sheltered = f", pressure on waves {self.sheltered(u10):.3g} Pa times their slope" if self.sheltering else ""
         gain = "a real wind (gain 1)" if self.gain == 1.0 else f"{self.gain:g} times a real wind (gain)"

@@ -81,7 +81,6 @@ class Config(Timed, Placed, WindConfig):
         return Vortex(self, basin, seed)
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults of a 2-D basin, which cannot have a vortex, and of the key `frame`, each as key path and sentence."""
         sentence = "a vortex turns about the vertical: give the basin a width"
         flat: Problems = [(("kind",), sentence)] if preflight.tank.dimension == 2 else []
         return flat + self.misframed(preflight)
@@ -91,7 +90,6 @@ class Config(Timed, Placed, WindConfig):
         return [LedgerRow("wind", "axis, strength and noise of the vortex", size, "wind.kind is vortex")]
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warnings about the size of the force field and the change of velocity in one passage."""
         speed = hypot(*self.drift)
         acceleration = (self.acceleration, self.upward, self.inward)
         passing = 2.0 * self.core_radius / speed if speed else inf

@@ -54,7 +54,7 @@ def export_run(
 
 
 def export_shots(frames: list[Path], grid: dict[str, np.ndarray], z_up: bool) -> Iterator[ExportShot]:
-    """Read the contents of all frames to export, turned to z up if `z_up`."""
+    """Read the contents of all frames to export, with z up if `z_up`; `grid`: arrays that the run saves once."""
     wakes = RunWakes(frame_files(frames[0].parent.parent), grid)
     return upright_shots((scene_file.read_shot(frame, grid, wakes) for frame in frames), z_up)
 
@@ -80,7 +80,6 @@ def export_particles(
 
 
 def without_key(fields: dict[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
-    """Copy of the arrays without the one of this name."""
     return {key: values for key, values in fields.items() if key != name}
 
 

@@ -25,7 +25,6 @@ class Mesh(NamedTuple):
 
 
 def merge_meshes(parts: Iterable[Mesh]) -> Mesh:
-    """Join several meshes into one."""
     return Mesh(*(np.concatenate(arrays) for arrays in zip(*parts)))
 
 
@@ -84,7 +83,6 @@ class Block:
         lift = PANE_LIFT * float(np.linalg.norm(d - a)) * out
 
         def place(u: np.ndarray, v: float) -> np.ndarray:
-            """Points (n, 3) just outside the wall at shares u (n,) of its length and v of its height."""
             u = u[:, None]
             return (1.0 - v) * ((1.0 - u) * a + u * b) + v * ((1.0 - u) * d + u * c) + lift
 
@@ -140,9 +138,8 @@ def smooth_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 
 def cut_triangles(values: np.ndarray, height: np.ndarray, level: float) -> tuple[np.ndarray, np.ndarray]:
-    """Cut triangles with values (m, 3, k) and heights (m, 3) at their corners along the height `level`.
-
-    Returns values (n, 3, k) and heights (n, 3) of triangles that each lie on one side, with interpolated corners."""
+    """Cut triangles with values (m, 3, k) and heights (m, 3) at their corners along the height `level`, into values (n,
+    3, k) and heights (n, 3) of triangles that each lie on one side, with interpolated corners."""
     packed = np.concatenate([values, height[:, :, None]], axis=2)
     over = height > level
     crossed = over.any(axis=1) & ~over.all(axis=1)
@@ -165,10 +162,8 @@ def cut_triangles(values: np.ndarray, height: np.ndarray, level: float) -> tuple
 
 
 def paint_bands(values: np.ndarray, height: np.ndarray, bands: Sequence[tuple[float, Triple]]) -> Mesh:
-    """Mesh of triangles (m, 3, 6) of points and normals, coloured by height (m, 3) and cut where colours meet.
-
-    `bands` are (upper limit, colour) from below, the last without limit.
-    """
+    """Mesh of triangles (m, 3, 6) of points and normals, coloured by height (m, 3) and cut where colours meet; `bands`:
+    (upper limit, colour) from below, the last without limit."""
     limits = [limit for limit, _ in bands[:-1]]
     for limit in limits:
         values, height = cut_triangles(values, height, limit)

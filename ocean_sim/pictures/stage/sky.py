@@ -268,7 +268,6 @@ def value_noise(p: np.ndarray, seed: int) -> np.ndarray:
     f = f**3 * (f * (f * 6.0 - 15.0) + 10.0)
 
     def at(di: int, dj: int) -> np.ndarray:
-        """Random value, 0 to 1, of the integer points offset by (di, dj)."""
         n = ((i[..., 0] + di) * 374761393 + (i[..., 1] + dj) * 668265263 + seed * 974711) & 0xFFFFFFFF
         n = ((n ^ (n >> 13)) * 1274126177) & 0xFFFFFFFF
         return ((n ^ (n >> 16)) & 0xFFFF) / 65535.0

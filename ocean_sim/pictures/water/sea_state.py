@@ -74,7 +74,7 @@ class SeaState:
         return SeaNow(level, max(height, MIN_LIT_HEIGHT * self.resolved), waves, self.wind(height), self.stated)
 
     def look(self, number: int) -> tuple[float, np.ndarray]:
-        """Mean level [m] and variances (n,) [m2] of the plane waves, from the heights of a frame."""
+        """Mean level [m] and variances (n,) [m2] of the plane waves, from the heights of frame `number`."""
         elevation = read_elevation(self.log.files[number])
         return float(elevation.mean()), self.modes.variances(elevation)
 
@@ -119,8 +119,8 @@ def run_scene(folder: Path) -> dict[str, Any]:
 
 
 def ripple_wind(scene: dict[str, Any], sea: Components | None, height: float) -> Wind:
-    """Wind that drives the ripples: that of the scene, or if it states none, a wind that raises a significant height
-    [m] and blows along the waves of the sea."""
+    """Wind that drives the ripples: the scene's, else one that raises a significant height [m], along the waves of
+    `sea`."""
     return Wind(ripple_wind_speed(scene, height), wind_heading(scene, sea))
 
 
@@ -147,8 +147,8 @@ def wind_heading(scene: dict[str, Any], sea: Components | None) -> float:
 
 
 def scene_wind_heading(wind: dict[str, Any]) -> float | None:
-    """Angle [rad], from +x to +z, towards which a wind given by its config blows: its heading, or the mean acceleration
-    of its volumes; None without either."""
+    """Angle [rad], from +x to +z, to which a wind of this config blows or its volumes accelerate; None without
+    either."""
     if wind.get("heading_deg") is not None:
         turn = np.radians(wind["heading_deg"])
         return float(np.arctan2(np.cos(turn), np.sin(turn)))

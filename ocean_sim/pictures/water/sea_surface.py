@@ -37,7 +37,7 @@ class SeaSurface:
         self.wanted = 0.0  # share of white water
 
     def grain_at(self, origin: np.ndarray) -> np.ndarray:
-        """Patchiness factor (nx, nz) on convergence at the nodes around an origin x, z [m]; 1 in the mean."""
+        """Factor (nx, nz), 1 in the mean, that makes foam patchy, at the nodes around an origin x, z [m]."""
         return foam_gathering(*(self.nodes + origin).T).reshape(len(self.x), len(self.z))
 
     def blend_weight(self, k: int) -> np.ndarray:
@@ -52,9 +52,8 @@ class SeaSurface:
         return x, z
 
     def at(self, frame: Frame, now: SeaNow, answer: np.ndarray | None = None) -> far_sea.SeaSample:
-        """Heights [m] and convergence at all nodes (nx, nz) of the basin in a frame.
-
-        `answer` [m]: response to ships, winds and steepness that a frame adds to the exact waves, on its own grid."""
+        """Heights [m] and convergence at all nodes (nx, nz) of the basin in a frame; `answer` [m]: response to ships,
+        winds and steepness that a frame adds to the exact waves, on its own grid."""
         far = self.far.at(far_sea.complex_amplitudes(now.waves, frame.time, frame.origin))
         (x, z), mine = self.own, self.share
         if self.exact is not None and self.state.exact is not None:
@@ -95,8 +94,8 @@ class SeaSurface:
         self, found: np.ndarray, rings: np.ndarray, nodes: np.ndarray, eye: np.ndarray, amplitude: np.ndarray
     ) -> np.ndarray:
         """Share (bands, rays) of white water on the far sea, at nodes x, z (bands * rays, 2) [m] of its fan around an
-        eye [m]. `rings` (bands, rays): indices of their rings; `found`: values from `around`; `amplitude` (m,): of the
-        waves [m]. Its mean is the basin's on each ring; the fewer waves are drawn there, the more even it is."""
+        eye [m], on `rings` (bands, rays); `found`: values from `around`; `amplitude` (m,): of the waves [m]. Its mean
+        is the basin's on each ring; the fewer waves are drawn there, the more even it is."""
         if self.wanted <= 0.0:
             return np.zeros(rings.shape)
         fan = self.fan
@@ -115,7 +114,7 @@ class SeaSurface:
         return self.laced(kept, grain) + (1.0 - self.share) * fresh
 
     def carried(self, kept: np.ndarray) -> np.ndarray:
-        """Values (nx, nz) at the nodes, interpolated from a frame's grid; they fade to 0 at the basin's sides."""
+        """Values `kept` on a frame's grid, interpolated to the nodes (nx, nz); they fade to 0 at the basin's sides."""
         x, z = self.own
         return self.share * (x @ kept @ z.T)
 
@@ -139,5 +138,5 @@ class SeaSurface:
 
 
 def foam_gathering(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Patchiness factor (n,) on the convergence of the sea at x, z (n,) [m]; 1 in the mean."""
+    """Factor (n,), 1 in the mean, on the convergence of the sea at x, z (n,) [m], that makes its foam patchy."""
     return foam.gathering_noise(x / GATHERING_LENGTH, z / GATHERING_LENGTH)

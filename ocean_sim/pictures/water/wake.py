@@ -50,7 +50,7 @@ class Wake:
         self.vessel, self.half, self.x, self.z = vessel, 0.5 * breadth, x, z
 
     def share(self, time: float, origin: np.ndarray) -> np.ndarray:
-        """Share (nx, nz) of foam at a time [s], at the nodes for a grid origin x, z [m]."""
+        """Share (nx, nz) of foam at a time [s], at the nodes of the grid around an origin x, z [m]."""
         share = np.zeros((len(self.x), len(self.z)))
         track = self.vessel.track
         if time <= track.time[0]:
@@ -117,7 +117,6 @@ class Kelvin:
     """Kelvin wave pattern behind a ship, and the hollow behind her transom."""
 
     def __init__(self, vessel: Vessel, breadth: float) -> None:
-        """`breadth` of the ship [m]."""
         self.vessel, self.breadth = vessel, breadth
 
     def height(self, time: float, places: np.ndarray) -> np.ndarray:

@@ -31,7 +31,6 @@ class Water(Content):
             stage.plotter.add_mesh(part, scalars="colour", rgb=True, lighting=False)
 
     def show(self, frame: Frame) -> None:
-        """Update heights and colours of the water to a frame and the present camera."""
         eye = self.stage.camera.eye
         points, normals = self.mesh.surface(frame.elevation)
         points += frame.place

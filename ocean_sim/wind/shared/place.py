@@ -110,7 +110,6 @@ class Passages:
 
     @property
     def centre(self) -> np.ndarray:
-        """Present centre (3,) of the wind [m]."""
         return self.origin + self.velocity * self.elapsed
 
     def advance(self, dt: float) -> None:

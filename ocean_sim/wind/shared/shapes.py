@@ -127,7 +127,6 @@ class Capsule(Model):
 
     @property
     def core(self) -> Core:
-        """Capsule as a `Core`: the line between the centres of its ends, with its radius."""
         x, y, z = (self.half_length if self.axis == k else 0.0 for k in "xyz")
         return Core(np.array(self.centre), (x, y, z), self.radius, radians(self.yaw_deg))
 

@@ -60,8 +60,7 @@ def group_speed(k: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray
 
 
 def breaking_height(period: float, depth: float, gravity: float = GRAVITY) -> float:
-    """Height [m] at which waves of a period [s] break on a depth h [m] (Miche 1944): 0.142 wavelengths times tanh
-    kh."""
+    """Height [m] at which waves of a period [s] break on a depth [m] (Miche 1944): 0.142 wavelengths times tanh kh."""
     k = float(wavenumber(2.0 * pi / period, depth, gravity))
     return BREAKING_STEEPNESS * 2.0 * pi / k * float(np.tanh(k * depth))
 

@@ -234,8 +234,7 @@ def spectral_peak(frequency: np.ndarray, density: np.ndarray) -> float:
 
 
 def segment_count(interval: float, deviation: np.ndarray) -> int:
-    """Number of Welch segments: the most, up to MAX_SEGMENTS, that span SEGMENT_PERIODS peak periods each, or else
-    1."""
+    """Number of Welch segments: the most, up to MAX_SEGMENTS, of SEGMENT_PERIODS peak periods each; or else 1."""
     for count in range(MAX_SEGMENTS, 1, -1):
         frequency, density = welch_density(interval, deviation, count)
         if spectral_peak(frequency, density) >= SEGMENT_PERIODS * frequency[1]:

@@ -49,8 +49,7 @@ class RunWakes:
         return float(self.grid["lower"][2 * k]), float(self.grid["upper"][2 * k])
 
     def places(self, at: np.ndarray, origin: np.ndarray) -> np.ndarray:
-        """Positions (2, n) of points x, z (n, 2) [m] in the basin around an origin: 0 at a lower side, 1 at an
-        upper."""
+        """Positions (2, n) of points x, z (n, 2) [m] in the basin around an origin, 0 to 1 from side to side."""
         low, high = np.transpose([self.sides(k) for k in range(2)])
         return ((at - origin - low) / (high - low)).T
 

@@ -103,8 +103,7 @@ class Sheer:
         return low + (high - low) * (forward**2 + 0.25 * aft**2)
 
     def bulwark_top(self, z: np.ndarray, inwards: float = 0.0, share: float = 1.0) -> np.ndarray:
-        """Line (n, 3) [m] on the port bulwark at positions z (n,) [m], at a share of its height, shifted `inwards`
-        [m]."""
+        """Line (n, 3) [m] on the port bulwark at z (n,) [m], at a share of its height, shifted `inwards` [m]."""
         s = np.clip((z - self.stern) / (self.bow - self.stern), 0.0, 1.0)
         rise = self.bulwark_height(z)
         round_half = np.maximum(self.smooth(z), self.half_breadth(z)) + 0.06 * rise * np.sin(np.pi * s**2) ** 2

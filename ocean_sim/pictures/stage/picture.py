@@ -155,8 +155,7 @@ class Picture:
             plotter.camera.parallel_scale = camera.parallel_height
 
     def backdrop(self) -> None:
-        """Add the background: a dome of sky; in parallel projection a gradient, or from above the colour of the
-        ground."""
+        """Add the background: a dome of sky; in parallel projection, a gradient, or from above the ground's colour."""
         camera, pyvista = self.stage.camera, self.stage.pyvista
         if camera.from_above and camera.parallel_height is not None:
             self.plotter.set_background(

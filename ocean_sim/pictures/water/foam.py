@@ -46,8 +46,7 @@ EDGE_BENDS = (2.3, 1.3), (1.1, 0.8), (0.6, 0.35)  # cells of a wave that bends t
 
 def convergence(elevation: np.ndarray, spacing_x: float, spacing_z: float) -> np.ndarray:
     """Horizontal convergence (nx, nz) of the water at the surface: minus the divergence of its horizontal displacement.
-    By linear theory on deep water it is the elevation times its wavenumber. Waves stand level at the sides of the
-    grid."""
+    By linear theory it is the elevation times its wavenumber, on deep water. Waves stand level at the grid's sides."""
     return surface_fall(elevation, spacing_x, spacing_z)
 
 

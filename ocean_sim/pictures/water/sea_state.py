@@ -119,8 +119,7 @@ def run_scene(folder: Path) -> dict[str, Any]:
 
 
 def ripple_wind(scene: dict[str, Any], sea: Components | None, height: float) -> Wind:
-    """Wind that drives the ripples: the scene's, else one that raises a significant height [m], along the waves of
-    `sea`."""
+    """Wind that drives the ripples: the scene's, or one that raises a significant height [m] along the waves `sea`."""
     return Wind(ripple_wind_speed(scene, height), wind_heading(scene, sea))
 
 
@@ -147,8 +146,7 @@ def wind_heading(scene: dict[str, Any], sea: Components | None) -> float:
 
 
 def scene_wind_heading(wind: dict[str, Any]) -> float | None:
-    """Angle [rad], from +x to +z, to which a wind of this config blows or its volumes accelerate; None without
-    either."""
+    """Angle [rad], from +x to +z, to which a wind of this config blows or its volumes accelerate; or None."""
     if wind.get("heading_deg") is not None:
         turn = np.radians(wind["heading_deg"])
         return float(np.arctan2(np.cos(turn), np.sin(turn)))

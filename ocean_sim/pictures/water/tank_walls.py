@@ -86,8 +86,7 @@ def join_sheets(sheets: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray
 
 
 def add_ground_lines(stage: Stage, low: np.ndarray, up: np.ndarray, height: float) -> None:
-    """Add lines a round number of metres apart on the ground, at a height [m], around a block from `low` to `up`
-    [m]."""
+    """Add lines a round number of metres apart on the ground, at a height [m], around a block from `low` to `up`."""
     longer, level = max(up[0] - low[0], up[2] - low[2]), Panel(1, height, 1.0)
     reach, step = GROUND_REACH * longer, round_up(longer / GROUND_LINES)
     first, last = low - reach, up + reach

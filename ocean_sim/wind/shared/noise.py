@@ -69,8 +69,7 @@ class Noise:
 
     @ti.func
     def of(self, stream, key):
-        """Noise (3,) of this step for particle `key`, -1 to 1 along each axis; `stream`: number of its random
-        sequence."""
+        """Noise (3,) of this step for particle `key`, -1 to 1 along each axis; `stream`: number of its sequence."""
         row = ti.static(self.row.field)
         draw, left = (int(row[DRAWS.number]) + int(row[DRAWS.first])) % DRAW_NUMBERS, row[DRAWS.left]
         mean = (1.0 - left) * uniform3(self.seed, stream, key, draw)

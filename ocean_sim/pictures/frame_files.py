@@ -157,8 +157,7 @@ def known_film_frames(times: np.ndarray, every: float) -> list[int]:
 
 
 def survey_run(files: list[Path]) -> tuple[Frame, float]:
-    """Frame with the highest waves in a run's second half; 99 % quantile of particle speed in its fastest frame
-    [m/s]."""
+    """Frame with the highest waves in a run's second half; 99th percentile of speed [m/s] in the fastest frame."""
     height, speed = [], [0.1]
     for frame in map(Frame, files):  # one at a time: a frame of a large run is large
         height.append(float(frame.elevation.std()))

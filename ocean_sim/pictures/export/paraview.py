@@ -63,7 +63,7 @@ def export_particles(
     frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
 ) -> list[Path]:
     """Write particles with velocity, id and pressure to one file (vtkhdf) or one file a frame (ply); returns the files.
-    Raises NothingToExport if the frames hold none."""
+    Raises NothingToExport if the frames hold none. `grid`: arrays that the run saves once."""
     if "position" not in read_npz(frames[0]):
         raise NothingToExport("these frames hold no particles; run with frames.particles: true")
     kept = ((shot.time, shot.particles["position"], shot.particles) for shot in export_shots(frames, grid, z_up))
@@ -86,8 +86,8 @@ def without_key(fields: dict[str, np.ndarray], name: str) -> dict[str, np.ndarra
 def export_surface(
     frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
 ) -> list[Path]:
-    """Write the water's surface with foam and velocity, every ship at her pose, gates, and fixed obstacles once;
-    returns the files: one per object and frame (ply, vtp with a list of times), or one per object (vtkhdf)."""
+    """Write the water's surface with foam and velocity, ships at their poses, gates, and once fixed obstacles; returns
+    the files: one per object and frame (ply, vtp) or per object (vtkhdf). `grid`: arrays that the run saves once."""
     files: dict[str, list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]] = {"surface": []}
     drawn = {key: model.mesh for key, model in scene_file.ship_models(grid).items()}
     for shot in export_shots(frames, grid, z_up):

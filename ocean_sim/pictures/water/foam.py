@@ -140,15 +140,15 @@ class FoamField:
         self.time, self.started = time, True
 
     def call(self, wanted: float, fades: float) -> None:
-        """Update the running mean of the target cover with a new value; `fades`: remaining weight of the old mean."""
+        """Update the running mean of the target cover with the new value `wanted`; `fades`: weight of the old mean."""
         before = self.called * fades
         self.called = before + 1.0 - fades if before > 0.0 or wanted > 0.0 else 0.0
         if self.called > 0.0:
             self.cover += (wanted - self.cover) * (1.0 - before / self.called)
 
     def gathering(self, shape: tuple[int, ...], time: float) -> np.ndarray:
-        """Patchiness factor (nx, nz) on the convergence of crests at a time [s], 1 in the mean, so that a crest breaks
-        in places and not all along in a line too thin to last. The law is ours."""
+        """Factor (nx, nz), 1 in the mean, on the convergence of crests at a time [s], that makes a crest break in
+        places and not all along in a line too thin to last; `shape` of the grid. The law is ours."""
         cells = (FLECKS_PER_CELL * (np.arange(n) + first) for n, first in zip(shape, self.origin, strict=True))
         x, z = (
             (at + wanders * time) / (GATHERING_PATCHES * PATCH_CELLS)
@@ -237,7 +237,7 @@ class FoamField:
 
 
 def gathering_noise(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Patchiness factor (n,) on convergence at x, z (n,): noise with a period of about 1 and a mean of 1."""
+    """Factor (n,), 1 in the mean, on convergence at x, z (n,), that makes foam patchy: noise of a period of about 1."""
     return 0.5 + value_noise(x, z)[0]
 
 

@@ -89,7 +89,7 @@ class Passages:
         redraw: Callable[[int], tuple[float, float]] = never,
     ) -> None:
         """`start`: first centre [m]; `drift`: velocity [m/s]; `reach`: from centre to rear [m]; `redraw`: function from
-        the number of a passage, 1 for the second, to its turn [rad] and strength."""
+        the number of a passage, from 1 for the second, to its turn [rad] and strength."""
         self.drift, self.reach, self.redraw = np.array(drift, dtype=float), reach, redraw
         self.lower, self.upper = np.array(basin.lower), np.array(basin.upper)
         if basin.dimension == 2:  # a slice of a sea without sides

@@ -202,7 +202,7 @@ def zero_crossing_waves(
     interval: float, deviation: np.ndarray, hysteresis: float = 0.0
 ) -> tuple[np.ndarray, np.ndarray]:
     """Heights from trough to crest [m] and periods [s] of all waves between zero up-crossings of a record less its mean
-    (n,) [m], with this sampling interval [s]."""
+    (n,) [m], with this sampling interval [s]; `hysteresis` as in `up_crossings`."""
     times, before = up_crossings(interval, deviation, hysteresis)
     heights = [
         parabola_top(deviation[begin : end + 2]) + parabola_top(-deviation[begin : end + 2])

@@ -149,7 +149,7 @@ class Volume(Scheduled):
         return min(slabs, key=lambda slab: slab[2])
 
     def passages(self, basin: Basin, seed: int, number: int) -> Passages:
-        """Path of volume `number` of the wind, back and again across the basin; `seed` of its random turns."""
+        """Repeated path of volume `number` of the wind across the basin; `seed` of its random turns."""
         first, speed = self.include[0].core, float(np.linalg.norm(self.velocity))
         rear = first.reach(self.velocity / speed) if speed else 0.0
         return Passages(first.centre, self.velocity, rear, basin, lambda passage: self.redrawn(seed, number, passage))

@@ -82,7 +82,7 @@ class Config(Scheduled, WindConfig):
         return False
 
     def blows(self, time: float, dimension: int) -> tuple[float, float]:
-        """U10 [m/s] and heading [deg] of the wind at a time [s], without its ramp, which is a factor on the stress."""
+        """U10 [m/s] and heading [deg] at a time [s] in a basin of 2 or 3 dimensions; the ramp is left to the stress."""
         if self.course is not None:
             return self.course.at(time)
         return self.speed, (90.0 if dimension == 2 else 0.0) if self.heading_deg is None else self.heading_deg
@@ -160,7 +160,7 @@ class Config(Scheduled, WindConfig):
 
 
 def out_of_range(u10: float, law: DragLaw) -> list[str]:
-    """Warn of a wind speed outside the range of a drag law, with the coefficients of the other laws."""
+    """Warn of a wind u10 [m/s] outside the range of a drag law, with the coefficients of the other laws."""
     low, high = RANGES[law]
     if u10 == 0.0 or low <= u10 <= high:
         return []
@@ -195,7 +195,7 @@ def growth_rate(wind: Config, u10: float, k: float, depth: float, pull: float) -
 
 
 def overdamped(wind: Config, u10: float, k: float, preflight: Preflight) -> list[str]:
-    """Warn if viscosity damps waves of wavenumber k [1/m] faster than the wind of the scene makes them grow."""
+    """Warn if viscosity damps waves of wavenumber k [1/m] faster than the scene's wind u10 [m/s] makes them grow."""
     fluid, pull, length = preflight.fluid, hypot(*preflight.tank.gravity), 2.0 * pi / k
     beta = growth_rate(wind, u10, k, preflight.tank.depth, pull)
     own, added = fluid.viscosity_asked, fluid.viscosity_added(preflight, length)

@@ -122,7 +122,8 @@ def display_colours(linear: np.ndarray) -> np.ndarray:
 def save_moments(
     out: Path, name: str, kind: str, moments: list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]
 ) -> list[Path]:
-    """Write a mesh at several moments (time [s], points, triangles, fields) to files of a kind; returns the files."""
+    """Write a mesh at several moments (time [s], points, triangles, fields) to `kind` files `name`; returns the
+    files."""
     if kind == "vtkhdf":
         path = out / f"{name}.vtkhdf"
         with atomic_write(path) as draft, Series(draft, "Polygons") as series:

@@ -169,7 +169,7 @@ def rest_plane(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
         return up / np.linalg.norm(up)
 
     def residual(state: np.ndarray) -> np.ndarray:
-        """Relative errors (3,) of volume and of the centre of buoyancy, for a level over size and two slopes."""
+        """Relative errors (3,) of volume and of the centre of buoyancy; `state`: level over hull size, two slopes."""
         up = tilted(state[1], state[2])
         volume, *moment = submerged_moments(corners, up, size * state[0])
         arm = np.array(moment) / max(volume, 1e-12)

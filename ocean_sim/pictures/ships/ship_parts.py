@@ -36,7 +36,7 @@ def mirrored_pair(mesh: Mesh) -> Mesh:
 
 
 def flat_mesh(corners: np.ndarray, colour: Triple, gloss: float = 0.0, middle: np.ndarray | None = None) -> Mesh:
-    """Mesh of flat triangles (m, 3, 3) of one colour; if the point `middle` is given, all face away from it."""
+    """Mesh of flat triangles (m, 3, 3) of a colour and gloss; if the point `middle` is given, all face away from it."""
     corners = np.array(corners, dtype=float).reshape(-1, 3, 3)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     if middle is not None:
@@ -74,8 +74,8 @@ class Block:
         return merge_meshes([flat_mesh(sides, walls, middle=self.middle), flat_mesh(ends, lid, middle=self.middle)])
 
     def panes(self, wall: int, count: int, low: float, high: float, post: float, colour: Triple) -> Mesh:
-        """Mesh of `count` window panes in a row on one wall, between shares `low` and `high` of its height; `post`: gap
-        between panes, as a share of their pitch."""
+        """Mesh of `count` window panes in a row on wall number `wall`, between shares `low` and `high` of its height;
+        `post`: gap between panes, as a share of their pitch."""
         k = (wall + 1) % len(self.bottom)
         a, b, c, d = self.bottom[wall], self.bottom[k], self.top[k], self.top[wall]
         out = np.cross(b - a, d - a)
@@ -100,7 +100,7 @@ def level_outline(corners: list[list[float]], y: float) -> np.ndarray:
 
 
 def tube_mesh(start: Triple, end: Triple, radii: tuple[float, float], colour: Triple, sides: int = 8) -> Mesh:
-    """Mesh of a round bar or cone between two points, with a radius [m] at each."""
+    """Mesh of a bar or cone with a number of sides between two points [m], with a radius [m] at each."""
     a, b = np.array(start, dtype=float), np.array(end, dtype=float)
     along = (b - a) / np.linalg.norm(b - a)
     across = np.cross(along, UPWARD if abs(along[1]) < 0.9 else [1.0, 0.0, 0.0])

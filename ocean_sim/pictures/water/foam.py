@@ -275,7 +275,7 @@ def cell_means(white: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def displaced_values(values: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Values (nx, nz) moved by `cells` (2, nx, nz) over their grid, by a cubic spline; the edge's from outside."""
+    """Values (nx, nz) moved by `cells` (2, nx, nz) over their grid, by a cubic spline; constant beyond its edge."""
     from scipy.ndimage import map_coordinates
 
     return np.asarray(map_coordinates(values, np.indices(values.shape) - cells, mode="nearest"))

@@ -41,7 +41,7 @@ class SeaState:
     """Sea around the basin of a run at the time of any frame, estimated from that frame and earlier ones."""
 
     def __init__(self, scene: dict[str, Any], grid: Any, log: FrameLog) -> None:
-        """`scene`: resolved scene of the run; `grid`: arrays that a run saves once."""
+        """`scene`: resolved scene of the run; `grid`: arrays that a run saves once; `log`: times of its frames."""
         self.scene, self.log = scene, log
         self.exact = exact_waves(grid)  # the waves themselves, where water is a closed form
         self.resolved = float(grid["spacing"])  # [m] between particles, or half the shortest wave
@@ -84,8 +84,8 @@ class SeaState:
 
 
 def recent_frames(times: np.ndarray, time: float) -> tuple[list[int], np.ndarray]:
-    """Indices and weights of frames, FRAME_INTERVAL apart, for a mean over the past at a time [s]; weights decay over
-    SWELL_SECONDS, and each frame counts until the next."""
+    """Indices and weights of frames at `times` [s], FRAME_INTERVAL apart, for a mean over the past at a time [s];
+    weights decay over SWELL_SECONDS, and each frame counts until the next."""
     begins = max(
         times[0], times[0] + FRAME_INTERVAL * np.floor((time - MEMORY_LAGS * SWELL_SECONDS - times[0]) / FRAME_INTERVAL)
     )

@@ -19,7 +19,7 @@ class SeaSurface:
     last fifth of the basin its own waves are blended into the far ones. Only heights and the origin change."""
 
     def __init__(self, grid: Any, state: SeaState, nodes: int) -> None:
-        """`nodes`: approximate number of nodes within the basin."""
+        """`grid`: arrays that a run saves once; `state`: sea over time; `nodes`: approximate number in the basin."""
         self.state = state
         self.lower, self.upper = grid["lower"][[0, 2]], grid["upper"][[0, 2]]
         self.margin = far_sea.BLEND_MARGIN * float((self.upper - self.lower).min())
@@ -74,7 +74,7 @@ class SeaSurface:
         )
 
     def around(self, frame: Frame, eye: np.ndarray, now: SeaNow) -> np.ndarray:
-        """Height, slopes and convergence (rings, rays, 4) of the far sea around an eye (3,) [m], as from `Fan.at`."""
+        """Height, slopes, convergence (rings, rays, 4) of the far sea `now` around an eye (3,) [m], as by `Fan.at`."""
         found = self.fan.at(far_sea.complex_amplitudes(now.waves, frame.time, eye[[0, 2]]))
         found[..., 0] += now.level
         return found
@@ -109,8 +109,8 @@ class SeaSurface:
         return self.wanted + told[rings] * (white - self.wanted)
 
     def whole(self, fresh: np.ndarray, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
-        """Share (nx, nz) of white water at the nodes: foam `kept` in a frame (see `laced`), blended at the basin's
-        sides into `fresh` foam (nx, nz) on the far sea's crests."""
+        """Share (nx, nz) of white water at the nodes: foam `kept` in a frame, with `grain` (see `laced`), blended at
+        the basin's sides into `fresh` foam (nx, nz) on the far sea's crests."""
         return self.laced(kept, grain) + (1.0 - self.share) * fresh
 
     def carried(self, kept: np.ndarray) -> np.ndarray:

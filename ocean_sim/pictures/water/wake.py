@@ -136,8 +136,8 @@ class Kelvin:
 
 
 def transom_hollow(astern: np.ndarray, aside: np.ndarray, speed: float, breadth: float) -> np.ndarray:
-    """Depth (n,) [m] of the water surface behind a transom below the water around; it rises again into a wave as for
-    the ship's speed [m/s]. `astern`, `aside`: distances (n,) from the transom [m]. The law is ours."""
+    """Depth (n,) [m] of the water surface behind a transom of a breadth [m]; it rises again into a wave as for the
+    ship's speed [m/s]. `astern`, `aside`: distances (n,) from the transom [m]. The law is ours."""
     depth = min(HOLLOW_DEPTH * speed**2 / GRAVITY, MAX_HOLLOW * breadth)
     k = GRAVITY / speed**2
     along = np.where(astern > 0.0, np.cos(k * astern) * np.exp(-0.3 * k * np.maximum(astern, 0.0)), 0.0)

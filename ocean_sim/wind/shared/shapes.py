@@ -150,7 +150,6 @@ def turned_back(v, cosine, sine):
 
 @ti.func
 def within(x, half, radius):
-    """True if point x [m], from a core's centre and in its axes, is in the core of half size `half` and a radius
-    [m]."""
+    """True if point x [m], from a core's centre and in its axes, lies in that core, of half sizes and a radius [m]."""
     beyond = ti.max(ti.abs(x) - half, 0.0)
     return beyond.dot(beyond) <= radius * radius

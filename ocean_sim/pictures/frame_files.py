@@ -157,7 +157,8 @@ def known_film_frames(times: np.ndarray, every: float) -> list[int]:
 
 
 def survey_run(files: list[Path]) -> tuple[Frame, float]:
-    """Frame with the highest waves in a run's second half; 99th percentile of speed [m/s] in the fastest frame."""
+    """Frame with the highest waves in a run's second half; highest 99th percentile of particle speeds [m/s] in a
+    frame."""
     height, speed = [], [0.1]
     for frame in map(Frame, files):  # one at a time: a frame of a large run is large
         height.append(float(frame.elevation.std()))

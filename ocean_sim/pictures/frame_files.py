@@ -157,8 +157,8 @@ def known_film_frames(times: np.ndarray, every: float) -> list[int]:
 
 
 def survey_run(files: list[Path]) -> tuple[Frame, float]:
-    """Frame with the highest waves in the second half of a run, and the 99th percentile [m/s] of particle speed in the
-    run's fastest frame."""
+    """Frame with the highest waves in a run's second half; highest 99th percentile of particle speeds [m/s] in a
+    frame."""
     height, speed = [], [0.1]
     for frame in map(Frame, files):  # one at a time: a frame of a large run is large
         height.append(float(frame.elevation.std()))
@@ -169,7 +169,7 @@ def survey_run(files: list[Path]) -> tuple[Frame, float]:
 
 
 def middle_cell(ships: Collection["Ship"], cell: np.ndarray) -> np.ndarray:
-    """Mean position x, z (2,) [m] of ships, rounded to whole cells of these sides (2,) [m]."""
+    """Mean position x, z (2,) [m] of ships, rounded to whole cells with sides `cell` (2,) [m]."""
     middle = np.mean([ship.body.position[[0, 2]] for ship in ships], axis=0)
     return cell * np.round(middle / cell)
 
@@ -195,8 +195,8 @@ def grid_arrays(simulation: "LiveSimulation", x: np.ndarray, z: np.ndarray) -> d
 
 
 def appearance(simulation: "LiveSimulation", ship: "Ship") -> dict[str, object]:
-    """Arrays on a ship's appearance, except her hull: name of her look, helm position from the centre of mass in body
-    axes [m] (empty if she has none), and share of her volume under water at rest; empty without a look."""
+    """Arrays on a ship's appearance: name of her look, helm position from the centre of mass in body axes [m] (empty if
+    she has none), and share of her volume under water at rest; empty without a look."""
     scene, key = simulation.scene, key_of(ship.name)
     look = scene.ships[ship.name].look(scene.preflight)
     if look is None:

@@ -32,8 +32,7 @@ ANGLES_AT_ONCE = 2**15  # angles of waves at points that are computed together
 
 
 def wavenumber(omega: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray:
-    """Wavenumber k [rad/m] that solves omega^2 = g k tanh(k h), for omega [rad/s] above zero and a depth h [m].
-
+    """Wavenumber k [rad/m] that solves omega^2 = g k tanh(k h), for omega [rad/s] above zero and a depth h [m], by
     Newton's method from the closed form of Guo (2002, Coastal Engineering 45), which is right to 0.75 %."""
     x = np.clip(np.asarray(omega, dtype=float) * sqrt(depth / gravity), 1e-100, 1e100)  # its powers are numbers
     kh = x**2 * (-np.expm1(-(x**2.4908))) ** (-1.0 / 2.4908)
@@ -61,7 +60,7 @@ def group_speed(k: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray
 
 
 def breaking_height(period: float, depth: float, gravity: float = GRAVITY) -> float:
-    """Height [m] at which a wave of a period [s] breaks (Miche 1944): 0.142 wavelengths times tanh(kh)."""
+    """Height [m] at which waves of a period [s] break on a depth [m] (Miche 1944): 0.142 wavelengths times tanh kh."""
     k = float(wavenumber(2.0 * pi / period, depth, gravity))
     return BREAKING_STEEPNESS * 2.0 * pi / k * float(np.tanh(k * depth))
 
@@ -175,11 +174,9 @@ class Components:
         return replace(self, amplitude=self.amplitude[kept], wavevector=self.wavevector[kept], phase=self.phase[kept])
 
     def ramp_share(self, time: float) -> float:
-        """Share of their full height that the waves have at a time [s]."""
         return ramp_share(time, self.ramp)
 
     def ramp_rate(self, time: float) -> float:
-        """Time derivative [1/s] of `ramp_share` at a time [s]."""
         return ramp_rate(time, self.ramp)
 
     def angles(self, points: np.ndarray, time: float) -> Iterator[tuple[slice, np.ndarray]]:
@@ -230,22 +227,21 @@ def fit_periods(sea: Components, periods: Sequence[float]) -> Components:
 
 
 def profiles(k: Values, y: Values, depth: float) -> tuple[np.ndarray, np.ndarray]:
-    """Depth profiles cosh k(y+h) / cosh kh, sinh k(y+h) / cosh kh at heights y [m] over still water, no overflow."""
+    """Profiles cosh k(y+h) / cosh kh and sinh k(y+h) / cosh kh at heights y [m] over still water of depth h [m]."""
     rise, mirrored, bed = np.exp(k * y), np.exp(-2.0 * k * (y + depth)), np.exp(-2.0 * k * depth)
     return rise * (1.0 + mirrored) / (1.0 + bed), rise * (1.0 - mirrored) / (1.0 + bed)
 
 
 def weighted_sum(weight: np.ndarray, waves: np.ndarray) -> np.ndarray:
-    """Sum (m,) over n waves of their values (n, m) times their weights (n,), added in a fixed order, so that the result
-    does not depend on the number of threads."""
+    """Sum (m,) over n waves of `waves` (n, m) times `weight` (n,), in the same order for any number of threads."""
     return np.einsum("n,nm->m", weight, waves)
 
 
 def orbital_sum(
     wavevector: np.ndarray, k: np.ndarray, reach: np.ndarray, level: np.ndarray, upright: np.ndarray
 ) -> np.ndarray:
-    """Orbital vectors (m, 3) at m points, summed over n waves: horizontal values `level` (n, m) along each wavevector
-    (n, 2) and vertical ones `upright` (n, m), each times wavenumber k (n,) and factor `reach` (n,)."""
+    """Velocities or displacements (m, 3) at m points, summed over n waves: each adds `reach` (n,) times wavevector (n,
+    2) times `level` (n, m) along x and z, and `reach` times wavenumber k (n,) times `upright` (n, m) along y."""
     along = [weighted_sum(wavevector[:, axis] * reach, level) for axis in (0, 1)]
     return np.stack([along[0], weighted_sum(k * reach, upright), along[1]], axis=1)
 
@@ -279,14 +275,13 @@ def lattice_rows(points: np.ndarray) -> int | None:
 def _on_lattice(
     sea: Components, parts: list[tuple[np.ndarray, np.ndarray]], x: np.ndarray, z: np.ndarray, time: float
 ) -> np.ndarray:
-    """Sums over waves (len(x) len(z), k) at all points of the grid x by z [m], one for each of the k `parts`, pairs of
-    factors (n,) on cosine and sine of the phase. By the addition theorem, cosines are taken per row and column only."""
+    """Sums over waves of p cos(angle) + q sin(angle) at the points of a grid x by z [m], z fastest: (points, k), a
+    column for each of the k pairs of factors p, q (n,) in `parts`. Cosines are computed per row and column only."""
     a = np.outer(x, sea.wavevector[:, 0])
     b = np.outer(sea.wavevector[:, 1], z) + (sea.phase - sea.omega * time)[:, None]
     (cos_a, sin_a), (cos_b, sin_b) = (np.cos(a), np.sin(a)), (np.cos(b), np.sin(b))
 
     def summed_up(cosine: np.ndarray, sine: np.ndarray) -> np.ndarray:
-        """Sum over waves of `cosine` (n,) cos(angle) + `sine` (n,) sin(angle) at all points of the grid."""
         total = np.einsum("in,nj->ij", cos_a * cosine + sin_a * sine, cos_b)
         return (total - np.einsum("in,nj->ij", sin_a * cosine - cos_a * sine, sin_b)).ravel()
 
@@ -294,7 +289,7 @@ def _on_lattice(
 
 
 def stretched_height(sea: Components, points: np.ndarray, eta: np.ndarray) -> np.ndarray:
-    """Heights y' (m,) [m] of points (m, 3) in the unstretched column, under elevations `eta` (m,) [m] (Wheeler)."""
+    """Heights y' (m,) [m] at which linear theory holds for points (m, 3), under elevations `eta` (m,) [m] (Wheeler)."""
     return np.minimum(sea.depth * (points[:, 1] - eta) / np.maximum(sea.depth + eta, 1e-9 * sea.depth), 0.0)
 
 
@@ -385,7 +380,6 @@ class Spectrum(Model):
 
     @model_validator(mode="after")
     def _gamma_belongs_to_jonswap(self) -> "Spectrum":
-        """Raise ValueError if a Pierson-Moskowitz spectrum has a gamma other than 1."""
         if self.kind == "pierson_moskowitz" and self.gamma not in (None, 1.0):
             raise ValueError(f"a Pierson-Moskowitz spectrum has no gamma, got {self.gamma:g}; kind: jonswap has")
         return self
@@ -458,7 +452,6 @@ class WaveTrain(Model):
 
     @model_validator(mode="after")
     def _regular_or_random(self) -> "WaveTrain":
-        """Raise ValueError unless either height and period or a spectrum is given."""
         given = [self.height is not None, self.period is not None]
         if (self.spectrum is None and not all(given)) or (self.spectrum is not None and any(given)):
             raise ValueError("give either height [m] and period [s] of a regular wave, or a spectrum")
@@ -492,7 +485,6 @@ class HeadedTrain(WaveTrain):
 
     @model_validator(mode="after")
     def _one_heading(self) -> "HeadedTrain":
-        """Raise ValueError if random waves have `heading_deg` beside their spectrum, which has its own."""
         if self.spectrum is not None and self.heading_deg is not None:
             raise ValueError("the heading of random waves is spectrum.heading_deg")
         return self

@@ -125,8 +125,7 @@ class WaveField:
         return found / np.linalg.norm(found, axis=1, keepdims=True)
 
     def velocity(self, points: np.ndarray, time: float) -> np.ndarray:
-        """Velocities (n, 3) of the water [m/s] at points x, y, z (n, 3) [m] and a time [s], in columns stretched from
-        bed to surface (Wheeler 1970); points above the water get the velocity of its surface."""
+        """Water velocities (n, 3) [m/s] at points x, y, z (n, 3) [m] and a time [s], by `waves.velocity`."""
         return waves.velocity(self.sea, row_array("points", points, "x, y, z"), number("time", time, "s"))
 
     def periodic(self, side: float) -> "WaveField":
@@ -134,7 +133,8 @@ class WaveField:
         return WaveField(waves.fit_periods(self.sea, 2 * [number("side", side, "m", MIN_SQUARE_SIDE)]))
 
     def field(self, cells: int, side: float, time: float) -> np.ndarray:
-        """Heights (cells, cells) [m] along x and z at a time [s] of a square to be tiled; one corner is the origin."""
+        """Heights (cells, cells) [m], x by z, at a time [s] of a tile with sides `side` [m], one corner at the
+        origin."""
         at = np.arange(whole_number("cells", cells)) * (number("side", side, "m", MIN_SQUARE_SIDE) / cells)
         x, z = np.meshgrid(at, at, indexing="ij")
         heights = self.periodic(side).elevation(np.stack([x.ravel(), z.ravel()], axis=1), time)

@@ -197,7 +197,6 @@ class Grid:
 
     @property
     def middle(self) -> tuple[float, float]:
-        """Middle of the basin in x and z [m]."""
         x, z = 0.5 * (self.upper + self.lower)[[0, 2]]
         return float(x), float(z)
 
@@ -220,7 +219,6 @@ class SurfaceRecord:
     """Wavelength of the shortest waves that `cover` counts [m]: four points of the frames apart."""
 
     def means(self) -> dict[str, float | None]:
-        """Means of circulation and cover over time, by name."""
         turn = None if self.circulation is None else float(self.circulation.mean())
         return {"circulation_m2_s": turn, "white_cap_cover": float(self.cover.mean())}
 
@@ -242,7 +240,7 @@ def surface_record(grid: Grid, frames: Iterable[Frame], begin: float) -> Surface
 
 
 def frame_circulation(grid: Grid, frame: Frame) -> float:
-    """Circulation [m2/s] of a frame's particles about the middle of the basin; NaN in 2-D, or if none are there."""
+    """Circulation [m2/s] of a frame's particles about the middle of the basin; NaN in 2-D or without particles."""
     if grid.is_slice or frame.position is None or frame.velocity is None:
         return np.nan
     try:

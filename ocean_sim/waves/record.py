@@ -65,7 +65,6 @@ class Sea:
     hmax_m: float | None  # height of the highest wave
 
     def numbers(self) -> dict[str, float | None]:
-        """All numbers of the sea state by name."""
         return asdict(self)
 
 
@@ -153,7 +152,7 @@ class Treatment:
         return detrend(values, type="linear" if self.detrended else "constant")
 
     def notes(self) -> dict[str, str]:
-        """Table notes on the options in use, by name; empty for a record treated by default."""
+        """Notes for a table of results on the options in use, by name; empty for a record treated by default."""
         found = {"detrended": "less the straight line through each record"} if self.detrended else {}
         return found | ({"hysteresis": f"{self.hysteresis:g} m"} if self.hysteresis else {})
 
@@ -179,8 +178,8 @@ def slow_part(interval: float, values: np.ndarray, treatment: Treatment) -> str 
 
 
 def up_crossings(interval: float, deviation: np.ndarray, hysteresis: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-    """Times [s] since the first sample of the zero up-crossings of a record less its mean (n,) [m], and indices of the
-    last samples before them. Of several crossings between -`hysteresis` and +`hysteresis` [m] only the last counts."""
+    """Times [s] from the first sample to the zero up-crossings of a record less its mean (n,) [m], sampled every
+    `interval` [s], and indices of the samples before; of several within -/+ `hysteresis` [m] only the last counts."""
     before = np.flatnonzero((deviation[:-1] < 0.0) & (deviation[1:] >= 0.0))
     beyond = np.flatnonzero((deviation < -hysteresis) | (deviation >= hysteresis))
     risen = beyond[1:][(deviation[beyond[:-1]] < 0.0) & (deviation[beyond[1:]] >= 0.0)]
@@ -190,7 +189,7 @@ def up_crossings(interval: float, deviation: np.ndarray, hysteresis: float = 0.0
 
 
 def parabola_top(values: np.ndarray) -> float:
-    """Height of the top of the parabola through the greatest of some values (n,) and its two neighbours."""
+    """Greatest of some values (n,), refined: the top of the parabola through it and its two neighbours."""
     k = int(values.argmax())
     if not 0 < k < len(values) - 1:
         return float(values[k])
@@ -203,7 +202,7 @@ def zero_crossing_waves(
     interval: float, deviation: np.ndarray, hysteresis: float = 0.0
 ) -> tuple[np.ndarray, np.ndarray]:
     """Heights from trough to crest [m] and periods [s] of all waves between zero up-crossings of a record less its mean
-    (n,) [m], with this sampling interval [s]."""
+    (n,) [m], with this sampling interval [s]; `hysteresis` as in `up_crossings`."""
     times, before = up_crossings(interval, deviation, hysteresis)
     heights = [
         parabola_top(deviation[begin : end + 2]) + parabola_top(-deviation[begin : end + 2])
@@ -215,8 +214,8 @@ def zero_crossing_waves(
 def welch_density(
     interval: float, deviation: np.ndarray, segments: int = MAX_SEGMENTS
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies [Hz] and spectral density [m2 s] of a record less its mean (n,) [m], by Welch's method on overlapping
-    segments; the lowest frequency above 0 is one over a segment's length."""
+    """Frequencies [Hz] and spectral density [m2 s] of a record less its mean (n,) [m], sampled every `interval` [s], by
+    Welch's method on overlapping segments; the lowest frequency above 0 is one over a segment's length."""
     from scipy.signal import welch as estimate
 
     length = max(MIN_SAMPLES // 2, 2 * len(deviation) // (segments + 1))
@@ -235,7 +234,7 @@ def spectral_peak(frequency: np.ndarray, density: np.ndarray) -> float:
 
 
 def segment_count(interval: float, deviation: np.ndarray) -> int:
-    """Largest number of Welch segments, up to MAX_SEGMENTS, each with SEGMENT_PERIODS periods of the peak; else 1."""
+    """Number of Welch segments: the most, up to MAX_SEGMENTS, of SEGMENT_PERIODS peak periods each; or else 1."""
     for count in range(MAX_SEGMENTS, 1, -1):
         frequency, density = welch_density(interval, deviation, count)
         if spectral_peak(frequency, density) >= SEGMENT_PERIODS * frequency[1]:

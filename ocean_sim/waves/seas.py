@@ -51,7 +51,6 @@ class Seas(waves.OpenTrain):
 
     @model_validator(mode="after")
     def _regular_or_random(self) -> "Seas":
-        """Raise ValueError unless the sea has height and period, or a spectrum, or none of them."""
         regular = [self.height is not None, self.period is not None]
         if any(regular) and (self.spectrum is not None or not all(regular)):
             raise ValueError("give either height [m] and period [s] of a regular wave, or a spectrum, or neither")

@@ -24,7 +24,6 @@ class Clock:
         self.step = 0.0  # [s] length of the step
 
     def advance(self, dt: float) -> None:
-        """Advance the clock by a step of dt [s]."""
         self.time, self.since, self.step = self.time + dt, self.since + dt, dt
 
     def is_due(self) -> bool:
@@ -143,7 +142,6 @@ class StillAir(Wind):
         self.clock = Clock()
 
     def on(self, target: Target) -> Wind:
-        """Still air for every target."""
         return self
 
     def strengthen(self, factor: float) -> None:
@@ -151,5 +149,4 @@ class StillAir(Wind):
 
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):
-        """Zero force [N]."""
         return tm.vec3(0.0)

@@ -92,7 +92,6 @@ class Volume(Scheduled):
 
     @property
     def velocity(self) -> np.ndarray:
-        """Velocity of the volume's drift (3,) [m/s]."""
         return np.multiply(self.drift, self.ahead) if isinstance(self.drift, (int, float)) else np.array(self.drift)
 
     @property
@@ -122,7 +121,7 @@ class Volume(Scheduled):
         return [(shape, 1.0) for shape in self.include] + [(shape, -1.0) for shape in self.exclude]
 
     def redrawn(self, seed: int, number: int, passage: int) -> tuple[float, float]:
-        """Random turn [rad] and strength factor of volume `number` in a later passage, drawn from the seed."""
+        """Random turn [rad] and strength factor of volume `number` on its crossing number `passage` of the basin."""
         side, force, _ = numpy_uniform3(seed, PASSAGE_STREAM + number, 0, passage)[0]
         given = self.include[0].core.yaw
         low, high = (radians(a) for a in self.redraw_yaw_deg) if self.redraw_yaw_deg else (given, given)
@@ -150,7 +149,7 @@ class Volume(Scheduled):
         return min(slabs, key=lambda slab: slab[2])
 
     def passages(self, basin: Basin, seed: int, number: int) -> Passages:
-        """Path of volume `number` of the wind as it drifts across the basin again and again."""
+        """Repeated path of volume `number` of the wind across the basin; `seed` of its random turns."""
         first, speed = self.include[0].core, float(np.linalg.norm(self.velocity))
         rear = first.reach(self.velocity / speed) if speed else 0.0
         return Passages(first.centre, self.velocity, rear, basin, lambda passage: self.redrawn(seed, number, passage))
@@ -174,22 +173,18 @@ class Config(Placed, WindConfig):
 
     @property
     def needs_area(self) -> bool:
-        """True if a volume with a wind speed acts on the fluid."""
         return any(self.volumes[g].wind_speed > 0.0 for g in self.aimed("fluid"))
 
     @property
     def acts_on(self) -> list[Target]:
-        """Targets on which at least one volume acts."""
         return [target for target in get_args(Target) if self.aimed(target)]
 
     @property
     def stylised(self) -> bool:
-        """True if a volume has an acceleration or noise, which is a force field and no physical stress."""
         return any(any(v.acceleration) or any(v.noise) for v in self.volumes)
 
     @property
     def is_random(self) -> bool:
-        """True if a volume has noise, or draws its direction or strength anew in each passage."""
         return any(any(v.noise) or v.redraw_yaw_deg or v.redraw_strength != (1.0, 1.0) for v in self.volumes)
 
     def aimed(self, target: Target) -> list[int]:
@@ -197,23 +192,19 @@ class Config(Placed, WindConfig):
         return [g for g, v in enumerate(self.volumes) if target in (self.targets if v.targets is None else v.targets)]
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults of the volumes' schedules and of the key `frame`, each as key path and sentence."""
         unscheduled: Problems = [
             (("volumes", g, *path), message) for g, v in enumerate(self.volumes) for path, message in v.unscheduled()
         ]
         return [*unscheduled, *self.misframed(preflight)]
 
     def build(self, basin: Basin, seed: int) -> Wind:
-        """Build the volumes of air on the device."""
         return Gusts(self, basin, seed)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Row of the memory ledger for volumes and noise on the device."""
         n, numbers = len(self.volumes), len(self.volumes) * row_size(self.volumes) + DRAWS.size
         return [LedgerRow("wind", "moving volumes of air", preflight.word * numbers, f"{n} in wind.volumes")]
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warnings about force fields, velocity changes, ends of schedules and drag on ships."""
         sentences = []
         for g, volume in enumerate(self.volumes):
             name, size = f"wind.volumes[{g}]", hypot(*volume.acceleration, *volume.noise)
@@ -242,7 +233,7 @@ def joined(drawings: list[Drawing]) -> Drawing:
 
 
 def row_size(volumes: list[Volume]) -> int:
-    """Number of columns of a device row for any of these volumes: its own, and those of the largest set of shapes."""
+    """Number of columns of a volume's device row: its own numbers, and space for the most shapes of any volume."""
     return VOLUME.size + SHAPE.size * max(len(volume.shapes) for volume in volumes)
 
 
@@ -271,12 +262,10 @@ class Gusts(Wind):
         self._restart()
 
     def on(self, target: Target) -> Wind:
-        """Wind that acts on a target: all volumes, the subset that acts on the target, or still air if none does."""
         numbers = self.config.aimed(target)
         return self if len(numbers) == self.n else Aimed(self, numbers) if numbers else StillAir()
 
     def strengthen(self, factor: float) -> None:
-        """Set the factor on acceleration, noise and wind_speed of all volumes."""
         super().strengthen(factor)
         for g in range(self.n):
             self._set_strength(g)
@@ -296,7 +285,6 @@ class Gusts(Wind):
         return joined(drawings)
 
     def follow(self, middle: np.ndarray) -> None:
-        """Move the wind's axes with the patch of open sea to its middle x, z (2,) [m]."""
         self.patch.follow(middle)
 
     def advance(self, dt: float) -> None:
@@ -319,7 +307,7 @@ class Gusts(Wind):
             self.noise.advance()
 
     def _lay_out(self, g: int) -> None:
-        """Write into the host row of volume g its slab and its shapes, turned as in the present passage."""
+        """Write slab and shapes of volume g, as turned at present, into its row of the array on the host."""
         volume, turn = self.volumes[g], self.passages[g].turn
         centre = volume.include[0].core.centre
         normal, middle, self.half[g] = volume.slab(turn)
@@ -332,7 +320,7 @@ class Gusts(Wind):
         self.rows[g, VOLUME.size : VOLUME.size + len(numbers)] = numbers
 
     def _set_strength(self, g: int) -> None:
-        """Write into the host row of volume g its present acceleration, noise and wind."""
+        """Write the present acceleration, noise and wind of volume g into its row of the array on the host."""
         p, volume, (part, turn) = self.passages[g], self.volumes[g], self.blown[g]
         part *= self.gain
         acceleration = part * p.strength * turned(volume.acceleration, p.turn + turn)
@@ -352,7 +340,6 @@ class Gusts(Wind):
 
     @ti.func
     def set_clock(self, since, step):
-        """Compute the centres of the volumes and the noise draws of this step."""
         ti.loop_config(serialize=True)
         for g in range(self.n):
             centre = self.vector(g, VOLUME.start) + since * self.vector(g, VOLUME.velocity)
@@ -405,7 +392,7 @@ class Gusts(Wind):
 
     @ti.func
     def vector(self, g, column):
-        """Vector (3,) from three columns of the device row of volume g, `column` the first."""
+        """Vector (3,) in three neighbouring columns of the device row of volume g; `column`: number of the first."""
         return tm.vec3(self.row[g, column], self.row[g, column + 1], self.row[g, column + 2])
 
 
@@ -421,17 +408,14 @@ class Aimed(Wind):
         self.number.from_numpy(np.array(numbers, dtype=np.int32))
 
     def on(self, target: Target) -> Wind:
-        """Wind that acts on a target, out of all volumes of the `Gusts`."""
         return self.gusts.on(target)
 
     @ti.func
     def set_clock(self, since, step):
-        """Compute the centres and noise draws of the whole `Gusts` in this step."""
         self.gusts.set_clock(since, step)
 
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):
-        """Force [N] on a particle or voxel: (2.26), summed over the volumes of this subset that contain it."""
         total, x = tm.vec3(0.0), self.gusts.patch.seen(position)
         for k in range(self.n):
             total += self.gusts.push(self.number[k], key, x, velocity, area, mass)

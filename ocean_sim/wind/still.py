@@ -14,17 +14,14 @@ class Config(WindConfig):
 
     @property
     def stylised(self) -> bool:
-        """False: still air has no force field."""
         return False
 
     @property
     def still(self) -> bool:
-        """True: there is no wind."""
         return True
 
     @property
     def acts_on(self) -> tuple[Target, ...]:
-        """No targets: still air acts on nothing."""
         return ()
 
     def warnings(self, preflight: Preflight) -> list[str]:
@@ -34,5 +31,4 @@ class Config(WindConfig):
         return []
 
     def build(self, basin: Basin, seed: int) -> Wind:
-        """Build still air."""
         return StillAir()

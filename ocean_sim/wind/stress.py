@@ -66,7 +66,6 @@ class Config(Scheduled, WindConfig):
 
     @property
     def needs_area(self) -> bool:
-        """True if the wind acts on the fluid, as a stress on its plan area."""
         return "fluid" in self.targets
 
     @property
@@ -76,16 +75,14 @@ class Config(Scheduled, WindConfig):
 
     @property
     def acts_on(self) -> list[Target]:
-        """Targets that the scene names."""
         return self.targets
 
     @property
     def stylised(self) -> bool:
-        """False: the wind is a physical stress, no force field."""
         return False
 
     def blows(self, time: float, dimension: int) -> tuple[float, float]:
-        """U10 [m/s] and heading [deg] of the wind at a time [s], without its ramp, which is a factor on the stress."""
+        """U10 [m/s] and heading [deg] at a time [s] in a basin of 2 or 3 dimensions; the ramp is left to the stress."""
         if self.course is not None:
             return self.course.at(time)
         return self.speed, (90.0 if dimension == 2 else 0.0) if self.heading_deg is None else self.heading_deg
@@ -97,12 +94,10 @@ class Config(Scheduled, WindConfig):
 
     @property
     def law(self) -> DragLaw:
-        """Name of the drag law: that of the scene, or else the default one."""
         return self.drag_law or LAW
 
     @property
     def strongest(self) -> float:
-        """Greatest U10 [m/s] that the wind ever has."""
         return self.speed if self.course is None else float(self.course.speed.max())
 
     def on_water(self, u10: float) -> float:
@@ -120,7 +115,6 @@ class Config(Scheduled, WindConfig):
         return self.gain_of_pressure * self.sheltering * AIR_DENSITY * relative * abs(relative)
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults of the schedule, of exclusive keys, and of heading or basin, each as key path and sentence."""
         basin, found = preflight.tank, list(self.unscheduled())
         stated = {"u10": self.u10, "drag_law": self.drag_law, "schedule": self.schedule}
         others = [key for key, value in stated.items() if value is not None]
@@ -136,15 +130,12 @@ class Config(Scheduled, WindConfig):
         return found
 
     def build(self, basin: Basin, seed: int) -> Wind:
-        """Build the stress on the device."""
         return Stress(self, basin)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Row of the memory ledger for the wind's numbers on the device."""
         return [LedgerRow("wind", "stress, pressure and direction", 6 * preflight.word, "wind.kind is stress")]
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warnings about the size of the stress, the schedule, ships, the drag law and unresolved waves."""
         u10 = self.strongest
         sheltered = f", pressure on waves {self.sheltered(u10):.3g} Pa times their slope" if self.sheltering else ""
         gain = "a real wind (gain 1)" if self.gain == 1.0 else f"{self.gain:g} times a real wind (gain)"
@@ -169,7 +160,7 @@ class Config(Scheduled, WindConfig):
 
 
 def out_of_range(u10: float, law: DragLaw) -> list[str]:
-    """Warn of a wind speed outside the range of a drag law, with the coefficients of the other laws."""
+    """Warn of a wind u10 [m/s] outside the range of a drag law, with the coefficients of the other laws."""
     low, high = RANGES[law]
     if u10 == 0.0 or low <= u10 <= high:
         return []
@@ -204,7 +195,7 @@ def growth_rate(wind: Config, u10: float, k: float, depth: float, pull: float) -
 
 
 def overdamped(wind: Config, u10: float, k: float, preflight: Preflight) -> list[str]:
-    """Warn if viscosity damps waves of wavenumber k [1/m] faster than the wind of the scene makes them grow."""
+    """Warn if viscosity damps waves of wavenumber k [1/m] faster than the scene's wind u10 [m/s] makes them grow."""
     fluid, pull, length = preflight.fluid, hypot(*preflight.tank.gravity), 2.0 * pi / k
     beta = growth_rate(wind, u10, k, preflight.tank.depth, pull)
     own, added = fluid.viscosity_asked, fluid.viscosity_added(preflight, length)
@@ -280,7 +271,6 @@ class Stress(Wind):
         self._set_strength(0.0)
 
     def on(self, target: Target) -> Wind:
-        """Wind that acts on a target: stress on the fluid, drag on a ship, or still air if it is none of `targets`."""
         return self.ship if target == "ship" and self.ship is not None else super().on(target)
 
     def advance(self, dt: float) -> None:
@@ -292,7 +282,6 @@ class Stress(Wind):
             self.ship.advance(dt)
 
     def strengthen(self, factor: float) -> None:
-        """Set the factor on the U10 of the scene."""
         super().strengthen(factor)
         self._set_strength(0.0)
         if self.ship is not None:

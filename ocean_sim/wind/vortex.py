@@ -59,22 +59,18 @@ class Config(Timed, Placed, WindConfig):
 
     @property
     def stylised(self) -> bool:
-        """True: the vortex is a force field, no physical stress."""
         return True
 
     @property
     def needs_area(self) -> bool:
-        """False: the force field acts on mass, not on exposed area."""
         return False
 
     @property
     def acts_on(self) -> list[Target]:
-        """Targets that the scene names."""
         return self.targets
 
     @property
     def is_random(self) -> bool:
-        """True if the vortex has noise."""
         return any(self.noise)
 
     def circulation(self, radius: float) -> float:
@@ -82,22 +78,18 @@ class Config(Timed, Placed, WindConfig):
         return 2.0 * pi * self.acceleration * min(radius**2 / self.core_radius, self.core_radius)
 
     def build(self, basin: Basin, seed: int) -> Wind:
-        """Build the vortex on the device."""
         return Vortex(self, basin, seed)
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults of a 2-D basin, which cannot have a vortex, and of the key `frame`, each as key path and sentence."""
         sentence = "a vortex turns about the vertical: give the basin a width"
         flat: Problems = [(("kind",), sentence)] if preflight.tank.dimension == 2 else []
         return flat + self.misframed(preflight)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Row of the memory ledger for axis, strength and noise on the device."""
         size = ROW.size * preflight.word
         return [LedgerRow("wind", "axis, strength and noise of the vortex", size, "wind.kind is vortex")]
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warnings about the size of the force field and the change of velocity in one passage."""
         speed = hypot(*self.drift)
         acceleration = (self.acceleration, self.upward, self.inward)
         passing = 2.0 * self.core_radius / speed if speed else inf
@@ -124,7 +116,6 @@ class Vortex(Wind):
         self._restart()
 
     def follow(self, middle: np.ndarray) -> None:
-        """Move the wind's axes with the patch of open sea to its middle x, z (2,) [m]."""
         self.patch.follow(middle)
 
     def advance(self, dt: float) -> None:
@@ -140,7 +131,6 @@ class Vortex(Wind):
             self.noise.advance()
 
     def strengthen(self, factor: float) -> None:
-        """Set the factor on acceleration and noise."""
         super().strengthen(factor)
         self._restart()
 
@@ -168,7 +158,6 @@ class Vortex(Wind):
 
     @ti.func
     def set_clock(self, since, step):
-        """Store the time since the restart, and find the noise draws of this step."""
         self.row.field[ROW.since] = since
         if ti.static(self.noisy):
             self.noise.set_clock(since, step)

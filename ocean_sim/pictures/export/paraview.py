@@ -54,7 +54,7 @@ def export_run(
 
 
 def export_shots(frames: list[Path], grid: dict[str, np.ndarray], z_up: bool) -> Iterator[ExportShot]:
-    """Read the contents of all frames to export, turned to z up if `z_up`."""
+    """Read the contents of all frames to export, with z up if `z_up`; `grid`: arrays that the run saves once."""
     wakes = RunWakes(frame_files(frames[0].parent.parent), grid)
     return upright_shots((scene_file.read_shot(frame, grid, wakes) for frame in frames), z_up)
 
@@ -63,7 +63,7 @@ def export_particles(
     frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
 ) -> list[Path]:
     """Write particles with velocity, id and pressure to one file (vtkhdf) or one file a frame (ply); returns the files.
-    Raises NothingToExport if the frames hold none."""
+    Raises NothingToExport if the frames hold none. `grid`: arrays that the run saves once."""
     if "position" not in read_npz(frames[0]):
         raise NothingToExport("these frames hold no particles; run with frames.particles: true")
     kept = ((shot.time, shot.particles["position"], shot.particles) for shot in export_shots(frames, grid, z_up))
@@ -80,15 +80,14 @@ def export_particles(
 
 
 def without_key(fields: dict[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
-    """Copy of the arrays without the one of this name."""
     return {key: values for key, values in fields.items() if key != name}
 
 
 def export_surface(
     frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
 ) -> list[Path]:
-    """Write the water's surface with foam and velocity, every ship at her pose, gates, and fixed obstacles once;
-    returns the files: one per object and frame (ply, vtp with a list of times), or one per object (vtkhdf)."""
+    """Write the water's surface with foam and velocity, ships at their poses, gates, and once fixed obstacles; returns
+    the files: one per object and frame (ply, vtp) or per object (vtkhdf). `grid`: arrays that the run saves once."""
     files: dict[str, list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]] = {"surface": []}
     drawn = {key: model.mesh for key, model in scene_file.ship_models(grid).items()}
     for shot in export_shots(frames, grid, z_up):
@@ -123,7 +122,8 @@ def display_colours(linear: np.ndarray) -> np.ndarray:
 def save_moments(
     out: Path, name: str, kind: str, moments: list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]
 ) -> list[Path]:
-    """Write a mesh at several moments (time [s], points, triangles, fields) to files of a kind; returns the files."""
+    """Write a mesh at several moments (time [s], points, triangles, fields) to `kind` files `name`; returns the
+    files."""
     if kind == "vtkhdf":
         path = out / f"{name}.vtkhdf"
         with atomic_write(path) as draft, Series(draft, "Polygons") as series:

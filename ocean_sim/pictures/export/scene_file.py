@@ -55,7 +55,7 @@ class ExportShot(NamedTuple):
 
 def read_shot(frame: Path, grid: dict[str, np.ndarray], wakes: RunWakes) -> ExportShot:
     """Read the contents of a frame to export. The water is the run's surface mesh if it has one, else a mesh of the
-    heights; at sea it gets the wakes, bow waves and foam along hulls that pictures show."""
+    heights; at sea it gets the wakes and foam that pictures show. `grid`: arrays that the run saves once."""
     data = read_npz(frame)
     raised = np.zeros(data["elevation"].shape)
     if "foam" in data and len(grid["z"]) > 1:

@@ -16,7 +16,6 @@ class RunWakes:
     """Wakes of all ships of a run at sea, at the points of the heights in its frames; without effect for a tank."""
 
     def __init__(self, files: list[Path], grid: dict[str, np.ndarray]) -> None:
-        """`files`: all frames of the run."""
         keys = ship_keys(grid, "_vertices")
         tracks = FrameLog(files).tracks if keys and shows_sea(files, float(grid["depth"])) else {}
         self.grid, self.x, self.z = grid, grid["x"], grid["z"]
@@ -25,7 +24,7 @@ class RunWakes:
         self.answers = "sea_answers" in grid  # the water of the run knows of its ships
 
     def shown(self, frame: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Heights (nx, nz) [m] and foam shares of a frame, plus the ships' waves and foam as pictures show them."""
+        """Heights (nx, nz) [m] of a frame and shares of foam on its foam's grid, both with those of the ships added."""
         height, white = frame["elevation"].astype(float), frame["foam"].astype(float)
         if not self.vessels:
             return height, white
@@ -50,7 +49,7 @@ class RunWakes:
         return float(self.grid["lower"][2 * k]), float(self.grid["upper"][2 * k])
 
     def places(self, at: np.ndarray, origin: np.ndarray) -> np.ndarray:
-        """Relative positions (2, n), 0 to 1 across the basin around an origin, of points x, z (n, 2) [m]."""
+        """Positions (2, n) of points x, z (n, 2) [m] in the basin around an origin, 0 to 1 from side to side."""
         low, high = np.transpose([self.sides(k) for k in range(2)])
         return ((at - origin - low) / (high - low)).T
 

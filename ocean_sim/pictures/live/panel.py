@@ -100,7 +100,7 @@ class Panel:
             self.requests.append(action)
 
     def hold(self, keys: set[str], seconds: float) -> None:
-        """Change throttle and rudder by the helm keys held for some seconds; the first of them requests the helm."""
+        """Change throttle and rudder by helm keys held for `seconds`; request the helm first if it is not taken yet."""
         pedal, wheel = (sum(HELM_KEYS[key][k] for key in keys if key in HELM_KEYS) for k in range(2))
         if not pedal and not wheel:
             return
@@ -111,12 +111,11 @@ class Panel:
             self.requests.append("helm")
 
     def orbit(self, right: float, up: float) -> None:
-        """Turn the eye around its target by a mouse drag right and up, in shares of the picture."""
+        """Turn the eye around its target by a mouse drag right and up, in shares of the picture's width and height."""
         self.azimuth -= 3.0 * right
         self.height = min(max(self.height - 2.0 * up, MIN_EYE_HEIGHT), MAX_EYE_HEIGHT)
 
     def zoom(self, factor: float) -> None:
-        """Multiply the distance of the eye by a factor, within bounds."""
         self.distance = min(max(self.distance * factor, MIN_EYE_DISTANCE), MAX_EYE_DISTANCE)
 
     def take(self, action: str) -> bool:

@@ -27,9 +27,8 @@ def preview_camera(
     length: float,
 ) -> Camera:
     """Camera `name`, one of panel.CAMERA_NAMES, that sees a box, given by its lower and upper corner [m], in a picture
-    `aspect` times as wide as high, of which a panel covers the left share `covered`.
-
-    `azimuth`, `height` [rad] and `distance` of the eye as in Panel; `length` of the ship [m], 0 if none is drawn."""
+    `aspect` times as wide as high, of which a panel covers the left share `covered`. `azimuth`, `height` [rad] and
+    `distance` of the eye as in Panel; `length` of the ship [m], 0 if none is drawn."""
     if name == "helm" and ship is not None:
         return helm_camera(ship, length)
     lower, upper = (np.array(corner, dtype=float) for corner in box)

@@ -88,7 +88,7 @@ class PreviewScene:
         return shown.elevations(self.points) if self.has_surface else np.zeros(0)
 
     def water_patch(self, heights: np.ndarray, eye: np.ndarray, solid: bool) -> Patch | None:
-        """Surface of heights (n,) [m], coloured for an eye (3,) [m]; None without one. `solid`: with cut sides."""
+        """Surface of heights (n,) [m], coloured for an eye (3,) [m], or None without any; `solid`: with cut sides."""
         if not self.has_surface:
             return None
         if self.sheet is None:
@@ -105,7 +105,7 @@ class PreviewScene:
         )
 
     def folded_patch(self, heights: np.ndarray, eye: np.ndarray) -> Patch | None:
-        """Closed surface mesh, which may fold over; None if it is empty. Parts not facing up are dark as cut sides."""
+        """Closed surface mesh, coloured for an eye (3,) [m], darker where it does not face up; None if it is empty."""
         surface = self.simulation.surface
         assert surface is not None  # only a surface folds
         mesh = surface.mesh()
@@ -120,7 +120,7 @@ class PreviewScene:
     def surface_colours(
         self, points: np.ndarray, normals: np.ndarray, heights: np.ndarray, eye: np.ndarray
     ) -> np.ndarray:
-        """Display RGB (n, 3), 0 to 1, of surface points (n, 3) [m] for an eye [m]; `heights` scale the crests."""
+        """Display RGB (n, 3), 0 to 1, of surface points (n, 3) [m] for an eye [m]; `heights` [m] scale the crests."""
         crest = max(2.5 * float(np.std(heights)), 0.02 * self.simulation.basin.depth)
         height = np.clip(points[:, 1] / crest, -1.0, 1.0)
         return water_shading.display_colours(water_shading.surface_light(points, normals, height, eye)) / 255.0
@@ -141,7 +141,7 @@ class PreviewScene:
         return Patch(vertices, np.arange(len(vertices)).reshape(-1, 3), np.concatenate(colours) / 255.0)
 
     def particle_balls(self, small: bool) -> Balls | None:
-        """Particles coloured by speed, or None; `small`: with half the radius. The scale's top speed never falls."""
+        """Particles coloured by speed, or None without any; `small`: of half the radius. The top speed never falls."""
         particles = self.simulation.fluid.particles
         if particles is None:
             return None

@@ -52,7 +52,7 @@ def draws(show: bool) -> bool:
 
 @cache
 def _survives(show: bool) -> bool:
-    """True if a child process drew without a crash; cached, since starting a process takes a second."""
+    """True if a child process drew, on a screen if `show`, without a crash; cached, as starting one takes a second."""
     command = [sys.executable, "-c", PROBE_PROGRAM.format(show=show)]
     try:
         with tempfile.TemporaryDirectory() as away:  # GGUI leaves a file where it works

@@ -59,7 +59,7 @@ class ShadedShip:
         stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
 
     def show(self, position: np.ndarray, turn: np.ndarray, eye: np.ndarray) -> None:
-        """Move the ship's centre of mass to a position (3,) [m]; `turn`: (3, 3) from body to world; `eye`: [m]."""
+        """Move the centre of mass to a position (3,) [m]; `turn`: (3, 3) from body to world; `eye`: of the viewer."""
         mesh = self.shaded.mesh
         mesh.points = (self.corners @ turn.T + position).astype(np.float32)
         mesh.point_data["nrm"] = (self.normals @ turn.T).astype(np.float32)
@@ -106,5 +106,4 @@ class Mirror:
         return np.array([[matrix.GetElement(i, j) for j in range(4)] for i in range(4)])
 
     def close(self) -> None:
-        """Close the second plotter."""
         self.plotter.close()

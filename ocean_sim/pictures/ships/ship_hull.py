@@ -103,7 +103,7 @@ class Sheer:
         return low + (high - low) * (forward**2 + 0.25 * aft**2)
 
     def bulwark_top(self, z: np.ndarray, inwards: float = 0.0, share: float = 1.0) -> np.ndarray:
-        """Line (n, 3) [m] along the port bulwark at positions z (n,) [m], at a share of its height, `inwards` [m]."""
+        """Line (n, 3) [m] on the port bulwark at z (n,) [m], at a share of its height, shifted `inwards` [m]."""
         s = np.clip((z - self.stern) / (self.bow - self.stern), 0.0, 1.0)
         rise = self.bulwark_height(z)
         round_half = np.maximum(self.smooth(z), self.half_breadth(z)) + 0.06 * rise * np.sin(np.pi * s**2) ** 2
@@ -150,7 +150,6 @@ def smooth_strip(low: np.ndarray, high: np.ndarray, colour: Triple) -> Mesh:
 
 def rest_plane(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
     """Plane of the still water at rest in body axes: normal n (3,) and d [m]; n . x + d is the height of x above it.
-
     The `share` of the volume under water is given, and its centre of buoyancy lies below the centre of mass, the
     origin. A hull without such a position within 30 degrees is taken as upright, awash at most."""
     from scipy.optimize import brentq, root
@@ -166,12 +165,11 @@ def rest_plane(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
     size = np.ptp(corners.reshape(-1, 3), axis=0).max()
 
     def tilted(pitch: float, roll: float) -> np.ndarray:
-        """Unit vector (3,) up in body axes, for small slopes along and across the ship."""
         up = np.array([np.sin(roll), 1.0, np.sin(pitch)])
         return up / np.linalg.norm(up)
 
     def residual(state: np.ndarray) -> np.ndarray:
-        """Relative errors (3,) of volume and of the centre of buoyancy, for a level over size and two slopes."""
+        """Relative errors (3,) of volume and of the centre of buoyancy; `state`: level over hull size, two slopes."""
         up = tilted(state[1], state[2])
         volume, *moment = submerged_moments(corners, up, size * state[0])
         arm = np.array(moment) / max(volume, 1e-12)

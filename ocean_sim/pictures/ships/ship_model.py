@@ -48,7 +48,6 @@ class ShipModel(NamedTuple):
 
     @property
     def length(self) -> float:
-        """Length of the hull [m]."""
         return float(self.hull.length)
 
 
@@ -64,8 +63,7 @@ def kept_model(grid: Mapping[str, Any], key: str) -> ShipModel:
 def build_model(
     vertices: np.ndarray, triangles: np.ndarray, submerged: float, look: str, helm: np.ndarray
 ) -> ShipModel:
-    """Model to draw of a ship on a hull with vertices (n, 3) [m]; `submerged`: share of its volume under water at rest.
-
+    """Model to draw of a ship on a hull with vertices (n, 3) [m]; `submerged`: share of its volume under water at rest;
     `look`: name of the hull and its kind of shape, which choose a style; `helm`: eye of the helmsman [m], or empty."""
     hull = Hull(np.asarray(vertices, dtype=float), np.asarray(triangles, dtype=int), submerged)
     given = np.asarray(helm, dtype=float) if np.isfinite(helm).all() and np.size(helm) else None

@@ -25,7 +25,6 @@ class Mesh(NamedTuple):
 
 
 def merge_meshes(parts: Iterable[Mesh]) -> Mesh:
-    """Join several meshes into one."""
     return Mesh(*(np.concatenate(arrays) for arrays in zip(*parts)))
 
 
@@ -37,7 +36,7 @@ def mirrored_pair(mesh: Mesh) -> Mesh:
 
 
 def flat_mesh(corners: np.ndarray, colour: Triple, gloss: float = 0.0, middle: np.ndarray | None = None) -> Mesh:
-    """Mesh of flat triangles (m, 3, 3) of one colour; if the point `middle` is given, all face away from it."""
+    """Mesh of flat triangles (m, 3, 3) of a colour and gloss; if the point `middle` is given, all face away from it."""
     corners = np.array(corners, dtype=float).reshape(-1, 3, 3)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     if middle is not None:
@@ -75,8 +74,8 @@ class Block:
         return merge_meshes([flat_mesh(sides, walls, middle=self.middle), flat_mesh(ends, lid, middle=self.middle)])
 
     def panes(self, wall: int, count: int, low: float, high: float, post: float, colour: Triple) -> Mesh:
-        """Mesh of `count` window panes in a row on one wall, between shares `low` and `high` of its height; `post`: gap
-        between panes, as a share of their pitch."""
+        """Mesh of `count` window panes in a row on wall number `wall`, between shares `low` and `high` of its height;
+        `post`: gap between panes, as a share of their pitch."""
         k = (wall + 1) % len(self.bottom)
         a, b, c, d = self.bottom[wall], self.bottom[k], self.top[k], self.top[wall]
         out = np.cross(b - a, d - a)
@@ -84,7 +83,6 @@ class Block:
         lift = PANE_LIFT * float(np.linalg.norm(d - a)) * out
 
         def place(u: np.ndarray, v: float) -> np.ndarray:
-            """Points (n, 3) just outside the wall at shares u (n,) of its length and v of its height."""
             u = u[:, None]
             return (1.0 - v) * ((1.0 - u) * a + u * b) + v * ((1.0 - u) * d + u * c) + lift
 
@@ -102,7 +100,7 @@ def level_outline(corners: list[list[float]], y: float) -> np.ndarray:
 
 
 def tube_mesh(start: Triple, end: Triple, radii: tuple[float, float], colour: Triple, sides: int = 8) -> Mesh:
-    """Mesh of a round bar or cone between two points, with a radius [m] at each."""
+    """Mesh of a bar or cone with a number of sides between two points [m], with a radius [m] at each."""
     a, b = np.array(start, dtype=float), np.array(end, dtype=float)
     along = (b - a) / np.linalg.norm(b - a)
     across = np.cross(along, UPWARD if abs(along[1]) < 0.9 else [1.0, 0.0, 0.0])
@@ -140,9 +138,8 @@ def smooth_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 
 def cut_triangles(values: np.ndarray, height: np.ndarray, level: float) -> tuple[np.ndarray, np.ndarray]:
-    """Cut triangles with values (m, 3, k) and heights (m, 3) at their corners along the height `level`.
-
-    Returns values (n, 3, k) and heights (n, 3) of triangles that each lie on one side, with interpolated corners."""
+    """Cut triangles with values (m, 3, k) and heights (m, 3) at their corners along the height `level`, into values (n,
+    3, k) and heights (n, 3) of triangles that each lie on one side, with interpolated corners."""
     packed = np.concatenate([values, height[:, :, None]], axis=2)
     over = height > level
     crossed = over.any(axis=1) & ~over.all(axis=1)
@@ -165,10 +162,8 @@ def cut_triangles(values: np.ndarray, height: np.ndarray, level: float) -> tuple
 
 
 def paint_bands(values: np.ndarray, height: np.ndarray, bands: Sequence[tuple[float, Triple]]) -> Mesh:
-    """Mesh of triangles (m, 3, 6) of points and normals, coloured by height (m, 3) and cut where colours meet.
-
-    `bands` are (upper limit, colour) from below, the last without limit.
-    """
+    """Mesh of triangles (m, 3, 6) of points and normals, coloured by height (m, 3) and cut where colours meet; `bands`:
+    (upper limit, colour) from below, the last without limit."""
     limits = [limit for limit, _ in bands[:-1]]
     for limit in limits:
         values, height = cut_triangles(values, height, limit)

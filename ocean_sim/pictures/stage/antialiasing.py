@@ -36,10 +36,9 @@ def smooth_edges(image: np.ndarray) -> np.ndarray:
 
 
 def find_edges(bright: np.ndarray, flat: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Find pixels at edges in BATCH_ROWS rows, from `first` on, of a picture's brightness with a one-pixel margin.
-
-    Returns their indices (n,) in `flat`, the brightness pixel after pixel; the index step (n,) to the neighbour across
-    the edge; and the share (n,) of the neighbour's colour that each pixel takes."""
+    """Find pixels at edges in BATCH_ROWS rows, from `first` on, of a picture's brightness with a one-pixel margin:
+    their indices (n,) in `flat`, the brightness pixel after pixel; the index step (n,) to the neighbour across the
+    edge; and the share (n,) of the neighbour's colour that each pixel takes."""
     rows, last = bright.shape[1], min(first + BATCH_ROWS, len(bright) - 2)
     north, south = bright[first:last, 1:-1], bright[first + 2 : last + 2, 1:-1]
     middle, west, east = (bright[first + 1 : last + 1, k : rows - 2 + k] for k in (1, 0, 2))
@@ -72,11 +71,10 @@ def find_edges(bright: np.ndarray, flat: np.ndarray, first: int) -> tuple[np.nda
 def follow_edge(
     flat: np.ndarray, at: np.ndarray, across: np.ndarray, along: np.ndarray, edge: np.ndarray, most: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Distance (n,) [pixels] along edges to their ends, and the difference (n,) of brightness there from that of the
-    edge; `along`, `across`: index steps; `most`: difference at which an edge ends."""
+    """Distance (n,) [pixels] from pixels `at` along edges to their ends, and the brightness (n,) there less that of the
+    edge, `edge`. `along`, `across`: index steps in `flat`; `most`: difference at which an edge ends."""
 
     def found(of: slice | np.ndarray, reach: float) -> np.ndarray:
-        """Difference of brightness from the edge's, `reach` pixels along the edges selected by `of`."""
         here = at[of] + int(reach) * along[of]
         there = here + across[of]
         return 0.5 * (flat.take(here, mode="clip") + flat.take(there, mode="clip")) - edge[of]

@@ -245,7 +245,6 @@ def eye_before(
     aside: float = 0.0,
 ) -> np.ndarray:
     """Foremost eye position (3,) [m] that sees all points (n, 3) [m] within angles of these tangents across and up.
-
     `axes`: unit vectors right, up and forward; `aside`: tangent to the right at which the middle of the angles lies."""
     right, up, forward = axes
     x, y, away = corners @ right, corners @ up, corners @ forward

@@ -22,7 +22,6 @@ class Obstacles:
         self.add("obstacles", fixed)
 
     def show(self, frame: Frame) -> None:
-        """Draw the gates of a frame in place of those before."""
         self.add("gates", frame.gates)
 
     def add(self, name: str, boxes: np.ndarray) -> None:

@@ -52,7 +52,7 @@ class ScaleBar:
         self.words.SetPosition(*(self.stage.samples * n for n in (width - self.length - 24, 30)))
 
     def draw(self, image: np.ndarray) -> None:
-        """Draw the bar into a picture (height, width, 3)."""
+        """Draw the bar into a picture (height, width, 3), 8-bit RGB."""
         right, low = self.stage.size[0] - 24, self.stage.size[1] - 14
         image[low - 8 : low + 2, right - self.length - 2 : right + 2] = PAPER_PIXEL
         for k in range(4):
@@ -77,7 +77,6 @@ class ArrowBar:
         self.words.SetPosition(*(self.stage.samples * n for n in (right, 92 if self.length else 70)))
 
     def draw(self, image: np.ndarray) -> None:
-        """Draw the legend into a picture (height, width, 3)."""
         if not self.length:
             return
         right, row = self.stage.size[0] - 24, self.stage.size[1] - 78
@@ -114,7 +113,6 @@ class HeightBar:
             text.input = f"{(k - 1) * most:+.3g} m" if k != 1 else "0 m"
 
     def draw(self, image: np.ndarray) -> None:
-        """Draw the bar into a picture (height, width, 3)."""
         left, ink = self.size[0] - BAR_LEFT, 238
         up = np.tile([0.0, 1.0, 0.0], (self.height, 1))
         colours = water_shading.display_colours(water_shading.relief_light(up, np.linspace(1.0, -1.0, self.height)))
@@ -129,7 +127,6 @@ class Outline:
     """Outline of the basin as a line on the water."""
 
     def __init__(self, stage: Stage, lower: np.ndarray, upper: np.ndarray, points: int = 400) -> None:
-        """`lower`, `upper`: corners of the basin [m]."""
         way = np.linspace(0.0, 4.0, points)
         corner = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]], dtype=float)
         share = np.stack([np.interp(way, np.arange(5), corner[:, k]) for k in range(2)], axis=1)

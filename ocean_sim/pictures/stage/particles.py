@@ -53,7 +53,6 @@ class Particles(Content):
         self.drawn = balls.mapper.array_name  # PyVista turns the scalars of such balls into colours once, when added
 
     def show(self, frame: Frame) -> None:
-        """Move the balls to the particles of a frame, and colour them by speed."""
         assert frame.position is not None and frame.velocity is not None
         self.cloud.points = frame.position
         share = np.linalg.norm(frame.velocity, axis=1) / self.fastest

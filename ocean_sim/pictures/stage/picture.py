@@ -39,7 +39,7 @@ def is_foreseeable(grid: Any, order: Order) -> bool:
 
 
 def swept_box(lower: np.ndarray, upper: np.ndarray, ways: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Corners [m] of the box that a basin covers as it moves with the mean of its ships, on tracks (n, 3) [m]."""
+    """Corners [m] of the box that a basin covers as it moves with the mean of its ships, along tracks (n, 3) [m]."""
     middle = np.mean(ways, axis=0) * [1.0, 0.0, 1.0]
     return lower + middle.min(axis=0), upper + middle.max(axis=0)
 
@@ -155,8 +155,7 @@ class Picture:
             plotter.camera.parallel_scale = camera.parallel_height
 
     def backdrop(self) -> None:
-        """Add the background: a dome of sky around the eye, a plain gradient in parallel projection, or the colour of
-        the ground in a view from above."""
+        """Add the background: a dome of sky; in parallel projection, a gradient, or from above the ground's colour."""
         camera, pyvista = self.stage.camera, self.stage.pyvista
         if camera.from_above and camera.parallel_height is not None:
             self.plotter.set_background(
@@ -248,7 +247,6 @@ class Picture:
         self.aim()
 
     def close(self) -> None:
-        """Close the plotter and the content's resources."""
         self.content.close()
         self.plotter.close()
 
@@ -261,7 +259,7 @@ class Moments:
         self.seen, self.every = 0, 1  # pictures of the film, and how many of them for each that is kept
 
     def see(self, image: np.ndarray) -> None:
-        """Take the next picture (height, width, 3) of the film, of which every n-th is kept, made smaller."""
+        """Take the next picture (height, width, 3) of the film; every n-th is stored, made smaller; n grows."""
         if self.seen % self.every == 0:
             if len(self.kept) == 2 * STRIP_PICTURES:
                 self.kept, self.every = self.kept[::2], 2 * self.every

@@ -184,8 +184,8 @@ def make_sky(side: int) -> dict[str, np.ndarray]:
 
 
 def scattered_light(d: np.ndarray, sun: np.ndarray, steps: int = 24, inner: int = 8) -> tuple[np.ndarray, np.ndarray]:
-    """Radiance (..., 3) of light scattered once towards an eye at sea level from unit directions d (..., 3), and the
-    share of light transmitted (Nishita et al. 1993): Rayleigh and Mie scattering, exponential in height."""
+    """Radiance (..., 3) of light scattered once to an eye at sea level from unit directions d (..., 3), and the share
+    transmitted (Nishita et al. 1993): Rayleigh and Mie scattering; `steps`, `inner`: samples of view and sun rays."""
     eye = np.array([0.0, GROUND_RADIUS + 2.0, 0.0])
     segment = distance_to_top(eye, d) / steps
     mu = d @ sun
@@ -268,7 +268,6 @@ def value_noise(p: np.ndarray, seed: int) -> np.ndarray:
     f = f**3 * (f * (f * 6.0 - 15.0) + 10.0)
 
     def at(di: int, dj: int) -> np.ndarray:
-        """Random value, 0 to 1, of the integer points offset by (di, dj)."""
         n = ((i[..., 0] + di) * 374761393 + (i[..., 1] + dj) * 668265263 + seed * 974711) & 0xFFFFFFFF
         n = ((n ^ (n >> 13)) * 1274126177) & 0xFFFFFFFF
         return ((n ^ (n >> 16)) & 0xFFFF) / 65535.0

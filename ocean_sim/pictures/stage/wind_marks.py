@@ -28,7 +28,6 @@ class WindMarks:
     """Marks of the wind: its volumes, arrows, and crosses for noise, drawn anew in every picture."""
 
     def __init__(self, stage: Stage, lower: np.ndarray, upper: np.ndarray) -> None:
-        """`lower`, `upper`: corners of the basin [m]."""
         self.stage, self.length = stage, float(max(upper[0] - lower[0], upper[2] - lower[2]))
         self.arrow = stage.pyvista.Arrow(tip_length=0.3, tip_radius=0.09, shaft_radius=0.032).triangulate()
         arms = [stage.pyvista.Cylinder(direction=axis, radius=0.05, height=1.0) for axis in np.eye(3)]

@@ -82,7 +82,7 @@ def complex_amplitudes(sea: Components, time: float, origin: np.ndarray) -> np.n
 
 
 def grown_waves(sea: Components, time: float) -> Components:
-    """Plane waves without a ramp, with the amplitudes that theirs has let them reach at a time [s]."""
+    """Copy of a sea without a ramp, its amplitudes those to which the waves have grown at a time [s]."""
     return replace(sea, amplitude=sea.ramp_share(time) * sea.amplitude, ramp=0.0)
 
 
@@ -96,8 +96,8 @@ def strongest_waves(sea: Components, most: int = MAX_WAVES) -> Components:
 
 
 def shortest_lengths(sea: Components) -> list[float]:
-    """Wavelength [m] of the shortest wave to draw within each of WAVE_REACHES, rounded down to a quarter of an octave,
-    so that similar seas share a mesh."""
+    """Wavelengths [m] of the shortest waves to draw within each of WAVE_REACHES from the eye, rounded down to a quarter
+    of an octave, so that similar seas share a mesh."""
     order = np.argsort(sea.wavenumber)[::-1]
     held = np.cumsum(sea.amplitude[order] ** 2)
     lengths = 2.0 * pi / np.maximum(sea.wavenumber[order], 1e-9)
@@ -136,11 +136,10 @@ class Fan:
     def look(
         self, height: float, heading: float, half: float, lowest: float, pixel: float, row: float, amplitude: np.ndarray
     ) -> bool:
-        """Turn the fan towards a heading [rad, from +x to +z]; returns True if its nodes have changed.
-
-        `height`: of the eye over the water [m]; `half`: angle seen to either side [rad]; `lowest`: angle of the lowest
-        ray below the horizon [rad]; `pixel`, `row`: angles of a pixel and of a row of samples [rad], of which each
-        shows one ring at most; `amplitude` (n,): of the waves now [m]."""
+        """Turn the fan towards a heading [rad, from +x to +z]; returns True if its nodes have changed. `height`: of the
+        eye over the water [m]; `half`: angle seen to either side [rad]; `lowest`: angle of the lowest ray below the
+        horizon [rad]; `pixel`, `row`: angles of a pixel and of a row of samples [rad], of which each shows one ring at
+        most; `amplitude` (n,): of the waves now [m]."""
         whole = half > 0.5 * pi
         bucket = 0.0 if whole else TURN_STEP * round(heading / TURN_STEP)
         step = 2.0 ** (np.round(2.0 * np.log2(max(height, 0.5))) / 2.0)  # heights that are alike look alike
@@ -203,11 +202,11 @@ class Fan:
         return np.take_along_axis(self.bands, highest, axis=1)
 
     def lost(self, amplitude: np.ndarray) -> np.ndarray:
-        """Variance (rings,), along each axis, of slopes too short to draw, of waves with amplitudes (n,) [m]."""
+        """Variance (rings,), along each axis, of slopes too short to draw, in waves of amplitudes (n,) [m]."""
         return 0.25 * (1.0 - self.sloping**2) @ (amplitude * self.sea.wavenumber) ** 2
 
     def gathering(self, amplitude: np.ndarray) -> tuple[float, np.ndarray]:
-        """Standard deviations of convergence: of waves with amplitudes (n,) [m], and of those drawn on each ring."""
+        """Standard deviation of convergence, of all waves, of amplitudes (n,) [m], and of those drawn on each ring."""
         each = 0.5 * (amplitude * self.sea.wavenumber) ** 2
         return max(float(np.sqrt(each.sum())), 1e-12), np.sqrt(self.drawn**2 @ each)
 

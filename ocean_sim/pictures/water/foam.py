@@ -46,8 +46,7 @@ EDGE_BENDS = (2.3, 1.3), (1.1, 0.8), (0.6, 0.35)  # cells of a wave that bends t
 
 def convergence(elevation: np.ndarray, spacing_x: float, spacing_z: float) -> np.ndarray:
     """Horizontal convergence (nx, nz) of the water at the surface: minus the divergence of its horizontal displacement.
-
-    Linear theory on deep water: the elevation times its wavenumber. Waves stand level at the sides of the grid."""
+    By linear theory it is the elevation times its wavenumber, on deep water. Waves stand level at the grid's sides."""
     return surface_fall(elevation, spacing_x, spacing_z)
 
 
@@ -58,7 +57,6 @@ def crest_cover(drawn_together: np.ndarray) -> float:
 
 def white_shares(drawn_together: np.ndarray, wanted: float, among: np.ndarray | None = None) -> np.ndarray:
     """Whiteness (n,), 0 to 1, of points by their convergence (n,): highest where it is strongest, `wanted` in the mean.
-
     `among` (n,): sorted convergence of the points among which these are ranked; by default the points themselves."""
     known = np.sort(drawn_together, axis=None) if among is None else among
     if wanted * len(known) < 1.0 or known[0] == known[-1]:  # not one of them would be white
@@ -120,10 +118,9 @@ class FoamField:
     def advance(
         self, time: float, velocity: np.ndarray, source: np.ndarray | None, wanted: float | None = None
     ) -> None:
-        """Advance the foam to a time [s], carried by the surface velocity along x and z (nx, nz, 2) [m/s].
-
-        `source` (nx, nz): convergence, of which enough turns white that the mean cover stays at `wanted`; None if no
-        foam is born now. Without `wanted`, `source` is the share of white water itself."""
+        """Advance the foam to a time [s], carried by the surface velocity along x and z (nx, nz, 2) [m/s]. `source`
+        (nx, nz): convergence, of which enough turns white that the mean cover stays at `wanted`; None if no foam is
+        born now. Without `wanted`, `source` is the share of white water itself."""
         if self.started and time > self.time:
             self.carry(velocity * (time - self.time))
             self.carried *= np.exp(-(time - self.time) / GRAIN_SECONDS)
@@ -143,15 +140,15 @@ class FoamField:
         self.time, self.started = time, True
 
     def call(self, wanted: float, fades: float) -> None:
-        """Update the running mean of the target cover with a new value; `fades`: remaining weight of the old mean."""
+        """Update the running mean of the target cover with the new value `wanted`; `fades`: weight of the old mean."""
         before = self.called * fades
         self.called = before + 1.0 - fades if before > 0.0 or wanted > 0.0 else 0.0
         if self.called > 0.0:
             self.cover += (wanted - self.cover) * (1.0 - before / self.called)
 
     def gathering(self, shape: tuple[int, ...], time: float) -> np.ndarray:
-        """Patchiness factor (nx, nz) on the convergence of crests at a time [s], 1 in the mean, so that a crest breaks
-        in places and not all along in a line too thin to last. The law is ours."""
+        """Factor (nx, nz), 1 in the mean, on the convergence of crests at a time [s], that makes a crest break in
+        places and not all along in a line too thin to last; `shape` of the grid. The law is ours."""
         cells = (FLECKS_PER_CELL * (np.arange(n) + first) for n, first in zip(shape, self.origin, strict=True))
         x, z = (
             (at + wanders * time) / (GATHERING_PATCHES * PATCH_CELLS)
@@ -160,11 +157,9 @@ class FoamField:
         return gathering_noise(*np.meshgrid(x, z, indexing="ij"))
 
     def broken(self, drawn_together: np.ndarray, time: float, step: float) -> np.ndarray:
-        """Thickness of the new foam on the cells of white water, 0 for none, that brings the mean cover to its target.
-        `drawn_together` (nx, nz): convergence; `step`: time since the last call [s].
-
-        Convergence is averaged over a patch's width to find crests. White water counts as less steep than it is:
-        otherwise foam would be made anew and never age where waves stand still, as behind a ship."""
+        """Thickness of the new foam on the cells of white water, 0 for none, that brings the mean cover to its target;
+        `drawn_together` (nx, nz): convergence; `step`: time since the last call [s]. White water counts as less steep
+        than it is: otherwise foam would be made anew and never age where waves stand still, as behind a ship."""
         white, least = self.shown(self.flecks[2:].max(axis=0)), PATCH_CELLS**2 / self.white.size
         lacks = self.cover - white.mean()
         self.owed = float(np.clip(self.owed + lacks * step / FADE_SECONDS, -least, least))
@@ -177,7 +172,7 @@ class FoamField:
         return np.where(born > white, born, 0.0)
 
     def add(self, rises_to: np.ndarray, thick: np.ndarray) -> None:
-        """Add flecks of thickness `thick` that rise to `rises_to`, on cells where that is not 0, in place of others."""
+        """Add flecks, in place of others, where `rises_to` is not 0: of thickness `thick`, to grow to `rises_to`."""
         cells = (np.floor(FLECKS_PER_CELL * (along + 0.5)).astype(int) for along in self.flecks[:2])
         covered = rises_to[tuple(cells)] > 0.0
         i, k = np.nonzero(rises_to)
@@ -212,7 +207,7 @@ class FoamField:
         return np.minimum(share, 1.0).reshape(rows, columns)
 
     def carry(self, way: np.ndarray) -> None:
-        """Move flecks and grain by a displacement x, z (nx, nz, 2) [m]; grain from outside is that at the edge."""
+        """Move flecks and the foam's fine pattern by displacements `way` of the water along x, z (nx, nz, 2) [m]."""
         cells = np.moveaxis(way / self.cell, -1, 0)
         back = read_ways(
             cells, np.indices(cells.shape[1:]) - 0.5 * cells
@@ -242,12 +237,12 @@ class FoamField:
 
 
 def gathering_noise(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Patchiness factor (n,) on convergence at x, z (n,): noise with a period of about 1 and a mean of 1."""
+    """Factor (n,), 1 in the mean, on convergence at x, z (n,), that makes foam patchy: noise of a period of about 1."""
     return 0.5 + value_noise(x, z)[0]
 
 
 def shifted_grid(values: np.ndarray, n: int, axis: int) -> np.ndarray:
-    """Values of a fixed field on a grid that is moved by n cells along an axis; new cells are 0."""
+    """Copy of values of a fixed field for a grid that has moved by n cells along an axis; its new cells are 0."""
     if n == 0:
         return values
     shifted = np.roll(values, -n, axis)
@@ -280,14 +275,14 @@ def cell_means(white: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def displaced_values(values: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Values (nx, nz) displaced by (2, nx, nz) cells, by a cubic spline; values from outside are those at the edge."""
+    """Values (nx, nz) moved by `cells` (2, nx, nz) over their grid, by a cubic spline; constant beyond its edge."""
     from scipy.ndimage import map_coordinates
 
     return np.asarray(map_coordinates(values, np.indices(values.shape) - cells, mode="nearest"))
 
 
 def untorn_displacement(carried: np.ndarray, cell: np.ndarray) -> np.ndarray:
-    """Displacement (nx, nz, 2) [m] at which the grain of foam is drawn, from `carried`, that of the water. It is
+    """Displacement (nx, nz, 2) [m] at which the fine pattern of foam is drawn, from `carried`, that of the water. It is
     averaged where neighbouring water moves apart, as behind a ship, so that patches are not drawn out to threads."""
     from scipy.ndimage import gaussian_filter
 
@@ -300,7 +295,7 @@ def untorn_displacement(carried: np.ndarray, cell: np.ndarray) -> np.ndarray:
 
 
 def read_ways(ways: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Displacements (2, nx, nz) interpolated linearly to places (2, ...) [cells] from the centres of cells."""
+    """Displacements `ways` (2, nx, nz) at cell centres, interpolated linearly to places (2, ...) [cells]."""
     from scipy.ndimage import map_coordinates
 
     return np.stack([map_coordinates(way, places, order=1, mode="nearest") for way in ways])
@@ -315,7 +310,6 @@ def new_foam(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np
     low, high = 0.0, 1.0
 
     def born(area: float) -> np.ndarray:
-        """Thickness of foam on the share `area` of cells with the strongest convergence, thinner at the edge."""
         return FRESH_THICKNESS * np.clip((area - rank) / (EDGE_SHARE * max(area, 1e-9)), 0.0, 1.0)
 
     for _ in range(24):

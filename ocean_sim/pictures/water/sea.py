@@ -34,7 +34,6 @@ class Dome:
     """Sphere with the image of the sky around the eye, which moves with it."""
 
     def __init__(self, stage: Stage, image: Any) -> None:
-        """`image`: texture of the sky."""
         dome = stage.pyvista.Icosphere(radius=1.0, nsub=3)
         self.directions = np.asarray(dome.points, dtype=np.float32)
         self.shaded = water_glsl.Shaded(dome, water_glsl.SKY_PROGRAM, "", {"sky": image})
@@ -286,6 +285,5 @@ class Sea(Content):
         return float(self.heights_at(ship.line.reshape(-1, 2) if ship.wet else position[None, [0, 2]]).mean())
 
     def close(self) -> None:
-        """Close the plotter of the mirror image."""
         if self.mirror is not None:
             self.mirror.close()

@@ -41,7 +41,7 @@ class SeaState:
     """Sea around the basin of a run at the time of any frame, estimated from that frame and earlier ones."""
 
     def __init__(self, scene: dict[str, Any], grid: Any, log: FrameLog) -> None:
-        """`scene`: resolved scene of the run; `grid`: arrays that a run saves once."""
+        """`scene`: resolved scene of the run; `grid`: arrays that a run saves once; `log`: times of its frames."""
         self.scene, self.log = scene, log
         self.exact = exact_waves(grid)  # the waves themselves, where water is a closed form
         self.resolved = float(grid["spacing"])  # [m] between particles, or half the shortest wave
@@ -74,7 +74,7 @@ class SeaState:
         return SeaNow(level, max(height, MIN_LIT_HEIGHT * self.resolved), waves, self.wind(height), self.stated)
 
     def look(self, number: int) -> tuple[float, np.ndarray]:
-        """Mean level [m] and variances (n,) [m2] of the plane waves, from the heights of a frame."""
+        """Mean level [m] and variances (n,) [m2] of the plane waves, from the heights of frame `number`."""
         elevation = read_elevation(self.log.files[number])
         return float(elevation.mean()), self.modes.variances(elevation)
 
@@ -84,8 +84,8 @@ class SeaState:
 
 
 def recent_frames(times: np.ndarray, time: float) -> tuple[list[int], np.ndarray]:
-    """Indices and weights of frames, FRAME_INTERVAL apart, for a mean over the past at a time [s]; weights decay over
-    SWELL_SECONDS, and each frame counts until the next."""
+    """Indices and weights of frames at `times` [s], FRAME_INTERVAL apart, for a mean over the past at a time [s];
+    weights decay over SWELL_SECONDS, and each frame counts until the next."""
     begins = max(
         times[0], times[0] + FRAME_INTERVAL * np.floor((time - MEMORY_LAGS * SWELL_SECONDS - times[0]) / FRAME_INTERVAL)
     )
@@ -119,8 +119,7 @@ def run_scene(folder: Path) -> dict[str, Any]:
 
 
 def ripple_wind(scene: dict[str, Any], sea: Components | None, height: float) -> Wind:
-    """Wind that drives the ripples: that of the scene, or if it states none, a wind that raises a significant height
-    [m] and blows along the waves of the sea."""
+    """Wind that drives the ripples: the scene's, or one that raises a significant height [m] along the waves `sea`."""
     return Wind(ripple_wind_speed(scene, height), wind_heading(scene, sea))
 
 
@@ -147,8 +146,7 @@ def wind_heading(scene: dict[str, Any], sea: Components | None) -> float:
 
 
 def scene_wind_heading(wind: dict[str, Any]) -> float | None:
-    """Angle [rad], from +x to +z, towards which a wind given by its config blows: its heading, or the mean acceleration
-    of its volumes; None without either."""
+    """Angle [rad], from +x to +z, to which a wind of this config blows or its volumes accelerate; or None."""
     if wind.get("heading_deg") is not None:
         turn = np.radians(wind["heading_deg"])
         return float(np.arctan2(np.cos(turn), np.sin(turn)))

@@ -19,7 +19,7 @@ class SeaSurface:
     last fifth of the basin its own waves are blended into the far ones. Only heights and the origin change."""
 
     def __init__(self, grid: Any, state: SeaState, nodes: int) -> None:
-        """`nodes`: approximate number of nodes within the basin."""
+        """`grid`: arrays that a run saves once; `state`: sea over time; `nodes`: approximate number in the basin."""
         self.state = state
         self.lower, self.upper = grid["lower"][[0, 2]], grid["upper"][[0, 2]]
         self.margin = far_sea.BLEND_MARGIN * float((self.upper - self.lower).min())
@@ -37,7 +37,7 @@ class SeaSurface:
         self.wanted = 0.0  # share of white water
 
     def grain_at(self, origin: np.ndarray) -> np.ndarray:
-        """Patchiness factor (nx, nz) on convergence at the nodes around an origin x, z [m]; 1 in the mean."""
+        """Factor (nx, nz), 1 in the mean, that makes foam patchy, at the nodes around an origin x, z [m]."""
         return foam_gathering(*(self.nodes + origin).T).reshape(len(self.x), len(self.z))
 
     def blend_weight(self, k: int) -> np.ndarray:
@@ -52,9 +52,8 @@ class SeaSurface:
         return x, z
 
     def at(self, frame: Frame, now: SeaNow, answer: np.ndarray | None = None) -> far_sea.SeaSample:
-        """Heights [m] and convergence at all nodes (nx, nz) of the basin in a frame.
-
-        `answer` [m]: response to ships, winds and steepness that a frame adds to the exact waves, on its own grid."""
+        """Heights [m] and convergence at all nodes (nx, nz) of the basin in a frame; `answer` [m]: response to ships,
+        winds and steepness that a frame adds to the exact waves, on its own grid."""
         far = self.far.at(far_sea.complex_amplitudes(now.waves, frame.time, frame.origin))
         (x, z), mine = self.own, self.share
         if self.exact is not None and self.state.exact is not None:
@@ -75,7 +74,7 @@ class SeaSurface:
         )
 
     def around(self, frame: Frame, eye: np.ndarray, now: SeaNow) -> np.ndarray:
-        """Height, slopes and convergence (rings, rays, 4) of the far sea around an eye (3,) [m], as from `Fan.at`."""
+        """Height, slopes, convergence (rings, rays, 4) of the far sea `now` around an eye (3,) [m], as by `Fan.at`."""
         found = self.fan.at(far_sea.complex_amplitudes(now.waves, frame.time, eye[[0, 2]]))
         found[..., 0] += now.level
         return found
@@ -95,8 +94,8 @@ class SeaSurface:
         self, found: np.ndarray, rings: np.ndarray, nodes: np.ndarray, eye: np.ndarray, amplitude: np.ndarray
     ) -> np.ndarray:
         """Share (bands, rays) of white water on the far sea, at nodes x, z (bands * rays, 2) [m] of its fan around an
-        eye [m]. `rings` (bands, rays): indices of their rings; `found`: values from `around`; `amplitude` (m,): of the
-        waves [m]. Its mean is the basin's on each ring; the fewer waves are drawn there, the more even it is."""
+        eye [m], on `rings` (bands, rays); `found`: values from `around`; `amplitude` (m,): of the waves [m]. Its mean
+        is the basin's on each ring; the fewer waves are drawn there, the more even it is."""
         if self.wanted <= 0.0:
             return np.zeros(rings.shape)
         fan = self.fan
@@ -110,12 +109,12 @@ class SeaSurface:
         return self.wanted + told[rings] * (white - self.wanted)
 
     def whole(self, fresh: np.ndarray, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
-        """Share (nx, nz) of white water at the nodes: foam `kept` in a frame (see `laced`), blended at the basin's
-        sides into `fresh` foam (nx, nz) on the far sea's crests."""
+        """Share (nx, nz) of white water at the nodes: foam `kept` in a frame, with `grain` (see `laced`), blended at
+        the basin's sides into `fresh` foam (nx, nz) on the far sea's crests."""
         return self.laced(kept, grain) + (1.0 - self.share) * fresh
 
     def carried(self, kept: np.ndarray) -> np.ndarray:
-        """Values (nx, nz) at the nodes, interpolated from a frame's grid; they fade to 0 at the basin's sides."""
+        """Values `kept` on a frame's grid, interpolated to the nodes (nx, nz); they fade to 0 at the basin's sides."""
         x, z = self.own
         return self.share * (x @ kept @ z.T)
 
@@ -139,5 +138,5 @@ class SeaSurface:
 
 
 def foam_gathering(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Patchiness factor (n,) on the convergence of the sea at x, z (n,) [m]; 1 in the mean."""
+    """Factor (n,), 1 in the mean, on the convergence of the sea at x, z (n,) [m], that makes its foam patchy."""
     return foam.gathering_noise(x / GATHERING_LENGTH, z / GATHERING_LENGTH)

@@ -74,16 +74,16 @@ def neighbour_weights(corners: np.ndarray, on: np.ndarray) -> Any:
 
 
 def level_rim(x: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
-    """Vertices (n, 3) [m] in which those on a side of the box take the mean of their neighbours off it, unless `held`:
-    marching cubes end half a cell inside the side, and would leave them in steps."""
+    """Vertices (n, 3) [m] in which those on a side of the box take the mean of `adjacent` ones off it, unless `held`
+    (n, 3): marching cubes end half a cell inside the side, and would leave them in steps."""
     beyond = adjacent > 1.0
     many = np.asarray(beyond.sum(axis=1))[:, None]
     return np.where(held | (many == 0), x, beyond @ x / np.maximum(many, 1))
 
 
 def spread_ways(way: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
-    """Displacements (n, 3) [m], smoothed over SPREAD_STEPS edges at vertices that are not `held`, so that the inside of
-    a flat side follows its rim and no triangle folds over."""
+    """Displacements `way` (n, 3) [m], smoothed over SPREAD_STEPS edges to `adjacent` vertices except where `held` (n,
+    3), so that the inside of a flat side follows its rim and no triangle folds over."""
     degree = np.maximum(np.asarray(adjacent.sum(axis=1)), 1.0)[:, None]
     for _ in range(SPREAD_STEPS):
         way = np.where(held, way, adjacent @ way / degree)

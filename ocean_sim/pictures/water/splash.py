@@ -170,8 +170,8 @@ def values_at_vertices(vertices: np.ndarray, position: np.ndarray, values: np.nd
 
 
 def birth_places(position: np.ndarray, number: np.ndarray, first_position: np.ndarray, first: np.ndarray) -> np.ndarray:
-    """Positions (n, 3) [m] that particles of ids `number` (n,) had in the first picture; particles new since then have
-    their present ones. Foam patterns drawn at these places move and stretch with the water."""
+    """Positions (n, 3) [m] in the first picture of particles of ids `number` (n,), where foam patterns are drawn, so
+    that they move and stretch with the water; the present positions of particles that are new."""
     if not len(first):
         return position
     order = np.argsort(first)
@@ -223,7 +223,6 @@ class Spray:
     """Spray above a sea: puffs of drops in a fixed number, of which unused ones are hidden far below."""
 
     def __init__(self, stage: Stage, spacing: float) -> None:
-        """`spacing` of the particles [m], to which drops and puffs are scaled."""
         self.spacing = spacing
         self.positions = np.tile(np.array([0.0, -SEA_RADIUS, 0.0], np.float32), (MAX_PUFFS * PUFF_DROPS, 1))
         n = np.arange(PUFF_KINDS * PUFF_DROPS)

@@ -253,5 +253,4 @@ class Shell(Content):
         water_glsl.fill_image(self.behind.GetInput(), self.stage.plotter.screenshot(None, return_img=True)[::-1])
 
     def close(self) -> None:
-        """Close the plotter of the distances."""
         self.measure.close()

@@ -86,8 +86,7 @@ def join_sheets(sheets: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray
 
 
 def add_ground_lines(stage: Stage, low: np.ndarray, up: np.ndarray, height: float) -> None:
-    """Add grid lines to the ground at a height [m] around a block from `low` to `up` [m], a round number of metres
-    apart, to show the extent of the ground."""
+    """Add lines a round number of metres apart on the ground, at a height [m], around a block from `low` to `up`."""
     longer, level = max(up[0] - low[0], up[2] - low[2]), Panel(1, height, 1.0)
     reach, step = GROUND_REACH * longer, round_up(longer / GROUND_LINES)
     first, last = low - reach, up + reach
@@ -112,7 +111,6 @@ def add_tank(stage: Stage, low: np.ndarray, top: np.ndarray, depth: float) -> No
     bright: list[np.ndarray] = []
 
     def add(panel: Panel, u: np.ndarray, v: np.ndarray, out: float, share: float) -> None:
-        """Add the part of a panel on a grid `u`, `v` to `sheets`, with a share of the panel's light to `bright`."""
         sheets.append(panel_sheet(panel, u, v, out))
         bright.append(share * panel_light(sheets[-1][0], panel, whole, top[1] - low[1]))
 

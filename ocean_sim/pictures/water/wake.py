@@ -50,7 +50,7 @@ class Wake:
         self.vessel, self.half, self.x, self.z = vessel, 0.5 * breadth, x, z
 
     def share(self, time: float, origin: np.ndarray) -> np.ndarray:
-        """Share (nx, nz) of foam at a time [s], at the nodes for a grid origin x, z [m]."""
+        """Share (nx, nz) of foam at a time [s], at the nodes of the grid around an origin x, z [m]."""
         share = np.zeros((len(self.x), len(self.z)))
         track = self.vessel.track
         if time <= track.time[0]:
@@ -117,7 +117,6 @@ class Kelvin:
     """Kelvin wave pattern behind a ship, and the hollow behind her transom."""
 
     def __init__(self, vessel: Vessel, breadth: float) -> None:
-        """`breadth` of the ship [m]."""
         self.vessel, self.breadth = vessel, breadth
 
     def height(self, time: float, places: np.ndarray) -> np.ndarray:
@@ -137,8 +136,8 @@ class Kelvin:
 
 
 def transom_hollow(astern: np.ndarray, aside: np.ndarray, speed: float, breadth: float) -> np.ndarray:
-    """Depth (n,) [m] of the water surface behind a transom below the water around; it rises again into a wave as for
-    the ship's speed [m/s]. `astern`, `aside`: distances (n,) from the transom [m]. The law is ours."""
+    """Depth (n,) [m] of the water surface behind a transom of a breadth [m]; it rises again into a wave as for the
+    ship's speed [m/s]. `astern`, `aside`: distances (n,) from the transom [m]. The law is ours."""
     depth = min(HOLLOW_DEPTH * speed**2 / GRAVITY, MAX_HOLLOW * breadth)
     k = GRAVITY / speed**2
     along = np.where(astern > 0.0, np.cos(k * astern) * np.exp(-0.3 * k * np.maximum(astern, 0.0)), 0.0)

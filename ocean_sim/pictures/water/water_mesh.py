@@ -6,9 +6,8 @@ SIDE_ROWS = 9  # rows of vertices from the surface to the bed
 
 
 def spline_matrix(cells: int, factor: int) -> np.ndarray:
-    """Matrix (cells * factor + 1, cells) from values at cell centres to a cubic spline at nodes from wall to wall.
-
-    The spline is mirrored in the walls, where water under gravity alone stands level."""
+    """Matrix (cells * factor + 1, cells) from values at cell centres to a cubic spline at nodes from wall to wall,
+    mirrored in the walls, where water under gravity alone stands level."""
     from scipy.ndimage import map_coordinates
 
     nodes = np.linspace(-0.5, cells - 0.5, cells * factor + 1)

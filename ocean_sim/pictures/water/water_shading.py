@@ -116,12 +116,12 @@ def relief_light(normal: np.ndarray, height: np.ndarray) -> np.ndarray:
 
 
 def filmic_curve(radiance: np.ndarray, exposure: float = 1.15) -> np.ndarray:
-    """Display RGB, 0 to 1, of linear RGB: a filmic curve (Narkowicz 2015, fit to ACES), then gamma 2.2."""
+    """Display RGB, 0 to 1, of linear RGB times `exposure`: filmic curve (Narkowicz 2015, fit to ACES), gamma 2.2."""
     c = np.maximum(radiance, 0.0) * exposure
     curve = c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14)
     return np.clip(curve, 0.0, 1.0) ** (1.0 / 2.2)
 
 
 def display_colours(radiance: np.ndarray, exposure: float = 1.15) -> np.ndarray:
-    """Display RGB, 8-bit, of linear RGB, by `filmic_curve`."""
+    """Display RGB, 8-bit, of linear RGB times `exposure`, by `filmic_curve`."""
     return (255.0 * filmic_curve(radiance, exposure) + 0.5).astype(np.uint8)

@@ -17,7 +17,7 @@ class Water(Content):
     """Water of a basin in a picture: surface and cut sides, coloured at their nodes for the eye."""
 
     def __init__(self, stage: Stage, grid: Any, nodes: int) -> None:
-        """`nodes`: approximate number of nodes of the drawn surface."""
+        """`grid`: arrays that a run saves once; `nodes`: approximate number of nodes of the surface."""
         pyvista, self.stage = stage.pyvista, stage
         self.scale = 0.02 * float(grid["depth"])  # [m] the least height that counts as a crest
         self.most = self.scale  # [m] height from which crests have one colour
@@ -31,7 +31,6 @@ class Water(Content):
             stage.plotter.add_mesh(part, scalars="colour", rgb=True, lighting=False)
 
     def show(self, frame: Frame) -> None:
-        """Update heights and colours of the water to a frame and the present camera."""
         eye = self.stage.camera.eye
         points, normals = self.mesh.surface(frame.elevation)
         points += frame.place

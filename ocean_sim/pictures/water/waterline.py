@@ -139,7 +139,7 @@ class Hull:
     def wetted_hull(
         self, position: np.ndarray, turn: np.ndarray, speed: float, heights_at: Callable[[np.ndarray], np.ndarray]
     ) -> WettedHull:
-        """Hull in the water at a pose and speed [m/s]; `heights_at`: water heights [m] at places x, z (n, 2) [m]."""
+        """Hull in the water at a pose and speed [m/s]; `heights_at`: function from x, z (n, 2) [m] to heights [m]."""
         vertices = self.vertices @ turn.T + position
         above = vertices[:, 1] - heights_at(vertices[:, [0, 2]])
         line = waterline_segments(vertices, self.triangles, above)

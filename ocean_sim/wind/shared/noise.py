@@ -69,7 +69,7 @@ class Noise:
 
     @ti.func
     def of(self, stream, key):
-        """Noise (3,) of this step for particle `key`, -1 to 1 on each axis: weighted sum of draws from a stream."""
+        """Noise (3,) of this step for particle `key`, -1 to 1 along each axis; `stream`: number of its sequence."""
         row = ti.static(self.row.field)
         draw, left = (int(row[DRAWS.number]) + int(row[DRAWS.first])) % DRAW_NUMBERS, row[DRAWS.left]
         mean = (1.0 - left) * uniform3(self.seed, stream, key, draw)

@@ -58,7 +58,7 @@ class Patch:
 
     @ti.func
     def seen(self, position):
-        """Position [m] in the axes of the wind of a particle on the patch or of a ship in the world."""
+        """Position [m], in the wind's axes, of a particle on the patch or a ship in the world at `position` [m]."""
         found = position
         for axis, k, period in ti.static(self.axes):
             middle = self.row.field[axis]
@@ -88,7 +88,8 @@ class Passages:
         basin: Basin,
         redraw: Callable[[int], tuple[float, float]] = never,
     ) -> None:
-        """`drift`: velocity [m/s]; `reach`: from centre to rear [m]; `redraw`: turn and strength by passage number."""
+        """`start`: first centre [m]; `drift`: velocity [m/s]; `reach`: from centre to rear [m]; `redraw`: function from
+        the number of a passage, from 1 for the second, to its turn [rad] and strength."""
         self.drift, self.reach, self.redraw = np.array(drift, dtype=float), reach, redraw
         self.lower, self.upper = np.array(basin.lower), np.array(basin.upper)
         if basin.dimension == 2:  # a slice of a sea without sides
@@ -109,7 +110,6 @@ class Passages:
 
     @property
     def centre(self) -> np.ndarray:
-        """Present centre (3,) of the wind [m]."""
         return self.origin + self.velocity * self.elapsed
 
     def advance(self, dt: float) -> None:

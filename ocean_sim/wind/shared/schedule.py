@@ -30,7 +30,6 @@ class Timed(Model):
 
     @model_validator(mode="after")
     def _one_end(self) -> Self:
-        """Raise ValueError if stop and duration are both given, or stop is not later than start."""
         if self.stop is not None and self.duration is not None:
             raise ValueError("give either stop [s] or duration [s], not both")
         if self.stop is not None and self.stop <= self.start:

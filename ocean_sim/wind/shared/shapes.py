@@ -59,7 +59,7 @@ class Core:
 
 @lru_cache(maxsize=64)  # frames ask for it again and again
 def outline(half: tuple[float, float, float], radius: float) -> np.ndarray:
-    """Line segments (n, 2, 3) [m] that draw a core of half size `half` and a radius [m], in its own axes."""
+    """Line segments (n, 2, 3) [m] that draw a core, in its own axes, of box half sizes `half` [m] and a radius [m]."""
     if radius == 0.0:
         corners = np.array(list(np.ndindex(2, 2, 2))) * 2.0 - 1.0
         near = np.abs(corners[:, None] - corners[None]).sum(axis=2) == 2.0
@@ -93,7 +93,6 @@ class Box(Model):
 
     @property
     def core(self) -> Core:
-        """Box as a `Core` of radius 0."""
         return Core(np.array(self.centre), self.half_size, 0.0, radians(self.yaw_deg))
 
 
@@ -108,7 +107,6 @@ class Sphere(Model):
 
     @property
     def core(self) -> Core:
-        """Sphere as a `Core`: a point with its radius."""
         return Core(np.array(self.centre), (0.0, 0.0, 0.0), self.radius, 0.0)
 
 
@@ -129,7 +127,6 @@ class Capsule(Model):
 
     @property
     def core(self) -> Core:
-        """Capsule as a `Core`: the line between the centres of its ends, with its radius."""
         x, y, z = (self.half_length if self.axis == k else 0.0 for k in "xyz")
         return Core(np.array(self.centre), (x, y, z), self.radius, radians(self.yaw_deg))
 
@@ -153,6 +150,6 @@ def turned_back(v, cosine, sine):
 
 @ti.func
 def within(x, half, radius):
-    """True if point x [m], relative to a core's centre and in its axes, is in the core of this half size and radius."""
+    """True if point x [m], from a core's centre and in its axes, lies in that core, of half sizes and a radius [m]."""
     beyond = ti.max(ti.abs(x) - half, 0.0)
     return beyond.dot(beyond) <= radius * radius

@@ -11,7 +11,7 @@ REAL_DRAG_RATIO = "15 to 70"  # over the drag here: yacht, tug and barge in a wi
 
 
 def stylised(name: str, acceleration: float, preflight: Preflight) -> str:
-    """Sentence that compares a force field `name` of a size [m/s2] with a real wind's stress on one particle layer."""
+    """Sentence that compares a force field's acceleration [m/s2] with a real wind's stress on a layer of particles."""
     thick = preflight.spacing or 1.0  # [m] one layer of particles; 1 where the water has none
     real = stress(U10) / (preflight.fluid.rest_density * thick)
     return (
@@ -21,8 +21,8 @@ def stylised(name: str, acceleration: float, preflight: Preflight) -> str:
 
 
 def velocity_change(name: str, acceleration: Vector3, passing_time: float, preflight: Preflight) -> list[str]:
-    """Sentence on a particle's change of velocity in one passage [s] of the force field `name`, and a warning if that
-    would throw water out of the basin."""
+    """Sentence on a particle's change of velocity in the force field `name`, of an acceleration [m/s2], during its
+    passing time [s], and a warning if that would throw water out of the basin."""
     if isinf(passing_time):
         return [f"{name}: does not drift: it keeps accelerating what it holds by {hypot(*acceleration):.3g} m/s2"]
     along, up = hypot(acceleration[0], acceleration[2]) * passing_time, acceleration[1] * passing_time

@@ -99,11 +99,8 @@ class Sample(NamedTuple):
 
 
 class Sampled:
-    """Sampler of a vector at multiples of `every` [s], linear between steps, which is second-order in the time step.
-
-    A run calls its observers with the last state before and the first state after each multiple. Names and counts
-    cannot be interpolated and keep their value of the state before.
-    """
+    """Sampler of a vector at multiples of `every` [s], linear between steps, second-order in the time step. It needs
+    the last state before and the first after each multiple; names and counts keep their value of the state before."""
 
     before: Sample | None
 

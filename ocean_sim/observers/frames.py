@@ -143,9 +143,9 @@ class Frames(Observer):
         origin: np.ndarray,
         snapshot: "Snapshot | None",
     ) -> dict[str, np.ndarray]:
-        """Foam arrays of a frame at `points` x, z (n, 2) around `origin` with heights `elevation` (nx, nz) [m]: white
-        share, displacement of its texture [m], velocity [m/s], white share of all the sea; `snapshot`: of the
-        particles."""
+        """Foam arrays of a frame at points x, z (n, 2) around `origin` with heights `elevation` (nx, nz) [m]: white
+        share, displacement of its texture [m], velocity [m/s], white share of all the sea unless the water models
+        breaking."""
         assert self.white is not None
         self.white.shift(np.round((origin - self.before) / self.cell))
         self.before = origin
@@ -187,8 +187,7 @@ class Frames(Observer):
         return foam.levelled_heights(elevation, inside.reshape(self.shape), widest / self.cell)
 
     def whiten_past_sea(self, simulation: Simulation, points: np.ndarray) -> None:
-        """Form the foam of a sea in closed form at points x, z (n, 2) [m] from its past, else all would begin at
-        once."""
+        """Form the foam of a sea in closed form at points x, z (n, 2) [m] from its past: all would else begin now."""
         sea, begins = simulation.fluid.plane_waves, simulation.time
         if sea is None or sea.ramp_share(begins) < 1.0:
             return
@@ -209,7 +208,7 @@ class Frames(Observer):
         self.white.advance(time, velocity[..., [0, 2]], source, wanted)
 
     def origin(self) -> np.ndarray:
-        """(2,) x, z [m] of the middle of a frame's points: near the ships, by whole cells; in 2-D of the basin."""
+        """(2,) x, z [m] of the middle of a frame's points: near the ships in 3-D, by whole cells; else of the basin."""
         return middle_cell(self.ships, self.cell) if self.ships and self.cell.all() else np.zeros(2)
 
     def resumed(self, changed: str) -> None:

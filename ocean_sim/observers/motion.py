@@ -153,7 +153,7 @@ class Log:
         self.last = simulation.time, self.ship.body, self.ship.orders
 
     def complete(self, simulation: Simulation) -> None:
-        """Add the moment of the last state, whose load is known only now, and write the rows that it completes."""
+        """Store the last state of the ship, whose load is known only now, and write the rows that it completes."""
         if self.last is None:
             return
         (time, body, orders), ship = self.last, self.ship
@@ -179,7 +179,8 @@ class Log:
         self.velocity = first_derivative(body.velocity + gained[0], body.angular_velocity + gained[1], body.orientation)
 
     def write(self, simulation: Simulation) -> None:
-        """Write the rows that are due, interpolated between moments; the last moment begins the next batch."""
+        """Write the due rows, interpolated between stored states of the ship; the last of these begins the next
+        batch."""
         moments = self.moments[: self.seen]
         moments[:, QUATERNION] = short_way(moments[:, QUATERNION].T).T
         columns = moments[:, : MOMENT.size].T
@@ -210,8 +211,7 @@ class Log:
             observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)
 
     def load_table(self, body: Attitude, acceleration: np.ndarray, turning: np.ndarray, rest: np.ndarray) -> np.ndarray:
-        """(n, m) accelerations, specific forces, loads, orders; `rest`: at n moments orders (throttle, rudder),
-        loads."""
+        """(n, m) accelerations, specific forces, loads, orders at n moments; `rest`: orders and loads (n, k)."""
         felt = body.point_acceleration(self.arm, acceleration, turning)
         specific = to_frame(self.frame, body.to_body(felt - self.gravity[:, None]).T)
         orders, parts = rest[:, :2], rest[:, 2:].reshape(len(rest), -1, 6)

@@ -104,8 +104,7 @@ class Buffer:
         self.field: Any = None
 
     def put(self, values: np.ndarray) -> int:
-        """Copy (n, length) or (n,) values into the field; returns n. The rest repeats the last: GGUI draws some of
-        it."""
+        """Copy (n, length) or (n,) values into the field; returns n. The rest repeats the last, as GGUI may draw it."""
         n = len(values)
         if self.field is None or self.field.shape[0] < n:
             room = max(64, 2 ** int(np.ceil(np.log2(max(n, 1)))))
@@ -171,7 +170,8 @@ class Screen:
         self.cursor: tuple[float, float] | None = None
 
     def watch(self, simulation: "Simulation", panel: Panel, config: Config | None = None) -> None:
-        """Draw another simulation from now on; the panel gets its cameras, contents and ships."""
+        """Draw another simulation from now on; the panel gets its cameras, contents and ships, and choices of
+        `config`."""
         self.simulation, self.scene = simulation, PreviewScene(simulation)
         panel.cameras, panel.contents, panel.person = self.scene.cameras, self.scene.contents, None
         panel.ships = tuple(simulation.ships)
@@ -191,7 +191,8 @@ class Screen:
         self.compose(panel, pace)
 
     def compose(self, panel: Panel, pace: float | None) -> None:
-        """Pass everything that a picture shows (sky, water, ships, lines, particles, panel) to the window."""
+        """Pass all that a picture shows (sky, water, ships, lines, particles, panel) to the window; `pace` as in
+        `draw`."""
         eye = self.point_camera(panel)
         self.canvas.triangles(self.backdrop.field, per_vertex_color=self.backdrop_colours.field)
         self.plain.set_camera(self.camera)
@@ -231,7 +232,8 @@ class Screen:
         return camera.eye
 
     def show_balls(self, balls: Balls, eye: np.ndarray) -> None:
-        """Draw particles as lit balls; called after the plain scene is drawn, which these lights would change."""
+        """Draw particles as lit balls, seen from `eye` [m]; called after the plain scene, which these lights would
+        change."""
         self.lit.set_camera(self.camera)
         self.lit.ambient_light((0.55, 0.55, 0.55))
         self.lit.point_light(pos=tuple(eye + [-200.0, 300.0, -100.0]), color=(0.6, 0.6, 0.6))

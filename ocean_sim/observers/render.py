@@ -516,7 +516,7 @@ class ComingFrames:
         while True:
             ended, there = self.ended, len(self.log.files)
             numbers = film_frames(self.log.times, every) if ended else known_film_frames(self.log.times, every)
-            for number in numbers[done:] if ended or there > 1 else ():
+            for number in numbers[done:] if ended or there > 1 else ():  # two show how fast ships begin
                 yield self.log.files[number], len(numbers) if ended else 0
                 done += 1
             if ended:

@@ -66,7 +66,7 @@ class Timings(Observer):
             self.stage_times[name] += perf_counter() - entered
 
     def warm_up(self, name: str, now: float) -> None:
-        """Note when the first step starts and ends, after which means begin; `now`: wall time [s]."""
+        """Note when the first step starts and ends, as a stage of this name begins at wall time `now` [s]."""
         if self.began is not None and self.simulation.steps > self.first_step:
             self.first_step_s = now - self.began
             self.start = self.last = self.take_mark(now)

@@ -76,7 +76,6 @@ class Watch(Observer, TakesMotion):
 
         @contextmanager
         def stage(name: str) -> Iterator[None]:
-            """Add the wall time [s] of the block to the stage of this name."""
             with inner(name):
                 entered = perf_counter()
                 yield

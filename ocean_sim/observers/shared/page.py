@@ -97,7 +97,7 @@ def embedded_picture(path: Path, caption: str, link: str | None = None) -> str:
 
 
 def scene_text(value: Any, indent: str = "") -> str:
-    """YAML text of a scene, one key a line, without keys that are null."""
+    """YAML text of a scene, one key a line, each after `indent`, without keys that are null."""
     lines = []
     for key, inner in value.items():
         if inner is None:

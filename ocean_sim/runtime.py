@@ -64,8 +64,7 @@ Kind = TypeVar("Kind", bound=type)
 
 
 def in_kernels(kind: Kind) -> Kind:
-    """Decorator of a class with kernels or their functions, in place of `ti.data_oriented`, whose attributes are
-    slow."""
+    """Decorator of a class with kernels or their functions; unlike `ti.data_oriented` it does not slow attributes."""
     if kernel_library.LIBRARY_NAME == kernel_library.QUADRANTS:
         if "__dataclass_fields__" in vars(kind):  # by which it would take `self` for a struct, handed over by value
             del kind.__dataclass_fields__  # type: ignore[attr-defined]
@@ -472,9 +471,8 @@ def runs_alone() -> bool:
 
 
 def must_restart(config: RuntimeConfig) -> bool:
-    """True if `start` has to restart Taichi: for another config or thread, too little room for more fields, or after
-    all are freed: fields are numbered, and kernels found by these numbers, so an equal simulation would be compiled
-    again."""
+    """True if `start` has to restart Taichi: for another config or thread; if there are too many fields; or if all are
+    freed, since compiled kernels are found by the numbers of fields, which begin anew only at a restart."""
     if _started is None:
         return False
     full = impl.get_runtime().prog.get_snode_tree_size() > MAX_FIELD_SETS - FIELD_SET_MARGIN

@@ -220,8 +220,7 @@ class Simulation:
             self.outcome, self.reason = "failed", in_words(failure)
 
     def _due(self, every: float, before: float) -> bool:
-        """True if a multiple of `every` [s] lies between time `before` and the end of the next step: both are
-        observed."""
+        """True if a multiple of `every` [s] lies between time `before` and the next step's end: both are observed."""
         return every == 0.0 or floor((self.time + self.next_dt) / every) > floor(before / every)
 
     def _observe(self, observers: list[Observer]) -> None:

@@ -179,8 +179,7 @@ class Log:
         self.velocity = first_derivative(body.velocity + gained[0], body.angular_velocity + gained[1], body.orientation)
 
     def write(self, simulation: Simulation) -> None:
-        """Write the due rows, interpolated between stored states of the ship; the last of these begins the next
-        batch."""
+        """Write the due rows, interpolated between stored states of the ship; the last one begins the next batch."""
         moments = self.moments[: self.seen]
         moments[:, QUATERNION] = short_way(moments[:, QUATERNION].T).T
         columns = moments[:, : MOMENT.size].T

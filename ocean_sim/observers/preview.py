@@ -170,8 +170,7 @@ class Screen:
         self.cursor: tuple[float, float] | None = None
 
     def watch(self, simulation: "Simulation", panel: Panel, config: Config | None = None) -> None:
-        """Draw another simulation from now on; the panel gets its cameras, contents and ships, and choices of
-        `config`."""
+        """Draw another simulation from now on; the panel gets its cameras, contents, ships and choices of `config`."""
         self.simulation, self.scene = simulation, PreviewScene(simulation)
         panel.cameras, panel.contents, panel.person = self.scene.cameras, self.scene.contents, None
         panel.ships = tuple(simulation.ships)
@@ -191,8 +190,8 @@ class Screen:
         self.compose(panel, pace)
 
     def compose(self, panel: Panel, pace: float | None) -> None:
-        """Pass all that a picture shows (sky, water, ships, lines, particles, panel) to the window; `pace` as in
-        `draw`."""
+        """Pass all that a picture shows (sky, water, ships, lines, particles, panel) to the window; `pace`: as in
+        draw."""
         eye = self.point_camera(panel)
         self.canvas.triangles(self.backdrop.field, per_vertex_color=self.backdrop_colours.field)
         self.plain.set_camera(self.camera)
@@ -232,8 +231,7 @@ class Screen:
         return camera.eye
 
     def show_balls(self, balls: Balls, eye: np.ndarray) -> None:
-        """Draw particles as lit balls, seen from `eye` [m]; called after the plain scene, which these lights would
-        change."""
+        """Draw particles as lit balls, seen from `eye` [m], after the plain scene, which these lights would change."""
         self.lit.set_camera(self.camera)
         self.lit.ambient_light((0.55, 0.55, 0.55))
         self.lit.point_light(pos=tuple(eye + [-200.0, 300.0, -100.0]), color=(0.6, 0.6, 0.6))

@@ -295,8 +295,7 @@ class Session:
         return self.simulation.ships[name]
 
     def rebuild(self, source: Source, folder: Path | None = None) -> bool:
-        """Play a source; True on success. The present scene goes on if loading raises, and restarts if building
-        fails."""
+        """Play a source; True on success. The present scene goes on if loading raises, restarts if building fails."""
         more = {} if folder is None else {"render": None}
         config = load_within_memory(source._replace(overrides={**source.overrides, **more}))
         self.say("building anew ...")

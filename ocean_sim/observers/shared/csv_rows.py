@@ -26,8 +26,7 @@ TIME_TOLERANCE = 1.0e-9  # of `every`: a time so little short of a multiple has 
 
 
 def heading(simulation: "Simulation", rate: str, **more: object) -> dict[str, object]:
-    """Comment lines, by name, at the top of every CSV file of a run; `rate`: text on the interval of rows; `more`:
-    others."""
+    """Comment lines, by name, at the top of every CSV file of a run; `rate`: text on its rows; `more`: other lines."""
     return {
         "frame": "world",
         "axes": "right-handed, x and z horizontal, y up, origin at the centre of the still surface",

@@ -190,8 +190,7 @@ class Screen:
         self.compose(panel, pace)
 
     def compose(self, panel: Panel, pace: float | None) -> None:
-        """Pass all that a picture shows (sky, water, ships, lines, particles, panel) to the window; `pace`: as in
-        draw."""
+        """Pass all that a picture shows (sky, water, ships, particles, panel) to the window; `pace` as in `draw`."""
         eye = self.point_camera(panel)
         self.canvas.triangles(self.backdrop.field, per_vertex_color=self.backdrop_colours.field)
         self.plain.set_camera(self.camera)

@@ -144,8 +144,7 @@ class Frames(Observer):
         snapshot: "Snapshot | None",
     ) -> dict[str, np.ndarray]:
         """Foam arrays of a frame at points x, z (n, 2) around `origin` with heights `elevation` (nx, nz) [m]: white
-        share, displacement of its texture [m], velocity [m/s]; white share of all the sea unless the water models
-        it."""
+        share, displacement of its texture [m], velocity [m/s]; white share of the sea unless the water models it."""
         assert self.white is not None
         self.white.shift(np.round((origin - self.before) / self.cell))
         self.before = origin

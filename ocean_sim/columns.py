@@ -4,12 +4,10 @@ from ocean_sim.kernel_library import ti, tm
 
 
 class Columns:
-    """Layout of a row of numbers: index of each named column, in the order given.
-
-    After `row = Columns(position=3, velocity=3, pressure=1)`, `row.pressure` is the index of a column, 6 here, or of
-    the first of several; `row.size` is the number of all columns. A kernel reads a number as `own[row.pressure]`, and a
-    vector as `vec3(own, row.position)`: names are resolved when a kernel is compiled and cost nothing when it runs.
-    """
+    """Layout of a row of numbers: index of each named column, in the order given. After `row = Columns(position=3,
+    velocity=3, pressure=1)`, `row.pressure` is the index of a column, 6 here, or of the first of several; `row.size` is
+    the number of all columns. A kernel reads a number as `own[row.pressure]`, and a vector as `vec3(own,
+    row.position)`, at no cost when it runs."""
 
     def __init__(self, **widths: int) -> None:
         """`widths`: number of adjacent columns of each name."""

@@ -106,7 +106,6 @@ class Failed(Exception):
 
     @property
     def sentence(self) -> str:
-        """Message for the user, one sentence."""
         return str(self)
 
 
@@ -171,5 +170,4 @@ class Diverged(Failed):
 
     @property
     def sentence(self) -> str:
-        """Message for the user: "diverged: " and the text of the exception."""
         return f"diverged: {self}"

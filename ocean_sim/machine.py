@@ -87,7 +87,6 @@ def max_vector_width() -> int | None:
 
 
 def installed_version(package: str) -> str | None:
-    """Version of an installed Python package; None if it is missing."""
     try:
         return version(package)
     except PackageNotFoundError:
@@ -138,8 +137,7 @@ def stop_if_asked() -> None:
 @contextmanager
 def stoppable() -> Iterator[None]:
     """Turn signals that ask this process to end into a KeyboardInterrupt inside the block: SIGINT (Ctrl-C), SIGTERM,
-    SIGXCPU (processor time is spent), and SIGHUP (the terminal is closed) unless `nohup` ignores it. Only a main thread
-    receives signals; in other threads nothing is changed."""
+    SIGXCPU (processor time is spent), SIGHUP unless `nohup` ignores it. Only a main thread receives signals."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -157,8 +155,7 @@ def stoppable() -> Iterator[None]:
 
 @contextmanager
 def parent_pipe() -> Iterator[int]:
-    """Yield the file descriptor to give as standard input to a child that calls `exit_with_parent`: a pipe that carries
-    nothing, and breaks when this process ends for whatever reason."""
+    """Yield the descriptor of a pipe that breaks as this process ends: input of a child with `exit_with_parent`."""
     theirs, ours = os.pipe()
     try:
         yield theirs
@@ -168,8 +165,7 @@ def parent_pipe() -> Iterator[int]:
 
 
 def kill_session(child: subprocess.Popen[str]) -> None:
-    """Kill a child that leads a session of its own, with every process that it has started, and wait until they have
-    ended, at most KILL_TIMEOUT: until then one may still be writing a file."""
+    """Kill a child that leads a session, and all it has started; wait, at most KILL_TIMEOUT, until they have ended."""
     patience = time.monotonic() + KILL_TIMEOUT
     with suppress(ProcessLookupError, PermissionError):  # none is left
         os.killpg(child.pid, signal.SIGKILL)
@@ -181,8 +177,7 @@ def kill_session(child: subprocess.Popen[str]) -> None:
 
 
 def yield_to_others(by: int) -> None:
-    """Raise the niceness of this process by `by`, so that others go first on busy cores. If it leads a session on
-    Linux, set that of the session too, by which cores are shared out (`autogroup` in sched(7)); 0 resets it."""
+    """Add `by` to the niceness of this process; set that of a session that it leads (`autogroup`, sched(7)) to `by`."""
     os.nice(by)
     if os.getsid(0) == os.getpid():  # this session is its own
         with suppress(OSError):
@@ -190,12 +185,10 @@ def yield_to_others(by: int) -> None:
 
 
 def exit_with_parent() -> threading.Event:
-    """End this process and its process group as soon as its standard input breaks: a `parent_pipe`, or another pipe
-    that its parent holds. Returns an event that is set when the parent writes something."""
+    """End this process and its group once its standard input breaks; returns an event, set by the first input."""
     spoken = threading.Event()
 
     def listen() -> None:
-        """Read standard input until it breaks, and set the event at every byte."""
         while os.read(sys.stdin.fileno(), 1):
             spoken.set()
 
@@ -207,7 +200,6 @@ def exit_after(wait: Callable[[], object]) -> None:
     """End this process, and its process group if it leads one, as soon as `wait` returns in another thread."""
 
     def end() -> None:
-        """End the process, and the group that it leads, once `wait` has returned; runs in a thread."""
         wait()
         if os.getpgrp() == os.getpid():
             os.killpg(0, signal.SIGKILL)

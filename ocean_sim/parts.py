@@ -176,7 +176,6 @@ class SeaConfig(KindConfig):
         return found
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Rows of the memory ledger of this sea: none by default."""
         return []
 
 
@@ -263,7 +262,7 @@ class FluidConfig(KindConfig):
         return 0
 
     def ratio(self, basin: Basin) -> float:
-        """Support radius of the smoothing kernel over particle spacing; 0 for water without particles."""
+        """Support radius of the smoothing kernel in particle spacings; 0 for water without particles."""
         return 0.0
 
     @property
@@ -306,7 +305,7 @@ class FluidConfig(KindConfig):
     def viscosity_added(
         self, preflight: Preflight, length: float, height: float = 0.0, standing: bool = False
     ) -> float:
-        """Numerical viscosity [m2/s] of the scheme for waves (length, height [m]), from measurements; 0 without any."""
+        """Numerical viscosity [m2/s] of the scheme for waves (length, height [m]; standing or not), as measured."""
         return 0.0
 
     def statements(self, preflight: Preflight) -> list[str]:
@@ -322,7 +321,7 @@ class FluidConfig(KindConfig):
         return preflight.spacing or preflight.tank.depth
 
     def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
-        """Memory [bytes] of the sums of plane waves at `size` nodes on `levels` levels; 0 for water of particles."""
+        """Memory [bytes] of sums of plane waves at `size` (along, across) nodes on `levels` depths; 0 by default."""
         return 0
 
     @abstractmethod
@@ -393,7 +392,6 @@ class PlatformConfig(KindConfig):
         return ships[0] if self.ship is None else self.ship
 
     def mismatches(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence): a ship that is not there, and gravity that is not the Earth's."""
         found = [] if self.ship is None else preflight.unknown_ship(self.ship)
         x, y, z = preflight.tank.gravity
         if hypot(x, y + GRAVITY, z) > GRAVITY_TOLERANCE:
@@ -422,10 +420,8 @@ class TimeStepConfig(KindConfig):
 
 @dataclass(frozen=True)
 class Preflight:
-    """Facts of a scene before anything is built, derived once and given to the config of every part.
-
-    `parts` lacks a part whose keys could not be read; a property that needs it raises KeyError.
-    """
+    """Facts of a scene before anything is built, derived once and given to the config of every part. `parts` lacks a
+    part whose keys could not be read; a property that needs it raises KeyError."""
 
     parts: Mapping[str, PartConfig]  # by slot, or name of an observer
     tank: Basin  # with nothing afloat in it
@@ -491,7 +487,6 @@ class Preflight:
 
     @property
     def sums_impulses(self) -> bool:
-        """True if the water sums impulse and work of each force."""
         return self.fluid.sums_impulses("accuracy" in self.parts)
 
     @property

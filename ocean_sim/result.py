@@ -79,7 +79,6 @@ class ProgressLines(Observer):
     """Observer that prints simulated time, speed and time left after each tenth of a run, then the pictures drawn."""
 
     def __init__(self, duration: float) -> None:
-        """`duration`: simulated time [s] of the run."""
         self.duration, self.every = duration, duration / PROGRESS_PARTS
         self.first: tuple[float, float] | None = None  # simulated and wall time [s] when steps cost what they cost
         self.passed = self.drawn = 0  # tenths of the run, and of its pictures
@@ -107,7 +106,6 @@ class ProgressLines(Observer):
             self.say(f"picture {done} of {total}")
 
     def say(self, line: str) -> None:
-        """Print a line to standard error."""
         print(line, file=sys.stderr, flush=True)
 
 

@@ -64,8 +64,7 @@ Kind = TypeVar("Kind", bound=type)
 
 
 def in_kernels(kind: Kind) -> Kind:
-    """Decorator of a class with methods that are kernels or are called by kernels. It replaces `ti.data_oriented`, with
-    which each attribute that Python reads costs a microsecond, and again for each base class."""
+    """Decorator of a class with kernels or their functions; unlike `ti.data_oriented` it does not slow attributes."""
     if kernel_library.LIBRARY_NAME == kernel_library.QUADRANTS:
         if "__dataclass_fields__" in vars(kind):  # by which it would take `self` for a struct, handed over by value
             del kind.__dataclass_fields__  # type: ignore[attr-defined]
@@ -140,8 +139,8 @@ class Launch:
 
 
 class Taken(NamedTuple):
-    """Argument of a `Launch`: its place, its slot (None for a template), and its check `what`: a weak reference to the
-    template, the type of an array, or True for a whole number. `ndim`: axes of an array, else None."""
+    """Argument of a `Launch`: its place in the method; its slot in the launch (None: a template); `what` it has to
+    match (weak reference to the template, type of an array, True for a whole number); number of axes of an array."""
 
     place: int
     slot: tuple[int] | None
@@ -150,7 +149,7 @@ class Taken(NamedTuple):
 
 
 def _launch_of(primal: Any, owner: Any, given: tuple) -> Launch | None:
-    """Direct launch of a kernel that has just run with these arguments; None if the kernel needs Taichi's own call."""
+    """Direct launch of kernel `primal` of object `owner`, just run with `given`; None if it needs Taichi's own call."""
     takes, slots = [], 0
     if primal.return_type is not None or primal.has_print:
         return None
@@ -193,7 +192,6 @@ class FieldCopy:
 
     @ti.kernel
     def fill(self, values: Array):  # type: ignore[no-untyped-def]
-        """Copy the field into `values` (n,)."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in self.field:
             values[i] = self.field[i]
@@ -371,10 +369,8 @@ def _forget_declared() -> None:
 
 def start(config: RuntimeConfig) -> Backend:
     """Start Taichi and return its backend; one that runs is kept if it suits the config. A restart loses all fields.
-
     Raises BackendMissing if the backend obtained is not the one asked for, and RuntimeError if a simulation of another
-    thread is open, or any at all after memory ran out.
-    """
+    thread is open, or any at all after memory ran out."""
     with _starting:
         if _open and (_short or threading.get_ident() != _thread):
             raise RuntimeError(MEMORY_SHORT_MESSAGE if _short else OTHER_THREAD_MESSAGE)
@@ -470,15 +466,13 @@ def running_arch() -> str:
 
 
 def runs_alone() -> bool:
-    """True if kernels run short loops in the launching thread alone, as they do on a processor: waking another thread
-    takes 7 us, and several times that under load. Such a kernel also loads faster."""
+    """True if kernels run short loops in the launching thread alone: on a processor, where waking others costs 7 us."""
     return running_arch() == "cpu"
 
 
 def must_restart(config: RuntimeConfig) -> bool:
-    """True if `start` has to restart a running Taichi: for another config or thread; if too little room is left for the
-    fields of another simulation; and if all earlier fields are freed. Taichi numbers fields, and finds compiled kernels
-    by these numbers; without a restart an equal second simulation would be compiled again."""
+    """True if `start` has to restart Taichi: for another config or thread; if there are too many fields; or if all are
+    freed, since compiled kernels are found by the numbers of fields, which begin anew only at a restart."""
     if _started is None:
         return False
     full = impl.get_runtime().prog.get_snode_tree_size() > MAX_FIELD_SETS - FIELD_SET_MARGIN
@@ -493,11 +487,7 @@ def require_running(backend: Backend) -> None:
 
 
 def base_memory(particles: int) -> int:
-    """Bytes that a run takes in addition to its fields: interpreter, libraries, compiler, and copies of the particles
-    in NumPy.
-
-    Measured on Linux, x86-64, with 6 thousand to a million particles in f32 and f64.
-    """
+    """Bytes that a run takes besides its fields, measured on Linux: interpreter, libraries, compiler, NumPy copies."""
     return BASE_MEMORY + COPY_BYTES_PER_PARTICLE * particles
 
 
@@ -507,8 +497,7 @@ def compiled_kernels() -> list[str]:
 
 
 def kernels_in(module: str) -> list[str]:
-    """Names of all Taichi kernels that a kind uses, by the name of its module: those of that module, of the modules
-    below its slot that it imports, and those of `runtime` that these call."""
+    """Names of all Taichi kernels of a kind's module, of modules in its slot that it imports, and of `runtime`."""
     room, found = module.rpartition(".")[0], set()
     waiting, seen = [module], set()
     while waiting:
@@ -562,8 +551,7 @@ def _thread_ids() -> set[int]:
 
 
 def _pin_threads(before: set[int], threads: int, one: bool) -> None:
-    """Bind Taichi's worker threads, the newest of this process, to cores of their own, or each to only one (`one`): two
-    that are woken for a short time would often share a core. `before`: ids of the threads before Taichi."""
+    """Bind Taichi's worker threads, not in `before` (ids), to cores of their own, or (`one`) to one core each."""
     usable = sorted(os.sched_getaffinity(0)) if sys.platform == "linux" else []
     workers = sorted(_thread_ids() - before)[-threads:] if usable else []
     for k, worker in enumerate(workers):

@@ -99,7 +99,6 @@ class PeriodicConfig(ObserverConfig):
         return self.every
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Rows as of any observer, with the interval as their reason."""
         why = f"every {self.every:g} s" if self.every else ""
         return [row._replace(why=why) for row in super().ledger(preflight)]
 
@@ -221,8 +220,7 @@ class Simulation:
             self.outcome, self.reason = "failed", in_words(failure)
 
     def _due(self, every: float, before: float) -> bool:
-        """True if a multiple of `every` [s] lies between time `before` and the end of the coming step. The states on
-        both sides of it are observed, so that a sampled file can be interpolated onto it."""
+        """True if a multiple of `every` [s] lies between time `before` and the next step's end: both are observed."""
         return every == 0.0 or floor((self.time + self.next_dt) / every) > floor(before / every)
 
     def _observe(self, observers: list[Observer]) -> None:

@@ -65,7 +65,6 @@ class Config(PeriodicConfig):
     """Simulated time between rows."""
 
     def mismatches(self, preflight: Preflight) -> Problems:
-        """Fault if the water does not sum the impulses that this observer reads."""
         if preflight.sums_impulses:
             return []
         return [((), "reads impulses, and the water sums none; set fluid.impulses: true, or accuracy: null")]
@@ -75,8 +74,7 @@ class Config(PeriodicConfig):
 
 
 class Accuracy(Observer):
-    """Writes accuracy.csv: errors and balances of the whole water, summed in float64. For water without particles the
-    table has only the work of each force that the water sums, and the time step."""
+    """Writes accuracy.csv: errors and balances of all water in float64; without particles, work and the time step."""
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.every = config.every
@@ -114,7 +112,7 @@ class Accuracy(Observer):
         )
 
     def column_meaning(self) -> dict[str, object]:
-        """Meaning of each column or group of columns, by name, for the comment lines of the table."""
+        """Meaning of each column of accuracy.csv, or group of columns, by name, for the comment lines of the file."""
         given = " + ".join(f"work_{term}" for term in self.balance.outer_terms) or "0"
         if self.balance.driven:
             given += " + (work_gravity + potential energy gained), the work of forces that have no potential"
@@ -184,8 +182,7 @@ class Accuracy(Observer):
 
 
 def highest_particles(basin: Basin, fluid: ParticleFluid) -> np.ndarray:
-    """(m, 3) points [m] half a spacing above the highest particle of each column of the basin that holds any; of two
-    equally high the one stored later counts. A particle beyond the basin belongs to the nearest column."""
+    """(m, 3) points [m] half a spacing above the highest particle of each column of water, two spacings wide."""
     x = fluid.particles.snapshot().position
     lower, size = np.array(basin.lower)[[0, 2]], np.subtract(basin.upper, basin.lower)[[0, 2]]
     counts = np.maximum(1, (size / (SURFACE_COLUMN_WIDTH * fluid.spacing) + 1.0e-6).astype(int))
@@ -199,13 +196,13 @@ def highest_particles(basin: Basin, fluid: ParticleFluid) -> np.ndarray:
 
 
 def surface_fit(surface: "Surface", points: np.ndarray) -> tuple[float, float]:
-    """Mean and root mean square [m] of the height of a surface above points (m, 3) [m]."""
+    """Mean and root mean square [m] of the height of a surface minus that of points x, y, z (m, 3) [m]."""
     away = surface.elevations(points[:, [0, 2]]) - points[:, 1]
     return float(away.mean()), float(np.sqrt(np.square(away).mean()))
 
 
 def surface_meaning(surface: "Surface | None") -> dict[str, object]:
-    """Meaning of the columns on a surface, by name: its fit to the particles, and its own measurements."""
+    """Meaning, by name, of the columns of accuracy.csv on the surface: its fit to particles, its own measurements."""
     if surface is None:
         return {}
     return SURFACE_MEANING | {name.rsplit("_m", 1)[0]: meaning for name, meaning in surface.measured.items()}

@@ -33,8 +33,7 @@ class Config(PeriodicConfig):
 
 
 class Checkpoint(Observer):
-    """Writes checkpoint_<time>.h5 and keeps the newest two. The first Ctrl-C or SIGTERM lets the step end, writes a
-    checkpoint, then stops the run; the second stops it at once. Observes after all other observers."""
+    """Writes checkpoint_<time>.h5 and keeps the newest two; also at the first Ctrl-C or SIGTERM, which ends the run."""
 
     left_out = ("contents", "last_write", "stop_requested", "handlers")
 
@@ -109,10 +108,8 @@ def versions() -> dict[str, str | None]:
 
 def restore(simulation: Simulation, kept: checkpoint_file.Checkpoint, folder: Path, changed: str = "") -> None:
     """Put a newly built simulation into the state of a checkpoint of the same scene, with its files in `folder`.
-
     `changed`: differences of this program from the one that made the checkpoint, which are written into every table.
-    Raises Mismatch; then nothing in the folder has changed, and the simulation is of no use.
-    """
+    Raises Mismatch; then nothing in the folder has changed, and the simulation is of no use."""
     named = dict(zip(simulation.scene.observers, simulation.observers))
     try:
         state = Restorer(roots(simulation), kept.tree, kept.arrays, folder)

@@ -52,7 +52,6 @@ class Config(PeriodicConfig):
         return grid_size(preflight.tank, self.spacing or preflight.fluid.point_spacing(preflight))
 
     def mismatches(self, preflight: Preflight) -> Problems:
-        """Fault (key, sentence) of a spacing that gives a frame more than MAX_POINTS points."""
         points = self.point_count(preflight)
         if points <= MAX_POINTS:
             return []
@@ -61,7 +60,6 @@ class Config(PeriodicConfig):
         ]
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warning, with a size on disk, if the frames of a long or large run would exceed WARNING_BYTES."""
         kept = preflight.particles if self.particles else 0
         frame = 4 * SURFACE_FIELDS * self.point_count(preflight) + BYTES_PER_PARTICLE * kept
         size = frame * (preflight.duration / self.every + 1.0)
@@ -145,8 +143,8 @@ class Frames(Observer):
         origin: np.ndarray,
         snapshot: "Snapshot | None",
     ) -> dict[str, np.ndarray]:
-        """Foam arrays of a frame: white share (nx, nz) at the points, displacement of its texture [m], velocity of the
-        surface [m/s]; and the white share of the whole sea, unless the water itself models breaking crests."""
+        """Foam arrays of a frame at points x, z (n, 2) around `origin` with heights `elevation` (nx, nz) [m]: white
+        share, displacement of its texture [m], velocity [m/s]; white share of the sea unless the water models it."""
         assert self.white is not None
         self.white.shift(np.round((origin - self.before) / self.cell))
         self.before = origin
@@ -172,7 +170,7 @@ class Frames(Observer):
     def breaking_heights(
         self, simulation: Simulation, points: np.ndarray, elevation: np.ndarray, origin: np.ndarray
     ) -> np.ndarray:
-        """Heights (nx, nz) [m] as if without ships, from which foam forms: it would else gather at dents of hulls."""
+        """Heights (nx, nz) [m] at `points` around `origin` without ships, at whose hulls false foam would gather."""
         if not self.ships:
             return elevation
         undisturbed = simulation.fluid.undisturbed_elevations(points, elevation.ravel())
@@ -188,7 +186,7 @@ class Frames(Observer):
         return foam.levelled_heights(elevation, inside.reshape(self.shape), widest / self.cell)
 
     def whiten_past_sea(self, simulation: Simulation, points: np.ndarray) -> None:
-        """Form the foam of a sea in closed form from its past: all would else begin at once, in one stripe."""
+        """Form the foam of a sea in closed form at points x, z (n, 2) [m] from its past: all would else begin now."""
         sea, begins = simulation.fluid.plane_waves, simulation.time
         if sea is None or sea.ramp_share(begins) < 1.0:
             return
@@ -209,8 +207,7 @@ class Frames(Observer):
         self.white.advance(time, velocity[..., [0, 2]], source, wanted)
 
     def origin(self) -> np.ndarray:
-        """(2,) x and z [m] of the middle of the points of a frame: near the middle of the ships, by whole cells, on a
-        sea that they disturb, since they may sail away; else, and in 2-D, the middle of the basin."""
+        """(2,) x, z [m] of the middle of a frame's points: near the ships in 3-D, by whole cells; else of the basin."""
         return middle_cell(self.ships, self.cell) if self.ships and self.cell.all() else np.zeros(2)
 
     def resumed(self, changed: str) -> None:
@@ -240,8 +237,8 @@ def move_triangles(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) ->
 
 
 def topmost_velocity(snapshot: "Snapshot", points: np.ndarray, top: np.ndarray, period: Sequence[float]) -> np.ndarray:
-    """(nx, nz, 3) mean velocity [m/s] of the particles above the height `top` (nx, nz) [m] in the cell of each point,
-    or in the eight cells around if it holds none; `period`: of the basin along each axis [m], 0 if none."""
+    """(nx, nz, 3) mean velocity [m/s] of the particles above the heights `top` (nx, nz) [m] in the cells of `points`
+    (n, 2), or in the eight cells around where one has none; `period`: of the basin along each axis [m], 0 if none."""
     high = np.flatnonzero(snapshot.position[:, 1] > top.min())  # all others lie lower
     x = snapshot.position.take(high, axis=0).astype(float)
     if any(period):

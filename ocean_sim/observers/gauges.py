@@ -88,7 +88,7 @@ def disc_points() -> np.ndarray:
 
 
 def nearest_axis(point: np.ndarray, flats: Sequence[tuple[int, float]], boxes: Sequence[Corners]) -> int | None:
-    """Axis (0 to 2) across the flat side (axis, position [m]) or box face nearest to a point; None without any."""
+    """Axis (0 to 2) across the flat side (axis, position [m]) or box face nearest to a point (3,) [m], or None."""
     found = [(abs(point[axis] - position), axis) for axis, position in flats]
     for low, high in boxes:
         beyond = np.maximum(np.maximum(np.array(low) - point, point - np.array(high)), 0.0)
@@ -111,21 +111,17 @@ class Config(PeriodicConfig):
 
     @model_validator(mode="after")
     def _measures(self) -> "Config":
-        """Require at least one gauge."""
         if not self.elevation and not self.pressure:
             raise ValueError("give at least one gauge, under elevation or pressure")
         return self
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence) of gauges that cannot read in this basin."""
         return self.misplaced_gauges(preflight.tank)
 
     def mismatches(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence) of gauges that are to ride in a scene without a ship or patch to ride with."""
         return [(key, sentence) for key in self.riding_gauges if (sentence := riding_problem(preflight))]
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warnings about sensors inside an obstacle, and about water whose pressures are unreliable."""
         found, misread = super().warnings(preflight), preflight.fluid.misread
         for name, sensor in self.sensors.items():
             at = in_space(sensor.at)
@@ -211,7 +207,7 @@ def face_problem(sensor: Sensor, basin: Basin) -> str | None:
 
 
 def sensor_description(sensor: Sensor, points: int) -> str:
-    """Text for the table's comment lines on position and face of a sensor, which averages over `points` points."""
+    """Text on a sensor's position and face for the comment lines of gauges.csv; `points`: their number in its mean."""
     place = f"{list(sensor.at)} m{RIDING_PHRASE if sensor.rides else ''}"
     if points == 1:
         return f"pressure at {place}"
@@ -227,7 +223,7 @@ def hydrostatic_offset(simulation: Simulation) -> dict[str, object]:
 
 
 def dry_tops(obstacles: Sequence[Corners], columns: np.ndarray, heights: np.ndarray) -> np.ndarray:
-    """(n,) heights [m] of the water over columns (n, 2) x, z [m], or of the top of an obstacle that is dry."""
+    """(n,) `heights` [m] of the water at columns x, z (n, 2) [m], or of the top of an obstacle that is dry there."""
     for low, up in sorted(obstacles, key=lambda box: box[0][1]):
         over = ((columns >= np.array(low)[[0, 2]]) & (columns <= np.array(up)[[0, 2]])).all(axis=1)
         heights = np.where(over & (heights >= low[1] - BOX_ROUNDING) & (heights < up[1]), up[1], heights)

@@ -102,7 +102,6 @@ class Manifest(OutcomeObserver):
 
 
 def sha256(data: bytes) -> str:
-    """SHA-256 of bytes, in hexadecimal digits."""
     return hashlib.sha256(data).hexdigest()
 
 

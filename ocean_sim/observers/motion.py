@@ -42,7 +42,6 @@ SPIN = slice(MOMENT.spin, MOMENT.orders)
 
 
 def log_name(ship: str) -> str:
-    """File name of a ship's motion log, by the name of the ship."""
     return "motion.csv" if ship == ALONE else f"motion_{ship}.csv"
 
 
@@ -80,7 +79,6 @@ class Config(PeriodicConfig):
     """Axes of the columns; `ship`: ours, `ned` (SNAME) or `flu` (ISO 8855)."""
 
     def mismatches(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence): no ship to log, or a `point` that a ship does not have."""
         if not preflight.ships:
             return [((), "there is no ship whose motion could be logged")]
         found: Problems = []
@@ -120,8 +118,8 @@ class Motion(Observer):
 
 
 class Log:
-    """Motion log of one ship. The load at a time is known one step later, as a step computes it at its beginning; at
-    the last time the load of the step before stands in. Rows are computed in batches, or singly if awaited."""
+    """Motion log of one ship. Its rows, computed in batches unless awaited, are interpolated between moments: states of
+    the ship after a step. A load is known one step later, as a step computes it at its beginning."""
 
     last: "tuple[float, RigidBody, tuple[float, float]] | None"  # the newest time, body and orders
 
@@ -155,7 +153,7 @@ class Log:
         self.last = simulation.time, self.ship.body, self.ship.orders
 
     def complete(self, simulation: Simulation) -> None:
-        """Add the moment of the last state, whose load is known only now, and write the rows that it completes."""
+        """Store the last state of the ship, whose load is known only now, and write the rows that it completes."""
         if self.last is None:
             return
         (time, body, orders), ship = self.last, self.ship
@@ -176,12 +174,12 @@ class Log:
         return any(taker.at_once for taker in takers(simulation, TakesMotion))
 
     def set_first_velocity(self, body: "RigidBody", dt: float) -> None:
-        """Set the velocity at the first moment, the mean of that now and that after a step of 2 `dt` [s]."""
+        """Set the ship's velocity at the first moment: the mean of that now and that after a step of 2 `dt` [s]."""
         gained = dt * self.ship.acceleration, dt * self.ship.turning
         self.velocity = first_derivative(body.velocity + gained[0], body.angular_velocity + gained[1], body.orientation)
 
     def write(self, simulation: Simulation) -> None:
-        """Write the rows that are due, interpolated between moments; the last moment begins the next batch."""
+        """Write the due rows, interpolated between stored states of the ship; the last one begins the next batch."""
         moments = self.moments[: self.seen]
         moments[:, QUATERNION] = short_way(moments[:, QUATERNION].T).T
         columns = moments[:, : MOMENT.size].T
@@ -212,7 +210,7 @@ class Log:
             observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)
 
     def load_table(self, body: Attitude, acceleration: np.ndarray, turning: np.ndarray, rest: np.ndarray) -> np.ndarray:
-        """(n, m) accelerations, specific forces, loads, orders; `rest`: (n, k) orders (throttle, rudder), loads."""
+        """(n, m) accelerations, specific forces, loads, orders at n moments; `rest`: orders and loads (n, k)."""
         felt = body.point_acceleration(self.arm, acceleration, turning)
         specific = to_frame(self.frame, body.to_body(felt - self.gravity[:, None]).T)
         orders, parts = rest[:, :2], rest[:, 2:].reshape(len(rest), -1, 6)
@@ -222,8 +220,7 @@ class Log:
         return np.concatenate([along, specific, loads.reshape(len(rest), -1), orders], axis=1)
 
     def motion_table(self, track: Track) -> np.ndarray:
-        """(16, n) position, angles, unit quaternion, velocity and rates in the axes of the log's frame. Angles follow
-        from the interpolated quaternion: interpolated angles leap where a bow points straight up."""
+        """(16, n) position, angles of the interpolated quaternion, quaternion, velocity and rates in log axes."""
         body, signs = attitude_of(track), self.signs[:, None]
         q = body.orientation
         pose, speed = (track.place[:3], body.angles), (track.velocity[:3], body.to_body(body.spin))

@@ -53,7 +53,6 @@ class Config(PeriodicConfig):
     @field_validator("size")
     @classmethod
     def _has_room(cls, size: tuple[int, int]) -> tuple[int, int]:
-        """Require a picture that the panel fits into."""
         if not (960 <= size[0] <= 7680 and 640 <= size[1] <= 4320):
             raise ValueError(f"the panel needs a picture of 960 x 640 pixels, at most 7680 x 4320, not {list(size)}")
         return size
@@ -105,8 +104,7 @@ class Buffer:
         self.field: Any = None
 
     def put(self, values: np.ndarray) -> int:
-        """Copy (n, length) or (n,) values into the field; returns n. The rest of the field repeats the last value,
-        since GGUI draws some of it, whatever count it is given."""
+        """Copy (n, length) or (n,) values into the field; returns n. The rest repeats the last, as GGUI may draw it."""
         n = len(values)
         if self.field is None or self.field.shape[0] < n:
             room = max(64, 2 ** int(np.ceil(np.log2(max(n, 1)))))
@@ -119,11 +117,8 @@ class Buffer:
 
 
 class Mesh:
-    """Triangles in plain colours, in GGUI's buffers.
-
-    One unit transform places them: without any, GGUI's shader adds an uninitialised buffer times zero, and a NaN in it
-    makes the triangles vanish from the picture.
-    """
+    """Triangles in plain colours, in GGUI's buffers, placed by one unit transform: without any, GGUI's shader adds an
+    uninitialised buffer times zero, and a NaN in it makes the triangles vanish from the picture."""
 
     def __init__(self) -> None:
         self.transform = ti.Matrix.field(4, 4, ti.f32, 1)
@@ -150,10 +145,7 @@ class Mesh:
 
 
 class Screen:
-    """GGUI window, on a screen or hidden, and everything that is drawn in it.
-
-    Raises VulkanMissing if GGUI has no Vulkan.
-    """
+    """GGUI window, on a screen or hidden, and everything drawn in it; raises VulkanMissing if GGUI has no Vulkan."""
 
     def __init__(self, config: Config, show: bool) -> None:
         """`show`: True for a window on the screen, False for a hidden one."""
@@ -178,7 +170,7 @@ class Screen:
         self.cursor: tuple[float, float] | None = None
 
     def watch(self, simulation: "Simulation", panel: Panel, config: Config | None = None) -> None:
-        """Draw another simulation from now on; the panel gets its cameras, contents and ships."""
+        """Draw another simulation from now on; the panel gets its cameras, contents, ships and choices of `config`."""
         self.simulation, self.scene = simulation, PreviewScene(simulation)
         panel.cameras, panel.contents, panel.person = self.scene.cameras, self.scene.contents, None
         panel.ships = tuple(simulation.ships)
@@ -198,7 +190,7 @@ class Screen:
         self.compose(panel, pace)
 
     def compose(self, panel: Panel, pace: float | None) -> None:
-        """Pass everything that a picture shows (sky, water, ships, lines, particles, panel) to the window."""
+        """Pass all that a picture shows (sky, water, ships, particles, panel) to the window; `pace` as in `draw`."""
         eye = self.point_camera(panel)
         self.canvas.triangles(self.backdrop.field, per_vertex_color=self.backdrop_colours.field)
         self.plain.set_camera(self.camera)
@@ -238,7 +230,7 @@ class Screen:
         return camera.eye
 
     def show_balls(self, balls: Balls, eye: np.ndarray) -> None:
-        """Draw particles as lit balls; called after the plain scene is drawn, which these lights would change."""
+        """Draw particles as lit balls, seen from `eye` [m], after the plain scene, which these lights would change."""
         self.lit.set_camera(self.camera)
         self.lit.ambient_light((0.55, 0.55, 0.55))
         self.lit.point_light(pos=tuple(eye + [-200.0, 300.0, -100.0]), color=(0.6, 0.6, 0.6))
@@ -271,7 +263,6 @@ class Screen:
         self.cursor = cursor
 
     def show(self) -> None:
-        """Show the picture on the screen, unless the window is hidden."""
         if self.shown:
             self.window.show()
 

@@ -131,14 +131,12 @@ class Config(PeriodicConfig):
     @field_validator("size")
     @classmethod
     def even(cls, size: tuple[int, int]) -> tuple[int, int]:
-        """Require an even width and height, as the film's codec does."""
         if any(n % 2 or not 64 <= n <= 7680 for n in size):
             raise ValueError(f"a film needs an even width and height between 64 and 7680 pixels, not {list(size)}")
         return size
 
     @model_validator(mode="after")
     def aimed(self) -> "Config":
-        """Require `eye` and `target` for the fixed camera, and for no other."""
         if self.camera == "fixed" and (self.eye is None or self.target is None):
             raise ValueError("a fixed camera needs an eye and a target, [x, y, z] in metres each")
         if self.camera != "fixed" and not (self.eye is None and self.target is None):
@@ -151,7 +149,6 @@ class Config(PeriodicConfig):
         return [] if self.ship is None else preflight.unknown_ship(self.ship)
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Warnings about a run without frames, and about stills after its end."""
         frames = preflight.parts.get("frames")
         if not isinstance(frames, PeriodicConfig):
             return ["render: without frames there is nothing to draw, no preview and no film"]
@@ -196,7 +193,6 @@ class Config(PeriodicConfig):
         return 0 if pictures is None else PARTICLE_BYTES * painter_count(pictures)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Memory of the processes that draw and of the encoder, on a machine without a graphics card."""
         [row], pictures, pixels = super().ledger(preflight), self.pictures(preflight), self.size[0] * self.size[1]
         if pictures is None:
             return [row]
@@ -234,7 +230,6 @@ class Render(OutcomeObserver):
             self.drawer.progress = progress
 
     def observe(self, simulation: Simulation) -> None:
-        """Start the child process that draws as soon as there is a frame."""
         if self.drawer is None and self.config.film and frame_path(self.folder, 0).exists():
             self.drawer = Drawer(
                 [order_of(self.folder, **config_options(self.config, self.folder))], self.progress, goes_on=True
@@ -268,7 +263,6 @@ class Render(OutcomeObserver):
                 run_report.write_report(self.folder)
 
     def stop(self) -> None:
-        """End the child process that draws, if there is one."""
         if self.drawer is not None:
             self.drawer.stop()
 
@@ -341,7 +335,7 @@ class Drawer:
 
 
 def start_drawing(asked: dict[str, Any], errors: IO[str], **how: Any) -> subprocess.Popen[Any]:
-    """Start a process that draws the request `asked` (see `main`); `errors`: its standard error; `how`: for Popen."""
+    """Start a process that draws the request `asked` (see `main`) with its errors to `errors`; `how`: for Popen."""
     command = [sys.executable, "-m", "ocean_sim.observers.render", json.dumps(asked)]
     # Its standard input breaks when this process ends, however that comes.
     return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors, **how)
@@ -365,9 +359,7 @@ def render_run(
     **asked: Any,
 ) -> list[Path]:
     """Draw preview.png, and film, stills and strip if asked, into `out`; returns the files. `asked`: fields of Order.
-
-    Raises OpenGLMissing or RenderFailed.
-    """
+    Raises OpenGLMissing or RenderFailed."""
     order = order_of(folder, out=out, **asked)
     sentence = obstacle_to_pictures(folder, order.camera, order.stills, order.ship)
     if sentence is not None:
@@ -451,13 +443,11 @@ def order_files(order: Order) -> list[str]:
 
 
 def still_name(time: float) -> str:
-    """File name of the still picture at a time [s]."""
     return f"still_{time:08.3f}.png"
 
 
 def draw_order(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]:
-    """Draw an order; yields the number of drawn pictures of the film and their total, 0 while that is unknown. `over`:
-    event that is set when the run has written its last frame."""
+    """Draw an order; yields numbers of drawn and of all film pictures (0: unknown). `over`: set when the run ends."""
     out = Path(order.out)
     with ExitStack() as stack:
         turns_of_others = range(1, order.painters) if order.film else ()
@@ -517,18 +507,16 @@ class ComingFrames:
         self.ended = ended
 
     def wait(self) -> None:
-        """Wait until the run is over, and add its last frames to `log`."""
         self.over.wait()
         self.look()
 
     def chosen(self, every: float) -> Iterator[tuple[Path, int]]:
-        """Yield the frame file of each picture of a film, `every` [s] apart, as soon as it is known, and the number of
-        pictures, 0 while unknown. The first comes once there are two frames, which show how fast ships begin."""
+        """Yield the frame file of each picture of a film, `every` [s] apart, and their number, 0 while unknown."""
         done = 0
         while True:
             ended, there = self.ended, len(self.log.files)
             numbers = film_frames(self.log.times, every) if ended else known_film_frames(self.log.times, every)
-            for number in numbers[done:] if ended or there > 1 else ():
+            for number in numbers[done:] if ended or there > 1 else ():  # two show how fast ships begin
                 yield self.log.files[number], len(numbers) if ended else 0
                 done += 1
             if ended:
@@ -590,11 +578,8 @@ def film_turns(coming: ComingFrames, every: float, of: int) -> Iterator[tuple[Pa
 def draw_turns(
     order: Order, picture: Picture, coming: ComingFrames, turn: int, put: Callable[[Shot | int | None], None]
 ) -> Iterator[tuple[int, int]]:
-    """Draw those pictures of a film that are the turn of this process; yields progress as `draw_order`.
-
-    `put` is called in order with each picture that is drawn here, and for others with the number of their process. A
-    thread calls it while the next picture is drawn: the plotter releases Python's lock meanwhile.
-    """
+    """Draw those pictures of a film that are the turn of this process, number `turn`; yields progress as `draw_order`.
+    A thread calls `put` in order with each picture drawn here, for others with the number of their process, or None."""
     with ThreadPoolExecutor(1) as beside:
         before: list[Future[None]] = []
         since: list[Future[None]] = []  # the last that was drawn here

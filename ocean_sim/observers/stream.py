@@ -33,12 +33,10 @@ class Config(ObserverConfig):
     @field_validator("to")
     @classmethod
     def _is_an_address(cls, value: str) -> str:
-        """Require an address like udp://127.0.0.1:5005."""
         parse_address(value)
         return value
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence) of the key that signs packets: a format without signature, or an unreadable file."""
         if self.key is None:
             return []
         if self.packets != "ocean_sim":

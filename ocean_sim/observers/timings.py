@@ -33,10 +33,8 @@ class Mark(NamedTuple):
 
 
 class Timings(Observer):
-    """Measures the wall time of the stages of every step; timings.csv has their means since the row before.
-
-    The first step compiles kernels. Its time stands apart, as `first_step_s`, and no mean contains it.
-    """
+    """Measures the wall time of the stages of every step; timings.csv has their means since the row before. The first
+    step compiles kernels: its time stands apart, as `first_step_s`, and no mean contains it."""
 
     left_out = ("stage_times", "began", "first_step", "first_step_s", "start", "last")  # values of a clock
 
@@ -68,7 +66,7 @@ class Timings(Observer):
             self.stage_times[name] += perf_counter() - entered
 
     def warm_up(self, name: str, now: float) -> None:
-        """Note when the first step starts and ends, after which means begin; `now`: wall time [s]."""
+        """Note when the first step starts and ends, as a stage of this name begins at wall time `now` [s]."""
         if self.began is not None and self.simulation.steps > self.first_step:
             self.first_step_s = now - self.began
             self.start = self.last = self.take_mark(now)
@@ -76,7 +74,6 @@ class Timings(Observer):
             self.began, self.first_step = now, self.simulation.steps
 
     def take_mark(self, now: float) -> Mark:
-        """Clock values at the wall time `now` [s]."""
         return Mark(now, self.simulation.time, self.simulation.steps, dict(self.stage_times))
 
     def observe(self, simulation: Simulation) -> None:

@@ -29,13 +29,11 @@ class Config(PeriodicConfig):
 
     @model_validator(mode="after")
     def _follows(self) -> "Config":
-        """Require ids or boxes."""
         if not self.ids and not self.boxes:
             raise ValueError("give at least one of ids and boxes")
         return self
 
     def mismatches(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence): water without particles, ids that no particle has, boxes without water."""
         lattice = preflight.untouched
         if lattice is None:
             return [((), f"fluid.kind {preflight.fluid.kind} has no particles to follow")]

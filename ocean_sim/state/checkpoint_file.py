@@ -44,7 +44,6 @@ class Checkpoint(NamedTuple):
 
 
 def checkpoint_name(time: float) -> str:
-    """File name of the checkpoint at a time [s]."""
     return f"checkpoint_{time:013.6f}.h5"
 
 

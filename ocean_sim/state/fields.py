@@ -14,8 +14,7 @@ MAX_ROW_LENGTH = 2**31 - 1  # numbers in a row: kernels count them in 32 bits
 
 @in_kernels
 class FieldBundle:
-    """Scalar fields of one type that are copied together to and from one NumPy array, the row, by one kernel. Fields of
-    equal shape share a loop of the kernel, as compile time grows with the number of loops."""
+    """Scalar fields of one type, copied together to and from one array, `row`, by a kernel with a loop per shape."""
 
     def __init__(self, fields: list[ti.ScalarField]) -> None:
         self.shapes = [field.shape for field in fields]

@@ -88,9 +88,7 @@ def is_named_tuple(value: Any) -> bool:
 
 class Snapshot:
     """Saved state of all objects reachable from `root`: a `tree` of plain data, and the `arrays` to which it refers.
-
-    Raises TypeError at an object of an unknown kind that is not left out.
-    """
+    Raises TypeError at an object of an unknown kind that is not left out."""
 
     def __init__(self, root: Any, folder: Path, contents: FieldContents | None = None) -> None:
         """`folder`: run folder, to which file names are relative; `contents`: reader with kernels for these fields."""
@@ -167,11 +165,8 @@ class Snapshot:
 
 
 class Restorer:
-    """Restores a saved state into `root`, newly built from the same scene.
-
-    Raises Mismatch if the state does not fit. Files are opened in `folder`, but only `cut` shortens them to their saved
-    length, and makes deleted folders again: a state that does not fit changes nothing on disk.
-    """
+    """Restores a saved state into `root`, newly built from the same scene; raises Mismatch if it does not fit. Files
+    are opened in `folder`, but only `cut` shortens them to their saved length and makes deleted folders again."""
 
     def __init__(self, root: Any, tree: Any, arrays: dict[str, np.ndarray], folder: Path) -> None:
         """Restore the state (`tree` and `arrays` of a Snapshot) into the objects under `root`; raises Mismatch."""
@@ -219,7 +214,6 @@ class Restorer:
         return value
 
     def from_number(self, node: Any, fresh: Any, path: str) -> Any:
-        """NumPy scalar of the saved type."""
         dtype, value = node[NUMBER_KEY]
         return np.dtype(dtype).type(value)
 
@@ -245,7 +239,6 @@ class Restorer:
         return fresh
 
     def from_array(self, node: Any, fresh: Any, path: str) -> np.ndarray:
-        """Saved NumPy array."""
         return self.arrays[node[ARRAY_KEY]]
 
     def from_file(self, node: Any, fresh: Any, path: str) -> TextIOWrapper:
@@ -320,8 +313,7 @@ class Restorer:
 
 
 def has_wrong_kind(found: Any, fresh: Any) -> bool:
-    """True if the restored value `found` is of another kind than the newly built `fresh`. A `fresh` None allows any
-    kind; strings and objects of this package may be restored as None."""
+    """True if a restored value is of another kind than the newly built `fresh`; None may replace a string or object."""
     if fresh is None or fresh is MISSING_VALUE:
         return False
     if is_package_object(fresh):

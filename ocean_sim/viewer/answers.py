@@ -30,7 +30,7 @@ def key_table(scene: SceneConfig) -> list[dict[str, Any]]:
 
 
 def model_rows(place: str, path: str, model: BaseModel) -> list[dict[str, Any]]:
-    """Rows as in `key_table` for a model and those in it; `place`: its path in the scene, `path`: in the reference."""
+    """Rows as in `key_table` for a model and those in it; `place`: path in the scene; `path`: in the list of keys."""
     rows: list[dict[str, Any]] = []
     for name in type(model).model_fields:
         value, known = getattr(model, name), by_path().get(f"{path}.{name}")

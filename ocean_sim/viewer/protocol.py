@@ -168,7 +168,7 @@ def parse_command(text: str) -> Command:
 
 
 def packet(kind: str, arrays: Mapping[str, np.ndarray], boxes: Mapping[str, Any] | None = None, **header: Any) -> bytes:
-    """Binary packet of arrays; `header`: more entries of its header; `boxes`: more entries of arrays, by name."""
+    """Binary packet of this kind; `header`: more entries of its header; `boxes`: more entries of arrays, by name."""
     rows, data = [], []
     for name, array in arrays.items():
         whole = np.ascontiguousarray(array)

@@ -57,7 +57,6 @@ class Recorded:
         return tuple(-(-len(self.grid[axis]) // MAX_CELLS) for axis in "xz")  # type: ignore[return-value]
 
     def still(self) -> bytes:
-        """Packet of kind `still` with the static part of this run, sent to the page once."""
         return self.setting.packet()
 
     @cached_property
@@ -155,7 +154,6 @@ class Recorded:
         def add(
             log: dict[str, np.ndarray], column: str, label: str, unit: str, group: str, factor: float = 1.0
         ) -> None:
-            """Add a column of a log, times `factor`, interpolated at the times."""
             values = np.asarray(log[column], float)
             values = np.unwrap(values) if column == "yaw_rad" else values
             rows.append({"name": f"{group}_{label}".replace(" ", "_"), "label": label, "unit": unit, "group": group})

@@ -207,7 +207,6 @@ class Server:
         return [self.inbox.popleft() for _ in range(len(self.inbox))]
 
     def close(self) -> None:
-        """Close the sockets of all pages, and stop the server and its thread."""
         if self.thread.is_alive():
             with suppress(RuntimeError):
                 self.loop.call_soon_threadsafe(self.stopping.set)
@@ -383,7 +382,6 @@ class Server:
             self.arrived.set()
 
     def refuse_command(self, watcher: Watcher, text: str) -> None:
-        """Tell a page by this text why its command is refused."""
         self.queue_text(watcher.number, {"type": "said", "text": text, "bad": True})
 
     def take_helm(self, number: int) -> bool:

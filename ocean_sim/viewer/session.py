@@ -290,14 +290,12 @@ class Session:
         self.pilots[name], self.sailed[name] = ship.sail(route, speed), 0
 
     def ship_named(self, name: str) -> "Ship":
-        """Ship with this name; raises Failed if there is none."""
         if name not in self.simulation.ships:
             raise Failed(f"there is no ship {name!r} here")
         return self.simulation.ships[name]
 
     def rebuild(self, source: Source, folder: Path | None = None) -> bool:
-        """Play a source from its beginning; True if that succeeds. The present scene continues if the source cannot be
-        loaded or is too large (which raises), and begins again if the source cannot be built."""
+        """Play a source; True on success. The present scene goes on if loading raises, restarts if building fails."""
         more = {} if folder is None else {"render": None}
         config = load_within_memory(source._replace(overrides={**source.overrides, **more}))
         self.say("building anew ...")
@@ -335,7 +333,7 @@ class Session:
         self.say(f"recording {self.config.duration:g} s into {folder}")
 
     def note_setting(self, what: str) -> None:
-        """Note a setting made by hand in the record, if there is one, since the scene there does not contain it."""
+        """Note a setting made by hand, the text `what`, in the record, if there is one: the scene there lacks it."""
         if self.claim is not None and self.plays:
             self.touched.append(f"t = {self.simulation.time:.6f} s: {what}")
 
@@ -349,7 +347,6 @@ class Session:
             self.server.tell(watcher, type="problems", problems=[])
 
     def tell_problems(self, watcher: int, error: SceneError) -> None:
-        """Send the problems of a scene to the page of this number."""
         rows = [each._asdict() for each in error.problems[:100]]
         self.server.tell(watcher, type="problems", problems=rows)
 
@@ -368,7 +365,6 @@ class Session:
         self.say(f"saved: {path}")
 
     def tell_waves(self, watcher: int, asked: p.Waves) -> None:
-        """Send the answer to a wave query to the page of this number."""
         try:
             found = answer_waves(self.simulation.fluid, self.simulation.time, asked)
         except Refused as refusal:

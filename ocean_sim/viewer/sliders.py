@@ -40,7 +40,6 @@ def sliders_of(simulation: Simulation) -> list[Slider]:
         ends = (0.25 * now, 4.0 * now) if name == "stiffness" else (0.0, max(4.0 * now, 1.0))
 
         def adjust_fluid(value: float, name: str = name) -> None:
-            """Set a number of the water, and derive the next time step from it."""
             fluid.adjust(**{name: value})
             simulation.next_dt = time_step.next(simulation.limits())
 
@@ -49,7 +48,6 @@ def sliders_of(simulation: Simulation) -> list[Slider]:
         label, shown = STEP_LABELS[name]
 
         def adjust_time_step(value: float, name: str = name, shown: float = shown) -> None:
-            """Set a number of the rule for the time step, and derive the next step from it."""
             time_step.adjust(**{name: value * shown})
             simulation.next_dt = time_step.next(simulation.limits())
 

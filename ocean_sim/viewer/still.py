@@ -118,7 +118,7 @@ class Setting:
     def ship_header(
         self, k: int, name: str, model: ShipModel, arrays: dict[str, Any], boxes: dict[str, Any]
     ) -> dict[str, Any]:
-        """Header entry of ship k; adds her triangles and the map of distances to her waterline to `arrays`."""
+        """Header entry of ship k; adds triangles and distances to her waterline to `arrays`, scales to `boxes`."""
         hull, corners = model.hull, model.mesh.corners.reshape(-1, 3)
         low, high = corners.min(axis=0), corners.max(axis=0)
         arrays[f"corners{k}"] = box_positions(corners, low, high)
@@ -176,8 +176,8 @@ TANK_KEYS = ("motion", "wavemaker", "lid", "obstacles")  # of a basin that is a 
 
 
 def synthetic_waves(angle: float, length: float, spacing: float) -> np.ndarray:
-    """Plane waves about a wind's angle [rad], with a significant height of 1 m, for the sea around a basin of a
-    `length` [m] without a sea of its own: rows (SYNTHETIC_WAVES, 5) of amplitude, wavevector x, z, frequency, phase."""
+    """Plane waves about a wind's angle [rad] for the sea around a basin (length, spacing [m]) that has none: rows
+    (SYNTHETIC_WAVES, 5) of amplitude [m] (in all 1 m significant height), wavevector x, z [1/m], frequency, phase."""
     share = (np.arange(SYNTHETIC_WAVES) + 0.5) / SYNTHETIC_WAVES
     wavelength = max(4.0 * spacing, 0.08 * length) ** (1.0 - share) * (0.7 * length) ** share
     turn = 0.9 * np.sin(2.399963 * (np.arange(SYNTHETIC_WAVES) + 1.0) * 7.0)

@@ -76,7 +76,6 @@ class Watch(Observer, TakesMotion):
 
         @contextmanager
         def stage(name: str) -> Iterator[None]:
-            """Add the wall time [s] of the block to the stage of this name."""
             with inner(name):
                 entered = perf_counter()
                 yield
@@ -164,7 +163,7 @@ class Watch(Observer, TakesMotion):
         return middle_cell(ships, np.array([places[1] - places[0] for places in (self.setting.x, self.setting.z)]))
 
     def particle_arrays(self, particles: "Particles") -> dict[str, np.ndarray]:
-        """Arrays of a frame, as integers, of shown particles by id: `particles` (n, 3) in the box, `speed` (n,)."""
+        """Arrays of a frame, as integers, of shown particles by id: `particles` (n, 3) as in its box, `speed` (n,)."""
         rows = particles.in_box(self.middle, self.scale, FULL_SCALE, particle_stride(particles.n))
         places, speed = rows[:, :3].astype(np.int16), rows[:, 3]
         if self.is_rare_frame and len(speed):

@@ -28,11 +28,8 @@ def distance_outside(position: np.ndarray, basin: Basin, time: float) -> np.ndar
 
 
 def level_ratio(position: np.ndarray, spacing: float, basin: Basin) -> float:
-    """Height over the bed of the centre of mass of particles (n, 3) [m], as a multiple of its height at rest.
-
-    At rest the water of each column, three spacings wide, would lie on the bed at rest density, one layer at least. NaN
-    if a position is not finite.
-    """
+    """Height over the bed of the centre of mass of particles (n, 3) [m], over that at rest, with the water of each
+    column of three spacings on the bed at rest density, one layer at least; NaN if a position is not finite."""
     if not np.isfinite(position).all():
         return float("nan")
     axes = [0, 2][: basin.dimension - 1]
@@ -48,12 +45,8 @@ def level_ratio(position: np.ndarray, spacing: float, basin: Basin) -> float:
 
 
 class Symmetry:
-    """Pairs of particles (twins) that mirror each other in x = 0 or in z = 0, in water that begins symmetric.
-
-    In the first 50 steps rounding parts images by up to 3e-5 spacings in single precision where pressures follow from
-    the density, and by 2.5e-3 where they are solved for; then the distance grows tenfold every few dozen steps, however
-    exact a scheme is, and after impacts two halves of a tank have nothing in common.
-    """
+    """Pairs of particles (twins) that mirror each other in x = 0 or in z = 0, in water that begins symmetric. In 50
+    steps rounding parts them by up to 3e-5 spacings, by 2.5e-3 if pressures are solved for; the distance grows on."""
 
     def __init__(self, simulation: Simulation) -> None:
         basin, self.twins = simulation.basin, dict[int, np.ndarray]()
@@ -92,7 +85,7 @@ def mirrored(vectors: np.ndarray, axis: int) -> np.ndarray:
 
 
 def image_ids(place: np.ndarray, axis: int) -> np.ndarray:
-    """(n,) id of each particle's mirror image across `axis`, if each has one; `place`: (n, 3) [spacings]."""
+    """(n,) id of each particle's mirror image across `axis`, if each has one; `place`: positions (n, 3) [spacings]."""
     here, there = (np.lexsort(x.round(3).T + 0.0) for x in (place, mirrored(place, axis)))
     twin = np.empty(len(place), dtype=int)
     twin[here] = there
@@ -119,13 +112,12 @@ class Momentum:
         self.first = self.unexplained(simulation, with_particles(simulation.fluid).totals())
 
     def unexplained(self, simulation: Simulation, totals: Totals) -> np.ndarray:
-        """(3,) momentum [kg m/s] that no force has given since the fluid was built."""
+        """(3,) momentum [kg m/s] that no force has given since the fluid was built; `totals`: of its particles."""
         moving = with_particles(simulation.fluid).particles.mass * totals.velocity
         return moving - sum(simulation.fluid.impulse.values(), np.zeros(3))
 
     def unexplained_share(self, simulation: Simulation, totals: Totals) -> float:
-        """Momentum that no force has given since the start of this check, over the sum of all impulses plus mass times
-        reference speed; 0 without impulses, and if `motion_limit` has held particles back."""
+        """Unexplained momentum since this check began, over the sum of impulses plus mass times reference speed."""
         fluid = simulation.fluid
         impulses = fluid.impulse
         if not impulses or fluid.status.clipped:

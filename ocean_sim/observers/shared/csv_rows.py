@@ -26,7 +26,7 @@ TIME_TOLERANCE = 1.0e-9  # of `every`: a time so little short of a multiple has 
 
 
 def heading(simulation: "Simulation", rate: str, **more: object) -> dict[str, object]:
-    """Comment lines, by name, at the top of every CSV file of a run; `rate`: text on the interval of rows."""
+    """Comment lines, by name, at the top of every CSV file of a run; `rate`: text on its rows; `more`: other lines."""
     return {
         "frame": "world",
         "axes": "right-handed, x and z horizontal, y up, origin at the centre of the still surface",
@@ -99,11 +99,8 @@ class Sample(NamedTuple):
 
 
 class Sampled:
-    """Sampler of a vector at multiples of `every` [s], linear between steps, which is second-order in the time step.
-
-    A run calls its observers with the last state before and the first state after each multiple. Names and counts
-    cannot be interpolated and keep their value of the state before.
-    """
+    """Sampler of a vector at multiples of `every` [s], linear between steps, second-order in the time step. It needs
+    the last state before and the first after each multiple; names and counts keep their value of the state before."""
 
     before: Sample | None
 

@@ -97,7 +97,7 @@ def embedded_picture(path: Path, caption: str, link: str | None = None) -> str:
 
 
 def scene_text(value: Any, indent: str = "") -> str:
-    """YAML text of a scene, one key a line, without keys that are null."""
+    """YAML text of a scene, one key a line, each after `indent`, without keys that are null."""
     lines = []
     for key, inner in value.items():
         if inner is None:
@@ -161,8 +161,7 @@ def curve_stroke(k: int) -> str:
 def draw_curves(
     time: np.ndarray, series: Mapping[str, np.ndarray], label: str, limits: Mapping[str, float] | None = None
 ) -> str:
-    """HTML figure with a curve for each name over time [s], and lines at the limits; empty if every value is 0 or NaN.
-    Spikes that would flatten the rest are cut, and the caption says so."""
+    """HTML figure of curves by name over time [s], with lines at limits and spikes cut; empty if all are 0 or NaN."""
     everything = np.concatenate(list(series.values()))
     if not np.nan_to_num(everything).any():
         return ""
@@ -175,15 +174,12 @@ def draw_curves(
     note = f" ({beyond} values cut, as far as {farthest:.4g})" if beyond else ""
 
     def x(t: float) -> float:
-        """Abscissa in the drawing of a time [s]."""
         return LEFT + (t - left) / (right - left) * (PLOT_WIDTH - LEFT - RIGHT)
 
     def y(value: float) -> float:
-        """Ordinate in the drawing of a value."""
         return PLOT_HEIGHT - BOTTOM - (value - low) / (high - low) * (PLOT_HEIGHT - TOP - BOTTOM)
 
     def level_line(value: float, attributes: str) -> str:
-        """SVG path of a horizontal line at a value."""
         return f'<path d="M{LEFT} {y(value):.1f}H{PLOT_WIDTH - RIGHT}" {attributes}/>'
 
     parts = [

@@ -59,7 +59,6 @@ class Run:
         yield from self.file_links()
 
     def outcome(self) -> str:
-        """HTML paragraph on how the run ended."""
         manifest, outcome = self.manifest, self.manifest.get("outcome", "unknown")
         if outcome == "running":
             sentence = "This run has not ended: it is still running, or was killed."
@@ -71,7 +70,6 @@ class Run:
         return f'<p class="outcome{"" if outcome == "done" else " bad"}">{html.escape(sentence)}</p>'
 
     def pictures(self) -> Iterator[str]:
-        """Yield HTML of the pictures in the run folder."""
         folder, film = self.folder, "film.mp4" if (self.folder / "film.mp4").exists() else None
         more = "; click for film.mp4, next to this page" if film else ""
         yield embedded_picture(folder / "preview.png", f"The run at its liveliest{more}.", film)
@@ -111,7 +109,6 @@ class Run:
             yield "seed", str(manifest["seed"])
 
     def warnings(self) -> Iterator[str]:
-        """Yield an HTML list of the warnings about the scene, if there are any."""
         warnings = self.manifest.get("warnings", [])
         if warnings:
             rows = "".join(f"<li>{html.escape(sentence)}</li>" for sentence in warnings)
@@ -122,13 +119,11 @@ class Run:
         return csv_file.read_columns_if_any(self.folder / name)
 
     def motions(self) -> Iterator[str]:
-        """Yield HTML plots of the motion logs of all ships."""
         yield from motion_plots("Motions of the ship", self.table("motion.csv"))
         for name in self.scene.get("ships", {}):
             yield from motion_plots(f"Motions of {name}", self.table(f"motion_{name}.csv"))
 
     def platform(self) -> Iterator[str]:
-        """Yield HTML plots of the motion platform, if there is one."""
         log = self.table("platform.csv")
         if "leg1_m" not in log:
             return
@@ -150,7 +145,6 @@ class Run:
         yield f"<p>A limit was reached in {100.0 * share:.3g} % of the rows.</p>"
 
     def gauges(self) -> Iterator[str]:
-        """Yield HTML plots of the gauges, and a table of their elevations."""
         log = self.table("gauges.csv")
         heights = columns_between(log, "", "_m")
         pressures = columns_between(log, "", "_Pa")
@@ -167,7 +161,6 @@ class Run:
             yield draw(log, "pressure [kPa]", pressures, 0.001)
 
     def accuracy(self) -> Iterator[str]:
-        """Yield HTML plots of accuracy.csv, for water of particles."""
         log = self.table("accuracy.csv")
         if "compression_mean" not in log:  # water without particles keeps no balances
             return
@@ -189,7 +182,6 @@ class Run:
             yield draw(log, "time step [ms]", {"time step": "time_step_s"}, 1000.0)
 
     def timings(self) -> Iterator[str]:
-        """Yield an HTML table and plots of timings.csv."""
         log = self.table("timings.csv")
         stages = columns_between(log, "", "_ms_per_step")
         if not stages:
@@ -204,7 +196,6 @@ class Run:
         yield draw(log, "simulated time over wall time", {"real-time factor": "real_time_factor"})
 
     def event_table(self) -> Iterator[str]:
-        """Yield an HTML table of the events, at most MAX_EDGE_EVENTS from each end."""
         if not self.events:
             return
         yield "<h2>Events</h2>"
@@ -216,7 +207,6 @@ class Run:
         yield html_table(rows, ("time [s]", "event", ""), row_names=False)
 
     def versions(self) -> Iterator[str]:
-        """Yield an HTML table of versions, machine and hashes."""
         manifest = self.manifest
         rows = [(name, str(value)) for name, value in manifest.get("versions", {}).items() if value]
         rows += [(name, str(value)) for name, value in manifest.get("machine", {}).items() if value]
@@ -226,7 +216,6 @@ class Run:
             yield f"<h2>Versions</h2>\n{html_table(rows)}"
 
     def file_links(self) -> Iterator[str]:
-        """Yield HTML links to the files of the run."""
         names = [*FILES, *(f"motion_{name}.csv" for name in self.scene.get("ships", {}))]
         links = [f'<a href="{name}">{name}</a>' for name in names if (self.folder / name).exists()]
         if links:
@@ -247,7 +236,7 @@ def whole_lines(path: Path) -> list[dict[str, Any]]:
 def draw(
     log: Table, label: str, columns: Mapping[str, str], factor: float = 1.0, limits: Mapping[str, float] | None = None
 ) -> str:
-    """HTML plot of columns, by the names of their curves, of a table, times a factor; empty without columns."""
+    """HTML plot over time of `columns` of a table (column by name of its curve), times a factor; empty without any."""
     series = {name: factor * log[column] for name, column in columns.items()}
     return draw_curves(log["time_s"], series, label, limits) if series else ""
 

@@ -24,7 +24,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Limits
-from ocean_sim.fluid.budget.momentum_budget import DIFFUSION, PRESSURE, VISCOSITY
+from ocean_sim.fluid.budget.momentum_budget import DIFFUSION, LEAK, PRESSURE, VISCOSITY
 from ocean_sim.fluid.neighbours.grid import STATE_COLUMNS
 from ocean_sim.fluid.neighbours.grid_size import GridSize
 from ocean_sim.fluid.neighbours.images import hydrostatic_offset, mirror_midpoint, mirror_row_free_slip, row_at
@@ -50,7 +50,7 @@ from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.runtime import Array, FieldCopy, Template, in_kernels, running_arch
 from ocean_sim.wind import Wind
 
-ARTIFICIAL_STRESS = 0.3  # epsilon of Monaghan (2000, J. Comput. Phys. 159), eq. 3.2
+ARTIFICIAL_STRESS = 0.6  # on particles that approach: twice epsilon of Monaghan (2000, J. Comput. Phys. 159), eq. 3.2
 CROWDING_WEIGHT = 0.2  # weight of near neighbours in a shift (Sun et al. 2017)
 BULK_VISCOSITY = 0.7  # [h c]; at the default Courant number 1 is stable and 2 is not
 MAX_BULK_VISCOSITY = 0.42  # [h^2 / dt]; steps longer than the default damp less, and stay stable
@@ -61,6 +61,9 @@ SHEAR_MEMORY = 3.0  # [depth over reference speed] over which spin and strain ar
 SHEAR_UPDATE_INTERVAL = 1.0 / 64.0  # [SHEAR_MEMORY]
 # [c / h] strain below which water is still; less under a wind, whose drift may be as small.
 CALM_STRAIN, WINDY_CALM_STRAIN = 1e-3, 1e-4
+# Share of the density by which particles may stand too thin or too dense before pressure leaks: in full water, more of
+# it in a unit of `edge`, and beyond it, up to which the leak grows.
+PACKING_TOLERANCE, EDGE_TOLERANCE, PACKING_RANGE = 0.03, 0.03, 0.05
 IMPACT_DISSIPATION = 0.5  # between particles that meet, over their density and the square of their speed
 # Deviation of the density, damped pressure over density squared; share of diffusion, spin, strain.
 CARRIED_NUMBERS, GRADED_NUMBERS = 2, 3
@@ -189,8 +192,9 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def artificial_stress(self, p_i, p_j, r):
-        """Stress that keeps water under tension from clumping: 0.3 (W(r) / W(spacing))^4 (|p_i| / rho_i^2 + |p_j| /
-        rho_j^2) of negative pressures (Monaghan 2000, eqs. 3.1 and 3.2)."""
+        """Stress that keeps water under tension from clumping: 0.6 (W(r) / W(spacing))^4 (|p_i| / rho_i^2 + |p_j| /
+        rho_j^2) of negative pressures (Monaghan 2000, eqs. 3.1 and 3.2). It resists approach alone: of pairs that part
+        as well, it would give more energy than it takes, as no energy is stored in it."""
         near = self.fluid.closeness(r)
         return ARTIFICIAL_STRESS * near * near * near * near * (positive(-p_i) + positive(-p_j))
 
@@ -234,13 +238,10 @@ class Momentum(MomentumLaw):
         r2 = x_ij.dot(x_ij)
         r = ti.sqrt(r2)
         p_i, p_j = own[self.row.pressure], other[self.row.pressure]
-        along = self.pressure(p_i, p_j)
-        if ti.static(tense):
-            along += self.artificial_stress(p_i, p_j, r)
-        push, rub, shear = along * x_ij, tm.vec3(0.0), tm.vec3(0.0)
+        push, rub, shear = self.pressure(p_i, p_j) * x_ij, tm.vec3(0.0), tm.vec3(0.0)
+        v_ij = self.fluid.smoothing.difference(own, other, self.row.velocity)
+        closing = -v_ij.dot(x_ij) / (r2 + self.squared_gap)  # u_ij [1/s]
         if ti.static(self.viscous):
-            v_ij = self.fluid.smoothing.difference(own, other, self.row.velocity)
-            closing = -v_ij.dot(x_ij) / (r2 + self.squared_gap)  # u_ij [1/s]
             if ti.static(self.is_enclosed):
                 shear = self.viscosity_without_surface(v_ij)
                 rub = shear + self.artificial_viscosity(closing) * x_ij
@@ -252,6 +253,8 @@ class Momentum(MomentumLaw):
                     shear = self.viscosity(closing) * x_ij
                     lost += self.viscosity(closing)
                 rub = lost * x_ij
+        if ti.static(tense):
+            rub += ti.select(closing > 0.0, self.artificial_stress(p_i, p_j, r), 0.0) * x_ij
         return self.row_of_terms(self.fluid.smoothing.shape_gradient(r), push, rub, shear)
 
 
@@ -278,9 +281,11 @@ class Continuity(Law):
         self.diffusion = 2.0 * fluid.config.density_diffusion * h * fluid.sound_speed / rho_0
         self.heavier = rho_0 / fluid.sound_speed**2  # density [kg/m3] over p / rho [m2/s2]
         filled = {} if fluid.shifting and not fluid.bodies else {"filled": 1}
-        self.terms = Columns(rate=1, diffusion=1, **filled, **({"crowding": 3} if fluid.shifting else {}))
+        further = {"crowding": 3} if fluid.shifting else {"edge": fluid.smoothing.dimension}
+        self.terms, lattice = Columns(rate=1, diffusion=1, **filled, **further), Stencil(fluid.smoothing, fluid.spacing)
         # Sum of `filled` on a lattice [kg/m3], times the prefactor.
-        self.whole = Stencil(fluid.smoothing, fluid.spacing).filled_gain * fluid.smoothing.dimension * rho_0
+        self.whole = lattice.filled_gain * fluid.smoothing.dimension * rho_0
+        self.deficit, self.deficit_bend = lattice.surface_deficit
         self.add_bodies(fluid.boundary)
 
     @ti.func
@@ -335,7 +340,7 @@ class Continuity(Law):
 
     @ti.func
     def pair(self, own, other):
-        """Terms of a pair: compression, diffusion, and where needed the filling of the kernel and the shift."""
+        """Terms of a pair: compression, diffusion, how full the kernel is and where its edge, or the shift."""
         smoothing = self.fluid.smoothing
         x_ij = smoothing.difference(own, other, self.row.position)
         v_ij = smoothing.difference(own, other, self.row.velocity)
@@ -349,25 +354,50 @@ class Continuity(Law):
             total[self.terms.diffusion] *= lesser(own[self.row.share], other[self.row.share])
         if ti.static(not self.fluid.shifting or self.fluid.bodies):
             total[self.terms.filled] = weight * r2
-        if ti.static(self.fluid.shifting):
+        if ti.static(not self.fluid.shifting):
+            for k in ti.static(range(smoothing.dimension)):
+                total[self.terms.edge + k] = weight * x_ij[k]
+        else:
             weight *= self.crowding(r)
             for k in ti.static(range(3)):
                 total[self.terms.crowding + k] = -weight * x_ij[k]
         return total
 
     @ti.func
-    def grade_diffusion(self, i, own, total):
+    def grade_diffusion(self, i, filled):
         """Store the share of the density diffusion that particle i takes: 1 if its kernel is filled, 0 next to a free
         surface, unless the water is sheared (spin as great as strain) and not merely stretched, as by waves (a switch
         as that of Balsara 1995, J. Comput. Phys. 121)."""
         fluid, spin, strain = self.fluid, self.fluid.spin[i], self.fluid.strain[i]
-        filled = self.prefactor(own) * total[self.terms.filled] / self.whole
         inside = tm.clamp((filled - CUT_SHARE) / (FILLED_SHARE - CUT_SHARE), 0.0, 1.0)
         sheared = tm.clamp(
             (spin / (strain + fluid.calm) - STRETCHED_RATIO) / (SHEARED_RATIO - STRETCHED_RATIO), 0.0, 1.0
         )
         for k, value in ti.static(enumerate((inside + (1.0 - inside) * sheared, spin, strain))):
             fluid.fresh[k][i] = value
+
+    @ti.func
+    def filled_share(self, own, total):
+        """Share M of the kernel that is filled, 1 on a lattice: the divergence of positions over the dimension."""
+        return self.prefactor(own) * total[self.terms.filled] / self.whole
+
+    @ti.func
+    def edge(self, own, total):
+        """Support times the gradient of the share of water, e = H |sum m / rho0 grad W|: 0 inside the water."""
+        squared = 0.0
+        for k in ti.static(range(self.fluid.smoothing.dimension)):
+            squared += total[self.terms.edge + k] ** 2
+        return self.fluid.smoothing.support / self.fluid.rest_density * self.prefactor(own) * ti.sqrt(squared)
+
+    @ti.func
+    def leak(self, filled, edge, deviation):
+        """Rate [1/s] at which pressure leaks that particles do not stand for: up to c / H where they are thinner than
+        the density says and it is above rest, or denser and it is below. Beyond a flat surface lies a e - b e^2 of a
+        kernel (Stencil.surface_deficit)."""
+        thinner = 1.0 + deviation / self.fluid.rest_density - filled - (self.deficit - self.deficit_bend * edge) * edge
+        beyond = (ti.abs(thinner) - PACKING_TOLERANCE - EDGE_TOLERANCE * edge) / PACKING_RANGE
+        rate = self.fluid.sound_speed / self.fluid.smoothing.support * tm.clamp(beyond, 0.0, 1.0)
+        return ti.select(thinner * deviation > 0.0, rate, 0.0)
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
@@ -377,11 +407,16 @@ class Continuity(Law):
         if ti.static(fluid.bodies):
             solid = self.solid.total(vec3(own, self.row.position), own)
             total += solid
-            fluid.damp_crowded(i, self.prefactor(own) * solid[self.terms.filled] / self.whole)
+            fluid.damp_crowded(i, self.filled_share(own, solid))
         # Second half step of the density; the first was made before the sort.
         compressed, diffused = total[self.terms.rate], self.diffusion * total[self.terms.diffusion]
         rate = self.prefactor(own) * (compressed + diffused)
         excess = deviation + 0.5 * dt * rate
+        unleaked = excess
+        if ti.static(not fluid.shifting):
+            filled = self.filled_share(own, total)
+            self.grade_diffusion(i, filled)
+            excess -= lesser(dt * self.leak(filled, self.edge(own, total), deviation), 1.0) * excess
         fluid.rate[i], fluid.excess[i] = rate, excess
         particles.density[i], particles.pressure[i] = rho_0 + excess, fluid.equation_of_state(excess)
         x = fluid.grid.wrap_position(vec3(own, self.row.position))
@@ -393,11 +428,10 @@ class Continuity(Law):
             gradient = self.prefactor(own) / rho_0 * vec3(total, self.terms.crowding)  # of the share of water [1/m]
             for k, component in ti.static(enumerate(fluid.shift)):
                 component[i] = -gradient[k]
-        else:
-            self.grade_diffusion(i, own, total)
         fluid.accounts.count_density(group, rho_0 + excess)
         if ti.static(fluid.accounts.impulses):
             self.book_work(i, own, compressed, diffused, group)
+            self.book_leak(unleaked, excess, group)
 
     @ti.func
     def book_work(self, i, own, compressed, diffused, group):
@@ -409,6 +443,13 @@ class Continuity(Law):
         fluid.accounts.count_work(group, DIFFUSION, closer * diffused * p)
         fluid.accounts.count_work(group, PRESSURE, damped)
         fluid.accounts.count_work(group, VISCOSITY, -damped)
+
+    @ti.func
+    def book_leak(self, before, after, group):
+        """Add the work of a leak to the budget; `before`, `after`: deviation of a particle's density [kg/m3]."""
+        fluid = self.fluid
+        p = fluid.equation_of_state(0.5 * (before + after)) / (fluid.rest_density + before) ** 2
+        fluid.accounts.count_work(group, LEAK, fluid.particles.mass * p * (after - before))
 
 
 @in_kernels

@@ -157,10 +157,10 @@ def delta_momentum(water: Water, pressing: np.ndarray, alpha: float, left_out: s
     def force(x_ij, r2, P_j, v_ij):
         r, P_i = np.sqrt(r2), pressing[:, None]
         along = ("pressure" != left_out) * (P_i + P_j)
-        tension = 0.3 * (spacing_weight(r) / spacing_weight(w.spacing)) ** 4
-        along += ("artificial_stress" != left_out) * tension * (np.maximum(-P_i, 0.0) + np.maximum(-P_j, 0.0))
         u_ij = -(v_ij * x_ij).sum(axis=2) / (r2 + 1.0e-6 * h**2)
         met = np.maximum(u_ij, 0.0)
+        tension = 0.6 * (spacing_weight(r) / spacing_weight(w.spacing)) ** 4 * (u_ij > 0.0)
+        along += ("artificial_stress" != left_out) * tension * (np.maximum(-P_i, 0.0) + np.maximum(-P_j, 0.0))
         along += ("viscosity" != left_out) * 2.0 * (w.dimension + 2.0) * w.nu / RHO_0 * u_ij
         along += ("artificial_viscosity" != left_out) * alpha * h * c / RHO_0 * met
         along += ("riemann_dissipation" != left_out) * np.minimum(0.5 * r * met, c) * r * met / RHO_0
@@ -181,8 +181,8 @@ def delta_momentum(water: Water, pressing: np.ndarray, alpha: float, left_out: s
 def delta_continuity(
     water: Water, excess: np.ndarray, part: np.ndarray, delta: float, left_out: str = ""
 ) -> dict[str, np.ndarray]:
-    """Rate of the density of `delta_sph`, and the share M of a kernel that is filled; `excess`: density less that at
-    rest; `part`: share g of each particle in the diffusion."""
+    """Rate of the density of `delta_sph`, the share M of a kernel that is filled, and the rate of the leak; `excess`:
+    density less that at rest; `part`: share g of each particle in the diffusion."""
     w, h, still = water, 0.4 * water.support, RHO_0 / water.c**2 * water.gravity
     scale = w.mass * kernel_constant(w.dimension, w.support)
 
@@ -191,16 +191,16 @@ def delta_continuity(
         squeezed = ("continuity" != left_out) * -(v_ij * x_ij).sum(axis=2)
         beyond = excess_j - excess[:, None] + ("hydrostatic" != left_out) * x_ij @ still
         spread = 2.0 * delta * h * w.c / RHO_0 * np.minimum(part[:, None], part_j) * beyond
-        return weight * (squeezed + ("density_diffusion" != left_out) * spread), weight * r2
+        return weight * (squeezed + ("density_diffusion" != left_out) * spread), weight * r2, weight[..., None] * x_ij
 
     name, x, v = w.images(free_slip=True)
     x_ij, r2 = pairs(w.x, x)
-    rate, filled = rates(
+    rate, filled, lever = rates(
         x_ij, r2, w.v[:, None] - v[None], excess[name] + RHO_0 / w.c**2 * w.head(name, x), part[name][None]
     )
     xs, share, _ = w.samples()
     x_is, r2_s = pairs(w.x, xs)
-    solid, filled_s = rates(
+    solid, filled_s, lever_s = rates(
         x_is, r2_s, np.repeat(w.v[:, None], len(xs), axis=1), excess[:, None] - x_is @ still, part[:, None]
     )
     on = "body" != left_out
@@ -208,10 +208,17 @@ def delta_continuity(
     lattice = w.spacing * np.array(list(product(range(-last, last + 1), repeat=w.dimension)), dtype=float)
     q = np.linalg.norm(lattice, axis=1) / w.support
     whole = (polynomial_kernel(q) * q**2).sum() * w.support**2
-    return {
-        "rate": scale * (rate.sum(axis=1) + on * (solid @ share)),
-        "filled": (filled.sum(axis=1) + on * (filled_s @ share)) / whole,
-    }
+    filled = (filled.sum(axis=1) + on * (filled_s @ share)) / whole
+    lever = lever.sum(axis=1) + on * np.einsum("ijk,j->ik", lever_s, share)
+    edge = scale * w.support / RHO_0 * np.linalg.norm(lever, axis=1)
+    return {"rate": scale * (rate.sum(axis=1) + on * (solid @ share)), "filled": filled, "edge": edge}
+
+
+def delta_leak(water: Water, excess: np.ndarray, filled: np.ndarray, edge: np.ndarray, lack: np.ndarray) -> np.ndarray:
+    """Rate (n,) [1/s] at which an excess of the density decays; `lack`: share of a kernel beyond a flat surface."""
+    thinner = 1.0 + excess / RHO_0 - filled - lack
+    share = np.clip((np.abs(thinner) - 0.03 - 0.03 * edge) / 0.05, 0.0, 1.0)
+    return np.where(thinner * excess > 0.0, share * water.c / water.support, 0.0)
 
 
 def dfsph(water: Water, p: np.ndarray, left_out: str = "") -> dict[str, np.ndarray]:

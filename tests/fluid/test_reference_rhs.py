@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from ocean_sim.fluid.sph.smoothing import Stencil
 from tests.fluid import reference_rhs as reference
 from tests.fluid.conftest import by_id, put
 
@@ -107,9 +108,16 @@ def test_delta_sph_is_its_formulas(water):
     assert continuity() and np.ptp(shares) > 0.5
     for term in ("continuity", "density_diffusion", "hydrostatic", "body"):
         assert not continuity(left_out=term), term
-    filled = reference.delta_continuity(end, excess, shares, 0.1)["filled"]
-    graded = np.clip((filled - 0.90) / 0.07, 0.0, 1.0)
+    sums = reference.delta_continuity(end, excess, shares, 0.1)
+    graded = np.clip((sums["filled"] - 0.90) / 0.07, 0.0, 1.0)
     np.testing.assert_allclose(arrays(fluid, fluid.fresh[0])[:, 0], graded, atol=1e-9)
+
+    a, b = Stencil(fluid.smoothing, fluid.spacing).surface_deficit
+    lack = (a - b * sums["edge"]) * sums["edge"]
+    leak = reference.delta_leak(end, excess, sums["filled"], sums["edge"], lack)
+    unleaked = excess + 0.5 * DT * found
+    assert (leak > 0.0).sum() > 10 and (leak == 0.0).sum() > 20
+    np.testing.assert_allclose(arrays(fluid, fluid.excess)[:, 0], (1.0 - DT * leak) * unleaked, rtol=1e-9, atol=1e-9)
 
 
 def test_dfsph_is_its_formulas(water):

@@ -221,6 +221,20 @@ class Stencil:
         return lack / float(self.gradient[above] @ self.offsets[above, 1])
 
     @property
+    def surface_deficit(self) -> tuple[float, float]:
+        """Numbers a and b of the share of a kernel beyond a flat surface, a e - b e^2: e is the support times the
+        gradient of the share of water. A parabola through the two top rows of a lattice."""
+        up, weight = self.offsets[:, 1], self.gradient * (self.offsets**2).sum(axis=1)
+        edges, ratios = [], []
+        for row in (0.5, 1.5):
+            above = up > row * self.spacing
+            edge = self.smoothing.support * self.smoothing.slope * self.volume * float(self.gradient[above] @ up[above])
+            edges.append(edge)
+            ratios.append(float(weight[above].sum() / weight.sum()) / edge if edge > 0.0 else ratios[0])
+        bend = (ratios[1] - ratios[0]) / (edges[0] - edges[1])
+        return ratios[0] + bend * edges[0], bend
+
+    @property
     def skin_depth(self) -> float:
         """Mean depth [m] below the surface of the area that a half-space of the lattice exposes."""
         up = np.maximum(self.offsets[:, 1], 0.0)

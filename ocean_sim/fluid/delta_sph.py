@@ -74,6 +74,7 @@ class Config(SphConfig):
     """Weakly compressible water with density diffusion."""
 
     carries_bodies: ClassVar[bool] = True
+    leaks: ClassVar[bool] = True
     bears_shear: ClassVar[float] = 1.0e-3
     fineness: ClassVar[int] = 3
     attenuation: ClassVar = Attenuation(0.0, flat=1.0e-3, steep=2.7e-3, travelling=Attenuation(0.0, 2.0e-3, 7.9e-3))
@@ -406,6 +407,8 @@ class Continuity(Law):
         dt, deviation = fluid.dt[None], own[self.row.deviation]
         if ti.static(fluid.bodies):
             solid = self.solid.total(vec3(own, self.row.position), own)
+            if deviation < 0.0:  # a face that parts from water does not draw it apart
+                solid[self.terms.rate] = positive(solid[self.terms.rate])
             total += solid
             fluid.damp_crowded(i, self.filled_share(own, solid))
         # Second half step of the density; the first was made before the sort.

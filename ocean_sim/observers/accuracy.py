@@ -29,6 +29,7 @@ FORCE_TERMS = (
     "ship",
     "emitter",
     "diffusion",
+    "leak",
     "shifting",
     "breaking",
 )

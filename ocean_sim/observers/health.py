@@ -15,9 +15,11 @@ from ocean_sim.fluid import Totals, with_particles
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.checks import Momentum, Symmetry, distance_outside, level_ratio, surely_inside
 from ocean_sim.observers.shared.energy import (
+    DRIVING_TERMS,
     Balance,
     energy_scale,
     gains_energy,
+    kinetic_energy,
     mechanical_energy,
     potential_energy,
     separable_work_terms,
@@ -87,6 +89,7 @@ class Health(OutcomeObserver):
         self.balance: Balance | None = None
         self.symmetry: Symmetry | None = None
         self.work_terms: list[str] = []  # of `balance`
+        self.scale = self.highest_motion = 0.0  # [J] of `balance`: fixed, and of motion so far
         self.stiffness = 0.0  # speed of sound [m/s] of the balance
         self.reported: list[str] = []  # events that are recorded once
         self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
@@ -151,8 +154,8 @@ class Health(OutcomeObserver):
             self.symmetry = Symmetry(simulation)
         if water.impulse:
             self.momentum = Momentum(simulation)
-            alone = self.judges_energy and simulation.basin.sea is None
-            self.work_terms = [] if alone else separable_work_terms(simulation)
+            self.work_terms = separable_work_terms(simulation)
+            self.scale = energy_scale(simulation)
             if self.work_terms:
                 self.balance = Balance(simulation, self.work_terms)
                 self.stiffness = water.sound_speed
@@ -267,12 +270,14 @@ class Health(OutcomeObserver):
                 self.record_once("momentum from nowhere", over_all_impulses=said, bound=MOMENTUM_REPORTED)
 
     def note_work(self, totals: Totals) -> None:
-        """Record an event if driven water, or a patch of open sea, has energy that no force has given."""
+        """Record an event if the water has energy that no force has given: over its energy scale, the highest kinetic
+        energy so far and the work of what drives it, gravity included."""
         if self.balance is not None and not self.simulation.fluid.status.clipped:
             fluid = with_particles(self.simulation.fluid)
-            work = fluid.work
-            scale = energy_scale(self.simulation) + sum(abs(work[term]) for term in self.work_terms)
-            share = self.unexplained_energy(self.balance, totals) / scale
+            work, moving = fluid.work, kinetic_energy(fluid.particles.mass, totals)
+            self.highest_motion = max(self.highest_motion, moving)
+            driving = sum(abs(work[term]) for term in self.work_terms if term in DRIVING_TERMS)
+            share = self.unexplained_energy(self.balance, totals) / (self.scale + self.highest_motion + driving)
             if not share <= WORK_REPORTED:
                 said = float(f"{share:.3g}")
                 self.record_once("energy that no work has given", over_all_work=said, bound=WORK_REPORTED)

@@ -17,6 +17,7 @@ from ocean_sim.runtime import Doubles2, Doubles3, Template, in_kernels, runs_alo
 
 TERM_NAMES = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "diffusion", "bed", "sea", "leak")
 PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS, SHIP, DIFFUSION, BED, SEA, LEAK = range(len(TERM_NAMES))
+ENERGY_TERMS = (DIFFUSION, LEAK)  # they give no impulse
 SUMMARY_SIZE = 7  # numbers that a step reports
 WORK_COLUMN = 3  # number of a column, behind the impulse
 UNREACHABLE_DENSITY = 1.0e30  # [kg/m3] more than any density
@@ -33,7 +34,7 @@ def absent_terms(basin: Basin) -> tuple[int, ...]:
 
 def impulse_terms(absent: tuple[int, ...]) -> tuple[int, ...]:
     """Numbers of the force terms that give impulses: all but diffusion, which moves nothing, and the absent ones."""
-    return tuple(term for term in range(len(TERM_NAMES)) if term not in (*absent, DIFFUSION, LEAK))
+    return tuple(term for term in range(len(TERM_NAMES)) if term not in (*absent, *ENERGY_TERMS))
 
 
 @in_kernels

@@ -12,7 +12,8 @@ from ocean_sim.fluid import Contact, Displacing, Fluid, ParticleFluid, Totals
 from ocean_sim.fluid.bodies.walls import Walls
 from ocean_sim.fluid.budget.field import Field, FreeSurface
 from ocean_sim.fluid.budget.momentum_budget import (
-    DIFFUSION,
+    ENERGY_TERMS,
+    LEAK,
     SHIP,
     SUMMARY_SIZE,
     TERM_NAMES,
@@ -65,7 +66,8 @@ class ParticleWater(ParticleFluid):
         self.carried = tuple(staggered_field(float, self.particles.n) for _ in range(size.carried))
         self.grid = size.plan.grid(self.particles, size, self.carried)
         self.rubs, self.joined = basin.rough_bed is not None, basin.sea is not None
-        self.accounts = size.plan.accounts(size.groups, accounts, absent_terms(basin))
+        absent = (*absent_terms(basin), *(() if config.leaks else (LEAK,)))
+        self.accounts = size.plan.accounts(size.groups, accounts, absent)
         self.accounts.idle += (SHIP,) if wind.blows else (SHIP, WIND)
         self.tasks = size.plan.tasks(self.particles.count, size.groups)
         self.surface = FreeSurface(self.particles, self.grid, self.smoothing)
@@ -233,7 +235,8 @@ class ParticleWater(ParticleFluid):
 
     @property
     def impulse(self) -> dict[str, np.ndarray]:
-        return {term: row[:WORK_COLUMN] for term, row in self.budget().items() if term != TERM_NAMES[DIFFUSION]}
+        without_impulse = [TERM_NAMES[term] for term in ENERGY_TERMS]
+        return {term: row[:WORK_COLUMN] for term, row in self.budget().items() if term not in without_impulse}
 
     @property
     def work(self) -> dict[str, float]:

@@ -28,6 +28,8 @@ class WaterConfig(FluidConfig):
 
     made_of_particles: ClassVar[bool] = True
     counts_in_doubles: ClassVar[bool] = False
+    leaks: ClassVar[bool] = False
+    """True if the pressure of carried density leaks where particles do not stand for it."""
     example: ClassVar[dict[str, Any]] = {"spacing": 2.5}
     kernel: ClassVar[Kernel] = WENDLAND
     """Kernel of the gradient of pressure, and of exposed areas."""

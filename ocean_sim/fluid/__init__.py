@@ -51,6 +51,7 @@ class Status:
     max_density: float  # [kg/m3]
     clipped: int  # particles held back by `motion_limit`, since the start
     finite: bool  # no particle has a velocity or density that is not a number
+    swelling: float = 0.0  # mean share by which particles inside the water stand thinner than their density says
 
 
 class Totals(NamedTuple):

@@ -34,6 +34,7 @@ ENERGY_CHECK_INTERVAL = 0.1  # [depth over reference speed] at most, between two
 GAIN_REPORTED = 0.01  # in units of `max_energy_gain`: a larger one is reported
 MOMENTUM_REPORTED = 1e-4  # over all impulses: a larger unexplained share is reported
 WORK_REPORTED = 0.05  # over all work and the energy scale: a larger unexplained share is reported
+SWELLING_REPORTED = 0.03  # mean share by which particles stand thinner or denser than their density says
 MAX_IMAGE_DRIFT = 0.02  # [spacings] of an image from its place, before the first check
 EVENT_INTERVAL = 0.5  # [s] at least, between two events of one kind
 FIRM_STIFFNESS_RATIO = 100.0  # stiffness over the square of the reference speed, for compression of 1 %
@@ -190,6 +191,7 @@ class Health(OutcomeObserver):
         self.note_symmetry()
         self.note_momentum(totals)
         self.note_work(totals)
+        self.note_swelling()
         if self.judges_level:
             level = level_ratio(snapshot.position, particles.spacing, basin)
             bound = self.config.max_level_ratio * max(self.first_level, 1.0)
@@ -281,6 +283,12 @@ class Health(OutcomeObserver):
             if not share <= WORK_REPORTED:
                 said = float(f"{share:.3g}")
                 self.record_once("energy that no work has given", over_all_work=said, bound=WORK_REPORTED)
+
+    def note_swelling(self) -> None:
+        """Record an event if the water takes more or less room than the density that it carries says."""
+        swelling = self.simulation.fluid.status.swelling
+        if not abs(swelling) <= SWELLING_REPORTED:
+            self.record_once("volume from nowhere", over_volume=float(f"{swelling:.3g}"), bound=SWELLING_REPORTED)
 
     def unexplained_energy(self, balance: Balance, totals: Totals) -> float:
         """Energy [J] that no force has given to the water since the first check, or since a change of stiffness."""

@@ -18,7 +18,7 @@ from ocean_sim.runtime import Doubles2, Doubles3, Template, in_kernels, runs_alo
 TERM_NAMES = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "diffusion", "bed", "sea", "leak")
 PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS, SHIP, DIFFUSION, BED, SEA, LEAK = range(len(TERM_NAMES))
 ENERGY_TERMS = (DIFFUSION, LEAK)  # they give no impulse
-SUMMARY_SIZE = 7  # numbers that a step reports
+SUMMARY_SIZE = 9  # numbers that a step reports
 WORK_COLUMN = 3  # number of a column, behind the impulse
 UNREACHABLE_DENSITY = 1.0e30  # [kg/m3] more than any density
 SUM_BLOCKS = 16
@@ -49,6 +49,7 @@ class Accounts:
         self.overflow, self.clipped = (ti.field(int, shape=(groups, apart)) for _ in range(2))
         self.speed2, self.acceleration2, self.sum = (ti.field(float, shape=(groups, apart)) for _ in range(3))
         self.thin, self.dense = (ti.field(float, shape=(groups, apart)) for _ in range(2))
+        self.thinner, self.inner = (ti.field(float, shape=(groups, apart)) for _ in range(2))
         if impulses:
             self.terms = tuple(term for term in range(len(TERM_NAMES)) if term not in absent)
             self.impulse_terms = impulse_terms(absent)
@@ -69,6 +70,7 @@ class Accounts:
     def begin_density(self, group):
         """Reset the extremes of density of a group."""
         self.thin[group, 0], self.dense[group, 0] = UNREACHABLE_DENSITY, 0.0
+        self.thinner[group, 0] = self.inner[group, 0] = 0.0
 
     @ti.func
     def count_motion(self, group, v, a, fast):
@@ -84,6 +86,12 @@ class Accounts:
         """Include a particle's density [kg/m3] in the extremes of a group."""
         self.thin[group, 0] = ti.min(self.thin[group, 0], density)
         self.dense[group, 0] = ti.max(self.dense[group, 0], density)
+
+    @ti.func
+    def count_packing(self, group, thinner):
+        """Count a particle inside the water that stands thinner by this share than its density says."""
+        self.thinner[group, 0] = self.thinner[group, 0] + thinner
+        self.inner[group, 0] = self.inner[group, 0] + 1.0
 
     @ti.func
     def count_impulse(self, group, term: Template, impulse, v):
@@ -110,13 +118,15 @@ class Accounts:
     def block_extremes(self, begin, end):
         """Reduce the rows from `begin` to `end` - 1 to the numbers that `summarise` lists."""
         speed2, acceleration2, thin, dense, total, clipped, crowded = 0.0, 0.0, UNREACHABLE_DENSITY, 0.0, 0.0, 0, 0
+        thinner, inner = 0.0, 0.0
         for g in range(begin, end):
             speed2, acceleration2 = ti.max(speed2, self.speed2[g, 0]), ti.max(acceleration2, self.acceleration2[g, 0])
             thin, dense = ti.min(thin, self.thin[g, 0]), ti.max(dense, self.dense[g, 0])
             total += self.sum[g, 0] + self.dense[g, 0]
             clipped += self.clipped[g, 0]
             crowded += self.overflow[g, 0]
-        return speed2, acceleration2, thin, dense, total, clipped, crowded
+            thinner, inner = thinner + self.thinner[g, 0], inner + self.inner[g, 0]
+        return speed2, acceleration2, thin, dense, total, clipped, crowded, thinner, inner
 
     @ti.func
     def summarise(self, summary: Template):
@@ -130,7 +140,7 @@ class Accounts:
 
     def status(self, summary: np.ndarray, grid: Grid) -> Status:
         """Status from the numbers of `summarise`; raise Diverged where a list of candidates overflowed."""
-        speed2, acceleration2, thin, dense, total, clipped, crowded = summary.tolist()
+        speed2, acceleration2, thin, dense, total, clipped, crowded, thinner, inner = summary.tolist()
         if crowded:
             x, y, z = grid.fullest_place()
             raise Diverged(
@@ -138,7 +148,9 @@ class Accounts:
                 f"{dense:.0f} kg/m3, most of all around ({x:.4g}, {y:.4g}, {z:.4g}) m; "
                 "try a smaller compression (stiffer water), a smaller time step or more viscosity"
             )
-        return Status(speed2**0.5, acceleration2**0.5, thin, dense, int(clipped), isfinite(total))
+        return Status(
+            speed2**0.5, acceleration2**0.5, thin, dense, int(clipped), isfinite(total), thinner / max(inner, 1.0)
+        )
 
     @ti.kernel
     def copy_sums(self, to: Doubles3):

@@ -260,7 +260,7 @@ def best_setting(rows: list[dict[str, Any]], by: str, budget: Budget) -> dict[st
     return min(filter(alike, able), key=lambda row: budget.spent(row) or np.inf)
 
 
-def clocks_differ(rows: list[dict[str, Any]]) -> str:
+def clock_note(rows: list[dict[str, Any]]) -> str:
     """Sentence for the user if wall and processor time differ by more than a factor CLOCKS_APART, else empty."""
     shares = [row["wall_per_s"] / row["cpu_per_s"] for row in rows if row["wall_per_s"] and row["cpu_per_s"]]
     share = median(shares) if shares else 1.0

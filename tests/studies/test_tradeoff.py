@@ -16,7 +16,7 @@ from ocean_sim.studies.scene_tradeoff import (
     SEED_COUNTS,
     Budget,
     best_setting,
-    clocks_differ,
+    clock_note,
     errors_against,
     finest_setting,
     setting_grid,
@@ -178,9 +178,9 @@ def test_a_budget_counts_processor_time_where_a_run_has_waited_for_others():
     ]
     found = best_setting(rows, "x", Budget.of("realtime"))
     assert found is not None and found["setting"] == "fine"
-    assert clocks_differ(rows).startswith("the machine was busy: wall time is 10 times processor time")
-    assert "wall time is 0.5 times processor time" in clocks_differ([shared])
-    assert clocks_differ([{"wall_per_s": 1.4, "cpu_per_s": 1.0}]) == clocks_differ([]) == ""
+    assert clock_note(rows).startswith("the machine was busy: wall time is 10 times processor time")
+    assert "wall time is 0.5 times processor time" in clock_note([shared])
+    assert clock_note([{"wall_per_s": 1.4, "cpu_per_s": 1.0}]) == clock_note([]) == ""
 
 
 @pytest.mark.parametrize(

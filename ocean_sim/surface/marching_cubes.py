@@ -225,7 +225,7 @@ class MarchingCubes:
         """Note that the kernel being compiled reads heights; always True. Raises RuntimeError for old heights."""
         self.read_by_kernel = True
         if self.levelled != self.moment:
-            raise RuntimeError("the heights are out of date: call `level` before the first kernel that reads them")
+            raise RuntimeError("heights are out of date: call `update_heights` before the first kernel that reads them")
         return True
 
     @ti.func

@@ -17,7 +17,7 @@ from ocean_sim.platform import Platform
 from ocean_sim.platform.shared.motion_log import ride_of
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 from ocean_sim.viewer.protocol import FULL_SCALE, box_scale, packet
-from ocean_sim.viewer.still import Setting
+from ocean_sim.viewer.still import StaticScene
 
 if TYPE_CHECKING:
     from ocean_sim.basin import Basin
@@ -191,13 +191,13 @@ class Watch(Observer, TakesMotion):
         return [float(v) for v in values] + [self.pace, 1e3 * simulation.next_dt, *self.stage_costs.values()]
 
 
-def setting_of(simulation: Simulation) -> Setting:
+def setting_of(simulation: Simulation) -> StaticScene:
     """Static part of a simulation, for its pages: water, basin, ships, and the list of plotted numbers."""
     scene, basin, fluid = simulation.scene, simulation.basin, simulation.fluid
     grid = grid_arrays(simulation, *height_grid(basin, fluid.spacing))
     surface = not basin.closed and (fluid.particles is None or fluid.sound_speed > 0.0)
     shown = 0 if fluid.particles is None else -(-fluid.particles.n // particle_stride(fluid.particles.n))
-    setting = Setting(grid, scene.resolved(), scene.title or "Untitled scene", fluid.plane_waves, surface, shown)
+    setting = StaticScene(grid, scene.resolved(), scene.title or "Untitled scene", fluid.plane_waves, surface, shown)
     platform = scene.platform is not None and bool(simulation.ships) and "motion" in scene.observers
     setting.scalars = [
         *plotted_rows(setting.gauges, [*simulation.ships][:MAX_PLOTTED_SHIPS], platform, fluid.particles is not None),

@@ -208,7 +208,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return rows
 
     def summed(self, preflight: Preflight) -> int:
-        """Number of plane waves that are summed one by one; a nonlinear sea (order 3) counts as one."""
+        """Number of plane waves in the sums of kernels: all of a linear sea; 1 for a nonlinear sea, on a tile."""
         return len(self.sea_of(preflight.tank).amplitude) if self.order == 1 else 1
 
     def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
@@ -321,6 +321,7 @@ class SpectralSea(OpenWater):
         return {"breaking": -self.rest_density * broken.lost} if self.accounts and broken is not None else {}
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
+        """Heights (m,) [m] of the sea from afar and the wind's waves; without ships' waves, `elevation` itself."""
         if not any(made.ship is not None for made in self.made):
             return elevation
         at = np.asarray(points, dtype=float) - self.drift

@@ -192,7 +192,8 @@ class MarchingCubes:
         return [mesh.area, mesh.volume(self.bed), counts.ambiguous_share, float(self.outside)]
 
     def cut_surface(self, goes_on: int) -> tuple[Mesh, Counts]:
-        """Mesh, open at sides whose bits are set in `goes_on`, and its counts; raises Diverged if too large."""
+        """Triangulate the surface, open at sides with a bit set in `goes_on` (see `Isosurface.pad_field`); return it
+        and its counts. Raises Diverged for more than `most_triangles` triangles."""
         self.update_field()
         self.isosurface.pad_field(goes_on)
         counts = self.isosurface.count_surface()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ocean_sim.basin.points import middles, pairs
+from ocean_sim.basin.points import grid_points, middles
 from ocean_sim.observers.shared.csv_rows import TakesMotion
 from ocean_sim.pictures.frame_files import grid_arrays, middle_cell
 from ocean_sim.pictures.live.scene_lines import box_top, scene_lines
@@ -46,7 +46,7 @@ class Watch(Observer, TakesMotion):
         self.setting = setting_of(simulation)
         lengths = [float(np.ptp(model.hull.vertices, axis=0).max()) for model in self.setting.models.values()]
         self.top = box_top(simulation, max(lengths, default=0.0))  # height of the air that lines go up to [m]
-        self.points = pairs(self.setting.x, self.setting.z)
+        self.points = grid_points(self.setting.x, self.setting.z)
         low, high = self.setting.box
         self.box = {"low": low.tolist(), "high": high.tolist()}
         self.middle, self.scale = box_scale(low, high)

@@ -167,12 +167,8 @@ def test_cases_at_a_time_give_the_rows_of_one_after_the_other(tmp_path, capsys):
     tables = []
     for workers in (1, 2):
         out = tmp_path / str(workers)
-        assert (
-            run_command_line(
-                [*words, "--workers", str(workers), "--out", str(out), "--junit", str(out / "new" / "j.xml")]
-            )
-            == 0
-        )
+        written = ["--out", str(out), "--junit", str(out / "new" / "j.xml")]
+        assert run_command_line([*words, "--workers", str(workers), *written]) == 0
         tables.append((out / "validate.csv").read_bytes())
         assert (out / "couette.png").is_file() and (out / "new" / "j.xml").is_file()
         assert str(out / "new" / "j.xml") in capsys.readouterr().out

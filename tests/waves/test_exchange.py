@@ -69,9 +69,8 @@ def test_elevations_for_openfast_come_back(tmp_path):
 def test_the_sea_of_a_scene_is_written_and_read_by_another_scene(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     more = ["--set", r'title="two\nlines"']  # of which the second would stand where names of columns do
-    code = run_command_line(
-        ["sea", "linear_sea", "--swd", "a.swd", "--openfast", "a.Elev", "--until", "5", "--json", *more]
-    )
+    files = ["--swd", "a.swd", "--openfast", "a.Elev"]
+    code = run_command_line(["sea", "linear_sea", *files, "--until", "5", "--json", *more])
     answer = json.loads(capsys.readouterr().out)
     assert code == 0 and answer["files"] == ["a.swd", "a.Elev"] and len(exchange.of_openfast("a.Elev")[0]) == 51
     scene = "basin: {length: 100, width: 100, depth: 50, walls: none}\nfluid: {kind: spectral_sea, components: a.swd}\n"

@@ -190,7 +190,7 @@ class Boundary:
         self.around = PointSum(self.position, self.grid, self.start)
         self.water = PointSum(particles.position, self.grid)
         unit = particles.mass / particles.rest_density
-        self.volume = Volume(self, smoothing, unit)
+        self.solid_share = SolidShare(self, smoothing, unit)
         self.local.from_numpy(np.concatenate([body.position for body in bodies]))
         self.facing.from_numpy(np.concatenate([body.normal for body in bodies]))
         shares = np.concatenate([body.volume for body in bodies]) / unit
@@ -384,7 +384,7 @@ class Boundary:
         """Smoothed share of the space around x [m] that is solid: 1 inside a body, one half on a face."""
         share = 0.0
         if self.near(x):
-            share = self.around.total(x, self.volume, 0.0)[0]
+            share = self.around.total(x, self.solid_share, 0.0)[0]
         return share
 
     def sample_sum(self, law: Law) -> "SampleSum":
@@ -424,8 +424,8 @@ class Boundary:
 
 
 @in_kernels
-class Volume:
-    """Point sum over samples: smoothed share of the space around a point that is solid."""
+class SolidShare:
+    """Point sum over samples: share of space around a point, weighted by the smoothing kernel, that bodies fill."""
 
     sums = 1
 

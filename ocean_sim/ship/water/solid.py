@@ -230,7 +230,7 @@ def even_out(free: np.ndarray, fixed: np.ndarray, spacing: float, dimension: int
     n, tree = len(free), cKDTree(fixed[:, :3])
 
     def summed(flat: np.ndarray) -> tuple[float, np.ndarray]:
-        """Sum over pairs and its gradient at flat coordinates (n * dimension,), all in spacings."""
+        """Kernel sum over all pairs, and its gradient by the coordinates `flat` (n * dimension,) [spacings]."""
         points = free.copy()
         points[:, :dimension] = spacing * flat.reshape(n, dimension)
         moving = cKDTree(points)

@@ -110,6 +110,7 @@ class Passages:
 
     @property
     def centre(self) -> np.ndarray:
+        """Present centre (3,) [m] of the wind, in its own axes (see `Patch`)."""
         return self.origin + self.velocity * self.elapsed
 
     def advance(self, dt: float) -> None:

@@ -81,7 +81,7 @@ def arrow_counts(x: float, z: float) -> tuple[int, int]:
 
 
 class Box(Model):
-    """A box, turned about the vertical."""
+    """A box with a level top, turned by `yaw_deg` about the vertical through its centre."""
 
     kind: Literal["box"] = "box"
     centre: Vector3 = quantity("m", (0.0, 0.0, 0.0))

@@ -256,7 +256,7 @@ class Forces(Force):
 
     @ti.func
     def pressure(self, p_i, p_j, gradient):
-        """Pressure term of a pair, -(p_i + p_j) grad W (2017, eq. 3); it and `gradient`, -grad W, lack the constant."""
+        """Pressure term of a pair, -(p_i + p_j) grad W (2017, eq. 3); term and `gradient` (-grad W) lack a constant."""
         return (p_i + p_j) * gradient
 
     @ti.func

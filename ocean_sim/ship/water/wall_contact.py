@@ -105,7 +105,7 @@ class Sides:
 
 
 def effective_mass(mass: float, inverse_inertia: np.ndarray, arm: np.ndarray, along: np.ndarray) -> float:
-    """Mass [kg] by which an impulse at `arm` [m] from the centre of mass along a unit vector `along` changes the speed
-    there; `inverse_inertia`: (3, 3) [1/(kg m2)]; all in world axes."""
+    """Ratio [kg] of an impulse at `arm` [m] from the centre of mass, along the unit vector `along`, to the change of
+    speed there; `inverse_inertia`: (3, 3) [1/(kg m2)]; all in world axes."""
     lever = cross(arm, along)
     return float(1.0 / (1.0 / mass + lever @ inverse_inertia @ lever))

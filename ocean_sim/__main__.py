@@ -125,14 +125,14 @@ def main(arguments: list[str] | None = None) -> None:
     given = sys.argv[1:] if arguments is None else arguments
     try:
         with stoppable():
-            code = answered(given)
+            code = run_command_line(given)
     except console.Anew as other:
         other.begin(given)
     console.Outlet.over = True
     sys.exit(code)
 
 
-def answered(arguments: list[str]) -> int:
+def run_command_line(arguments: list[str]) -> int:
     """Run a command line and return its exit code; an error is printed as a sentence, with `--debug` its traceback."""
     debug, as_json = "--debug" in arguments, "--json" in arguments
     try:
@@ -146,7 +146,7 @@ def answered(arguments: list[str]) -> int:
             import traceback
 
             traceback.print_exc()
-        return reported(error, as_json)
+        return print_error(error, as_json)
 
 
 def must_be_somewhere() -> None:
@@ -157,9 +157,9 @@ def must_be_somewhere() -> None:
         raise Refused("the folder that you are in has been removed; change to another one") from None
 
 
-def reported(error: BaseException, as_json: bool) -> int:
+def print_error(error: BaseException, as_json: bool) -> int:
     """Print an error to standard error, or with `as_json` as JSON to standard output; returns the exit code."""
-    code, sentence, problems = meaning(error)
+    code, sentence, problems = describe_error(error)
     if as_json:
         sentence = console.problem_count(problems) if problems else sentence
         try:
@@ -173,7 +173,7 @@ def reported(error: BaseException, as_json: bool) -> int:
     return code
 
 
-def meaning(error: BaseException) -> tuple[int, str, list[Any]]:
+def describe_error(error: BaseException) -> tuple[int, str, list[Any]]:
     """Exit code of an error, its sentence for the user, and the problems in a scene, with locations, if any."""
     if isinstance(error, Failed):
         return error.exit_code, error.sentence, [*error.problems]

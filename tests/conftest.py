@@ -26,7 +26,7 @@ from typing import Any
 import pytest
 
 from ocean_sim import runtime
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.kernel_library import ti
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
@@ -146,7 +146,7 @@ def ask(capsys):
     """Answer of a command line: exit code, standard output, standard error."""
 
     def asked(*words: object) -> tuple[int, str, str]:
-        code = answered([str(word) for word in words])
+        code = run_command_line([str(word) for word in words])
         said = capsys.readouterr()
         assert "Traceback" not in said.out + said.err
         return code, said.out, said.err

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import kernel_library, machine, runtime
-from ocean_sim.__main__ import HIDDEN_VERBS, VERBS, answered, meaning
+from ocean_sim.__main__ import HIDDEN_VERBS, VERBS, describe_error, run_command_line
 from ocean_sim.conventions import Diverged
 from ocean_sim.reading.scene import observer_names
 from ocean_sim.verbs import doctor
@@ -154,7 +154,7 @@ def test_what_an_extra_would_bring_is_said_in_a_sentence(monkeypatch, capsys, tm
     sentence = "pyvista and vtk are not installed; `pip install '.[pictures]'` in the checkout brings what is missing"
     assert machine.missing_extra("pictures") == sentence
     missing = ModuleNotFoundError("No module named 'vtkmodules'", name="vtkmodules.util")
-    assert meaning(missing) == (3, sentence, [])
+    assert describe_error(missing) == (3, sentence, [])
     monkeypatch.setattr(console, "complaints", set())
     drawn: list[str] = []
     assert not console.draw_if_able(drawn.append, "a") and not console.draw_if_able(drawn.append, "b") and not drawn
@@ -170,7 +170,7 @@ def test_every_verb_has_help(ask):
 
 
 def test_a_list_of_verbs_imports_none_of_them():
-    script = "import sys; from ocean_sim.__main__ import answered; answered(['--help']); print(*sys.modules)"
+    script = "import sys; from ocean_sim import __main__ as m; m.run_command_line(['--help']); print(*sys.modules)"
     child = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     listed, imported = child.stdout.split("\n  run ")[1], child.stdout.splitlines()[-1].split()
     assert all(f"\n  {verb} " in listed for verb in set(VERBS) - {"run", *HIDDEN_VERBS})
@@ -200,7 +200,7 @@ def test_every_failure_has_a_sentence_and_an_exit_code(ask, monkeypatch, error, 
 
 def test_debug_shows_the_traceback(capsys, monkeypatch):
     monkeypatch.setattr("ocean_sim.verbs.check.preflight", lambda config: 1 / 0)
-    assert answered(["check", "small.yaml", "--debug"]) == 1
+    assert run_command_line(["check", "small.yaml", "--debug"]) == 1
     assert "ZeroDivisionError" in capsys.readouterr().err
 
 
@@ -238,7 +238,9 @@ def test_list_gives_everything_one_sentence_and_imports_no_kind(ask):
     assert {name for slot, name in names if slot == "observers"} == set(observer_names())
     assert {row["slot"] for row in json.loads(ask("list", "wind", "--json")[1])} == {"wind"}
     assert ask("list", "winds")[::2] == (2, "there is nothing called 'winds' to list; did you mean 'wind'?\n")
-    script = "import sys; from ocean_sim.__main__ import answered; answered(['list']); print('taichi' in sys.modules)"
+    script = (
+        "import sys; from ocean_sim import __main__ as m; m.run_command_line(['list']); print('taichi' in sys.modules)"
+    )
     child = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert child.stdout.endswith("False\n")
 
@@ -421,7 +423,7 @@ def test_null_takes_away_what_was_set_below_its_key_before():
 @pytest.mark.parametrize("slot", ["render", "frames"])
 def test_the_demo_s_own_settings_give_way_to_null(slot):
     script = [word for key in ("render.every=0.1", "frames.every=0.1") for word in ("--set", key)]
-    assert answered(["check", "showcase", *script, "--set", f"{slot}=null"]) == 0
+    assert run_command_line(["check", "showcase", *script, "--set", f"{slot}=null"]) == 0
 
 
 def test_a_run_that_is_stopped_before_it_has_written_anything_names_no_folder(ask, monkeypatch):

@@ -11,7 +11,7 @@ from time import sleep
 import pytest
 
 from ocean_sim import machine
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.observers import render
 from ocean_sim.pictures.stage import opengl
 from ocean_sim.reading.scene import load
@@ -97,7 +97,7 @@ def test_a_run_and_a_check_with_time_make_the_time_known(taichi_cpu, cache, tmp_
     scene.write_text(json.dumps(TANK | UNDRAWN | {"duration": 0.1}))
     verb, *options = way.split()
     folder = ["--out", str(tmp_path / "run")] if verb == "run" else []
-    assert answered([verb, str(scene), *options, "--json", *folder]) == 0
+    assert run_command_line([verb, str(scene), *options, "--json", *folder]) == 0
     answer = json.loads(capsys.readouterr().out)
     wall = preflight(load(scene))["estimated_wall_s"]
     assert wall is not None and (wall == answer["estimated_wall_s"] if folder == [] else wall < 10.0)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.files.yaml_file import SceneError, parse_setting
 from ocean_sim.parts import SLOTS, config_of, kinds, named
 from ocean_sim.reading import schema
@@ -38,10 +38,10 @@ def test_every_word_that_a_key_may_have_is_told():
 def test_a_key_is_explained_with_and_without_its_kind(capsys):
     assert [key.path for key in keys_at("wind.u10")] == ["wind.stress.u10"]
     assert next(key.path for key in keys_at("ships.tug.moorings.0.stiffness")) == "ship.dynamic.moorings[].stiffness"
-    assert answered(["explain", "wind.stress.u10", "--json"]) == 0
+    assert run_command_line(["explain", "wind.stress.u10", "--json"]) == 0
     (told,) = json.loads(capsys.readouterr().out)
     assert (told["unit"], told["range"]) == ("m/s", ">= 0, <= 200")
-    assert answered(["explain", "wind.stres.u10"]) == 2
+    assert run_command_line(["explain", "wind.stres.u10"]) == 2
     assert "there is wind.stress.u10" in capsys.readouterr().err
     for word, meant in (
         ("wind.speed", "wind.u10"),
@@ -51,21 +51,21 @@ def test_a_key_is_explained_with_and_without_its_kind(capsys):
         ("ship.yacht.pos", "ship.yacht.position"),
         ("density", "rest_density"),
     ):
-        assert answered(["explain", word]) == 2
+        assert run_command_line(["explain", word]) == 2
         assert f"did you mean '{meant}'?" in capsys.readouterr().err
 
 
 def test_a_preset_or_a_kind_is_explained_by_its_sentence_and_its_keys(capsys):
     for word in ("ship.yacht", "yacht"):
-        assert answered(["explain", word]) == 0
+        assert run_command_line(["explain", word]) == 0
         told = capsys.readouterr().out
         assert told.startswith("ship.yacht: A motor yacht") and "ship.dynamic.heading_deg" in told
-    assert "{helm: [0.0, 4.2, 0.5]}" in told and answered(["explain", "ship.dynamic"]) == 0
+    assert "{helm: [0.0, 4.2, 0.5]}" in told and run_command_line(["explain", "ship.dynamic"]) == 0
     assert "helm: [0.0" not in capsys.readouterr().out
     for word in ("ship.yacht.position", "Ship.Position", "ship.position=[1.0, 2.0]"):
-        assert answered(["explain", word]) == 0
+        assert run_command_line(["explain", word]) == 0
         assert "ship.dynamic.position" in capsys.readouterr().out
-    assert answered(["explain", "xyzzy"]) == 2
+    assert run_command_line(["explain", "xyzzy"]) == 2
     assert "`ocean-sim list`" in capsys.readouterr().err
 
 
@@ -121,12 +121,12 @@ def test_what_is_below_a_wrong_kind_is_reported_in_the_same_go():
 def test_a_new_scene_says_what_its_keys_mean_and_is_the_same_scene(tmp_path, capsys):
     file = tmp_path / "mine.yaml"
     for source in ("showcase", "gallery/dam_break_on_a_box", "gallery/two_ships"):
-        assert answered(["new", str(file), "--from", source]) == 0
+        assert run_command_line(["new", str(file), "--from", source]) == 0
         assert load(file).resolved() == load(source).resolved()
         assert "# Simulated time [s]" in file.read_text()
-        assert answered(["new", str(file)]) == 2 and "there already" in capsys.readouterr().err
+        assert run_command_line(["new", str(file)]) == 2 and "there already" in capsys.readouterr().err
         file.unlink()
-    assert answered(["new", str(tmp_path / "nowhere" / "mine.yaml")]) == 2
+    assert run_command_line(["new", str(tmp_path / "nowhere" / "mine.yaml")]) == 2
     assert "there is no folder" in capsys.readouterr().err
 
 
@@ -143,33 +143,33 @@ def test_editors_know_the_keys_of_ready_made_parts_and_hover_units_and_defaults(
 
 
 def test_the_version_and_a_quiet_run(capsys, tmp_path):
-    assert answered(["--version"]) == 0
+    assert run_command_line(["--version"]) == 0
     assert capsys.readouterr().out.split()[0] == "ocean-sim"
     scene = Path(tmp_path / "sea.yaml")
     off = "render: null\nframes: null\nreport: null\naccuracy: null\n"
     waves = "fluid: {kind: linear_waves, height: 0.5, period: 3.0, ramp: 0.0}\n"
     sea = f"basin: {{length: 9.0, width: 9.0, depth: 5.0}}\n{waves}"
     scene.write_text(f"duration: 0.05\n{sea}{off}")
-    assert answered(["run", str(scene), "--quiet", "--out", str(tmp_path / "run")]) == 0
+    assert run_command_line(["run", str(scene), "--quiet", "--out", str(tmp_path / "run")]) == 0
     assert capsys.readouterr().out == f"{tmp_path / 'run'}\n"
-    assert answered(["run", str(scene), "--json", "--out", str(tmp_path / "again")]) == 0
+    assert run_command_line(["run", str(scene), "--json", "--out", str(tmp_path / "again")]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["outcome"] == "done" and told["warnings"] == []
     assert set(told["wall_s"]) == {"start", "steps", "pictures", "total"} and told["wall_s"]["total"] > 0.0
 
 
 def test_a_key_of_another_kind_names_that_kind(capsys):
-    assert answered(["explain", "wind.stress.u10"]) == 0
+    assert run_command_line(["explain", "wind.stress.u10"]) == 0
     assert "where    wind.kind is stress" in capsys.readouterr().out
-    assert answered(["check", "showcase", "--set", "wind.u10=8"]) == 2
+    assert run_command_line(["check", "showcase", "--set", "wind.u10=8"]) == 2
     assert "wind.u10: unknown key; there are kind, " in (said := capsys.readouterr().err)
     assert said.rstrip().endswith("it is a key of kind stress")
-    assert answered(["check", "showcase", "--set", "wind.tragets=[ship]"]) == 2
+    assert run_command_line(["check", "showcase", "--set", "wind.tragets=[ship]"]) == 2
     assert "did you mean 'targets'" in (said := capsys.readouterr().err) and "it is a key" not in said
 
 
 def test_a_value_of_another_form_is_refused_with_the_keys_that_a_scene_writes(capsys):
-    assert answered(["check", "gallery/yacht_in_waves", "--set", "ship.moorings=3"]) == 2
+    assert run_command_line(["check", "gallery/yacht_in_waves", "--set", "ship.moorings=3"]) == 2
     assert "expected a list, got 3, as in [{from: ..., to: ..., stiffness: ...}, ...]" in capsys.readouterr().err
 
 
@@ -192,8 +192,8 @@ def test_the_example_of_a_number_lies_within_its_range():
 
 
 def test_an_example_can_be_pasted_into_a_shell(capsys):
-    assert answered(["explain", "basin.walls.x_min.target"]) == 0
+    assert run_command_line(["explain", "basin.walls.x_min.target"]) == 0
     line = next(line for line in capsys.readouterr().out.splitlines() if "--set" in line)
     assert shlex.split(line)[1:] == ["--set", "basin.walls.x_min.target={current: [0.0, 0.0, 0.0]}"]
-    assert answered(["explain", "wind.stress.u10"]) == 0
+    assert run_command_line(["explain", "wind.stress.u10"]) == 0
     assert "--set wind.u10=1.0\n" in capsys.readouterr().out

@@ -11,7 +11,7 @@ from zipfile import ZipFile
 
 import pytest
 
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.parts import PACKAGE
 from ocean_sim.reading.schema import scene_schema
 
@@ -35,7 +35,7 @@ def first_line(file: Path) -> Path:
 def test_a_new_scene_names_a_schema_that_exists_wherever_it_lies(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     file = tmp_path / "mine.yaml"
-    assert answered(["new", str(file)]) == 0
+    assert run_command_line(["new", str(file)]) == 0
     assert "properties" in json.loads(first_line(file).read_text())
 
 
@@ -102,7 +102,7 @@ class Editor:
 def test_the_language_server_finds_typos_completes_and_shows_units(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     file = tmp_path / "mine.yaml"
-    assert answered(["new", str(file)]) == 0
+    assert run_command_line(["new", str(file)]) == 0
     text = file.read_text().splitlines()[0] + WRONG
     document = {"uri": file.as_uri()}
     editor = Editor()

@@ -54,7 +54,7 @@ def test_the_process_begins_anew_with_the_same_words(unchosen, tmp_path):
     (tmp_path / "small.yaml").write_text(SCENE)
     words = ["run", str(tmp_path / "small.yaml"), "--out", str(tmp_path / "run"), "--set", f"runtime.library={OTHER}"]
     with pytest.raises(console.Anew) as other:
-        __main__.answered(words)
+        __main__.run_command_line(words)
     other.value.begin(words)
     ((program, line, environment),) = begun
     assert (program, line) == (sys.executable, [sys.executable, "-m", "ocean_sim", *words])

@@ -14,7 +14,7 @@ from random import Random
 
 import pytest
 
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.kernel_library import LIBRARY_NAME
 from ocean_sim.reading.scene import load
 from ocean_sim.result import Result
@@ -46,7 +46,7 @@ def run(tmp_path_factory):
     """The folder of a finished run with checkpoints."""
     folder = tmp_path_factory.mktemp("sea")
     (folder / "sea.yaml").write_text(SEA)
-    assert answered(["run", str(folder / "sea.yaml"), "--out", str(folder / "run"), *QUIET]) == 0
+    assert run_command_line(["run", str(folder / "sea.yaml"), "--out", str(folder / "run"), *QUIET]) == 0
     return folder / "run"
 
 
@@ -64,7 +64,7 @@ def ask(capsys):
 
     def asked(*words: object) -> tuple[int, str, str]:
         capsys.readouterr()
-        code = answered([str(word) for word in words])
+        code = run_command_line([str(word) for word in words])
         said = capsys.readouterr()
         assert "Traceback" not in said.out + said.err
         return code, said.out, said.err

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.reading.scene import load
 from ocean_sim.result import Result
 from ocean_sim.result import run as run_scene
@@ -108,7 +108,7 @@ def test_a_file_that_may_grow_no_more_is_named(tmp_path, capsys):
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (120_000, limits[1]))
     try:
-        code = answered(["run", str(tmp_path / "sea.yaml"), "--out", str(tmp_path / "run")])
+        code = run_command_line(["run", str(tmp_path / "sea.yaml"), "--out", str(tmp_path / "run")])
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     said = f"File too large: {tmp_path / 'run' / 'gauges.csv'}"
@@ -132,7 +132,7 @@ def test_a_disk_that_runs_full_is_told_on_that_disk(small_disk, capsys):
     """A real one, to its last byte: room for the last words was set aside, and every row but the last is whole."""
     often = {"duration": 400.0, "gauges": SEA["gauges"] | {"every": 0.002}}
     (small_disk / "sea.yaml").write_text(json.dumps(SEA | often))
-    code = answered(["run", str(small_disk / "sea.yaml"), "--out", str(small_disk / "run")])
+    code = run_command_line(["run", str(small_disk / "sea.yaml"), "--out", str(small_disk / "run")])
     err = capsys.readouterr().err
     assert code == 1 and err.startswith("No space left on device: ") and err.count("\n") == 1
     outcome, reason = ends(small_disk / "run")

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.files import input_file, yaml_file
 from ocean_sim.files.input_file import Unreadable
 from ocean_sim.parts import library
@@ -29,7 +29,7 @@ def ask(capfd):
     """Exit code, everything that was printed, and the processor time that it took [s]."""
 
     def asked(*words: str) -> tuple[int, str, float]:
-        began, code = time.process_time(), answered(list(words))
+        began, code = time.process_time(), run_command_line(list(words))
         took, said = time.process_time() - began, capfd.readouterr()
         return code, said.out + said.err, took
 

@@ -22,8 +22,8 @@ def hook(event, facts):
         import os
         heard.extend([] if os.environ.get("TI_SKIP_VERSION_CHECK") == "ON" else ["Taichi asks for its version"])
 sys.addaudithook(hook)
-from ocean_sim.__main__ import answered
-code = answered(sys.argv[1:])
+from ocean_sim.__main__ import run_command_line
+code = run_command_line(sys.argv[1:])
 print("HEARD", code, heard)
 """
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from ocean_sim import kernel_library
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.conventions import Refused
 from ocean_sim.files.run_files import Claim
 from ocean_sim.viewer.session import Source
@@ -55,7 +55,7 @@ def test_no_folder_can_be_made_where_the_system_makes_up_folders():
     ids=lambda words: words[0],
 )
 def test_a_name_that_is_too_long_is_said_in_one_short_sentence(words, scene, capsys):
-    code, said = answered(words), capsys.readouterr().err
+    code, said = run_command_line(words), capsys.readouterr().err
     assert code == 2 and "this name is too long" in said and len(said) < 200
 
 
@@ -71,14 +71,14 @@ def test_a_folder_that_was_removed_under_ones_feet_is_said(tmp_path, monkeypatch
     gone.mkdir()
     monkeypatch.chdir(gone)
     gone.rmdir()
-    assert answered(["run", "showcase"]) == 2
+    assert run_command_line(["run", "showcase"]) == 2
     assert capsys.readouterr().err == "the folder that you are in has been removed; change to another one\n"
 
 
 def test_bytes_that_are_no_text_are_refused(scene, capsys):
     name = os.fsdecode(b"\xff")
     for setting, why in ((f"title={name}", "this is not UTF-8 text (byte 0xFF)"), (f"{name}=1", "unknown key")):
-        assert answered(["check", "s.yaml", "--set", setting]) == 2
+        assert run_command_line(["check", "s.yaml", "--set", setting]) == 2
         assert why in capsys.readouterr().err
 
 

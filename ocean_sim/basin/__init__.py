@@ -522,7 +522,7 @@ class Basin:
         return self.fixed + self.gates_at(time)
 
     def gates_at(self, time: float) -> list[Corners]:
-        """Lowest and highest corner [m] of each moving obstacle present at a time [s]."""
+        """Lowest and highest corner [m] of each gate, an obstacle that moves or is taken out, present at a time [s]."""
         found = []
         for k, gate in self.gates:
             moved = gate.at(time)

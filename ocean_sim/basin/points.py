@@ -41,6 +41,6 @@ def grid_size(basin: Basin, spacing: float) -> int:
     return along * (count(basin.lower[2], basin.upper[2], spacing) if basin.dimension == 3 else 1)
 
 
-def pairs(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Points (m, 2) of a grid: every x with every z."""
+def grid_points(x: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Points x, z (m, 2) of the grid with coordinates `x` and `z`: every x with every z, z running fastest."""
     return np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1).reshape(-1, 2)

@@ -65,7 +65,7 @@ class Claim:
 
     def __init__(self, folder: Path) -> None:
         self.folder, self.path, self.made = folder, folder / LOCK_FILE, not folder.exists()
-        self.file = self.locked()
+        self.file = self.acquire_lock()
         with suppress(OSError):  # a full disk has no room for its name
             os.ftruncate(self.file, 0)
             os.write(self.file, f"process {os.getpid()} on {socket.gethostname()}".encode())
@@ -73,7 +73,7 @@ class Claim:
             if is_unfinished(left.name):
                 left.unlink()
 
-    def locked(self) -> int:
+    def acquire_lock(self) -> int:
         """Create and lock the lock file, again if another process deletes it meanwhile; return its descriptor."""
         for _ in range(MAX_CLAIM_TRIES):
             try:

@@ -256,7 +256,7 @@ class Forces(Force):
 
     @ti.func
     def pressure(self, p_i, p_j, gradient):
-        """Pressure term of a pair: -(p_i + p_j) grad W (2017, eq. 3), `gradient` being -grad W over its constant."""
+        """Pressure term of a pair, -(p_i + p_j) grad W (2017, eq. 3); term and `gradient` (-grad W) lack a constant."""
         return (p_i + p_j) * gradient
 
     @ti.func
@@ -491,7 +491,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def displace_all(self):
-        """Move all particles as far as the walls let them, without changing their velocities."""
+        """Move all particles by dt times `way` and let walls stop them; their velocities stay as they are."""
         for i in range(self.particles.count.there()):
             u, way = self.particles.velocity, tm.vec3([component[i] for component in ti.static(tuple(self.way))])
             v = tm.vec3(u.x[i], u.y[i], u.z[i])

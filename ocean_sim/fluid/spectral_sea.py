@@ -208,7 +208,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return rows
 
     def summed(self, preflight: Preflight) -> int:
-        """Number of plane waves that are summed one by one; a nonlinear sea (order 3) counts as one."""
+        """Number of plane waves in the sums of kernels: all of a linear sea; 1 for a nonlinear sea, on a tile."""
         return len(self.sea_of(preflight.tank).amplitude) if self.order == 1 else 1
 
     def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
@@ -218,7 +218,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return SpectralSea(self, basin, wind, accounts)
 
 
-class Made(OnTile):
+class OwnWaves(OnTile):
     """Linear waves made by one ship or by the wind, on a tile of their own."""
 
     def __init__(self, tile: Tile, ship: Displacing | None = None) -> None:
@@ -234,7 +234,7 @@ class Made(OnTile):
         return TileModes(e, p, -self.tile.gravity * e)
 
 
-class Steep(OnTile):
+class NonlinearSea(OnTile):
     """Nonlinear sea, stored at two steps of its tile around the present time and interpolated between them."""
 
     def __init__(self, sea: HighOrder, step: float, ramp: float) -> None:
@@ -283,20 +283,20 @@ class SpectralSea(OpenWater):
         self.waves = PlaneWaves(whole if config.order == 1 else waves.combine([], tile.depth, tile.gravity))
         self.afar = whole
         self.steep, self.air, self.raised = None, None, None
-        self.made: list[Made] = []
+        self.made: list[OwnWaves] = []
         self.sheets = ()
         if config.order == 3:
             fitted = snapped(config.sea_of(basin, SPECTRUM_COMPONENTS), tile)
             self.afar = replace(fitted, ramp=whole.ramp)
-            self.steep = Steep(self.nonlinear(fitted), self.step, whole.ramp)
+            self.steep = NonlinearSea(self.nonlinear(fitted), self.step, whole.ramp)
             self.sheets += (Sheet(self.steep.tile, repeats=True),)
             self.sheets[0].write_modes(0, *self.steep.grown(0))
             self.show_steep(self.steep)
         if wind.blows:
-            self.raised, self.air = Made(tile), AirPressure(wind, tile, density)
+            self.raised, self.air = OwnWaves(tile), AirPressure(wind, tile, density)
             self.made.append(self.raised)
             self.sheets += (Sheet(tile, repeats=False),)
-        self.felt: list[tuple[Made, Sheet]] = []  # of ships that others feel
+        self.felt: list[tuple[OwnWaves, Sheet]] = []  # of ships that others feel
         self.tiles = [*([self.steep] if self.steep is not None else []), *self.made]
         self.set_clocks()
 
@@ -321,6 +321,7 @@ class SpectralSea(OpenWater):
         return {"breaking": -self.rest_density * broken.lost} if self.accounts and broken is not None else {}
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
+        """Heights (m,) [m] of the sea from afar and the wind's waves; without ships' waves, `elevation` itself."""
         if not any(made.ship is not None for made in self.made):
             return elevation
         at = np.asarray(points, dtype=float) - self.drift
@@ -348,7 +349,7 @@ class SpectralSea(OpenWater):
 
     def add_ships(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
         """Give each ship that displaces water a tile for her waves; return the water each feels, without her own."""
-        wakes = [Made(self.tile, ship) for ship in ships if len(ship.displaced()[1])]
+        wakes = [OwnWaves(self.tile, ship) for ship in ships if len(ship.displaced()[1])]
         self.made += wakes
         self.tiles = [*self.tiles, *wakes]
         if len(ships) < 2:
@@ -357,7 +358,7 @@ class SpectralSea(OpenWater):
         return tuple(
             WaterForShip(
                 self,
-                [tile for tile in self.tiles if not (isinstance(tile, Made) and tile.ship is ship)],
+                [tile for tile in self.tiles if not (isinstance(tile, OwnWaves) and tile.ship is ship)],
                 (*self.sheets, *(sheet for wake, sheet in self.felt if wake.ship is not ship)),
             )
             for ship in ships
@@ -392,12 +393,12 @@ class SpectralSea(OpenWater):
         self.then = self.time
         if self.raised is not None and self.air is not None:
             if self.air.slope is not None:
-                self.air.set_slopes(*self.leaning(self.raised, self.time + 0.5 * self.step))
+                self.air.set_slopes(*self.slopes(self.raised, self.time + 0.5 * self.step))
             self.show(self.raised, self.sheets[-1])
         for made, sheet in self.felt:
             self.show(made, sheet)
 
-    def leaning(self, raised: Made, time: float) -> tuple[np.ndarray, np.ndarray]:
+    def slopes(self, raised: OwnWaves, time: float) -> tuple[np.ndarray, np.ndarray]:
         """Slopes along x and z (cells, rows) of the sea plus the wind waves `raised`, on their tile, at a time [s]."""
         along, across = (self.tile.to_values(slope) for slope in self.tile.slopes(raised.modes_at(time).e))
         if self.steep is not None:
@@ -418,7 +419,7 @@ class SpectralSea(OpenWater):
             across = across + np.einsum("in,kn->ik", rows * kz, columns).real
         return along, across
 
-    def displace(self, made: Made, ship: Displacing, dt: float) -> None:
+    def displace(self, made: OwnWaves, ship: Displacing, dt: float) -> None:
         """Advance a ship's waves `made` by dt [s] under her displaced volume; raise Diverged if they are not finite."""
         points, volumes = ship.displaced()
         centre = np.array([ship.body.position[0], ship.body.position[2]]) - self.drift
@@ -437,12 +438,12 @@ class SpectralSea(OpenWater):
         at = np.zeros(2) if first is None else np.array([first.body.position[0], first.body.position[2]])
         return at - self.drift
 
-    def show(self, made: Made, sheet: Sheet) -> None:
+    def show(self, made: OwnWaves, sheet: Sheet) -> None:
         """Write the waves of a ship or wind, now and one tile step later, to the sheet that kernels read."""
         for slot, time in enumerate((self.time, self.time + self.step)):
             sheet.write_modes(slot, *made.modes_at(time))
 
-    def show_steep(self, steep: Steep) -> None:
+    def show_steep(self, steep: NonlinearSea) -> None:
         """Write the later state of the nonlinear sea to the sheet that kernels read, over the older one there."""
         self.sheets[0].write_modes(steep.number % 2, *steep.grown(1))
 

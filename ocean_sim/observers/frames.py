@@ -11,7 +11,7 @@ import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.basin import shifts
-from ocean_sim.basin.points import grid, grid_size, pairs
+from ocean_sim.basin.points import grid, grid_points, grid_size
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
@@ -84,7 +84,7 @@ class Frames(Observer):
         basin, fluid = simulation.basin, simulation.fluid
         x, z = grid(basin, config.spacing or fluid.spacing)
         self.shape = (len(x), len(z))
-        self.points = pairs(x, z)
+        self.points = grid_points(x, z)
         self.cell = np.array([x[1] - x[0], z[1] - z[0]]) if len(z) > 1 else np.zeros(2)  # [m]; 0 in 2-D
         arrays = grid_arrays(simulation, x, z)
         self.white = foam.FoamField(self.shape, self.cell) if arrays["has_surface"] else None

@@ -18,10 +18,10 @@ from ocean_sim.ship.body.track import (
     Between,
     Track,
     attitude_of,
+    continuous_signs,
     first_derivative,
     join_moments,
     second_derivative,
-    short_way,
 )
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
@@ -181,7 +181,7 @@ class Log:
     def write(self, simulation: Simulation) -> None:
         """Write the due rows, interpolated between stored states of the ship; the last one begins the next batch."""
         moments = self.moments[: self.seen]
-        moments[:, QUATERNION] = short_way(moments[:, QUATERNION].T).T
+        moments[:, QUATERNION] = continuous_signs(moments[:, QUATERNION].T).T
         columns = moments[:, : MOMENT.size].T
         acceleration, turning = columns[ACCELERATION], columns[TURNING]
         bends = second_derivative(acceleration, turning, columns[SPIN], columns[QUATERNION])

@@ -69,11 +69,11 @@ class Config(PlatformConfig):
         kind = cast(WashoutConfig, self.washout).kind
         return [LedgerRow("platform", f"{kind} washout and six legs", 0, "for platform_log")]
 
-    def build(self, every: float) -> "Moving":
-        return Moving(self, every)
+    def build(self, every: float) -> "HexapodPlatform":
+        return HexapodPlatform(self, every)
 
 
-class Moving:
+class HexapodPlatform:
     """Hexapod with its washout: turns successive chunks of ship motion into poses and leg lengths within its limits."""
 
     def __init__(self, config: Config, every: float) -> None:

@@ -63,17 +63,17 @@ class SeakeepingConfig(FloatingConfig):
         """Radiation table in the file `radiation`; None without one."""
         return None if self.radiation is None else Radiation(self.radiation)
 
-    def moved_along(self, still: Hydrostatics) -> np.ndarray:
+    def added_mass_diagonal(self, still: Hydrostatics) -> np.ndarray:
         return self.added_mass.diagonal(still)
 
-    def moved_at_once(self, still: Hydrostatics) -> np.ndarray:
-        """(6,) added mass [kg], inertia [kg m2] at infinite frequency, by the radiation table; else `moved_along`."""
-        added = self.moved_along(still)
+    def added_mass_at_infinity(self, still: Hydrostatics) -> np.ndarray:
+        """(6,) added mass [kg], inertia [kg m2] at infinite frequency by the table; else `added_mass_diagonal`."""
+        added = self.added_mass_diagonal(still)
         if self.table is not None:
             added[self.table.numbers] = np.diag(self.table.impulse_response.added)
         return added
 
-    def moved_together(self) -> np.ndarray | None:
+    def added_mass_coupling(self) -> np.ndarray | None:
         """(6, 6) added mass [kg], [kg m], [kg m2] between two motions of `Motions`, diagonal 0; None without any."""
         if self.table is None:
             return None
@@ -84,14 +84,14 @@ class SeakeepingConfig(FloatingConfig):
     def resistance(self, still: Hydrostatics) -> Resistance:
         """Damping law of the hull; motions in the radiation table have no damping by rule."""
         radiated = [] if self.table is None else [Motions._fields[k] for k in self.table.numbers]
-        return Resistance(self.damping, still, self.moved_at_once(still), radiated)
+        return Resistance(self.damping, still, self.added_mass_at_infinity(still), radiated)
 
     def mismatches(self, preflight: Preflight) -> Problems:
         found = super().mismatches(preflight)
         if self.table is not None:
             still = self.hydrostatics_of(preflight)
             own = [still.matter.mass] * 3 + np.diag(still.matter.inertia).tolist()
-            for motion, mass, water in zip(Motions._fields, own, self.moved_at_once(still)):
+            for motion, mass, water in zip(Motions._fields, own, self.added_mass_at_infinity(still)):
                 if mass + water <= 0.0:
                     sentence = f"water of {water:.3g} in {motion} leaves her less than no mass, she has {mass:.3g}"
                     found.append((("radiation",), f"{sentence}; check the sign and the unit of {motion}_added"))
@@ -123,7 +123,7 @@ class SeakeepingConfig(FloatingConfig):
             if a in names and b in names and not table.has_coupling(a, b):
                 neither = f"the table has {a} and {b}, and nothing of what they do to each other"
                 yield f"{neither}: neither feels the other; add {' and '.join(columns_of(a, b))}"
-        periods = still.periods(self.moved_at_once(still))
+        periods = still.periods(self.added_mass_at_infinity(still))
         for name in names:
             period = periods.get(name)
             if period is not None and not table.omega[0] <= 2.0 * pi / period <= table.omega[-1]:
@@ -177,7 +177,7 @@ class SeakeepingShip(FloatingShip):
 
     def __init__(self, name: str, config: SeakeepingConfig, basin: Basin, fluid: Fluid) -> None:
         super().__init__(name, config, basin, fluid)
-        self.added, self.between = config.moved_at_once(self.hydrostatics), config.moved_together()
+        self.added, self.between = config.added_mass_at_infinity(self.hydrostatics), config.added_mass_coupling()
         self.memory: Memory | None = None
         self.scattering: Scattering | None = None  # where a table has it
         self.sea: ClosedForm | None = None  # whose waves the hull scatters

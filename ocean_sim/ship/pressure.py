@@ -47,7 +47,7 @@ class Config(FloatingConfig):
         body = self.above_unsettled_water(self.starting_body(still, flat), preflight)
         return Solid(self.whole_hull.shape, still.matter.centre, body, flat)
 
-    def moved_along(self, still: Hydrostatics) -> np.ndarray:
+    def added_mass_diagonal(self, still: Hydrostatics) -> np.ndarray:
         """(6,) added mass [kg], inertia [kg m2] by rule, for natural periods alone; in a run the particles react."""
         return by_rule(still)
 

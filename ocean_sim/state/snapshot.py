@@ -194,12 +194,12 @@ class Restorer:
 
     def value(self, node: Any, fresh: Any, path: str) -> Any:
         """Restored value of a node; a newly built value, `fresh`, with fields is kept and filled. Raises Mismatch."""
-        found = self.stands_for(node, fresh, path) if isinstance(node, dict) else node
+        found = self.restore_node(node, fresh, path) if isinstance(node, dict) else node
         if has_wrong_kind(found, fresh):
             raise Mismatch(f"its {path.lstrip('.')} is {found!r:.60}")
         return found
 
-    def stands_for(self, node: Any, fresh: Any, path: str) -> Any:
+    def restore_node(self, node: Any, fresh: Any, path: str) -> Any:
         """Restored value of a node that is a dict, by the method `from_<kind>` of the kind that its first key names."""
         kind = next(iter(node))
         if kind == SAME_KEY:
@@ -209,7 +209,7 @@ class Restorer:
                 raise Mismatch(f"it has {path.lstrip('.')}, which this program does not make")
             return fresh
         if kind == OBJECT_KEY:
-            return self.thing(node, fresh, path)
+            return self.restore_object(node, fresh, path)
         self.made[path] = value = getattr(self, f"from_{kind}")(node, fresh, path)
         return value
 
@@ -260,22 +260,22 @@ class Restorer:
 
     def from_list(self, node: Any, fresh: Any, path: str) -> list:
         """Restored list; the newly built list itself if its items are identical to the restored ones."""
-        new = self.each(node[LIST_KEY], fresh if isinstance(fresh, list) else [], path)
+        new = self.restore_items(node[LIST_KEY], fresh if isinstance(fresh, list) else [], path)
         return fresh if isinstance(fresh, list) and are_same_things(new, fresh) else new
 
     def from_tuple(self, node: Any, fresh: Any, path: str) -> tuple:
         """Restored tuple or named tuple; the newly built one itself if its items are identical to the restored ones."""
-        new = self.each(node[TUPLE_KEY], fresh if isinstance(fresh, tuple) else (), path)
+        new = self.restore_items(node[TUPLE_KEY], fresh if isinstance(fresh, tuple) else (), path)
         if isinstance(fresh, tuple) and are_same_things(new, fresh):
             return fresh
         if OBJECT_KEY not in node:
             return tuple(new)
         named: Any = find_class(node[OBJECT_KEY])._make(new)  # type: ignore[attr-defined]
         for name, inner in named._asdict().items():
-            self.judge(inner, type(named), name, path)
+            self.require_declared_type(inner, type(named), name, path)
         return named
 
-    def each(self, nodes: list, fresh: Any, path: str) -> list:
+    def restore_items(self, nodes: list, fresh: Any, path: str) -> list:
         """Restored values of a list of nodes, each with the item of `fresh` at its place, if there is one."""
         built = [*fresh, *([MISSING_VALUE] * (len(nodes) - len(fresh)))]
         return [self.value(node, built[k], f"{path}.{k}") for k, node in enumerate(nodes)]
@@ -288,7 +288,7 @@ class Restorer:
             new[name] = self.value(inner, there.get(name, MISSING_VALUE), f"{path}.{path_step(name, k)}")
         return there if list(new) == list(there) and are_same_things(new.values(), there.values()) else new
 
-    def thing(self, node: Any, fresh: Any, path: str) -> Any:
+    def restore_object(self, node: Any, fresh: Any, path: str) -> Any:
         """Restored object of this package: data are created anew, another object of equal class is updated in place."""
         made, data = find_class(node[OBJECT_KEY]), node["data"]
         if type(data) is not bool:
@@ -303,10 +303,10 @@ class Restorer:
         for name, inner in node["at"].items():
             before = vars(fresh).get(name, MISSING_VALUE) if type(fresh) is made else MISSING_VALUE
             object.__setattr__(value, name, self.value(inner, before, f"{path}.{name}"))
-            self.judge(vars(value)[name], made, name, path)
+            self.require_declared_type(vars(value)[name], made, name, path)
         return value
 
-    def judge(self, value: Any, made: type, name: str, path: str) -> None:
+    def require_declared_type(self, value: Any, made: type, name: str, path: str) -> None:
         """Raise Mismatch if the restored `value` of attribute `name` is not of the type that class `made` declares."""
         if not has_declared_type(value, get_annotations(made).get(name, object)):
             raise Mismatch(f"its {path.lstrip('.')}.{name} is {value!r:.60}")

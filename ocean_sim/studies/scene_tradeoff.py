@@ -68,8 +68,8 @@ class Budget:
         return cls(text.strip(), float(found[1]) if found[1] else 1.0)
 
     def seconds(self, row: dict[str, Any]) -> float | None:
-        """Time [s] that the budget limits, from a row of costs: per simulated second, or in all with compilation. The
-        less of wall and processor time counts, as waiting or several cores raise one of them; None without both."""
+        """Time [s] that a run (a row of costs) took per simulated second, or for a budget in seconds in all with
+        compilation: the less of wall and processor time, as waiting or several cores raise one. None without both."""
         unit = "per_s" if self.name == "realtime" or self.name.endswith("ms") else "s"
         return min(filter(None, (row.get(f"wall_{unit}"), row.get(f"cpu_{unit}"))), default=None)
 
@@ -138,7 +138,8 @@ def finest_setting(key: str, values: list[Any]) -> Any:
 
 
 def setting_grid(scene: str, profile: str | None, sets: dict[str, Node], vary: Varied, quick: bool) -> list[Setting]:
-    """Settings of all combinations of values, each with a seed to spare, to test the best one; raises SceneError."""
+    """Settings of all combinations of the values in `vary`, the finest marked, each with scenes for SEED_COUNTS seeds
+    and for one more, with which the best setting is confirmed; raises SceneError."""
     count = prod(map(len, vary.values()))
     if not 2 <= count <= MOST_SETTINGS:
         location = Location("--vary")
@@ -260,7 +261,7 @@ def best_setting(rows: list[dict[str, Any]], by: str, budget: Budget) -> dict[st
     return min(filter(alike, able), key=lambda row: budget.spent(row) or np.inf)
 
 
-def clocks_differ(rows: list[dict[str, Any]]) -> str:
+def clock_note(rows: list[dict[str, Any]]) -> str:
     """Sentence for the user if wall and processor time differ by more than a factor CLOCKS_APART, else empty."""
     shares = [row["wall_per_s"] / row["cpu_per_s"] for row in rows if row["wall_per_s"] and row["cpu_per_s"]]
     share = median(shares) if shares else 1.0

@@ -85,7 +85,7 @@ def read_plan(path: Path, threads: int | None = None) -> list[Planned]:
             plain = {key: value.plain() for key, value in settings.items()}
             runs.append(Planned(plain, scene, run_order(scene, threads)))
         except SceneError as error:
-            problems += [_run_order(node, shared | settings, found) for found in error.problems]
+            problems += [_locate_problem(node, shared | settings, found) for found in error.problems]
     if problems:
         raise SceneError(problems)
     return runs
@@ -108,7 +108,7 @@ def _without_pictures(settings: Settings) -> Settings:
     return {name: node_of(None, Location("sweep")) for name in PICTURE_OBSERVERS if name not in named}
 
 
-def _run_order(plan: Node, settings: Settings, found: Problem) -> Problem:
+def _locate_problem(plan: Node, settings: Settings, found: Problem) -> Problem:
     """Copy of `found`, a scene's problem, located in the plan if it has no line or concerns a key that the plan set."""
     touched = [value for key, value in settings.items() if key.split(".")[0] == found.key.split(".")[0]]
     if found.line is not None and found.file != plan.location.file and touched:

@@ -190,8 +190,8 @@ class Cloth:
 
     @ti.func
     def spring_pull(self, n, dt):
-        """Upward acceleration [m/s2] by the springs at the end of a step of dt: -sum k C C' / (1 + 2 dt^2 sum k (C'^2 +
-        C C'')) for C the stretch of a spring and C', C'' its derivatives by the height of one end."""
+        """Upward acceleration [m/s2] of node n by its springs, implicit over a step of dt: -sum k C C' / (1 +
+        2 dt^2 sum k (C'^2 + C C'')), with C the stretch of a spring, C' and C'' its derivatives by height of node n."""
         i, k = n // self.nodes[1], n % self.nodes[1]
         force, hessian = 0.0, 0.0
         for di, dk, stiffness in ti.static(self.springs):
@@ -277,7 +277,7 @@ class Contact:
         return height * self.spacing, shares, weight / weight.sum()
 
     def surface_height(self, share: float) -> float:
-        """Highest height [m] with this share of water over flat water on a lattice, mean over positions."""
+        """Height [m] over flat water on a lattice above which the water's share is below `share`; mean of positions."""
         height, shares, weight = self.over_a_lattice
         k = LATTICE_HEIGHTS - 1 - np.argmax(shares[:, ::-1] >= share, axis=1)
         k = np.minimum(k, LATTICE_HEIGHTS - 2)

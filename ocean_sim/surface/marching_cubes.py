@@ -192,7 +192,8 @@ class MarchingCubes:
         return [mesh.area, mesh.volume(self.bed), counts.ambiguous_share, float(self.outside)]
 
     def cut_surface(self, goes_on: int) -> tuple[Mesh, Counts]:
-        """Mesh, open at sides whose bits are set in `goes_on`, and its counts; raises Diverged if too large."""
+        """Triangulate the surface, open at sides with a bit set in `goes_on` (see `Isosurface.pad_field`); return it
+        and its counts. Raises Diverged for more than `most_triangles` triangles."""
         self.update_field()
         self.isosurface.pad_field(goes_on)
         counts = self.isosurface.count_surface()
@@ -225,7 +226,7 @@ class MarchingCubes:
         """Note that the kernel being compiled reads heights; always True. Raises RuntimeError for old heights."""
         self.read_by_kernel = True
         if self.levelled != self.moment:
-            raise RuntimeError("the heights are out of date: call `level` before the first kernel that reads them")
+            raise RuntimeError("heights are out of date: call `update_heights` before the first kernel that reads them")
         return True
 
     @ti.func

@@ -28,7 +28,7 @@ class Config(TimeStepConfig):
     def build(self) -> "Courant":
         return Courant(self)
 
-    def shortest(self, limits: Limits) -> tuple[float, str]:
+    def longest_step(self, limits: Limits) -> tuple[float, str]:
         """Longest time step [s] that these limits allow, and the name of the limit that sets it."""
         shortest, ruling = self.longest, "longest"
         for step, name in (
@@ -57,5 +57,5 @@ class Courant:
 
     def next(self, limits: Limits) -> float:
         """Next time step [s]; `limited_by` becomes the name of the limit that sets it."""
-        dt, self.limited_by = self.config.shortest(limits)
+        dt, self.limited_by = self.config.longest_step(limits)
         return dt

@@ -167,7 +167,7 @@ def measure_packet(simulation: Simulation) -> Finding:
     for until in time:
         simulation.run(float(until))
         found.append(fit_heights(particle_state(simulation), sea))
-    ways = [way[PACKET_WAVES] for way in part_directions(np.array(found), sea.omega, time)]
+    ways = [way[PACKET_WAVES] for way in split_directions(np.array(found), sea.omega, time)]
     returned = float(np.linalg.norm(ways)) / float(np.linalg.norm(left[PACKET_WAVES]))
     number = (returned, 0.0, 100.0 * returned)
     ratio = LENGTH * k[PACKET_WAVES] / (2.0 * pi)
@@ -190,7 +190,7 @@ def fit_heights(water: State, sea: waves.Components) -> np.ndarray:
     return real + 1j * imaginary
 
 
-def part_directions(found: np.ndarray, omega: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def split_directions(found: np.ndarray, omega: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Split heights `found` (n, m) of waves of frequencies `omega` (m,) [rad/s], at times (n,) [s] over a period, into
     those of waves that travel ahead and back, (m,) each."""
     turned = np.exp(1j * omega * time[:, None])

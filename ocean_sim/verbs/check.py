@@ -86,8 +86,8 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
     time_step = config.time_step.build()
     still = config.fluid.still_limits(known)
     dt = time_step.next(still)
-    stable, limit = Courant().shortest(still)
-    longest, ruling = Courant(courant_number=STABLE_COURANT).shortest(still)
+    stable, limit = Courant().longest_step(still)
+    longest, ruling = Courant(courant_number=STABLE_COURANT).longest_step(still)
     if dt > 1.05 * longest:
         over = f"{dt / longest:.2g} times the {longest:.3g} s that stayed stable in still water ({ruling} limit)"
         warnings.append(f"the time step of {dt:.3g} s is {over}")

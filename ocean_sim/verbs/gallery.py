@@ -45,7 +45,7 @@ class Entry(Model):
 
     def files(self) -> list[Path]:
         """Source files on which the picture depends: those of the kinds in its scene, and those it names as `code`."""
-        kinds = {f"{slot_of(place)}/{part.kind}.py" for place, part in law_files(self.scene).items()}
+        kinds = {f"{slot_of(place)}/{part.kind}.py" for place, part in shown_parts(self.scene).items()}
         return [path for pattern in [*sorted(kinds), *self.code] for path in sorted(PACKAGE.glob(pattern))]
 
     @property
@@ -53,8 +53,8 @@ class Entry(Model):
         """Hash of the scene, presets, drawing command, code and look; if it changes, the picture is out of date."""
         scene = read_mapping(library("scenes") / f"{self.scene}.yaml").plain()
         asked = [{key: value for key, value in scene.items() if key != "title"}, self.until, self.draw, pictures.LOOK]
-        asked += [part.model_dump(mode="json", exclude_defaults=True) for part in law_files(self.scene).values()]
-        asked += [is_computing(path.read_text(encoding="utf-8")) for path in self.files()]
+        asked += [part.model_dump(mode="json", exclude_defaults=True) for part in shown_parts(self.scene).values()]
+        asked += [code_lines(path.read_text(encoding="utf-8")) for path in self.files()]
         return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:16]
 
     def commands(self, run: str) -> tuple[list[str], list[str]]:
@@ -68,13 +68,13 @@ class Entry(Model):
 
 
 @cache
-def law_files(scene: str) -> dict[str, KindConfig]:
+def shown_parts(scene: str) -> dict[str, KindConfig]:
     """Configs of the parts of a packaged scene that pictures of it show (LAW_SLOTS), by place (`wind`, `ships.tug`)."""
     parts = load(scene).parts().items()
     return {place: part for place, part in parts if isinstance(part, KindConfig) and slot_of(place) in LAW_SLOTS}
 
 
-def is_computing(code: str) -> list[str]:
+def code_lines(code: str) -> list[str]:
     """Lines of Python code that compute: without docstrings, comment lines and empty lines."""
     texts = [node for node in ast.walk(ast.parse(code)) if isinstance(node, ast.Expr)]
     said = {
@@ -141,7 +141,7 @@ def gallery(
             drawn = Path(place, entry.picture)
             command_line([*draw, "--out", str(drawn)])
             keep_picture(drawn, folder / entry.picture)
-            read_stamps(folder, entry)
+            write_stamp(folder, entry)
             made.append(folder / entry.picture)
             console.say(str(made[-1]))
     if as_json:
@@ -177,7 +177,7 @@ def keep_picture(drawn: Path, path: Path) -> None:
             image.save(draft, "PNG", optimize=True)
 
 
-def read_stamps(folder: Path, entry: Entry) -> None:
+def write_stamp(folder: Path, entry: Entry) -> None:
     """Write the present stamp of an entry into the STAMP_FILE of a folder."""
     path = folder / STAMP_FILE
     known = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}

@@ -277,7 +277,7 @@ def hull_report(shape: "Hull", asked: Asked, condition: "Loading | None" = None)
         most = f"no more than {CUBE_BUDGET:g} cubes are made"
         notes.append(f"{resolved:.3g} cubes over the draught, not {asked.cells:g}: {most}")
     if condition is not None:
-        afloat = replace(afloat, lost=condition.lost)
+        afloat = replace(afloat, free_surface_loss=condition.free_surface_loss)
     notes += [] if solid is None else solid.unlike_a_ship(afloat.draught, afloat.kb)
     stability = Stability(afloat, None if condition is None else condition.openings)
     heights = metacentric_heights(shape.shape, afloat)
@@ -384,11 +384,11 @@ def stated_balance(afloat: "Hydrostatics", stability: "Stability", cross: bool) 
         "draught_m": afloat.draught,
         **balance_at_rest(afloat),
         "kb_m": kb,
-        "bm_m": stability.gm + afloat.lost[0] + kg - kb,
+        "bm_m": stability.gm + afloat.free_surface_loss[0] + kg - kb,
         "gm_m": stability.gm,
         "gm_longitudinal_m": afloat.metacentric_height(0),
         "kg_m": kg,
-        "free_surface_m": afloat.lost[0],
+        "free_surface_m": afloat.free_surface_loss[0],
         "waterplane_m2": afloat.waterplane,
         "gz_to": "port" if stability.heeling_side < 0.0 else "starboard",
         "gz": [{"heel_deg": heel, "gz_m": lever} for heel, lever in zip(heels, levers)],

@@ -17,7 +17,7 @@ from ocean_sim.observers.platform_log import heading
 from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.parts import library, named
 from ocean_sim.platform import LEG_NUMBERS, PLATFORM_COLUMNS, Commands, Cue
-from ocean_sim.platform.hexapod import Config, Moving
+from ocean_sim.platform.hexapod import Config, HexapodPlatform
 from ocean_sim.platform.shared import datagrams, motion_log
 from ocean_sim.platform.shared import packets as wire
 from ocean_sim.platform.shared.metrics import Metric, ride_metrics
@@ -64,10 +64,10 @@ def platform(
                 raise console.Refused(f"--{what}: there is no {name!r}{choice_sentence(name, known)[0]}")
         laid = [*(sets or []), *([] if ramp is None else [f"ramp={ramp!r}"])]
         config = platform_config(geometry, washout, laid)
-        sender = open_log(stream, packets, key) if stream is not None else None
-        ride = opened_log(log, frame)
+        sender = open_sender(stream, packets, key) if stream is not None else None
+        ride = read_motion_log(log, frame)
         machine = config.build(ride.every)
-        done = join_words([machine.follow(rows) for rows in ride.ride.chunks()])
+        done = join_commands([machine.follow(rows) for rows in ride.ride.chunks()])
         found = ride_metrics(ride.ride, done, machine.hexapod, ride.every)
         files = write_commands(out, ride, done, found, config, machine, frame, film)
         warnings = config.cut_short(float(done.time[-1] - done.time[0]))
@@ -78,7 +78,7 @@ def platform(
         jitter = latency = None
         if sender is not None:
             jitter, latency = stream_ride(sender, done, machine, frame or "flu"), sender.latency()
-            files += report_ride(out, sender)
+            files += write_leg_reports(out, sender)
         if as_json:
             answer: dict[str, Any] = {"log": log, "rows": len(done.time), "every_s": ride.every, "files": files}
             answer["metrics"] = [metric._asdict() for metric in found]
@@ -117,7 +117,7 @@ def platform_choice(what: str, name: str) -> Node:
     raise console.Refused(f"--{what}: there is no {what} {name!r}{choice_sentence(name, named(what))[0]}")
 
 
-def open_log(stream: str, packets: str, key: Path | None) -> datagrams.Sender:
+def open_sender(stream: str, packets: str, key: Path | None) -> datagrams.Sender:
     """Sender of packets of a format to an address `stream`, signed with the content of file `key`; raises Refused."""
     try:
         secret = b"" if key is None else datagrams.read_key(str(key))
@@ -130,7 +130,7 @@ def open_log(stream: str, packets: str, key: Path | None) -> datagrams.Sender:
         raise console.Refused(f"--stream: {stream}: {error.strerror}") from None
 
 
-def opened_log(log: Path, frame: str | None) -> MotionLog:
+def read_motion_log(log: Path, frame: str | None) -> MotionLog:
     """The motion log in a CSV file or run folder, checked to be convertible to axes `frame`; raises Refused."""
     path = log / "motion.csv" if log.is_dir() else log
     if log.is_dir() and (log / "manifest.json").is_file() and not any(log.glob("motion*.csv")):
@@ -147,7 +147,7 @@ def opened_log(log: Path, frame: str | None) -> MotionLog:
         raise console.Refused(str(error)) from None
 
 
-def join_words(parts: Sequence[Commands]) -> Commands:
+def join_commands(parts: Sequence[Commands]) -> Commands:
     """One table of platform commands from several, row after row."""
     cues = [part.cue for part in parts]
     cue = Cue(*(np.concatenate(column) for column in zip(*cues)))
@@ -166,7 +166,7 @@ def write_commands(
     done: Commands,
     found: list[Metric],
     config: Config,
-    machine: Moving,
+    machine: HexapodPlatform,
     frame: str | None,
     film: bool,
 ) -> list[Path]:
@@ -188,7 +188,7 @@ def write_commands(
         return [path.replace(out / path.name) for path in sorted(folder.iterdir())]
 
 
-def report_ride(out: Path, sender: datagrams.Sender) -> list[Path]:
+def write_leg_reports(out: Path, sender: datagrams.Sender) -> list[Path]:
     """Write the leg lengths that the platform reported to legs.csv, if any; return a list of its path, or empty."""
     if not sender.readings:
         return []
@@ -207,7 +207,7 @@ def commands_table(path: Path, head: dict[str, Any], columns: Sequence[str], row
             csv.row(row)
 
 
-def stream_ride(sender: datagrams.Sender, done: Commands, machine: Moving, frame: str) -> datagrams.Jitter:
+def stream_ride(sender: datagrams.Sender, done: Commands, machine: HexapodPlatform, frame: str) -> datagrams.Jitter:
     """Send each row of `done` (commands) at its time, then, even after Ctrl-C, the return to neutral; return jitter."""
     try:
         for packet in wire.row_packets(done, frame):

@@ -64,7 +64,7 @@ def render(
     if fps is not None and not 0.1 <= fps <= 240.0:
         raise console.Refused(f"--fps {fps:g}: choose 0.1 to 240 pictures a second")
     given = {key: value for key, value in asked.items() if value is not None}
-    nodes = {key: node_of(value, Location(f"--{key} {shown_files(value)}")) for key, value in given.items()}
+    nodes = {key: node_of(value, Location(f"--{key} {option_text(value)}")) for key, value in given.items()}
     problems: list[Problem] = []
     config = validated(drawing.Config, Node(nodes, Location("--camera"), Location("--camera")), (), problems)
     if config is None:
@@ -102,7 +102,7 @@ def picture_size(text: str | None) -> list[int] | None:
     return [int(word) for word in words]
 
 
-def shown_files(value: Any) -> str:
+def option_text(value: Any) -> str:
     """Text of an option's value as it is written on a command line: numbers of a list between commas."""
     return ",".join(f"{item:g}" for item in value) if isinstance(value, list) else str(value)
 

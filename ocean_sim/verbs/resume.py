@@ -51,7 +51,7 @@ def resume_claimed(folder: Path, until: float | None, anyway: bool, as_json: boo
     if manifest.get("outcome") == "done" and (until is None or until <= manifest["simulated_s"] * (1.0 + 1e-12)):
         report_finished(folder, manifest, as_json)
         return
-    must_have_the_files_of(folder, manifest, config)
+    require_unchanged_inputs(folder, manifest, config)
     console.must_compute_with(library_of(manifest, config), f"{folder}, by what its kernels were compiled with", "")
     if never_begun(folder, config):
         kept, changed = None, ""
@@ -129,7 +129,7 @@ def scene_of(folder: Path, manifest: dict[str, Any], until: float | None) -> Sce
         raise console.Refused(f"{folder}: its scene {why}: {error}") from None
 
 
-def must_have_the_files_of(folder: Path, manifest: dict[str, Any], config: SceneConfig) -> None:
+def require_unchanged_inputs(folder: Path, manifest: dict[str, Any], config: SceneConfig) -> None:
     """Raise Refused if an input file of the scene has changed since the run began, by the hashes in its manifest."""
     now, then = config.inputs(), manifest.get("inputs")
     changed = [name for name in now if then.get(name) != now[name]] if isinstance(then, dict) else []

@@ -15,7 +15,7 @@ from ocean_sim.studies.scene_tradeoff import (
     Repeat,
     Setting,
     best_setting,
-    clocks_differ,
+    clock_note,
     errors_against,
     measure_names,
     setting_grid,
@@ -135,7 +135,7 @@ def of_scene(
         console.say(f"{len(plan)} settings with {each}, one run at a time; the reference is {finest}")
     repeats = [Repeat(scene) for setting in plan for scene in setting.scenes[:seeds]]
     found = rows_of(Study(repeats, out / "runs", 1), as_json)  # one at a time, for their time is measured
-    rows, single = compare_peers(plan, seeds, found)
+    rows, single = compare_with_finest(plan, seeds, found)
     write_table(out / "seeds.csv", single)
     write_table(out / "tradeoff.csv", rows)
     known = measure_names(rows)
@@ -147,19 +147,19 @@ def of_scene(
     judge = by or known[0]
     known = [judge, *(name for name in known if name != judge)]
     console.draw_if_able(pareto.draw_scene, out / "tradeoff.png", rows, known[:6], limit)
-    best_row = None if limit is None else json_answer(plan, rows, judge, limit, seeds, out, as_json)
+    best_row = None if limit is None else confirmed_setting(plan, rows, judge, limit, seeds, out, as_json)
     if as_json:
-        console.answer({"judged_by": judge, "rows": rows, "answer": best_row, "clocks": clocks_differ(rows)})
+        console.answer({"judged_by": judge, "rows": rows, "answer": best_row, "clocks": clock_note(rows)})
         return
     show_settings(rows, known)
     if limit is not None:
         console.say(budget_verdict(best_row, rows, judge, limit))
-        if told := clocks_differ(rows):
+        if told := clock_note(rows):
             console.say(told)
     console.say(f"{out / 'tradeoff.csv'}, seeds.csv and tradeoff.png")
 
 
-def compare_peers(plan: list[Setting], seeds: int, runs: list[dict[str, Any]]) -> tuple[list, list]:
+def compare_with_finest(plan: list[Setting], seeds: int, runs: list[dict[str, Any]]) -> tuple[list, list]:
     """A row per setting, and one per run (`seeds` runs each), with errors against the finest setting of equal seed."""
     groups = [runs[n * seeds : (n + 1) * seeds] for n in range(len(plan))]
     finest = next(group for setting, group in zip(plan, groups) if setting.finest)
@@ -176,7 +176,7 @@ def compare_peers(plan: list[Setting], seeds: int, runs: list[dict[str, Any]]) -
     return rows, single
 
 
-def json_answer(
+def confirmed_setting(
     plan: list[Setting], rows: list[dict[str, Any]], judge: str, limit: Budget, seeds: int, out: Path, quiet: bool
 ) -> dict[str, Any] | None:
     """The best setting within the budget, by the error `judge`, that stays so in a run with a new seed; else None."""

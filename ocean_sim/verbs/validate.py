@@ -84,7 +84,7 @@ def validate(
         for found in case_answers(orders, workers or available_cores()):
             rows += found
             if not as_json:
-                print_row(found[0]["case"], found)
+                print_case(found[0]["case"], found)
         write_table(out / "validate.csv", ROW_KEYS, ([row[key] for key in ROW_KEYS] for row in rows))
         if junit is not None:
             write_junit(junit, rows)
@@ -137,7 +137,7 @@ def case_answers(orders: list[Order], workers: int) -> Iterator[list[dict[str, A
         return
     threads = f"runtime.threads={max(1, available_cores() // workers)}"
     shared = [(*order[:4], [threads, *order[4]], order[5]) for order in orders]
-    with ProcessPoolExecutor(workers, get_context("spawn"), begin_table) as pool:
+    with ProcessPoolExecutor(workers, get_context("spawn"), prepare_worker) as pool:
         futures = [pool.submit(case_answer, order) for order in shared]
         try:
             for future in futures:
@@ -151,7 +151,7 @@ def case_answers(orders: list[Order], workers: int) -> Iterator[list[dict[str, A
             raise
 
 
-def begin_table() -> None:
+def prepare_worker() -> None:
     """Prepare a worker process to end with its parent, and silently on Ctrl-C; the pool calls this in each worker."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     parent = parent_process()
@@ -181,7 +181,7 @@ def left_out(plan: dict[str, list[tuple[Problem, str]]], schemes: list[str], coa
         yield f"left out, as {why} (--slow adds them): {', '.join(names)}"
 
 
-def print_row(case: str, rows: list[dict[str, Any]]) -> None:
+def print_case(case: str, rows: list[dict[str, Any]]) -> None:
     columns = ["scheme", "quantity", "value", "reference", "error", "tolerance", "", "source"]
     console.table(f"\n{case}", columns, [row_line(row) for row in rows])
 

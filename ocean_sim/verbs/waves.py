@@ -69,7 +69,7 @@ def waves(
     path = read_record(run)
     try:
         time, heights = gauge_elevations(path, begin)
-        found = {name: measured_as(name, time, height, treatment) for name, height in heights.items()}
+        found = {name: wave_statistics(name, time, height, treatment) for name, height in heights.items()}
     except Unmeasurable as why:
         raise console.Refused(f"{path}: {why}") from None
     except ValueError as error:
@@ -182,7 +182,7 @@ def treatment_of(treatment: Treatment, time: np.ndarray, height: np.ndarray) -> 
     return found | ({"warnings": warnings} if warnings else {})
 
 
-def measured_as(name: str, time: np.ndarray, height: np.ndarray, treatment: Treatment) -> Sea:
+def wave_statistics(name: str, time: np.ndarray, height: np.ndarray, treatment: Treatment) -> Sea:
     """Wave statistics of a gauge's heights (n,) [m] over time (n,) [s]; raises Unmeasurable with the gauge's name."""
     try:
         return measure_record(time, height, treatment)

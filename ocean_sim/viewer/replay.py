@@ -15,7 +15,7 @@ from ocean_sim.pictures.frame_files import Frame, frame_files, open_frame
 from ocean_sim.pictures.water.foam import cell_means
 from ocean_sim.pictures.water.sea_state import exact_waves
 from ocean_sim.viewer.protocol import FULL_SCALE, box_positions, moment_differences, packet
-from ocean_sim.viewer.still import Setting, page_document, sky_packet
+from ocean_sim.viewer.still import StaticScene, page_document, sky_packet
 from ocean_sim.viewer.watch import MAX_CELLS
 
 MAX_MOMENT_RATE = 20.0  # [1/s] of simulated time
@@ -60,13 +60,13 @@ class Recorded:
         return self.setting.packet()
 
     @cached_property
-    def setting(self) -> Setting:
+    def setting(self) -> StaticScene:
         """Static part of this run: water, basin and ships, and the list of plotted numbers."""
         (i, j), first = self.strides, Frame(self.files[0])
         grid = self.grid | {"x": self.grid["x"][::i], "z": self.grid["z"][::j]}
         surface = bool(grid["has_surface"]) or len(grid["z"]) == 1
         particles = 0 if first.position is None else len(first.position)
-        setting = Setting(grid, self.scene, self.title, exact_waves(grid), surface, particles)
+        setting = StaticScene(grid, self.scene, self.title, exact_waves(grid), surface, particles)
         setting.scalars = self.plotted_numbers(np.zeros(1))[0]
         return setting
 

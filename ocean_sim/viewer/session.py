@@ -48,7 +48,7 @@ class Source(NamedTuple):
 
     @classmethod
     def of(cls, scene: str | Path, profile: str | None = None, overrides: Mapping[str, Any] | None = None) -> "Source":
-        """Source of a scene file or a packaged scene, by its path or name."""
+        """Read a scene (path of a file, or name of a packaged scene) as text; profile and overrides apply on `load`."""
         path = scene_path(scene)
         return cls(input_file.read_text(path, MAX_TEXT_BYTES), path.stem, path.parent, profile, dict(overrides or {}))
 

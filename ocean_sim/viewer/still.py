@@ -35,7 +35,7 @@ SKY_SIDE = 512  # [pixels]
 RIPPLE_LENGTHS = 0.02, 3.0  # [m] least and greatest length of the longest ripple
 
 
-class Setting:
+class StaticScene:
     """Static part of a simulation or a replay, sent to a page once: its water, basin and ships."""
 
     def __init__(

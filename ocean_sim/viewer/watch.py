@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ocean_sim.basin.points import middles, pairs
+from ocean_sim.basin.points import grid_points, middles
 from ocean_sim.observers.shared.csv_rows import TakesMotion
 from ocean_sim.pictures.frame_files import grid_arrays, middle_cell
 from ocean_sim.pictures.live.scene_lines import box_top, scene_lines
@@ -17,7 +17,7 @@ from ocean_sim.platform import Platform
 from ocean_sim.platform.shared.motion_log import ride_of
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 from ocean_sim.viewer.protocol import FULL_SCALE, box_scale, packet
-from ocean_sim.viewer.still import Setting
+from ocean_sim.viewer.still import StaticScene
 
 if TYPE_CHECKING:
     from ocean_sim.basin import Basin
@@ -46,7 +46,7 @@ class Watch(Observer, TakesMotion):
         self.setting = setting_of(simulation)
         lengths = [float(np.ptp(model.hull.vertices, axis=0).max()) for model in self.setting.models.values()]
         self.top = box_top(simulation, max(lengths, default=0.0))  # height of the air that lines go up to [m]
-        self.points = pairs(self.setting.x, self.setting.z)
+        self.points = grid_points(self.setting.x, self.setting.z)
         low, high = self.setting.box
         self.box = {"low": low.tolist(), "high": high.tolist()}
         self.middle, self.scale = box_scale(low, high)
@@ -191,13 +191,13 @@ class Watch(Observer, TakesMotion):
         return [float(v) for v in values] + [self.pace, 1e3 * simulation.next_dt, *self.stage_costs.values()]
 
 
-def setting_of(simulation: Simulation) -> Setting:
+def setting_of(simulation: Simulation) -> StaticScene:
     """Static part of a simulation, for its pages: water, basin, ships, and the list of plotted numbers."""
     scene, basin, fluid = simulation.scene, simulation.basin, simulation.fluid
     grid = grid_arrays(simulation, *height_grid(basin, fluid.spacing))
     surface = not basin.closed and (fluid.particles is None or fluid.sound_speed > 0.0)
     shown = 0 if fluid.particles is None else -(-fluid.particles.n // particle_stride(fluid.particles.n))
-    setting = Setting(grid, scene.resolved(), scene.title or "Untitled scene", fluid.plane_waves, surface, shown)
+    setting = StaticScene(grid, scene.resolved(), scene.title or "Untitled scene", fluid.plane_waves, surface, shown)
     platform = scene.platform is not None and bool(simulation.ships) and "motion" in scene.observers
     setting.scalars = [
         *plotted_rows(setting.gauges, [*simulation.ships][:MAX_PLOTTED_SHIPS], platform, fluid.particles is not None),

@@ -24,7 +24,7 @@ from ocean_sim.wind.shared.noise import DRAW_INTERVAL, DRAWS, Noise, NoiseSize
 from ocean_sim.wind.shared.place import Passages, Patch, Placed
 from ocean_sim.wind.shared.schedule import Scheduled
 from ocean_sim.wind.shared.shapes import Shape, turned, turned_back, within
-from ocean_sim.wind.shared.warnings import on_ships, stylised, velocity_change
+from ocean_sim.wind.shared.warnings import ship_drag_warnings, stylised, velocity_change
 
 NOISE_STREAM = 0x1_0000  # stream of random numbers; the volume's number is added
 PASSAGE_STREAM = 0x2_0000  # stream of random numbers; the volume's number is added
@@ -216,7 +216,7 @@ class Config(Placed, WindConfig):
             )
             sentences += [f"{name}: {sentence}" for sentence in volume.end_warnings(preflight.duration)]
         if any(self.volumes[g].wind_speed > 0.0 for g in self.aimed("ship")):
-            sentences += on_ships(preflight)
+            sentences += ship_drag_warnings(preflight)
         return sentences
 
 
@@ -362,7 +362,7 @@ class Gusts(Wind):
         """Force [N] of volume g on a particle or voxel at a position [m] in the wind's axes; 0 outside the volume."""
         total, off = tm.vec3(0.0), position.dot(self.vector(g, VOLUME.normal)) - self.row[g, VOLUME.slab]
         if ti.abs(off) <= self.row[g, VOLUME.half_thickness]:
-            if self.holds(g, position - self.vector(g, VOLUME.centre)):
+            if self.contains(g, position - self.vector(g, VOLUME.centre)):
                 total += mass * self.vector(g, VOLUME.acceleration)
                 if ti.static(self.noisy):
                     total += mass * self.vector(g, VOLUME.noise) * self.noise.of(NOISE_STREAM + g, key)
@@ -378,7 +378,7 @@ class Gusts(Wind):
         return drag(wind, area) + lift(wind, area, self.row[g, VOLUME.lift])
 
     @ti.func
-    def holds(self, g, x):
+    def contains(self, g, x):
         """True if volume g contains x, relative to its centre [m]: in an included shape, and in no excluded one."""
         included, excluded = False, False
         for s in range(self.shapes):

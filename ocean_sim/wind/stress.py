@@ -24,7 +24,7 @@ from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import DeviceRow, Drawing, Target, Wind
 from ocean_sim.wind.shared.air_load import DRAG_LAWS, LAW, RANGES, DragLaw, drag, stated_speed, stress
 from ocean_sim.wind.shared.schedule import Scheduled
-from ocean_sim.wind.shared.warnings import on_ships
+from ocean_sim.wind.shared.warnings import ship_drag_warnings
 
 ROW = Columns(
     stress_x=1,  # [Pa]
@@ -145,7 +145,7 @@ class Config(Scheduled, WindConfig):
         message = f"wind: a physical stress of {self.on_water(u10):.3g} Pa {at}{sheltered}"
         found = [f"wind: {sentence}" for sentence in self.end_warnings(preflight.duration)] + self.across(preflight)
         if "ship" in self.targets and u10 > 0.0:
-            found += on_ships(preflight)
+            found += ship_drag_warnings(preflight)
         return [f"{message}: {gain}", *found, *out_of_range(u10, self.law), *unresolved(self, u10, preflight)]
 
     def across(self, preflight: Preflight) -> list[str]:
@@ -238,10 +238,10 @@ def unresolved(wind: Config, u10: float, preflight: Preflight) -> list[str]:
             f"m/s makes waves of {2.0 * pi / seen:.3g} m grow (Plant 1982); the scheme adds viscosity of its own "
             "(ocean-sim validate wind_growth)"
         )
-    return sentences + overdamped(wind, u10, seen, preflight) + borne(wind.on_water(u10), preflight)
+    return sentences + overdamped(wind, u10, seen, preflight) + rigid_layer_warnings(wind.on_water(u10), preflight)
 
 
-def borne(stress: float, preflight: Preflight) -> list[str]:
+def rigid_layer_warnings(stress: float, preflight: Preflight) -> list[str]:
     """Warn if particles that have left their lattice rows would resist a stress [Pa] like a solid, rather than flow."""
     fluid, tank = preflight.fluid, preflight.tank
     pressure, share = fluid.rest_density * hypot(*tank.gravity) * tank.depth, fluid.bears_shear

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from ocean_sim.__main__ import answered, command_of
+from ocean_sim.__main__ import command_of, run_command_line
 from ocean_sim.files.yaml_file import Location, SceneError, parse_yaml
 from ocean_sim.parts import PACKAGE, library
 from ocean_sim.reading.scene import load, load_text
@@ -78,7 +78,7 @@ def test_commands_that_only_look_do_what_they_promise(tmp_path, monkeypatch, cap
                 seen.add(tuple(words))
                 if words[0] == "new":
                     Path("mine.yaml").unlink(missing_ok=True)
-                assert answered(words) == 0, (page.name, words, capsys.readouterr().err)
+                assert run_command_line(words) == 0, (page.name, words, capsys.readouterr().err)
     assert len(seen) >= 8
 
 

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.parts import library
 from ocean_sim.verbs import figure
 
@@ -53,7 +53,7 @@ def test_names_are_those_of_the_thesis_in_its_order():
 
 
 def test_list_says_what_each_figure_is(capsys):
-    assert answered(["list", "figures", "--json"]) == 0
+    assert run_command_line(["list", "figures", "--json"]) == 0
     rows = {row["name"]: row["sentence"] for row in json.loads(capsys.readouterr().out)}
     assert rows.keys() == figure.figure_scripts().keys()
     assert all(sentence and "python figures/" not in sentence for sentence in rows.values())
@@ -61,18 +61,18 @@ def test_list_says_what_each_figure_is(capsys):
 
 def test_a_wrong_name_is_told_before_anything_is_drawn(tmp_path, capsys):
     out = tmp_path / "out"
-    assert answered(["figure", "3-7", "6-33", "--out", str(out)]) == 2
+    assert run_command_line(["figure", "3-7", "6-33", "--out", str(out)]) == 2
     assert "there is no figure '6-33'; did you mean '6-3'?" in capsys.readouterr().err
     assert not out.exists()
 
 
 def test_no_name_is_a_question_of_use(capsys):
-    assert answered(["figure"]) == 2
+    assert run_command_line(["figure"]) == 2
 
 
 def test_all_goes_on_past_a_figure_that_fails_and_leaves_nothing_half(scripts, tmp_path, capsys):
     out = tmp_path / "out"
-    assert answered(["figure", "all", "--fast", "--out", str(out)]) == 1
+    assert run_command_line(["figure", "all", "--fast", "--out", str(out)]) == 1
     printed = capsys.readouterr()
     assert "[1/3] Figure 1-1: a dot." in printed.out and "FAILED: ValueError: no ink" in printed.out
     assert "1 of 3 figures failed: 1-2" in printed.err
@@ -82,7 +82,7 @@ def test_all_goes_on_past_a_figure_that_fails_and_leaves_nothing_half(scripts, t
 
 def test_json_tells_files_and_failures(scripts, tmp_path, capsys):
     out = tmp_path / "out"
-    assert answered(["figure", "1-2", "1-1", "1-1", "--json", "--out", str(out)]) == 1
+    assert run_command_line(["figure", "1-2", "1-1", "1-1", "--json", "--out", str(out)]) == 1
     first, second = json.loads(capsys.readouterr().out)
     assert (first["figure"], first["ok"], first["error"]) == ("1-2", False, "ValueError: no ink")
     assert second["ok"] and second["files"] == [str(out / "fig1_1.csv"), str(out / "fig1_1.png")]

@@ -51,9 +51,9 @@ def test_code_that_a_picture_shows_makes_it_old(monkeypatch, tmp_path):
 
 def test_what_a_preset_says_makes_pictures_old(monkeypatch):
     [water] = [entry for entry in gallery.gallery_entries() if entry.picture == "wind_vortex.jpg"]
-    before, laws = water.stamp, gallery.law_files(water.scene)
+    before, laws = water.stamp, gallery.shown_parts(water.scene)
     denser = laws | {"fluid": laws["fluid"].model_copy(update={"rest_density": 1025.0})}
-    monkeypatch.setattr(gallery, "law_files", lambda scene: denser)
+    monkeypatch.setattr(gallery, "shown_parts", lambda scene: denser)
     assert water.stamp != before
 
 

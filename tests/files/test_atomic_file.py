@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.conventions import in_words
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.verbs.waves import draw_waves, write_columns
@@ -26,7 +26,7 @@ def no_room() -> Iterator[None]:
 
 def test_what_a_verb_writes_stays_as_it_was_where_there_is_no_room(no_room, tmp_path, capsys):
     writers = {
-        "s.json": lambda path: answered(["schema", "--out", str(path)]),
+        "s.json": lambda path: run_command_line(["schema", "--out", str(path)]),
         "spectra.csv": lambda path: write_columns(path, {"frequency_Hz": RECORD}),
         "waves.png": lambda path: draw_waves(path, RECORD, {"here": RECORD}, RECORD, {"here": RECORD}),
     }

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import ocean_sim
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.files.run_files import Claim, FolderClaimed
 from ocean_sim.verbs.run import run_folder
@@ -57,7 +57,7 @@ def test_who_comes_second_is_refused_in_a_sentence_and_touches_nothing(tmp_path,
     monkeypatch.chdir(tmp_path)
     Path("sea.yaml").write_text(SEA)
     Path("plan.yaml").write_text("scene: sea.yaml\nseeds: [1]\n")
-    assert answered(["run", "sea.yaml", "--out", "run"]) == 0
+    assert run_command_line(["run", "sea.yaml", "--out", "run"]) == 0
     first, before = holder(Path("run")), bytes_of(Path("run"))
     verbs = [
         ["run", "sea.yaml", "--out", "run"],
@@ -70,20 +70,20 @@ def test_who_comes_second_is_refused_in_a_sentence_and_touches_nothing(tmp_path,
     ]
     for words in verbs:
         capsys.readouterr()
-        assert answered(words) == 2, words
+        assert run_command_line(words) == 2, words
         assert capsys.readouterr().err.startswith(f"run: process {first.pid} on "), words
     with pytest.raises(FolderClaimed):
         ocean_sim.run("sea.yaml", "run")
     assert bytes_of(Path("run")) == before
     first.kill()  # without a word
     first.wait()
-    assert answered(["resume", "run", "--until", "0.3"]) == 0
+    assert run_command_line(["resume", "run", "--until", "0.3"]) == 0
     manifest = json.loads(Path("run/manifest.json").read_text())
     assert manifest["simulated_s"] == pytest.approx(0.3)
     Path("run/manifest.json").write_text(json.dumps(manifest | {"outcome": "running"}))
     for words in (["waves", "run"], ["export", "run", "--surface", "ply"], ["report", "run"]):
         capsys.readouterr()
-        assert answered(words) == 0, words
+        assert run_command_line(words) == 0, words
         assert capsys.readouterr().err.startswith("run: this run is still running, or was killed"), words
     assert not Path("run/.lock").exists()
 
@@ -139,7 +139,7 @@ def test_what_can_be_no_folder_is_refused(tmp_path, monkeypatch, capsys, out):
     monkeypatch.chdir(tmp_path)
     Path("file").write_text("mine")
     Path("nowhere").symlink_to("elsewhere")
-    assert answered(["run", "linear_sea", "--out", out, "--until", "0.1"]) == 2
+    assert run_command_line(["run", "linear_sea", "--out", out, "--until", "0.1"]) == 2
     assert out in capsys.readouterr().err and Path("file").read_text() == "mine"
 
 

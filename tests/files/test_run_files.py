@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import ocean_sim
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.conventions import Refused
 from ocean_sim.files import run_files
 from ocean_sim.files.input_file import file_digest
@@ -46,7 +46,7 @@ def test_the_manifest_lists_every_file_of_the_run_and_of_what_is_made_of_it_late
     scene = {key: value for key, value in SEA.items() if key != "ship"}
     ocean_sim.run(scene | {"ships": ships, "gauges": gauges}, "run")
     for words in (["waves", "run"], ["report", "run"], ["export", "run", "--surface", "vtp"]):
-        assert answered(words) == 0
+        assert run_command_line(words) == 0
     left = names("run")
     listed = run_files.matching_files(Path("run"), run_files.listed_files(run_files.read_manifest(Path("run"))))
     assert {path.relative_to("run").as_posix() for path in listed} == left
@@ -60,7 +60,7 @@ def test_another_run_clears_what_the_manifest_lists_and_nothing_else(ask, capsys
     def again(overwrite: bool) -> None:
         if ask == "library":
             ocean_sim.run(LESS, "run", overwrite=overwrite)
-        elif answered(["run", "less.yaml", "--out", "run", "--quiet", *["--overwrite"] * overwrite]):
+        elif run_command_line(["run", "less.yaml", "--out", "run", "--quiet", *["--overwrite"] * overwrite]):
             raise Refused(capsys.readouterr().err)
 
     ocean_sim.run(SEA, "run")

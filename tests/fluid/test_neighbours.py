@@ -205,7 +205,7 @@ def test_a_crowd_that_overflows_the_lists_is_told(water):
 def test_sorting_in_chunks_gives_the_same_order(water, ratio, halves):
     """More particles than one thread sorts: compared with NumPy's stable sort by cell and, in large cells, by part."""
     fluid = water(basin={"length": 3.0, "width": 3.0, "depth": 1.0}, spacing=0.07, support_ratio=ratio)
-    assert fluid.grid.chunks > 1 and fluid.grid.halves == halves
+    assert fluid.grid.chunks > 1 and fluid.grid.parts_per_axis == halves
     x = np.random.default_rng(5).uniform(-1.4, 1.4, (fluid.particles.n, 3)) * [1.0, 0.6, 1.0]
     put(fluid, x)
     along = (x - np.array(fluid.grid.lower)) / np.array([w for _, w in fluid.grid.size.inner_cells])

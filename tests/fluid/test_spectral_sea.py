@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from ocean_sim import waves
 from ocean_sim.basin import Config as BasinConfig
-from ocean_sim.basin.points import pairs
+from ocean_sim.basin.points import grid_points
 from ocean_sim.fluid.open_sea.high_order import HighOrder
 from ocean_sim.fluid.open_sea.wave_tile import Layer, Tile
 from ocean_sim.fluid.spectral_sea import Config, snapped
@@ -156,7 +156,7 @@ def test_the_velocity_at_many_points_of_the_surface_is_that_at_each(sea):
     fluid = sea(order=3, height=0.3, period=4.0, breaking=False, cells=64, step=0.05, current=(1.0, -0.5))
     for _ in range(5):
         fluid.advance(0.03)
-    points = np.insert(pairs(np.linspace(-15.0, 14.0, 18), np.linspace(-12.0, 11.0, 17)), 1, 0.0, axis=1)
+    points = np.insert(grid_points(np.linspace(-15.0, 14.0, 18), np.linspace(-12.0, 11.0, 17)), 1, 0.0, axis=1)
     points[:, 1] = fluid.elevations(points[:, [0, 2]])
     for depth, tolerance in ((0.0, 0.01), (0.1, 1e-12)):
         there = points - [0.0, depth, 0.0]

@@ -48,7 +48,7 @@ def main(folder: Path, mode: int, stride: int) -> None:
     import ocean_sim.observers.checkpoint
     import ocean_sim.verbs.resume
     import ocean_sim.verbs.run  # noqa: F401  what a run imports, once for all children
-    from ocean_sim.__main__ import answered
+    from ocean_sim.__main__ import run_command_line
     from ocean_sim.state import checkpoint_file
 
     shim = ctypes.CDLL(None)
@@ -57,7 +57,7 @@ def main(folder: Path, mode: int, stride: int) -> None:
 
     def simulate(how: int, nth: int, out: Path, *more: str) -> int:
         shim.arm(str(run).encode(), how, nth)
-        code = answered(["run", str(scene), "--out", str(out), *more])
+        code = run_command_line(["run", str(scene), "--out", str(out), *more])
         if how == COUNT:
             (folder / "calls").write_text(str(shim.calls()))
         return code
@@ -93,7 +93,7 @@ def main(folder: Path, mode: int, stride: int) -> None:
                 yield f"{path.name}: {error}"
         if any(contents(before)[name] != data for name, data in whole.items()):
             yield "an earlier run is no longer what it was"
-        again = child(lambda: answered(["resume", str(run)])) if manifest is not None else 2
+        again = child(lambda: run_command_line(["resume", str(run)])) if manifest is not None else 2
         report["resumed"] += again == 0
         if again == 2:
             report["begun again"] += 1

@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import BaseModel
 
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.observers.checkpoint import restore, roots
 from ocean_sim.reading.scene import load
 from ocean_sim.result import run as run_scene
@@ -80,7 +80,7 @@ def another_state(data, kept, capsys) -> None:
     checkpoint_file.write_checkpoint(checkpoint._replace(**{part: broken(data, getattr(checkpoint, part))}), there)
     before = (there / "gauges.csv").read_bytes()
     capsys.readouterr()
-    code = answered(["resume", str(there)])
+    code = run_command_line(["resume", str(there)])
     said = capsys.readouterr()
     assert not any(talk in said.out + said.err for talk in TALK), (part, said.err)
     assert code == 0 or (code == 2 and said.err.strip() and (there / "gauges.csv").read_bytes() == before)
@@ -218,7 +218,7 @@ def test_a_part_of_a_checkpoint_of_another_kind_is_refused(kept, capsys, part, v
     for path in checkpoint_file.checkpoint_files(there):
         path.unlink()
     checkpoint_file.write_checkpoint(checkpoint_file.read_checkpoint(kept[0])._replace(**{part: value}), there)
-    assert answered(["resume", str(there)]) == 2
+    assert run_command_line(["resume", str(there)]) == 2
     assert "is whole, but holds no state of a run" in capsys.readouterr().err
 
 
@@ -249,7 +249,7 @@ def test_a_checkpoint_without_its_backend_is_refused_in_a_sentence(kept, capsys)
     checkpoint_file.write_checkpoint(
         checkpoint._replace(made={k: v for k, v in checkpoint.made.items() if k != "backend"}), there
     )
-    assert answered(["resume", str(there)]) == 2
+    assert run_command_line(["resume", str(there)]) == 2
     assert "the checkpoint was made on None, and this one on" in capsys.readouterr().err
 
 

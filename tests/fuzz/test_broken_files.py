@@ -25,7 +25,7 @@ def tell(capsys):
     """What the command line says: `tell("check", "s.yaml")` is (exit code, output, errors)."""
 
     def run(*arguments: object) -> tuple[int, str, str]:
-        code = __main__.answered([str(argument) for argument in arguments])
+        code = __main__.run_command_line([str(argument) for argument in arguments])
         out, err = capsys.readouterr()
         return code, out, err
 

@@ -34,7 +34,7 @@ def tell(capsys):
     """What the command line says: `tell("run", "s.yaml")` is (exit code, errors)."""
 
     def run(*arguments: object) -> tuple[int, str]:
-        code = __main__.answered([str(argument) for argument in arguments])
+        code = __main__.run_command_line([str(argument) for argument in arguments])
         return code, capsys.readouterr().err
 
     return run

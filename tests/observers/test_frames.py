@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from ocean_sim import waves
 from ocean_sim.basin import shifts
-from ocean_sim.basin.points import pairs
+from ocean_sim.basin.points import grid_points
 from ocean_sim.observers import frames, manifest, render
 from ocean_sim.parts import Preflight
 from ocean_sim.pictures.stage import opengl
@@ -54,7 +54,7 @@ def test_a_ship_off_the_middle_of_a_tank_moves_no_frame(tmp_path, watched):
     simulation = with_a_ship(watched(), 1.5, -2.0)
     frames.Config().build(tmp_path, simulation).observe(simulation)
     grid, frame = np.load(tmp_path / "frames/grid.npz"), np.load(tmp_path / "frames/frame_00000.npz")
-    exact = simulation.fluid.elevations(pairs(grid["x"], grid["z"]))
+    exact = simulation.fluid.elevations(grid_points(grid["x"], grid["z"]))
     np.testing.assert_allclose(frame["elevation"].ravel(), exact, rtol=1e-5, atol=1e-6)
     assert "origin" not in frame
 
@@ -70,7 +70,7 @@ def test_frames_of_a_sea_that_answers_lie_around_the_ship(tmp_path, watched, mon
     cell = [grid["x"][1] - grid["x"][0], grid["z"][1] - grid["z"][0]]
     assert (np.abs(frame["origin"] - [300.0, -2.0]) <= np.multiply(0.5, cell)).all()
     assert np.allclose(frame["origin"] / cell, np.round(frame["origin"] / cell), atol=1e-4)
-    there = pairs(grid["x"], grid["z"]) + frame["origin"]
+    there = grid_points(grid["x"], grid["z"]) + frame["origin"]
     np.testing.assert_allclose(frame["elevation"].ravel(), simulation.fluid.elevations(there), atol=1e-4)
     known = frame["elevation"] - frame["answer"]
     np.testing.assert_allclose(known.ravel(), waves.elevation(sea, there, simulation.time), atol=1e-4)
@@ -115,7 +115,7 @@ def test_the_velocity_of_a_large_sea_is_that_of_its_waves_at_every_point_up_to_t
     spectrum = waves.Spectrum(significant_wave_height=0.5, peak_period=2.0, heading_deg=30.0, seed=3)
     sea = spectrum.components(waves.heading_vector(30.0, 3), 20.0)
     x, z = np.arange(101) * 2.0 - 100.0, np.arange(91) * 2.0 - 90.0
-    found = waves.surface_velocity(sea, pairs(x, z), 3.0).reshape(101, 91, 3)
+    found = waves.surface_velocity(sea, grid_points(x, z), 3.0).reshape(101, 91, 3)
     for i, k in [(0, 0), (100, 90), (37, 44), (98, 3)]:
         angle = sea.wavevector @ [x[i], z[k]] - sea.omega * 3.0 + sea.phase
         rising = (sea.amplitude * sea.omega * np.sin(angle)).sum()

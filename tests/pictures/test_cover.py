@@ -9,7 +9,7 @@ import pytest
 from _white_water import followed
 
 from ocean_sim import result, waves
-from ocean_sim.basin.points import grid, middles, pairs
+from ocean_sim.basin.points import grid, grid_points, middles
 from ocean_sim.fluid import spectral_sea
 from ocean_sim.pictures.water import far_sea, foam, sea_surface
 from ocean_sim.pictures.water.ripples import Wind
@@ -127,7 +127,7 @@ def covers(name: str) -> tuple[float, float, float]:
     tank, fluid = preflight.tank, preflight.fluid
     sea = fluid.sea_of(tank) if isinstance(fluid, spectral_sea.Config) else fluid.sea(tank)
     x, z = grid(tank, preflight.parts["frames"].spacing)
-    shape, cell, points = (len(x), len(z)), np.array([x[1] - x[0], z[1] - z[0]]), pairs(x, z)
+    shape, cell, points = (len(x), len(z)), np.array([x[1] - x[0], z[1] - z[0]]), grid_points(x, z)
     field, beyond = foam.FoamField(shape, cell), far_sea.strongest_waves(sea)
     lower, upper = (np.array([side[0], side[2]]) for side in (tank.lower, tank.upper))
     kept = {"x": x, "z": z, "lower": np.insert(lower, 1, -tank.depth), "upper": np.insert(upper, 1, 0.0)}

@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import RegularGridInterpolator
 from scipy.ndimage import map_coordinates
 
-from ocean_sim.basin.points import pairs
+from ocean_sim.basin.points import grid_points
 from ocean_sim.conventions import in_words
 from ocean_sim.files import atomic_file
 from ocean_sim.files.atomic_file import atomic_write
@@ -86,7 +86,7 @@ def test_a_surface_lies_where_its_frame_says(tmp_path):
     np.savez(tmp_path / "frame.npz", time=1.0, elevation=np.ones((3, 2)), origin=away)
     grid = {"x": x, "z": z}
     points = scene_file.read_shot(tmp_path / "frame.npz", grid, RunWakes([], grid)).points
-    np.testing.assert_allclose(points[:, [0, 2]], pairs(x, z) + away)
+    np.testing.assert_allclose(points[:, [0, 2]], grid_points(x, z) + away)
 
 
 def test_what_was_not_kept_is_named(kept, tmp_path):
@@ -337,7 +337,7 @@ def voyage(folder, answers):
         at = 5.0 * 0.5 * k
         sunk = -3.0 * np.exp(-((x[:, None] / 2.0) ** 2) - ((z - at) / 7.0) ** 2)
         long = 0.2 * np.cos(0.15 * x[:, None] + 0.1 * z - 0.3 * k)
-        corners = np.insert(pairs(x, z), 1, long.ravel(), axis=1)
+        corners = np.insert(grid_points(x, z), 1, long.ravel(), axis=1)
         faces = water_mesh.grid_triangles(len(x), len(z))
         mesh = {"vertices": corners, "triangles": faces, "normals": scene_file.surface_normals(corners, faces)}
         np.savez(
@@ -392,15 +392,16 @@ def test_files_have_the_wave_and_the_white_that_pictures_draw_at_a_ship(passing,
     import pyvista
 
     x, z = np.arange(-20.0, 20.5), np.arange(-40.0, 40.5)
-    inside = (np.abs(pairs(x, z)) < [12.0, 32.0]).all(axis=1)  # where nothing of the far sea is mixed in
-    places = pairs(x, z)[inside]
+    inside = (np.abs(grid_points(x, z)) < [12.0, 32.0]).all(axis=1)  # where nothing of the far sea is mixed in
+    places = grid_points(x, z)[inside]
     export_run(passing, None, "vtp", passing / "export")
     mesh = pyvista.read(passing / "export" / "surface_00006.vtp")
     np.testing.assert_allclose(mesh.points[inside, 1], pictured.heights_at(places), atol=2e-3)
     kept = np.load(passing / "frames" / "frame_00006.npz")["elevation"].ravel()
     assert (mesh.points[:, 1] - kept).max() > 0.3
     within = (np.arange(4) - 1.5) / 4.0
-    drawn = foam_of(pictured, (places[:, None] + pairs(within, within)).reshape(-1, 2)).reshape(-1, 16).mean(axis=1)
+    spots = (places[:, None] + grid_points(within, within)).reshape(-1, 2)
+    drawn = foam_of(pictured, spots).reshape(-1, 16).mean(axis=1)
     found = np.asarray(mesh["foam"])[inside]
     assert drawn.max() > 0.6 and found.mean() == pytest.approx(drawn.mean(), rel=0.04)
     assert np.abs(found - drawn).max() < 0.15

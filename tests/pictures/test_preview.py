@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.observers import preview
 from ocean_sim.parts import PACKAGE
 from ocean_sim.pictures.live import panel as panel_module
@@ -257,10 +257,10 @@ def test_who_steers_in_a_window_rides_on_the_platform_that_its_scene_streams_to(
 def test_without_vulkan_or_a_screen_a_sentence_says_what_to_do(tmp_path, monkeypatch, capsys):
     command = ["preview", "ship_linear_sea", "--out", str(tmp_path / "out")]
     monkeypatch.setattr(vulkan, "draws", lambda show: False)
-    assert answered([*command, "--frames", "1"]) == 3
+    assert run_command_line([*command, "--frames", "1"]) == 3
     assert "apt-get install --no-install-recommends libx11-6 mesa-vulkan-drivers" in capsys.readouterr().err
     monkeypatch.setattr(vulkan, "draws", lambda show: not show)
-    assert answered(command) == 3
+    assert run_command_line(command) == 3
     assert "--frames" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
@@ -282,14 +282,14 @@ def test_without_a_display_no_window_is_tried(monkeypatch):
     ],
 )
 def test_wrong_input_is_a_sentence(words, said, tmp_path, capsys):
-    assert answered(["preview", "ship_linear_sea", "--out", str(tmp_path / "out"), *words]) == 2
+    assert run_command_line(["preview", "ship_linear_sea", "--out", str(tmp_path / "out"), *words]) == 2
     captured = capsys.readouterr()
     assert said in captured.err + captured.out and not (tmp_path / "out").exists()
 
 
 def test_pictures_are_never_written_over_others(tmp_path, capsys):
     (tmp_path / "00000.png").write_bytes(b"")
-    assert answered(["preview", "ship_linear_sea", "--frames", "1", "--out", str(tmp_path)]) == 2
+    assert run_command_line(["preview", "ship_linear_sea", "--frames", "1", "--out", str(tmp_path)]) == 2
     assert "there are pictures here already" in capsys.readouterr().err
 
 

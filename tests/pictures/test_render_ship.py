@@ -10,7 +10,7 @@ import time
 import numpy as np
 import pytest
 
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.observers import render
 from ocean_sim.pictures import frame_files
 from ocean_sim.pictures.stage import opengl
@@ -57,7 +57,7 @@ def folder(tmp_path_factory):
 
 
 def ask(capsys, *words):
-    code = answered([str(word) for word in words])
+    code = run_command_line([str(word) for word in words])
     return code, capsys.readouterr().err
 
 
@@ -163,7 +163,7 @@ def test_the_verb_draws_stills_a_strip_and_a_film_of_the_right_length(folder, tm
         "--stills",
         "0.5",
     )
-    code = answered(["render", str(folder), *words, "--out", str(tmp_path), "--json"])
+    code = run_command_line(["render", str(folder), *words, "--out", str(tmp_path), "--json"])
     files = json.loads(capsys.readouterr().out)["files"]
     assert code == 0 and [f.split("/")[-1] for f in files] == [
         "preview.png",
@@ -175,7 +175,7 @@ def test_the_verb_draws_stills_a_strip_and_a_film_of_the_right_length(folder, tm
     assert imageio.imread(tmp_path / "strip.png").shape == (72, 3 * 128 + 2 * render.STRIP_GAP, 3)
     film = imageio.get_reader(tmp_path / "film.mp4")
     assert film.get_meta_data()["duration"] == pytest.approx(1.05, abs=0.051) and film.count_frames() == 21
-    answered(
+    run_command_line(
         ["render", str(folder), "--size", "64x64", "--no-film", "--quality", "draft", "--out", str(tmp_path / "b")]
     )
     assert [f.name for f in (tmp_path / "b").iterdir()] == ["preview.png"]

@@ -375,7 +375,7 @@ def test_water_far_away_changes_no_more_than_in_pictures_of_finer_pixels(tmp_pat
     sea, moments = spectrum(), (0.0, 0.08, 0.16)
     np.savez(tmp_path / "frames" / "grid.npz", **GRID, **kept_waves(sea), every=0.08, has_surface=True)
     for k, t in enumerate(moments):
-        height = waves.elevation(sea, points_module.pairs(X, Z), t).reshape(len(X), len(Z))
+        height = waves.elevation(sea, points_module.grid_points(X, Z), t).reshape(len(X), len(Z))
         np.savez(tmp_path / "frames" / f"frame_{k:05d}.npz", time=t, elevation=height)
     files, grid = frame_files.frame_files(tmp_path), dict(np.load(tmp_path / "frames" / "grid.npz"))
 

@@ -51,11 +51,11 @@ def test_an_address_is_this_machine_unless_another_is_named():
 
 
 def test_a_host_that_nobody_knows_is_told_in_a_sentence():
-    from ocean_sim.__main__ import meaning
+    from ocean_sim.__main__ import describe_error
 
     with pytest.raises(OSError) as error:
         Sender("udp://nowhere.invalid:5")
-    code, sentence, _ = meaning(error.value)
+    code, sentence, _ = describe_error(error.value)
     assert code == 1 and sentence.endswith(": udp://nowhere.invalid:5") and "should not happen" not in sentence
 
 

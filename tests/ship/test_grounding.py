@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.result import Result, run
@@ -85,11 +85,11 @@ def test_a_parabola_sinks_as_slender_theory_says_and_a_full_bow_dips():
 
 def test_hull_tells_squat_over_a_bed(capfd):
     """The Wigley hull of 3 m and 0.075 m3 at F 0.5 in 0.3 m: 1.432 0.075 / 9 0.25 / sqrt(0.75) = 3.45 mm, level."""
-    assert answered(["hull", "wigley", "--kg", "0.12", "--depth", "0.3", "--json"]) == 0
+    assert run_command_line(["hull", "wigley", "--kg", "0.12", "--depth", "0.3", "--json"]) == 0
     row = next(row for row in json.loads(capfd.readouterr().out)["squat"] if row["froude"] == 0.5)
     assert row["speed_m_s"] == pytest.approx(0.5 * sqrt(9.81 * 0.3)) and abs(row["trim_deg"]) < 1e-3
     assert row["sinkage_m"] == pytest.approx(0.00345, rel=0.01) and row["bow_m"] == pytest.approx(0.00577, rel=0.01)
-    assert answered(["hull", "barge20", "--depth", "3", "--json"]) == 0
+    assert run_command_line(["hull", "barge20", "--depth", "3", "--json"]) == 0
     assert any("her ends are blunt" in note for note in json.loads(capfd.readouterr().out)["notes"])
-    assert answered(["hull", "wigley", "--kg", "0.12", "--depth", "0.1"]) == 2
+    assert run_command_line(["hull", "wigley", "--kg", "0.12", "--depth", "0.1"]) == 2
     assert "--depth: she draws 0.187 m" in capfd.readouterr().err

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.parts import named
 from ocean_sim.ship.body.rigid_body import RigidBody, axis_rotation
 from ocean_sim.ship.forces.added_mass import by_rule, pabst_factor
@@ -176,18 +176,18 @@ def test_a_ball_from_a_mesh_is_the_ball_of_the_formula(files):
 def test_a_bad_mesh_is_refused_with_what_is_wrong_and_where(files, capsys):
     with pytest.raises(BadMesh, match=r"hole.stl: not watertight: 4 edges bound a hole, around \(-5000, "):
         hull_of(str(files / "hole.stl")).shape.bounds()
-    assert answered(["hull", str(files / "hole.stl")]) == 2
+    assert run_command_line(["hull", str(files / "hole.stl")]) == 2
     assert "not watertight" in capsys.readouterr().err
-    assert answered(["hull", str(files / "hole.stl"), "--json"]) == 2
+    assert run_command_line(["hull", str(files / "hole.stl"), "--json"]) == 2
     answer = json.loads(capsys.readouterr().out)
     assert answer["volume_m3"] is None and "not watertight" in answer["problems"][0]
-    assert answered(["hull", str(files / "empty.stl")]) == 2
-    assert answered(["hull", "barg20"]) == 2
+    assert run_command_line(["hull", str(files / "empty.stl")]) == 2
+    assert run_command_line(["hull", "barg20"]) == 2
 
 
 def test_the_command_answers_with_the_agreed_keys_and_a_picture(capsys, tmp_path):
     words = ["hull", "barge20", "--cells", "8", "--json", "--out", str(tmp_path / "barge.png")]
-    assert answered(words) == 0
+    assert run_command_line(words) == 0
     answer = json.loads(capsys.readouterr().out)
     keys = "volume_m3 displacement_kg draught_m kb_m bm_m gm_m gz periods_s problems".split()
     assert set(keys) <= set(answer) and answer["problems"] == []

@@ -7,7 +7,7 @@ from math import atan, degrees, radians, sin, sqrt, tan
 import numpy as np
 import pytest
 
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.ship.hull.hull import hull_of
 from ocean_sim.ship.naval.stability import CROSS_HEELS, Loading, Stability
 
@@ -25,7 +25,7 @@ def ask(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     def asked(*words):
-        code = answered([*map(str, words)])
+        code = run_command_line([*map(str, words)])
         return code, *capsys.readouterr()
 
     return asked
@@ -57,8 +57,8 @@ def test_a_free_surface_costs_what_its_second_moment_says(barge):
     assert mass == 3.2e5 and centre == pytest.approx([0.0, 2.5, 0.0])
     lost = 900.0 * 5.0 * 4.0**3 / 12.0 / mass
     along = 900.0 * 4.0 * 5.0**3 / 12.0 / mass
-    assert loading.lost == pytest.approx((lost, along))
-    wet = replace(barge, lost=loading.lost)
+    assert loading.free_surface_loss == pytest.approx((lost, along))
+    wet = replace(barge, free_surface_loss=loading.free_surface_loss)
     found, dry = Stability(wet), Stability(barge)
     assert found.gm == pytest.approx(dry.gm - lost)
     assert found.levers - dry.levers == pytest.approx(-lost * np.sin(np.radians(found.heels)))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import Simulation, load
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.ship.forces.damping import Damping, Resistance
 from ocean_sim.ship.forces.roll_damping import (
     REGRESSION_LIMITS,
@@ -119,8 +119,8 @@ def test_it_takes_the_place_of_the_rule_and_of_what_the_sections_did():
 
 def test_hull_prints_it_and_check_warns(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert answered(["hull", "wigley", "--cells", "6", "--bilge-keels", "0.9,0.009"]) == 0
+    assert run_command_line(["hull", "wigley", "--cells", "6", "--bilge-keels", "0.9,0.009"]) == 0
     said = capsys.readouterr().out
     assert "roll damping at rest" in said and "beyond Ikeda's regressions" in said
-    assert answered(["hull", "wigley", "--bilge-keels", "0.9"]) == 2
+    assert run_command_line(["hull", "wigley", "--bilge-keels", "0.9"]) == 2
     assert "is not like 12,0.3" in capsys.readouterr().err

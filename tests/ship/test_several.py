@@ -279,7 +279,7 @@ def test_a_platform_rides_in_the_ship_that_it_names(tmp_path):
 
 
 def test_frames_keep_every_ship_and_cameras_follow_the_one_that_is_named(tmp_path, capsys):
-    from ocean_sim.__main__ import answered
+    from ocean_sim.__main__ import run_command_line
     from ocean_sim.observers import render
     from ocean_sim.pictures.frame_files import Frame, FrameLog, frame_files
 
@@ -293,7 +293,7 @@ def test_frames_keep_every_ship_and_cameras_follow_the_one_that_is_named(tmp_pat
     assert list(Frame(files[0]).ships) == list(tracks) == ["ships.a", "ships.b"]  # the otter has no hull to draw
     assert tracks["ships.a"].position[-1, 2] > 1.0 and abs(tracks["ships.b"].position[:, 0] - APART).max() < 1e-3
     assert render.obstacle_to_pictures(folder, "follow", (), "b") is None
-    assert answered(["render", str(folder), "--ship", "d"]) == 2
+    assert run_command_line(["render", str(folder), "--ship", "d"]) == 2
     assert "this run draws no ship 'd'; there is a, b" in capsys.readouterr().err
 
 

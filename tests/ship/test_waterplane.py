@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.parts import ALONE
 from ocean_sim.reading.scene import load
 from ocean_sim.ship.hull.hull import Hull, hull_of
@@ -44,14 +44,14 @@ def test_a_hull_that_is_round_or_sinks_has_none():
 
 def test_check_states_both_and_warns_where_the_cubes_differ(capsys):
     """The yacht's flare lies within a cube's height: her cubes are as broad as she is a little above the water."""
-    assert answered(["check", "showcase", "--json"]) == 0
+    assert run_command_line(["check", "showcase", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     (yacht,) = found["ships"].values()
     assert yacht["gm_of_faces_m"] == pytest.approx(0.8115, abs=1e-3) and yacht["gm_m"] == pytest.approx(0.895, abs=1e-3)
     assert any(
         "GM of the ship's cubes is 0.895 m, that of her hull 0.811 m" in warning for warning in found["warnings"]
     )
-    assert answered(["check", "showcase"]) == 0
+    assert run_command_line(["check", "showcase"]) == 0
     assert "GM 0.895 m (by the faces of her hull 0.811 m)" in capsys.readouterr().out
     assert any("6.25 rows of cubes are under water" in warning for warning in found["warnings"])
     half = load("showcase", {"ship.cells_per_draught": 7.5})
@@ -73,5 +73,5 @@ def test_a_ship_that_floats_by_pressure_has_periods_with_the_mass_of_the_water()
 
 
 def test_a_picture_needs_a_name_that_says_its_format(capsys, tmp_path):
-    assert answered(["hull", "barge20", "--cells", "4", "--out", str(tmp_path / "folder")]) == 2
+    assert run_command_line(["hull", "barge20", "--cells", "4", "--out", str(tmp_path / "folder")]) == 2
     assert "is no picture's name: end it in .png, .svg or .pdf" in capsys.readouterr().err

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.parts import compared
 from ocean_sim.reading.scene import load
 from ocean_sim.studies import reads_key
@@ -102,7 +102,7 @@ def test_the_study_leaves_tables_and_pictures_and_tells_what_has_no_verdict(caps
         return {"outcome": "stopped", "reason": "too fast"} if order["scene"]["time_step"]["dt"] > 0.08 else DONE
 
     monkeypatch.setattr(runs, "perform_run", made_up)
-    assert answered(["stability", "tank.yaml", "--quick", "--out", "out"]) == 1
+    assert run_command_line(["stability", "tank.yaml", "--quick", "--out", "out"]) == 1
     said = capsys.readouterr().out
     assert "4 without a verdict" in said and "no verdict: wind 24.4, delta_sph" in said and "SIGSEGV" in said
     rows = list(csv.DictReader(Path("out/stability.csv").open()))
@@ -119,5 +119,5 @@ def test_the_study_leaves_tables_and_pictures_and_tells_what_has_no_verdict(caps
 
 def test_water_without_particles_has_no_map(capsys):
     Path("sea.yaml").write_text(TANK.replace("delta_sph, spacing: 0.1", "linear_waves, height: 0.1, period: 2.0"))
-    assert answered(["stability", "sea.yaml"]) == 2
+    assert run_command_line(["stability", "sea.yaml"]) == 2
     assert "no setting to take to an extreme" in capsys.readouterr().err

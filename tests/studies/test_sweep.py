@@ -13,7 +13,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.files.yaml_file import SceneError, parse_mapping
 from ocean_sim.parts import PACKAGE
 from ocean_sim.studies.shared import runs as runs_module
@@ -156,7 +156,7 @@ def test_a_second_sweep_runs_again_what_names_a_file_that_has_changed(capsys):
     surges = []
     for throttle in ("1.0", "-1.0"):
         Path("c.csv").write_text(controls % (throttle, throttle))
-        assert answered(["sweep", "plan.yaml", "--out", "out", "--workers", "1", "--json"]) == 0
+        assert run_command_line(["sweep", "plan.yaml", "--out", "out", "--workers", "1", "--json"]) == 0
         surges.append(json.loads(capsys.readouterr().out)[0]["surge_rms_m"])
     assert surges[0] != surges[1]
     order = read_plan(Path("plan.yaml"), 1)[0].order()
@@ -186,7 +186,7 @@ def test_a_plan_that_is_wrong_says_where():
 
 def test_a_wrong_plan_is_exit_code_2_and_leaves_nothing(capsys):
     Path("plan.yaml").write_text("scene: sea.yaml\nseeds: []\n")
-    assert answered(["sweep", "plan.yaml"]) == 2
+    assert run_command_line(["sweep", "plan.yaml"]) == 2
     assert "plan.yaml:2:8: seeds: this list is empty" in capsys.readouterr().err
     assert not Path("runs").exists()
 
@@ -300,7 +300,7 @@ def test_another_package_has_other_answers(monkeypatch):
 def test_a_sweep_leaves_a_table_whose_failures_are_rows(capsys):
     plan = "scene: sea.yaml\ngrid: {fluid.height: [0.5, 1.0]}\n"
     Path("plan.yaml").write_text(plan)
-    assert answered(["sweep", "plan.yaml", "--workers", "2", "--out", "out", "--json"]) == 0
+    assert run_command_line(["sweep", "plan.yaml", "--workers", "2", "--out", "out", "--json"]) == 0
     shown = json.loads(capsys.readouterr().out)
     rows = list(csv.DictReader(Path("out/results.csv").open()))
     assert [row["fluid.height"] for row in rows] == ["0.5", "1.0"] and [row["outcome"] for row in rows] == 2 * ["done"]
@@ -308,11 +308,11 @@ def test_a_sweep_leaves_a_table_whose_failures_are_rows(capsys):
     assert float(rows[1]["centre_hm0_m"]) == pytest.approx(2.0 * float(rows[0]["centre_hm0_m"]), rel=1e-4)
     assert (Path("out") / rows[0]["run"] / "manifest.json").exists()
     before = Path("out/results.csv").read_bytes()
-    assert answered(["sweep", "plan.yaml", "--out", "out"]) == 0
+    assert run_command_line(["sweep", "plan.yaml", "--out", "out"]) == 0
     assert "2 of 2 runs done" in capsys.readouterr().out and Path("out/results.csv").read_bytes() == before
 
 
 def test_a_cluster_needs_its_package(capsys, monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
-    assert answered(["sweep", "plan.yaml", "--scheduler", "tcp://127.0.0.1:1"]) == 3
+    assert run_command_line(["sweep", "plan.yaml", "--scheduler", "tcp://127.0.0.1:1"]) == 3
     assert "pip install distributed" in capsys.readouterr().err

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import load, run
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.parts import compared
 from ocean_sim.result import Result
@@ -16,7 +16,7 @@ from ocean_sim.studies.scene_tradeoff import (
     SEED_COUNTS,
     Budget,
     best_setting,
-    clocks_differ,
+    clock_note,
     errors_against,
     finest_setting,
     setting_grid,
@@ -156,7 +156,7 @@ def test_a_budget_is_a_time(text, most):
 def test_anything_else_is_no_budget(text):
     with pytest.raises(ValueError, match="give realtime"):
         Budget.of(text)
-    assert answered(["tradeoff", "sea.yaml", "--budget", text]) == 2
+    assert run_command_line(["tradeoff", "sea.yaml", "--budget", text]) == 2
 
 
 def test_a_budget_counts_in_its_own_unit():
@@ -178,9 +178,9 @@ def test_a_budget_counts_processor_time_where_a_run_has_waited_for_others():
     ]
     found = best_setting(rows, "x", Budget.of("realtime"))
     assert found is not None and found["setting"] == "fine"
-    assert clocks_differ(rows).startswith("the machine was busy: wall time is 10 times processor time")
-    assert "wall time is 0.5 times processor time" in clocks_differ([shared])
-    assert clocks_differ([{"wall_per_s": 1.4, "cpu_per_s": 1.0}]) == clocks_differ([]) == ""
+    assert clock_note(rows).startswith("the machine was busy: wall time is 10 times processor time")
+    assert "wall time is 0.5 times processor time" in clock_note([shared])
+    assert clock_note([{"wall_per_s": 1.4, "cpu_per_s": 1.0}]) == clock_note([]) == ""
 
 
 @pytest.mark.parametrize(
@@ -206,7 +206,7 @@ def test_where_nothing_is_drawn_from_the_seed_one_is_enough(monkeypatch, capsys,
     monkeypatch.setattr(runs, "perform_run", made_up)
     Path("sea.yaml").write_text(SEA + wind + "\n")
     words = ["tradeoff", "sea.yaml", "--vary", "fluid.height=0.2,0.1", "--budget", "realtime", "--quick", "--out", "o"]
-    assert answered(words) == 0
+    assert run_command_line(words) == 0
     said = capsys.readouterr().out
     assert len([*Path("o/runs").iterdir()]) == 2 * seeds + 1  # and once again the best, which is the finest
     assert ("nothing is drawn from it" in said) == (seeds == 1)
@@ -264,7 +264,7 @@ def test_the_study_of_cases_leaves_tables_and_pictures(monkeypatch, capsys):
     monkeypatch.setattr(tradeoff, "TRIAL_CASES", few)
     monkeypatch.setattr(verb, "TRIAL_CASES", few)
     monkeypatch.setattr(runs, "perform_run", made_up)
-    assert answered(["tradeoff", "--quick", "--out", "out"]) == 0
+    assert run_command_line(["tradeoff", "--quick", "--out", "out"]) == 0
     said = capsys.readouterr().out
     assert "processor time is compared" in said and "too fast" in said and "400" in said
     names = {"tradeoff.csv", "equal.csv", "tradeoff_dam_break_front.png", "tradeoff_ship_rao.png"}
@@ -333,18 +333,18 @@ def test_a_setting_that_failed_once_has_no_error():
 def test_the_study_of_a_scene_answers_with_a_line_to_paste_and_proves_it(capsys, monkeypatch):
     monkeypatch.setitem(SEED_COUNTS, True, 1)
     asked = ["tradeoff", "sea.yaml", "--vary", "fluid.height=0.2,0.1", "--quick", "--out", "out"]
-    assert answered([*asked, "--budget", "600s"]) == 0
+    assert run_command_line([*asked, "--budget", "600s"]) == 0
     said = capsys.readouterr().out
     assert "the reference is --set fluid.height=0.1" in said
     assert "most accurate within 600s, by centre_rms_m: --set fluid.height=0.1" in said and "run again" in said
     assert {"tradeoff.csv", "seeds.csv", "tradeoff.png"} <= {path.name for path in Path("out").iterdir()}
-    assert answered([*asked, "--budget", "0.001ms"]) == 0  # the runs are there already
+    assert run_command_line([*asked, "--budget", "0.001ms"]) == 0  # the runs are there already
     assert "nothing fits 0.001ms: the cheapest takes" in capsys.readouterr().out
-    assert answered([*asked, "--by", "centre_hz_m"]) == 2
+    assert run_command_line([*asked, "--by", "centre_hz_m"]) == 2
 
 
 def test_options_of_a_scene_need_a_scene(capsys):
-    assert answered(["tradeoff", "--budget", "16ms"]) == 2
+    assert run_command_line(["tradeoff", "--budget", "16ms"]) == 2
     assert "--budget needs a scene" in capsys.readouterr().err
 
 

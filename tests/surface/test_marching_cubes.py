@@ -311,7 +311,7 @@ def test_heights_are_kept_current_once_a_kernel_reads_them(taichi_cpu):
 
 
 def test_a_kernel_never_reads_old_heights_unsaid(sea):
-    with pytest.raises(Exception, match="the heights are out of date: call `level`"):
+    with pytest.raises(Exception, match="heights are out of date: call `update_heights`"):
         Reader(sea).height()
     sea.read_by_kernel = False
 

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.conventions import Diverged
 from ocean_sim.parts import compared, kinds
 from ocean_sim.validation import case_names, problems
@@ -74,13 +74,13 @@ def test_what_was_left_out_is_said_in_one_sentence(tmp_path, capsys, monkeypatch
     """Whatever those give that are run; here none is."""
     monkeypatch.setattr(validate, "case_answers", lambda orders, workers: [])
     words = ["validate", "poiseuille", "couette", "ship_o*", "--out", str(tmp_path)]
-    assert answered([*words, "--coarse"]) == 0
+    assert run_command_line([*words, "--coarse"]) == 0
     said = capsys.readouterr().out
     assert said.count("left out") == 1
     assert "or have no tolerance (--slow adds them): ship_otter (turn)" in said
-    assert answered(["validate", "obstacle", "--coarse", "--out", str(tmp_path)]) == 2
+    assert run_command_line(["validate", "obstacle", "--coarse", "--out", str(tmp_path)]) == 2
     assert "too long for a gate: add --slow" in capsys.readouterr().err
-    assert answered(["validate", "open_sea_box", "--coarse", "--slow", "--out", str(tmp_path)]) == 2
+    assert run_command_line(["validate", "open_sea_box", "--coarse", "--slow", "--out", str(tmp_path)]) == 2
     assert "open_sea_box has no coarse set-up: leave --coarse out" in capsys.readouterr().err
 
 
@@ -140,7 +140,7 @@ def test_a_run_that_diverged_gives_rows_that_say_so():
 
 @pytest.mark.anchor
 def test_the_command_writes_a_table_and_a_picture(tmp_path, capsys):
-    code = answered(
+    code = run_command_line(
         ["validate", "conservation", "--scheme", "mueller", "--coarse", "--set", "runtime.threads=1"]
         + ["--out", str(tmp_path), "--json"]
     )
@@ -158,7 +158,7 @@ def test_a_missed_tolerance_is_exit_code_1(tmp_path, capsys, monkeypatch):
     monkeypatch.setitem(conservation.LIMITS, "f32", 1e-12)
     monkeypatch.setattr(conservation, "STEP_COUNT", 3)
     words = ["validate", "conservation", "--scheme", "mueller", "--coarse", "--set", "runtime.threads=1"]
-    assert answered([*words, "--out", str(tmp_path)]) == 1
+    assert run_command_line([*words, "--out", str(tmp_path)]) == 1
     assert "MISSED" in capsys.readouterr().out
 
 
@@ -167,9 +167,8 @@ def test_cases_at_a_time_give_the_rows_of_one_after_the_other(tmp_path, capsys):
     tables = []
     for workers in (1, 2):
         out = tmp_path / str(workers)
-        assert (
-            answered([*words, "--workers", str(workers), "--out", str(out), "--junit", str(out / "new" / "j.xml")]) == 0
-        )
+        written = ["--out", str(out), "--junit", str(out / "new" / "j.xml")]
+        assert run_command_line([*words, "--workers", str(workers), *written]) == 0
         tables.append((out / "validate.csv").read_bytes())
         assert (out / "couette.png").is_file() and (out / "new" / "j.xml").is_file()
         assert str(out / "new" / "j.xml") in capsys.readouterr().out
@@ -177,19 +176,19 @@ def test_cases_at_a_time_give_the_rows_of_one_after_the_other(tmp_path, capsys):
 
 
 def test_a_folder_in_place_of_the_report_is_refused_before_anything_runs(tmp_path, capsys):
-    assert answered(["validate", "couette", "--junit", str(tmp_path), "--out", str(tmp_path / "out")]) == 2
+    assert run_command_line(["validate", "couette", "--junit", str(tmp_path), "--out", str(tmp_path / "out")]) == 2
     assert "this is a folder, not a file" in capsys.readouterr().err
 
 
 def test_what_is_not_a_case_is_exit_code_2(capsys, tmp_path):
-    assert answered(["validate", "hydrostatics", "--out", str(tmp_path / "none")]) == 2
+    assert run_command_line(["validate", "hydrostatics", "--out", str(tmp_path / "none")]) == 2
     assert "did you mean 'hydrostatic'" in capsys.readouterr().err
-    assert answered(["validate", "hydrostatic", "--scheme", "muller"]) == 2
+    assert run_command_line(["validate", "hydrostatic", "--scheme", "muller"]) == 2
     assert not (tmp_path / "none").exists()
 
 
 def test_the_cases_are_listed(capsys):
-    assert answered(["list", "cases", "--json"]) == 0
+    assert run_command_line(["list", "cases", "--json"]) == 0
     assert [row["name"] for row in json.loads(capsys.readouterr().out)] == case_names()
 
 

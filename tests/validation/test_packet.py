@@ -22,6 +22,6 @@ def test_what_goes_on_and_what_comes_back_are_told_apart_and_slow_eddies_are_nei
     for t in time:
         v = waves.linear_velocity(both, at, float(t)) + 0.01 * eddy
         found.append(case.fit_heights(State(float(t), 1.0, 0.025, at, v, at[:, 0], at[:, 0]), sea))
-    on, back = case.part_directions(np.array(found), sea.omega, time)
+    on, back = case.split_directions(np.array(found), sea.omega, time)
     assert abs(on[3]) == pytest.approx(0.010, rel=1e-3) and abs(back[3]) == pytest.approx(0.002, rel=1e-3)
     assert np.abs(np.delete([on, back], 3, axis=1)).max() < 3e-4

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import waves
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.files.input_file import Unreadable
 from ocean_sim.waves import exchange
 
@@ -69,16 +69,17 @@ def test_elevations_for_openfast_come_back(tmp_path):
 def test_the_sea_of_a_scene_is_written_and_read_by_another_scene(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     more = ["--set", r'title="two\nlines"']  # of which the second would stand where names of columns do
-    code = answered(["sea", "linear_sea", "--swd", "a.swd", "--openfast", "a.Elev", "--until", "5", "--json", *more])
+    files = ["--swd", "a.swd", "--openfast", "a.Elev"]
+    code = run_command_line(["sea", "linear_sea", *files, "--until", "5", "--json", *more])
     answer = json.loads(capsys.readouterr().out)
     assert code == 0 and answer["files"] == ["a.swd", "a.Elev"] and len(exchange.of_openfast("a.Elev")[0]) == 51
     scene = "basin: {length: 100, width: 100, depth: 50, walls: none}\nfluid: {kind: spectral_sea, components: a.swd}\n"
     (tmp_path / "b.yaml").write_text(scene)
-    code = answered(["sea", "b.yaml", "--swd", "b.swd", "--json"])
+    code = run_command_line(["sea", "b.yaml", "--swd", "b.swd", "--json"])
     again = json.loads(capsys.readouterr().out)
     assert code == 0 and again["waves"] == answer["waves"]
     assert again["significant_height_m"] == pytest.approx(answer["significant_height_m"], rel=1e-3)
-    assert answered(["sea", "linear_sea"]) == 2 and "name a file to write" in capsys.readouterr().err
+    assert run_command_line(["sea", "linear_sea"]) == 2 and "name a file to write" in capsys.readouterr().err
 
 
 def test_the_library_of_the_format_reads_what_is_written(tmp_path):

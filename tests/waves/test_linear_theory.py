@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from ocean_sim import waves
 from ocean_sim.basin import Config as BasinConfig
 from ocean_sim.basin import motion
-from ocean_sim.basin.points import pairs
+from ocean_sim.basin.points import grid_points
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.reading.scene import load
 from tests.waves.closed_forms import pressure
@@ -185,7 +185,7 @@ def test_the_waves_do_not_name_the_basin_that_holds_them():
 def test_the_elevation_on_a_lattice_is_that_at_its_points():
     amount = np.random.default_rng(3).random((40, 4))
     sea = waves.Components(amount[:, 0], amount[:, 1:3], amount[:, 3], 12.0)
-    points = pairs(np.linspace(-20.0, 20.0, 23), np.linspace(-9.0, 9.0, 31))
+    points = grid_points(np.linspace(-20.0, 20.0, 23), np.linspace(-9.0, 9.0, 31))
     assert waves.lattice_rows(points) == 23
     shuffled = np.random.default_rng(5).permutation(len(points))
     assert waves.lattice_rows(points[shuffled]) is None
@@ -225,7 +225,7 @@ def test_a_run_that_ends_while_its_waves_grow_is_told_how_high_they_are(water):
 def test_the_velocity_of_the_surface_on_a_lattice_is_that_at_its_points():
     rng = np.random.default_rng(4)
     sea = waves.Components(0.02 * rng.random(40), rng.normal(size=(40, 2)), rng.random(40), 3.0, ramp=20.0)
-    points = np.insert(pairs(np.linspace(-20.0, 20.0, 23), np.linspace(-9.0, 9.0, 31)), 1, 0.0, axis=1)
+    points = np.insert(grid_points(np.linspace(-20.0, 20.0, 23), np.linspace(-9.0, 9.0, 31)), 1, 0.0, axis=1)
     shuffled = rng.permutation(len(points))
     there = waves.linear_velocity(sea, points[shuffled], 7.3)
     np.testing.assert_allclose(waves.linear_velocity(sea, points, 7.3)[shuffled], there, atol=1e-12)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import waves
-from ocean_sim.__main__ import answered
+from ocean_sim.__main__ import run_command_line
 from ocean_sim.verbs.waves import sampling_facts
 from ocean_sim.waves.orbits import breaking_cover, surface_fall
 from ocean_sim.waves.record import (
@@ -230,21 +230,21 @@ def test_the_command_takes_off_a_trend_and_noise(tmp_path, capsys):
     record = -0.1 * np.cos(2.0 * np.pi * time / 4.0) + 0.002 * time
     record += 0.004 * np.random.default_rng(4).normal(size=len(time))
     run = gauges_file(tmp_path / "run", {"time_s": time, "mid_m": record})
-    assert answered(["waves", str(run), "--json", "--detrend", "--hysteresis", "0.03"]) == 0
+    assert run_command_line(["waves", str(run), "--json", "--detrend", "--hysteresis", "0.03"]) == 0
     found = json.loads(capsys.readouterr().out)["mid"]
     assert found["waves"] == 49 and found["hm0_m"] == pytest.approx(0.2 * 2.0**0.5, rel=0.01)
     assert found["trend_m_s"] == pytest.approx(0.002, rel=0.01) and found["hysteresis_m"] == 0.03
     notes = (run / "waves.csv").read_text().splitlines()[:2]
     assert notes == ["# detrended: less the straight line through each record", "# hysteresis: 0.03 m"]
-    assert answered(["waves", str(run), "--detrend", "--hysteresis", "0.5"]) == 0
+    assert run_command_line(["waves", str(run), "--detrend", "--hysteresis", "0.5"]) == 0
     said = capsys.readouterr().out
     assert (
         "mid: less a trend of 0.002 m/s" in said
         and "the record holds no wave that goes 0.5 m below and above zero" in said
     )
-    assert answered(["waves", str(run), "--hysteresis", "-1"]) == 2
-    assert answered(["waves", str(run), "--hysteresis", "nan"]) == 2
-    assert answered(["waves", str(run), "--json"]) == 0
+    assert run_command_line(["waves", str(run), "--hysteresis", "-1"]) == 2
+    assert run_command_line(["waves", str(run), "--hysteresis", "nan"]) == 2
+    assert run_command_line(["waves", str(run), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)["mid"]
     assert "trend_m_s" not in found and "hysteresis_m" not in found
     assert (run / "waves.csv").read_text().startswith("gauge,")
@@ -332,14 +332,14 @@ def gauges_file(folder, columns: dict[str, np.ndarray]):
 def test_the_command_measures_every_gauge_and_leaves_table_spectra_and_plot(tmp_path, capsys):
     time, record = six_cosines(0.1)
     run = gauges_file(tmp_path / "run", {"time_s": time, "mid_m": record, "end_m": 0 * time, "bed_Pa": time})
-    assert answered(["waves", str(run), "--json", "--out", str(tmp_path / "out")]) == 0
+    assert run_command_line(["waves", str(run), "--json", "--out", str(tmp_path / "out")]) == 0
     found = json.loads(capsys.readouterr().out)
     assert set(found) == {"mid", "end"} and set(found["mid"]) == {*KNOWN, "tp_s"}
     assert {key: found["mid"][key] for key in KNOWN} == pytest.approx(KNOWN, rel=1e-4)
     assert found["end"]["hs_m"] == 0.0 and found["end"]["tz_s"] is None
     assert {file.name for file in (tmp_path / "out").iterdir()} == {"waves.csv", "spectra.csv", "waves.png"}
     assert (tmp_path / "out" / "waves.png").stat().st_size > 10_000
-    assert answered(["waves", str(run / "gauges.csv"), "--begin", "1000"]) == 0
+    assert run_command_line(["waves", str(run / "gauges.csv"), "--begin", "1000"]) == 0
     said = capsys.readouterr().out
     assert "end: the record is constant" in said and "from 1000 to 2000 s" in said
 
@@ -348,12 +348,12 @@ def test_the_command_says_what_a_short_record_cannot_say(tmp_path, capsys):
     time = np.arange(0.0, 20.0, 0.05)
     waves_of = {"swell_m": np.sin(2.0 * np.pi * time / 8.0 + 1.0), "chop_m": 0.1 * np.sin(2.0 * np.pi * time / 0.8)}
     run = gauges_file(tmp_path / "run", {"time_s": time, **waves_of})
-    assert answered(["waves", str(run), "--json"]) == 0
+    assert run_command_line(["waves", str(run), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["swell"]["tp_s"] is None and found["swell"]["tm01_s"] is None and found["swell"]["tm02_s"] is None
     assert found["swell"]["tz_s"] == pytest.approx(8.0, rel=0.02)
     assert found["chop"]["tp_s"] == pytest.approx(0.8, rel=0.005)
-    assert answered(["waves", str(run)]) == 0
+    assert run_command_line(["waves", str(run)]) == 0
     shown = capsys.readouterr().out
     assert "swell: the record holds 1 wave; statistics of irregular waves need at least 20" in shown
     assert "swell: the record is shorter than 3 periods of its spectral peak" in shown
@@ -362,7 +362,7 @@ def test_the_command_says_what_a_short_record_cannot_say(tmp_path, capsys):
     assert row[0] == "swell" and row[5:8] == ["", "", ""]
     run = gauges_file(tmp_path / "followed", {"time_s": time, "swell_m": waves_of["swell_m"]})
     (run / "tracers.csv").write_text("time_s\n0\n")
-    assert answered(["waves", str(run)]) == 0
+    assert run_command_line(["waves", str(run)]) == 0
     assert "no orbits, as no gauge's record resolves a peak period" in capsys.readouterr().out
 
 
@@ -377,10 +377,10 @@ def test_the_command_says_what_is_missing(tmp_path, capsys):
         "no rows under a heading": gauges_file(tmp_path / "empty", {"time_s": time[:0], "a_m": time[:0]}),
     }
     for sentence, run in asked.items():
-        assert answered(["waves", str(run)]) == 2
+        assert run_command_line(["waves", str(run)]) == 2
         assert sentence in capsys.readouterr().err
     run = gauges_file(tmp_path / "late", {"time_s": time, "a_m": time})
-    assert answered(["waves", str(run), "--begin", "9"]) == 2 and "before --begin" in capsys.readouterr().err
+    assert run_command_line(["waves", str(run), "--begin", "9"]) == 2 and "before --begin" in capsys.readouterr().err
 
 
 def test_samples_that_a_record_lacks_are_counted(tmp_path, capsys):
@@ -389,11 +389,11 @@ def test_samples_that_a_record_lacks_are_counted(tmp_path, capsys):
     kept = np.delete(np.arange(len(time)), [400, 401, 800])
     run = gauges_file(tmp_path / "run", {"time_s": time[kept], "mid_m": height[kept]})
     said = "missing samples, filled by straight lines: 3, the first after 39.9 s (row 400)"
-    assert answered(["waves", str(run)]) == 0 and said in capsys.readouterr().out
-    assert answered(["waves", str(run), "--json"]) == 0
+    assert run_command_line(["waves", str(run)]) == 0 and said in capsys.readouterr().out
+    assert run_command_line(["waves", str(run), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["mid"]["warnings"] == [said]
     whole = gauges_file(tmp_path / "whole", {"time_s": time, "mid_m": height})
-    assert answered(["waves", str(whole)]) == 0 and "missing" not in capsys.readouterr().out
+    assert run_command_line(["waves", str(whole)]) == 0 and "missing" not in capsys.readouterr().out
 
 
 def frames_of(folder, turning: float, height: float):
@@ -418,7 +418,7 @@ def test_the_command_reports_circulation_white_caps_and_the_gain(tmp_path, capsy
     wind = {"kind": "stress", "u10": 10.0, "drag_law": "wu", "gain": 300.0, "schedule": None}
     (run / "manifest.json").write_text(json.dumps({"scene": {"wind": wind}}))
     frames_of(run, 0.2, 4.0)
-    assert answered(["waves", str(run), "--json"]) == 0
+    assert run_command_line(["waves", str(run), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)["mid"]
     assert found["wind_gain"] == 300.0
     assert found["circulation_m2_s"] == pytest.approx(1.5 * 0.2 * 2.0 * np.pi * 10.0**2, rel=0.02)
@@ -426,7 +426,7 @@ def test_the_command_reports_circulation_white_caps_and_the_gain(tmp_path, capsy
     assert found["white_cap_cover"] == pytest.approx(np.arccos(0.4 / steepest) / np.pi, abs=0.03)
     rows = (run / "surface.csv").read_text().splitlines()
     assert rows[0] == "time_s,circulation_m2_s,white_cap_cover" and rows[1].startswith("0,0,") and len(rows) == 5
-    assert answered(["waves", str(run)]) == 0
+    assert run_command_line(["waves", str(run)]) == 0
     said = capsys.readouterr().out
     assert (
         "U10 10 m/s, law wu, times a gain of 300" in said
@@ -434,7 +434,7 @@ def test_the_command_reports_circulation_white_caps_and_the_gain(tmp_path, capsy
         and "white caps on" in said
     )
     (run / "frames" / "frame_00002.npz").write_bytes(b"PK\x03\x04")
-    assert answered(["waves", str(run)]) == 0 and "cannot be read" in capsys.readouterr().out
+    assert run_command_line(["waves", str(run)]) == 0 and "cannot be read" in capsys.readouterr().out
     for keys, sentence in (
         ({}, "U10 10 m/s, law wu, times"),
         ({"tau": 2.5}, "a physical stress of 2.5 Pa, times"),
@@ -442,7 +442,7 @@ def test_the_command_reports_circulation_white_caps_and_the_gain(tmp_path, capsy
     ):
         left_open = wind | {"u10": None, "drag_law": None, **keys}
         (run / "manifest.json").write_text(json.dumps({"scene": {"wind": left_open}}))
-        assert answered(["waves", str(run)]) == 0 and sentence in capsys.readouterr().out
+        assert run_command_line(["waves", str(run)]) == 0 and sentence in capsys.readouterr().out
 
 
 def test_waves_that_are_not_steep_or_too_short_to_count_are_not_white(tmp_path):
@@ -461,7 +461,7 @@ def measured_by_the_command(tmp_path, capsys, height, *options, time=None):
     time = 0.5 * np.arange(len(height)) if time is None else time
     path = tmp_path / "record.csv"
     path.write_text("time_s,eta_m\n" + "".join(f"{t:.3f},{h:.5g}\n" for t, h in zip(time, height)))
-    code = answered(["waves", str(path), "--out", str(tmp_path / "out"), *options])
+    code = run_command_line(["waves", str(path), "--out", str(tmp_path / "out"), *options])
     out = capsys.readouterr()
     return code, " ".join((out.out + out.err).split())
 
@@ -494,7 +494,7 @@ def test_records_of_other_programs_are_read_whole_or_refused(tmp_path, capsys, m
     Path("sea.csv").write_text("time_s,WaveElev_m\n" + "".join(f"{t:.6f},{h:.9e}\n" for t, h in zip(time, height)))
     answers = []
     for name in ("sea.Elev", "sea.csv"):
-        assert answered(["waves", name, "--json"]) == 0
+        assert run_command_line(["waves", name, "--json"]) == 0
         answers.append(json.loads(capsys.readouterr().out))
     assert answers[0] == answers[1] and answers[0]["WaveElev"]["waves"] > 20
     lines = Path("sea.Elev").read_text().splitlines()
@@ -504,4 +504,4 @@ def test_records_of_other_programs_are_read_whole_or_refused(tmp_path, capsys, m
         ("99.0 0.1", "row 41 has 99 s after 19.5 s"),
     ):
         Path("bad.Elev").write_text("\n".join([*lines[:43], row, *lines[44:]]))
-        assert answered(["waves", "bad.Elev"]) == 2 and said in " ".join(capsys.readouterr().err.split())
+        assert run_command_line(["waves", "bad.Elev"]) == 2 and said in " ".join(capsys.readouterr().err.split())

@@ -136,7 +136,7 @@ def store(components: Template, s, values):
 
 
 @ti.func
-def three(rows: Template, body, first: Template):
+def body_vector(rows: Template, body, first: Template):
     """Vector of three adjacent numbers, from column `first` on, of row `body` of a table."""
     return ti.Vector([rows[body, first + k] for k in ti.static(range(3))])
 
@@ -190,7 +190,7 @@ class Boundary:
         self.around = PointSum(self.position, self.grid, self.start)
         self.water = PointSum(particles.position, self.grid)
         unit = particles.mass / particles.rest_density
-        self.volume = Volume(self, smoothing, unit)
+        self.solid_share = SolidShare(self, smoothing, unit)
         self.local.from_numpy(np.concatenate([body.position for body in bodies]))
         self.facing.from_numpy(np.concatenate([body.normal for body in bodies]))
         shares = np.concatenate([body.volume for body in bodies]) / unit
@@ -276,7 +276,7 @@ class Boundary:
         """Turn the vector from its body's origin to sample s with the body; extend the body's bounding box to it."""
         b, local = self.owner[s], vector(self.local, s)
         for k, arm in ti.static(enumerate(self.arm)):
-            along = ti.cast(three(motion, b, MOTION_COLUMNS.rotation + 3 * k).dot(local), float)
+            along = ti.cast(body_vector(motion, b, MOTION_COLUMNS.rotation + 3 * k).dot(local), float)
             arm[s] = along
             self.box[b, 0, k] = tm.max(self.box[b, 0, k], along)
             self.box[b, 1, k] = tm.min(self.box[b, 1, k], along)
@@ -285,25 +285,25 @@ class Boundary:
     def sample_position(self, s, motion: Template):
         """Position of sample s [m] in the tank; `turn_arm` has to be called before."""
         return self.grid.wrap_position(
-            ti.cast(three(motion, self.owner[s], MOTION_COLUMNS.position) + vector(self.arm, s), float)
+            ti.cast(body_vector(motion, self.owner[s], MOTION_COLUMNS.position) + vector(self.arm, s), float)
         )
 
     @ti.func
     def store_sample(self, s, to, motion: Template):
         """Store position, velocity, acceleration and normal of sample s at index `to`, in the order of the cells."""
         b, arm, x, facing = self.owner[s], vector(self.arm, s), self.sample_position(s, motion), vector(self.facing, s)
-        spin = three(motion, b, MOTION_COLUMNS.angular_velocity)
+        spin = body_vector(motion, b, MOTION_COLUMNS.angular_velocity)
         swept = spin.cross(arm)
-        v = three(motion, b, MOTION_COLUMNS.velocity) + swept
-        a = three(motion, b, MOTION_COLUMNS.acceleration) + three(motion, b, MOTION_COLUMNS.angular_acceleration).cross(
-            arm
-        )
+        v = body_vector(motion, b, MOTION_COLUMNS.velocity) + swept
+        a = body_vector(motion, b, MOTION_COLUMNS.acceleration) + body_vector(
+            motion, b, MOTION_COLUMNS.angular_acceleration
+        ).cross(arm)
         a += spin.cross(swept)
         store(self.position, to, x)
         store(self.velocity, to, v)
         store(self.acceleration, to, a)
         for k, normal in ti.static(enumerate(self.normal)):
-            normal[to] = ti.cast(three(motion, b, MOTION_COLUMNS.rotation + 3 * k).dot(facing), float)
+            normal[to] = ti.cast(body_vector(motion, b, MOTION_COLUMNS.rotation + 3 * k).dot(facing), float)
         self.share[to], self.free[to], self.name[to] = self.shares[s], self.slips[s], s
 
     @ti.func
@@ -384,7 +384,7 @@ class Boundary:
         """Smoothed share of the space around x [m] that is solid: 1 inside a body, one half on a face."""
         share = 0.0
         if self.near(x):
-            share = self.around.total(x, self.volume, 0.0)[0]
+            share = self.around.total(x, self.solid_share, 0.0)[0]
         return share
 
     def sample_sum(self, law: Law) -> "SampleSum":
@@ -424,8 +424,8 @@ class Boundary:
 
 
 @in_kernels
-class Volume:
-    """Point sum over samples: smoothed share of the space around a point that is solid."""
+class SolidShare:
+    """Point sum over samples: share of space around a point, weighted by the smoothing kernel, that bodies fill."""
 
     sums = 1
 

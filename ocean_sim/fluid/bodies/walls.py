@@ -156,7 +156,7 @@ class Target:
 
     @ti.func
     def velocity(self, x):
-        """Velocity [m/s], of current and waves, towards which the zone relaxes water at x [m]."""
+        """Target velocity [m/s] at x [m]: the current, plus the orbital velocity of waves at the time set by `turn`."""
         v = self.current
         if ti.static(self.waving):
             v += self.waves.velocity(x)

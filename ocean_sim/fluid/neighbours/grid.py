@@ -36,7 +36,7 @@ class Grid:
         self.lower, self.per_width = tm.vec3(self.basin.lower), tm.vec3([1.0 / width for _, width in size.inner_cells])
         self.cells, self.cell_count, self.chunks = size.cells, size.cell_count, size.chunks
         self.sky, self.top = size.sky, self.cells[1] - 1  # layers over still water, and where the last of them ends
-        self.halves, self.parts = size.halves, size.parts
+        self.parts_per_axis, self.parts = size.parts_per_axis, size.parts
         self.quantum = size.quantum(float(np.finfo(particles.position.precision).eps))  # [m]
         self.axes = range(self.basin.dimension)
         self.left = tuple(staggered_field(float, self.n) for _ in self.axes)  # [m] of a particle's way, not yet gone
@@ -91,7 +91,9 @@ class Grid:
         if ti.static(self.parts > 1):
             within = place - ti.cast(indices, float)  # 0 to 1, but beyond the grid
             for k in ti.static(self.axes):
-                part = self.halves * part + tm.clamp(ti.cast(self.halves * within[k], int), 0, self.halves - 1)
+                part = self.parts_per_axis * part + tm.clamp(
+                    ti.cast(self.parts_per_axis * within[k], int), 0, self.parts_per_axis - 1
+                )
         return part
 
     @ti.func

@@ -126,14 +126,14 @@ class GridSize:
         return float((self.support / self.lattice.spacing) ** self.lattice.basin.dimension)
 
     @property
-    def halves(self) -> int:
+    def parts_per_axis(self) -> int:
         """Number of parts into which a cell is cut along each axis, 1 or 2."""
         return self.plan.parts_per_axis(self.cell_particles, self.lattice.basin.dimension)
 
     @property
     def parts(self) -> int:
         """Number of parts of a cell; its particles are sorted by part, as a part has fewer candidates than a cell."""
-        return int(self.halves**self.lattice.basin.dimension)
+        return int(self.parts_per_axis**self.lattice.basin.dimension)
 
     def quantum(self, eps: float) -> float:
         """Smallest step [m], a power of two, of positions exact anywhere in the basin in floats of spacing `eps`."""
@@ -163,20 +163,20 @@ class GridSize:
         )
 
     @property
-    def at_rest(self) -> float:
+    def rest_candidates(self) -> float:
         """Number of candidates of a part of a cell in water at rest: particles in a box two supports wider."""
-        return (2.0 + 1.0 / self.halves) ** self.lattice.basin.dimension * self.cell_particles
+        return (2.0 + 1.0 / self.parts_per_axis) ** self.lattice.basin.dimension * self.cell_particles
 
     @property
     def capacity(self) -> int:
         """Largest number of candidates of one part of a cell: water compressed four times, and many for splashes."""
-        return int(4.0 * self.at_rest) + 256
+        return int(4.0 * self.rest_candidates) + 256
 
     @property
     def segment(self) -> int:
         """Largest number of candidates of all parts of a group: twice that of water at rest whose parts are full."""
         parts = self.lattice.n / (self.cell_particles / self.parts)
-        return int(2.0 * parts / self.groups * self.at_rest) + 4 * self.capacity
+        return int(2.0 * parts / self.groups * self.rest_candidates) + 4 * self.capacity
 
     @property
     def width(self) -> int:
@@ -186,7 +186,7 @@ class GridSize:
     @property
     def shapes_per_particle(self) -> int:
         """Number of gradient shapes kept for each particle; those without room are computed again at each reading."""
-        lattice, side = self.lattice, 1.0 / self.halves
+        lattice, side = self.lattice, 1.0 / self.parts_per_axis
         around = side**2 + 4.0 * side + pi
         if lattice.basin.dimension == 3:
             around = side**3 + 6.0 * side**2 + 3.0 * pi * side + 4.0 / 3.0 * pi

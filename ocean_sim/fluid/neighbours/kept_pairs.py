@@ -71,7 +71,8 @@ class KeptPairs(ABC):
 
     @ti.func
     def image_velocity(self, v, name, away):
-        """Velocity [m/s] of the image of a particle with velocity v, normal component reversed; see kept_image."""
+        """Velocity [m/s] of the image of a particle with velocity v: components along the axes coded in `name` change
+        sign, and a piston beyond adds twice its own; `away` points from the image into the water."""
         image, flips = v, name // MOST_PARTICLES
         for k in ti.static(range(3)):
             image[k] = ti.select(flips >> k & 1, -image[k], image[k])

@@ -140,7 +140,7 @@ class RowLaw:
     """PointLaw made from a pair law: its terms with the particles around a particle, or with their images."""
 
     def __init__(self, law: Law, grid: Grid, reflected: bool) -> None:
-        """Adapt a law; `reflected`: for images, whose sides, one bit a side, follow the particle's own values."""
+        """Adapt a law; `reflected`: True for a sum over images, whose `own_and_sides` ends in their set of sides."""
         self.law, self.images, self.reflected, self.sums = law, grid.images, reflected, law.terms.size
         self.periodic = any(grid.basin.periods)
 

@@ -141,7 +141,7 @@ class PointSum:
 
     @ti.func
     def periodic_home(self, indices):
-        """Indices of the cell in the basin that a cell beyond a periodic side repeats, and its water's shift [m]."""
+        """Cell indices wrapped into the basin at periodic sides, and the shift [m] from that cell to the given one."""
         shift = tm.vec3(0.0)
         for k, period in ti.static(enumerate(self.periods)):
             if ti.static(period > 0.0):

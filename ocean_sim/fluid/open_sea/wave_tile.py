@@ -287,7 +287,8 @@ class Layer:
         self.eta, self.phi = tile.to_values(-rest * self.pressure), np.zeros(tile.shape)
 
     def advance(self, dt: float, pressure: np.ndarray, centre: np.ndarray) -> None:
-        """Advance by dt [s]; then a pressure over the density (modes [m2/s2]) acts around a new `centre` (2,) [m]."""
+        """Advance by dt [s], under the old pressure in the first half and the new `pressure` over the density (modes
+        [m2/s2]) in the second; damp the waves in the rim around the new `centre` (2,) [m]."""
         tile = self.tile
         e, p = self.propagate(dt)
         self.set_pressure(pressure)

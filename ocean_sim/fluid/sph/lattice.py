@@ -198,7 +198,8 @@ class Lattice:
         return [(low + [x, 0.0, z], up + [x, 0.0, z]) for x, z in ways for low, up in self.boxes]
 
     def points_beyond(self, solid: Solid) -> np.ndarray:
-        """Points (m, 3) [m] around a solid, outside all boxes, on the continued lattice of the first box near it."""
+        """Points (m, 3) [m] outside all boxes of water, within MARGIN_SPACINGS of a solid, that continue the lattice of
+        the first box near it; none without such a box."""
         d, found = self.basin.dimension, np.empty((0, 3))
         low_end, high_end = solid.extent + np.array([[-1.0], [1.0]]) * MARGIN_SPACINGS * self.spacing
         for (low, up), count in zip(

@@ -81,7 +81,7 @@ class Compression(KeptLaw):
 
     @ti.func
     def kept_pair(self, own, other, gradient):
-        """Compression term of a pair: v_ij . grad W without its constant; `own`, `other`: velocities [m/s]."""
+        """Term of the density rate by a pair: v_ij . grad W over the constant of grad W; `own`, `other`: velocities."""
         return ti.Vector([gradient.dot(own - other)])
 
     @ti.func

@@ -111,7 +111,8 @@ class Sampled:
         self.before = None
 
     def rows(self, time: float, values: np.ndarray, held: tuple = ()) -> list[Sample]:
-        """Samples at multiples passed since the last call up to `time` [s]; `values` are interpolated, `held` not."""
+        """Store the state at `time` [s] (`values`, `held`); return samples at multiples since the last call, of more
+        than `most` the first and last: `values` on the line between both states, `held` of the earlier."""
         now = Sample(time, np.asarray(values, dtype=np.float64), held)
         passed = self.multiples.reached(time)
         shown = passed if len(passed) <= self.most else (passed[0], passed[-1])

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ocean_sim.basin.points import middles_of, pairs
+from ocean_sim.basin.points import grid_points, middles_of
 from ocean_sim.pictures.frame_files import Frame, FrameLog, ship_keys
 from ocean_sim.pictures.stage.camera import Vessel
 from ocean_sim.pictures.water.sea_state import is_open_sea, run_scene
@@ -29,7 +29,7 @@ class RunWakes:
         if not self.vessels:
             return height, white
         time, origin = float(frame["time"]), frame.get("origin", np.zeros(2)).astype(float)
-        points = pairs(self.x + origin[0], self.z + origin[1])
+        points = grid_points(self.x + origin[0], self.z + origin[1])
         height += self.behind(time, points, frame.get("answer"))
         if not self.answers:
             for ship in self.wetted_hull(frame, height, origin):
@@ -40,7 +40,7 @@ class RunWakes:
         for ship in self.wetted_hull(frame, height, origin):
             low, high = (ends - origin for ends in ship.around())
             near = np.ix_((x > low[0]) & (x < high[0]), (z > low[1]) & (z < high[1]))
-            along = ship.white(pairs(x[near[0].ravel()] + origin[0], z[near[1].ravel()] + origin[1]))
+            along = ship.white(grid_points(x[near[0].ravel()] + origin[0], z[near[1].ravel()] + origin[1]))
             white[near] = np.maximum(white[near], along.reshape(white[near].shape))
         return height, white
 

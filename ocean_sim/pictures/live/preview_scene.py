@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ocean_sim.basin.points import grid, pairs
+from ocean_sim.basin.points import grid, grid_points
 from ocean_sim.pictures.live.scene_lines import LiveSimulation, box_top
 from ocean_sim.pictures.ships.ship_model import ShipModel, build_model
 from ocean_sim.pictures.stage.sky import painted_light
@@ -47,7 +47,7 @@ class PreviewScene:
         self.lower, self.upper = np.array(basin.lower, dtype=float), np.array(basin.upper, dtype=float)
         self.flat, self.spacing = basin.dimension == 2, fluid.spacing
         self.x, self.z = grid(basin, self.spacing)
-        self.points = pairs(self.x, self.z)
+        self.points = grid_points(self.x, self.z)
         self.has_surface = not self.flat and not basin.closed and (fluid.particles is None or fluid.sound_speed > 0.0)
         folds = surface is not None and not self.flat and bool((surface.mesh().normals[:, 1] <= 0.0).any())
         self.sheet = WaterMesh(self.x, self.z, self.lower, self.upper, SURFACE_NODES) if not folds else None

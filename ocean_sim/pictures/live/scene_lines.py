@@ -5,7 +5,7 @@ from typing import Protocol
 import numpy as np
 
 from ocean_sim.basin import Basin
-from ocean_sim.basin.points import grid, pairs
+from ocean_sim.basin.points import grid, grid_points
 from ocean_sim.fluid import Fluid
 from ocean_sim.parts import Scene
 from ocean_sim.ship import Ship
@@ -51,7 +51,7 @@ def scene_lines(simulation: LiveSimulation, top: float) -> tuple[np.ndarray, np.
     parts = [(edges, BASIN_COLOUR), (volumes, VOLUME_COLOUR), (arrows, ARROW_COLOUR)]
     if flat and not basin.closed and (fluid.particles is None or fluid.sound_speed > 0.0):
         x, z = grid(basin, fluid.spacing)
-        heights = (simulation.surface or fluid).elevations(pairs(x, z))
+        heights = (simulation.surface or fluid).elevations(grid_points(x, z))
         line = np.stack([x, heights, 0.0 * x], axis=1)
         parts.append((np.stack([line[:-1], line[1:]], axis=1), SURFACE_COLOUR))
     colours = np.concatenate([np.tile(colour, (len(ends), 1)) for ends, colour in parts])

@@ -89,7 +89,7 @@ class Sky:
     def __init__(
         self, image: np.ndarray, sun: np.ndarray = SUN_DIRECTION, sunlight: np.ndarray = SUNLIGHT_COLOUR
     ) -> None:
-        """`sun`: unit direction to the sun; `sunlight`: its colour at the ground."""
+        """Make mipmaps, mean light and haze of `image`; `sun`: unit vector to it; `sunlight`: colour at the ground."""
         self.image, self.sun, self.sunlight = np.asarray(image, np.float32), sun, np.asarray(sunlight, float)
         levels = [self.image.astype(float)]
         while len(levels[-1]) > 1:

@@ -205,7 +205,7 @@ class Fan:
         """Variance (rings,), along each axis, of slopes too short to draw, in waves of amplitudes (n,) [m]."""
         return 0.25 * (1.0 - self.sloping**2) @ (amplitude * self.sea.wavenumber) ** 2
 
-    def gathering(self, amplitude: np.ndarray) -> tuple[float, np.ndarray]:
+    def convergence_deviation(self, amplitude: np.ndarray) -> tuple[float, np.ndarray]:
         """Standard deviation of convergence, of all waves, of amplitudes (n,) [m], and of those drawn on each ring."""
         each = 0.5 * (amplitude * self.sea.wavenumber) ** 2
         return max(float(np.sqrt(each.sum())), 1e-12), np.sqrt(self.drawn**2 @ each)

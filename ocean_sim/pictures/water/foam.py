@@ -132,14 +132,14 @@ class FoamField:
             self.add(fresh, fresh)
         elif source is not None and wanted is not None and self.due(time):
             since = time - self.ticked if self.started else 0.0
-            self.call(wanted, np.exp(-since / FADE_SECONDS) if self.started else 0.0)
+            self.update_target_cover(wanted, np.exp(-since / FADE_SECONDS) if self.started else 0.0)
             born = self.broken(source, time, since)
             if born.any():
                 self.add(born, self.white if self.started else born)
             self.ticked = time
         self.time, self.started = time, True
 
-    def call(self, wanted: float, fades: float) -> None:
+    def update_target_cover(self, wanted: float, fades: float) -> None:
         """Update the running mean of the target cover with the new value `wanted`; `fades`: weight of the old mean."""
         before = self.called * fades
         self.called = before + 1.0 - fades if before > 0.0 or wanted > 0.0 else 0.0

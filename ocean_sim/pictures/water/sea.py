@@ -94,7 +94,7 @@ class Sea(Content):
         self.kelvins = [Kelvin(of, self.hulls[key].beam) for key, of in vessels.items()] if alone else []
 
     def mesh_of(self, nodes: np.ndarray, corners: np.ndarray) -> Any:
-        """Mesh of nodes x, z (n, 2) [m] and triangles of a part of the sea, with empty arrays for shader attributes."""
+        """PyVista mesh at height 0 of nodes x, z (n, 2) [m] and triangles `corners` (m, 3), with zero NODE_TRAITS."""
         points = np.insert(nodes, 1, 0.0, axis=1).astype(np.float32)
         mesh = self.stage.pyvista.PolyData.from_regular_faces(points, corners)
         for name in NODE_TRAITS:

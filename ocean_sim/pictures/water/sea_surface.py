@@ -99,7 +99,7 @@ class SeaSurface:
         if self.wanted <= 0.0:
             return np.zeros(rings.shape)
         fan = self.fan
-        whole, drawn = fan.gathering(amplitude)
+        whole, drawn = fan.convergence_deviation(amplitude)
         told = np.clip(drawn / whole, 1e-3, 1.0)
         gathered = found[..., 3] / (told * whole)[:, None]
         near = fan.nodes[fan.evenly] + eye[[0, 2]]

@@ -95,7 +95,7 @@ class FloatingConfig(VesselConfig):
         """Hydrostatics of the hull in the still water of a scene; raises ValueError as `in_still_water` does."""
         return self.in_still_water(-preflight.tank.gravity[1], preflight.fluid.rest_density)
 
-    def moved_along(self, still: Hydrostatics) -> np.ndarray:
+    def added_mass_diagonal(self, still: Hydrostatics) -> np.ndarray:
         """(6,) added mass [kg] and inertia [kg m2] of the law of motion, in the order of `Motions`; default 0."""
         return np.zeros(6)
 
@@ -108,7 +108,7 @@ class FloatingConfig(VesselConfig):
         if isinf(still.draught):
             return Afloat(still.matter.mass, still.draught, 0.0, 0.0, {})
         across, along = still.metacentric_height(), still.metacentric_height(0)
-        periods = still.periods(self.moved_along(still))
+        periods = still.periods(self.added_mass_diagonal(still))
         return Afloat(still.matter.mass, still.draught, across, along, periods, self.gm_of_faces(still))
 
     def gm_of_faces(self, still: Hydrostatics) -> float | None:

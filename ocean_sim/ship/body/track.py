@@ -46,7 +46,7 @@ class Attitude(NamedTuple):
         return acceleration + cross(turning, away) + cross(self.spin, cross(self.spin, away))
 
 
-def short_way(orientation: np.ndarray) -> np.ndarray:
+def continuous_signs(orientation: np.ndarray) -> np.ndarray:
     """(4, n) quaternions of successive moments, each with the sign that brings it nearer to the one before."""
     away = (orientation[:, 1:] * orientation[:, :-1]).sum(axis=0) < 0.0
     return orientation * np.cumprod(np.append(1.0, np.where(away, -1.0, 1.0))) if away.any() else orientation

@@ -269,8 +269,8 @@ class Cubes:
 
 
 def as_one_body(moved: list[float], faces: list[float], size: list[float]) -> np.ndarray:
-    """(6,) motion of the water as one rigid body about the centre of mass, by least squares over cubes of a size (3,):
-    from `moved`, the sums (6,) of `add_motion`, and `faces`, those of FACE_COLUMNS; uniform flow turns nothing."""
+    """(6,) rigid-body motion about the centre of mass that fits the water's motion at the cubes by least squares,
+    weighted by faces. `moved`: sums (6,) of `add_motion`; `faces`: sums by FACE_COLUMNS; `size`: of a cube (3,) [m]."""
     x, y, z, turned_x, turned_y, turned_z = moved
     area_x, area_y, area_z = (max(area, 1e-12) for area in faces[:3])
     ahead, ahead_x, aside = faces[3] / area_y, faces[4] / area_x, faces[5] / area_y

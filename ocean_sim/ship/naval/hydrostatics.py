@@ -47,7 +47,7 @@ class Hydrostatics:
     matter: Matter
     density: float  # of the water [kg/m3]
     gravity: float  # [m/s2]
-    lost: tuple[float, float] = (0.0, 0.0)  # of the metacentric heights across and along by liquids on board [m]
+    free_surface_loss: tuple[float, float] = (0.0, 0.0)  # of metacentric heights across and along, by liquids [m]
 
     @property
     def needed_volume(self) -> float:
@@ -109,7 +109,7 @@ class Hydrostatics:
         """(2,) horizontal offset from the centre of mass to the centre of buoyancy of a turned hull, to port and ahead
         [m]; free surfaces move the centre of mass to the lower side."""
         between = self.centre_of_buoyancy(turn) - turn @ self.matter.centre
-        return between[[0, 2]] + self.lost * turn[1, [0, 2]]
+        return between[[0, 2]] + self.free_surface_loss * turn[1, [0, 2]]
 
     def righting_lever(self, axis: int, degrees: float) -> float:
         """Righting lever [m] at a turn [deg] about z (2: GZ) or x (0: in trim), with free sinkage."""
@@ -185,7 +185,7 @@ class Hydrostatics:
         number, _ = self.cube_slices
         long = float(self.voxels.size[2])
 
-        def end(k: int, way: int) -> float:
+        def waterline_end(k: int, way: int) -> float:
             """Position along z [m] of the waterline's end in slice k; `way`: 1 bow, -1 stern."""
             inner, there = float(along[k]) - 0.5 * way * long, number == k
             middle = np.average(self.voxels.centre[there, 2], weights=self.at_the_water[there])
@@ -194,7 +194,7 @@ class Hydrostatics:
             return inner + way * reach * min(max(3.0 - 2.0 * bluntness, 1.0), 1.5)
 
         wet = np.flatnonzero(breadth > 0.0)
-        return end(wet[0], -1), end(wet[-1], 1)
+        return waterline_end(wet[0], -1), waterline_end(wet[-1], 1)
 
     @property
     def length(self) -> float:
@@ -251,7 +251,7 @@ def metacentric_heights(shape: HullShape, still: Hydrostatics) -> tuple[float, f
     wet = wet_under(level)
     about_middle = wet.second - wet.first**2 / wet.area
     km = level + (wet.below + about_middle) / wet.volume
-    across, along = km - still.matter.centre[1] - np.array(still.lost)
+    across, along = km - still.matter.centre[1] - np.array(still.free_surface_loss)
     return float(across), float(along)
 
 

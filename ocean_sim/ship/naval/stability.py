@@ -81,7 +81,7 @@ class Loading(Model):
         return mass, np.sum([part.mass * np.array(part.at) for part in parts], axis=0) / mass
 
     @property
-    def lost(self) -> tuple[float, float]:
+    def free_surface_loss(self) -> tuple[float, float]:
         """Loss of metacentric height across and along, by all free surfaces [m]."""
         across, along = (
             sum((self.tanks[name].free_surface_moments for name in sorted(self.tanks)), np.zeros(2)) / self.matter[0]
@@ -243,7 +243,7 @@ class Stability:
         for share in CROSS_SHARES:
             mass = share * own.mass
             keel = np.array([0.0, self.still.keel, own.centre[2]])
-            other = replace(self.still, matter=Matter(mass, keel, own.inertia), lost=(0.0, 0.0))
+            other = replace(self.still, matter=Matter(mass, keel, own.inertia), free_surface_loss=(0.0, 0.0))
             if not isinf(other.draught):
                 found[mass] = [other.gz(heel) for heel in CROSS_HEELS]
         return found

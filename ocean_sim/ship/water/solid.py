@@ -136,13 +136,13 @@ class Solid:
         """Volume of the hull inside `boxes` [m3], in 2-D its area [m2], by cubes finer than a `spacing` [m]."""
         cubes = voxels(self.shape, spacing / CUBES_A_SPACING, 1.0)
         positions, tall = (cubes.centre - self.centre) @ self.turn.T + self.origin, cubes.height_spread(self.turn[1])
-        found, across, met = 0.0, [0] if self.flat else [0, 2], self.met_cubes(cubes)
+        found, across, met = 0.0, [0] if self.flat else [0, 2], self.body_cubes(cubes)
         for low, up in boxes:
             inside = ((positions >= low) & (positions < up))[:, across].all(axis=1) & (positions[:, 1] > low[1]) & met
             found += float((cubes.share * inside * np.clip((up[1] - positions[:, 1]) / tall + 0.5, 0.0, 1.0)).sum())
         return found * float(cubes.size[: self.dimension].prod())
 
-    def met_cubes(self, cubes: Voxels) -> np.ndarray:
+    def body_cubes(self, cubes: Voxels) -> np.ndarray:
         """(n,) True for cubes that belong to the body in the water: all of them, in 2-D those amidships."""
         if not self.flat:
             return np.ones(len(cubes.share), dtype=bool)
@@ -153,7 +153,7 @@ class Solid:
         from scipy.ndimage import distance_transform_edt
 
         cubes = voxels(self.shape, spacing, 1.0)
-        met = self.met_cubes(cubes)
+        met = self.body_cubes(cubes)
         where, position = cubes.cells[met], (cubes.centre - self.centre)[met]
         volume = cubes.share[met] * cubes.size[: self.dimension].prod()
         if self.flat:
@@ -230,7 +230,7 @@ def even_out(free: np.ndarray, fixed: np.ndarray, spacing: float, dimension: int
     n, tree = len(free), cKDTree(fixed[:, :3])
 
     def summed(flat: np.ndarray) -> tuple[float, np.ndarray]:
-        """Sum over pairs and its gradient at flat coordinates (n * dimension,), all in spacings."""
+        """Kernel sum over all pairs, and its gradient by the coordinates `flat` (n * dimension,) [spacings]."""
         points = free.copy()
         points[:, :dimension] = spacing * flat.reshape(n, dimension)
         moving = cKDTree(points)

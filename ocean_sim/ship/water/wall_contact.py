@@ -79,7 +79,7 @@ class Sides:
         """(2, 3) impulse [N s] and moment [N m s] that stop points at `arms` (n, 3) [m] from the centre of mass from
         moving against the inward `normals` (n, 3): one after the other, in sweeps."""
         turn = body.matrix
-        heavy = turn @ np.linalg.inv(body.inertia_body) @ turn.T
+        inverse_inertia = turn @ np.linalg.inv(body.inertia_body) @ turn.T
         velocity, omega = body.velocity.copy(), body.angular_velocity.copy()
         came = ((velocity + np.cross(omega, arms)) * normals).sum(axis=1)
         wanted = self.restitution * np.maximum(-came, 0.0)
@@ -88,22 +88,24 @@ class Sides:
         for _ in range(IMPULSE_SWEEPS):
             for k, (n, arm) in enumerate(zip(normals, arms)):
                 slip = velocity + cross(omega, arm)
-                more = max(-held[k], (wanted[k] - slip @ n) * effective_mass(body.mass, heavy, arm, n))
+                more = max(-held[k], (wanted[k] - slip @ n) * effective_mass(body.mass, inverse_inertia, arm, n))
                 held[k] += more
                 push = more * n
                 along = slip - (slip @ n) * n
                 speed = sqrt(float(along @ along))
                 if self.friction > 0.0 and speed > 1e-12 and more > 0.0:
                     t = along / speed
-                    push = push - min(self.friction * more, speed * effective_mass(body.mass, heavy, arm, t)) * t
+                    mass = effective_mass(body.mass, inverse_inertia, arm, t)
+                    push = push - min(self.friction * more, speed * mass) * t
                 moment = cross(arm, push)
                 velocity += push / body.mass
-                omega += heavy @ moment
+                omega += inverse_inertia @ moment
                 total += [push, moment]
         return total
 
 
-def effective_mass(mass: float, heavy: np.ndarray, arm: np.ndarray, along: np.ndarray) -> float:
-    """Mass [kg] that a push at `arm` [m] along a unit vector feels; `heavy`: (3, 3) inverse of inertia; world axes."""
+def effective_mass(mass: float, inverse_inertia: np.ndarray, arm: np.ndarray, along: np.ndarray) -> float:
+    """Ratio [kg] of an impulse at `arm` [m] from the centre of mass, along the unit vector `along`, to the change of
+    speed there; `inverse_inertia`: (3, 3) [1/(kg m2)]; all in world axes."""
     lever = cross(arm, along)
-    return float(1.0 / (1.0 / mass + lever @ heavy @ lever))
+    return float(1.0 / (1.0 / mass + lever @ inverse_inertia @ lever))

@@ -48,7 +48,7 @@ class Clocked(Simulation):
         return [median_cost(steps) for steps in parts if steps]
 
     def cost(self) -> dict[str, float | None]:
-        """Cost of the whole run, with the keys of `median_cost`; all values are None if the run is too short."""
+        """Costs (see `median_cost`) of all steps after the first WARM_UP_STEPS; all are None without such steps."""
         steps = self.spent[WARM_UP_STEPS:]
         return median_cost(steps) if steps else dict.fromkeys(("wall_per_s", "cpu_per_s", "time_step_s"))  # type: ignore[return-value]
 

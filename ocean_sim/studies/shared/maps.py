@@ -5,7 +5,7 @@ from typing import Any
 
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.palette import BLUE, ORANGE, RED
-from ocean_sim.studies.shared.pareto import spread_heights
+from ocean_sim.studies.shared.pareto import label_log_axis
 
 VERDICT_LOOKS = {
     "stable": (BLUE, "o"),
@@ -45,7 +45,7 @@ def draw_map(name: str, rows: list[dict[str, Any]]) -> Any:
                 at = [values.index(row["value"]) for row in own]
                 axes.plot([row["dt_s"] for row in own], at, mark, color=colour, ms=9, label=verdict)
         axes.set_xlim(low, high)
-        spread_heights(axes.xaxis)
+        label_log_axis(axes.xaxis)
         axes.set_yticks(range(len(values)), [f"{value:g}" for value in values])
         axes.set_ylim(-0.6, len(values) - 0.4)
         axes.set_xlabel("time step [s]")

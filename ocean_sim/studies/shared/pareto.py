@@ -48,25 +48,25 @@ def draw_panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) ->
     axes.set_yscale("log")
     there = [row for row in rows if row.get(key)]
     done = [row for row in there if row.get("error") is not None]
-    high = [*map(text_height, done), *([trial.scatter] if trial.scatter is not None else [])]
+    high = [*map(drawn_error, done), *([trial.scatter] if trial.scatter is not None else [])]
     for set_limits, values in ((axes.set_xlim, [row[key] for row in there]), (axes.set_ylim, high)):
         if values:
             set_limits(min(values) / 1.6, max(values) * 1.9)
     scatter_points(axes, key, trial, done)
     list_failures(axes, key, trial.schemes, [row for row in there if row.get("error") is None])
-    best = [done[i] for i in pareto_front([(row[key], text_height(row)) for row in done])]
-    at, error = [row[key] for row in best], [text_height(row) for row in best]
+    best = [done[i] for i in pareto_front([(row[key], drawn_error(row)) for row in done])]
+    at, error = [row[key] for row in best], [drawn_error(row) for row in best]
     axes.step(at, error, where="post", color="black", lw=0.8, zorder=1, label="front: none is cheaper and better")
     if trial.scatter is not None:
         axes.axhspan(MIN_DRAWN_ERROR, trial.scatter, color="0.9", zorder=0, label="scatter of experiments")
     unit = next((row["unit"] for row in done if row["unit"] != "1"), "")
     axes.set_ylabel(f"error{f' [{unit}]' if unit else ''}")
     axes.grid(alpha=0.25, which="both", lw=0.4)
-    spread_heights(axes.xaxis)
-    spread_heights(axes.yaxis)
+    label_log_axis(axes.xaxis)
+    label_log_axis(axes.yaxis)
 
 
-def spread_heights(axis: Any) -> None:
+def label_log_axis(axis: Any) -> None:
     """Label a logarithmic Matplotlib axis, x or y, with a few readable numbers; its ends must be set."""
     from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
@@ -77,7 +77,7 @@ def spread_heights(axis: Any) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def text_height(row: dict[str, Any]) -> float:
+def drawn_error(row: dict[str, Any]) -> float:
     """Absolute error of a row, at least MIN_DRAWN_ERROR so that a logarithmic axis can show it."""
     return max(abs(row["error"]), MIN_DRAWN_ERROR)
 
@@ -90,14 +90,14 @@ def scatter_points(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]
         plain = sorted((row for row in own if not row["changed"]), key=lambda row: row[key])
         if plain:
             axes.plot(
-                [row[key] for row in plain], [text_height(row) for row in plain], label=scheme, ms=8, lw=1.2, **look
+                [row[key] for row in plain], [drawn_error(row) for row in plain], label=scheme, ms=8, lw=1.2, **look
             )
         other = [row for row in own if row["changed"]]
         look["markerfacecolor"] = "white"
-        axes.plot([row[key] for row in other], [text_height(row) for row in other], ls="none", ms=6, **look)
+        axes.plot([row[key] for row in other], [drawn_error(row) for row in other], ls="none", ms=6, **look)
         for row in sorted(other, key=lambda row: row[key]) if key in COST_LABELS else ():
             name, value = row["changed"].split("=")
-            name_points(axes, f"{name.split('.')[-1]}={value}", (row[key], text_height(row)), fontsize=5, alpha=0.8)
+            name_points(axes, f"{name.split('.')[-1]}={value}", (row[key], drawn_error(row)), fontsize=5, alpha=0.8)
     if any(row["changed"] for row in rows):
         axes.plot([], [], "o", color="0.4", markerfacecolor="white", ms=6, label="hollow: one setting changed")
 
@@ -175,7 +175,7 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
         axes.set_xlabel("wall seconds per simulated second" if budget is None else "seconds that the budget limits")
         axes.set_ylabel(f"{name}, compared with the reference (square)")
         axes.grid(alpha=0.3)
-        spread_heights(axes.xaxis)
+        label_log_axis(axes.xaxis)
     shift_apart(figure)
     with atomic_write(path) as draft:
         figure.savefig(draft, dpi=PICTURE_DPI)

@@ -173,7 +173,7 @@ class Isosurface:
 
     @staticmethod
     def bytes(nodes: Nodes, most_nodes: int, word: int) -> int:
-        """Memory of the fields [bytes]; `word` is the size of a `float` [bytes]."""
+        """Bytes of an Isosurface that stores at most `most_nodes` of `nodes`; `word`: size of a `float` [bytes]."""
         kept = (Rows.fitting_rows(nodes, most_nodes) + 1) * nodes.shape[0]
         return (word + 4) * kept + Rows.bytes(nodes, most_nodes) + 4 * (4 * ROW_SLABS + 256 * (2 + 3 * MAX_TRIANGLES))
 

@@ -26,7 +26,7 @@ class Nodes:
 
     @cached_property
     def inner(self) -> tuple[int, int, int]:
-        """Numbers of nodes within the box along x, y and z."""
+        """Numbers of cells of the box, each with one node, along x, y and z: as few as `cell` allows, at least 1."""
         extents = np.subtract(self.upper, self.lower)
         return tuple(max(1, int(np.ceil(extent / self.cell - 1.0e-6))) for extent in extents)  # type: ignore[return-value]
 

@@ -8,7 +8,7 @@ import numpy as np
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.platform import Commands
-from ocean_sim.platform.hexapod import Config, Moving
+from ocean_sim.platform.hexapod import Config, HexapodPlatform
 from ocean_sim.platform.shared.kinematics import Hexapod
 
 MAX_CURVE_SECONDS = 120.0  # [s] of a curve over time
@@ -24,7 +24,7 @@ WORKSPACE_POINTS = 121  # points along one of them
 PLATE_THICKNESS = 0.025  # of the drawn platform, as a part of its height
 
 
-def draw_pictures(folder: Path, done: Commands, config: Config, machine: Moving, film: bool) -> None:
+def draw_pictures(folder: Path, done: Commands, config: Config, machine: HexapodPlatform, film: bool) -> None:
     """Draw motion.png, legs.png, workspace.png, strips.png, and film.gif if `film`, of a ride to a folder."""
     shown = done.select(liveliest_span(done, machine, MAX_CURVE_SECONDS))
     for picture, name in (
@@ -43,7 +43,7 @@ def draw_pictures(folder: Path, done: Commands, config: Config, machine: Moving,
         write_film(folder / "film.gif", done, machine)
 
 
-def liveliest_span(done: Commands, machine: Moving, seconds: float) -> slice:
+def liveliest_span(done: Commands, machine: HexapodPlatform, seconds: float) -> slice:
     """Slice of a ride's rows, `seconds` [s] long, in which the legs move most."""
     moved = np.concatenate([[0.0], np.cumsum(np.abs(done.leg_velocity).sum(axis=1))])
     rows = min(len(done.time), round(seconds / machine.every))
@@ -118,7 +118,7 @@ def draw_legs(done: Commands, geometry: Any) -> Any:
     return picture
 
 
-def draw_workspace(done: Commands, machine: Moving) -> Any:
+def draw_workspace(done: Commands, machine: HexapodPlatform) -> Any:
     """Matplotlib figure of the reach in pairs of motions, the other four neutral, with the path of the ride."""
     picture, axes = new_figure(2, 3, (14, 8.5))
     pose = in_degrees(done.pose)
@@ -140,7 +140,7 @@ def draw_workspace(done: Commands, machine: Moving) -> Any:
     return picture
 
 
-def reached_range(machine: Moving, one: int, other: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def reached_range(machine: HexapodPlatform, one: int, other: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Grids of one shape: motions `one` and `other` (pose columns) [m, deg], part of stroke used there, 2: singular."""
     size = np.ones(2)
     ends = in_degrees(machine.workspace.ends.T).T
@@ -211,7 +211,7 @@ def draw_cylinder(hexapod: Hexapod, leg: np.ndarray) -> np.ndarray:
     return leg * (0.8 * hexapod.low / np.linalg.norm(leg, axis=1))[:, None]
 
 
-def write_film(path: Path, done: Commands, machine: Moving) -> None:
+def write_film(path: Path, done: Commands, machine: HexapodPlatform) -> None:
     """Write a GIF film of the hexapod in the ride's liveliest seconds, at true speed."""
     from matplotlib.animation import PillowWriter
 
@@ -223,17 +223,17 @@ def write_film(path: Path, done: Commands, machine: Moving) -> None:
             axis.clear()
             draw_stand(axis, machine.hexapod, done.pose[k])
             axis.set(xlim=(-reach, reach), ylim=(-0.5 * height, 1.5 * height), title=f"{done.time[k]:.1f} s")
-            axis.text(0.5, 0.0, inscribed_size(done.pose[k]), transform=axis.transAxes, ha="center", family="monospace")
+            axis.text(0.5, 0.0, pose_text(done.pose[k]), transform=axis.transAxes, ha="center", family="monospace")
             writer.grab_frame()
 
 
-def inscribed_size(pose: np.ndarray) -> str:
+def pose_text(pose: np.ndarray) -> str:
     """Text that a film shows of a pose (6,): two lines, in m and degrees."""
     x, y, z, roll, pitch, yaw = in_degrees(pose[None])[0]
     return f"x {x:+.2f} y {y:+.2f} z {z:+.2f} m\nroll {roll:+5.1f} pitch {pitch:+5.1f} yaw {yaw:+5.1f}°"
 
 
-def film_rows(done: Commands, machine: Moving) -> np.ndarray:
+def film_rows(done: Commands, machine: HexapodPlatform) -> np.ndarray:
     """Numbers of the ride's rows that a film shows, one for each of its frames, within the liveliest seconds."""
     span = liveliest_span(done, machine, FILM_SECONDS)
     frames = max(1, round((span.stop - span.start) * machine.every * FRAME_RATE))

@@ -69,7 +69,7 @@ class Patch:
         return found
 
 
-def never(passage: int) -> tuple[float, float]:
+def no_redraw(passage: int) -> tuple[float, float]:
     """Turn 0 [rad] and strength 1 for every passage; default of `Passages` for a wind without random passages."""
     return 0.0, 1.0
 
@@ -86,7 +86,7 @@ class Passages:
         drift: ArrayLike,
         reach: float,
         basin: Basin,
-        redraw: Callable[[int], tuple[float, float]] = never,
+        redraw: Callable[[int], tuple[float, float]] = no_redraw,
     ) -> None:
         """`start`: first centre [m]; `drift`: velocity [m/s]; `reach`: from centre to rear [m]; `redraw`: function from
         the number of a passage, from 1 for the second, to its turn [rad] and strength."""
@@ -110,6 +110,7 @@ class Passages:
 
     @property
     def centre(self) -> np.ndarray:
+        """Present centre (3,) [m] of the wind, in its own axes (see `Patch`)."""
         return self.origin + self.velocity * self.elapsed
 
     def advance(self, dt: float) -> None:

@@ -36,7 +36,7 @@ class Core:
     def spread(self) -> np.ndarray:
         """Points (n, 3) [m] spread over the shape at the height of its centre, as feet of arrows."""
         size = np.array(self.half)[[0, 2]] + self.radius
-        x, z = (np.linspace(-0.7, 0.7, n) * s if n > 1 else np.zeros(1) for n, s in zip(counts(*size), size))
+        x, z = (np.linspace(-0.7, 0.7, n) * s if n > 1 else np.zeros(1) for n, s in zip(arrow_counts(*size), size))
         x, z = (a.ravel() for a in np.meshgrid(x, z))
         return turned(np.stack([x, np.zeros_like(x), z], axis=-1), self.yaw) + self.centre
 
@@ -75,13 +75,13 @@ def outline(half: tuple[float, float, float], radius: float) -> np.ndarray:
     return np.concatenate(rings)
 
 
-def counts(x: float, z: float) -> tuple[int, int]:
+def arrow_counts(x: float, z: float) -> tuple[int, int]:
     """Numbers of arrows along x and z for a shape of half sizes x and z [m]: 3 by 3, or 5 in a row on a long one."""
     return (3, 3) if max(x, z) < 2.0 * min(x, z) else (5, 1) if x > z else (1, 5)
 
 
 class Box(Model):
-    """A box, turned about the vertical."""
+    """A box with a level top, turned by `yaw_deg` about the vertical through its centre."""
 
     kind: Literal["box"] = "box"
     centre: Vector3 = quantity("m", (0.0, 0.0, 0.0))

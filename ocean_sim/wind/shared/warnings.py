@@ -34,7 +34,7 @@ def velocity_change(name: str, acceleration: Vector3, passing_time: float, prefl
     return sentences
 
 
-def on_ships(preflight: Preflight) -> list[str]:
+def ship_drag_warnings(preflight: Preflight) -> list[str]:
     """Warn that the drag (2.22) on the scene's ships is far from that of real ships; empty if no ship has a shape."""
     afloat = [called(name) for name, ship in preflight.ships.items() if ship.look(preflight) is not None]
     if not afloat:

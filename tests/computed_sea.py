@@ -67,7 +67,13 @@ class Sea(Fluid):
         kept = [getattr(self.particles, name) for name in Snapshot._fields]
         self.particles.snapshot = lambda: Snapshot(*(field.to_numpy() for field in kept))
         self.status = SimpleNamespace(
-            max_speed=0.0, max_acceleration=0.0, min_density=1000.0, max_density=1000.0, clipped=0, finite=True
+            max_speed=0.0,
+            max_acceleration=0.0,
+            min_density=1000.0,
+            max_density=1000.0,
+            clipped=0,
+            finite=True,
+            swelling=0.0,
         )
         self.impulse = {term: np.zeros(3) for term in ("gravity", "walls", "pressure", "viscosity", "wind")}
         self.work = {"gravity": 0.0, "walls": 0.0, "pressure": 0.0, "viscosity": 0.0, "wind": 0.0}

@@ -64,7 +64,7 @@ SHEAR_UPDATE_INTERVAL = 1.0 / 64.0  # [SHEAR_MEMORY]
 CALM_STRAIN, WINDY_CALM_STRAIN = 1e-3, 1e-4
 # Share of the density by which particles may stand too thin or too dense before pressure leaks: in full water, more of
 # it in a unit of `edge`, and beyond it, up to which the leak grows.
-PACKING_TOLERANCE, EDGE_TOLERANCE, PACKING_RANGE = 0.03, 0.03, 0.05
+PACKING_TOLERANCE, EDGE_TOLERANCE, PACKING_RANGE = 0.03, 0.03, 0.15
 INNER_EDGE = 0.1  # of `edge` inside the water: of the third row from a surface it is 0.01
 IMPACT_DISSIPATION = 0.5  # between particles that meet, over their density and the square of their speed
 # Deviation of the density, damped pressure over density squared; share of diffusion, spin, strain.
@@ -232,6 +232,14 @@ class Momentum(MomentumLaw):
         beta = min(u / 2, c) (Zhang, Hu & Adams 2017, whose factor is 3 and not a half)."""
         met = positive(closing)
         return lesser(r * met, self.fluid.sound_speed / IMPACT_DISSIPATION) * r * self.impact * met
+
+    @ti.func
+    def sample(self, own, s, d, mirror):
+        """Field values of sample s of a solid body, whose pressure draws no water with a free surface after it."""
+        other = self.continued_sample(own, s, d, mirror)
+        if ti.static(not self.is_enclosed):
+            other[self.row.pressure] = ti.max(other[self.row.pressure], -own[self.row.pressure])
+        return other
 
     @ti.func
     def pair(self, own, other):
@@ -422,7 +430,7 @@ class Continuity(Law):
         dt, deviation = fluid.dt[None], own[self.row.deviation]
         if ti.static(fluid.bodies):
             solid = self.solid.total(vec3(own, self.row.position), own)
-            if deviation < 0.0:  # a face that parts from water does not draw it apart
+            if ti.static(not fluid.shifting) and deviation < 0.0:  # a face that parts from water draws none apart
                 solid[self.terms.rate] = positive(solid[self.terms.rate])
             total += solid
             fluid.damp_crowded(i, self.filled_share(own, solid))

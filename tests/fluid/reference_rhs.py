@@ -171,7 +171,7 @@ def delta_momentum(water: Water, pressing: np.ndarray, alpha: float, left_out: s
     total = force(x_ij, r2, pressing[name] + w.head(name, x) / RHO_0, w.v[:, None] - v[None]).sum(axis=1)
     xs, share, normal = w.samples()
     x_is, r2_s = pairs(w.x, xs)
-    P_s = pressing[:, None] + w.sample_head(-x_is, normal) / RHO_0
+    P_s = np.maximum(pressing[:, None] + w.sample_head(-x_is, normal) / RHO_0, -pressing[:, None])
     solid = force(x_is, r2_s, P_s, w.v[:, None] - w.sample_velocity(len(xs)))
     if left_out != "body":
         total += (share[:, None] * solid).sum(axis=1)
@@ -211,13 +211,14 @@ def delta_continuity(
     filled = (filled.sum(axis=1) + on * (filled_s @ share)) / whole
     lever = lever.sum(axis=1) + on * np.einsum("ijk,j->ik", lever_s, share)
     edge = scale * w.support / RHO_0 * np.linalg.norm(lever, axis=1)
-    return {"rate": scale * (rate.sum(axis=1) + on * (solid @ share)), "filled": filled, "edge": edge}
+    drawn = np.where(excess < 0.0, np.maximum(solid @ share, 0.0), solid @ share)
+    return {"rate": scale * (rate.sum(axis=1) + on * drawn), "filled": filled, "edge": edge}
 
 
 def delta_leak(water: Water, excess: np.ndarray, filled: np.ndarray, edge: np.ndarray, lack: np.ndarray) -> np.ndarray:
     """Rate (n,) [1/s] at which an excess of the density decays; `lack`: share of a kernel beyond a flat surface."""
     thinner = 1.0 + excess / RHO_0 - filled - lack
-    share = np.clip((np.abs(thinner) - 0.03 - 0.03 * edge) / 0.05, 0.0, 1.0)
+    share = np.clip((np.abs(thinner) - 0.03 - 0.03 * edge) / 0.15, 0.0, 1.0)
     return np.where(thinner * excess > 0.0, share * water.c / water.support, 0.0)
 
 

@@ -116,7 +116,7 @@ class MomentumLaw(Force):
         other = self.rubbing_sample(own, s, d, mirror)
         a = tm.vec3([own[self.row.size + k] for k in ti.static(range(3))])
         head = self.boundary.head(vec3(own, self.row.position), a, s, d, mirror)
-        other[self.row.pressure] = ti.max(own[self.row.pressure] + self.pressure_rise(head), -own[self.row.pressure])
+        other[self.row.pressure] = own[self.row.pressure] + self.pressure_rise(head)
         return other
 
     @ti.func

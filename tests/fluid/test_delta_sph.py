@@ -10,7 +10,9 @@ from ocean_sim.fluid import delta_sph
 from ocean_sim.fluid.delta_sph import BULK_VISCOSITY, IMPACT_DISSIPATION
 from ocean_sim.fluid.sph.law import NO_COLUMN
 from ocean_sim.fluid.sph.smoothing import NEUTRAL_KERNEL, NEUTRAL_RATIO, Stencil
+from ocean_sim.observers.shared.energy import Balance, potential_energy, separable_work_terms, total_energy
 from ocean_sim.reading.scene import load
+from ocean_sim.simulation import Simulation
 from tests.fluid.conftest import box, by_id, put
 from tests.fluid.lattice_modes import softest_mode
 
@@ -318,3 +320,63 @@ def test_particles_that_meet_lose_speed_with_its_square(pair):
 
 def test_particles_that_part_lose_nothing_with_its_square(pair):
     assert pair(-2.0) == pytest.approx(2.0 * pair(-1.0), rel=1e-5)
+
+
+def test_the_stress_under_tension_resists_approach_alone(water):
+    """A spacing apart, where W is that of the spacing, it is 0.6 of the tension; particles that part feel none."""
+    fluid = water("delta_sph", basin=OPEN, reference_speed=2.0, **box(2, 1, 1))
+    r, support, tension, dt = 0.1, 0.1 * NEUTRAL_RATIO, 1000.0, 1e-7
+    slope = r * NEUTRAL_KERNEL.slope(3, support) * NEUTRAL_KERNEL.gradient(1.0 - r / support)  # [1/m4]
+
+    def pushed_apart(speed: float) -> float:
+        fluid.particles.pressure.fill(-tension)
+        put(fluid, [[-0.05, 0.0, 0.0], [0.05, 0.0, 0.0]], [[speed, 0.0, 0.0], [-speed, 0.0, 0.0]])
+        fluid.advance(dt)
+        return (speed - by_id(fluid, fluid.particles.velocity.to_numpy())[0, 0]) / dt
+
+    by_stress = pushed_apart(1e-9) - pushed_apart(-1e-9)
+    assert by_stress == pytest.approx(0.6 * 2.0 * tension / 1000.0**2 * 1000.0 * r**3 * slope, rel=1e-2)
+
+
+def poured() -> tuple[float, float]:
+    """Depth [m] of the water at rest in a tank of 1 m into which 0.2 m2 fell on 0.25 m2, and what the books lack over
+    the energy that came with it."""
+    keys = {"position": [-0.3, 0.3], "velocity": [1.0, 0.0], "rate": 0.1, "cap": 180}
+    scene = {"basin": {"length": 1.0, "depth": 0.5}, "render": None, "duration": 8.0, "runtime": {"threads": 1}}
+    fill = [{"min": [-0.5, -0.5], "max": [0.5, -0.25]}]
+    scene |= {"fluid": {"kind": "delta_sph", "spacing": 0.05, "fill": fill, "emitter": keys}}
+    with Simulation(load(scene)) as simulation:
+        fluid = simulation.fluid
+        books, gravity = Balance(simulation, separable_work_terms(simulation)), simulation.basin.gravity
+
+        def lacking() -> float:
+            potential = potential_energy(fluid.particles.mass, fluid.totals(), gravity)
+            return books.residual(total_energy(simulation), potential, fluid.work)
+
+        lacking()
+        while simulation.time < 7.0:
+            simulation.step()
+        depth = 2.0 * (fluid.totals().position[1] / fluid.particles.count.now + 0.5)
+        return depth, lacking() / fluid.work["emitter"]
+
+
+def test_poured_water_takes_the_room_of_its_mass(monkeypatch):
+    """0.45 m, less 0.25 % by which its weight compresses it. The negative control has no leak: it swells."""
+    depth, lack = poured()
+    assert depth == pytest.approx(0.449, rel=0.02) and abs(lack) < 0.02
+    monkeypatch.setattr(delta_sph, "PACKING_RANGE", 1e9)
+    depth, lack = poured()
+    assert depth > 1.1 * 0.449 and abs(lack) < 0.02
+
+
+def test_a_gate_that_rises_faster_than_water_follows_draws_none_up():
+    """Its impulse is that of friction-free faces: none upwards, where it was 8.4 N s of water that stuck to its end."""
+    gate = {"min": [-0.205, -0.3], "max": [-0.175, 0.3], "velocity": [0.0, 4.4, 0.0], "until": 0.12}
+    scene = {"basin": {"length": 1.61, "depth": 0.3, "obstacles": [gate]}, "render": None, "duration": 1.0}
+    fill = [{"min": [-0.805, -0.3], "max": [-0.205, 0.0]}]
+    scene |= {"fluid": {"kind": "delta_sph", "spacing": 0.015, "fill": fill}, "runtime": {"threads": 1}}
+    with Simulation(load(scene)) as simulation:
+        while simulation.time < 0.13:
+            simulation.step()
+        assert -2.8 < simulation.fluid.impulse["obstacles"][1] < 0.0
+        assert simulation.fluid.work["obstacles"] < 0.0

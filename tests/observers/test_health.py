@@ -255,8 +255,8 @@ def test_waves_of_a_patch_are_what_a_gain_counts_beside(width):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("height", "said"), [(1.0, []), (4.97, ["energy that no work has given"])])
-def test_of_waves_in_a_patch_that_nothing_else_drives_the_steepest_gain_energy(height, said):
+@pytest.mark.parametrize("height", [1.0, 4.97])
+def test_waves_in_a_patch_have_no_more_energy_than_the_sea_gives(height):
     """Waves of 40 m on 40 spacings: of k a = 0.08 and 0.39, for two and a half periods."""
     scene = {
         "basin": {"length": 80.0, "depth": 20.0, "walls": "periodic"},
@@ -271,7 +271,7 @@ def test_of_waves_in_a_patch_that_nothing_else_drives_the_steepest_gain_energy(h
         while simulation.time < 12.5:
             simulation.step()
             observer.observe(simulation)
-        assert observer.reported == said
+        assert observer.reported == []
 
 
 DRIFT = {"kind": "absorbing", "target": {"current": [1.0, 0.0, 0.0]}}

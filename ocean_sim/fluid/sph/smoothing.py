@@ -225,7 +225,8 @@ class Stencil:
         """Numbers a and b of the share of a kernel beyond a flat surface, a e - b e^2: e is the support times the
         gradient of the share of water. A parabola through the two top rows of a lattice."""
         up, weight = self.offsets[:, 1], self.gradient * (self.offsets**2).sum(axis=1)
-        edges, ratios = [], []
+        edges: list[float] = []
+        ratios: list[float] = []
         for row in (0.5, 1.5):
             above = up > row * self.spacing
             edge = self.smoothing.support * self.smoothing.slope * self.volume * float(self.gradient[above] @ up[above])

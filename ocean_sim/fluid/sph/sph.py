@@ -187,8 +187,8 @@ class SphConfig(WaterConfig):
             steepness, most = pi * height / length, MAX_SEA_STEEPNESS if train.sea.random else MAX_STEEPNESS
             if steepness > most:
                 yield (
-                    f"{waves_of} are steep (k a = {steepness:.2g}): beyond {most:g} they break on particles, lose "
-                    "height, and their energy does not add up"
+                    f"{waves_of} are steep (k a = {steepness:.2g}): beyond {most:g} they break on particles and lose "
+                    "height"
                 )
 
     def stiffness_warnings(self, basin: Basin) -> list[str]:

@@ -21,8 +21,8 @@ unreported speed. The gate here is pulled up by a falling weight, as in later ex
 Castellana, Mas-Soler & Souto-Iglesias 2014, J. Fluids Struct. 48, 407-434), by no more than g: it clears a column of
 height H in sqrt(2 H / g), the limit of a sudden release (Lauber & Hager 1998, J. Hydraul. Res. 36, 291-307). It is
 0.1 a thick. The front behind it needs no other unknown. The water of Martin & Moyce was behind waxed paper, so they are
-only reported. Any such gate takes away half of the lead or more; its speed and thickness move the front by as much as
-is left.
+only reported. Such a gate takes away a third of the lead; its speed and thickness move the front by as much. (A gate
+to whose end water under tension sticks takes away nearly all of it.)
 """
 
 from math import sqrt

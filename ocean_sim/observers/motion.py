@@ -220,7 +220,7 @@ class Log:
         return np.concatenate([along, specific, loads.reshape(len(rest), -1), orders], axis=1)
 
     def motion_table(self, track: Track) -> np.ndarray:
-        """(16, n) position, angles of the interpolated quaternion, quaternion, velocity and rates in log axes."""
+        """(16, n) positions [m], angles [rad], quaternions, velocities [m/s], rates [rad/s] in the log's frame."""
         body, signs = attitude_of(track), self.signs[:, None]
         q = body.orientation
         pose, speed = (track.place[:3], body.angles), (track.velocity[:3], body.to_body(body.spin))

@@ -304,7 +304,7 @@ def keys_of(slot: str) -> list[str]:
 
 
 def key_for_name(name: str, ship: Node) -> str | None:
-    """Key of a ship that a user wrote under `ships` in place of a ship's name; None if `name` can be a ship's name."""
+    """Likeliest key of a ship that a user meant by `name` under `ships`; None if that can be the name of a ship."""
     if name != "kind" and (ship.data is None or ship.is_mapping or ship.data in known_names(ALONE)):
         return None
     return likeliest(name, keys_of(ALONE))

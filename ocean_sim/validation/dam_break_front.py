@@ -131,8 +131,8 @@ def table_curves(tables: dict[str, str]) -> list[Curve]:
 def front_distance(
     known: dict[str, np.ndarray], time: np.ndarray, z: np.ndarray, delay: float = 0.0
 ) -> tuple[float, float, float]:
-    """Mean z of a run's front (n,) and of a `known` table (columns T, Z), and mean distance between them [%], over the
-    table's times; `delay`: scaled time of the release on the table's clock."""
+    """Mean of the scaled front z (n,) of a run and of a `known` table (columns T, Z), and their mean distance over the
+    table's Z [%], at the table's times; `time` (n,): scaled; `delay`: scaled time of release on the table's clock."""
     at = (known["T"] >= FIRST_TIME) & (known["T"] <= LAST_TIME)
     seen, wanted = np.interp(known["T"][at] - delay, time, z), known["Z"][at]
     return float(seen.mean()), float(wanted.mean()), 100.0 * float(np.mean(np.abs(seen / wanted - 1.0)))

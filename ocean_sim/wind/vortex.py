@@ -74,7 +74,7 @@ class Config(Timed, Placed, WindConfig):
         return any(self.noise)
 
     def circulation(self, radius: float) -> float:
-        """Integral of the acceleration at the still surface [m2/s2] along a circle of a radius [m] about the axis."""
+        """Integral [m2/s2] along a circle, of a radius [m] about the axis, of the acceleration of water there."""
         return 2.0 * pi * self.acceleration * min(radius**2 / self.core_radius, self.core_radius)
 
     def build(self, basin: Basin, seed: int) -> Wind:

@@ -69,7 +69,7 @@ class Grid:
 
     @ti.func
     def cell_coordinates(self, x):
-        """Position x [m] in cells from the outer corner of the padding; above the grid it is folded into the `sky`."""
+        """Position x [m] in cells from the padding's corner; heights above the grid fold into its top `sky` layers."""
         place = (x - self.lower) * self.per_width + 1.0
         above = place.y - self.top
         if above > 0.0:

@@ -174,7 +174,7 @@ def rotation_matrices(angles: np.ndarray) -> np.ndarray:
 
 
 def rates_to_turn(angles: np.ndarray) -> np.ndarray:
-    """Matrices (n, 3, 3) at angles (n, 3) [rad] from rates of roll, pitch, yaw to angular velocity in floor axes."""
+    """Matrices (n, 3, 3) at angles (n, 3) [rad] from rates of roll, pitch, yaw to the spin in axes at rest."""
     (_, b, c), (_, cb, cc) = np.sin(angles).T, np.cos(angles).T
     zero, one = np.zeros_like(b), np.ones_like(b)
     return np.array([[cc * cb, -c, zero], [c * cb, cc, zero], [-b, zero, one]]).transpose(2, 0, 1)

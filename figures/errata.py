@@ -196,7 +196,7 @@ def of_the_water(own: Program) -> list[Erratum]:
             "equation",
             2.16,
             2.18,
-            cited("fluid/mueller.py", r"\((2\.\d+)\) with the viscosity"),
+            cited("fluid/mueller.py", r"Viscous term of a pair \((2\.\d+)\)"),
             "two equations are numbered (2.16); the second follows (2.17)",
         ),
         erratum(

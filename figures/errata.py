@@ -205,7 +205,7 @@ def of_the_water(own: Program) -> list[Erratum]:
             "equation",
             2.21,
             2.22,
-            cited(air, r"downwind: \((2\.\d+)\)"),
+            cited(air, r"relative to it \[m/s\]: \((2\.\d+)\)"),
             "(2.21) is the drag coefficient",
         ),
         erratum(
@@ -214,7 +214,7 @@ def of_the_water(own: Program) -> list[Erratum]:
             "equation",
             2.22,
             2.23,
-            cited(air, r"upwards: \((2\.\d+)\)"),
+            cited(air, r"upwards across the wind: \((2\.\d+)\)"),
             "(2.22) is the drag",
         ),
         erratum(

@@ -64,7 +64,7 @@ SHEAR_UPDATE_INTERVAL = 1.0 / 64.0  # [SHEAR_MEMORY]
 CALM_STRAIN, WINDY_CALM_STRAIN = 1e-3, 1e-4
 # Share of the density by which particles may stand too thin or too dense before pressure leaks: in full water, more of
 # it in a unit of `edge`, and beyond it, up to which the leak grows.
-PACKING_TOLERANCE, EDGE_TOLERANCE, PACKING_RANGE = 0.03, 0.03, 0.15
+PACKING_TOLERANCE, EDGE_TOLERANCE, PACKING_RANGE = 0.03, 0.06, 0.1
 INNER_EDGE = 0.1  # of `edge` inside the water: of the third row from a surface it is 0.01
 IMPACT_DISSIPATION = 0.5  # between particles that meet, over their density and the square of their speed
 # Deviation of the density, damped pressure over density squared; share of diffusion, spin, strain.

@@ -218,7 +218,7 @@ def delta_continuity(
 def delta_leak(water: Water, excess: np.ndarray, filled: np.ndarray, edge: np.ndarray, lack: np.ndarray) -> np.ndarray:
     """Rate (n,) [1/s] at which an excess of the density decays; `lack`: share of a kernel beyond a flat surface."""
     thinner = 1.0 + excess / RHO_0 - filled - lack
-    share = np.clip((np.abs(thinner) - 0.03 - 0.03 * edge) / 0.15, 0.0, 1.0)
+    share = np.clip((np.abs(thinner) - 0.03 - 0.06 * edge) / 0.1, 0.0, 1.0)
     return np.where(thinner * excess > 0.0, share * water.c / water.support, 0.0)
 
 

@@ -7,6 +7,7 @@ is kept to rounding. Two dissipations belong to the scheme and leave smooth flow
 sound and nothing that keeps its volume (Sun, Pilloton, Antuono & Colagrossi 2023, J. Comput. Phys. 483, 112177), and
 under a free surface that of a Riemann problem between particles that meet (Zhang, Hu & Adams 2017, J. Comput. Phys.
 335, 605), which is quadratic in their speed. Steps are drift, kick, drift.
+The carried density leaks where particles do not stand for it, so that water keeps its volume (Continuity.leak).
 Stored is the deviation from the rest density, which single precision would lose in the density itself.
 
 The kernel is one under which a lattice of particles behaves as water does (smoothing.NEUTRAL_KERNEL): where a lattice

@@ -253,16 +253,16 @@ def test_and_not_to_one_with_slip(water):
     assert abs(fluid.boundary.forces()[0][0, 0]) < 1e-6 * 1000.0 * 0.05 / 0.2 * 0.6
 
 
-def test_particles_without_interaction_bounce_from_a_box(water):
+def test_particles_without_interaction_bounce_from_a_box(again):
     basin = {"width": None, "restitution": 0.5, "walls": "none", "obstacles": [BOX]}
-    fluid = water("ballistic", basin=basin, spacing=0.1, fill=[{"min": [-0.1, -0.1], "max": [0.1, 0.0]}])
+    fluid = again("ballistic", basin=basin, spacing=0.1, fill=[{"min": [-0.1, -0.1], "max": [0.1, 0.0]}])
     lowest = 0.0
     for _ in range(60):
         fluid.advance(0.01)
         x = fluid.particles.position.to_numpy()
         lowest = min(lowest, x[:, 1].min())
     assert lowest == pytest.approx(-0.15 + 0.05)  # half a spacing above it
-    fast = water("ballistic", basin=basin, spacing=0.1, fill=[{"min": [-0.1, -0.1], "max": [0.1, 0.0]}])
+    fast = again("ballistic", basin=basin, spacing=0.1, fill=[{"min": [-0.1, -0.1], "max": [0.1, 0.0]}])
     fast.particles.velocity.from_numpy(np.tile([0.0, -3.0, 0.0], (2, 1)))
     fast.advance(0.02)
     at_top = fast.particles.velocity.to_numpy()[:, 1]

@@ -293,10 +293,10 @@ def test_what_keeps_its_volume_is_not_damped(endless):
     assert kept_of_a_wave(endless, 1) == pytest.approx(1.0, abs=2e-3)
 
 
-@pytest.fixture(scope="module")
-def pair(water):
+@pytest.fixture
+def pair(again):
     """What two particles lose a spacing apart, of their velocity towards each other, in a step of 1e-7 s."""
-    fluid = water("delta_sph", basin=OPEN, reference_speed=2.0, **box(2, 1, 1))
+    fluid = again("delta_sph", basin=OPEN, reference_speed=2.0, **box(2, 1, 1))
 
     def lost(speed: float) -> float:
         fluid.particles.pressure.fill(0.0)
@@ -322,9 +322,9 @@ def test_particles_that_part_lose_nothing_with_its_square(pair):
     assert pair(-2.0) == pytest.approx(2.0 * pair(-1.0), rel=1e-5)
 
 
-def test_the_stress_under_tension_resists_approach_alone(water):
+def test_the_stress_under_tension_resists_approach_alone(again):
     """A spacing apart, where W is that of the spacing, it is 0.6 of the tension; particles that part feel none."""
-    fluid = water("delta_sph", basin=OPEN, reference_speed=2.0, **box(2, 1, 1))
+    fluid = again("delta_sph", basin=OPEN, reference_speed=2.0, **box(2, 1, 1))
     r, support, tension, dt = 0.1, 0.1 * NEUTRAL_RATIO, 1000.0, 1e-7
     slope = r * NEUTRAL_KERNEL.slope(3, support) * NEUTRAL_KERNEL.gradient(1.0 - r / support)  # [1/m4]
 

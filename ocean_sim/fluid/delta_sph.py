@@ -66,6 +66,8 @@ CALM_STRAIN, WINDY_CALM_STRAIN = 1e-3, 1e-4
 # Share of the density by which particles may stand too thin or too dense before pressure leaks: in full water, more of
 # it in a unit of `edge`, and beyond it, up to which the leak grows.
 PACKING_TOLERANCE, EDGE_TOLERANCE, PACKING_RANGE = 0.03, 0.06, 0.1
+RESISTED_APPROACH = 1e-4  # [c] of particles on which the stress under tension acts in full
+PARTING_TENSION = 1e-3  # of the density below rest, from which on a face draws no water apart
 INNER_EDGE = 0.1  # of `edge` inside the water: of the third row from a surface it is 0.01
 IMPACT_DISSIPATION = 0.5  # between particles that meet, over their density and the square of their speed
 # Deviation of the density, damped pressure over density squared; share of diffusion, spin, strain.
@@ -180,6 +182,7 @@ class Momentum(MomentumLaw):
         self.per_component = fluid.smoothing.dimension + 2.0  # of the central form over that of one component
         self.artificial = config.artificial_viscosity * h * fluid.sound_speed / rho_0
         self.impact = IMPACT_DISSIPATION / rho_0
+        self.per_approach = 1.0 / (RESISTED_APPROACH * fluid.sound_speed)  # [s/m]
         self.is_enclosed = fluid.shifting
         self.viscous = self.laminar > 0.0 or self.artificial > 0.0 or not self.is_enclosed
         self.squared_gap = 1e-6 * h * h  # [m2] keeps two particles in one position finite
@@ -275,7 +278,8 @@ class Momentum(MomentumLaw):
                     lost += self.viscosity(closing)
                 rub = lost * x_ij
         if ti.static(tense):
-            rub += ti.select(closing > 0.0, self.artificial_stress(p_i, p_j, r), 0.0) * x_ij
+            share = tm.clamp(r * closing * self.per_approach, 0.0, 1.0)  # of the stress: all of it resists approach
+            rub += share * self.artificial_stress(p_i, p_j, r) * x_ij
         return self.row_of_terms(self.fluid.smoothing.shape_gradient(r), push, rub, shear)
 
 
@@ -431,8 +435,9 @@ class Continuity(Law):
         dt, deviation = fluid.dt[None], own[self.row.deviation]
         if ti.static(fluid.bodies):
             solid = self.solid.total(vec3(own, self.row.position), own)
-            if ti.static(not fluid.shifting) and deviation < 0.0:  # a face that parts from water draws none apart
-                solid[self.terms.rate] = positive(solid[self.terms.rate])
+            if ti.static(not fluid.shifting):  # a face that parts from water under tension draws none apart
+                held = tm.clamp(1.0 + deviation / (PARTING_TENSION * rho_0), 0.0, 1.0)
+                solid[self.terms.rate] += (1.0 - held) * positive(-solid[self.terms.rate])
             total += solid
             fluid.damp_crowded(i, self.filled_share(own, solid))
         # Second half step of the density; the first was made before the sort.

@@ -159,7 +159,8 @@ def delta_momentum(water: Water, pressing: np.ndarray, alpha: float, left_out: s
         along = ("pressure" != left_out) * (P_i + P_j)
         u_ij = -(v_ij * x_ij).sum(axis=2) / (r2 + 1.0e-6 * h**2)
         met = np.maximum(u_ij, 0.0)
-        tension = 0.6 * (spacing_weight(r) / spacing_weight(w.spacing)) ** 4 * (u_ij > 0.0)
+        tension = 0.6 * (spacing_weight(r) / spacing_weight(w.spacing)) ** 4
+        tension *= np.clip(np.sqrt(r2) * u_ij / (1e-4 * c), 0.0, 1.0)
         along += ("artificial_stress" != left_out) * tension * (np.maximum(-P_i, 0.0) + np.maximum(-P_j, 0.0))
         along += ("viscosity" != left_out) * 2.0 * (w.dimension + 2.0) * w.nu / RHO_0 * u_ij
         along += ("artificial_viscosity" != left_out) * alpha * h * c / RHO_0 * met
@@ -211,7 +212,8 @@ def delta_continuity(
     filled = (filled.sum(axis=1) + on * (filled_s @ share)) / whole
     lever = lever.sum(axis=1) + on * np.einsum("ijk,j->ik", lever_s, share)
     edge = scale * w.support / RHO_0 * np.linalg.norm(lever, axis=1)
-    drawn = np.where(excess < 0.0, np.maximum(solid @ share, 0.0), solid @ share)
+    held = np.clip(1.0 + excess / (1e-3 * RHO_0), 0.0, 1.0)
+    drawn = solid @ share + (1.0 - held) * np.maximum(-(solid @ share), 0.0)
     return {"rate": scale * (rate.sum(axis=1) + on * drawn), "filled": filled, "edge": edge}
 
 

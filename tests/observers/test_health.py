@@ -274,6 +274,18 @@ def test_waves_in_a_patch_have_no_more_energy_than_the_sea_gives(height):
         assert observer.reported == []
 
 
+def test_still_water_without_weight_has_an_energy_to_compare_with():
+    """None of it moves, falls or is compressed."""
+    basin = {"length": 1.0, "depth": 0.5, "gravity": [0.0, 0.0, 0.0]}
+    water = {"kind": "delta_sph", "spacing": 0.1, "reference_speed": 2.0}
+    with loop.Simulation(load({"basin": basin, "fluid": water, "render": None})) as simulation:
+        observer = health.Config().build(loop.NO_FOLDER, simulation)
+        for _ in range(101):
+            observer.observe(simulation)
+            simulation.step()
+        assert observer.reported == []
+
+
 DRIFT = {"kind": "absorbing", "target": {"current": [1.0, 0.0, 0.0]}}
 
 

@@ -11,7 +11,7 @@ from ocean_sim.simulation import Simulation
 INSEPARABLE_TERMS = ("pressure", "walls")  # only the sum of their work is known, see `separable_work_terms`
 CONVERSION_TERMS = ("gravity", "pressure")  # their work turns one energy into another
 DRIVING_TERMS = ("wind", "gravity", "walls", "sea", "obstacles", "ship", "emitter")  # the others only take energy
-SOLVED_SCALE = 0.01  # of the mass times the square of the reference speed, where a solver finds the pressure
+UNSTORED_SCALE = 0.01  # of the mass times the square of the reference speed, where weight stores no energy
 
 
 class Balance:
@@ -68,13 +68,14 @@ def stored_by_weight(simulation: Simulation) -> float:
 
 def energy_scale(simulation: Simulation) -> float:
     """Energy [J] in water at rest to which a gain is compared: that which its weight stores by compression, and in a
-    patch of open sea that of its waves; where the speed of sound is not known, a hundredth of mass times reference
-    speed squared."""
+    patch of open sea that of its waves; where weight stores none, or a solver finds the pressure, a hundredth of mass
+    times reference speed squared."""
     basin, particles = simulation.basin, with_particles(simulation.fluid).particles
-    if simulation.fluid.solvers or simulation.fluid.sound_speed == 0.0:
-        return SOLVED_SCALE * particles.mass * particles.count.now * simulation.fluid.reference_speed**2
+    compresses = simulation.fluid.sound_speed > 0.0 and not simulation.fluid.solvers
+    stored = stored_by_weight(simulation) if compresses else 0.0
+    if stored == 0.0:
+        return UNSTORED_SCALE * particles.mass * particles.count.now * simulation.fluid.reference_speed**2
     sea = None if basin.sea is None else basin.sea.plane_waves(basin)
-    stored = stored_by_weight(simulation)
     if sea is None:
         return stored
     area = basin.config.length * (basin.config.width or 1.0)  # [m2]

@@ -94,7 +94,7 @@ class Problem:
         return load_without_observers(self.scene | {self.slot: part}, overrides)
 
     def schemes_for(self, asked: list[str]) -> list[str]:
-        """Those of the schemes `asked` that fit the set-up; its default schemes if none are asked for."""
+        """Schemes among those `asked` that fit the set-up; its default schemes if none are asked for."""
         fitting = kinds("fluid") if "delta_sph" in self.schemes else self.schemes
         return [scheme for scheme in asked if scheme in fitting] if asked else list(self.schemes)
 

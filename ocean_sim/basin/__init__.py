@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import log
-from typing import Annotated, Any, Literal, Protocol
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol
 
 import numpy as np
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
@@ -15,6 +15,9 @@ from ocean_sim.basin.open_sea import Absorbing, OpenSea
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files.input_file import Unreadable
 from ocean_sim.model import Model, Vector3, quantity
+
+if TYPE_CHECKING:  # it is imported only where the bed has a shape
+    from ocean_sim.basin.ground import Ground
 
 OPEN = 1.0e30  # [m] where a side that is open would stand
 
@@ -94,9 +97,16 @@ class Lid(Model):
     """Velocity of the lid, in its own plane."""
 
 
-class RoughBed(Model):
-    """A bed with friction: free slip, and a shear stress tau on the water next to it, opposite to the water's
-    velocity u along the bed. In a tank that moves, u is relative to the tank."""
+class Floor(Model):
+    """A bed of any shape, or one with friction: free slip, and a shear stress tau on the water next to it, opposite to
+    the water's velocity u along the bed. In a tank that moves, u is relative to the tank."""
+
+    profile: Annotated[tuple[Annotated[tuple[float, float], Field(strict=False)], ...], Field(strict=False)] | None = (
+        quantity("m", None)
+    )
+    """Points [x, y] of the bed, from one side to the other, straight in between; it is alike along z."""
+    slip: Slip = "free_slip"
+    """`no_slip`: water sticks to the bed; `free_slip`: it slides along."""
 
     roughness: float | None = quantity("m", None, gt=0.0)
     """Nikuradse's sand roughness k_s: tau = rho (kappa u / ln(z / z0))^2 with u at the height z, z0 = k_s / 30 (Fredsoe
@@ -105,11 +115,20 @@ class RoughBed(Model):
     """f of tau = rho f |u| u / 2, as for waves (Jonsson 1966): a quarter of that of Darcy and Weisbach."""
 
     @model_validator(mode="after")
-    def _one_law(self) -> "RoughBed":
-        """Check that there is either a roughness or a friction factor; raises ValueError."""
-        if (self.roughness is None) == (self.friction_factor is None):
+    def _one_law(self) -> "Floor":
+        """Check that there is a profile or one law of friction, and at most one of these; raises ValueError."""
+        if (self.roughness is None) == (self.friction_factor is None) and (self.profile is None or self.rubs):
             raise ValueError("give either roughness [m] or friction_factor")
+        if self.rubs and self.slip == "no_slip":
+            raise ValueError("a bed with friction is one that water slides along: leave slip out")
+        if self.profile is not None and (len(self.profile) < 2 or (np.diff(np.array(self.profile)[:, 0]) <= 0.0).any()):
+            raise ValueError("a profile has two points [x, y] or more, and their x rise")
         return self
+
+    @property
+    def rubs(self) -> bool:
+        """True if the bed has friction."""
+        return self.roughness is not None or self.friction_factor is not None
 
     @property
     def z0(self) -> float:
@@ -212,9 +231,9 @@ class Config(Model):
     walls: Annotated[Wall | Walls, BeforeValidator(with_each_side)] = "reflecting"
     """`reflecting` (free slip), `no_slip`, `periodic`, `absorbing` or `none`, for all sides or per side; walls rise
     without limit. Per side also {kind: absorbing, length: 2.0, rate: 3.0}."""
-    floor: Literal["free_slip", "no_slip", "none"] | RoughBed = "free_slip"
-    """The bed; `free_slip`: water slides along it, `no_slip`: it sticks to it, `none`: there is no bed; between the
-    first two it has a `roughness` or a `friction_factor`."""
+    floor: Literal["free_slip", "no_slip", "none"] | Floor = "free_slip"
+    """The bed; `free_slip`: water slides along it, `no_slip`: it sticks to it, `none`: there is no bed; a mapping gives
+    it a `profile`, or friction between the first two by a `roughness` or a `friction_factor`."""
     lid: Lid | None = None
     """A lid on the still water; none: a free surface."""
     restitution: float = quantity("1", 0.0, ge=0.0, le=1.0)
@@ -496,16 +515,38 @@ class Basin:
                     piston = self.piston if self.config.wavemaker and self.config.wavemaker.wall == name else None
                     found.append(Side(axis, upper, position, slip, absorbing=self.walls.absorbing(name), piston=piston))
         if self.config.floor != "none":
-            held = self.config.floor == "no_slip"
+            floor = self.config.floor
+            held = floor == "no_slip" or (isinstance(floor, Floor) and floor.slip == "no_slip")
             found.append(Side(1, False, self.lower[1], "no_slip" if held else "free_slip"))
         if self.config.lid is not None:
             found.append(Side(1, True, 0.0, self.config.lid.slip, self.config.lid.velocity))
         return tuple(found)
 
     @property
-    def rough_bed(self) -> RoughBed | None:
+    def rough_bed(self) -> Floor | None:
         """Friction settings of the bed; None if it has no friction."""
-        return self.config.floor if isinstance(self.config.floor, RoughBed) else None
+        floor = self.config.floor
+        return floor if isinstance(floor, Floor) and floor.rubs else None
+
+    @cached_property
+    def ground(self) -> "Ground | None":
+        """Bed of any shape over the flat one; None if the bed is flat."""
+        floor = self.config.floor
+        if not isinstance(floor, Floor) or floor.profile is None:
+            return None
+        from ocean_sim.basin.ground import Ground
+
+        x, y = np.array(floor.profile).T
+        nodes = np.unique(np.clip([self.lower[0], *x, self.upper[0]], self.lower[0], self.upper[0]))
+        heights = np.repeat(np.interp(nodes, x, y)[:, None], 2, axis=1)
+        across = np.array([self.lower[2], self.upper[2]]) if self.dimension == 3 else np.array([-1.0, 1.0])
+        periodic = self.periods[0] > 0.0, self.periods[2] > 0.0
+        return Ground(nodes, across, heights, self.lower[1], self.dimension, periodic, floor.slip == "no_slip")
+
+    @property
+    def solids(self) -> list[Solid]:
+        """Bed and floating bodies around which the initial water is built."""
+        return [*([] if self.ground is None else [self.ground]), *self.afloat.values()]
 
     @cached_property
     def obstacles(self) -> list[Corners]:

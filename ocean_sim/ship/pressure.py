@@ -95,7 +95,7 @@ class Pressure(Vessel):
         solid, water = basin.afloat[name], with_particles(fluid)
         assert isinstance(solid, Solid) and water.boundary is not None
         felt = [ship for ship, other in basin.afloat.items() if other.is_sampled]
-        self.boundary, self.number = water.boundary, len(basin.obstacles) + felt.index(name)
+        self.boundary, self.number = water.boundary, water.boundary.given + felt.index(name)
         actuators = Actuators(config, config.propeller, config.rudder, solid.centre)
         super().__init__(name, config, config.settled_body(solid.body, fluid), actuators, basin.lower[1])
         self.shape = solid.shape

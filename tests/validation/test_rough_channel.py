@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ocean_sim.basin import RoughBed
+from ocean_sim.basin import Floor
 from ocean_sim.validation import problems, rough_channel
 
 SPACING, QUICK = 0.02, {"runtime.threads": 1}
@@ -17,7 +17,7 @@ def test_the_profile_bears_the_weight_meets_the_law_and_has_the_mean_speed():
     assert np.trapezoid(u, z) / rough_channel.DEPTH == pytest.approx(rough_channel.mean_speed(SPACING), rel=1e-6)
     next_to_it = float(rough_channel.steady_profile(0.5 * SPACING, SPACING))
     assert rough_channel.bed_stress(next_to_it, 0.5 * SPACING) == pytest.approx(rough_channel.STRESS)
-    drag = RoughBed(roughness=rough_channel.ROUGHNESS).drag(0.5 * SPACING)
+    drag = Floor(roughness=rough_channel.ROUGHNESS).drag(0.5 * SPACING)
     assert rough_channel.DENSITY * drag * next_to_it**2 == pytest.approx(rough_channel.STRESS)
 
 
@@ -25,7 +25,7 @@ def test_the_grains_lie_below_the_lowest_particles():
     for coarse in (False, True):
         (problem,) = problems("rough_channel", slow=True, coarse=coarse)
         scene = problem.load("delta_sph")
-        assert scene.preflight.tank.rough_bed == RoughBed(roughness=rough_channel.ROUGHNESS)
+        assert scene.preflight.tank.rough_bed == Floor(roughness=rough_channel.ROUGHNESS)
         assert not [sentence for sentence in scene.warnings() if "grains" in sentence]
 
 

@@ -58,6 +58,7 @@ class Body:
     gate: Gate | None = None  # how it moves, where that is given
     across: tuple[int, float] = (0, 0.0)  # of a gate: layers of samples across it, and how far they are apart [m]
     floats: bool = False  # whether it answers to the water
+    counts: bool = True  # whether the forces of the water on it are summed
 
     def strength(self, smoothing: Smoothing, spacing: float) -> float:
         """Factor of the weight of the body's samples in the water's laws: 1, more for a gate thinner than a support."""
@@ -78,8 +79,9 @@ def plane_pressure(away: np.ndarray, smoothing: Smoothing, spacing: float) -> fl
     return float((away[:, None] * weights).sum())
 
 
-def obstacle_bodies(lattice: Lattice, support: float) -> list[Body]:
-    """Sample the obstacles of the basin at about the particle spacing, down to one `support` [m] below their faces."""
+def fixed_bodies(lattice: Lattice, support: float) -> list[Body]:
+    """Sample the obstacles of the basin, and then its bed if that has a shape, at about the particle spacing, down to
+    one `support` [m] below their faces. What pushes the bed counts as a push on walls."""
     basin, bodies = lattice.basin, []
     for obstacle in basin.config.obstacles:
         d = basin.dimension
@@ -99,6 +101,9 @@ def obstacle_bodies(lattice: Lattice, support: float) -> list[Body]:
         thin = int(np.argmin(up - low))
         across = (int(count[thin]), float(apart[thin])) if obstacle.gate is not None else (0, 0.0)
         bodies.append(Body(position, volume, normal, no_slip, origin, obstacle.gate, across))
+    if (ground := basin.ground) is not None:
+        samples = ground.samples(lattice.spacing, support)
+        bodies.append(Body(*samples, ground.no_slip, ground.origin, counts=False))
     return bodies
 
 
@@ -167,6 +172,7 @@ class Boundary:
         self.gates = [(k, body.gate) for k, body in enumerate(bodies) if body.gate is not None]
         self.moving, self.working = bool(self.gates), accounts and any_moves(bodies)
         self.given = sum(not body.floats for body in bodies)  # they come first; what floats moves after the water
+        self.uncounted = next((k for k, body in enumerate(bodies) if not body.counts), -1)
         self.speed = 0.0  # [m/s] of the fastest gate
         # In the order of the bodies; positions are from the origin [m], in the body's axes and in those of the tank.
         self.local, self.arm, self.force = Components(n), Components(n), Components(n)
@@ -351,8 +357,10 @@ class Boundary:
             if t % self.stride == 0:
                 b = t // self.stride
                 for s in range(b * self.block, ti.min((b + 1) * self.block, self.sample_count())):
-                    x = tm.vec3(self.position.x[s], self.position.y[s], self.position.z[s])
-                    force, name = self.water.total(x, law, s), self.name[s]
+                    x, name = vector(self.position, s), self.name[s]
+                    force = ti.Vector.zero(float, ti.static(law.sums))
+                    if self.owner[name] != self.uncounted:
+                        force = self.water.total(x, law, s)
                     self.force.x[name], self.force.y[name], self.force.z[name] = force[0], force[1], force[2]
                     for k in ti.static(range(3)):
                         self.impulse[name, k] = self.impulse[name, k] + ti.cast(dt * force[k], ti.f64)

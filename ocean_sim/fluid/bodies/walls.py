@@ -187,6 +187,11 @@ class Walls:
         self.zones = tuple((zone.axis, zone.begin, zone.end, zone.rate, Target(zone)) for zone in zones(lattice))
         self.limited = limit is not None
         self.limit = (limit or 0.0) * lattice.spacing  # [m]
+        self.shaped = lattice.basin.ground is not None
+        if lattice.basin.ground is not None:
+            from ocean_sim.fluid.bodies.relief import Relief
+
+            self.ground = Relief(lattice.basin.ground, lattice.spacing)
         self.advance(0.0)
 
     def advance(self, time: float) -> None:
@@ -203,8 +208,8 @@ class Walls:
 
     @ti.func
     def bounce(self, x, v):
-        """Position [m] and velocity [m/s] after collisions with walls and obstacles: stopped there, normal velocity
-        times minus the restitution, tangential velocity reduced by Coulomb friction, at most to rest."""
+        """Position [m] and velocity [m/s] after collisions with walls, obstacles and bed: stopped there, the normal
+        velocity times minus the restitution, the tangential one reduced by Coulomb friction, at most to rest."""
         for k in ti.static(self.axes):
             low, up, wall = self.low[k], self.up[k], 0.0
             for s, axis, upper in ti.static(self.pistons):
@@ -218,6 +223,11 @@ class Walls:
             if inside != x[k]:
                 v = self.reflect(v, k, wall, ti.select(x[k] > inside, 1.0, -1.0))
                 x[k] = inside
+        if ti.static(self.shaped):
+            away, normal = self.ground.distance(x)
+            if away < self.gap:
+                x += (self.gap - away) * normal
+                v = self.reflect_from(v, normal)
         if ti.static(self.obstacles > 0):
             for b in range(self.obstacles):
                 x, v = self.leave_obstacle(b, x, v)
@@ -236,6 +246,16 @@ class Walls:
                 kick = self.friction * (1.0 + self.restitution) * speed
                 v = along * tm.max(0.0, 1.0 - kick / tm.max(along.norm(), 1e-12))
             v[k] = returned
+        return v
+
+    @ti.func
+    def reflect_from(self, v, normal):
+        """Velocity [m/s] after a collision with a face at rest that looks along `normal`."""
+        speed = -v.dot(normal)
+        if speed > 0.0:
+            along = v + speed * normal
+            kick = self.friction * (1.0 + self.restitution) * speed
+            v = along * tm.max(0.0, 1.0 - kick / tm.max(along.norm(), 1e-12)) + self.restitution * speed * normal
         return v
 
     @ti.func

@@ -9,7 +9,7 @@ nothing depends on the order of particles.
 
 import numpy as np
 
-from ocean_sim.basin import KARMAN_CONSTANT, MIN_ROW_SHARE, Basin, RoughBed
+from ocean_sim.basin import KARMAN_CONSTANT, MIN_ROW_SHARE, Basin, Floor
 from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import in_kernels
@@ -65,7 +65,7 @@ class Pull:
 class Bed:
     """Friction of a rough bed on the lowest row of particles."""
 
-    def __init__(self, bed: RoughBed, lattice: Lattice) -> None:
+    def __init__(self, bed: Floor, lattice: Lattice) -> None:
         self.level, self.row, self.z0 = lattice.basin.lower[1], lattice.row, bed.z0  # [m]
         self.logarithmic, self.in_row = bed.roughness is not None, bed.drag(0.5 * self.row)
 

@@ -85,7 +85,7 @@ class Lattice:
     @cached_property
     def start_count(self) -> int:
         """Number of particles at the start, before an emitter adds any."""
-        if self.given is None and not (self.basin.obstacles or self.basin.afloat):
+        if self.given is None and not (self.basin.obstacles or self.basin.solids):
             return total_count(self.counts)
         return len(self.positions())
 
@@ -165,6 +165,8 @@ class Lattice:
         for low, up in self.basin.obstacles:
             over = (x > low[0]) & (x < up[0]) & (z > low[2]) & (z < up[2]) & (y > up[1])
             ends[0, over] = np.maximum(ends[0, over], up[1])
+        if self.basin.ground is not None:
+            ends[0] = np.maximum(ends[0], self.basin.ground.heights(np.stack([x, z], axis=1)))
         return ends
 
     @cached_property
@@ -179,10 +181,10 @@ class Lattice:
 
     @cached_property
     def room_for_bodies(self) -> tuple[np.ndarray, np.ndarray]:
-        """Mask (m,) of the lattice points outside obstacles and floating bodies, and positions (m, 3) [m] of all, moved
-        to make room for floating bodies."""
+        """Mask (m,) of the lattice points outside obstacles, bed and floating bodies, and positions (m, 3) [m] of all,
+        moved to make room for the last two."""
         wet, positions = ~in_obstacles(self.full_positions, self.basin), self.full_positions
-        for solid in self.basin.afloat.values():
+        for solid in self.basin.solids:
             nearest = shifts(positions, solid.origin[[0, 2]], self.basin.periods)
             beyond = self.points_beyond(solid) if solid.is_sampled else np.empty((0, 3))
             volume = self.mass / self.config.rest_density

@@ -371,12 +371,12 @@ def _of_bodies(grid: GridSize, word: int, accounts: bool, told: int) -> list[Led
     rows: list[LedgerRow] = []
     if not has_bodies(basin):
         return []
-    from ocean_sim.fluid.bodies.boundary import any_moves, floating_bodies, memory, obstacle_bodies
+    from ocean_sim.fluid.bodies.boundary import any_moves, fixed_bodies, floating_bodies, memory
 
     afloat = {key_of(name): [body] for name, body in floating_bodies(lattice, grid.support).items()}
-    of_parts = {"basin": obstacle_bodies(lattice, grid.support)} | afloat
+    of_parts = {"basin": fixed_bodies(lattice, grid.support)} | afloat
     for part, bodies in of_parts.items():
-        count, why = sum(len(body.position) for body in bodies), "basin.obstacles"
+        count, why = sum(len(body.position) for body in bodies), "basin.obstacles, basin.floor"
         if part in afloat:
             why = f"{part}.kind is pressure: the water feels the hull"
         if bodies:
@@ -389,7 +389,7 @@ def _of_bodies(grid: GridSize, word: int, accounts: bool, told: int) -> list[Led
 
 def has_bodies(basin: Basin) -> bool:
     """True if solid bodies act on the water by samples: obstacles, or floating bodies that pair sums include."""
-    return bool(basin.obstacles or any(solid.is_sampled for solid in basin.afloat.values()))
+    return bool(basin.obstacles or any(solid.is_sampled for solid in basin.solids))
 
 
 def step_limits(
@@ -419,10 +419,10 @@ class Sph(ParticleWater):
         self.dt = ti.field(float, shape=())  # [s]
         self.bodies = has_bodies(basin)
         if self.bodies:
-            from ocean_sim.fluid.bodies.boundary import Boundary, floating_bodies, obstacle_bodies
+            from ocean_sim.fluid.bodies.boundary import Boundary, fixed_bodies, floating_bodies
 
             lattice, support = sizes.lattice, sizes.support
-            bodies = [*obstacle_bodies(lattice, support), *floating_bodies(lattice, support).values()]
+            bodies = [*fixed_bodies(lattice, support), *floating_bodies(lattice, support).values()]
             self.boundary = Boundary(bodies, self.particles, self.grid, self.pull, self.smoothing, accounts)
         own = len(self.carried) - (config.told_to_bodies if self.bodies else 0)
         self.last_acceleration = self.carried[own:]  # [m/s2], which solid bodies are told
@@ -465,7 +465,7 @@ class Sph(ParticleWater):
         """Impulse (3,) [N s] by force term, obstacles and floating bodies apart from walls; empty if not summed."""
         total = super().impulse
         if total and self.boundary is not None:
-            given, fixed = -self.boundary.impulses(), len(self.grid.basin.obstacles)
+            given, fixed = -self.boundary.impulses(), self.boundary.given
             total["obstacles"] = given[:fixed].sum(axis=0)
             total["ship"] = given[fixed:].sum(axis=0) + total.get("ship", 0.0)
             total["walls"] = total["walls"] - given.sum(axis=0)  # the laws count all as walls
@@ -476,7 +476,7 @@ class Sph(ParticleWater):
         """Work [J] by force term, with moving bodies apart from walls; empty if not summed."""
         total = super().work
         if total and self.boundary is not None and self.boundary.working:
-            (done, counted), fixed = self.boundary.works().T, len(self.grid.basin.obstacles)
+            (done, counted), fixed = self.boundary.works().T, self.boundary.given
             total["obstacles"] = float(done[:fixed].sum())
             total["ship"] = float(done[fixed:].sum()) + total.get("ship", 0.0)
             total["walls"] -= float(counted.sum())  # the laws count all as walls

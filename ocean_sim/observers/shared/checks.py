@@ -15,7 +15,8 @@ IMAGE_TOLERANCE = 1e-4  # of spacing and reference speed, for two halves that be
 def surely_inside(totals: Totals, basin: Basin) -> bool:
     """True if the bounds in `totals` show that no particle is outside the basin; else each has to be checked."""
     low, up = basin.stops()
-    return not basin.obstacles and bool((totals.lower >= low).all() and (totals.upper <= up).all())
+    flat = not basin.obstacles and basin.ground is None
+    return flat and bool((totals.lower >= low).all() and (totals.upper <= up).all())
 
 
 def distance_outside(position: np.ndarray, basin: Basin, time: float) -> np.ndarray:
@@ -24,6 +25,8 @@ def distance_outside(position: np.ndarray, basin: Basin, time: float) -> np.ndar
     distance = np.linalg.norm(position - np.clip(position, low, up), axis=1)
     for least, most in basin.obstacles_at(time):
         distance = np.maximum(distance, np.minimum(position - least, np.array(most) - position).min(axis=1))
+    if basin.ground is not None:
+        distance = np.maximum(distance, -basin.ground.distances(position))
     return np.where(distance > WALL_TOLERANCE * np.abs([basin.lower, basin.upper]).max(), distance, 0.0)
 
 
@@ -41,7 +44,8 @@ def level_ratio(position: np.ndarray, spacing: float, basin: Basin) -> float:
     column = place @ [1, *(place.max(axis=0) + 1)[:-1]]
     held = np.unique(column, return_counts=True)[1]
     tall = np.maximum(held * spacing**basin.dimension / side.prod(), spacing)  # of each column's water at rest [m]
-    return float((position[:, 1] - lower[1]).sum() / (held * tall / 2.0).sum())
+    foot = lower[1] if basin.ground is None else basin.ground.heights(position[:, [0, 2]])
+    return float((position[:, 1] - foot).sum() / (held * tall / 2.0).sum())
 
 
 class Symmetry:

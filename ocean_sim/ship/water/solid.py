@@ -8,6 +8,7 @@ from itertools import product
 
 import numpy as np
 
+from ocean_sim.basin.packing import fit_particles
 from ocean_sim.files.cache_file import cached_arrays
 from ocean_sim.ship.body.rigid_body import RigidBody
 from ocean_sim.ship.hull.distance import distance_lattice
@@ -15,11 +16,9 @@ from ocean_sim.ship.hull.shapes import HullShape
 from ocean_sim.ship.hull.voxels import Voxels, voxels
 
 CUBES_A_SPACING = 3.0  # cubes to a spacing of the particles, where a mesh keeps water out
+FIT_SUPPORT = 2.0  # [spacings] of the kernel by which particles are fitted to a hull that the water's laws meet
 START_GAP = 0.5  # [spacings] from the hull to the nearest particle of the start
 ROW_TOLERANCE = 0.05  # [spacings] distances that differ by less are those of a row
-FIT_SUPPORT = 2.0  # [spacings] of the kernel by which particles are fitted to a hull that the water's laws meet
-FIT_REACH = 4.0  # [spacings] from a hull within which they move for it
-FIT_ITERATIONS = 100  # at most
 Boxes = list[tuple[np.ndarray, np.ndarray]]  # lower and upper corner of each [m]
 UNBOUNDED_BOX = [(np.full(3, -np.inf), np.full(3, np.inf))]  # a box without bounds
 PACKING_SWEEPS = 100  # over crowded particles that are pushed apart
@@ -114,13 +113,7 @@ class Solid:
             gone[order[there[order]][: round(count)]] = True
         at, volumes, _ = self.samples(spacing, FIT_SUPPORT * spacing)
         hull = np.concatenate([at @ self.turn.T + origin, (volumes / volume)[:, None]], axis=1)
-        near = near_to(points, hull[:, :3], FIT_REACH * spacing)
-        free, rest = near & ~gone, near_to(points, hull[:, :3], (FIT_REACH + FIT_SUPPORT + 1.0) * spacing) & ~near
-        if (free & water).any():
-            fixed = np.concatenate([np.insert(points[rest & ~gone], 3, 1.0, axis=1), hull])
-            points[free] = even_out(points[free], fixed, spacing, self.dimension)
-        moved = np.flatnonzero(free & water)
-        return {"gone": np.flatnonzero(gone & water), "near": moved, "moved": points[moved]}
+        return fit_particles(points, water, gone, hull, spacing, self.dimension, FIT_SUPPORT)
 
     def deepest_first(self, own: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
         """(n,) distances from the hull [m] of points `own` (n, 3) in its axes, and the order of the points, the deepest
@@ -212,47 +205,3 @@ def lattice_values(values: np.ndarray, at: np.ndarray, outside: float) -> np.nda
     from scipy.ndimage import map_coordinates
 
     return np.asarray(map_coordinates(values, at.T, order=1, cval=outside))
-
-
-def near_to(points: np.ndarray, others: np.ndarray, reach: float) -> np.ndarray:
-    """(n,) True for `points` (n, 3) [m] nearer than `reach` [m] to any of `others` (m, 3) [m]."""
-    from scipy.spatial import cKDTree
-
-    return np.asarray(cKDTree(others).query(points, distance_upper_bound=reach)[0] < reach)
-
-
-def even_out(free: np.ndarray, fixed: np.ndarray, spacing: float, dimension: int) -> np.ndarray:
-    """(n, 3) positions near `free` for the smallest sum of Wendland's kernel (C2) over all pairs; `fixed` (m, 4):
-    positions of points that stay, and their weights in points; `spacing` [m]: the kernel's unit of length."""
-    from scipy.optimize import minimize
-    from scipy.spatial import cKDTree
-
-    n, tree = len(free), cKDTree(fixed[:, :3])
-
-    def summed(flat: np.ndarray) -> tuple[float, np.ndarray]:
-        """Kernel sum over all pairs, and its gradient by the coordinates `flat` (n * dimension,) [spacings]."""
-        points = free.copy()
-        points[:, :dimension] = spacing * flat.reshape(n, dimension)
-        moving = cKDTree(points)
-        pairs = moving.query_pairs(FIT_SUPPORT * spacing, output_type="ndarray")
-        met = moving.sparse_distance_matrix(tree, FIT_SUPPORT * spacing, output_type="ndarray")
-        total, slope = 0.0, np.zeros((n, dimension))
-        for i, j, others, weight, back in (
-            (pairs[:, 0], pairs[:, 1], points, 1.0, True),
-            (met["i"], met["j"], fixed[:, :3], fixed[met["j"], 3], False),
-        ):
-            apart = (points[i] - others[j])[:, :dimension] / spacing
-            q = np.minimum(np.linalg.norm(apart, axis=1) / FIT_SUPPORT, 1.0)
-            total += float((weight * (1.0 - q) ** 4 * (1.0 + 4.0 * q)).sum())
-            rise = (-20.0 / FIT_SUPPORT**2 * weight * (1.0 - q) ** 3)[:, None] * apart
-            for k in range(dimension):
-                slope[:, k] += np.bincount(i, rise[:, k], n)
-                if back:
-                    slope[:, k] -= np.bincount(j, rise[:, k], n)
-        return total, slope.ravel()
-
-    start = (free[:, :dimension] / spacing).ravel()
-    found = minimize(summed, start, jac=True, method="L-BFGS-B", options={"maxiter": FIT_ITERATIONS})
-    moved = free.copy()
-    moved[:, :dimension] = spacing * found.x.reshape(n, dimension)
-    return moved

@@ -1,0 +1,149 @@
+"""A bed of any shape: heights over the plan of a basin, as a fixed solid body that samples stand for.
+
+Heights are bilinear between nodes. Samples stand in columns, at equal distances along the bed and across it, so that
+each stands for the volume of a particle; the flat bed below, which mirrors the water, cuts them off.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+
+from ocean_sim.basin.packing import FIT_REACH, fit_particles
+from ocean_sim.files.cache_file import cached_arrays
+
+Boxes = Sequence[tuple[np.ndarray, np.ndarray]]  # lower and upper corner of each [m]
+# [spacings] of the kernel by which particles are fitted to a bed: 2 leave still water 5 times as restless
+FIT_SUPPORT = 3.0
+COLUMNS_A_SPACING = 4  # columns to a spacing by which the volume of the bed is summed
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """Bed whose heights `y` (n, m) [m] are given at nodes `x` (n,) and `z` (m,) [m], which reach from side to side."""
+
+    x: np.ndarray
+    z: np.ndarray
+    y: np.ndarray
+    lowest: float  # height [m] of the flat bed under it
+    dimension: int
+    periodic: tuple[bool, bool]  # along x and z
+    no_slip: bool
+    is_sampled: bool = True
+
+    @property
+    def origin(self) -> np.ndarray:
+        return np.zeros(3)
+
+    @property
+    def extent(self) -> np.ndarray:
+        return np.array([[self.x[0], self.lowest, self.z[0]], [self.x[-1], self.y.max(), self.z[-1]]])
+
+    def shape_at(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Heights (n,) [m] and slopes (n, 2) along x and z at places x, z (n, 2) [m]; sides mirror what lies beyond."""
+        (i, a, run, x_way), (j, b, rise, z_way) = (
+            cells_and_shares(places[:, axis], nodes, periodic)
+            for axis, (nodes, periodic) in enumerate(zip((self.x, self.z), self.periodic))
+        )
+        low, high = self.y[i, j] * (1 - b) + self.y[i, j + 1] * b, self.y[i + 1, j] * (1 - b) + self.y[i + 1, j + 1] * b
+        left, right = (self.y[i, k] * (1 - a) + self.y[i + 1, k] * a for k in (j, j + 1))
+        slopes = np.stack([x_way * (high - low) / run, z_way * (right - left) / rise], axis=1)
+        return low * (1 - a) + high * a, slopes
+
+    def heights(self, places: np.ndarray) -> np.ndarray:
+        """Heights (n,) [m] of the bed at places x, z (n, 2) [m]."""
+        return self.shape_at(places)[0]
+
+    def distances(self, points: np.ndarray) -> np.ndarray:
+        """Distances (n,) [m] of `points` (n, 3) [m] from the bed as if it were plane there; negative inside it."""
+        heights, slopes = self.shape_at(points[:, [0, 2]])
+        return (points[:, 1] - heights) / np.sqrt(1.0 + np.square(slopes).sum(axis=1))
+
+    def column_edges(self, axis: int, spacing: float, margin: float) -> np.ndarray:
+        """Edges (k + 1,) [m] of columns along `axis` (0: x, 1: z) about a `spacing` [m] apart along the bed, from
+        `margin` [m] before the first node to as far beyond the last."""
+        nodes = (self.x, self.z)[axis]
+        steepest = np.abs(np.diff(self.y, axis=axis)).max(axis=1 - axis)
+        way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(nodes), steepest))])
+        edges = np.interp(np.linspace(0.0, way[-1], max(1, round(way[-1] / spacing)) + 1), way, nodes)
+        before = edges[(edges > edges[0]) & (edges < edges[0] + margin)]
+        after = edges[(edges < edges[-1]) & (edges > edges[-1] - margin)]
+        if self.periodic[axis]:
+            size = edges[-1] - edges[0]
+            return np.concatenate([after - size, edges, before + size])
+        return np.concatenate([2.0 * edges[0] - before[::-1], edges, 2.0 * edges[-1] - after[::-1]])
+
+    def columns(self, spacing: float, margin: float) -> tuple[np.ndarray, np.ndarray]:
+        """Middles x, z (k, 2) [m] of columns of samples, and their cross-sections (k,) [m2], in 2-D widths [m]."""
+        edges = [self.column_edges(axis, spacing, margin) for axis in range(self.dimension - 1)]
+        middles = [0.5 * (edge[1:] + edge[:-1]) for edge in edges] + [np.zeros(1)]
+        widths = [np.diff(edge) for edge in edges] + [np.ones(1)]
+        places = np.stack(np.meshgrid(*middles[:2], indexing="ij"), axis=-1).reshape(-1, 2)
+        return places, np.multiply.outer(*widths[:2]).ravel()
+
+    def samples(self, spacing: float, support: float, margin: float = 0.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Samples within `support` [m] of the bed, as `basin.Solid` has them. With a `margin` [m], also beyond the
+        sides and the flat bed, as the ground goes on in their mirrors."""
+        places, areas = self.columns(spacing, margin)
+        heights, slopes = self.shape_at(places)
+        steep = np.sqrt(1.0 + np.square(slopes).sum(axis=1))
+        layers = np.arange(ceil(support / spacing) + 1)
+        top = heights[:, None] - layers * (spacing * steep)[:, None]
+        foot = top - (spacing * steep)[:, None]
+        if margin == 0.0:
+            foot = np.maximum(foot, self.lowest)
+        tall = top - foot
+        column, layer = np.nonzero(tall > 1e-6 * spacing)
+        position = np.stack([places[column, 0], (0.5 * (top + foot))[column, layer], places[column, 1]], axis=1)
+        normals = np.stack([-slopes[:, 0], np.ones(len(places)), -slopes[:, 1]], axis=1) / steep[:, None]
+        return position, (areas[:, None] * tall)[column, layer], normals[column]
+
+    def volume_inside(self, boxes: Boxes, spacing: float) -> float:
+        """Volume of the bed inside `boxes` [m3], in 2-D its area [m2]."""
+        places, areas = self.columns(spacing / COLUMNS_A_SPACING, 0.0)
+        heights, total = self.heights(places), 0.0
+        for low, up in boxes:
+            across = [0, 2][: self.dimension - 1]
+            within = ((places >= low[[0, 2]]) & (places <= up[[0, 2]]))[:, : len(across)].all(axis=1)
+            total += float((areas * within * (np.clip(heights, low[1], up[1]) - low[1])).sum())
+        return total
+
+    def make_room(
+        self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, spacing: float, volume: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Make room for the bed in a lattice of particles at rest, as `basin.Solid` says; kept in the user's cache."""
+        numbers = repr([spacing, volume, self.lowest, self.periodic, *(x.tolist() for box in boxes for x in box)])
+        content = b"".join(array.tobytes() for array in (self.x, self.z, self.y, positions, beyond)) + numbers.encode()
+
+        def made() -> dict[str, np.ndarray]:
+            points = np.concatenate([positions, beyond])
+            water = np.arange(len(points)) < len(positions)
+            away = self.distances(points)
+            gone = ~water & (away < 0.0)
+            gone[np.argsort(away[water], kind="stable")[: round(self.volume_inside(boxes, spacing) / volume)]] = True
+            reach = (FIT_REACH + FIT_SUPPORT + 1.0) * spacing
+            at, volumes, _ = self.samples(spacing, FIT_SUPPORT * spacing, reach)
+            body = np.concatenate([at, (volumes / volume)[:, None]], axis=1)
+            plan, sides = points[:, [0, 2]], np.array([self.x[[0, -1]], self.z[[0, -1]]])
+            held = np.any((plan < sides[:, 0]) | (plan > sides[:, 1]), axis=1)
+            return fit_particles(points, water, gone, body, spacing, self.dimension, FIT_SUPPORT, held)
+
+        found = cached_arrays("rooms", content, made)
+        gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()
+        gone[found["gone"]], moved[found["near"]] = True, found["moved"]
+        return gone, moved
+
+
+def cells_and_shares(
+    places: np.ndarray, nodes: np.ndarray, periodic: bool
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Cell of the `nodes` in which each of the `places` (n,) lies, its share of the way to the next node, the cell's
+    size, and -1 where the cell is seen in the mirror of a side, else 1; a period repeats the nodes instead."""
+    first, size = nodes[0], nodes[-1] - nodes[0]
+    turned = np.mod(places - first, size if periodic else 2.0 * size)
+    way = np.where(turned > size, -1.0, 1.0)
+    at = first + np.where(turned > size, 2.0 * size - turned, turned)
+    cell = np.clip(np.searchsorted(nodes, at, "right") - 1, 0, len(nodes) - 2)
+    run = np.diff(nodes)[cell]
+    return cell, (at - nodes[cell]) / run, run, way

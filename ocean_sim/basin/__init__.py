@@ -1,6 +1,6 @@
 """The basin: its size, walls, floor and lid; 3-D, or 2-D, a vertical slice in x-y, where no width is given."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import log
@@ -13,8 +13,9 @@ from ocean_sim import waves
 from ocean_sim.basin.motion import Gate, Motion, Piston, Wavemaker
 from ocean_sim.basin.open_sea import Absorbing, OpenSea
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.files.input_file import Unreadable
-from ocean_sim.model import Model, Vector3, quantity
+from ocean_sim.files.bathymetry import Heights, read_heights
+from ocean_sim.files.input_file import FileName, Unreadable
+from ocean_sim.model import Model, Vector2, Vector3, quantity
 
 if TYPE_CHECKING:  # it is imported only where the bed has a shape
     from ocean_sim.basin.ground import Ground
@@ -29,6 +30,7 @@ GRAINS_PER_Z0 = 30.0  # sand roughness over z0, where that law comes to rest (Ni
 MIN_ROW_SHARE = 0.25  # [rows] least height above the bed in the logarithmic law
 Corners = tuple[tuple[float, ...], tuple[float, ...]]
 SAME_DIGITS = 0.005  # of the decimal logarithm: a per cent, by which gravity differs over the Earth and in tables
+LEVEL_ROUNDING = 1e-6  # of the depth by which a bed may be deeper, as numbers of single precision are
 BOX_ROUNDING = 1e-9  # [m] by which a box may reach over a side or into another one
 
 
@@ -105,6 +107,11 @@ class Floor(Model):
         quantity("m", None)
     )
     """Points [x, y] of the bed, from one side to the other, straight in between; it is alike along z."""
+    grid: FileName | None = None
+    """Heights of the bed on a regular grid, in place of a profile: a table of x_m, z_m and y_m, an ESRI ASCII grid
+    (.asc) or netCDF 3 (.nc); linear in between."""
+    grid_centre: Vector2 | None = quantity("m", None)
+    """Place x, z in the file at which the basin's middle lies; null: [0, 0]."""
     slip: Slip = "free_slip"
     """`no_slip`: water sticks to the bed; `free_slip`: it slides along."""
 
@@ -116,14 +123,57 @@ class Floor(Model):
 
     @model_validator(mode="after")
     def _one_law(self) -> "Floor":
-        """Check that there is a profile or one law of friction, and at most one of these; raises ValueError."""
-        if (self.roughness is None) == (self.friction_factor is None) and (self.profile is None or self.rubs):
+        """Check that there is a shape or a law of friction, and at most one of each; raises ValueError."""
+        if self.profile is not None and self.grid is not None:
+            raise ValueError("give either a profile or a grid")
+        if self.roughness is not None and self.friction_factor is not None:
             raise ValueError("give either roughness [m] or friction_factor")
+        if not (self.rubs or self.shaped):
+            raise ValueError("give a profile [m], a grid, a roughness [m] or a friction_factor")
         if self.rubs and self.slip == "no_slip":
             raise ValueError("a bed with friction is one that water slides along: leave slip out")
         if self.profile is not None and (len(self.profile) < 2 or (np.diff(np.array(self.profile)[:, 0]) <= 0.0).any()):
             raise ValueError("a profile has two points [x, y] or more, and their x rise")
         return self
+
+    @property
+    def shaped(self) -> bool:
+        """True if the bed has a shape of its own."""
+        return self.profile is not None or self.grid is not None
+
+    @cached_property
+    def nodes(self) -> Heights:
+        """Heights of the bed as they are given, in the axes of the basin; raises Unreadable."""
+        if self.profile is not None:
+            x, y = np.array(self.profile).T
+            return Heights(x, np.array([-OPEN, OPEN]), np.repeat(y[:, None], 2, axis=1))
+        assert self.grid is not None
+        x, z, y = read_heights(self.grid)
+        middle = self.grid_centre or (0.0, 0.0)
+        return Heights(x - middle[0], z - middle[1], y)
+
+    def shape_problems(self, basin: "Basin") -> Iterator[tuple[tuple[str, ...], str]]:
+        """Yield faults (key path below the floor, sentence) of the bed's shape in this basin."""
+        key = "profile" if self.profile is not None else "grid"
+        try:
+            x, z, y = self.nodes
+        except Unreadable as error:
+            yield (key,), f"{error}"
+            return
+        for axis, nodes in (("x", x), ("z", z)):
+            low, up = basin.lower["xyz".index(axis)], basin.upper["xyz".index(axis)]
+            if nodes[0] > low + BOX_ROUNDING or nodes[-1] < up - BOX_ROUNDING:
+                middle = "" if self.grid is None else f"; its middle is at {axis} = {0.5 * (nodes[0] + nodes[-1]):g} m"
+                reach = f"reaches from {axis} = {nodes[0]:g} to {nodes[-1]:g} m, the basin from {low:g} to {up:g} m"
+                yield (key,), f"the bed {reach}{middle}"
+                return
+        if y.min() < (1.0 + LEVEL_ROUNDING) * basin.lower[1]:
+            deep = f"reaches down to y = {y.min():g} m, and the basin is {basin.depth:g} m deep"
+            yield (key,), f"the bed {deep}; y counts upwards from the still water"
+        elif basin.ground_of(self).y.min() >= 0.0:
+            yield (key,), "the bed lies above the water everywhere; y counts upwards from the still water"
+        if basin.closed or basin.sea is not None:
+            yield (key,), "a bed with a shape lies under a free surface, in a basin of its own: no lid, no sea"
 
     @property
     def rubs(self) -> bool:
@@ -233,7 +283,7 @@ class Config(Model):
     without limit. Per side also {kind: absorbing, length: 2.0, rate: 3.0}."""
     floor: Literal["free_slip", "no_slip", "none"] | Floor = "free_slip"
     """The bed; `free_slip`: water slides along it, `no_slip`: it sticks to it, `none`: there is no bed; a mapping gives
-    it a `profile`, or friction between the first two by a `roughness` or a `friction_factor`."""
+    it a `profile` or a `grid` of heights, or friction between the first two by a `roughness` or a `friction_factor`."""
     lid: Lid | None = None
     """A lid on the still water; none: a free surface."""
     restitution: float = quantity("1", 0.0, ge=0.0, le=1.0)
@@ -271,6 +321,8 @@ class Config(Model):
             found.append((("gravity",), sentence))
         overlap = "the box overlaps an earlier one"
         found += box_faults("obstacles", self.obstacles, basin, overlap) or path_faults(self.obstacles, basin, duration)
+        if isinstance(self.floor, Floor) and self.floor.shaped:
+            found += [(("floor", *path), sentence) for path, sentence in self.floor.shape_problems(basin)]
         for side in basin.sides:
             if side.absorbing is not None:
                 size = basin.upper[side.axis] - basin.lower[side.axis]
@@ -532,16 +584,17 @@ class Basin:
     def ground(self) -> "Ground | None":
         """Bed of any shape over the flat one; None if the bed is flat."""
         floor = self.config.floor
-        if not isinstance(floor, Floor) or floor.profile is None:
+        if not isinstance(floor, Floor) or not floor.shaped or any(floor.shape_problems(self)):
             return None
+        return self.ground_of(floor)
+
+    def ground_of(self, floor: Floor) -> "Ground":
+        """Bed with the shape of a floor, cut at the sides of the basin; raises Unreadable."""
         from ocean_sim.basin.ground import Ground
 
-        x, y = np.array(floor.profile).T
-        nodes = np.unique(np.clip([self.lower[0], *x, self.upper[0]], self.lower[0], self.upper[0]))
-        heights = np.repeat(np.interp(nodes, x, y)[:, None], 2, axis=1)
-        across = np.array([self.lower[2], self.upper[2]]) if self.dimension == 3 else np.array([-1.0, 1.0])
         periodic = self.periods[0] > 0.0, self.periods[2] > 0.0
-        return Ground(nodes, across, heights, self.lower[1], self.dimension, periodic, floor.slip == "no_slip")
+        sides = [(low, up) for low, up in zip(self.lower[::2], self.upper[::2])]
+        return Ground.within(sides, floor.nodes, self.lower[1], self.dimension, periodic, floor.slip == "no_slip")
 
     @property
     def solids(self) -> list[Solid]:

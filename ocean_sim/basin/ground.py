@@ -7,15 +7,18 @@ each stands for the volume of a particle; the flat bed below, which mirrors the 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil
+from typing import Any
 
 import numpy as np
 
 from ocean_sim.basin.packing import FIT_REACH, fit_particles
+from ocean_sim.files.bathymetry import Heights
 from ocean_sim.files.cache_file import cached_arrays
 
 Boxes = Sequence[tuple[np.ndarray, np.ndarray]]  # lower and upper corner of each [m]
 # [spacings] of the kernel by which particles are fitted to a bed: 2 leave still water 5 times as restless
 FIT_SUPPORT = 3.0
+SLICE_HALF = 1e-3  # [m] half the width of the bed in a slice
 COLUMNS_A_SPACING = 4  # columns to a spacing by which the volume of the bed is summed
 
 
@@ -31,6 +34,19 @@ class Ground:
     periodic: tuple[bool, bool]  # along x and z
     no_slip: bool
     is_sampled: bool = True
+
+    @classmethod
+    def within(
+        cls, sides: Sequence[tuple[float, float]], given: Heights, lowest: float, dimension: int, *traits: Any
+    ) -> "Ground":
+        """Bed of `given` heights between the `sides` (lowest and highest place [m] along x and z); `traits`: as the
+        fields that follow."""
+        spans = [sides[0], sides[1] if dimension == 3 else (-SLICE_HALF, SLICE_HALF)]
+        x, z = (np.unique(np.clip([low, *nodes, up], low, up)) for (low, up), nodes in zip(spans, (given.x, given.z)))
+        whole = cls(given.x, given.z, given.y, lowest, 3, (False, False), False)
+        places = np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1).reshape(-1, 2)
+        heights = np.maximum(whole.heights(places), lowest).reshape(len(x), len(z))
+        return cls(x, z, heights, lowest, dimension, *traits)
 
     @property
     def origin(self) -> np.ndarray:

@@ -1,0 +1,93 @@
+"""Reader of heights of a sea bed on a regular grid: CSV, ESRI ASCII and netCDF files."""
+
+from io import BytesIO
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ocean_sim.files.csv_file import Table
+from ocean_sim.files.input_file import Checked, Rule, Unreadable, read_bytes, read_text
+
+ESRI_ENDINGS, NETCDF_ENDINGS = (".asc", ".grd"), (".nc", ".cdf")
+ESRI_HEADINGS = ("ncols", "nrows", "cellsize")
+UNEVEN_SHARE = 1e-3  # of a step by which nodes may lie off a regular grid
+GRID_RULE = Rule("heights [m], upwards from the still water, are finite and on a regular grid of two rows and columns")
+METRES_RULE = Rule("places are in metres, in a projection, not in degrees")
+CHECKS = (Checked("Heights of a bed, `basin.floor.grid`: CSV, .asc or .nc", (GRID_RULE, METRES_RULE)),)
+
+
+class Heights(NamedTuple):
+    """Heights `y` (n, m) [m] at regular nodes x (n,) and z (m,) [m]."""
+
+    x: np.ndarray
+    z: np.ndarray
+    y: np.ndarray
+
+
+def read_heights(path: str | Path) -> Heights:
+    """Heights of a bed in a file: a table with columns x_m, z_m, y_m; an ESRI ASCII grid or netCDF 3, whose east is x
+    and north is z. Raises Unreadable."""
+    ending = Path(path).suffix.lower()
+    read = _read_esri if ending in ESRI_ENDINGS else _read_netcdf if ending in NETCDF_ENDINGS else _read_table
+    x, z, y = read(path)
+    if min(y.shape, default=0) < 2 or not np.isfinite(y).all():
+        missing = int((~np.isfinite(y)).sum())
+        size = " x ".join(map(str, y.shape))
+        raise GRID_RULE.broken(path, f"{missing} heights are missing" if missing else f"it has {size} heights")
+    for name, nodes in (("x", x), ("z", z)):
+        steps = np.diff(nodes)
+        if np.ptp(steps) > UNEVEN_SHARE * abs(steps.mean()):
+            raise GRID_RULE.broken(path, f"its steps along {name} are {steps.min():g} to {steps.max():g} m")
+    return Heights(x, z, y)
+
+
+def _read_table(path: str | Path) -> Heights:
+    """Heights in a table with a row for each node, in any order."""
+    along, across, height = Table(path).finite("x_m", "z_m", "y_m")
+    x, i = np.unique(along, return_inverse=True)
+    z, j = np.unique(across, return_inverse=True)
+    y = np.full((len(x), len(z)), np.nan)
+    y[i, j] = height
+    return Heights(x, z, y)
+
+
+def _read_esri(path: str | Path) -> Heights:
+    """Heights in an ESRI ASCII grid: the northernmost row first, corners or centres of cells in its head."""
+    words, head = read_text(path).split(), dict[str, float]()
+    try:
+        while words[0][:1].isalpha():
+            head[words[0].lower()], words = float(words[1]), words[2:]
+        rows = np.array(words, dtype=float).reshape(int(head["nrows"]), int(head["ncols"]))
+        size = head["cellsize"]
+        first = [
+            head[f"{axis}llcorner"] + 0.5 * size if f"{axis}llcorner" in head else head[f"{axis}llcenter"]
+            for axis in "xy"
+        ]
+    except (KeyError, ValueError, IndexError):
+        needed = ", ".join((*ESRI_HEADINGS, "xllcorner, yllcorner"))
+        raise GRID_RULE.broken(path, f"its head lacks one of {needed}, or its rows are not whole") from None
+    rows[rows == head.get("nodata_value", -9999.0)] = np.nan
+    x, z = (first[k] + size * np.arange(n) for k, n in enumerate(rows.shape[::-1]))
+    return Heights(x, z, rows[::-1].T)
+
+
+def _read_netcdf(path: str | Path) -> Heights:
+    """Heights in the only variable of two dimensions of a netCDF 3 file, whose dimensions have variables."""
+    from scipy.io import netcdf_file
+
+    data = read_bytes(path)
+    if data[:4] == b"\x89HDF":
+        raise Unreadable(path, "this is netCDF 4; `nccopy -3 FILE OTHER.nc` writes it as netCDF 3, which is read")
+    try:
+        with netcdf_file(BytesIO(data), mmap=False, maskandscale=True) as file:
+            (flat,) = [each for each in file.variables.values() if len(each.dimensions) == 2]
+            north, east = (file.variables[name] for name in flat.dimensions)
+            units = [bytes(getattr(axis, "units", b"m")).decode() for axis in (east, north)]
+            x, z, y = (np.asarray(np.ma.filled(1.0 * each[:], np.nan), dtype=float) for each in (east, north, flat))
+    except (KeyError, TypeError, ValueError, OSError):
+        raise GRID_RULE.broken(path, "it has no single variable of two dimensions with places along both") from None
+    if any("degree" in unit for unit in units):
+        raise METRES_RULE.broken(path, f"its places are in {units[0]}")
+    order = np.argsort(x), np.argsort(z)
+    return Heights(x[order[0]], z[order[1]], y.T[np.ix_(*order)])

@@ -9,7 +9,7 @@ from pydantic import TypeAdapter, ValidationError
 import ocean_sim
 from ocean_sim import waves
 from ocean_sim.basin import Config as BasinConfig
-from ocean_sim.basin.motion import Frame, Motion, TankMotion, Wavemaker, turned
+from ocean_sim.basin.motion import AnyWavemaker, Frame, Motion, Piston, TankMotion, turned
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files.yaml_file import SceneError
 
@@ -70,9 +70,9 @@ def test_what_moves_a_tank_is_named_or_told_by_its_keys():
 @pytest.mark.parametrize(
     "keys, key, said",
     [
-        (HARMONIC | {"file": "a.csv"}, "basin.motion", "the motion of a file has no amplitude and no period"),
-        ({"kind": "file", "file": "a.csv", "ramp": 1.0}, "basin.motion", "has no ramp; those are of kind: harmonic"),
-        ({"kind": "harmonic", "file": "a.csv"}, "basin.motion", "a harmonic motion has no file"),
+        (HARMONIC | {"file": "a.csv"}, "basin.motion", "kind: harmonic has no file; kind: file has"),
+        ({"kind": "file", "file": "a.csv", "ramp": 1.0}, "basin.motion", "kind: file has no ramp; kind: harmonic has"),
+        ({"kind": "harmonic", "file": "a.csv"}, "basin.motion", "kind: harmonic has no file; kind: file has"),
         ({"kind": "harmonc", **HARMONIC}, "basin.motion.kind", "did you mean 'harmonic'?"),
         ({"kind": "shaken", **HARMONIC}, "basin.motion.kind", "there are harmonic, file"),
         ({"kind": "file"}, "basin.motion.file", "missing key"),
@@ -158,38 +158,158 @@ def test_water_that_turns_steadily_with_its_tank_feels_the_centrifugal_force():
 TRANSFER = [(0.25, 1.14935, 0.981789), (0.5, 1.0, 1.714), (0.5, 1.2, 1.417), (0.5, 1.5, 1.082), (0.5, 2.0, 0.769)]
 
 
+def piston(depth=0.5, **keys):
+    """Piston of a wavemaker with these keys, in water of this depth [m]."""
+    return Piston(TypeAdapter(AnyWavemaker).validate_python(keys), depth, GRAVITY)
+
+
+def faults(basin, side="reflecting", **keys):
+    """Sentences on what is wrong with a wavemaker with these keys."""
+    return [sentence for _, sentence in piston(**keys).maker.problems(basin, side)]
+
+
 @pytest.mark.parametrize("depth, period, transfer", TRANSFER)
 def test_the_stroke_is_biesels(depth, period, transfer):
-    piston = Wavemaker(height=0.03, period=period).build(depth, GRAVITY)
-    assert 0.03 / piston.stroke == pytest.approx(transfer, abs=6e-4)
-    moved = [piston.at(t)[0] for t in np.linspace(5.0 * period, 6.0 * period, 2001)]
-    assert np.ptp(moved) == pytest.approx(piston.stroke, rel=1e-5)
+    made = piston(depth, height=0.03, period=period)
+    stroke = made.path.advance + made.path.retreat
+    assert 0.03 / stroke == pytest.approx(transfer, abs=6e-4)
+    moved = [made.at(t)[0] for t in np.linspace(5.0 * period, 6.0 * period, 2001)]
+    assert np.ptp(moved) == pytest.approx(stroke, rel=1e-5)
 
 
 def test_a_piston_has_its_derivatives_and_moves_into_the_basin():
-    left = Wavemaker(height=0.05, period=1.5).build(0.5, GRAVITY)
-    right = Wavemaker(height=0.05, period=1.5, wall="x_max", ramp=4.0).build(0.5, GRAVITY)
-    for piston in (left, right):
-        assert_derivatives(piston.at, np.linspace(0.05, 6.0, 40))
-        assert piston.at(0.0) == pytest.approx((0.0, 0.0, 0.0), abs=1e-15)
+    left = piston(height=0.05, period=1.5)
+    right = piston(height=0.05, period=1.5, wall="x_max", ramp=4.0)
+    for made in (left, right):
+        assert_derivatives(made.at, np.linspace(0.05, 6.0, 40))
+        assert made.at(0.0) == pytest.approx((0.0, 0.0, 0.0), abs=1e-15)
     t = 6.0 + 1.5 / 4.0  # S/2 sin(omega t) is farthest in
-    assert left.at(t)[0] == pytest.approx(left.stroke / 2.0) and right.at(t)[0] == pytest.approx(-right.stroke / 2.0)
+    assert left.at(t)[0] == pytest.approx(left.path.advance) and right.at(t)[0] == pytest.approx(-right.path.advance)
 
 
 def test_the_piston_of_a_spectrum_makes_its_waves():
-    """Each wave by its own stroke, and what leaves the piston is in phase with its speed."""
+    """The speed of the piston is in phase with the waves that leave it."""
     spectrum = {"significant_wave_height": 0.04, "peak_period": 1.5, "seed": 2}
-    piston = Wavemaker(spectrum=spectrum).build(0.5, GRAVITY)
-    assert_derivatives(piston.at, np.linspace(0.05, 6.0, 20))
-    kh = piston.sea.wavenumber * 0.5
-    made = waves.Components(
-        piston.amplitude * waves.piston_transfer(kh), piston.sea.wavevector, piston.sea.phase, 0.5, GRAVITY
-    )
-    assert 4.0 * np.linalg.norm(made.amplitude) / 2.0**0.5 == pytest.approx(0.04)
+    made = piston(spectrum=spectrum)
+    assert_derivatives(made.at, np.linspace(0.05, 6.0, 20))
+    sea = made.path.sea
+    assert 4.0 * np.linalg.norm(sea.amplitude) / 2.0**0.5 == pytest.approx(0.04)
+    stroke = made.path.advance + made.path.retreat
+    assert (2.0 * sea.amplitude / waves.piston_transfer(0.5 * sea.wavenumber)).sum() == pytest.approx(stroke)
     times = np.arange(10.0, 200.0, 0.25)
-    speed = [piston.at(t)[1] for t in times]
-    waves_there = [waves.elevation(made, np.zeros((1, 2)), t)[0] for t in times]
+    speed = [made.at(t)[1] for t in times]
+    waves_there = [waves.elevation(sea, np.zeros((1, 2)), t)[0] for t in times]
     assert np.corrcoef(speed, waves_there)[0, 1] > 0.95
+
+
+@pytest.mark.parametrize("wall, inward", [("x_min", 1.0), ("x_max", -1.0)])
+@pytest.mark.parametrize("ratio", [0.01, 0.2, 0.5, 0.77])
+def test_the_piston_of_a_solitary_wave_moves_with_the_water_before_it(ratio, wall, inward):
+    """Goring (1979): stroke sqrt(16 H d / 3), time 2 / (kappa c) (3.80 + H / d), xi' = c eta / (d + eta)."""
+    d, h, start = 0.5, 0.5 * ratio, 0.7
+    made = piston(d, kind="solitary", height=h, start=start, wall=wall)
+    c, kappa = (GRAVITY * (d + h)) ** 0.5, (0.75 * h / d**3) ** 0.5
+    stroke, end = made.path.advance, start + 2.0 / (kappa * c) * (3.80 + 0.999 * ratio)
+    assert stroke == pytest.approx((16.0 * h * d / 3.0) ** 0.5, rel=1.001e-3)
+    assert made.path.retreat == 0.0 and made.path.sea is None
+    assert made.at(start - 1e-9) == (0.0, 0.0, 0.0) and made.at(end + 0.01) == (inward * stroke, 0.0, 0.0)
+    assert made.at(end - 0.01)[1] != 0.0 and abs(made.at(end - 0.01)[0]) < stroke
+    times = np.linspace(start + 1e-4, end - 1e-2, 200)
+    assert_derivatives(made.at, times)
+    for t in times:
+        x, v, _ = made.at(t)
+        from_crest = c * (t - 0.5 * (start + end)) - (inward * x - 0.5 * stroke)
+        eta = h / np.cosh(kappa * from_crest) ** 2
+        assert inward * v == pytest.approx(c * eta / (d + eta), rel=5e-3)
+
+
+def test_a_recorded_wall_counts_from_its_place_at_time_0(tmp_path):
+    t = np.linspace(-1.0, 4.0, 101)
+    path = tmp_path / "piston.csv"
+    np.savetxt(path, np.stack([t, 0.3 - 0.1 * np.cos(pi * t)], 1), delimiter=",", header="time_s,x_m", comments="")
+    made = piston(file=str(path), wall="x_max")
+    assert_derivatives(made.at, np.linspace(0.11, 3.9, 40) + 0.003)
+    assert made.at(0.0)[0] == 0.0 and made.at(1.0)[0] == pytest.approx(-0.2, abs=1e-5)
+    assert made.at(9.0) == (pytest.approx(0.0, abs=1e-12), 0.0, 0.0)
+    assert made.path.advance == pytest.approx(0.2, abs=1e-5) and made.path.retreat == pytest.approx(0.0, abs=1e-12)
+
+
+FLUME = {"basin": {"length": 4.0, "depth": 0.2, "walls": {"x_max": "absorbing"}}, "duration": 3.0}
+FLUME |= {"fluid": {"kind": "delta_sph", "spacing": 0.04}}
+
+
+def flume(**keys):
+    return ocean_sim.load(FLUME | {"basin": FLUME["basin"] | {"wavemaker": keys}})
+
+
+def test_a_wavemaker_is_named_or_told_by_its_keys_and_read_again_as_it_was_dumped(tmp_path):
+    (tmp_path / "path.csv").write_text("time_s,x_m\n0,0\n0.1,0\n0.9,0.05\n1,0.05\n")
+    file = str(tmp_path / "path.csv")
+    kinds = {
+        "train": {"height": 0.02, "period": 1.2},
+        "solitary": {"height": 0.04, "start": 0.1},
+        "file": {"file": file},
+    }
+    for kind, keys in kinds.items():
+        scene = flume(**keys)
+        dumped = scene.resolved()
+        assert dumped["basin"]["wavemaker"]["kind"] == kind
+        assert ocean_sim.load(dumped).resolved() == dumped == flume(kind=kind, **keys).resolved()
+        moves = [
+            sentence for sentence in scene.fluid.statements(scene.preflight) if "the wavemaker moves up to" in sentence
+        ]
+        assert len(moves) == (kind != "train")
+
+
+@pytest.mark.parametrize(
+    "keys, key, said",
+    [
+        (
+            {"height": 0.04, "period": 1.0, "start": 1.0},
+            "basin.wavemaker",
+            "kind: train has no start; kind: solitary has",
+        ),
+        ({"kind": "solitary", "height": 0.04, "period": 1.0}, "basin.wavemaker", "kind: solitary has no period"),
+        ({"file": "a.csv", "ramp": 1.0}, "basin.wavemaker", "kind: train has no file; kind: file has"),
+        ({"kind": "soliton", "height": 0.04}, "basin.wavemaker.kind", "did you mean 'solitary'?"),
+        ({"kind": ["file"]}, "basin.wavemaker.kind", "is not a choice"),
+        ({"height": 0.04}, "basin.wavemaker", "give either height [m] and period [s]"),
+        ({"kind": "solitary"}, "basin.wavemaker.height", "missing key"),
+        ({"kind": "solitary", "height": -0.04}, "basin.wavemaker.height", "is not greater than 0 [m]"),
+        (
+            {"kind": "solitary", "height": 0.16},
+            "basin.wavemaker.height",
+            "would break: on 0.2 m of water it is lower than",
+        ),
+        ({"kind": "solitary", "height": 0.04, "wall": "z_min"}, "basin.wavemaker.wall", "no walls along z"),
+        ({"kind": "solitary", "height": 0.04, "wall": "x_max"}, "basin.wavemaker.wall", "x_max is absorbing"),
+        ({"file": "nowhere.csv"}, "basin.wavemaker.file", "there is no such file"),
+        ({"file": "y.csv"}, "basin.wavemaker.file", "it has no column x_m, but 'time_s, y_m'"),
+        ({"file": "mm.csv"}, "basin.wavemaker", "m into a basin that is 4 m long; paths are in metres"),
+    ],
+)
+def test_a_wavemaker_that_cannot_be_gets_one_sentence(tmp_path, monkeypatch, keys, key, said):
+    monkeypatch.chdir(tmp_path)
+    for name, column in (("mm", "x_m"), ("y", "y_m")):
+        (tmp_path / f"{name}.csv").write_text(f"time_s,{column}\n0,0\n0.1,0\n0.9,50\n1,50\n")
+    with pytest.raises(SceneError) as error:
+        flume(**keys)
+    (problem,) = error.value.problems
+    assert problem.key == key and said in problem.message
+
+
+def test_a_doubtful_wavemaker_is_warned_of(tmp_path):
+    said = "the run ends at 3 s, and the wavemaker moves until"
+    for keys, warning in (
+        ({"height": 0.04}, None),
+        ({"height": 0.04, "start": 1.0}, said),
+        ({"height": 0.11}, "holds up to about 0.5"),
+    ):
+        found = [w for w in flume(kind="solitary", **keys).warnings() if "wavemaker" in w]
+        assert len(found) == (warning is not None) and all(warning in w for w in found)
+    path = tmp_path / "late.csv"
+    path.write_text("time_s,x_m\n" + "".join(f"{t},{0.01 * t}\n" for t in range(5, 10)))
+    assert any("the wavemaker never moves" in w for w in flume(file=str(path)).warnings())
 
 
 def test_a_motion_that_was_written_down_is_read_again():
@@ -201,16 +321,16 @@ def test_what_cannot_be_is_said():
     assert motion(kind="harmonic", axis="roll_x", amplitude=0.1, period=2.0).problems(SLICE)
     assert not motion(kind="harmonic", axis="roll_x", amplitude=0.1, period=2.0).problems(BAY)
     assert motion(kind="harmonic", axis="x", amplitude=0.1, period=2.0, about=[0.0, 0.0]).problems(BAY)
-    assert "would break" in Wavemaker(height=0.6, period=1.5).problems(SLICE, "reflecting")[0][1]
-    assert "no walls along z" in Wavemaker(height=0.05, period=1.5, wall="z_min").problems(SLICE, "reflecting")[0][1]
+    assert "would break" in faults(SLICE, height=0.6, period=1.5)[0]
+    assert "no walls along z" in faults(SLICE, height=0.05, period=1.5, wall="z_min")[0]
     ring = BasinConfig(length=10.0, depth=0.5, walls="periodic").build()
-    assert "x_min is periodic" in Wavemaker(height=0.05, period=1.5).problems(ring, "periodic")[0][1]
+    assert "x_min is periodic" in faults(ring, "periodic", height=0.05, period=1.5)[0]
     spectrum = {"significant_wave_height": 0.04, "peak_period": 1.5, "heading_deg": 10.0}
-    assert "leave this out" in Wavemaker(spectrum=spectrum).problems(SLICE, "reflecting")[0][1]
+    assert "leave this out" in faults(SLICE, spectrum=spectrum)[0]
     with pytest.raises(ValidationError):
         motion(kind="harmonic", axis="roll", amplitude=0.1, period=2.0)
     with pytest.raises(ValidationError, match="either height"):
-        Wavemaker(wall="x_min")
+        piston(wall="x_min")
 
 
 @pytest.mark.parametrize("begin", [100.0, 1709294400.0, -100.0])

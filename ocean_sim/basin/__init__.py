@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from ocean_sim import waves
-from ocean_sim.basin.motion import Gate, Motion, Piston, Wavemaker
+from ocean_sim.basin.motion import AnyWavemaker, Gate, Motion, Piston
 from ocean_sim.basin.open_sea import Absorbing, OpenSea
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files.bathymetry import Heights, read_heights
@@ -295,7 +295,7 @@ class Config(Model):
     """Boxes that the water flows around, fixed or moving as gates do."""
     motion: Motion | None = None
     """Motion of the whole tank: `harmonic`, or recorded in a `file`; measurements are made in the axes of the tank."""
-    wavemaker: Wavemaker | None = None
+    wavemaker: AnyWavemaker | None = None
     """A wall that makes waves."""
 
     def build(self, sea: OpenSea | None = None) -> "Basin":
@@ -333,6 +333,10 @@ class Config(Model):
         if (maker := self.wavemaker) is not None:
             pushed = maker.problems(basin, walls.at(maker.wall))
             found += [(("wavemaker", *path), sentence) for path, sentence in pushed]
+            size = np.subtract(basin.upper, basin.lower)["xyz".index(maker.wall[0])]
+            if not pushed and basin.piston is not None and (advance := basin.piston.path.advance) >= size:
+                sentence = f"the wall moves {advance:.4g} m into a basin that is {size:g} m long; paths are in metres"
+                found.append((("wavemaker",), sentence))
         return found
 
 
@@ -634,7 +638,7 @@ class Basin:
     def piston(self) -> Piston | None:
         """Motion of the wavemaker; None if the basin has none."""
         maker = self.config.wavemaker
-        return maker.build(self.depth, -self.gravity[1]) if maker is not None else None
+        return Piston(maker, self.depth, -self.gravity[1]) if maker is not None else None
 
     @cached_property
     def tank_wave(self) -> waves.Components | None:
@@ -650,6 +654,6 @@ class Basin:
         """Lowest and highest x, y, z [m] that walls, bed, lid and a moving piston allow; +-OPEN without limit."""
         low, up = [-OPEN] * 3, [OPEN] * 3
         for side in self.sides:
-            away = side.piston.reach if side.piston is not None else 0.0
+            away = side.piston.path.retreat if side.piston is not None else 0.0
             (up if side.upper else low)[side.axis] = side.position + (away if side.upper else -away)
         return tuple(low), tuple(up)  # type: ignore[return-value]

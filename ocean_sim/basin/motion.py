@@ -5,10 +5,11 @@ results are given in the axes of the tank.
 """
 
 import re
+from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from math import cos, pi, radians, sin
+from math import atanh, cos, cosh, pi, radians, sin, sqrt, tanh
 from typing import Annotated, Any, Literal, NamedTuple, cast
 
 import numpy as np
@@ -32,10 +33,15 @@ ONE_AXIS = Rule("it has the column of one axis, such as x_m, roll_z_rad or roll_
 CHECKS = (
     Checked("Path of an obstacle, `basin.obstacles[].motion.file`: a table over time of four rows or more", ()),
     Checked("Motion of the tank, `basin.motion.file`: a table over time of four rows or more", (ONE_AXIS,)),
+    Checked("Path of a wavemaker, `basin.wavemaker.file`: a table over time of four rows or more", ()),
 )
 PATH_MOMENTS = 400  # times at which the path of an obstacle is checked
 PATH_COLUMNS = ("x_m", "y_m", "z_m")  # columns of a table of ways
 SLICE_AXES = ("x", "y", "roll_z")  # along and about which a vertical slice can move
+BREAKING_SOLITARY = 0.78  # height over depth at which a solitary wave breaks (McCowan 1894)
+STEEP_SOLITARY = 0.5  # height over depth above which theory of first order is far from a solitary wave
+STROKE_END_TANH = 0.999  # tanh of the wave's phase at both ends of the stroke for a solitary wave (Goring 1979)
+NEWTON_STEPS = 8  # from 0, to machine precision
 
 
 @dataclass(frozen=True)
@@ -92,6 +98,32 @@ def spline_law(times: np.ndarray, moved: np.ndarray) -> Law:
         return float(spline(t)), float(spline(t, 1)), float(spline(t, 2))
 
     return law
+
+
+def solitary_law(height: float, depth: float, gravity: float) -> tuple[Law, float, float]:
+    """Law of the piston of a solitary wave (Goring 1979, Caltech report KH-R-38), its stroke [m] and duration [s].
+
+    The wave is eta = H / cosh^2 theta, theta = kappa (c t - x), kappa = sqrt(3 H / 4 d) / d, c = sqrt(g (d + H)). The
+    wall moves with the mean velocity of the water before it, xi' = c eta / (d + eta), so xi = H / (kappa d) tanh theta
+    with theta = kappa (c t - xi), both counted from the middle of the stroke.
+    """
+    ratio, c = height / depth, sqrt(gravity * (depth + height))
+    kappa = sqrt(0.75 * ratio) / depth
+    half = STROKE_END_TANH * ratio / kappa
+    duration = 2.0 * (atanh(STROKE_END_TANH) / kappa + half) / c
+
+    def law(t: float) -> tuple[float, float, float]:
+        if not 0.0 <= t <= duration:
+            return (0.0 if t < 0.0 else 2.0 * half), 0.0, 0.0
+        phase, theta = kappa * c * (t - 0.5 * duration), 0.0
+        for _ in range(NEWTON_STEPS):  # theta + H/d tanh theta = phase
+            theta += (phase - theta - ratio * tanh(theta)) / (1.0 + ratio / cosh(theta) ** 2)
+        eta = height / cosh(theta) ** 2
+        v = c * eta / (depth + eta)
+        a = -2.0 * kappa * (c - v) * eta * tanh(theta) * c * depth / (depth + eta) ** 2
+        return half + ratio / kappa * tanh(theta), v, a
+
+    return law, 2.0 * half, duration
 
 
 class Tank(Model):
@@ -230,20 +262,26 @@ class Recorded(Tank):
         return TankMotion(axis, self.about, spline_law(times, moved))
 
 
-def with_its_kind(written: Any) -> Any:
-    """Add to the keys of a motion the kind that they imply if none is named; raises ValueError if they imply two."""
-    if not isinstance(written, dict):
-        return written
-    foreign = [key for key in written if key in Harmonic.model_fields and key not in Recorded.model_fields]
-    kind = written.get("kind", "file" if "file" in written else "harmonic")
-    if kind == "file" and foreign:
-        raise ValueError(f"the motion of a file has no {' and no '.join(foreign)}; those are of kind: harmonic")
-    if kind == "harmonic" and "file" in written:
-        raise ValueError("a harmonic motion has no file; that is of kind: file")
-    return written | {"kind": kind}
+def kind_by_keys(*models: type[Model]) -> BeforeValidator:
+    """Validator that adds to a mapping the kind that its keys imply: that of the first model with most of them. It
+    raises ValueError if the model of the kind lacks a key that another model has."""
+    kinds = {model.model_fields["kind"].default: model.model_fields.keys() for model in models}
+    known = {key: kind for kind, own in reversed(kinds.items()) for key in own}
+
+    def with_its_kind(written: Any) -> Any:
+        if not isinstance(written, dict):
+            return written
+        keys = [key for key in written if key in known]
+        kind = written.get("kind", max(kinds, key=lambda each: sum(key in kinds[each] for key in keys)))
+        foreign = [key for key in keys if key not in next((own for each, own in kinds.items() if each == kind), known)]
+        if foreign:
+            raise ValueError(f"kind: {kind} has no {' and no '.join(foreign)}; kind: {known[foreign[0]]} has")
+        return written | {"kind": kind}
+
+    return BeforeValidator(with_its_kind)
 
 
-Motion = Annotated[Harmonic | Recorded, Field(discriminator="kind"), BeforeValidator(with_its_kind)]
+Motion = Annotated[Harmonic | Recorded, Field(discriminator="kind"), kind_by_keys(Harmonic, Recorded)]
 
 
 @dataclass(frozen=True)
@@ -268,69 +306,160 @@ class TankMotion:
         return Frame(still, x, v, a, still, still, pivot)
 
 
-class Wavemaker(waves.WaveTrain):
-    """A wall that moves back and forth as a whole, a piston; its stroke follows from the waves asked for."""
+class Path(NamedTuple):
+    """Path of a piston, counted into the basin."""
+
+    law: Law
+    retreat: float  # farthest displacement out of the basin [m]
+    advance: float  # farthest displacement into it [m]
+    sea: waves.Components | None = None  # waves far away by linear theory; None of a motion without a period
+
+
+class Wavemaker(Model):
+    """The keys of every wavemaker: a wall that moves as a whole, a piston."""
 
     wall: Literal["x_min", "x_max", "z_min", "z_max"] = "x_min"
     """The wall that moves; its waves go into the basin."""
-    ramp: float | None = quantity("s", None, ge=0.0)
-    """Time over which the motion grows; by default one period (of a spectrum its peak period)."""
 
     def problems(self, basin: waves.Tank, side: str) -> Problems:
         """Faults (key path, sentence) of this wavemaker; `side`: kind of the basin's wall on the side `wall`."""
-        found = [(self.height_key, sentence) for sentence in waves.basin_faults(basin, *self.scale)]
+        if basin.dimension == 2 and self.wall.startswith("z"):
+            return [(("wall",), "a 2-D basin, in x-y, has no walls along z")]
+        if side not in ("reflecting", "no_slip"):
+            return [(("wall",), f"a piston is a reflecting or no_slip wall; {self.wall} is {side}")]
+        return []
+
+    @abstractmethod
+    def warnings(self, basin: waves.Tank, duration: float) -> list[str]:
+        """Warnings of a doubtful motion in a run of `duration` [s]."""
+
+    @abstractmethod
+    def path(self, depth: float, gravity: float) -> Path:
+        """Path of the wall in water of a depth [m] under a downward gravity [m/s2]."""
+
+
+class TrainWavemaker(Wavemaker, waves.WaveTrain):
+    """Regular or random waves by linear theory, from which the stroke follows."""
+
+    kind: Literal["train"] = "train"
+    ramp: float | None = quantity("s", None, ge=0.0)
+    """Time over which the motion grows; by default one period (of a spectrum its peak period)."""
+
+    @property
+    def growth(self) -> float:
+        """Time over which the motion grows [s]."""
+        return self.scale[1] if self.ramp is None else self.ramp
+
+    def problems(self, basin: waves.Tank, side: str) -> Problems:
+        found: Problems = [(self.height_key, sentence) for sentence in waves.basin_faults(basin, *self.scale)]
         if self.spectrum is not None and self.spectrum.heading_deg is not None:
             found.append((("spectrum", "heading_deg"), "the waves of a piston go away from its wall: leave this out"))
-        if basin.dimension == 2 and self.wall.startswith("z"):
-            found.append((("wall",), "a 2-D basin, in x-y, has no walls along z"))
-        elif side not in ("reflecting", "no_slip"):
-            found.append((("wall",), f"a piston is a reflecting or no_slip wall; {self.wall} is {side}"))
+        return found + super().problems(basin, side)
+
+    def warnings(self, basin: waves.Tank, duration: float) -> list[str]:
+        return list(waves.cut_short(duration, self.growth))
+
+    def path(self, depth: float, gravity: float) -> Path:
+        """Path S/2 sin(omega t - phase), S the stroke (Biesel & Suquet 1951), summed over the waves, which far away are
+        a cos(k s - omega t + phase), s being the distance from the wall's rest position."""
+        sea = self.train(np.array([1.0, 0.0]), depth, gravity)
+        omega, half = sea.omega, sea.amplitude / waves.piston_transfer(sea.wavenumber * depth)
+
+        def steady(time: float) -> tuple[float, float, float]:
+            angle = omega * time - sea.phase
+            x, v = half * np.sin(angle), half * omega * np.cos(angle)
+            return float(x.sum()), float(v.sum()), -float((omega**2 * x).sum())
+
+        return Path(ramp_law(steady, self.growth), float(half.sum()), float(half.sum()), sea)
+
+
+class SolitaryWavemaker(Wavemaker):
+    """One solitary wave: the wall moves once into the basin and stays there (Goring 1979)."""
+
+    kind: Literal["solitary"] = "solitary"
+    height: float = quantity("m", gt=0.0)
+    """Height of the crest over the still water; less than 0.78 of the depth."""
+    start: float = quantity("s", 0.0, ge=0.0)
+    """Time at which the wall begins to move."""
+
+    def problems(self, basin: waves.Tank, side: str) -> Problems:
+        found: Problems = [(("height",), sentence) for sentence in waves.basin_faults(basin)]
+        if self.height >= (most := BREAKING_SOLITARY * basin.depth):
+            lower = f"on {basin.depth:g} m of water it is lower than {most:.3g} m"
+            found.append((("height",), f"a solitary wave of {self.height:g} m would break: {lower}"))
+        return found + super().problems(basin, side)
+
+    def warnings(self, basin: waves.Tank, duration: float) -> list[str]:
+        found, ratio = [], self.height / basin.depth
+        end = self.start + solitary_law(self.height, basin.depth, waves.downward_gravity(basin))[2]
+        if duration < end:
+            found.append(f"the run ends at {duration:.4g} s, and the wavemaker moves until {end:.4g} s")
+        if ratio > STEEP_SOLITARY:
+            steep = f"a solitary wave of {ratio:.2g} of the depth is lower than asked for and trails others"
+            found.append(f"{steep}: the wavemaker's theory holds up to about {STEEP_SOLITARY:g}")
         return found
 
-    def build(self, depth: float, gravity: float) -> "Piston":
-        """Piston in water of a depth [m] under a downward gravity [m/s2]."""
-        inward = 1.0 if self.wall.endswith("min") else -1.0
-        sea = self.train(np.array([1.0, 0.0]), depth, gravity)
-        ramp = self.scale[1] if self.ramp is None else self.ramp
-        return Piston(sea, inward, ramp)
+    def path(self, depth: float, gravity: float) -> Path:
+        law, stroke, _ = solitary_law(self.height, depth, gravity)
+        return Path(lambda t: law(t - self.start), 0.0, stroke)
+
+
+class RecordedWavemaker(Wavemaker):
+    """The path in a file, smooth between its rows (a cubic spline); the wall stands still before and after them."""
+
+    kind: Literal["file"] = "file"
+    file: FileName
+    """CSV with columns `time_s` and `x_m`, the displacement of any wall into the basin from its place at time 0."""
+
+    def rows(self) -> list[np.ndarray]:
+        """Times (n,) [s] and displacements (n,) [m] in the file; raises Unreadable."""
+        return csv_file.Table(self.file).series("x_m", fewest=FEWEST_ROWS)
+
+    def problems(self, basin: waves.Tank, side: str) -> Problems:
+        found = super().problems(basin, side)
+        try:
+            self.rows()
+        except Unreadable as error:
+            found.append((("file",), f"{error}"))
+        return found + [(("file",), "waves need a free surface; this basin has none")] * basin.closed
+
+    def warnings(self, basin: waves.Tank, duration: float) -> list[str]:
+        path = display_path(self.file)
+        return csv_file.unreached_times_warning(path, self.rows()[0], duration, "the wavemaker never moves")
+
+    def path(self, depth: float, gravity: float) -> Path:
+        """Path of the wall through the rows of the file; raises Unreadable."""
+        times, moved = self.rows()
+        law = spline_law(times, moved - spline_law(times, moved)(0.0)[0])
+        x = [law(t)[0] for t in np.linspace(0.0, max(times[-1], 0.0), FREQUENCY_SAMPLES).tolist()]
+        return Path(law, -min(x), max(x))
+
+
+AnyWavemaker = Annotated[
+    TrainWavemaker | SolitaryWavemaker | RecordedWavemaker,
+    Field(discriminator="kind"),
+    kind_by_keys(TrainWavemaker, SolitaryWavemaker, RecordedWavemaker),
+]
 
 
 @dataclass(frozen=True)
 class Piston:
-    """Motion of a piston wavemaker. Far away its waves are a cos(k s - omega t + phase), s being the distance from its
-    rest position: for that it moves by S/2 sin(omega t - phase) into the basin, S the stroke (Biesel & Suquet 1951)."""
+    """Motion of a wavemaker in water of a depth [m] under a downward gravity [m/s2]."""
 
-    sea: waves.Components
-    inward: float  # direction of the basin along the wall's axis: 1 or -1
-    ramp: float  # [s]
+    maker: Wavemaker
+    depth: float
+    gravity: float
 
     @cached_property
-    def amplitude(self) -> np.ndarray:
-        """Half the stroke (n,) [m] for each wave: its amplitude over the ratio of wave height to stroke."""
-        return self.sea.amplitude / waves.piston_transfer(self.sea.wavenumber * self.sea.depth)
-
-    @property
-    def stroke(self) -> float:
-        """Full stroke [m]; of a spectrum the significant one, four standard deviations of the displacement."""
-        full = 2.0 if len(self.amplitude) == 1 else 8.0**0.5
-        return full * float(np.linalg.norm(self.amplitude))
-
-    @property
-    def reach(self) -> float:
-        """Farthest displacement of the wall to either side [m]."""
-        return float(self.amplitude.sum())
-
-    def steady(self, time: float) -> tuple[float, float, float]:
-        """Fully grown motion into the basin at a time [s]: displacement, velocity and acceleration."""
-        omega = self.sea.omega
-        angle = omega * time - self.sea.phase
-        x, v = self.amplitude * np.sin(angle), self.amplitude * omega * np.cos(angle)
-        return float(x.sum()), float(v.sum()), -float((omega**2 * x).sum())
+    def path(self) -> Path:
+        """Path of the wall into the basin; raises Unreadable if it lies in a file that cannot be read."""
+        return self.maker.path(self.depth, self.gravity)
 
     def at(self, time: float) -> tuple[float, float, float]:
-        """Displacement [m], velocity, acceleration along the wall's axis (its + direction) at a time [s], with ramp."""
-        x, v, a = ramp_law(self.steady, self.ramp)(time)
-        return self.inward * x, self.inward * v, self.inward * a
+        """Displacement [m], velocity, acceleration along the wall's axis (its + direction) at a time [s]."""
+        x, v, a = self.path.law(time)
+        inward = 1.0 if self.maker.wall.endswith("min") else -1.0
+        return inward * x, inward * v, inward * a
 
 
 class Moved(NamedTuple):

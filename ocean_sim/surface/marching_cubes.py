@@ -98,8 +98,8 @@ class Config(SurfaceConfig):
         low, up = [*basin.lower], [*basin.upper]
         for side in basin.sides:
             if side.piston is not None:
-                reach = side.piston.reach
-                (up if side.upper else low)[side.axis] += reach if side.upper else -reach
+                retreat = side.piston.path.retreat
+                (up if side.upper else low)[side.axis] += retreat if side.upper else -retreat
         up[1] = self.height
         return Nodes(tuple(low), tuple(up), self.spacing)  # type: ignore[arg-type]
 

@@ -43,10 +43,10 @@ def problems(coarse: bool) -> list[Problem]:
 def measure(simulation: Simulation) -> Finding:
     away = np.stack([GAUGE_DISTANCE + GAUGE_POSITIONS, 0.0 * GAUGE_POSITIONS], axis=1)
     piston = simulation.basin.piston
-    assert piston is not None
+    assert piston is not None and piston.path.sea is not None
     records = gauge_records(simulation, away + [simulation.basin.lower[0], 0.0], SAMPLE_INTERVAL)
     time, found = resample_evenly(*records, RECORD_START, SAMPLE_INTERVAL)
-    theory = np.array([waves.elevation(piston.sea, away[:1], t)[0] for t in time])
+    theory = np.array([waves.elevation(piston.path.sea, away[:1], t)[0] for t in time])
     sea, wanted = measure_record(time, found[:, 0]), measure_record(time, theory)
     back = reflection_ratio(SAMPLE_INTERVAL, found, GAUGE_POSITIONS, DEPTH, FREQUENCY_BAND)
     pairs = ((sea.hm0_m, wanted.hm0_m), (sea.tm02_s, wanted.tm02_s), (sea.hs_m, wanted.hs_m))

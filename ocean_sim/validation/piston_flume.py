@@ -57,7 +57,7 @@ def flume_problem(far: int, begin: float, tolerance: float, coarse: bool, slow: 
         gauges = np.stack([simulation.basin.lower[0] + distances, np.zeros(2)], axis=1)
         times, elevation = gauge_records(simulation, gauges, PERIOD / 40)
         theory = transient_elevation(piston, distances, times)
-        return compare_harmonics(times, elevation, theory, piston.stroke, away)
+        return compare_harmonics(times, elevation, theory, 2.0 * piston.path.advance, away)
 
     return Problem(scene, promises, measure, name.rstrip(": "), slow)
 

@@ -5,6 +5,8 @@ import pytest
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.reading.scene import load
+from ocean_sim.simulation import Simulation
+from ocean_sim.validation.shared.flume import gauge_records
 from tests.fluid.conftest import box, by_id, put
 
 OPEN = {"walls": "none", "floor": "none"}
@@ -209,3 +211,21 @@ def test_and_every_impulse_is_told(flume):
     momentum = flume.particles.mass * flume.particles.velocity.to_numpy().sum(axis=0)
     np.testing.assert_allclose(sum(flume.impulse.values()), momentum, atol=1e-9)
     assert flume.impulse["walls"][0] > 0.0
+
+
+def test_a_solitary_wave_has_its_height_and_speed(taichi_cpu):
+    """H / d = 0.2, 10 layers: 8 depths on 0.99 H above still water; speed sqrt(g (d + H)) from 8 to 12 depths."""
+    basin = {"length": 4.0, "depth": 0.2, "wavemaker": {"kind": "solitary", "height": 0.04}}
+    fluid = {"kind": "delta_sph", "spacing": 0.02, "kinematic_viscosity": 1e-6}
+    simulation = Simulation(load({"duration": 3.2, "basin": basin, "fluid": fluid}))
+    gauges = np.array([[simulation.basin.lower[0] + 0.2 * depths, 0.0] for depths in (8, 12)])
+    times, elevation = gauge_records(simulation, gauges, 0.01)
+    crests = []
+    for eta in elevation.T:
+        near = np.argmax(eta) + np.arange(-8, 9)
+        crests.append(np.polynomial.Polynomial.fit(times[near], eta[near], 2))
+    passed = [crest.deriv().roots()[0] for crest in crests]
+    still = elevation[0].mean()
+    assert crests[0](passed[0]) - still == pytest.approx(0.04, abs=0.05 * 0.04)
+    assert 0.8 / (passed[1] - passed[0]) == pytest.approx((GRAVITY * 0.24) ** 0.5, rel=0.02)
+    assert simulation.fluid.particles.position.to_numpy()[:, 0].min() > simulation.basin.lower[0] + 0.2

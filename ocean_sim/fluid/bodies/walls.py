@@ -90,7 +90,7 @@ def scene_waves(basin: Basin, initial: Initial | None) -> waves.Components | Non
     if any(waves.basin_faults(basin)):
         return None
     if basin.piston is not None:
-        return basin.piston.sea
+        return basin.piston.path.sea
     began = None if initial is None else initial.sea(basin)
     return began or basin.tank_wave
 

@@ -32,7 +32,7 @@ class Images:
         rows = []
         for side in sides:
             last = size.cells[side.axis] - 2
-            layers = 1 if side.piston is None else 1 + ceil(side.piston.reach / size.inner_cells[side.axis][1])
+            layers = 1 if side.piston is None else 1 + ceil(side.piston.path.advance / size.inner_cells[side.axis][1])
             self.deepest = max(self.deepest, layers)
             near = (last + 1 - layers, last) if side.upper else (1, layers)
             row = (side.axis, *near, side.position, side.slip == "no_slip", *(2.0 * v for v in side.velocity), 0.0)

@@ -88,7 +88,8 @@ def wave_trains(lattice: Lattice) -> Iterator[Train]:
     if sea is not None:
         yield Train(sea, False)
     elif basin.piston is not None:
-        yield Train(basin.piston.sea, False)
+        if (made := basin.piston.path.sea) is not None:
+            yield Train(made, False)
     elif initial is not None and (began := initial.sea(basin)) is not None:
         yield Train(began, isinstance(initial, StandingWave))
     yield from (Train(zone.given, False) for zone in zones(lattice) if zone.given is not None)

@@ -17,7 +17,7 @@ from ocean_sim.fluid.sph.lattice import Lattice, in_obstacles
 from ocean_sim.fluid.sph.smoothing import WENDLAND, Kernel
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import FluidConfig, Preflight, Problems
-from ocean_sim.waves import Components, cut_short
+from ocean_sim.waves import Components
 
 MAX_ROUNDING_SPACINGS = 1e-3  # [spacings] between two numbers: about a hundredth of the way of a particle in a step
 MIN_GATE_SPACINGS = 2.0  # [spacings] thickness of a gate that holds still water back as a wall does
@@ -82,6 +82,8 @@ class WaterConfig(FluidConfig):
         if self.motion_limit is not None:
             limit = f"{self.motion_limit:g}"
             found.append(f"no particle moves further than {limit} spacings in a step; what is held back is counted")
+        if (piston := preflight.tank.piston) is not None and piston.path.sea is None:
+            found.append(f"the wavemaker moves up to {piston.path.advance:.3g} m into the basin")
         for k, gate in preflight.tank.gates:
             moves = f"moves from {gate.start:g} s on, at up to {gate.fastest(preflight.duration):.3g} m/s, and "
             leaves = "stays" if gate.end is None else f"has left at {gate.end:g} s"
@@ -91,8 +93,8 @@ class WaterConfig(FluidConfig):
     def warnings(self, preflight: Preflight) -> list[str]:
         found, tank, spacing = super().warnings(preflight), preflight.tank, preflight.spacing
         found += [*odd_gravity(tank.gravity), *falling_warnings(tank), *rounding_warnings(preflight)]
-        if tank.piston is not None:
-            found += cut_short(preflight.duration, tank.piston.ramp)
+        if tank.config.wavemaker is not None:
+            found += tank.config.wavemaker.warnings(tank, preflight.duration)
         if tank.config.motion is not None:
             found += tank.config.motion.warnings(preflight.duration)
         for k, box in enumerate(tank.config.obstacles):

@@ -5,6 +5,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from ocean_sim.basin import Basin
+from ocean_sim.conventions import GRAVITY as EARTH_GRAVITY
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.budget.field import Field
 from ocean_sim.fluid.budget.momentum_budget import GRAVITY, SHIP, WALLS, WIND
@@ -80,7 +81,7 @@ class Ballistic(ParticleWater):
         super().__init__(config, basin, config.size(basin, running_arch()), accounts, wind)
         self.particles.pressure.fill(0.0)
         self.field = Field(self.particles, self.grid, self.smoothing, np.zeros(3))
-        self.reference_speed = free_fall_speed(basin)
+        self.reference_speed = free_fall_speed(basin) or (EARTH_GRAVITY * basin.depth) ** 0.5
         self.begin()
 
     def arrive(self) -> None:

@@ -59,6 +59,10 @@ class Config(SphConfig):
             raise ValueError("give either compression or stiffness [m2/s2], not both")
         return self
 
+    def speed(self, basin: Basin) -> float:
+        """Reference speed [m/s]: as in SphConfig; without gravity that of 1 % compression at the given `stiffness`."""
+        return super().speed(basin) or 0.1 * sqrt(self.stiffness or 0.0)
+
     def sound_speed(self, basin: Basin) -> float:
         """Sound speed c [m/s]: the square root of k of (2.15)."""
         return sqrt(self.stiffness) if self.stiffness else super().sound_speed(basin)

@@ -53,8 +53,8 @@ class Config(PeriodicConfig):
     """Density that no particle may exceed, as a multiple of the rest density."""
     max_level_ratio: float = quantity("1", 1.25, gt=1.0)
     """Height over the bed that the centre of mass of the water may reach, as a multiple of its height at rest in the
-    same columns, or of its height at the start: water that swells lies higher. Not judged where water enters or a lid
-    holds it down."""
+    same columns, or of its height at the start: water that swells lies higher. Not judged where water enters, a lid
+    holds it down or gravity does not."""
     max_distance: float | None = quantity("m", None, gt=0.0)
     """Distance from the basin that a particle may reach where no wall stops it; by default the basin's diagonal."""
     max_energy_gain: float = quantity("1", 0.1, gt=0.0)
@@ -77,9 +77,8 @@ class Health(OutcomeObserver):
         self.max_distance = config.max_distance or float(np.linalg.norm(self.upper - self.lower))
         self.judges_energy = self.n > 0 and fluid.sound_speed > 0.0 and not gains_energy(simulation)
         self.stored = stored_by_weight(simulation) if self.judges_energy else 0.0  # [J]
-        self.judges_level = (
-            self.n > 0 and fluid.sound_speed > 0.0 and not basin.closed and not simulation.scene.fluid.driven
-        )
+        held = basin.gravity[1] < 0.0 and not basin.closed  # by its weight alone
+        self.judges_level = self.n > 0 and fluid.sound_speed > 0.0 and held and not simulation.scene.fluid.driven
         interval = ENERGY_CHECK_INTERVAL * basin.depth / fluid.reference_speed if self.judges_energy else 0.0
         self.energy_interval = interval  # [s]
         self.energy_time, self.gain_reported = 0.0, False

@@ -274,11 +274,24 @@ def test_waves_in_a_patch_have_no_more_energy_than_the_sea_gives(height):
         assert observer.reported == []
 
 
-def test_still_water_without_weight_has_an_energy_to_compare_with():
-    """None of it moves, falls or is compressed."""
+@pytest.mark.parametrize(
+    "water",
+    quickly(
+        {"kind": "mueller", "stiffness": 20.0, "kinematic_viscosity": 2.0e-3},
+        {"kind": "delta_sph", "reference_speed": 2.0},
+        {"kind": "dfsph", "reference_speed": 2.0},
+        {"kind": "ballistic"},
+    ),
+)
+@pytest.mark.parametrize("speed", quickly(0.3, 0.0))
+def test_water_without_weight_has_a_speed_and_an_energy_to_compare_with(water, speed):
+    """None of it falls or is compressed by weight; where it moves, it rises without being swollen."""
     basin = {"length": 1.0, "depth": 0.5, "gravity": [0.0, 0.0, 0.0]}
-    water = {"kind": "delta_sph", "spacing": 0.1, "reference_speed": 2.0}
-    with loop.Simulation(load({"basin": basin, "fluid": water, "render": None})) as simulation:
+    water = water | {"spacing": 0.05, "fill": [{"min": [-0.25, -0.5], "max": [0.25, -0.3]}]}
+    scene = {"basin": basin, "fluid": water, "render": None, "runtime": {"threads": 1}}
+    with loop.Simulation(load(scene)) as simulation:
+        velocity = simulation.fluid.particles.velocity
+        velocity.from_numpy(np.full_like(velocity.to_numpy(), (0.0, speed, 0.0)))
         observer = health.Config().build(loop.NO_FOLDER, simulation)
         for _ in range(101):
             observer.observe(simulation)

@@ -11,7 +11,7 @@ from ocean_sim.simulation import Simulation
 INSEPARABLE_TERMS = ("pressure", "walls")  # only the sum of their work is known, see `separable_work_terms`
 CONVERSION_TERMS = ("gravity", "pressure")  # their work turns one energy into another
 DRIVING_TERMS = ("wind", "gravity", "walls", "sea", "obstacles", "ship", "emitter")  # the others only take energy
-UNSTORED_SCALE = 0.01  # of the mass times the square of the reference speed, where weight stores no energy
+UNSTORED_SCALE = 0.01  # of the mass times the square of the reference speed, where no energy is stored
 
 
 class Balance:
@@ -68,13 +68,15 @@ def stored_by_weight(simulation: Simulation) -> float:
 
 def energy_scale(simulation: Simulation) -> float:
     """Energy [J] in water at rest to which a gain is compared: that which its weight stores by compression, and in a
-    patch of open sea that of its waves; where weight stores none, or a solver finds the pressure, a hundredth of mass
-    times reference speed squared."""
+    patch of open sea that of its waves; where none is stored, a hundredth of mass times reference speed squared plus
+    the energy that lifts the water by a spacing (solved water rises by hundredths of one as its lattice gives way)."""
     basin, particles = simulation.basin, with_particles(simulation.fluid).particles
     compresses = simulation.fluid.sound_speed > 0.0 and not simulation.fluid.solvers
     stored = stored_by_weight(simulation) if compresses else 0.0
     if stored == 0.0:
-        return UNSTORED_SCALE * particles.mass * particles.count.now * simulation.fluid.reference_speed**2
+        lifted = float(np.linalg.norm(basin.gravity)) * particles.spacing  # [m2/s2]
+        specific = UNSTORED_SCALE * simulation.fluid.reference_speed**2 + lifted  # [J/kg]
+        return particles.mass * particles.count.now * specific
     sea = None if basin.sea is None else basin.sea.plane_waves(basin)
     if sea is None:
         return stored

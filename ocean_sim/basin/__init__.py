@@ -170,10 +170,20 @@ class Floor(Model):
         if y.min() < (1.0 + LEVEL_ROUNDING) * basin.lower[1]:
             deep = f"reaches down to y = {y.min():g} m, and the basin is {basin.depth:g} m deep"
             yield (key,), f"the bed {deep}; y counts upwards from the still water"
-        elif basin.ground_of(self).y.min() >= 0.0:
+            return
+        ground = basin.ground_of(self)
+        if ground.y.min() >= 0.0:
             yield (key,), "the bed lies above the water everywhere; y counts upwards from the still water"
-        if basin.closed or basin.sea is not None:
-            yield (key,), "a bed with a shape lies under a free surface, in a basin of its own: no lid, no sea"
+        for axis, ends in (("x", ground.y[[0, -1]]), ("z", ground.y[:, [0, -1]].T)):
+            if basin.periods["xyz".index(axis)] and np.ptp(ends, axis=0).max() > -LEVEL_ROUNDING * basin.lower[1]:
+                yield (key,), f"{axis} is periodic, and the bed is not as high at one side as at the other"
+        if basin.config.wavemaker is not None:
+            wall = {"x_min": ground.y[0], "x_max": ground.y[-1], "z_min": ground.y[:, 0], "z_max": ground.y[:, -1]}
+            if wall[basin.config.wavemaker.wall].max() > (1.0 - LEVEL_ROUNDING) * basin.lower[1]:
+                made = f"its waves are those of water {basin.depth:g} m deep"
+                yield (key,), f"before the wavemaker the bed must lie at y = {basin.lower[1]:g} m: {made}"
+        if basin.closed:
+            yield (key,), "a bed with a shape lies under a free surface: leave lid and a periodic y out"
 
     @property
     def rubs(self) -> bool:

@@ -1,7 +1,7 @@
 """A bed of any shape: heights over the plan of a basin, as a fixed solid body that samples stand for.
 
-Heights are bilinear between nodes. Samples stand in columns, at equal distances along the bed and across it, so that
-each stands for the volume of a particle; the flat bed below, which mirrors the water, cuts them off.
+Heights are bilinear between nodes. Samples stand in columns, at equal distances along the bed and across it; the flat
+bed below, which mirrors the water, cuts them off.
 """
 
 from collections.abc import Sequence
@@ -18,6 +18,8 @@ from ocean_sim.files.cache_file import cached_arrays
 Boxes = Sequence[tuple[np.ndarray, np.ndarray]]  # lower and upper corner of each [m]
 # [spacings] of the kernel by which particles are fitted to a bed: 2 leave still water 5 times as restless
 FIT_SUPPORT = 3.0
+LAYERS_A_SPACING = 2  # of samples: a single one drives still water up a slope of 1:20 at 0.01 sqrt(g h)
+WAVE_ROWS = 8.0  # [spacings] of depth that waves need
 SLICE_HALF = 1e-3  # [m] half the width of the bed in a slice
 COLUMNS_A_SPACING = 4  # columns to a spacing by which the volume of the bed is summed
 
@@ -104,9 +106,9 @@ class Ground:
         places, areas = self.columns(spacing, margin)
         heights, slopes = self.shape_at(places)
         steep = np.sqrt(1.0 + np.square(slopes).sum(axis=1))
-        layers = np.arange(ceil(support / spacing) + 1)
-        top = heights[:, None] - layers * (spacing * steep)[:, None]
-        foot = top - (spacing * steep)[:, None]
+        thickness = spacing / LAYERS_A_SPACING * steep[:, None]
+        top = heights[:, None] - np.arange(ceil(LAYERS_A_SPACING * (support / spacing + 0.5))) * thickness
+        foot = top - thickness
         if margin == 0.0:
             foot = np.maximum(foot, self.lowest)
         tall = top - foot
@@ -124,6 +126,31 @@ class Ground:
             within = ((places >= low[[0, 2]]) & (places <= up[[0, 2]]))[:, : len(across)].all(axis=1)
             total += float((areas * within * (np.clip(heights, low[1], up[1]) - low[1])).sum())
         return total
+
+    def statements(self, spacing: float) -> list[str]:
+        """Sentence on the volume and the depth of the water over it, for particles a `spacing` [m] apart."""
+        places, areas = self.columns(spacing, 0.0)
+        depth = -self.heights(places)
+        wet, unit = depth > 0.0, "m3" if self.dimension == 3 else "m2"
+        volume, dry = float((depth * areas)[wet].sum()), 1.0 - float(areas[wet].sum() / areas.sum())
+        shallow = depth[wet].min() / spacing
+        shore = f"; {dry:.0%} of its plan is dry" if dry > 0.0 else ""
+        return [
+            f"the bed has a shape: {volume:.4g} {unit} of still water over it, {shallow:.2g} to "
+            f"{depth.max() / spacing:.3g} spacings deep{shore}"
+        ]
+
+    def warnings(self, spacing: float) -> list[str]:
+        """Warning of water too shallow for waves, for particles a `spacing` [m] apart."""
+        places, _ = self.columns(spacing, 0.0)
+        depth = -self.heights(places)
+        shallow = places[(depth > 0.0) & (depth < WAVE_ROWS * spacing), 0]
+        if len(shallow) == 0:
+            return []
+        return [
+            f"between x = {shallow.min():.3g} and {shallow.max():.3g} m the water over the bed is less than "
+            f"{WAVE_ROWS:g} spacings deep in places: waves are coarse there; take a smaller spacing"
+        ]
 
     def make_room(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, spacing: float, volume: float

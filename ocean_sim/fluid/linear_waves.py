@@ -37,6 +37,8 @@ class Config(waves.GrowingTrain, FluidConfig):
         basin = preflight.tank
         found: Problems = [(("kind",), sentence) for sentence in waves.basin_faults(basin)]
         found = found or [(self.height_key, sentence) for sentence in waves.basin_faults(basin, *self.scale)]
+        if basin.ground is not None:
+            found.append((("kind",), "a sea in closed form lies over a flat bed; leave the shape of basin.floor out"))
         if basin.obstacles:
             found.append((("kind",), "a sea in closed form goes through obstacles; leave basin.obstacles out"))
         if basin.rough_bed is not None:

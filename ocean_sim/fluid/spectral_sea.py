@@ -86,6 +86,10 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
     def problems(self, preflight: Preflight) -> Problems:
         basin = preflight.tank
         found = self.sea_faults(basin)
+        if basin.ground is not None:
+            found.append(
+                (("kind",), "a sea computed by its surface lies over a flat bed; leave the shape of basin.floor out")
+            )
         if basin.obstacles:
             found.append((("kind",), "a sea without sides goes through obstacles; leave basin.obstacles out"))
         if basin.rough_bed is not None:

@@ -31,7 +31,10 @@ class Written(Seas, SeaConfig):
         return sea if sea.amplitude.any() else None
 
     def problems(self, preflight: Preflight) -> Problems:
-        return self.sea_faults(preflight.tank) or super().problems(preflight)
+        found = self.sea_faults(preflight.tank) or super().problems(preflight)
+        if preflight.tank.ground is not None:
+            found.append((("kind",), "a patch of open sea lies over a flat bed; leave the shape of basin.floor out"))
+        return found
 
     def warnings(self, preflight: Preflight) -> list[str]:
         return self.like_radians() + super().warnings(preflight)

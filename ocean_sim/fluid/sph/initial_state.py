@@ -280,7 +280,12 @@ def start_state(
 
 def problems(initial: Initial | None, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
     """Faults (path below `fluid.initial`, sentence) of an initial state in this basin; none without one."""
-    return [] if initial is None else list(initial.problems(basin))
+    if initial is None:
+        return []
+    found = list(initial.problems(basin))
+    if basin.ground is not None and not found and initial.sea(basin) is not None:
+        found.append((("kind",), "these are waves over a flat bed; let basin.wavemaker make waves over this one"))
+    return found
 
 
 def given_positions(initial: Initial | None, basin: Basin) -> np.ndarray | None:

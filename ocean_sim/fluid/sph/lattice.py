@@ -13,6 +13,7 @@ from ocean_sim.fluid.bodies.emitter import Emitter, Jet
 from ocean_sim.fluid.sph import initial_state as initial_module
 from ocean_sim.waves import Components
 
+BUDGET_ROWS = 32  # in the depth, by which the volume of a bed is summed before the spacing is known
 MARGIN_SPACINGS = 8.0  # [spacings] around a solid, as far as the water that makes room for it is pressed from
 
 
@@ -62,8 +63,12 @@ class Lattice:
         if self.config.spacing is not None:
             return self.config.spacing
         assert self.config.particles is not None
-        spacing = (self.volume / self.config.particles) ** (1.0 / self.basin.dimension)
-        while total_count(self.box_counts(spacing)) > max(self.config.particles, len(self.boxes)):
+        asked, ground = self.config.particles, self.basin.ground
+        if ground is not None:  # the bed takes the room of some
+            solid = ground.volume_inside(self.boxes, self.basin.depth / BUDGET_ROWS)
+            asked = int(asked * self.volume / (self.volume - solid))
+        spacing = (self.volume / asked) ** (1.0 / self.basin.dimension)
+        while total_count(self.box_counts(spacing)) > max(asked, len(self.boxes)):
             spacing *= 1.001
         return spacing
 
@@ -122,7 +127,8 @@ class Lattice:
     @property
     def plan_area(self) -> float | None:
         """Area of the still surface [m2], in 2-D its length [m]; None if the water does not fill an open basin."""
-        filled = self.config.fill is None and self.given is None and not self.basin.closed
+        dry = self.basin.ground is not None and self.basin.ground.y.max() > 0.0
+        filled = self.config.fill is None and self.given is None and not self.basin.closed and not dry
         return self.basin.volume / self.basin.depth if filled else None
 
     @property

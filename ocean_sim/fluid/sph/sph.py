@@ -152,6 +152,8 @@ class SphConfig(WaterConfig):
         found, basin = super().warnings(preflight), preflight.tank
         if basin.rough_bed is not None:
             found += basin.rough_bed.warnings(self.lattice(basin).row)
+        if basin.ground is not None and (basin.piston is not None or basin.config.motion is not None):
+            found += basin.ground.warnings(self.lattice(basin).spacing)
         if "compression" not in self.unheeded:
             found += self.stiffness_warnings(basin) or self.weight_warnings(basin, preflight.duration)
         lattice = self.start_lattice(preflight)
@@ -275,6 +277,8 @@ class SphConfig(WaterConfig):
             found.append(f"pressures below {least} Pa are set to {least} (minimum_pressure)")
         if basin.rough_bed is not None:
             found += basin.rough_bed.statements(self.lattice(basin).row)
+        if basin.ground is not None:
+            found += basin.ground.statements(self.lattice(basin).spacing)
         around = relaxation_band(self.start_lattice(preflight))
         found += around.statements() if around is not None else []
         found += [zone.statement for zone in zones(self.start_lattice(preflight))]

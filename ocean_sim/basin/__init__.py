@@ -18,6 +18,7 @@ from ocean_sim.files.input_file import FileName, Unreadable
 from ocean_sim.model import Model, Vector2, Vector3, quantity
 
 if TYPE_CHECKING:  # it is imported only where the bed has a shape
+    from ocean_sim.basin import packing
     from ocean_sim.basin.ground import Ground
 
 OPEN = 1.0e30  # [m] where a side that is open would stand
@@ -469,11 +470,10 @@ class Solid(Protocol):
         positions: np.ndarray,
         beyond: np.ndarray,
         boxes: list[tuple[np.ndarray, np.ndarray]],
-        spacing: float,
-        volume: float,
+        lattice: "packing.Lattice",
     ) -> tuple[np.ndarray, np.ndarray]:
         """(n,) True for `positions` (n, 3) [m] of particles that the body displaces, and (n, 3) positions of the
-        others, moved around it. Each has a `volume`, all fill `boxes`, and `beyond` (m, 3) continues their lattice."""
+        others, moved around it. All fill `boxes`, and `beyond` (m, 3) continues their lattice."""
 
     def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Sample points of the body: (n, 3) positions from the centre of mass, body axes [m], (n,) volumes [m3], in 2-D

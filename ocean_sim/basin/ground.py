@@ -11,13 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.basin.packing import FIT_REACH, fit_particles
+from ocean_sim.basin.packing import FIT_REACH, Lattice, fit_particles
 from ocean_sim.files.bathymetry import Heights
 from ocean_sim.files.cache_file import cached_arrays
 
 Boxes = Sequence[tuple[np.ndarray, np.ndarray]]  # lower and upper corner of each [m]
-# [spacings] of the kernel by which particles are fitted to a bed: 2 leave still water 5 times as restless
-FIT_SUPPORT = 3.0
 LAYERS_A_SPACING = 2  # of samples: a single one drives still water up a slope of 1:20 at 0.01 sqrt(g h)
 WAVE_ROWS = 8.0  # [spacings] of depth that waves need
 SLICE_HALF = 1e-3  # [m] half the width of the bed in a slice
@@ -153,10 +151,10 @@ class Ground:
         ]
 
     def make_room(
-        self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, spacing: float, volume: float
+        self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, lattice: Lattice
     ) -> tuple[np.ndarray, np.ndarray]:
         """Make room for the bed in a lattice of particles at rest, as `basin.Solid` says; kept in the user's cache."""
-        numbers = repr([spacing, volume, self.lowest, self.periodic, *(x.tolist() for box in boxes for x in box)])
+        numbers = repr([lattice, self.lowest, self.periodic, *(x.tolist() for box in boxes for x in box)])
         content = b"".join(array.tobytes() for array in (self.x, self.z, self.y, positions, beyond)) + numbers.encode()
 
         def made() -> dict[str, np.ndarray]:
@@ -164,13 +162,16 @@ class Ground:
             water = np.arange(len(points)) < len(positions)
             away = self.distances(points)
             gone = ~water & (away < 0.0)
-            gone[np.argsort(away[water], kind="stable")[: round(self.volume_inside(boxes, spacing) / volume)]] = True
-            reach = (FIT_REACH + FIT_SUPPORT + 1.0) * spacing
-            at, volumes, _ = self.samples(spacing, FIT_SUPPORT * spacing, reach)
-            body = np.concatenate([at, (volumes / volume)[:, None]], axis=1)
+            gone[
+                np.argsort(away[water], kind="stable")[
+                    : round(self.volume_inside(boxes, lattice.spacing) / lattice.volume)
+                ]
+            ] = True
+            reach = (FIT_REACH + 1.0) * lattice.spacing + lattice.support
+            at, volumes, _ = self.samples(lattice.spacing, lattice.support, reach)
             plan, sides = points[:, [0, 2]], np.array([self.x[[0, -1]], self.z[[0, -1]]])
             held = np.any((plan < sides[:, 0]) | (plan > sides[:, 1]), axis=1)
-            return fit_particles(points, water, gone, body, spacing, self.dimension, FIT_SUPPORT, held)
+            return fit_particles(points, water, gone, (at, volumes), lattice, self.dimension, held)
 
         found = cached_arrays("rooms", content, made)
         gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from ocean_sim.__main__ import run_command_line
+from ocean_sim.basin.packing import Lattice
+from ocean_sim.fluid.sph.smoothing import WENDLAND
 from ocean_sim.parts import named
 from ocean_sim.ship.body.rigid_body import RigidBody, axis_rotation
 from ocean_sim.ship.forces.added_mass import by_rule, pabst_factor
@@ -209,6 +211,8 @@ def test_what_is_known_of_a_hull_beforehand_comes_from_the_cache_unchanged(tmp_p
     axes = [low + spacing * (np.arange(round((up - low) / spacing)) + 0.5) for low, up in zip(*box)]
     lattice = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
 
+    packed = Lattice(spacing, spacing**3, WENDLAND, 2.0 * spacing)
+
     def found(x: float) -> list[bytes]:
         unit = np.array([1.0, 0.0, 0.0, 0.0])
         body = RigidBody(500.0, np.eye(3), np.array([x, -0.1, 0.0]), unit, np.zeros(3), np.zeros(3))
@@ -216,7 +220,7 @@ def test_what_is_known_of_a_hull_beforehand_comes_from_the_cache_unchanged(tmp_p
         parts = [
             *shapes.drawn_mesh(shape),
             shapes.convex_corners(shape),
-            *hull.make_room(lattice, lattice[:0], [box], spacing, spacing**3),
+            *hull.make_room(lattice, lattice[:0], [box], packed),
         ]
         return [array.tobytes() for array in parts]
 

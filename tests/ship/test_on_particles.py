@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from ocean_sim.basin.packing import Lattice
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.fluid.sph.smoothing import WENDLAND
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.ship import pressure
 from ocean_sim.ship.body.rigid_body import RigidBody
@@ -256,6 +258,7 @@ def test_a_ship_may_float_before_the_first_water_comes():
     unit = np.array([1.0, 0.0, 0.0, 0.0])
     body = RigidBody(400.0, np.eye(3), np.zeros(3), unit, np.zeros(3), np.zeros(3))
     hull = Solid(hull_of("wigley").shape, np.zeros(3), body, flat=False, is_sampled=False)
+    packed = Lattice(0.2, 0.2**3, WENDLAND, 0.4)
     for places, taken in ((np.zeros((0, 3)), 0), (np.zeros((1, 3)), 1)):
-        gone, others = hull.make_room(places, places[:0], [(np.full(3, -2.0), np.full(3, 2.0))], 0.2, 0.2**3)
+        gone, others = hull.make_room(places, places[:0], [(np.full(3, -2.0), np.full(3, 2.0))], packed)
         assert gone.sum() == taken and np.array_equal(others, places)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -11,7 +11,11 @@ from ocean_sim.basin import Basin, Box, Solid, shifts
 from ocean_sim.basin.points import middles_of
 from ocean_sim.fluid.bodies.emitter import Emitter, Jet
 from ocean_sim.fluid.sph import initial_state as initial_module
+from ocean_sim.fluid.sph.smoothing import Kernel
 from ocean_sim.waves import Components
+
+if TYPE_CHECKING:
+    from ocean_sim.basin import packing
 
 BUDGET_ROWS = 32  # in the depth, by which the volume of a bed is summed before the spacing is known
 MARGIN_SPACINGS = 8.0  # [spacings] around a solid, as far as the water that makes room for it is pressed from
@@ -28,6 +32,13 @@ class Filling(Protocol):
     emitter: Emitter | None
     motion_limit: float | None  # [spacings]
     collision_distance: float  # [spacings]
+
+    @property
+    def kernel(self) -> Kernel:
+        """Kernel of the pressure."""
+
+    def ratio(self, basin: Basin) -> float:
+        """Support radius of the kernel over the spacing."""
 
     def losses(self, lattice: "Lattice", sea: Components) -> np.ndarray | None:
         """Complex decay rates (n,) [1/s] of the waves of a sea by the scheme, see WaterConfig.losses."""
@@ -193,11 +204,18 @@ class Lattice:
         for solid in self.basin.solids:
             nearest = shifts(positions, solid.origin[[0, 2]], self.basin.periods)
             beyond = self.points_beyond(solid) if solid.is_sampled else np.empty((0, 3))
-            volume = self.mass / self.config.rest_density
-            gone, moved = solid.make_room(positions + nearest, beyond, self.repeated_boxes, self.spacing, volume)
+            gone, moved = solid.make_room(positions + nearest, beyond, self.repeated_boxes, self.packed)
             wet &= ~gone
             positions = initial_module.wrap_positions(moved - nearest, self.basin)
         return wet, positions
+
+    @property
+    def packed(self) -> "packing.Lattice":
+        """What bodies need to know of the lattice that makes room for them."""
+        from ocean_sim.basin import packing
+
+        support = self.config.ratio(self.basin) * self.spacing
+        return packing.Lattice(self.spacing, self.mass / self.config.rest_density, self.config.kernel, support)
 
     @property
     def repeated_boxes(self) -> list[tuple[np.ndarray, np.ndarray]]:

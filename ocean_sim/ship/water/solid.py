@@ -8,7 +8,7 @@ from itertools import product
 
 import numpy as np
 
-from ocean_sim.basin.packing import fit_particles
+from ocean_sim.basin.packing import Lattice, fit_particles
 from ocean_sim.files.cache_file import cached_arrays
 from ocean_sim.ship.body.rigid_body import RigidBody
 from ocean_sim.ship.hull.distance import distance_lattice
@@ -16,7 +16,6 @@ from ocean_sim.ship.hull.shapes import HullShape
 from ocean_sim.ship.hull.voxels import Voxels, voxels
 
 CUBES_A_SPACING = 3.0  # cubes to a spacing of the particles, where a mesh keeps water out
-FIT_SUPPORT = 2.0  # [spacings] of the kernel by which particles are fitted to a hull that the water's laws meet
 START_GAP = 0.5  # [spacings] from the hull to the nearest particle of the start
 ROW_TOLERANCE = 0.05  # [spacings] distances that differ by less are those of a row
 Boxes = list[tuple[np.ndarray, np.ndarray]]  # lower and upper corner of each [m]
@@ -58,19 +57,19 @@ class Solid:
         return np.stack([placed.min(axis=0), placed.max(axis=0)])
 
     def make_room(
-        self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, spacing: float, volume: float
+        self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, lattice: Lattice
     ) -> tuple[np.ndarray, np.ndarray]:
         """Make room for the hull in a lattice of particles at rest, as `basin.Solid` says: as many go as it displaces,
         the deepest first, and those around move. Kept in the user's cache, as nothing else in preparing a run takes
         longer."""
         poses = [self.centre, self.origin, self.turn, *(corner for box in boxes for corner in box)]
-        numbers = repr([spacing, volume, self.is_sampled, self.flat, *(array.tolist() for array in poses)]).encode()
+        numbers = repr([lattice, self.is_sampled, self.flat, *(array.tolist() for array in poses)]).encode()
         content = self.shape.content() + numbers + positions.tobytes() + beyond.tobytes()
 
         def made() -> dict[str, np.ndarray]:
             if self.is_sampled:
-                return self.fit_room(positions, beyond, boxes, spacing, volume)
-            return self.carve_room(positions, boxes, spacing)
+                return self.fit_room(positions, beyond, boxes, lattice)
+            return self.carve_room(positions, boxes, lattice.spacing)
 
         found = cached_arrays("rooms", content, made)
         gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()
@@ -97,23 +96,23 @@ class Solid:
         return {"gone": np.flatnonzero(gone), "near": free, "moved": moved}
 
     def fit_room(
-        self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, spacing: float, volume: float
+        self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, lattice: Lattice
     ) -> dict[str, np.ndarray]:
         """Room for a sampled hull (arguments of `make_room`): indices of particles `gone` and `near`, and positions [m]
         of the latter, `moved` to minimise a kernel's sum over particles and samples of the hull, so that an even
         pressure pushes none (particle packing, Colagrossi et al. 2012)."""
-        points = np.concatenate([positions, beyond])
+        points, spacing = np.concatenate([positions, beyond]), lattice.spacing
         water = np.arange(len(points)) < len(positions)
         # To a thousandth of a spacing, since minimisation would make rounding of a pose a hundred times as large.
         origin = np.round(self.origin / spacing, 3) * spacing
         _, order = self.deepest_first((points - origin) @ self.turn + self.centre, spacing)
-        wet, whole = (self.displaced_volume(spacing, within) / volume for within in (boxes, UNBOUNDED_BOX))
+        wet, whole = (self.displaced_volume(spacing, within) / lattice.volume for within in (boxes, UNBOUNDED_BOX))
         gone = np.zeros(len(points), dtype=bool)
         for there, count in ((water, wet), (~water, whole - wet)):
             gone[order[there[order]][: round(count)]] = True
-        at, volumes, _ = self.samples(spacing, FIT_SUPPORT * spacing)
-        hull = np.concatenate([at @ self.turn.T + origin, (volumes / volume)[:, None]], axis=1)
-        return fit_particles(points, water, gone, hull, spacing, self.dimension, FIT_SUPPORT)
+        at, volumes, _ = self.samples(spacing, lattice.support)
+        samples = at @ self.turn.T + origin, volumes
+        return fit_particles(points, water, gone, samples, lattice, self.dimension)
 
     def deepest_first(self, own: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
         """(n,) distances from the hull [m] of points `own` (n, 3) in its axes, and the order of the points, the deepest

@@ -280,7 +280,7 @@ class Momentum(MomentumLaw):
         if ti.static(tense):
             share = tm.clamp(r * closing * self.per_approach, 0.0, 1.0)  # of the stress: all of it resists approach
             rub += share * self.artificial_stress(p_i, p_j, r) * x_ij
-        return self.row_of_terms(self.fluid.smoothing.shape_gradient(r), push, rub, shear)
+        return self.row_of_terms(self.fluid.smoothing.shape_gradient(r), push, rub, shear, x_ij)
 
 
 @in_kernels

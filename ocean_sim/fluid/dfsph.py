@@ -229,7 +229,8 @@ class Forces(Force):
     def __init__(self, fluid: "Dfsph", viscosity: float) -> None:
         self.viscous = viscosity > 0.0
         self.reads = (*fluid.particles.position, *fluid.particles.velocity, fluid.held_pressure)
-        self.terms = Columns(push=3, rub=3) if self.viscous else Columns(push=3)
+        further = ({"rub": 3} if self.viscous else {}) | ({"filled": 1} if fluid.rubs else {})
+        self.terms = Columns(push=3, **further)
         self.rubbing = 2.0 * viscosity * fluid.stencil.volume * fluid.stencil.slope / fluid.stencil.gain
         self.per_component = fluid.smoothing.dimension + 2.0  # of the central form over that of one component
         self.squared_gap = 1e-6 * fluid.smoothing.support**2  # [m2] keeps two particles in one position finite
@@ -283,6 +284,8 @@ class Forces(Force):
                 rub = self.viscosity_without_surface(v_ij, r2)
             for k in ti.static(range(3)):
                 total[self.terms.rub + k] = -rub[k]
+        if ti.static(self.fluid.rubs):
+            total[self.terms.filled] = gradient.dot(x_ij)
         return total
 
     @ti.func
@@ -306,7 +309,7 @@ class Forces(Force):
         v_new += fluid.apply_pressures(i, dt, vec3(total, self.terms.push), vec3(beyond, self.terms.push))
         # What follows slows the water: not the fall of a step, which pressure holds up.
         if ti.static(fluid.rubs):
-            a_bed = fluid.bed.push(x, v_new, dt)
+            a_bed = fluid.bed.push(x, v_new, dt, total[self.terms.filled] + beyond[self.terms.filled])
             v_new += fluid.change_velocity(i, BED, dt * a_bed)
             a += a_bed
         if ti.static(fluid.joined):

@@ -183,7 +183,7 @@ class Momentum(MomentumLaw):
         if ti.static(self.fluid.viscous):
             rub = self.viscosity(v_ji)
         push = self.pressure(own[self.row.pressure], other[self.row.pressure], r, q) * x_ij
-        return self.row_of_terms(q * other[self.row.volume], push, rub, rub)
+        return self.row_of_terms(q * other[self.row.volume], push, rub, rub, x_ij)
 
 
 @in_kernels

@@ -19,10 +19,10 @@ SPEED, ALONG = 0.5, np.array([0.6, 0.0, 0.8])  # [m/s] and its direction
 DENSITY = 1000.0  # [kg/m3]
 
 
-def row(water, scheme: str, floor: object, **place: object):
+def row(water, scheme: str, floor: object, keys: dict | None = None, **place: object):
     """One row of particles, 0.1 m high, without gravity: whatever the bed does, it moves as a plug."""
     basin = {"length": 1.0, "width": None, "depth": 0.1, "gravity": [0.0, 0.0, 0.0], "walls": {"x": "periodic"}}
-    return water(scheme, basin=basin | {"floor": floor} | place, spacing=0.1, reference_speed=1.0)
+    return water(scheme, basin=basin | {"floor": floor} | place, spacing=0.1, reference_speed=1.0, **keys or {})
 
 
 def stream(fluid, velocity: np.ndarray) -> None:
@@ -75,6 +75,27 @@ def test_the_stress_on_a_lattice_is_that_of_the_law(water, scheme, floor):
         exact = -DENSITY * height * lost / (1.0 + lost / SPEED) * ALONG
         np.testing.assert_allclose(fluid.impulse["bed"] - before, exact, rtol=1e-9, atol=1e-12)
         before = fluid.impulse["bed"]
+
+
+@pytest.mark.parametrize("scheme", quickly("delta_sph", "dfsph"))
+def test_a_sheet_thinner_than_a_row_bears_the_share_that_is_filled(water, scheme):
+    """h du/dt = -s f u^2 / 2: s is 2/3 of ten particles on the length of fifteen; it is 1 of the middle one of nine in
+    a row, 0.57 of an end, 0.13 of a lone one."""
+    f, height, dt, box = 0.2, 0.1, 1e-3, {"min": [-0.75, -0.1], "max": [0.25, 0.0]}
+    fluid = row(water, scheme, {"friction_factor": f}, {"fill": [box]}, length=1.5)
+    x = fluid.particles.position.to_numpy()
+
+    def shares(along: np.ndarray) -> np.ndarray:
+        x[:, 0] = along
+        put(fluid, x, np.tile([SPEED, 0.0, 0.0], (len(x), 1)))
+        fluid.advance(dt)
+        slowed = speed(fluid)[np.argsort(fluid.particles.id.to_numpy())]
+        return (SPEED / slowed - 1.0) / (f * SPEED * dt / (2.0 * height))
+
+    np.testing.assert_allclose(shares(0.15 * np.arange(10) - 0.7), 2.0 / 3.0, rtol=0.02)
+    found = shares(np.append(0.1 * np.arange(9) - 0.5, 0.65))
+    np.testing.assert_allclose(found[[0, 4, 8, 9]], [0.57, 1.0, 0.57, 0.13], atol=6e-3)
+    np.testing.assert_allclose(found[4], 1.0, rtol=1e-9)
 
 
 @pytest.mark.parametrize("scheme", quickly("dfsph", "mueller"))

@@ -3,14 +3,15 @@
 Bed friction lies between free slip and no slip: a shear stress on the layer next to the bed, as thick as a row of the
 lattice. A particle in this layer bears the stress on a share of the bed: its volume over that thickness, less where the
 layer gives way to the next. On a lattice, even a quarter of a row too high or too low, the first row bears all and the
-second nothing; in any water the shares sum to the bed in the mean. Velocity and height are the particle's own, so
-nothing depends on the order of particles.
+second nothing; in any water the shares sum to the bed in the mean. Where the row is not filled, as at the tip of a
+front, the stress falls with the share that is: a lone particle is no layer of water on the bed.
 """
 
 import numpy as np
 
 from ocean_sim.basin import KARMAN_CONSTANT, MIN_ROW_SHARE, Basin, Floor
 from ocean_sim.fluid.sph.lattice import Lattice
+from ocean_sim.fluid.sph.smoothing import Smoothing, Stencil
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import in_kernels
 
@@ -65,9 +66,10 @@ class Pull:
 class Bed:
     """Friction of a rough bed on the lowest row of particles."""
 
-    def __init__(self, bed: Floor, lattice: Lattice) -> None:
+    def __init__(self, bed: Floor, lattice: Lattice, smoothing: Smoothing) -> None:
         self.level, self.row, self.z0 = lattice.basin.lower[1], lattice.row, bed.z0  # [m]
         self.logarithmic, self.in_row = bed.roughness is not None, bed.drag(0.5 * self.row)
+        self.full_row = Stencil(smoothing, lattice.spacing).row_on_bed
 
     @ti.func
     def drag(self, z):
@@ -79,10 +81,12 @@ class Bed:
         return coefficient
 
     @ti.func
-    def push(self, x, v, dt):
+    def push(self, x, v, dt, filled):
         """Acceleration [m/s2] by bed friction over dt [s] at x [m] for a velocity v [m/s] without it: by the solution u
-        / (1 + k |u| dt) of du/dt = -k |u| u, k = drag share / row. No step turns the water round."""
+        / (1 + k |u| dt) of du/dt = -k |u| u, k = drag share / row. No step turns the water round. `filled`: sum over
+        neighbours as of Stencil.row_on_bed, by which the share is less where the row is not full."""
         z, along = x.y - self.level, tm.vec3(v.x, 0.0, v.z)
         share = tm.clamp((NO_SHARE_ROWS - z / self.row) / (NO_SHARE_ROWS - FULL_SHARE_ROWS), 0.0, 1.0)
+        share *= tm.min(1.0, filled / self.full_row)
         rate = self.drag(z) * share / self.row * along.norm()
         return -rate / (1.0 + rate * dt) * along

@@ -19,7 +19,7 @@ if TYPE_CHECKING:  # it is imported only where there are bodies
 @in_kernels
 class Force(Law):
     """Base class of pair laws that push particles. Its `row` begins with `position`, `velocity` and `pressure`; its
-    `terms` have `push` and, where friction is summed apart, `rub`."""
+    `terms` have `push`; where friction is summed apart, `rub`; over a rough bed, `filled`."""
 
     stores_pressure_work: ClassVar[bool] = False
     """True if the work of pressure on images and bodies becomes internal energy of the water, not work of walls."""
@@ -92,15 +92,17 @@ class MomentumLaw(Force):
 
     def __init__(self, fluid: Sph) -> None:
         self.sheared = fluid.bodies and fluid.kinematic_viscosity > 0.0
-        shear = {"shear": 3} if self.sheared else {}  # friction once more, by itself
-        self.terms = Columns(push=3, rub=3, **shear) if fluid.accounts.impulses else Columns(push=3, **shear)
+        further = ({"shear": 3} if self.sheared else {}) | ({"filled": 1} if fluid.rubs else {})
+        self.terms = Columns(push=3, rub=3, **further) if fluid.accounts.impulses else Columns(push=3, **further)
         super().__init__(fluid)
 
     @ti.func
-    def row_of_terms(self, weight, push, rub, shear):
+    def row_of_terms(self, weight, push, rub, shear, x_ij):
         """Terms of a pair as a vector in the order of `terms`: vectors `push` (pressure), `rub` (all dissipation) and
         `shear` (friction alone, part of `rub`), each times `weight`."""
         total = ti.Vector.zero(float, self.terms.size)
+        if ti.static(self.fluid.rubs):
+            total[self.terms.filled] = self.fluid.smoothing.pair_gradient(x_ij).dot(x_ij)
         for k in ti.static(range(3)):
             if ti.static(self.options.apart):
                 total[self.terms.push + k], total[self.terms.rub + k] = weight * push[k], weight * rub[k]
@@ -157,7 +159,7 @@ class MomentumLaw(Force):
         a = a_water + a_walls + a_wind + a_pull + a_hull
         a_bed, a_sea = tm.vec3(0.0), tm.vec3(0.0)
         if ti.static(fluid.rubs):
-            a_bed = fluid.bed.push(x, v + dt * a, dt)
+            a_bed = fluid.bed.push(x, v + dt * a, dt, total[self.terms.filled] + beyond[self.terms.filled])
             a += a_bed
         if ti.static(fluid.joined):
             a_sea = fluid.rim.acceleration(x, v + dt * a, dt)

@@ -236,6 +236,12 @@ class Stencil:
         return ratios[0] + bend * edges[0], bend
 
     @property
+    def row_on_bed(self) -> float:
+        """Sum of r^2 times `gradient` [m2] over a row of the lattice and its image in a bed below it."""
+        rows = (self.offsets[:, 1] < 0.5 * self.spacing) & (self.offsets[:, 1] > -1.5 * self.spacing)
+        return float(self.gradient[rows] @ (self.offsets[rows] ** 2).sum(axis=1))
+
+    @property
     def skin_depth(self) -> float:
         """Mean depth [m] below the surface of the area that a half-space of the lattice exposes."""
         up = np.maximum(self.offsets[:, 1], 0.0)

@@ -242,8 +242,8 @@ class FluidConfig(KindConfig):
     conserves_momentum: ClassVar[bool] = False
     """True if the exchange between its particles keeps momentum and angular momentum to rounding."""
     bears_shear: ClassVar[float] = 0.0
-    """Shear that its particles bear without flowing, once they have lost their rows, over the pressure; as measured in
-    the validation case wind_setup."""
+    """Shear that its particles bear without flowing, once they have lost their rows, over the pressure at the bed;
+    measured in basins like that of the validation case wind_setup, 20 s long."""
     joins_a_sea: ClassVar[bool] = False
     """True if its particles may be a patch of open sea."""
     bears: ClassVar[bool] = True

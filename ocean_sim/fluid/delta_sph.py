@@ -80,7 +80,7 @@ class Config(SphConfig):
 
     carries_bodies: ClassVar[bool] = True
     leaks: ClassVar[bool] = True
-    bears_shear: ClassVar[float] = 1.0e-3
+    bears_shear: ClassVar[float] = 3.0e-3
     fineness: ClassVar[int] = 3
     attenuation: ClassVar = Attenuation(0.0, flat=1.0e-3, steep=2.7e-3, travelling=Attenuation(0.0, 2.0e-3, 7.9e-3))
     delay: ClassVar = Delay(0.33, high=0.12)

@@ -70,7 +70,7 @@ GAP_CLOSING_SHARE = 0.1  # least share of a gap's missing density that closes in
 class Config(SphConfig):
     """Incompressible water, for large time steps."""
 
-    bears_shear: ClassVar[float] = 1.0e-3
+    bears_shear: ClassVar[float] = 3.0e-3
     fineness: ClassVar[int] = 2
     misread: ClassVar[str] = "dfsph finds its pressures step by step: those that gauges read at 0 s are no measurements"
     attenuation: ClassVar = Attenuation(4.0e-4, 4.0e-3, 1.0e-2, travelling=Attenuation(4.0e-4, steep=8.0e-2))

@@ -2,7 +2,7 @@
 water."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
 
@@ -110,9 +110,10 @@ class Solid:
         gone = np.zeros(len(points), dtype=bool)
         for there, count in ((water, wet), (~water, whole - wet)):
             gone[order[there[order]][: round(count)]] = True
-        at, volumes, _ = self.samples(spacing, lattice.support)
+        apart = replace(lattice, kernels=lattice.kernels[:1])
+        at, volumes, _ = self.samples(spacing, lattice.kernels[0][1] * spacing)
         samples = at @ self.turn.T + origin, volumes
-        return fit_particles(points, water, gone, samples, lattice, self.dimension)
+        return fit_particles(points, water, gone, samples, apart, self.dimension)
 
     def deepest_first(self, own: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
         """(n,) distances from the hull [m] of points `own` (n, 3) in its axes, and the order of the points, the deepest

@@ -309,7 +309,7 @@ class Forces(Force):
         v_new += fluid.apply_pressures(i, dt, vec3(total, self.terms.push), vec3(beyond, self.terms.push))
         # What follows slows the water: not the fall of a step, which pressure holds up.
         if ti.static(fluid.rubs):
-            a_bed = fluid.bed.push(x, v_new, dt, total[self.terms.filled] + beyond[self.terms.filled])
+            a_bed = fluid.bed.push(x, v_new, dt, total[self.terms.filled], beyond[self.terms.filled])
             v_new += fluid.change_velocity(i, BED, dt * a_bed)
             a += a_bed
         if ti.static(fluid.joined):

@@ -10,6 +10,7 @@ front, the stress falls with the share that is: a lone particle is no layer of w
 import numpy as np
 
 from ocean_sim.basin import KARMAN_CONSTANT, MIN_ROW_SHARE, Basin, Floor
+from ocean_sim.fluid.bodies.walls import Walls
 from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.fluid.sph.smoothing import Smoothing, Stencil
 from ocean_sim.kernel_library import ti, tm
@@ -66,10 +67,12 @@ class Pull:
 class Bed:
     """Friction of a rough bed on the lowest row of particles."""
 
-    def __init__(self, bed: Floor, lattice: Lattice, smoothing: Smoothing) -> None:
+    def __init__(self, bed: Floor, lattice: Lattice, smoothing: Smoothing, walls: Walls) -> None:
+        """`walls` hold the heights of a bed with a shape."""
         self.level, self.row, self.z0 = lattice.basin.lower[1], lattice.row, bed.z0  # [m]
         self.logarithmic, self.in_row = bed.roughness is not None, bed.drag(0.5 * self.row)
-        self.full_row = Stencil(smoothing, lattice.spacing).row_on_bed
+        self.flat, self.walls = not walls.shaped, walls
+        self.full_row = Stencil(smoothing, lattice.spacing).row_on_bed(self.flat)
 
     @ti.func
     def drag(self, z):
@@ -81,11 +84,17 @@ class Bed:
         return coefficient
 
     @ti.func
-    def push(self, x, v, dt, filled):
+    def push(self, x, v, dt, row, images):
         """Acceleration [m/s2] by bed friction over dt [s] at x [m] for a velocity v [m/s] without it: by the solution u
-        / (1 + k |u| dt) of du/dt = -k |u| u, k = drag share / row. No step turns the water round. `filled`: sum over
-        neighbours as of Stencil.row_on_bed, by which the share is less where the row is not full."""
-        z, along = x.y - self.level, tm.vec3(v.x, 0.0, v.z)
+        / (1 + k |u| dt) of du/dt = -k |u| u, k = drag share / row. No step turns the water round. `row`,
+        `images`: sums over the neighbours and their images as of Stencil.row_on_bed, by which the share is less where
+        the row is not full; a bed of another shape has no images."""
+        z, along, filled = x.y - self.level, tm.vec3(v.x, 0.0, v.z), row
+        if ti.static(self.flat):
+            filled += images
+        else:
+            z, normal = self.walls.ground.distance(x)
+            along = v - v.dot(normal) * normal
         share = tm.clamp((NO_SHARE_ROWS - z / self.row) / (NO_SHARE_ROWS - FULL_SHARE_ROWS), 0.0, 1.0)
         share *= tm.min(1.0, filled / self.full_row)
         rate = self.drag(z) * share / self.row * along.norm()

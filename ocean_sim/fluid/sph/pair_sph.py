@@ -159,7 +159,7 @@ class MomentumLaw(Force):
         a = a_water + a_walls + a_wind + a_pull + a_hull
         a_bed, a_sea = tm.vec3(0.0), tm.vec3(0.0)
         if ti.static(fluid.rubs):
-            a_bed = fluid.bed.push(x, v + dt * a, dt, total[self.terms.filled] + beyond[self.terms.filled])
+            a_bed = fluid.bed.push(x, v + dt * a, dt, total[self.terms.filled], beyond[self.terms.filled])
             a += a_bed
         if ti.static(fluid.joined):
             a_sea = fluid.rim.acceleration(x, v + dt * a, dt)

@@ -235,10 +235,10 @@ class Stencil:
         bend = (ratios[1] - ratios[0]) / (edges[0] - edges[1])
         return ratios[0] + bend * edges[0], bend
 
-    @property
-    def row_on_bed(self) -> float:
-        """Sum of r^2 times `gradient` [m2] over a row of the lattice and its image in a bed below it."""
-        rows = (self.offsets[:, 1] < 0.5 * self.spacing) & (self.offsets[:, 1] > -1.5 * self.spacing)
+    def row_on_bed(self, mirrored: bool) -> float:
+        """Sum of r^2 times `gradient` [m2] over a row of the lattice and, if `mirrored`, its image in a bed below."""
+        lowest = -1.5 if mirrored else -0.5
+        rows = (self.offsets[:, 1] < 0.5 * self.spacing) & (self.offsets[:, 1] > lowest * self.spacing)
         return float(self.gradient[rows] @ (self.offsets[rows] ** 2).sum(axis=1))
 
     @property

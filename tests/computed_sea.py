@@ -51,6 +51,7 @@ class Sea(Fluid):
         if place.dimension == 2:
             axes[2] = np.zeros(1)
         x = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+        x = x if place.ground is None else x[place.ground.distances(x) > 0.0]
         n = len(x)
         self.particles = SimpleNamespace(
             n=n,

@@ -20,6 +20,13 @@ LAYERS_A_SPACING = 2  # of samples: a single one drives still water up a slope o
 WAVE_ROWS = 8.0  # [spacings] of depth that waves need
 SLICE_HALF = 1e-3  # [m] half the width of the bed in a slice
 COLUMNS_A_SPACING = 4  # columns to a spacing by which the volume of the bed is summed
+BASE_SHARE = 0.012  # thickness of what is drawn under the flat bed, over the height of the bed above it
+WET_DEPTH_SHARE = 1e-5  # of the height of the bed: least depth of water on it
+TOUCH_DISTANCE = 1.25  # [spacings] from the bed within which a particle touches it
+DEEP_LAYERS = 2.5  # [spacings] of water, from which on its height is right within a tenth of one
+FILM_REACH = 1.5  # [spacings] in plan from a particle that touches the bed to where the bed looks dry
+FILM_TAPER = 0.2  # slope at which a film of water ends there
+SUNK_LAYERS = 0.5  # [spacings] below a dry bed, at which a sheet of water goes on unseen
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +63,11 @@ class Ground:
     def extent(self) -> np.ndarray:
         return np.array([[self.x[0], self.lowest, self.z[0]], [self.x[-1], self.y.max(), self.z[-1]]])
 
+    @property
+    def foot(self) -> float:
+        """Height [m] down to which the bed is drawn, a little below the flat one."""
+        return float(self.lowest - BASE_SHARE * (self.y.max() - self.lowest))
+
     def shape_at(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Heights (n,) [m] and slopes (n, 2) along x and z at places x, z (n, 2) [m]; sides mirror what lies beyond."""
         (i, a, run, x_way), (j, b, rise, z_way) = (
@@ -70,6 +82,54 @@ class Ground:
     def heights(self, places: np.ndarray) -> np.ndarray:
         """Heights (n,) [m] of the bed at places x, z (n, 2) [m]."""
         return self.shape_at(places)[0]
+
+    def wet_heights(self, places: np.ndarray, water: np.ndarray) -> np.ndarray:
+        """Heights `water` (n,) [m] at places x, z (n, 2) [m], NaN where the bed is dry."""
+        over = water - self.heights(places) > WET_DEPTH_SHARE * (self.y.max() - self.lowest)
+        return np.where(over, water, np.nan)
+
+    def touching(self, position: np.ndarray, spacing: float) -> np.ndarray:
+        """Those of the positions (n, 3) [m] of particles, `spacing` [m] apart, that touch the bed."""
+        return position[self.distances(position) <= TOUCH_DISTANCE * spacing]
+
+    def sheet_heights(self, places: np.ndarray, water: np.ndarray, position: np.ndarray, spacing: float) -> np.ndarray:
+        """Heights (n,) [m] of a sheet that shows the `water` (n,) [m] at places x, z (n, 2) [m]. Beyond deep water it
+        goes on at the same height: above the bed where particles at `position` (m, 3) [m] touch it, else below it."""
+        from scipy.spatial import cKDTree
+
+        bed = self.heights(places)
+        deep = water - bed > DEEP_LAYERS * spacing
+        if deep.all():
+            return water
+        thin, sheet, bed = ~deep, water.copy(), bed[~deep]
+        level = np.append(water[deep], -np.inf)[cKDTree(places[deep]).query(places[thin])[1]]  # the last without any
+        away = cKDTree(self.touching(position, spacing)[:, [0, 2]]).query(places[thin])[0]
+        edge = bed + np.maximum(FILM_TAPER * (FILM_REACH * spacing - away), -SUNK_LAYERS * spacing)
+        film = np.clip(level, np.maximum(water[thin], edge), np.maximum(water[thin], bed + DEEP_LAYERS * spacing))
+        sheet[thin] = np.where(away < FILM_REACH * spacing, film, np.minimum(level, edge))
+        return np.maximum(sheet, 0.5 * (self.lowest + self.foot))
+
+    def normals(self, places: np.ndarray) -> np.ndarray:
+        """Upward unit normals (n, 3) of the bed at places x, z (n, 2) [m]."""
+        slopes = self.shape_at(places)[1]
+        across = np.stack([-slopes[:, 0], np.ones(len(places)), -slopes[:, 1]], axis=1)
+        return across / np.linalg.norm(across, axis=1, keepdims=True)
+
+    def body_mesh(self, breadth: float) -> tuple[np.ndarray, np.ndarray]:
+        """Corners (m, 3, 3) [m] and outward unit normals (m, 3) of the triangles of the bed as a closed body;
+        `breadth`: that of a slice [m]."""
+        nodes = self.x, self.z if self.dimension == 3 else 0.5 * breadth * self.z
+        x, z = np.meshgrid(*(np.pad(places, 1, "edge") for places in nodes), indexing="ij")
+        shell = np.stack([x, np.pad(self.y, 1, constant_values=self.foot), z], axis=-1)  # surface and sides
+        parts = []
+        for sheet in (shell, shell[[-1, 0]][:, [0, -1]]):
+            a, b, c, d = sheet[:-1, :-1], sheet[:-1, 1:], sheet[1:, 1:], sheet[1:, :-1]
+            parts += [np.stack(three, axis=-2).reshape(-1, 3, 3) for three in ((a, b, c), (a, c, d))]
+        corners = np.concatenate(parts)
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        doubled_areas = np.linalg.norm(across, axis=1)
+        some = doubled_areas > 0.0
+        return corners[some], across[some] / doubled_areas[some, None]
 
     def distances(self, points: np.ndarray) -> np.ndarray:
         """Distances (n,) [m] of `points` (n, 3) [m] from the bed as if it were plane there; negative inside it."""
@@ -112,8 +172,7 @@ class Ground:
         tall = top - foot
         column, layer = np.nonzero(tall > 1e-6 * spacing)
         position = np.stack([places[column, 0], (0.5 * (top + foot))[column, layer], places[column, 1]], axis=1)
-        normals = np.stack([-slopes[:, 0], np.ones(len(places)), -slopes[:, 1]], axis=1) / steep[:, None]
-        return position, (areas[:, None] * tall)[column, layer], normals[column]
+        return position, (areas[:, None] * tall)[column, layer], self.normals(places)[column]
 
     def volume_inside(self, boxes: Boxes, spacing: float) -> float:
         """Volume of the bed inside `boxes` [m3], in 2-D its area [m2]."""

@@ -17,6 +17,7 @@ from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
 from ocean_sim.parts import Preflight, Problems, key_of
 from ocean_sim.pictures.frame_files import grid_arrays, middle_cell
+from ocean_sim.pictures.live.scene_lines import surface_heights
 from ocean_sim.pictures.water import foam
 from ocean_sim.pictures.water.far_sea import wind_speed_from_sea
 from ocean_sim.pictures.water.waterline import ship_coordinates
@@ -101,11 +102,10 @@ class Frames(Observer):
         particles = simulation.fluid.particles
         seen = self.config.particles or self.white is not None
         snapshot = particles.snapshot() if particles is not None and seen else None
-        shown = simulation.surface or simulation.fluid
         sea = simulation.fluid.plane_waves if simulation.fluid.can_be_disturbed else None
         origin = np.zeros(2) if sea is None else self.origin()
         points = self.points + origin
-        frame: dict[str, np.ndarray] = {"elevation": shown.elevations(points).reshape(self.shape)}
+        frame: dict[str, np.ndarray] = {"elevation": surface_heights(simulation, points).reshape(self.shape)}
         if sea is not None:
             known = waves.elevation(sea, points, simulation.time).reshape(self.shape)
             frame |= {"answer": frame["elevation"] - known, "origin": origin}

@@ -8,13 +8,14 @@ of its ring's area, exact for a quadratic pressure. A dry point reads 0, so the 
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from ocean_sim.basin import BOX_ROUNDING, Basin, Corners
 from ocean_sim.basin.points import in_space
+from ocean_sim.fluid import with_particles
 from ocean_sim.model import Model, quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading
 from ocean_sim.parts import Key, Preflight, Problems
@@ -27,6 +28,8 @@ Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_lengt
 SEGMENT_POINTS = 9  # points of a sensor in 2-D
 RING_POINTS = (6, 12)  # points on the rings of a sensor in 3-D
 DISC_POINTS = sum(RING_POINTS)
+RUNUP_GAP = 3.0  # [spacings] between particles on the bed, at which the water that runs up ends
+DENT_SHARE = 1e-3  # of the depth: how far inside the bed a sensor may be that is meant to be on it
 RIDING_PHRASE = " from the middle of what it rides with"
 
 
@@ -38,6 +41,37 @@ class Wave(Model):
     rides: bool = False
     """True: `at` is counted from the middle of the ships, or of a patch of open sea without ships, and moves with it
     without turning."""
+
+
+class Runup(Model):
+    """A gauge of the height to which water runs up the bed, along a line over it: the highest place that the water
+    touches, with no dry gap down to the lowest."""
+
+    along: Literal["x", "z"] = "x"
+    """The axis along which the water runs up."""
+    at: float | None = quantity("m", None)
+    """Coordinate of the line across that axis; null: the middle of the basin."""
+
+    def problem(self, basin: Basin) -> str | None:
+        """Reason that nothing can run up along this line of a basin; None if it can."""
+        if basin.ground is None:
+            return "this bed is flat: water runs up one with basin.floor.profile"
+        if basin.dimension == 2 and (self.along == "z" or self.at is not None):
+            return "in a slice, in x-y, water runs up along x, and there is no coordinate across: {along: x}"
+        return None if self.at is None else outside_reason((self.at,), "z" if self.along == "x" else "x", basin)
+
+    def height(self, position: np.ndarray, basin: Basin, spacing: float) -> float:
+        """Height [m] that particles at `position` (n, 3) [m] of a `spacing` [m] reach on the bed; NaN without any."""
+        assert basin.ground is not None  # see `problem`
+        along, across = (0, 2) if self.along == "x" else (2, 0)
+        beside = position[np.abs(position[:, across] - (self.at or 0.0)) <= spacing]
+        on = basin.ground.touching(beside, spacing)
+        if not len(on):
+            return float("nan")
+        on = on[np.argsort(on[:, along])]
+        bed = basin.ground.heights(on[:, [0, 2]])
+        stretch = np.cumsum(np.diff(on[:, along], prepend=on[0, along]) > RUNUP_GAP * spacing)
+        return float(bed[stretch == stretch[bed.argmin()]].max())
 
 
 class Sensor(Model):
@@ -59,9 +93,7 @@ class Sensor(Model):
         if self.normal is not None:
             across = in_space(self.normal)
             return across / np.linalg.norm(across) if across.any() else None
-        flats = [(side.axis, side.position) for side in basin.sides]
-        axis = nearest_axis(in_space(self.at), flats, basin.fixed)
-        return None if axis is None else np.eye(3)[axis]
+        return nearest_normal(in_space(self.at), basin)
 
     def face_points(self, basin: Basin) -> np.ndarray:
         """(n, 3) points [m] on the face whose mean pressure the sensor reads; without a diameter only its middle."""
@@ -87,14 +119,17 @@ def disc_points() -> np.ndarray:
     return np.concatenate(rings)
 
 
-def nearest_axis(point: np.ndarray, flats: Sequence[tuple[int, float]], boxes: Sequence[Corners]) -> int | None:
-    """Axis (0 to 2) across the flat side (axis, position [m]) or box face nearest to a point (3,) [m], or None."""
-    found = [(abs(point[axis] - position), axis) for axis, position in flats]
-    for low, high in boxes:
+def nearest_normal(point: np.ndarray, basin: Basin) -> np.ndarray | None:
+    """(3,) unit normal of the side, face of a fixed obstacle or place of the bed nearest to a point (3,) [m]; None
+    without any."""
+    found = [(abs(point[side.axis] - side.position), np.eye(3)[side.axis]) for side in basin.sides]
+    for low, high in basin.fixed:
         beyond = np.maximum(np.maximum(np.array(low) - point, point - np.array(high)), 0.0)
         inside = np.minimum(np.abs(point - low), np.abs(point - high))
         axis = int(beyond.argmax()) if beyond.any() else int(inside.argmin())
-        found.append((float(np.linalg.norm(beyond)) if beyond.any() else float(inside[axis]), axis))
+        found.append((float(np.linalg.norm(beyond)) if beyond.any() else float(inside[axis]), np.eye(3)[axis]))
+    if (ground := basin.ground) is not None:
+        found.append((abs(ground.distances(point[None])[0]), ground.normals(point[None, [0, 2]])[0]))
     return min(found, key=lambda one: one[0])[1] if found else None
 
 
@@ -106,20 +141,27 @@ class Config(PeriodicConfig):
     pressure: dict[Name, Point | Sensor] = {}
     """Pressure of the water at points [x, y, z] in metres, also on bed and walls; in 2-D [x, y]; 0 where dry. A
     sensor with a face is {at: [x, y, z], diameter: 0.09}, one that rides {at: [x, y, z], rides: true}."""
+    runup: dict[Name, Runup] = {}
+    """Height to which water runs up a bed with a profile, as {along: x}, or {along: x, at: 0.5} at z = 0.5 m."""
     every: float = quantity("s", 0.05, gt=0.0)
     """Simulated time between rows."""
 
     @model_validator(mode="after")
     def _measures(self) -> "Config":
-        if not self.elevation and not self.pressure:
-            raise ValueError("give at least one gauge, under elevation or pressure")
+        if not (self.elevation or self.pressure or self.runup):
+            raise ValueError("give at least one gauge, under elevation, pressure or runup")
+        if both := self.elevation.keys() & self.runup.keys():
+            raise ValueError(f"elevation and runup both have {min(both)}, and would both have the column {min(both)}_m")
         return self
 
     def problems(self, preflight: Preflight) -> Problems:
         return self.misplaced_gauges(preflight.tank)
 
     def mismatches(self, preflight: Preflight) -> Problems:
-        return [(key, sentence) for key in self.riding_gauges if (sentence := riding_problem(preflight))]
+        found: Problems = [(key, why) for key in self.riding_gauges if (why := riding_problem(preflight))]
+        if self.runup and not preflight.fluid.made_of_particles:
+            found.append((("runup",), "only water of particles runs up a bed"))
+        return found
 
     def warnings(self, preflight: Preflight) -> list[str]:
         found, misread = super().warnings(preflight), preflight.fluid.misread
@@ -127,6 +169,9 @@ class Config(PeriodicConfig):
             at = in_space(sensor.at)
             if not sensor.rides and any((at > low).all() and (at < up).all() for low, up in preflight.tank.fixed):
                 found.append(f"pressure.{name} is inside an obstacle, where there is no water")
+            ground, dent = preflight.tank.ground, DENT_SHARE * preflight.tank.depth
+            if ground is not None and not sensor.rides and ground.distances(at[None])[0] < -dent:
+                found.append(f"pressure.{name} is inside the bed, where there is no water")
         return [*found, misread] if self.pressure and misread else found
 
     @property
@@ -136,7 +181,7 @@ class Config(PeriodicConfig):
         return [*waves, *(("pressure", name) for name, sensor in self.sensors.items() if sensor.rides)]
 
     def misplaced_gauges(self, basin: Basin) -> Problems:
-        """Faults (key, sentence) of gauges outside the water, or with an impossible face, in this basin."""
+        """Faults (key, sentence) of gauges outside the water, or with an impossible face or line, in this basin."""
         points: dict[Key, tuple[tuple[float, ...], str]]
         points = {("elevation", name): (wave.at, "xz") for name, wave in self.waves.items()}
         sensors: dict[Key, Sensor] = {("pressure", name): sensor for name, sensor in self.sensors.items()}
@@ -144,6 +189,7 @@ class Config(PeriodicConfig):
         found = [(key, outside_reason(point, axes, basin)) for key, (point, axes) in points.items()]
         right = {key for key, sentence in found if sentence is None}
         found += [(key, face_problem(sensor, basin)) for key, sensor in sensors.items() if key in right]
+        found += [(("runup", name), line.problem(basin)) for name, line in self.runup.items()]
         if self.elevation and basin.periods[1] > 0.0:
             found.append((("elevation",), "a basin that is periodic along y has no surface"))
         return [(key, sentence) for key, sentence in found if sentence is not None]
@@ -238,7 +284,7 @@ def riding_centre(simulation: Simulation) -> np.ndarray:
 
 
 class Gauges(Observer):
-    """Writes gauges.csv: one column of elevation [m] or pressure [Pa] for each gauge."""
+    """Writes gauges.csv: one column of elevation [m], run-up [m] or pressure [Pa] for each gauge."""
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.every = config.every
@@ -253,11 +299,16 @@ class Gauges(Observer):
         self.points_ride = np.repeat(np.array(ride, dtype=float), self.sizes)[:, None]  # 1 where a point rides, else 0
         self.any_rides = bool(config.riding_gauges)  # True if any gauge rides
         self.sampled = Sampled(config.every)
+        self.runups = [*config.runup.values()]
         meaning = {
             f"{name}_m": f"elevation at {list(wave.at)} m{RIDING_PHRASE if wave.rides else ''}"
             + (", over a dry obstacle its top" if simulation.basin.obstacles else "")
+            + (", nan over a dry bed" if simulation.basin.ground is not None else "")
             for name, wave in waves.items()
         }
+        for name, line in config.runup.items():
+            place = "" if simulation.basin.dimension == 2 else f" at {'zx'[line.along == 'z']} = {line.at or 0.0:g} m"
+            meaning[f"{name}_m"] = f"highest place of the bed that water touches along {line.along}{place}"
         meaning |= {f"{name}_Pa": sensor_description(sensors[name], len(face)) for name, face in faces.items()}
         offset = hydrostatic_offset(simulation)
         self.csv = CsvFile(
@@ -271,8 +322,14 @@ class Gauges(Observer):
         x, z = riding_centre(simulation) if self.any_rides else (0.0, 0.0)
         if len(self.columns):
             columns = self.columns + self.columns_ride * [x, z]
-            heights = fluid.elevations(columns)
-            parts.append(dry_tops(simulation.basin.obstacles_at(simulation.time), columns, heights))
+            heights, ground = fluid.elevations(columns), simulation.basin.ground
+            if ground is not None:
+                heights = np.maximum(heights, ground.heights(columns))
+            heights = dry_tops(simulation.basin.obstacles_at(simulation.time), columns, heights)
+            parts.append(heights if ground is None else ground.wet_heights(columns, heights))
+        if self.runups:
+            position = with_particles(fluid).particles.position.to_numpy()
+            parts.append(np.array([line.height(position, simulation.basin, fluid.spacing) for line in self.runups]))
         if len(self.points):
             begins = np.cumsum(self.sizes) - self.sizes
             pressures = fluid.pressures(self.points + self.points_ride * [x, 0.0, z])

@@ -160,7 +160,7 @@ class Screen:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # two scenes: plain colours, and lit balls
             self.plain, self.lit = ti.ui.Scene(), ti.ui.Scene()
-        self.water, self.hull = Mesh(), Mesh()
+        self.water, self.hull, self.sand = Mesh(), Mesh(), Mesh()
         self.backdrop, self.backdrop_colours = Buffer(2), Buffer()
         corners = np.array([[0, 0], [1, 0], [1, 1], [0, 0], [1, 1], [0, 1]])
         self.backdrop.put(corners)
@@ -199,6 +199,7 @@ class Screen:
         if panel.content != "particles":
             self.water.show(self.plain, self.scene.water_patch(self.scene.surface_heights(), eye, solid), not solid)
         self.hull.show(self.plain, self.scene.ship_patch())
+        self.sand.show(self.plain, self.scene.sand)
         ends, hues = scene_lines(self.simulation, self.scene.box[1][1])
         count = self.ends.put(ends.reshape(-1, 3))
         self.hues.put(np.repeat(hues, 2, axis=0))

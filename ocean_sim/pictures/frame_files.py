@@ -16,6 +16,7 @@ from ocean_sim.parts import key_of
 from ocean_sim.pictures.stage.camera import Track
 
 if TYPE_CHECKING:
+    from ocean_sim.basin.ground import Ground
     from ocean_sim.fluid import Fluid
     from ocean_sim.pictures.live.scene_lines import LiveSimulation
     from ocean_sim.ship import Ship
@@ -186,12 +187,25 @@ def grid_arrays(simulation: "LiveSimulation", x: np.ndarray, z: np.ndarray) -> d
         "spacing": fluid.spacing,
         "obstacles": np.array(basin.fixed).reshape(-1, 2, 3),
     }
+    if (ground := basin.ground) is not None:
+        arrays |= {"ground_x": ground.x, "ground_z": ground.z, "ground_y": ground.y}
     for name, ship in simulation.ships.items():
         key, drawn = key_of(name), ship.drawn()
         if drawn is not None:
             arrays |= {f"{key}_vertices": drawn[0], f"{key}_triangles": drawn[1]} | appearance(simulation, ship)
     open_air = basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0)
     return arrays | wave_arrays(fluid) | {"has_surface": open_air}
+
+
+def kept_ground(grid: Any) -> "Ground | None":
+    """Bed of any shape from the arrays that a run saves once; None if it is flat."""
+    if "ground_y" not in grid:
+        return None
+    from ocean_sim.basin.ground import Ground
+
+    x, z, y = (np.asarray(grid[f"ground_{axis}"], dtype=float) for axis in "xzy")
+    dimension = 2 if grid["lower"][2] == grid["upper"][2] else 3
+    return Ground(x, z, y, float(grid["lower"][1]), dimension, (False, False), no_slip=False)
 
 
 def appearance(simulation: "LiveSimulation", ship: "Ship") -> dict[str, object]:

@@ -97,7 +97,7 @@ class Recorded:
             "height": moment_differences(np.rint(tall * (FULL_SCALE / top)).astype(np.int16)),
             "poses": np.array(poses, np.float32).reshape(len(times), -1),
             "origins": np.array(origins, np.float32),
-            "scalars": np.nan_to_num(scalars).astype(np.float32),
+            "scalars": np.nan_to_num(scalars, nan=np.nan).astype(np.float32),
         }
         boxes: dict[str, Any] = {"height": {"delta": True, "low": -top, "high": top}}
         platform = self.platform_commands(np.array(times))

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.pictures.frame_files import ship_keys
+from ocean_sim.pictures.frame_files import kept_ground, ship_keys
 from ocean_sim.pictures.live.preview_scene import SPEED_COLOURS
 from ocean_sim.pictures.ships.ship_model import ShipModel, kept_model
 from ocean_sim.pictures.stage import sky
@@ -54,6 +54,7 @@ class StaticScene:
         self.lower, self.upper, self.x, self.z = (np.asarray(grid[name], dtype=float) for name in names)
         self.spacing = float(grid["spacing"])  # [m]
         self.obstacles = np.asarray(grid["obstacles"], dtype=float).reshape(-1, 2, 3)  # [m]
+        self.ground = kept_ground(grid)
         self.ship_keys = ship_keys(grid, "_look")
         self.models = {key.partition(".")[2] or key: kept_model(grid, key) for key in self.ship_keys}  # by ship
         named = (scene.get("gauges") or {}).get("elevation") or {}
@@ -81,6 +82,10 @@ class StaticScene:
         arrays: dict[str, np.ndarray] = {}
         boxes: dict[str, Any] = {}
         ships = [self.ship_header(k, *ship, arrays, boxes) for k, ship in enumerate(self.models.items())]
+        if self.ground is not None:
+            corners, normals = self.ground.body_mesh(self.spacing)
+            arrays["ground"] = corners.reshape(-1, 3).astype(np.float32)
+            arrays["ground_normals"] = np.repeat(normals, 3, axis=0).astype(np.float32)
         low, high = self.box
         sea, uniforms = self.sea_header()
         platform = self.scene.get("platform") or {}
@@ -103,7 +108,7 @@ class StaticScene:
             "gauges": {name: [float(v) for v in place] for name, place in self.gauges.items()},
             "scalars": list(self.scalars),
             "sea": sea,
-            "tank": bool(self.flat or any((self.scene.get("basin") or {}).get(key) for key in TANK_KEYS)),
+            "tank": bool(self.flat or self.ground or any((self.scene.get("basin") or {}).get(k) for k in TANK_KEYS)),
             "platform": platform.get("geometry") if isinstance(platform.get("geometry"), dict) else None,
             "wind": (self.scene.get("wind") or {}).get("kind", "still"),
             "fluid": (self.scene.get("fluid") or {}).get("kind", ""),

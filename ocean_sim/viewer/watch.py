@@ -12,7 +12,7 @@ import numpy as np
 from ocean_sim.basin.points import grid_points, middles
 from ocean_sim.observers.shared.csv_rows import TakesMotion
 from ocean_sim.pictures.frame_files import grid_arrays, middle_cell
-from ocean_sim.pictures.live.scene_lines import box_top, scene_lines
+from ocean_sim.pictures.live.scene_lines import box_top, scene_lines, surface_heights
 from ocean_sim.platform import Platform
 from ocean_sim.platform.shared.motion_log import ride_of
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
@@ -118,9 +118,8 @@ class Watch(Observer, TakesMotion):
         boxes: dict[str, Any] = {}
         origin = self.origin()
         if self.setting.surface:
-            water = simulation.surface or simulation.fluid
             points = self.points + origin if self.follows else self.points
-            heights = water.elevations(points)
+            heights = surface_heights(simulation, points)
             arrays["height"] = heights.astype(np.float16)
             white = simulation.fluid.foam(points)
             if white is not None:
@@ -139,7 +138,8 @@ class Watch(Observer, TakesMotion):
             ends, hues = scene_lines(simulation, self.top)
             arrays["lines"] = ends.astype(np.float32)
             arrays["hues"] = np.rint(255.0 * hues).astype(np.uint8)
-        arrays["scalars"] = np.nan_to_num(np.array(self.plotted_numbers(heights), np.float32), posinf=0.0, neginf=0.0)
+        numbers = np.array(self.plotted_numbers(heights), np.float32)
+        arrays["scalars"] = np.nan_to_num(numbers, nan=np.nan, posinf=0.0, neginf=0.0)
         return packet(
             "frame",
             arrays,
@@ -175,7 +175,10 @@ class Watch(Observer, TakesMotion):
     def plotted_numbers(self, heights: np.ndarray) -> list[float]:
         """Present values of the plotted numbers, in the order of `setting.scalars`; `heights` (n,) [m] of the water."""
         simulation = self.simulation
-        values = [*(simulation.fluid.elevations(self.gauges) if len(self.gauges) else [])]
+        at_gauges = simulation.fluid.elevations(self.gauges) if len(self.gauges) else np.zeros(0)
+        if (ground := simulation.basin.ground) is not None:
+            at_gauges = ground.wet_heights(self.gauges, at_gauges)
+        values = [*at_gauges]
         rise = heights - heights.mean()
         values.append(4.0 * sqrt(np.einsum("i,i", rise, rise) / len(rise)))
         for ship in [*simulation.ships.values()][:MAX_PLOTTED_SHIPS]:

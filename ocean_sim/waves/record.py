@@ -70,7 +70,7 @@ class Sea:
 
 def gauge_elevations(path: Path, begin: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Times (n,) [s] of a gauges.csv or an .Elev file from `begin` [s] on, and the heights (n,) [m] of each elevation
-    gauge by name; raises ValueError if there are none, or values that no sea has."""
+    gauge by name, but for those that fall dry (NaN); raises ValueError if there are none, or values that no sea has."""
     if path.suffix.lower() == ".elev":
         time, height = exchange.of_openfast(path)
         table = {f"WaveElev{ELEVATION_SUFFIX}": height}
@@ -84,6 +84,7 @@ def gauge_elevations(path: Path, begin: float) -> tuple[np.ndarray, dict[str, np
     if first == len(time):
         raise ValueError(f"{path}: ends at {time[-1]:.12g} s, before --begin {begin:g}")
     if isinstance(table, csv_file.Table):
+        names = [name for name in names if not np.isnan(table[name][first:]).any()] or names
         table.finite(*names, since=first)
     for name in names:
         if (row := stand_in_row(table[name][first:])) is not None:

@@ -3,6 +3,7 @@ import pytest
 from pydantic import ValidationError
 
 import ocean_sim
+from ocean_sim.basin import Config as Tank
 from ocean_sim.files.csv_file import read_columns
 from ocean_sim.observers import gauges
 from ocean_sim.reading.scene import observer_names
@@ -231,3 +232,68 @@ def test_a_pressure_gauge_inside_an_obstacle_is_warned_of():
     made = {"basin": basin, "fluid": {"kind": "delta_sph", "spacing": 0.05}, "gauges": {"pressure": points}}
     said = [w for w in ocean_sim.load(made).warnings() if "inside an obstacle" in w]
     assert said == ["pressure.inside is inside an obstacle, where there is no water"]
+
+
+BEACH = {"profile": [[-3.0, -2.0], [-2.0, -2.0], [3.0, 1.0]]}  # rises by 3 in 5, to the still water at x = 1.33 m
+
+
+def test_a_gauge_over_a_dry_beach_reads_nan_and_one_in_the_water_its_height(tmp_path, watched):
+    simulation = watched((0.05,), floor=BEACH, obstacles=[{"min": [1.9, 0.2, -2.0], "max": [2.1, 1.2, 2.0]}])
+    places = {"sea": [1.0, 0.0], "beach": [1.5, 0.0], "block": [2.0, 0.0]}
+    simulation.observers = [gauges.Config(elevation=places, runup={"shore": {}}).build(tmp_path, simulation)]
+    simulation.run(until=0.1)
+    table = read_columns(tmp_path / "gauges.csv")
+    np.testing.assert_allclose(table["sea_m"], [0.0, 0.0125, 0.025], atol=1e-9)
+    assert np.isnan(table["beach_m"]).all() and (table["block_m"] == 1.2).all()
+    assert table["shore_m"] == pytest.approx(0.0, abs=0.5)  # particles 0.5 m apart
+    head = (tmp_path / "gauges.csv").read_text()
+    assert "nan over a dry bed" in head and "highest place of the bed that water touches along x at z = 0 m" in head
+
+
+@pytest.mark.parametrize("spacing", [0.02, 0.05])
+def test_still_water_over_a_beach_of_1_to_5_runs_up_by_nothing(spacing):
+    """Nor do a puddle beyond a dry gap, a drop in the air and water beside the line count."""
+    floor = {"profile": [[-1.5, -0.4], [-1.0, -0.4], [1.5, 0.1]]}
+    basin = Tank.model_validate({"length": 3.0, "width": 1.0, "depth": 0.4, "floor": floor}).build()
+    axes = [np.arange(low + 0.5 * spacing, up, spacing) for low, up in ((-1.5, 1.5), (-0.4, 0.0), (-0.5, 0.5))]
+    lattice = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    water = lattice[basin.ground.distances(lattice) > 0.3 * spacing]
+    line = gauges.Runup(at=0.2)
+    assert line.height(water, basin, spacing) == pytest.approx(0.0, abs=spacing)
+    puddle, drop, beside = (
+        [x, 0.2 * x - 0.2 + up, z] for x, up, z in ((1.4, 0.01, 0.2), (1.2, 0.3, 0.2), (1.1, 0.01, 0))
+    )
+    more = np.concatenate([water, [puddle, drop, beside]])
+    assert line.height(more, basin, spacing) == line.height(water, basin, spacing)
+    assert np.isnan(line.height(more[:0], basin, spacing))
+
+
+@pytest.mark.parametrize(
+    "floor, width, line, said",
+    [
+        ("free_slip", 4.0, {}, "this bed is flat: water runs up one with basin.floor.profile"),
+        (BEACH, None, {"along": "z"}, "in a slice, in x-y, water runs up along x"),
+        (BEACH, 4.0, {"at": 2.5}, "z = 2.5 m is outside the basin, which reaches from -2 to 2 m"),
+        (BEACH, 4.0, {"along": "z", "at": -3.5}, "x = -3.5 m is outside the basin"),
+    ],
+)
+def test_a_run_up_that_cannot_be_measured_is_refused(watched, floor, width, line, said):
+    config = gauges.Config.model_validate({"runup": {"shore": line}})
+    ((key, sentence),) = config.misplaced_gauges(watched(width=width, floor=floor).basin)
+    assert key == ("runup", "shore") and said in sentence
+
+
+def test_a_run_up_has_a_column_of_its_own():
+    with pytest.raises(ValidationError, match="both have the column shore_m"):
+        gauges.Config.model_validate({"runup": {"shore": {}}, "elevation": {"shore": [0.0, 0.0]}})
+
+
+def test_a_sensor_on_a_beach_looks_away_from_it_and_one_inside_is_warned_of(watched):
+    place = watched(floor=BEACH).basin
+    points = face(place, at=[0.5, -0.5, 0.0], diameter=0.2)
+    np.testing.assert_allclose(place.ground.distances(points + [0.5, -0.5, 0.0]), 0.0, atol=1e-12)
+    basin = {"length": 6.0, "depth": 2.0, "floor": BEACH}
+    sensors = {"on": [0.5, -0.5], "inside": [0.5, -0.6], "above": [0.5, -0.4]}
+    made = {"basin": basin, "fluid": {"kind": "delta_sph", "spacing": 0.1}, "gauges": {"pressure": sensors}}
+    said = [w for w in ocean_sim.load(made).warnings() if "inside the bed" in w]
+    assert said == ["pressure.inside is inside the bed, where there is no water"]

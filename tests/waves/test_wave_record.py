@@ -344,6 +344,16 @@ def test_the_command_measures_every_gauge_and_leaves_table_spectra_and_plot(tmp_
     assert "end: the record is constant" in said and "from 1000 to 2000 s" in said
 
 
+def test_a_gauge_that_falls_dry_is_left_out(tmp_path, capsys):
+    time, record = six_cosines(0.1)
+    swash = np.where(record > 0.0, record, np.nan)
+    run = gauges_file(tmp_path / "run", {"time_s": time, "mid_m": record, "swash_m": swash})
+    assert run_command_line(["waves", str(run), "--json"]) == 0
+    assert [*json.loads(capsys.readouterr().out)] == ["mid"]
+    dry = gauges_file(tmp_path / "dry", {"time_s": time, "swash_m": swash})
+    assert run_command_line(["waves", str(dry)]) == 2 and "swash_m is 'nan'" in capsys.readouterr().err
+
+
 def test_the_command_says_what_a_short_record_cannot_say(tmp_path, capsys):
     time = np.arange(0.0, 20.0, 0.05)
     waves_of = {"swell_m": np.sin(2.0 * np.pi * time / 8.0 + 1.0), "chop_m": 0.1 * np.sin(2.0 * np.pi * time / 0.8)}

@@ -155,6 +155,7 @@ class Run:
             rows = [
                 (name, f"{4.0 * np.nanstd(v):.3g}", f"{np.nanmin(v):.3g}", f"{np.nanmax(v):.3g}")
                 for name, v in ((name, log[column]) for name, column in heights.items())
+                if not np.isnan(v).all()
             ]
             yield html_table(rows, ("gauge", "4 standard deviations [m]", "least [m]", "greatest [m]"))
         if pressures:

@@ -86,8 +86,8 @@ def without_key(fields: dict[str, np.ndarray], name: str) -> dict[str, np.ndarra
 def export_surface(
     frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
 ) -> list[Path]:
-    """Write the water's surface with foam and velocity, ships at their poses, gates, and once fixed obstacles; returns
-    the files: one per object and frame (ply, vtp) or per object (vtkhdf). `grid`: arrays that the run saves once."""
+    """Write the water's surface with foam and velocity, ships at their poses, gates, and once fixed obstacles and bed;
+    returns the files: one per object and frame (ply, vtp) or per object (vtkhdf). `grid`: arrays kept once."""
     files: dict[str, list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]] = {"surface": []}
     drawn = {key: model.mesh for key, model in scene_file.ship_models(grid).items()}
     for shot in export_shots(frames, grid, z_up):
@@ -103,11 +103,9 @@ def export_surface(
             normals = (mesh.normals.reshape(-1, 3) @ turn.T).astype(np.float32)
             name = scene_file.file_name(key)
             files.setdefault(name, []).append((shot.time, points, numbers, {"Normals": normals, "RGB": colour}))
-    boxes, sides = scene_file.box_mesh(grid["obstacles"])
-    if len(boxes):
-        turn = scene_file.Z_UP if z_up else np.eye(3)
-        first = files["surface"][0][0]
-        files["obstacles"] = [(first, (boxes @ turn.T).astype(np.float32), sides, {})]
+    turn, first = scene_file.Z_UP if z_up else np.eye(3), files["surface"][0][0]
+    for name, points, faces, _ in scene_file.still_bodies(grid):
+        files[name] = [(first, (points @ turn.T).astype(np.float32), faces, {})]
     made = []
     for name, moments in files.items():
         made += save_moments(out, name, kind, moments)

@@ -15,8 +15,9 @@ from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.files.input_file import read_npz
 from ocean_sim.files.meshes import Glb
 from ocean_sim.pictures.export.wakes import RunWakes, read_cells
-from ocean_sim.pictures.frame_files import frame_files, ship_keys
+from ocean_sim.pictures.frame_files import frame_files, kept_ground, ship_keys
 from ocean_sim.pictures.ships.ship_model import ShipModel, kept_model
+from ocean_sim.pictures.stage.obstacles import SAND_COLOUR
 from ocean_sim.pictures.water.foam import cell_means
 from ocean_sim.pictures.water.water_mesh import grid_triangles
 
@@ -125,6 +126,15 @@ def box_mesh(boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.array(points, np.float32).reshape(-1, 3), np.array(faces, int).reshape(-1, 3)
 
 
+def still_bodies(grid: dict[str, np.ndarray]) -> Iterator[tuple[str, np.ndarray, np.ndarray, np.ndarray]]:
+    """Yield name, corners (n, 3) [m], triangles (m, 3) and linear RGB of fixed obstacles and of a bed with a shape."""
+    if len(grid["obstacles"]):
+        yield "obstacles", *box_mesh(grid["obstacles"]), STONE_COLOUR
+    if (ground := kept_ground(grid)) is not None:
+        corners = ground.body_mesh(float(grid["spacing"]))[0].reshape(-1, 3).astype(np.float32)
+        yield "ground", corners, np.arange(len(corners)).reshape(-1, 3), SAND_COLOUR
+
+
 def file_name(key: str) -> str:
     """Name of a ship's object in a file: her key with underscores for everything but letters and digits."""
     return "".join(letter if letter.isalnum() else "_" for letter in key)
@@ -140,7 +150,7 @@ def frame_rate(first: float, last: float, count: int, every: float) -> float:
 
 
 def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up: bool) -> Path:
-    """Write USD with time samples (usdc): /sea/water, /sea/obstacles, /sea/gates, /sea/NAME of each ship,
+    """Write USD with time samples (usdc): /sea/water, /sea/obstacles, /sea/ground, /sea/gates, /sea/NAME of each ship,
     /sea/particles; in metres, at the run's frame rate. Returns the path; raises UsdMissing without the package."""
     try:
         from pxr import Gf, Sdf, Tf, Usd, UsdGeom, Vt
@@ -160,12 +170,11 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
         stage.SetDefaultPrim(root.GetPrim())
         if z_up:
             root.AddRotateXOp().Set(90.0)
-        boxes, sides = box_mesh(grid["obstacles"])
-        if len(boxes):
-            stone = UsdGeom.Mesh.Define(stage, "/sea/obstacles")
-            stone.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(boxes))
-            set_triangles(stone, sides.astype(np.int32).ravel(), Vt)
-            stone.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*STONE_COLOUR.tolist())])
+        for name, points, faces, colour in still_bodies(grid):
+            still = UsdGeom.Mesh.Define(stage, f"/sea/{name}")
+            still.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(points))
+            set_triangles(still, faces.astype(np.int32).ravel(), Vt)
+            still.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*colour.tolist())])
         bodies = {}
         for key, model in ship_models(grid).items():
             body = UsdGeom.Xform.Define(stage, f"/sea/{file_name(key)}")
@@ -239,8 +248,8 @@ def set_triangles(mesh: Any, corners: np.ndarray, vt: ModuleType, *at: Any) -> N
 
 
 def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> Path:
-    """Write binary glTF and return the path: water, obstacles, moving ships. The water is one mesh that changes shape,
-    coloured by the foam of the first frame, or, if its triangles change, one mesh a frame, each visible at its time."""
+    """Write binary glTF and return the path: water, obstacles, bed, moving ships. The water is one mesh that changes
+    shape, coloured by the first frame's foam, or, if its triangles change, one mesh a frame, visible at its time."""
     from scipy.spatial.transform import Rotation
 
     wakes = RunWakes(frame_files(frames[0].parent.parent), grid)
@@ -253,9 +262,8 @@ def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> P
     elif len(first.points):
         moved = np.stack([kept.points for kept in shots]) if len(shots) > 1 else None
         made.mesh("water", first.points, first.faces, water_colours(first), moved)
-    boxes, sides = box_mesh(grid["obstacles"])
-    if len(boxes):
-        made.mesh("obstacles", boxes, sides, STONE_COLOUR)
+    for name, points, faces, colour in still_bodies(grid):
+        made.mesh(name, points, faces, colour)
     gates = {
         k: made.mesh(f"gates_{k:05d}", *kept.gates, STONE_COLOUR) for k, kept in enumerate(shots) if len(kept.gates[0])
     }

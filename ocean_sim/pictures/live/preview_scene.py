@@ -5,8 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ocean_sim.basin.points import grid, grid_points
-from ocean_sim.pictures.live.scene_lines import LiveSimulation, box_top
+from ocean_sim.pictures.live.scene_lines import LiveSimulation, box_top, surface_heights
 from ocean_sim.pictures.ships.ship_model import ShipModel, build_model
+from ocean_sim.pictures.stage.obstacles import sand_mesh
 from ocean_sim.pictures.stage.sky import painted_light
 from ocean_sim.pictures.water import water_shading
 from ocean_sim.pictures.water.water_mesh import WaterMesh
@@ -55,6 +56,10 @@ class PreviewScene:
         self.models = {name: self.ship_model(name, *shape) for name, shape in drawn.items() if shape is not None}
         self.lengths = {name: self.models[name].length if name in self.models else 0.0 for name in drawn}  # [m]
         self.fastest = MIN_FASTEST_SPEED
+        self.sand: Patch | None = None  # the bed, if it has a shape
+        if basin.ground is not None:
+            vertices, triangles, colours = sand_mesh(basin.ground, self.spacing)
+            self.sand = Patch(vertices, triangles, colours / 255.0)
 
     def ship_model(self, name: str, vertices: np.ndarray, triangles: np.ndarray) -> ShipModel:
         """Painted model of the ship of this name on her hull of vertices (n, 3) [m] and triangles (m, 3)."""
@@ -84,8 +89,7 @@ class PreviewScene:
 
     def surface_heights(self) -> np.ndarray:
         """Heights (n,) [m] of the surface at the grid points of the basin; empty if it has no surface."""
-        shown = self.simulation.surface or self.simulation.fluid
-        return shown.elevations(self.points) if self.has_surface else np.zeros(0)
+        return surface_heights(self.simulation, self.points) if self.has_surface else np.zeros(0)
 
     def water_patch(self, heights: np.ndarray, eye: np.ndarray, solid: bool) -> Patch | None:
         """Surface of heights (n,) [m], coloured for an eye (3,) [m], or None without any; `solid`: with cut sides."""

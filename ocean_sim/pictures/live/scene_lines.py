@@ -1,4 +1,4 @@
-"""Lines of a live scene: edges of the still water, the wind, and the surface of a two-dimensional slice."""
+"""Surface heights of a live scene, and its lines: edges of the still water, the wind, and the surface of a slice."""
 
 from typing import Protocol
 
@@ -32,7 +32,18 @@ class LiveSimulation(Protocol):
 
 def box_top(simulation: LiveSimulation, ship_length: float) -> float:
     """Height [m] of the air to draw over still water; `ship_length`: of the longest ship [m]."""
-    return max(0.25 * simulation.basin.depth, 0.3 * ship_length)
+    ground = simulation.basin.ground
+    return max(0.25 * simulation.basin.depth, 0.3 * ship_length, 0.0 if ground is None else float(ground.y.max()))
+
+
+def surface_heights(simulation: LiveSimulation, points: np.ndarray) -> np.ndarray:
+    """Heights (n,) [m] of the drawn surface at points x, z (n, 2) [m]; below a dry bed it goes on unseen."""
+    fluid, ground = simulation.fluid, simulation.basin.ground
+    heights = (simulation.surface or fluid).elevations(points)
+    if ground is None:
+        return heights
+    position = np.zeros((0, 3)) if fluid.particles is None else fluid.particles.position.to_numpy()
+    return ground.sheet_heights(points, heights, position, fluid.spacing)
 
 
 def scene_lines(simulation: LiveSimulation, top: float) -> tuple[np.ndarray, np.ndarray]:
@@ -51,7 +62,7 @@ def scene_lines(simulation: LiveSimulation, top: float) -> tuple[np.ndarray, np.
     parts = [(edges, BASIN_COLOUR), (volumes, VOLUME_COLOUR), (arrows, ARROW_COLOUR)]
     if flat and not basin.closed and (fluid.particles is None or fluid.sound_speed > 0.0):
         x, z = grid(basin, fluid.spacing)
-        heights = (simulation.surface or fluid).elevations(grid_points(x, z))
+        heights = surface_heights(simulation, grid_points(x, z))
         line = np.stack([x, heights, 0.0 * x], axis=1)
         parts.append((np.stack([line[:-1], line[1:]], axis=1), SURFACE_COLOUR))
     colours = np.concatenate([np.tile(colour, (len(ends), 1)) for ends, colour in parts])

@@ -1,14 +1,27 @@
-"""The obstacles of a basin in a picture: boxes of concrete."""
+"""The obstacles of a basin in a picture: boxes of concrete; and its bed, of sand, if that has a shape."""
 
 import numpy as np
 
+from ocean_sim.basin.ground import Ground
 from ocean_sim.pictures.frame_files import Frame
 from ocean_sim.pictures.stage.plotter import Stage
 from ocean_sim.pictures.stage.sky import painted_light
 from ocean_sim.pictures.water import water_shading
 
 CONCRETE_COLOUR = np.array([0.42, 0.40, 0.37])  # linear RGB
+SAND_COLOUR = np.array([0.60, 0.44, 0.24])  # linear RGB
 INSET_SHARE = 2.0e-3  # of the basin: a face that lies in a side of the basin is not drawn in the same plane
+
+
+def sand_mesh(ground: Ground, breadth: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Vertices (n, 3) [m] of the bed, a little wider than the basin to hide the sides of the water below, its triangles
+    (m, 3), and colours (n, 3), 8-bit display RGB, in the light of sun and sky; `breadth`: that of a slice [m]."""
+    corners, normals = ground.body_mesh(breadth)
+    middle = ground.extent.mean(axis=0) * [1.0, 0.0, 1.0]
+    vertices = middle + (corners.reshape(-1, 3) - middle) * [1.0 + INSET_SHARE, 1.0, 1.0 + INSET_SHARE]
+    light = painted_light(normals, np.broadcast_to(SAND_COLOUR, normals.shape), np.zeros((len(normals), 1)))
+    colours = np.repeat(water_shading.display_colours(light), 3, axis=0)
+    return vertices, np.arange(len(vertices)).reshape(-1, 3), colours
 
 
 class Obstacles:

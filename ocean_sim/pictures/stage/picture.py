@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ocean_sim.parts import key_of
-from ocean_sim.pictures.frame_files import Frame, FrameLog, ship_keys
+from ocean_sim.pictures.frame_files import Frame, FrameLog, kept_ground, ship_keys
 from ocean_sim.pictures.ships.ship import DrawnShip, ShadedShip
 from ocean_sim.pictures.ships.ship_model import kept_model
 from ocean_sim.pictures.stage import antialiasing, overlays, sky
 from ocean_sim.pictures.stage.camera import Camera, Operator, Vessel
-from ocean_sim.pictures.stage.obstacles import Obstacles
+from ocean_sim.pictures.stage.obstacles import Obstacles, sand_mesh
 from ocean_sim.pictures.stage.particles import Particles
 from ocean_sim.pictures.stage.plotter import Content, Stage
 from ocean_sim.pictures.stage.render_order import Order, RenderFailed
@@ -73,6 +73,8 @@ class Picture:
         self.lower, self.upper = grid["lower"].copy(), grid["upper"].copy()
         self.sides = self.lower[[0, 2]].copy(), self.upper[[0, 2]].copy()
         self.upper[1] = max(0.12 * float(grid["depth"]), float(first.elevation.max()))
+        if (ground := kept_ground(grid)) is not None:
+            self.upper[1] = max(self.upper[1], float(ground.y.max()))
         flat = bool(self.lower[2] == self.upper[2])
         away = "sea_answers" in grid  # ships are free to leave the basin
         if away and order.camera in MAP_CAMERAS and log.tracks:
@@ -86,7 +88,7 @@ class Picture:
             if key in log.tracks
         }
         vessel = next(iter(vessels.values()), None) if order.ship is None else vessels.get(key_of(order.ship))
-        bare = flat or order.particles or not bool(grid["has_surface"]) or first.folds
+        bare = flat or order.particles or not bool(grid["has_surface"]) or first.folds or ground is not None
         scene = sea_state.run_scene(Path(order.folder))
         state = None if bare or not order.far_sea else sea_state.SeaState(scene, grid, log)
         open_sea = state is not None and state.open
@@ -122,6 +124,11 @@ class Picture:
             self.content = tank.Shell(stage, grid, self.upper, first, order.foam)
         else:
             self.content = Water(stage, grid, SURFACE_NODES[order.quality])
+        if ground is not None:
+            vertices, triangles, colours = sand_mesh(ground, float(grid["spacing"]))
+            sand = stage.pyvista.PolyData.from_regular_faces(vertices.astype(np.float32), triangles)
+            sand["colour"] = colours
+            self.plotter.add_mesh(sand, scalars="colour", rgb=True, lighting=False, culling="back")
         fixed = grid.get("obstacles", np.zeros((0, 2, 3)))
         self.obstacles = Obstacles(stage, fixed, self.lower, self.upper)
         self.ships: dict[str, DrawnShip | ShadedShip] = {}

@@ -111,8 +111,9 @@ def flying_share(position: np.ndarray, floor: np.ndarray, spacing: float) -> np.
     return clipped_ramp(2.0 * FLYING_GAPS[1] * widest, FLYING_GAPS)
 
 
-def floor_heights(position: np.ndarray, bed: float, obstacles: np.ndarray) -> np.ndarray:
-    """Heights (n,) [m] of the floor below particles (n, 3) [m]: that of the bed [m], or of obstacles (m, 2, 3) [m]."""
+def floor_heights(position: np.ndarray, bed: float | np.ndarray, obstacles: np.ndarray) -> np.ndarray:
+    """Heights (n,) [m] of the floor below particles (n, 3) [m]: that of the bed [m], one or (n,), or of obstacles
+    (m, 2, 3) [m]."""
     floor = np.full(len(position), bed)
     for low, up in obstacles:
         over = np.all((position[:, [0, 2]] > low[[0, 2]]) & (position[:, [0, 2]] < up[[0, 2]]), axis=1)

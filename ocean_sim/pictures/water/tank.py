@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.pictures.frame_files import Frame
+from ocean_sim.pictures.frame_files import Frame, kept_ground
 from ocean_sim.pictures.stage import sky
 from ocean_sim.pictures.stage.plotter import Content, Stage
 from ocean_sim.pictures.water import splash as splashing
@@ -137,7 +137,7 @@ class Shell(Content):
         self.stage, self.first, self.white = stage, first, white
         self.lower, self.upper, self.spacing = tuple(grid["lower"]), tuple(upper), float(grid["spacing"])
         self.sides = grid["lower"][[0, 2]], grid["upper"][[0, 2]]
-        self.boxes = grid.get("obstacles", np.zeros((0, 2, 3)))
+        self.boxes, self.ground = grid.get("obstacles", np.zeros((0, 2, 3))), kept_ground(grid)
         tank_walls.add_tank(stage, grid["lower"], upper, depth)
         over = sky.clear_sky_image()
         ball = stage.pyvista.Icosphere(radius=1.0, nsub=1)
@@ -184,7 +184,8 @@ class Shell(Content):
             return skin, np.zeros_like(skin.vertices), skin.vertices
         position, velocity, number = (np.asarray(each) for each in particles)
         position, velocity = position.astype(float), velocity.astype(float)
-        floor = splashing.floor_heights(position, self.lower[1], self.boxes)
+        bed = self.lower[1] if self.ground is None else self.ground.heights(position[:, [0, 2]])
+        floor = splashing.floor_heights(position, bed, self.boxes)
         low, cell = self.sides[0], (self.sides[1] - self.sides[0]) / frame.elevation.shape
         up = np.maximum(
             splashing.flying_share(position, floor, self.spacing),

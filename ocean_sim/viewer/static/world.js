@@ -26,6 +26,7 @@ class World {
     this.cell = (2 * this.reach[0]) / this.nx;
     this.surfaces = { tank: this.mesh(false), sea: still.basin.flat ? null : this.mesh(true) };
     this.sides();
+    this.ground = still.data.ground ? shape(gl, [still.data.ground, still.data.ground_normals]) : null;
     this.ships = still.ships.map((ship, k) => this.model(ship, k));
     this.gapMap = new Float32Array(96 * 96 * Math.max(this.ships.length, 1)).fill(9);
     this.balls = this.particles();
@@ -369,13 +370,17 @@ class World {
     gl.disable(gl.BLEND);
   }
 
-  // Obstacles, gauges as buoys, waypoints.
+  // Bed, obstacles, gauges as buoys, waypoints.
   solids(view, lit) {
     const { gl, painter, still } = this, draw = (what, pose, paint) => {
       painter.solid.use({ ...lit, view, pose, paint });
       gl.bindVertexArray(what.vertices);
       gl.drawArrays(gl.TRIANGLES, 0, what.count);
     };
+    if (this.ground) {  // so little broader than the basin that the sides of the water below it are hidden
+      const broad = still.basin.flat ? (1.03 * this.ribbon) / still.spacing : 1.01;
+      draw(this.ground, sized([0, 0, 0], [1.01, 1, broad]), [0.80, 0.72, 0.55, 1]);
+    }
     for (const [low, high] of still.obstacles) {
       const half = V.scale(V.sub(high, low), 0.5), at = V.add(low, half);
       if (still.basin.flat) { half[2] = 0.5 * this.ribbon; at[2] = 0; }
@@ -431,6 +436,6 @@ class World {
   free() {
     const { gl } = this;
     for (const one of [this.tile, this.gaps, this.mirror]) gl.deleteTexture(one);
-    for (const one of [this.surfaces.tank.vertices, this.surfaces.sea?.vertices, this.wall, this.balls.vertices, this.lines.vertices, ...this.ships.map((s) => s.vertices)]) gl.deleteVertexArray(one || null);
+    for (const one of [this.surfaces.tank.vertices, this.surfaces.sea?.vertices, this.wall, this.balls.vertices, this.lines.vertices, this.ground?.vertices, ...this.ships.map((s) => s.vertices)]) gl.deleteVertexArray(one || null);
   }
 }

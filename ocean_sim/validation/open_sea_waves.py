@@ -24,7 +24,7 @@ from ocean_sim import waves
 from ocean_sim.fluid import with_particles
 from ocean_sim.fluid.patch.relaxation_zone import relaxation_band
 from ocean_sim.fluid.patch.sea_patch import table_nodes
-from ocean_sim.fluid.patch.sources import Depths
+from ocean_sim.fluid.patch.sources import Depths, SteepSource
 from ocean_sim.fluid.sph.initial_state import displaced_state, patch_waves
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, absolute_error, percent_error
@@ -129,13 +129,9 @@ def linear_wave_share(simulation: Simulation, time: np.ndarray) -> np.ndarray:
     around_it = relaxation_band(with_particles(simulation.fluid).config.lattice(simulation.basin))
     if around_it is None or around_it.sea is None or around_it.nonlinear is None:
         return np.ones(len(time), dtype=complex)
-    from ocean_sim.fluid.patch.sources import SteepSource
-
     depths = Depths(DEPTH, around_it.sea.significant_height, DEPTH)
-    source, crests = (
-        SteepSource(around_it, around_it.sea, depths, table_nodes(around_it, around_it.sea)),
-        round(PATCH_LENGTH),
-    )
+    source = SteepSource(around_it, around_it.sea, depths, table_nodes(around_it, around_it.sea))
+    crests = round(PATCH_LENGTH)
     began = source.modes(0.0)[1, 0, crests, 0]
     return np.array([source.modes(t)[1, 0, crests, 0] / began * np.exp(1j * OMEGA * t) for t in time])
 

@@ -21,16 +21,8 @@ from ocean_sim import waves
 from ocean_sim.conventions import GRAVITY, WATER_DENSITY
 from ocean_sim.files import csv_file
 from ocean_sim.simulation import Simulation
+from ocean_sim.validation.shared import ship as ships
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, percent_error
-from ocean_sim.validation.shared.ship import (
-    JUDGED_WAVES,
-    at_sea,
-    first_harmonics,
-    floating_ship,
-    follow_body,
-    record_in_waves,
-    ship_of_section,
-)
 from ocean_sim.validation.shared.tables import table_path
 
 LENGTH, BREADTH, HEIGHT, DRAUGHT, BILGE = 0.586, 0.400, 0.256, 0.200, 0.0512  # [m]
@@ -86,7 +78,7 @@ def closed_form_problem(scenario: str, coarse: bool = False) -> Problem:
     ship = section_keys(8 if coarse else 12) | extra | {"free": list(freed)}
     if "sway" in freed:
         ship["moorings"] = sway_springs()
-    scene = at_sea(ship, 1.0, 0.01, heading_deg=90.0)
+    scene = ships.at_sea(ship, 1.0, 0.01, heading_deg=90.0)
     scene["basin"]["depth"] = DEPTH
     return Problem(scene, promises, measure, f"closed form, {scenario}", slot="ship", schemes=("dynamic",))
 
@@ -114,10 +106,7 @@ def particle_problem(period: float) -> Problem:
     length = 2.0 * pi / k
     promises = tuple(
         Promise(
-            f"T {period:g} s, particles: {motion} [{over}]",
-            "%",
-            SOURCE_TEXT,
-            {"pressure": PARTICLE_TOLERANCES[motion]},
+            f"T {period:g} s, particles: {motion} [{over}]", "%", SOURCE_TEXT, {"pressure": PARTICLE_TOLERANCES[motion]}
         )
         for motion, over in MOTION_SCALES.items()
     )
@@ -139,24 +128,21 @@ def particle_problem(period: float) -> Problem:
 
 def measure_particles(simulation: Simulation, period: float) -> Finding:
     """Run in waves of a period [s]; compare heave over wave amplitude, and roll over wave slope, with measured ones."""
-    rows = [(t, b.position[1], b.angles[2]) for t, b in follow_body(simulation, simulation.scene.duration)]
+    rows = [(t, b.position[1], b.angles[2]) for t, b in ships.follow_body(simulation, simulation.scene.duration)]
     t, heave, roll = np.array(rows).T
-    late = t > t[-1] - JUDGED_WAVES * period
+    late = t > t[-1] - ships.JUDGED_WAVES * period
     omega = 2.0 * pi / period
     over = np.array([AMPLITUDE, AMPLITUDE * float(waves.wavenumber(omega, DEPTH, GRAVITY))])
-    found = first_harmonics(t[late], np.stack([heave, roll], axis=1)[late], omega) / over
+    found = ships.first_harmonics(t[late], np.stack([heave, roll], axis=1)[late], omega) / over
     seen = measured_amplitudes()[period]
     numbers = [percent_error(float(value), seen[motion]) for value, motion in zip(found, MOTION_SCALES, strict=True)]
-    curves = [
-        Curve("heave", t / period, (heave - heave[0]) / AMPLITUDE),
-        Curve("roll", t / period, roll / over[1]),
-    ]
+    curves = [Curve("heave", t / period, (heave - heave[0]) / AMPLITUDE), Curve("roll", t / period, roll / over[1])]
     return Finding(numbers, curves, [], ("t / T", "heave / a, roll / k a"))
 
 
 def section_keys(cells: int) -> dict[str, Any]:
     """Ship keys of the section, free in heave and roll, with so many cells to the draught."""
-    whole = ship_of_section(BREADTH, HEIGHT, BILGE, LENGTH, MASS, KG, ROLL_RADIUS, cells)
+    whole = ships.ship_of_section(BREADTH, HEIGHT, BILGE, LENGTH, MASS, KG, ROLL_RADIUS, cells)
     return whole | {"free": ["heave", "roll"]}
 
 
@@ -174,7 +160,7 @@ def measured_amplitudes(scenario: str = "heave+roll") -> dict[float, dict[str, f
 
 def wave_response(simulation: Simulation, period: float) -> dict[str, float]:
     """Run in a regular wave of a period [s]; amplitudes by motion: sway, heave over wave amplitude a, roll over k a."""
-    rest, omega = KG - floating_ship(simulation).hydrostatics.draught, 2.0 * pi / period
-    t, sway, heave, _, _, _, roll = record_in_waves(simulation, rest, 2.0 * AMPLITUDE, period, 90.0)
-    sway, heave, roll = first_harmonics(t, np.stack([sway, heave, roll], axis=1), omega) / AMPLITUDE
+    rest, omega = KG - ships.floating_ship(simulation).hydrostatics.draught, 2.0 * pi / period
+    t, sway, heave, _, _, _, roll = ships.record_in_waves(simulation, rest, 2.0 * AMPLITUDE, period, 90.0)
+    sway, heave, roll = ships.first_harmonics(t, np.stack([sway, heave, roll], axis=1), omega) / AMPLITUDE
     return {"sway": float(sway), "heave": float(heave), "roll": float(roll / waves.wavenumber(omega, DEPTH, GRAVITY))}

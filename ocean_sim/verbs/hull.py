@@ -2,7 +2,7 @@
 picture."""
 
 from dataclasses import replace
-from math import isinf
+from math import asin, degrees, isinf, sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -11,6 +11,8 @@ import typer
 
 from ocean_sim.conventions import GRAVITY, WATER_DENSITY, AxisName, figures
 from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.yaml_file import Problem, SceneError, read_mapping
+from ocean_sim.parts import library, named
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json, number_list
 
@@ -144,7 +146,6 @@ def hull(
 def found_hull(name: str, ship: str | None, asked: Asked) -> "tuple[Hull, float, tuple[float, float] | None]":
     """The hull called `name` (in configs/hull/ or configs/ship/, a mesh file, or `ship` of a scene), density of the
     water [kg/m3], length and breadth of the bilge keels [m] or None. Raises ValueError, SceneError or Refused."""
-    from ocean_sim.parts import library, named
     from ocean_sim.ship.hull.hull import MESH_ENDINGS, hull_of
 
     scene = Path(name).suffix in (".yaml", ".yml") or (library("scenes") / f"{name}.yaml").is_file()
@@ -188,7 +189,6 @@ def found_hull(name: str, ship: str | None, asked: Asked) -> "tuple[Hull, float,
 
 def condition_of(path: Path) -> "Loading":
     """The loading condition (weights, tanks, openings) in a YAML file; raises SceneError."""
-    from ocean_sim.files.yaml_file import Problem, SceneError, read_mapping
     from ocean_sim.reading.translation import validated
     from ocean_sim.ship.naval.stability import Loading
 
@@ -348,8 +348,6 @@ def roll_damping_rows(afloat: "Hydrostatics", asked: Asked) -> tuple[list[dict[s
 
 def squat_rows(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[str, float]], list[str]]:
     """Squat in water of `depth` [m], a row per Froude number, and warnings; empty without a depth. Raises Refused."""
-    from math import degrees, sqrt
-
     from ocean_sim.ship.naval.hydrostatics import bow_squat, slender_squat
 
     if depth is None:
@@ -410,8 +408,6 @@ def stated_balance(afloat: "Hydrostatics", stability: "Stability", cross: bool) 
 
 def balance_at_rest(afloat: "Hydrostatics") -> dict[str, float | None]:
     """Draughts fore and aft [m], trim and heel [deg], > 0 with bow and starboard down; None without equilibrium."""
-    from math import asin, degrees
-
     from ocean_sim.ship.body.floating import lean_matrix, rest_angles
 
     angles, names = rest_angles(afloat), ("draught_fore_m", "draught_aft_m", "trim_deg", "heel_deg")

@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
@@ -16,14 +16,12 @@ from ocean_sim.kernel_library import LIBRARY_NAME, LIBRARY_VARIABLE, QUADRANTS, 
 from ocean_sim.machine import source_hashes, stop_if_asked, stoppable
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import FIRST_FILE, Result, simulate
+from ocean_sim.simulation import Simulation
 from ocean_sim.state import checkpoint_file
 from ocean_sim.verbs.run import report_run, until_node
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json, Quiet
 from ocean_sim.verbs.shared.progress import Progress, kernel_notice
-
-if TYPE_CHECKING:
-    from ocean_sim.simulation import Simulation
 
 MAX_SHOWN_DIFFERENCES = 3  # differences that are named
 
@@ -78,10 +76,9 @@ def continue_run(
     """Run on from the checkpoint `kept`. The simulation is built in a temporary folder, so that the run folder is
     unchanged until the checkpoint is restored; `changed`: changes of the program in words."""
     from ocean_sim.observers.checkpoint import restore
-    from ocean_sim.simulation import Simulation
     from ocean_sim.state.snapshot import FileShortened, Mismatch
 
-    def restored(simulation: "Simulation") -> None:
+    def restored(simulation: Simulation) -> None:
         if kept.made.get("backend") != simulation.backend.arch:
             backends = f"{kept.made.get('backend')}, and this one on {simulation.backend.arch}"
             raise console.Refused(f"{folder}: the checkpoint was made on {backends}")
@@ -217,11 +214,8 @@ def program_changes(made: dict[str, Any]) -> str:
     )
     files = [name for name in sorted({*then, *source_hashes()}) if then.get(name) != source_hashes().get(name)]
     more = f" and {len(files) - MAX_SHOWN_DIFFERENCES} more" if len(files) > MAX_SHOWN_DIFFERENCES else ""
-    differ = (
-        [f"another library: {library} compiled its kernels, and {LIBRARY_VARIABLE} is {LIBRARY_NAME}"]
-        if library
-        else []
-    )
+    other = f"another library: {library} compiled its kernels, and {LIBRARY_VARIABLE} is {LIBRARY_NAME}"
+    differ = [other] if library else []
     differ += [f"another version: {versions_differ}"] if versions_differ else []
     differ += [f"other sources: {', '.join(files[:MAX_SHOWN_DIFFERENCES])}{more}"] if files else []
     return ", and of ".join(differ)

@@ -351,13 +351,7 @@ def drawing_failure(child: subprocess.Popen[Any], errors: IO[str]) -> RenderFail
     return RenderFailed(said[-1] if said else "the drawing process ended without a message")
 
 
-def render_run(
-    folder: Path,
-    *,
-    out: Path | None = None,
-    progress: Progress | None = None,
-    **asked: Any,
-) -> list[Path]:
+def render_run(folder: Path, *, out: Path | None = None, progress: Progress | None = None, **asked: Any) -> list[Path]:
     """Draw preview.png, and film, stills and strip if asked, into `out`; returns the files. `asked`: fields of Order.
     Raises OpenGLMissing or RenderFailed."""
     order = order_of(folder, out=out, **asked)

@@ -37,9 +37,8 @@ SHAPE_WORDS = {
 }
 SHAPE_TYPES = {"a mapping": "object", "a list": "array"}  # of JSON Schema
 
-MEASURE_PATTERN = re.compile(
-    r"([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*\[?([^\s\[\]]*)\]?"
-)  # a number and its unit
+# A number and its unit.
+MEASURE_PATTERN = re.compile(r"([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*\[?([^\s\[\]]*)\]?")
 UNIT_FACTORS = {  # what people write, in units of scenes
     "mm": ("m", 1e-3),
     "cm": ("m", 1e-2),

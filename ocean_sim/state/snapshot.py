@@ -39,15 +39,8 @@ MISSING_VALUE = object()
 NUMBER_TYPES = (int, float, np.number, np.bool_)
 COMPARED_TYPES: tuple[Any, ...] = (Path, TextIOWrapper, str, NUMBER_TYPES, list, tuple, dict, range, np.ndarray)
 FIELD_KEY, ARRAY_KEY, NUMBER_KEY, SAME_KEY, REBUILT_KEY = "field", "array", "number", "same", "left"
-LIST_KEY, TUPLE_KEY, DICT_KEY, RANGE_KEY, FILE_KEY, PATH_KEY, OBJECT_KEY = (
-    "list",
-    "tuple",
-    "dict",
-    "range",
-    "file",
-    "path",
-    "of",
-)
+LIST_KEY, TUPLE_KEY, DICT_KEY, RANGE_KEY = "list", "tuple", "dict", "range"
+FILE_KEY, PATH_KEY, OBJECT_KEY = "file", "path", "of"
 
 
 @runtime_checkable

@@ -150,13 +150,7 @@ def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
                 short = {"duration": min(max(calm.duration, MIN_STEPS * dt), MAX_STEPS[quick] * dt)}
                 fixed = {"time_step": {"kind": "fixed", "dt": dt}}
                 yield Spot(
-                    axis,
-                    scheme,
-                    value,
-                    factor,
-                    dt,
-                    finite,
-                    load(base, own | axis.settings(value) | fixed | short),
+                    axis, scheme, value, factor, dt, finite, load(base, own | axis.settings(value) | fixed | short)
                 )
 
 
@@ -164,10 +158,8 @@ def verdict_of(
     answer: dict[str, Any], accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool
 ) -> tuple[str, str, dict[str, float]]:
     """Verdict (of VERDICT_WORDS), its reason, and energy gain and greatest mean compression; `driven`: a wind acts."""
-    gain, dense = (
-        energy_gain(accuracy, scene, driven),
-        float(np.max(accuracy.get("compression_mean", [0.0]), initial=0.0)),
-    )
+    gain = energy_gain(accuracy, scene, driven)
+    dense = float(np.max(accuracy.get("compression_mean", [0.0]), initial=0.0))
     numbers = {"energy_gain": gain, "compression_mean": dense}
     if answer["outcome"] not in ("done", "stopped"):
         return "none", answer["reason"], numbers
@@ -175,11 +167,8 @@ def verdict_of(
         return "stopped", answer["reason"], numbers
     allowed = max(MAX_COMPRESSION, MAX_OVER_ALLOWED * scene.fluid.compression_asked)
     if not gain <= MAX_ENERGY_GAIN:
-        return (
-            "degraded",
-            f"energy from nowhere: {100.0 * gain:.3g} % of m v^2 (bound {100.0 * MAX_ENERGY_GAIN:g} %)",
-            numbers,
-        )
+        why = f"energy from nowhere: {100.0 * gain:.3g} % of m v^2 (bound {100.0 * MAX_ENERGY_GAIN:g} %)"
+        return "degraded", why, numbers
     if not dense <= allowed:
         return "degraded", f"mean compression {100.0 * dense:.3g} % (bound {100.0 * allowed:.3g} %)", numbers
     return "stable", "", numbers
@@ -210,10 +199,8 @@ def map_summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
         longest = max(held, default=None)
         step = here[0]["dt_s"] / here[0]["dt_over_courant"]
         line = {"map": key[0], "scheme": key[1], "value": key[2], "courant_s": step, "stable_to": longest}
-        line |= {
-            "first_break": first,
-            "verdict": next((r["verdict"] for r in here if r["dt_over_courant"] == first), ""),
-        }
+        line["first_break"] = first
+        line["verdict"] = next((r["verdict"] for r in here if r["dt_over_courant"] == first), "")
         for name in ("acoustic", "viscous", "force"):
             limit = here[0].get(f"{name}_s")
             line[f"{name}_number"] = longest * step / limit if limit and longest else None

@@ -77,8 +77,5 @@ def measure(simulation: Simulation) -> Finding:
         absolute_error(apart),
     )
     return Finding(
-        numbers,
-        [Curve("surface", x, shown)],
-        [Curve("water", x, AMPLITUDE * wave)],
-        ("x [m]", "elevation [m]"),
+        numbers, [Curve("surface", x, shown)], [Curve("water", x, AMPLITUDE * wave)], ("x [m]", "elevation [m]")
     )

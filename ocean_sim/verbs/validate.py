@@ -46,8 +46,7 @@ def validate(
     coarse: Annotated[
         bool,
         typer.Option(
-            "--coarse",
-            help="A gate for CI: twice the spacing or more, tolerances of its own, no long cases.",
+            "--coarse", help="A gate for CI: twice the spacing or more, tolerances of its own, no long cases."
         ),
     ] = False,
     sets: Sets = None,

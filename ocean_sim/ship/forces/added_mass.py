@@ -132,9 +132,8 @@ def water_reaction(
     v_r, omega_r = minus(v, stream), minus(omega, swirl)
     momentum, turning = water_momentum(water, between, v_r, omega_r)
     carried, carried_turn = water_momentum(water, between, pull, pull_turn)
-    kept, kept_turn = water_momentum(
-        water, between, cross(omega, stream), cross(omega, swirl)
-    )  # of it, as the axes turn
+    # Of it, as the axes turn.
+    kept, kept_turn = water_momentum(water, between, cross(omega, stream), cross(omega, swirl))
     along = plus(cross(omega, momentum), kept)
     around = plus(plus(cross(omega, turning), cross(v_r, momentum)), kept_turn)
     push = minus(minus(plus(transpose_times(r, force.tolist()), carried), along), times(body.mass, cross(omega, v)))

@@ -20,9 +20,7 @@ SAMPLES_OF_MESH = (EDGE_SAMPLES, 8, 16)  # across and along a cube of a mesh: mo
 MISSED_SHARE = 0.02  # of the volume of a mesh
 MAX_CUBES = 4_000_000  # cubes
 MAX_FLATNESS = 3.0  # the most that a cube is longer and broader than tall
-SUFFICIENT_CUBES = np.array(
-    [14, 1e9, 24]
-)  # cubes across and along a hull, which leave no error that the height does not
+SUFFICIENT_CUBES = np.array([14, 1e9, 24])  # across and along a hull, which leave no error that the height does not
 COLUMN_OFFSET = 1.0e-4  # of a cube: columns do not run through the edges of a mesh that was drawn on a lattice
 
 

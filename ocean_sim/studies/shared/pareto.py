@@ -12,9 +12,8 @@ MARK_SHAPES = ("o", "s", "^", "D", "v", "P")
 COST_LABELS = {"wall_per_s": "wall seconds", "cpu_per_s": "processor seconds (the machine was busy)"}
 CROWDED_AXIS_RATIO = 100.0  # ends of an axis so far apart need no number within a decade
 PICTURE_DPI = 110  # of the pictures
-NAME_SHIFTS = [
-    (x, y) for y in (4, -9, 12, -17, 20, -25, 28, -33, 36, -41) for x in (5, -5)
-]  # of a name from its point [points]
+# Of a name from its point [points].
+NAME_SHIFTS = [(x, y) for y in (4, -9, 12, -17, 20, -25, 28, -33, 36, -41) for x in (5, -5)]
 MARK_RADIUS_PIXELS = 4.0  # pixels that a mark takes to each side
 MIN_DRAWN_ERROR = 1e-6  # an error of nothing still has a position on a logarithmic axis
 

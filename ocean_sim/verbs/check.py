@@ -1,7 +1,7 @@
 """`ocean-sim check`: memory, time step and time of a scene, before anything is allocated."""
 
 from math import isinf
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
@@ -32,7 +32,7 @@ def check(
     scene: Scene,
     profile: Profile = None,
     sets: Sets = None,
-    time: Annotated[bool, typer.Option("--time", help="Take some steps first, to estimate the wall time.")] = False,
+    time: bool = typer.Option(False, "--time", help="Take some steps first, to estimate the wall time."),
     as_json: Json = False,
 ) -> None:
     """Report the memory, time step and wall time that a scene needs, and its problems."""

@@ -1,7 +1,7 @@
 """`ocean-sim explain`: meaning, unit, default and range of a key of a scene, with an example of its setting."""
 
 import shlex
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
@@ -20,13 +20,10 @@ MAX_AT_LENGTH = 12  # keys that are explained at length; of more only their mean
 
 
 def explain(
-    key: Annotated[
-        str,
-        typer.Argument(
-            help="A key such as wind.stress.u10, or without the kind: wind.u10.",
-            autocompletion=completion(lambda: (key.path for key in scene_keys())),
-        ),
-    ],
+    key: str = typer.Argument(
+        help="A key such as wind.stress.u10, or without the kind: wind.u10.",
+        autocompletion=completion(lambda: (key.path for key in scene_keys())),
+    ),
     as_json: Json = False,
 ) -> None:
     """Explain a key, or the keys of a preset or a kind; another word is refused, with the likeliest key."""

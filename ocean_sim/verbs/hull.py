@@ -4,7 +4,7 @@ picture."""
 from dataclasses import replace
 from math import asin, degrees, isinf, sqrt
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import typer
@@ -58,48 +58,35 @@ class Asked(NamedTuple):
 
 
 def hull(
-    name: Annotated[
-        str, typer.Argument(help="The name of a hull, a ship or a scene; a scene file; or an STL, OBJ or PLY file.")
-    ],
-    mass: Annotated[
-        float | None, typer.Option(min=0.001, help="Mass of the whole ship [kg]; by default that of the hull.")
-    ] = None,
-    draught: Annotated[float | None, typer.Option(min=0.0001, help="Draught [m], upright, instead of a mass.")] = None,
-    kg: Annotated[float | None, typer.Option(help="Height of the centre of mass above the keel [m].")] = None,
-    cg: Annotated[
-        str | None, typer.Option(help="Centre of mass X,Y,Z [m] from the keel amidships: to port, up, forward.")
-    ] = None,
-    loading: Annotated[
-        Path | None,
-        typer.Option(
-            help="A loading condition (YAML): light: {mass: 250000, at: [0, 2.5, 0]}; weights, tanks, openings by name."
-        ),
-    ] = None,
-    density: Annotated[
-        float | None, typer.Option(min=1.0, help="Density of the water [kg/m3]; by default 1000.")
-    ] = None,
-    ship: Annotated[str | None, typer.Option(help="Which ship, where a scene has several.")] = None,
-    cross: Annotated[bool, typer.Option("--cross", help="Also print cross curves of stability.")] = False,
-    bilge_keels: Annotated[
-        str | None, typer.Option(help="LENGTH,BREADTH of each bilge keel [m]: also print the damping of roll.")
-    ] = None,
-    depth: Annotated[
-        float | None, typer.Option(min=0.001, help="Depth of the water [m]: also print squat over speed.")
-    ] = None,
-    cells: Annotated[float, typer.Option(min=1.0, max=64.0, help="Number of cubes over the draught.")] = 16.0,
-    up: Annotated[
-        AxisName | None, typer.Option(help="Axis of a mesh file that points up, -z where z points down; else guessed.")
-    ] = None,
-    bow: Annotated[
-        AxisName | None, typer.Option(help="Axis of a mesh file that points to the bow; by default the longest.")
-    ] = None,
-    scale: Annotated[
-        float | None,
-        typer.Option(min=1e-9, help="Metres per unit of a mesh file: 0.001 for millimetres; else guessed."),
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option(help="The picture; by default runs/hull/<name>.png, with --json none.")
-    ] = None,
+    name: str = typer.Argument(help="The name of a hull, a ship or a scene; a scene file; or an STL, OBJ or PLY file."),
+    mass: float | None = typer.Option(
+        None, min=0.001, help="Mass of the whole ship [kg]; by default that of the hull."
+    ),
+    draught: float | None = typer.Option(None, min=0.0001, help="Draught [m], upright, instead of a mass."),
+    kg: float | None = typer.Option(None, help="Height of the centre of mass above the keel [m]."),
+    cg: str | None = typer.Option(None, help="Centre of mass X,Y,Z [m] from the keel amidships: to port, up, forward."),
+    loading: Path | None = typer.Option(
+        None,
+        help="A loading condition (YAML): light: {mass: 250000, at: [0, 2.5, 0]}; weights, tanks, openings by name.",
+    ),
+    density: float | None = typer.Option(None, min=1.0, help="Density of the water [kg/m3]; by default 1000."),
+    ship: str | None = typer.Option(None, help="Which ship, where a scene has several."),
+    cross: bool = typer.Option(False, "--cross", help="Also print cross curves of stability."),
+    bilge_keels: str | None = typer.Option(
+        None, help="LENGTH,BREADTH of each bilge keel [m]: also print the damping of roll."
+    ),
+    depth: float | None = typer.Option(None, min=0.001, help="Depth of the water [m]: also print squat over speed."),
+    cells: float = typer.Option(16.0, min=1.0, max=64.0, help="Number of cubes over the draught."),
+    up: AxisName | None = typer.Option(
+        None, help="Axis of a mesh file that points up, -z where z points down; else guessed."
+    ),
+    bow: AxisName | None = typer.Option(
+        None, help="Axis of a mesh file that points to the bow; by default the longest."
+    ),
+    scale: float | None = typer.Option(
+        None, min=1e-9, help="Metres per unit of a mesh file: 0.001 for millimetres; else guessed."
+    ),
+    out: Path | None = typer.Option(None, help="The picture; by default runs/hull/<name>.png, with --json none."),
     as_json: Json = False,
 ) -> int:
     """Describe a hull; the exit code is 2 where it is not one."""

@@ -4,7 +4,6 @@ import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
@@ -26,10 +25,10 @@ MAX_NAMES = 6  # names of what else a slot may hold
 
 
 def new(
-    file: Annotated[Path, typer.Argument(help="The scene file to write.")],
-    source: Annotated[
-        str, typer.Option("--from", help="The scene to start from: a name or a file.", autocompletion=complete_scene)
-    ] = "showcase",
+    file: Path = typer.Argument(help="The scene file to write."),
+    source: str = typer.Option(
+        "showcase", "--from", help="The scene to start from: a name or a file.", autocompletion=complete_scene
+    ),
     as_json: Json = False,
 ) -> None:
     """Write a scene like another one; never over a file that is there."""
@@ -105,8 +104,8 @@ def with_comment(text: str, comment: str) -> str:
 
 
 def print_schema(
-    out: Annotated[Path | None, typer.Option(help="A file to write instead of standard output.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="The output is always JSON.")] = True,
+    out: Path | None = typer.Option(None, help="A file to write instead of standard output."),
+    as_json: bool = typer.Option(True, "--json", help="The output is always JSON."),
 ) -> None:
     """Print the schema, or write it into a file."""
     if out is None:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from contextlib import closing
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import typer
@@ -31,30 +31,21 @@ FELT_COLUMNS = ("force_x", "force_y", "force_z", "rate_x", "rate_y", "rate_z")
 
 
 def platform(
-    log: Annotated[Path, typer.Argument(help="A motion log, or a run folder that has one.")],
-    geometry: Annotated[str, typer.Option(help="A name in configs/geometry/, or a file.")] = "hexapod_a",
-    washout: Annotated[str, typer.Option(help="A name in configs/washout/, or a file.")] = "ship",
-    ramp: Annotated[
-        float | None, typer.Option(min=0.0, help="Time [s] from neutral to the motion, and back at the end.")
-    ] = None,
-    sets: Annotated[
-        list[str] | None,
-        typer.Option("--set", help="key=value over platform, washout and geometry: washout.tilt_rate_deg=2."),
-    ] = None,
-    frame: Annotated[
-        str | None, typer.Option(help="ship, ned or flu: the axes written; the motion log is written in them, too.")
-    ] = None,
-    stream: Annotated[
-        str | None, typer.Option(help="Replay in real time to an address such as udp://127.0.0.1:5005.")
-    ] = None,
-    packets: Annotated[str, typer.Option(help="ocean_sim, openmotionsim, floats or text.")] = "ocean_sim",
-    key: Annotated[Path | None, typer.Option(help="A file whose content signs every packet of ocean_sim.")] = None,
-    film: Annotated[
-        bool, typer.Option("--film", help="Also film.gif: the 10 s in which the hexapod moves most.")
-    ] = False,
-    out: Annotated[Path, typer.Option(help="Where platform.csv, metrics.csv and the pictures go.")] = Path(
-        "runs/platform"
+    log: Path = typer.Argument(help="A motion log, or a run folder that has one."),
+    geometry: str = typer.Option("hexapod_a", help="A name in configs/geometry/, or a file."),
+    washout: str = typer.Option("ship", help="A name in configs/washout/, or a file."),
+    ramp: float | None = typer.Option(None, min=0.0, help="Time [s] from neutral to the motion, and back at the end."),
+    sets: list[str] | None = typer.Option(
+        None, "--set", help="key=value over platform, washout and geometry: washout.tilt_rate_deg=2."
     ),
+    frame: str | None = typer.Option(
+        None, help="ship, ned or flu: the axes written; the motion log is written in them, too."
+    ),
+    stream: str | None = typer.Option(None, help="Replay in real time to an address such as udp://127.0.0.1:5005."),
+    packets: str = typer.Option("ocean_sim", help="ocean_sim, openmotionsim, floats or text."),
+    key: Path | None = typer.Option(None, help="A file whose content signs every packet of ocean_sim."),
+    film: bool = typer.Option(False, "--film", help="Also film.gif: the 10 s in which the hexapod moves most."),
+    out: Path = typer.Option(Path("runs/platform"), help="Where platform.csv, metrics.csv and the pictures go."),
     as_json: Json = False,
 ) -> None:
     """Turn a motion log into commands of a motion platform; all is computed before anything is written."""

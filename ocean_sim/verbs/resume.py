@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
@@ -27,9 +27,9 @@ MAX_SHOWN_DIFFERENCES = 3  # differences that are named
 
 
 def resume(
-    run: Annotated[Path, typer.Argument(help="A run folder with checkpoints.")],
-    until: Annotated[float | None, typer.Option(help="Simulated time [s], instead of the scene's duration.")] = None,
-    anyway: Annotated[bool, typer.Option("--anyway", help="Go on even if the program has changed since.")] = False,
+    run: Path = typer.Argument(help="A run folder with checkpoints."),
+    until: float | None = typer.Option(None, help="Simulated time [s], instead of the scene's duration."),
+    anyway: bool = typer.Option(False, "--anyway", help="Go on even if the program has changed since."),
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator
 from itertools import count
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
@@ -29,9 +29,9 @@ def run(
     profile: Profile = None,
     sets: Sets = None,
     out: Out = None,
-    until: Annotated[float | None, typer.Option(help="Simulated time [s], instead of the scene's duration.")] = None,
-    overwrite: Annotated[bool, typer.Option(help="Replace a run that is already in --out.")] = False,
-    frame: Annotated[str | None, typer.Option(help="Axes of motion.csv: ship, ned or flu.")] = None,
+    until: float | None = typer.Option(None, help="Simulated time [s], instead of the scene's duration."),
+    overwrite: bool = typer.Option(False, help="Replace a run that is already in --out."),
+    frame: str | None = typer.Option(None, help="Axes of motion.csv: ship, ned or flu."),
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:

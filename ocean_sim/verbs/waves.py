@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from math import isfinite
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import typer
@@ -33,17 +33,13 @@ ORBIT_COLUMNS = ["particle", "level_m", "along_m", "up_m", "ratio", "drift_m_s"]
 
 
 def waves(
-    run: Annotated[Path, typer.Argument(help="A run folder, or its gauges.csv.")],
-    begin: Annotated[float, typer.Option(help="Ignore the record before this time [s].")] = 0.0,
-    detrend: Annotated[
-        bool, typer.Option("--detrend", help="Subtract the straight line fitted to each record.")
-    ] = False,
-    hysteresis: Annotated[
-        float, typer.Option(min=0.0, help="Count a wave only if it goes this far below and above zero [m].")
-    ] = 0.0,
-    out: Annotated[
-        Path | None, typer.Option(help="Where the plot and the spectra go; by default next to the record.")
-    ] = None,
+    run: Path = typer.Argument(help="A run folder, or its gauges.csv."),
+    begin: float = typer.Option(0.0, help="Ignore the record before this time [s]."),
+    detrend: bool = typer.Option(False, "--detrend", help="Subtract the straight line fitted to each record."),
+    hysteresis: float = typer.Option(
+        0.0, min=0.0, help="Count a wave only if it goes this far below and above zero [m]."
+    ),
+    out: Path | None = typer.Option(None, help="Where the plot and the spectra go; by default next to the record."),
     as_json: Json = False,
 ) -> None:
     """Measure every gauge; writes waves.csv, spectra.csv, waves.png, of frames surface.csv, of tracers orbits.csv."""

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from ocean_sim.files.input_file import SCENE_FOLDER_KEY
-from ocean_sim.files.yaml_file import Node, Problem, describe_value, problem_at
+from ocean_sim.files.yaml_file import Node, Problem, SceneError, describe_value, problem_at
 from ocean_sim.model import in_brackets
 
 MIN_NUMBER, MAX_NUMBER = 1e-60, 1e15  # size of a number in SI units that a scene may hold
@@ -122,6 +122,15 @@ def validated(
     told = {each.key for each in wrong}
     problems += [*wrong, *(each for each in beyond if each.key not in told)]
     return None if beyond else found
+
+
+def checked(model: type[Model], node: Node) -> Model:
+    """The data of a node as this model; raises SceneError with all of its problems."""
+    problems: list[Problem] = []
+    found = validated(model, node, (), problems)
+    if found is None:
+        raise SceneError(problems)
+    return found
 
 
 def out_of_range(node: Node, path: Path) -> Iterator[Problem]:

@@ -9,7 +9,7 @@ from ocean_sim.files.yaml_file import Location, in_yaml, node_of
 from ocean_sim.model import in_brackets
 from ocean_sim.parts import ALONE, SEVERAL, SLOTS
 from ocean_sim.reading.composition import choice_of, kind_named, known_names
-from ocean_sim.reading.keys import Key, keys_at, keys_elsewhere, scene_keys
+from ocean_sim.reading.keys import Key, by_path, keys_at, keys_elsewhere, scene_keys
 from ocean_sim.reading.sentences import part_sentence
 from ocean_sim.reading.translation import choice_sentence, likeliest
 from ocean_sim.verbs.list import list_choices
@@ -21,8 +21,7 @@ MAX_AT_LENGTH = 12  # keys that are explained at length; of more only their mean
 
 def explain(
     key: str = typer.Argument(
-        help="A key such as wind.stress.u10, or without the kind: wind.u10.",
-        autocompletion=completion(lambda: (key.path for key in scene_keys())),
+        help="A key such as wind.stress.u10, or without the kind: wind.u10.", autocompletion=completion(by_path)
     ),
     as_json: Json = False,
 ) -> None:

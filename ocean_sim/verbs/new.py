@@ -43,10 +43,7 @@ def new(
     with atomic_write(file) as draft:
         draft.write_text("\n".join(scene_lines(scene, file)) + "\n", encoding="utf-8")
     load(file)
-    if as_json:
-        console.answer({"file": file})
-    else:
-        console.say(f"{file}: try `ocean-sim check {file}`, then `ocean-sim run {file}`")
+    console.reply(as_json, {"file": file}, f"{file}: try `ocean-sim check {file}`, then `ocean-sim run {file}`")
 
 
 def scene_lines(scene: Node, file: Path) -> Iterator[str]:

@@ -12,7 +12,7 @@ import typer
 
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.files.input_file import Unreadable
-from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, merge_nodes, node_of, read_mapping
+from ocean_sim.files.yaml_file import Location, Node, merge_nodes, node_of, read_mapping
 from ocean_sim.observers.platform_log import heading
 from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.parts import library, named
@@ -22,7 +22,7 @@ from ocean_sim.platform.shared import datagrams, motion_log
 from ocean_sim.platform.shared import packets as wire
 from ocean_sim.platform.shared.metrics import Metric, ride_metrics
 from ocean_sim.platform.shared.motion_log import FRAME_AXES, MotionLog
-from ocean_sim.reading.translation import choice_sentence, validated
+from ocean_sim.reading.translation import checked, choice_sentence
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared import platform_pictures as pictures
 from ocean_sim.verbs.shared.options import Json
@@ -92,11 +92,7 @@ def platform_config(geometry: str, washout: str, sets: Sequence[str] = ()) -> Co
         for part in reversed(key.split(".")):
             value = node_of({part: value}, value.location)
         whole = merge_nodes(whole, value)
-    problems: list[Problem] = []
-    config = validated(Config, whole, (), problems)
-    if config is None:
-        raise SceneError(problems)
-    return config
+    return checked(Config, whole)
 
 
 def platform_choice(what: str, name: str) -> Node:

@@ -73,10 +73,7 @@ def preview(
                 session.film(frames, as_json)
         finally:
             session.close()
-    if as_json:
-        console.answer(session.facts())
-    else:
-        console.say(session.summary())
+    console.reply(as_json, session.facts(), session.summary())
 
 
 def picture_name(number: int) -> str:

@@ -7,7 +7,7 @@ import typer
 
 from ocean_sim.files import run_files
 from ocean_sim.files.run_files import MANIFEST_FILE
-from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of
+from ocean_sim.files.yaml_file import Location, Node, node_of
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import Drawing
 from ocean_sim.verbs.shared.options import Json, number_list
@@ -40,7 +40,7 @@ def render(
 ) -> None:
     """Draw pictures and a film from the frames of a run."""
     from ocean_sim.observers import render as drawing
-    from ocean_sim.reading.translation import validated
+    from ocean_sim.reading.translation import checked
 
     asked = {
         "camera": camera,
@@ -62,10 +62,7 @@ def render(
         raise console.Refused(f"--fps {fps:g}: choose 0.1 to 240 pictures a second")
     given = {key: value for key, value in asked.items() if value is not None}
     nodes = {key: node_of(value, Location(f"--{key} {option_text(value)}")) for key, value in given.items()}
-    problems: list[Problem] = []
-    config = validated(drawing.Config, Node(nodes, Location("--camera"), Location("--camera")), (), problems)
-    if config is None:
-        raise SceneError(problems)
+    config = checked(drawing.Config, Node(nodes, Location("--camera"), Location("--camera")))
     require_frames(run)
     sentence = drawing.obstacle_to_pictures(run, config.camera, config.stills, config.ship)
     if sentence is not None:

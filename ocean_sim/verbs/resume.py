@@ -144,10 +144,8 @@ def library_of(manifest: dict[str, Any], config: SceneConfig) -> str | None:
 
 def report_finished(folder: Path, manifest: dict[str, Any], as_json: bool) -> None:
     facts = {key: manifest.get(key) for key in ("outcome", "steps", "simulated_s")} | {"folder": str(folder)}
-    if as_json:
-        console.answer(facts)
-    else:
-        console.say(f"{folder}: this run is finished, at t = {manifest['simulated_s']:.3f} s; --until continues it")
+    end = f"{folder}: this run is finished, at t = {manifest['simulated_s']:.3f} s; --until continues it"
+    console.reply(as_json, facts, end)
 
 
 def never_begun(folder: Path, config: SceneConfig) -> bool:

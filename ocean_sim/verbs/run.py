@@ -78,10 +78,7 @@ def report_run(
         keep_step_time(config, progress.step_time)
     facts = progress.summary() | {"outcome": result.manifest.get("outcome"), "warnings": config.warnings()}
     facts |= run_facts(result, config)
-    if as_json:
-        console.answer(facts)
-    else:
-        console.say(str(folder) if quiet else run_summary(facts))
+    console.reply(as_json, facts, str(folder) if quiet else run_summary(facts))
 
 
 def stopped_run(progress: Progress, folder: Path) -> console.Stopped:

@@ -116,10 +116,8 @@ def access_token(host: str) -> str:
 
 def announce_page(server: Any, as_json: bool, show: bool, more: str) -> None:
     """Print a page's address and the hint `more`, and open it in a browser if `show` and there is a screen."""
-    if as_json:
-        console.answer({"address": server.address})
-    else:
-        console.say(f"{server.address}\nCtrl-C stops" + (f"; {more}" if more else ""))
+    stops = "Ctrl-C stops" + (f"; {more}" if more else "")
+    console.reply(as_json, {"address": server.address}, f"{server.address}\n{stops}")
     if show and not as_json and has_screen():
         import webbrowser
 
@@ -152,7 +150,5 @@ def report(
         if len(runs) == 1 and out is None:
             files.append(run_report.write_report(runs[0]))
         run_files.add_to_manifest(runs[0], files)
-    if as_json:
-        console.answer({"files": files, "bytes": path.stat().st_size})
-    else:
-        console.say(f"{path} ({path.stat().st_size / 1e6:.2f} MB)")
+    size = path.stat().st_size
+    console.reply(as_json, {"files": files, "bytes": size}, f"{path} ({size / 1e6:.2f} MB)")

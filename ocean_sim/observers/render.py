@@ -277,9 +277,8 @@ class Drawer:
         self.child: subprocess.Popen[str] | None = None
         self.problem: Exception | None = None
         window = opengl.window()
-        sentence = (
-            obstacle_to_pictures(Path(orders[0].folder), orders[0].camera, (), orders[0].ship) if goes_on else None
-        )
+        first = orders[0]
+        sentence = obstacle_to_pictures(Path(first.folder), first.camera, (), first.ship) if goes_on else None
         if window is None or sentence is not None:
             self.problem = OpenGLMissing() if window is None else RenderFailed(sentence)
             return
@@ -418,9 +417,7 @@ def variants(folder: Path, time: float, switched: Sequence[dict[str, Any]], **op
     given: dict[str, Any] = {"folder": str(folder), "film": False, "preview": False, "stills": (time,)} | options
     with tempfile.TemporaryDirectory() as made:
         orders = [Order(**given | {"out": str(Path(made, str(k)))} | more) for k, more in enumerate(switched)]
-        sentences = [
-            obstacle_to_pictures(Path(order.folder), order.camera, order.stills, order.ship) for order in orders
-        ]
+        sentences = [obstacle_to_pictures(Path(each.folder), each.camera, each.stills, each.ship) for each in orders]
         if any(sentences):
             raise RenderFailed(next(filter(None, sentences)))
         for order in orders:

@@ -123,9 +123,8 @@ class Snapshot:
             return node["data"]
         if SAME_KEY in node:
             return node[SAME_KEY] not in self.stays
-        return not {FIELD_KEY, REBUILT_KEY, FILE_KEY} & set(node) and all(
-            self.is_data(inner) for inner in node.values()
-        )
+        kept = {FIELD_KEY, REBUILT_KEY, FILE_KEY} & set(node)
+        return not kept and all(self.is_data(inner) for inner in node.values())
 
     def structure(self, value: Any, path: str) -> Any:
         """Node of a container, field, array, file or object that is met for the first time; `path`: from the root."""
@@ -147,9 +146,8 @@ class Snapshot:
             return {kind: [self.node(inner, f"{path}.{k}") for k, inner in enumerate(value)], **of}
         if type(value) is dict:
             steps = [f"{path}.{path_step(key, k)}" for k, key in enumerate(value)]
-            return {
-                DICT_KEY: [[self.node(key, f"{at}.key"), self.node(value[key], at)] for key, at in zip(value, steps)]
-            }
+            pairs = [[self.node(key, f"{at}.key"), self.node(value[key], at)] for key, at in zip(value, steps)]
+            return {DICT_KEY: pairs}
         if is_package_object(value):
             inner = {name: self.node(each, f"{path}.{name}") for name, each in saved_attributes(value).items()}
             data = dataclasses.is_dataclass(value) and all(self.is_data(each) for each in inner.values())
@@ -289,9 +287,8 @@ class Restorer:
         stays = type(fresh) is made and not data
         value = fresh if stays else object.__new__(made)
         if self.used.setdefault(id(value), path) != path:
-            raise Mismatch(
-                f"its {path.lstrip('.')} and {self.used[id(value)].lstrip('.')} are one thing in this program"
-            )
+            both = f"{path.lstrip('.')} and {self.used[id(value)].lstrip('.')}"
+            raise Mismatch(f"its {both} are one thing in this program")
         self.made[path] = value
         for name, inner in node["at"].items():
             before = vars(fresh).get(name, MISSING_VALUE) if type(fresh) is made else MISSING_VALUE

@@ -55,9 +55,8 @@ class Budget:
         """Budget from a text: `realtime`, or a time such as 16ms or 30s. Raises ValueError for any other."""
         found = re.fullmatch(r"(\d+(?:\.\d+)?)(ms|s)|realtime", text.strip())
         if found is None or (found[1] and float(found[1]) <= 0.0):
-            raise ValueError(
-                f"--budget {text}: give realtime, or a time as in 16ms (of 1/60 s simulated) or 30s (in all)"
-            )
+            takes = "give realtime, or a time as in 16ms (of 1/60 s simulated) or 30s (in all)"
+            raise ValueError(f"--budget {text}: {takes}")
         return cls(text.strip(), float(found[1]) if found[1] else 1.0)
 
     def seconds(self, row: dict[str, Any]) -> float | None:
@@ -136,9 +135,8 @@ def setting_grid(scene: str, profile: str | None, sets: dict[str, Node], vary: V
     count = prod(map(len, vary.values()))
     if not 2 <= count <= MOST_SETTINGS:
         location = Location("--vary")
-        raise SceneError(
-            [problem_at(location, "", f"there are {count} settings; 2 to {MOST_SETTINGS} can be compared")]
-        )
+        message = f"there are {count} settings; 2 to {MOST_SETTINGS} can be compared"
+        raise SceneError([problem_at(location, "", message)])
     best = {key: finest_setting(key, [node.plain() for node in nodes]) for key, nodes in vary.items()}
     found: list[Setting] = []
     problems: list[Problem] = []

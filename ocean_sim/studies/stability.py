@@ -110,9 +110,8 @@ class Spot:
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
         """One row: setting, time step, limits of the time step, verdict with its reason, and clock times."""
-        outcome, why, numbers = verdict_of(
-            answer, unwrapped_table(run, "accuracy"), self.scene, self.axis.name == "wind"
-        )
+        accuracy, driven = unwrapped_table(run, "accuracy"), self.axis.name == "wind"
+        outcome, why, numbers = verdict_of(answer, accuracy, self.scene, driven)
         point = {"map": self.axis.name, "scheme": self.scheme, "key": self.axis.key, "value": self.value}
         steps = {"dt_over_courant": self.factor, "dt_s": self.dt} | {f"{k}_s": v for k, v in self.limits.items()}
         clock = {"simulated_s": answer.get("simulated_s"), "wall_s": answer.get("wall_s")}
@@ -131,9 +130,8 @@ def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
         return  # a hull has a mass of its own, and water without particles cannot become unstable
     schemes = ("delta_sph",) if afloat else compared("fluid") if theirs is None else (theirs.kind,)
     for scheme in (scheme for scheme in schemes if reads_key(scheme, axis.key)):
-        base: Any = scene or (
-            AFLOAT_SCENE if afloat else COLUMN_SCENE | {"fluid": COLUMN_SCENE["fluid"] | {"kind": scheme}}
-        )
+        column = COLUMN_SCENE | {"fluid": COLUMN_SCENE["fluid"] | {"kind": scheme}}
+        base: Any = scene or (AFLOAT_SCENE if afloat else column)
         own: dict[str, Any] = dict.fromkeys(PICTURE_OBSERVERS) | {"time_step": {"kind": "courant"}}
         for value in axis.quick if quick else axis.full:
             try:
@@ -149,9 +147,8 @@ def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
                 dt = factor * step
                 short = {"duration": min(max(calm.duration, MIN_STEPS * dt), MAX_STEPS[quick] * dt)}
                 fixed = {"time_step": {"kind": "fixed", "dt": dt}}
-                yield Spot(
-                    axis, scheme, value, factor, dt, finite, load(base, own | axis.settings(value) | fixed | short)
-                )
+                scene_at = load(base, own | axis.settings(value) | fixed | short)
+                yield Spot(axis, scheme, value, factor, dt, finite, scene_at)
 
 
 def verdict_of(

@@ -126,9 +126,8 @@ def _of_trial(trial: Trial, quick: bool) -> Iterator[Point]:
     for scheme in trial.schemes:
         slot = problem_of(trial.case, trial.set_up, True, scheme).slot
         for coarse, factor in _case_levels(trial, quick) if slot in RESOLVED_SLOTS else [(True, 1.0)]:
-            yield Point(
-                trial, scheme, coarse, {} if factor == 1.0 else {"resolution": factor}, MAX_TIMED_SECONDS[quick]
-            )
+            settings = {} if factor == 1.0 else {"resolution": factor}
+            yield Point(trial, scheme, coarse, settings, MAX_TIMED_SECONDS[quick])
         if trial.case in QUICK_VARIED or not quick:
             for key, values in SETTING_AXES[slot].items():
                 for value in QUICK_VALUES.get(key, ()) if quick else values:

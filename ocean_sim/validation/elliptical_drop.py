@@ -68,9 +68,8 @@ def measure(simulation: Simulation) -> Finding:
     """Give the drop its exact initial flow, run, and compare its shape over time with the exact ellipse."""
     start = particle_state(simulation).position
     density, radius2 = simulation.fluid.rest_density, (start**2).sum(axis=1)
-    set_state(
-        simulation, start, STRAIN_RATE * start * [-1.0, 1.0, 0.0], 0.5 * density * STRAIN_RATE**2 * (1.0 - radius2)
-    )
+    pressure = 0.5 * density * STRAIN_RATE**2 * (1.0 - radius2)
+    set_state(simulation, start, STRAIN_RATE * start * [-1.0, 1.0, 0.0], pressure)
     return compare_axes(list(sampled_states(simulation, END_TIME / STRAIN_RATE, END_TIME / STRAIN_RATE / 20)))
 
 

@@ -108,9 +108,8 @@ def fit_wave(water: State, amplitude: float, at: float) -> tuple[complex, float]
 
 def measure_regular(simulation: Simulation, amplitude: float, speed: float) -> Finding:
     """Run; measure wave height, phase and current at a point moving at `speed` [m/s]; `amplitude`: of the sea [m]."""
-    time, fits = record_run(
-        simulation, PERIOD / PERIOD_SAMPLES, lambda water: fit_wave(water, amplitude, speed * water.time)
-    )
+    fit = lambda water: fit_wave(water, amplitude, speed * water.time)
+    time, fits = record_run(simulation, PERIOD / PERIOD_SAMPLES, fit)
     height = fits[:, 0] / linear_wave_share(simulation, time)
     last = time > simulation.scene.duration - JUDGED_PERIODS * PERIOD
     a, u = complex(height[last].mean()), float(fits[last, 1].real.mean()) * K / OMEGA

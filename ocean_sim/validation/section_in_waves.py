@@ -70,9 +70,8 @@ def closed_form_problem(scenario: str, coarse: bool = False) -> Problem:
             curves.append(Curve(motion, np.array(periods), np.array([found[t][motion] for t in periods]), points=True))
             at = [t for t in sorted(seen) if motion in seen[t]]
             expected.append(Curve(f"{motion}, measured", np.array(at), np.array([seen[t][motion] for t in at])))
-        return Finding(
-            numbers, curves, expected, ("T [s]", " / a, ".join(freed) + (" / k a" if "roll" in freed else " / a"))
-        )
+        label = " / a, ".join(freed) + (" / k a" if "roll" in freed else " / a")
+        return Finding(numbers, curves, expected, ("T [s]", label))
 
     extra = {"radiation": str(table_path("section_radiation")), "damping": {"cross_flow": 0.0}}
     ship = section_keys(8 if coarse else 12) | extra | {"free": list(freed)}

@@ -117,9 +117,8 @@ def bench_one(order: str, as_json: Json = False) -> None:
 
     asked = json.loads(order)
     quiet: dict[str, Any] = {name: None for name in observer_names() if name not in ("manifest", "timings")}
-    machine: dict[str, Any] = {"runtime.pin": True} | (
-        {"runtime.threads": asked["threads"]} if asked["threads"] else {}
-    )
+    limited = {"runtime.threads": asked["threads"]} if asked["threads"] else {}
+    machine: dict[str, Any] = {"runtime.pin": True} | limited
     config = load(asked["scene"], {**quiet, **machine, **console.set_values(asked["sets"])}, asked["profile"])
     console.must_compute_with(config.runtime.library)
     with Simulation(config) as simulation:

@@ -184,9 +184,8 @@ def load_ship(shape: Hull, asked: Asked, condition: Loading | None, notes: list[
         notes.append(f"at a draught of {asked.draught:g} m it carries {mass:.5g} kg")
     if mass is None:
         mass = ASSUMED_DENSITY_RATIO * density_of(asked) * voxels(shape.shape, height / FIRST_GUESS_CUBES).volume
-        notes.append(
-            f"no mass is given: taken as {ASSUMED_DENSITY_RATIO:g} of the water's density (--mass sets another)"
-        )
+        assumed = f"{ASSUMED_DENSITY_RATIO:g} of the water's density"
+        notes.append(f"no mass is given: taken as {assumed} (--mass sets another)")
     if asked.cg is not None:
         centre = asked.cg
     if asked.kg is not None:
@@ -284,9 +283,8 @@ def roll_damping_rows(afloat: hydrostatics.Hydrostatics, asked: Asked) -> tuple[
     """Roll damping by components (Ikeda) as shares of critical, a row per amplitude; and warnings out of its range."""
     keels = None if asked.bilge_keels is None else BilgeKeels(length=asked.bilge_keels[0], breadth=asked.bilge_keels[1])
     if keels is not None and keels.length > afloat.length:
-        raise console.Refused(
-            f"--bilge-keels: {keels.length:g} m are longer than her waterline of {afloat.length:.3g} m"
-        )
+        long = f"{keels.length:g} m are longer than her waterline of {afloat.length:.3g} m"
+        raise console.Refused(f"--bilge-keels: {long}")
     found = RollDamping(Ikeda(bilge_keels=keels), afloat, float(by_rule(afloat)[5]), True)
     if not found.parts:
         return [], []
@@ -408,9 +406,8 @@ def print_report(name: str, found: dict[str, Any], notes: list[str], picture: Pa
     if found.get("squat"):
         heads = ["U / sqrt(g h)", "speed [m/s]", "sinkage [m]", "trim, bow down [deg]", "bow [m]", "under the keel [m]"]
         rows = [[f"{round(value, 5) + 0.0:.3g}" for value in row.values()] for row in found["squat"]]
-        console.table(
-            "\nsquat: sinkage and trim of a slender hull (Tuck 1966); bow at most (ICORELS 1980)", heads, rows
-        )
+        title = "\nsquat: sinkage and trim of a slender hull (Tuck 1966); bow at most (ICORELS 1980)"
+        console.table(title, heads, rows)
     if found.get("cross"):
         heads = ["kg", *(f"{row['heel_deg']:g} deg" for row in found["cross"][0]["kn"])]
         rows = [[f"{c['displacement_kg']:.5g}", *(f"{row['kn_m']:.4f}" for row in c["kn"])] for c in found["cross"]]
@@ -431,15 +428,13 @@ def draw_hull(path: Path, shape: Any, found: dict[str, Any]) -> None:
     names = ("x to port [m]", "y up [m]", "z to the bow [m]")
     for number, (across, up) in enumerate(((2, 1), (0, 1), (2, 0))):
         axes = figure.add_subplot(2, 2, number + 1)
-        edges = [
-            lower[a] + cubes.size[a] * np.arange(-1, (upper - lower)[a] / cubes.size[a] + 1.5) for a in (across, up)
-        ]
+        size, whole = cubes.size, upper - lower
+        edges = [lower[a] + size[a] * np.arange(-1, whole[a] / size[a] + 1.5) for a in (across, up)]
         positions = cubes.centre[:, across], cubes.centre[:, up]
         image, *_ = np.histogram2d(*positions, bins=edges, weights=cubes.share)
         shown = np.where(image.T > 0.0, image.T, np.nan)
-        axes.imshow(
-            shown, origin="lower", extent=(*edges[0][[0, -1]], *edges[1][[0, -1]]), cmap="Greys", aspect="equal"
-        )
+        extent = (*edges[0][[0, -1]], *edges[1][[0, -1]])
+        axes.imshow(shown, origin="lower", extent=extent, cmap="Greys", aspect="equal")
         if up == 1 and found["draught_m"] is not None:
             axes.axhline(lower[1] + found["draught_m"], color="C0", linewidth=1.0)
         axes.set_xlabel(names[across])

@@ -53,9 +53,8 @@ def scene_lines(scene: Node, file: Path) -> Iterator[str]:
     yield f"# yaml-language-server: $schema={os.path.relpath(schema, here) if near else schema.absolute().as_uri()}"
     yield "# SI units and radians unless a key says otherwise; `ocean-sim explain KEY` says more of each."
     first = {key: key.meaning.split("; ")[0].split(". ")[0].rstrip(".") for key in scene_keys()}
-    yield from section_lines(
-        scene.data, {key.path: f"{meaning}{in_brackets(key.unit)}" for key, meaning in first.items()}
-    )
+    meanings = {key.path: f"{meaning}{in_brackets(key.unit)}" for key, meaning in first.items()}
+    yield from section_lines(scene.data, meanings)
     absent = [slot for slot in SLOTS if slot not in scene.data and slot != "time_step"]
     if "ships" in scene.data:
         absent.remove("ship")

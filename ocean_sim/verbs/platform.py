@@ -160,17 +160,15 @@ def write_commands(
     """Write commands `done`, metrics `found` and pictures of a ride into `out`, at once when complete; return paths."""
     with TemporaryDirectory(prefix=".platform-", dir=out) as name:
         folder = Path(name)
-        head = heading(log.every, frame or "flu") | (
-            {"seed": log.table.head["seed"]} if "seed" in log.table.head else {}
-        )
+        seed = {"seed": log.table.head["seed"]} if "seed" in log.table.head else {}
+        head = heading(log.every, frame or "flu") | seed
         commands_table(folder / "platform.csv", head, PLATFORM_COLUMNS, to_log_frame(done, frame or "flu").rows())
         rows = [[metric.quantity, metric.value, metric.unit] for metric in found]
         commands_table(folder / "metrics.csv", {}, ("quantity", "value", "unit"), rows)
         if frame is not None:
             changed = log.table.head | {"frame": frame, "axes": motion_log.AXES_IN_WORDS[frame]}
-            commands_table(
-                folder / f"motion_{frame}.csv", changed, log.table.names, motion_log.convert_rows(log, frame)
-            )
+            converted = motion_log.convert_rows(log, frame)
+            commands_table(folder / f"motion_{frame}.csv", changed, log.table.names, converted)
         console.draw_if_able(pictures.draw_pictures, folder, done, config, machine, film)
         return [path.replace(out / path.name) for path in sorted(folder.iterdir())]
 

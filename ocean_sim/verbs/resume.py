@@ -207,9 +207,8 @@ def program_changes(made: dict[str, Any]) -> str:
 
     now, then, library = versions(), made.get("sources") or {}, other_library(made)
     compared = [name for name in now if name != LIBRARY_NAME or not library]
-    versions_differ = scene_differences(
-        {name: made.get(name) for name in compared}, {name: now[name] for name in compared}
-    )
+    kept, used = ({name: each.get(name) for name in compared} for each in (made, now))
+    versions_differ = scene_differences(kept, used)
     files = [name for name in sorted({*then, *source_hashes()}) if then.get(name) != source_hashes().get(name)]
     more = f" and {len(files) - MAX_SHOWN_DIFFERENCES} more" if len(files) > MAX_SHOWN_DIFFERENCES else ""
     other = f"another library: {library} compiled its kernels, and {LIBRARY_VARIABLE} is {LIBRARY_NAME}"
@@ -221,9 +220,8 @@ def program_changes(made: dict[str, Any]) -> str:
 
 def other_library(made: dict[str, Any]) -> str:
     """Kernel library and version in `made`, a checkpoint's versions, if this process uses another one; else empty."""
-    return next(
-        (f"{name} {made[name]}" for name in (TAICHI, QUADRANTS) if name in made and LIBRARY_NAME not in made), ""
-    )
+    used = (name for name in (TAICHI, QUADRANTS) if name in made and LIBRARY_NAME not in made)
+    return next((f"{name} {made[name]}" for name in used), "")
 
 
 def scene_differences(kept: Any, now: Any) -> str:

@@ -21,6 +21,7 @@ from ocean_sim.verbs.shared.progress import Progress, kernel_notice
 
 OFFSET_STATED = 0.1  # [spacings] by which a surface has left the highest particles, from which on it is said
 RESIDUAL_STATED = 0.2  # of the work of what drives the water that is in no energy, from which on it is said
+USUAL_EVENTS = ("start", "limit", "end", "stop", "done")  # that are not news
 DRIVING_TERMS = ("wind", "walls", "sea", "obstacles", "ship", "emitter")
 
 
@@ -133,9 +134,7 @@ def run_facts(result: Any, config: SceneConfig) -> dict[str, Any]:
     return {
         "worst_compression": worst,
         "remarks": balance_remarks(accuracy, config.preflight.spacing) if accuracy else [],
-        "events": [
-            event for event in result.events if event.get("event") not in ("start", "limit", "end", "stop", "done")
-        ],
+        "events": [event for event in result.events if event.get("event") not in USUAL_EVENTS],
         "folder": str(result.folder),
         "files": sorted(path.name + ("/" if path.is_dir() else "") for path in result.folder.glob("[!.]*")),
         "notes": config.notes,

@@ -28,9 +28,8 @@ def stability(
             raise console.Refused(f"{scene}: this scene has no setting to take to an extreme")
         if not as_json:
             console.say(f"{len(plan)} runs, each on one thread")
-        study = Study(
-            plan, out / "runs", workers or available_cores(), out / "stability.csv", limit=MAX_RUN_SECONDS[quick]
-        )
+        runs, table_file = workers or available_cores(), out / "stability.csv"
+        study = Study(plan, out / "runs", runs, table_file, limit=MAX_RUN_SECONDS[quick])
         table = rows_of(study, as_json)
         lines = map_summary(table)
         write_table(out / "limits.csv", lines)

@@ -81,9 +81,8 @@ def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None
     write_table(out / "equal.csv", fair)
     for trial in TRIAL_CASES:
         if drawn[trial.case]:
-            console.draw_if_able(
-                pareto.draw_pareto, out / f"tradeoff_{trial.case}.png", trial, drawn[trial.case], speed
-            )
+            picture = out / f"tradeoff_{trial.case}.png"
+            console.draw_if_able(pareto.draw_pareto, picture, trial, drawn[trial.case], speed)
             if not as_json:
                 print_settings(f"{trial.case}: {trial.quantity}", drawn[trial.case], speed)
     if as_json:

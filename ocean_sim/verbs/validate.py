@@ -83,9 +83,8 @@ def validate(
             for sentence in left_out(plan, schemes, coarse):
                 console.say(f"\n{sentence}")
             promised = sum(row["tolerance"] is not None for row in rows)
-            console.say(
-                f"\n{promised - len(missed)} of {promised} tolerances kept; {out / 'validate.csv'} and pictures"
-            )
+            kept = f"{promised - len(missed)} of {promised} tolerances kept"
+            console.say(f"\n{kept}; {out / 'validate.csv'} and pictures")
             if junit is not None:
                 console.say(str(junit))
         return 1 if missed else 0

@@ -134,9 +134,8 @@ def particle_orbits(path: Path, folder: Path, begin: float, period: float | None
     rows = orbit_rows(names, found)
     csv_file.write_table(folder / "orbits.csv", ORBIT_COLUMNS, rows)
     some = rows[:: max(1, len(rows) // 10)]
-    console.table(
-        f"{path}: orbits under waves of {period:.4g} s (half length and height, and drift)", ORBIT_COLUMNS, some
-    )
+    title = f"{path}: orbits under waves of {period:.4g} s (half length and height, and drift)"
+    console.table(title, ORBIT_COLUMNS, some)
     if found.decay_per_m is not None:
         console.say(f"orbits shrink with depth as exp({found.decay_per_m:.4g} y)")
     return [folder / "orbits.csv"]

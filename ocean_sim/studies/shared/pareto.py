@@ -88,9 +88,8 @@ def scatter_points(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]
         look = {"color": SERIES[n % len(SERIES)], "marker": MARK_SHAPES[n % len(MARK_SHAPES)]}
         plain = sorted((row for row in own if not row["changed"]), key=lambda row: row[key])
         if plain:
-            axes.plot(
-                [row[key] for row in plain], [drawn_error(row) for row in plain], label=scheme, ms=8, lw=1.2, **look
-            )
+            at, errors = [row[key] for row in plain], [drawn_error(row) for row in plain]
+            axes.plot(at, errors, label=scheme, ms=8, lw=1.2, **look)
         other = [row for row in own if row["changed"]]
         look["markerfacecolor"] = "white"
         axes.plot([row[key] for row in other], [drawn_error(row) for row in other], ls="none", ms=6, **look)
@@ -164,9 +163,8 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
             name_points(axes, row["setting"].replace("--set ", ""), at, fontsize=6)
         edge = [done[i] for i in pareto_front([(row[key], row[name]) for row in done])]
         axes.step([r[key] for r in edge], [r[name] for r in edge], where="post", color="black", lw=0.8, zorder=1)
-        list_failures(
-            axes, key, ("settings",), [row | {"scheme": "settings"} for row in rows if row["outcome"] != "done"]
-        )
+        lost = [row | {"scheme": "settings"} for row in rows if row["outcome"] != "done"]
+        list_failures(axes, key, ("settings",), lost)
         if budget is not None:
             most = budget.most * 60.0 / 1e3 if budget.name.endswith("ms") else budget.most
             axes.axvline(most, color=SERIES[2], ls="--", lw=1.2, label=f"budget {budget.name}")

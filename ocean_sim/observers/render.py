@@ -231,9 +231,8 @@ class Render(OutcomeObserver):
 
     def observe(self, simulation: Simulation) -> None:
         if self.drawer is None and self.config.film and frame_path(self.folder, 0).exists():
-            self.drawer = Drawer(
-                [order_of(self.folder, **config_options(self.config, self.folder))], self.progress, goes_on=True
-            )
+            order = order_of(self.folder, **config_options(self.config, self.folder))
+            self.drawer = Drawer([order], self.progress, goes_on=True)
         if self.drawer is not None:
             self.every = float("inf")
 

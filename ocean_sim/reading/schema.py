@@ -82,9 +82,8 @@ def _slot_schema(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:
 def _preset_schema(slot: str, name: str, definitions: dict[str, Any]) -> dict[str, Any]:
     """Schema of a mapping whose `kind` is a preset: the keys of its kind, none of them required."""
     kind = choice_of(slot, node_of(name, Location(name))).kind
-    properties = definitions[f"{slot}.{kind}"]["properties"] | {
-        "kind": {"const": name, "description": part_sentence(slot, name)}
-    }
+    name_only = {"const": name, "description": part_sentence(slot, name)}
+    properties = definitions[f"{slot}.{kind}"]["properties"] | {"kind": name_only}
     return {
         "type": "object",
         "description": part_sentence(slot, name),

@@ -341,9 +341,8 @@ def _problem_of(found: _Found, prefix: Path) -> Problem:
     elif found.kind == "literal_error":
         choices = [word.strip("'") for word in context["expected"].replace(" or ", ", ").split(", ")]
         end, suggestion = choice_sentence(str(found.node.data), choices)
-        message = (
-            f"{value} is not one of {context['expected']}" if suggestion is None else f"{value} is not a choice{end}"
-        )
+        none_near = f"one of {context['expected']}"
+        message = f"{value} is not {none_near if suggestion is None else f'a choice{end}'}"
     elif found.kind in ("union_tag_invalid", "union_tag_not_found"):
         name = context["discriminator"].strip("'")
         choices = [word.strip("'") for word in context.get("expected_tags", "").split(", ") if word]

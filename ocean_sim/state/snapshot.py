@@ -75,10 +75,6 @@ def path_step(key: Any, number: int) -> str:
     return key if isinstance(key, str) and key.isidentifier() else str(number)
 
 
-def is_named_tuple(value: Any) -> bool:
-    return isinstance(value, tuple) and hasattr(value, "_fields")
-
-
 class Snapshot:
     """Saved state of all objects reachable from `root`: a `tree` of plain data, and the `arrays` to which it refers.
     Raises TypeError at an object of an unknown kind that is not left out."""
@@ -141,7 +137,7 @@ class Snapshot:
         if isinstance(value, range):
             return {RANGE_KEY: [value.start, value.stop, value.step]}
         if type(value) is list or isinstance(value, tuple):
-            of = {OBJECT_KEY: class_name(value)} if is_named_tuple(value) else {}
+            of = {OBJECT_KEY: class_name(value)} if hasattr(value, "_fields") else {}  # of a named tuple
             kind = LIST_KEY if type(value) is list else TUPLE_KEY
             return {kind: [self.node(inner, f"{path}.{k}") for k, inner in enumerate(value)], **of}
         if type(value) is dict:

@@ -98,7 +98,8 @@ class Point:
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
         """One row for each error of the case; a single row without an error if the run gave none."""
         names = {"case": self.trial.case, "set_up": self.trial.set_up, "scheme": self.scheme, "changed": self.changed}
-        head = names | {"coarse": self.coarse} | {key: self.settings.get(key) for key in ("resolution", *varied_keys())}
+        keys = ("resolution", *(key for axes in SETTING_AXES.values() for key in axes))
+        head = names | {"coarse": self.coarse} | {key: self.settings.get(key) for key in keys}
         facts = {key: value for key, value in answer.items() if key != "errors"}
         errors = answer.get("errors") or [{"quantity": self.trial.quantity, "error": None}]
         return [head | facts | error for error in errors]
@@ -108,11 +109,6 @@ class Point:
         """Setting other than resolution that differs from the default, as text `key=value`; empty if none does."""
         rest = {key: value for key, value in self.settings.items() if key != "resolution"}
         return ", ".join(f"{key}={value}" for key, value in rest.items())
-
-
-def varied_keys() -> list[str]:
-    """Keys of all settings that the study varies."""
-    return [key for axes in SETTING_AXES.values() for key in axes]
 
 
 def study_points(quick: bool) -> list[Point]:

@@ -85,9 +85,8 @@ def closed_form_problem(scenario: str, coarse: bool = False) -> Problem:
 def is_resonant(period: float) -> bool:
     """True if at a wave period [s] the damping of heave exceeds mass and stiffness together."""
     table, omega = csv_file.Table(table_path("section_radiation")), 2.0 * pi / period
-    added, damping = (
-        float(np.interp(omega, table["omega_rad_s"], table[name])) for name in ("heave_added_kg", "heave_damping_kg_s")
-    )
+    names = ("heave_added_kg", "heave_damping_kg_s")
+    added, damping = (float(np.interp(omega, table["omega_rad_s"], table[name])) for name in names)
     return omega * damping > abs(WATER_DENSITY * GRAVITY * BREADTH * LENGTH - omega**2 * (MASS + added))
 
 

@@ -76,6 +76,5 @@ def measure(simulation: Simulation) -> Finding:
         absolute_error(offset),
         absolute_error(apart),
     )
-    return Finding(
-        numbers, [Curve("surface", x, shown)], [Curve("water", x, AMPLITUDE * wave)], ("x [m]", "elevation [m]")
-    )
+    of_slab, of_water = Curve("surface", x, shown), Curve("water", x, AMPLITUDE * wave)
+    return Finding(numbers, [of_slab], [of_water], ("x [m]", "elevation [m]"))

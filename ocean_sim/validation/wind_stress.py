@@ -82,6 +82,5 @@ def wind_keys(stress: float, **keys: float) -> dict:
 
 def without_wind(simulation: Simulation) -> Simulation:
     assert isinstance(simulation.scene, SceneConfig)
-    return Simulation(
-        simulation.scene.model_copy(update={"wind": config_of("wind", "still").model_validate({"kind": "still"})})
-    )
+    still = config_of("wind", "still").model_validate({"kind": "still"})
+    return Simulation(simulation.scene.model_copy(update={"wind": still}))

@@ -82,9 +82,8 @@ def peer_programs() -> ModuleType:
     """The module `benchmarks.peers`, which times other programs; raises Refused outside a checkout of the project."""
     checkout = PACKAGE.parent
     if not (checkout / "benchmarks" / "peers.py").is_file():
-        raise console.Refused(
-            "--peers: the programs that run others are in a checkout of the project, in benchmarks/; use that"
-        )
+        where = "in a checkout of the project, in benchmarks/; use that"
+        raise console.Refused(f"--peers: the programs that run others are {where}")
     sys.path.insert(0, str(checkout))
     return import_module("benchmarks.peers")
 

@@ -17,12 +17,8 @@ from ocean_sim.verbs.shared.history import keep_step_time, step_time
 from ocean_sim.verbs.shared.options import Json, Profile, Scene, Sets
 from ocean_sim.verbs.shared.progress import kernel_notice
 
-UNKNOWN_FACTS = dict.fromkeys(
-    (
-        *("particles", "memory_mb", "pictures_mb", "bytes_a_particle", "most_particles", "time_step", "limited_by"),
-        "estimated_wall_s",
-    )
-)
+WATER_FACTS = ("particles", "memory_mb", "pictures_mb", "bytes_a_particle", "most_particles", "time_step", "limited_by")
+UNKNOWN_FACTS = dict.fromkeys((*WATER_FACTS, "estimated_wall_s"))
 CARD_BYTES = 16e9  # memory of a graphics card, which cannot be asked for its own before it is started
 FEW_PARTICLES = 20_000  # below which most memory of the water does not go with their number
 STABLE_COURANT = 0.8  # the courant number of the profiles `ci` and `interactive`, up to which steps were found stable
@@ -90,9 +86,8 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         over = f"{dt / longest:.2g} times the {longest:.3g} s that stayed stable in still water ({ruling} limit)"
         warnings.append(f"the time step of {dt:.3g} s is {over}")
     if memory > 0.9 * machine.memory_limit():
-        warnings.append(
-            f"needs {memory / 1e9:.1f} GB of memory; this machine has {machine.memory_limit() / 1e9:.1f} GB"
-        )
+        has = f"this machine has {machine.memory_limit() / 1e9:.1f} GB"
+        warnings.append(f"needs {memory / 1e9:.1f} GB of memory; {has}")
     (each, is_measured), pictures = step_time(config), picture_time(config)
     steps = each * config.duration / dt
     return {
@@ -204,9 +199,8 @@ def preflight_lines(found: dict[str, Any], config: SceneConfig) -> str:
         f"time step {found['time_step']:.3g} s in still water ({found['limited_by']}), "
         f"wall time {wall_time(found, config)}"
     ]
-    return "\n".join(
-        [*lines, *(f"note: {note}" for note in found["notes"]), *(f"warning: {w}" for w in found["warnings"])]
-    )
+    lines += [f"note: {note}" for note in found["notes"]]
+    return "\n".join([*lines, *(f"warning: {warning}" for warning in found["warnings"])])
 
 
 def print_preflight(found: dict[str, Any], config: SceneConfig) -> None:

@@ -60,9 +60,8 @@ class Entry(Model):
         """Words of two `ocean-sim` commands: one simulates the scene into folder `run`, one draws the picture of it."""
         verb, *options = shlex.split(self.draw)
         left_out = [word for name in UNUSED_OBSERVERS for word in ("--set", f"{name}=null")]
-        drawing = [verb, run, *options] + (
-            ["--no-film", "--quality", "final", "--size", PICTURE_SIZE] if verb == "render" else []
-        )
+        looks = ["--no-film", "--quality", "final", "--size", PICTURE_SIZE] if verb == "render" else []
+        drawing = [verb, run, *options, *looks]
         return ["run", self.scene, "--until", f"{self.until:g}", *left_out, "--out", run], drawing
 
 

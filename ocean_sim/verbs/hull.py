@@ -270,9 +270,8 @@ def stability_problems(stability: Stability) -> list[str]:
         ends = "no lever rights her" if stability.rest_heel is None else f"she lolls to {stability.rest_heel:.1f} deg"
         found.append(f"unstable upright: GM = {stability.gm:.3g} m; {ends}")
     elif rest_angles(stability.still) is None:
-        found.append(
-            f"within {MAX_LEAN:g} degrees of trim and heel she has no pose at rest: her centre of mass is too far out"
-        )
+        never = f"within {MAX_LEAN:g} degrees of trim and heel she has no pose at rest"
+        found.append(f"{never}: her centre of mass is too far out")
     angle, opening = stability.flooding_heel
     if angle == 0.0:
         found.append(f"water comes in upright: openings.{opening} lies under the water")

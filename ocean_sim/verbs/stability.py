@@ -36,12 +36,8 @@ def stability(
         for axis in EXTREME_AXES:
             here = [row for row in table if row["map"] == axis.name]
             if here:
-                console.draw_if_able(
-                    maps.draw_maps,
-                    out / f"stability_{axis.name.replace(' ', '_')}.png",
-                    f"{axis.name} [{axis.unit}]",
-                    here,
-                )
+                picture = out / f"stability_{axis.name.replace(' ', '_')}.png"
+                console.draw_if_able(maps.draw_maps, picture, f"{axis.name} [{axis.unit}]", here)
         if as_json:
             console.answer(table)
         else:

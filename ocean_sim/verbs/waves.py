@@ -208,9 +208,8 @@ def print_waves(found: dict[str, record.Sea], path: Path, treatment: record.Trea
         for sentence in record_shortcomings(sea, treatment):
             console.say(f"{name}: {sentence}")
     beyond = f" of waves that go {treatment.hysteresis:g} m below and above" if treatment.hysteresis else ""
-    console.say(
-        f"moments up to {record.CUT_OFF_PEAKS:g} peak frequencies; H1/3, Tz and Hmax between zero up-crossings{beyond}"
-    )
+    counted = f"H1/3, Tz and Hmax between zero up-crossings{beyond}"
+    console.say(f"moments up to {record.CUT_OFF_PEAKS:g} peak frequencies; {counted}")
     if (wind := wind_of(path)) is not None:
         console.say(wind)
 

@@ -38,9 +38,19 @@ def html_page(title: str, parts: Iterable[str]) -> str:
         f"<style>\n{STYLE_FILE.read_text(encoding='utf-8')}</style>",
     ]
     body = [PLOT_CLIP, *link_headings(list(parts))]
-    return "\n".join(
-        ["<!doctype html>", '<html lang="en">', "<head>", *head, "</head>", "<body>", *body, "</body>", "</html>", ""]
-    )
+    page = [
+        "<!doctype html>",
+        '<html lang="en">',
+        "<head>",
+        *head,
+        "</head>",
+        "<body>",
+        *body,
+        "</body>",
+        "</html>",
+        "",
+    ]
+    return "\n".join(page)
 
 
 def link_headings(parts: list[str]) -> list[str]:
@@ -83,9 +93,8 @@ def embedded_picture(path: Path, caption: str, link: str | None = None) -> str:
     except (OSError, ValueError, UnidentifiedImageError, Image.DecompressionBombError):
         return ""
     if image.width > MAX_PICTURE_WIDTH:
-        image = image.resize(
-            (MAX_PICTURE_WIDTH, round(image.height * MAX_PICTURE_WIDTH / image.width)), Image.Resampling.LANCZOS
-        )
+        height = round(image.height * MAX_PICTURE_WIDTH / image.width)
+        image = image.resize((MAX_PICTURE_WIDTH, height), Image.Resampling.LANCZOS)
     data = io.BytesIO()
     image.save(data, "JPEG", quality=JPEG_QUALITY, optimize=True)
     source = f"data:image/jpeg;base64,{base64.b64encode(data.getvalue()).decode()}"

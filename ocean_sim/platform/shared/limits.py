@@ -190,9 +190,8 @@ class Governor:
 
     def stoppable_velocity(self, velocity: np.ndarray) -> np.ndarray:
         """Pose velocity (6,) between braking and `velocity` (6,) [m/s, rad/s]: the nearest to it that allows a stop."""
-        braked = self.velocity * max(
-            0.0, 1.0 - self.brake * self.every / max(self.motion_size(self.velocity), USAGE_TOLERANCE)
-        )
+        size = max(self.motion_size(self.velocity), USAGE_TOLERANCE)
+        braked = self.velocity * max(0.0, 1.0 - self.brake * self.every / size)
         fits, part, step = 0.0, 1.0, 0.5
         for _ in range(VELOCITY_BISECTIONS):
             tried = braked + part * (velocity - braked)

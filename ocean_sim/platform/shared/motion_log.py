@@ -125,9 +125,8 @@ def read_log(path: str | Path) -> MotionLog:
     if missing is not None:
         words = [name for name in table if name.isidentifier() and name not in REQUIRED_COLUMNS]
         other = next((name for name in words if name.startswith(UNIT_PATTERN.sub("_", missing))), None)
-        raise NAMED_COLUMNS_RULE.broken(
-            path, f"it has no column {missing}{f', but {other}: it has another unit' if other else ''}"
-        )
+        but = f", but {other}: it has another unit" if other else ""
+        raise NAMED_COLUMNS_RULE.broken(path, f"it has no column {missing}{but}")
     frame = table.head.get("frame", "ship")
     if frame not in LOG_FRAMES:
         raise AXES_RULE.broken(path, f"its head says frame {frame!r}")

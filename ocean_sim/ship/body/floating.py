@@ -302,14 +302,12 @@ class FloatingConfig(VesselConfig):
         if unasked := self.points.keys() - {"helm", *logged, *(mooring.fairlead for mooring in self.moorings)}:
             found.append(f"points: neither a mooring nor motion.point asks for {' or '.join(sorted(unasked))}")
         if any(preflight.fluid.steady_force):
-            found.append(
-                "fluid.body_force acts on the water alone, which it makes heavier or drives; the ship does not feel it"
-            )
+            effect = "which it makes heavier or drives; the ship does not feel it"
+            found.append(f"fluid.body_force acts on the water alone, {effect}")
         cells = hull.draught / float(hull.voxels.size[1])
         if cells < 0.9 * self.cells_per_draught:
-            found.append(
-                f"the hull has {cells:.2g} cubes over its draught, because only a little of its height is under water"
-            )
+            few = f"the hull has {cells:.2g} cubes over its draught"
+            found.append(f"{few}, because only a little of its height is under water")
         if hull.metacentric_height() <= 0.0:
             found.append(f"the ship is unstable upright: GM = {hull.metacentric_height():.3g} m; it will heel")
         elif rest_angles(hull) is None:

@@ -124,9 +124,8 @@ class Cubes:
         if isinstance(around, SurroundingSea):
             faces = total[SUM_COLUMNS.face : SUM_COLUMNS.cut].tolist()
             velocity = as_one_body(total[SUM_COLUMNS.velocity : SUM_COLUMNS.acceleration].tolist(), faces, self.size)
-            acceleration = self.gravity * as_one_body(
-                total[SUM_COLUMNS.acceleration : SUM_COLUMNS.face].tolist(), faces, self.size
-            )
+            pull = total[SUM_COLUMNS.acceleration : SUM_COLUMNS.face].tolist()
+            acceleration = self.gravity * as_one_body(pull, faces, self.size)
         parts = total[: SUM_COLUMNS.volume].reshape(4, 2, 3)
         return Wetted(parts[0], parts[1], parts[2], parts[3], float(total[SUM_COLUMNS.volume]), velocity, acceleration)
 

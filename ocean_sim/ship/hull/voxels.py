@@ -120,9 +120,8 @@ def sample_cubes(
             inside = shape.fill_lattice(axes[0], axes[1], z).astype(float)
         else:
             edges = lower[1] + size[1] * np.arange(counts[1] * EDGE_SAMPLES + 1) / EDGE_SAMPLES
-            inside = column_shares(
-                mesh.triangles, axes[0] + COLUMN_OFFSET * size[0], z + 0.7 * COLUMN_OFFSET * size[2], edges
-            )
+            x, across = axes[0] + COLUMN_OFFSET * size[0], z + 0.7 * COLUMN_OFFSET * size[2]
+            inside = column_shares(mesh.triangles, x, across, edges)
         blocks = inside.reshape(counts[0], samples, counts[1], EDGE_SAMPLES, 1, samples)
         share[:, :, k] = blocks.mean(axis=(1, 3, 4, 5))
         for a, position in enumerate(np.ix_(axes[0], axes[1], z)):

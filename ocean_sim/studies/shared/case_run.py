@@ -68,9 +68,7 @@ def measure_run(problem: Problem, order: dict[str, Any], scene: Any) -> dict[str
             "neighbours": neighbour_count(fluid),
             "time_step_s": simulation.cost()["time_step_s"],
             "threads": simulation.backend.threads,
-            "errors": [
-                error_row(order, promise, number) for promise, number in zip(problem.promises, found, strict=True)
-            ],
+            "errors": [error_row(order, *each) for each in zip(problem.promises, found, strict=True)],
             "costs": simulation.costs(),
         }
 

@@ -182,9 +182,6 @@ class SeaConfig(KindConfig):
 class WindConfig(KindConfig):
     """Base of the keys of all kinds of wind."""
 
-    still: ClassVar[bool] = False
-    """True if there is no wind."""
-
     @property
     @abstractmethod
     def stylised(self) -> bool:
@@ -203,6 +200,11 @@ class WindConfig(KindConfig):
     @property
     def needs_bend(self) -> bool:
         """True if the wind's force on the water also needs the change of slope of the surface, which is else zero."""
+        return False
+
+    @property
+    def still(self) -> bool:
+        """True if there is no wind."""
         return False
 
     @property

@@ -119,8 +119,9 @@ class Cloth:
         self.contact = Contact(basin.dimension, self.thickness, size)
         self.at_surface, self.steepness = self.contact.at_surface, self.contact.steepness
         stretching, bending = config.stretching_stiffness, config.bending_stiffness
-        steps = [(*step, stretching) for step in STRETCH_STEPS + SHEAR_STEPS]
-        steps += [(*step, bending) for step in BEND_STEPS]
+        steps = [(*step, stretching) for step in STRETCH_STEPS + SHEAR_STEPS] + [
+            (*step, bending) for step in BEND_STEPS
+        ]
         self.springs = [*steps, *((-di, -dk, stiffness) for di, dk, stiffness in steps)]  # both ways from a node
         count = self.nodes[0] * self.nodes[1]
         self.height = self.heights.height  # [m]

@@ -209,8 +209,11 @@ class Config(Placed, WindConfig):
         for g, volume in enumerate(self.volumes):
             name, size = f"wind.volumes[{g}]", hypot(*volume.acceleration, *volume.noise)
             sentences += [stylised(name, size, preflight)] if size > 0.0 else []
-            if any(volume.acceleration):
-                sentences += velocity_change(name, volume.acceleration, volume.passing_time, preflight)
+            sentences += (
+                velocity_change(name, volume.acceleration, volume.passing_time, preflight)
+                if any(volume.acceleration)
+                else []
+            )
             sentences += [f"{name}: {sentence}" for sentence in volume.end_warnings(preflight.duration)]
         if any(self.volumes[g].wind_speed > 0.0 for g in self.aimed("ship")):
             sentences += ship_drag_warnings(preflight)

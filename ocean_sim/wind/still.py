@@ -1,6 +1,6 @@
 """No wind: its term compiles to nothing."""
 
-from typing import ClassVar, Literal
+from typing import Literal
 
 from ocean_sim.basin import Basin
 from ocean_sim.parts import LedgerRow, Preflight, WindConfig
@@ -11,11 +11,14 @@ class Config(WindConfig):
     """Air at rest that does nothing."""
 
     kind: Literal["still"] = "still"
-    still: ClassVar[bool] = True
 
     @property
     def stylised(self) -> bool:
         return False
+
+    @property
+    def still(self) -> bool:
+        return True
 
     @property
     def acts_on(self) -> tuple[Target, ...]:

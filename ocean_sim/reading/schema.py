@@ -84,13 +84,8 @@ def _preset_schema(slot: str, name: str, definitions: dict[str, Any]) -> dict[st
     kind = choice_of(slot, node_of(name, Location(name))).kind
     name_only = {"const": name, "description": part_sentence(slot, name)}
     properties = definitions[f"{slot}.{kind}"]["properties"] | {"kind": name_only}
-    return {
-        "type": "object",
-        "description": part_sentence(slot, name),
-        "properties": properties,
-        "required": ["kind"],
-        "additionalProperties": False,
-    }
+    mapping = {"type": "object", "description": part_sentence(slot, name), "properties": properties}
+    return mapping | {"required": ["kind"], "additionalProperties": False}
 
 
 def _add_explanation(node: dict[str, Any], definitions: dict[str, Any]) -> None:

@@ -85,9 +85,6 @@ def compare_axes(drops: list[State]) -> Finding:
         percent_error(wide[-1], float(np.interp(last, tau, minor))),
         percent_error(drops[-1].kinetic_energy / drops[0].kinetic_energy, 1.0),
     )
-    return Finding(
-        numbers,
-        [Curve("minor", times, wide), Curve("major", times, high)],
-        [Curve("exact minor", tau, minor), Curve("exact major", tau, major)],
-        ("A0 t", "semi-axis [m]"),
-    )
+    measured = [Curve("minor", times, wide), Curve("major", times, high)]
+    expected = [Curve("exact minor", tau, minor), Curve("exact major", tau, major)]
+    return Finding(numbers, measured, expected, ("A0 t", "semi-axis [m]"))

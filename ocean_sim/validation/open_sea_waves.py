@@ -115,12 +115,9 @@ def measure_regular(simulation: Simulation, amplitude: float, speed: float) -> F
     a, u = complex(height[last].mean()), float(fits[last, 1].real.mean()) * K / OMEGA
     degrees = float(np.degrees(np.angle(a)))
     numbers = ((abs(a), 1.0, 100.0 * (abs(a) - 1.0)), absolute_error(degrees), (u, 0.0, 100.0 * u))
-    return Finding(
-        numbers,
-        [Curve("height", time / PERIOD, np.abs(height))],
-        [Curve("the sea", time / PERIOD, np.ones_like(time))],
-        ("t / T", "height over that of the sea"),
-    )
+    measured = [Curve("height", time / PERIOD, np.abs(height))]
+    expected = [Curve("the sea", time / PERIOD, np.ones_like(time))]
+    return Finding(numbers, measured, expected, ("t / T", "height over that of the sea"))
 
 
 def linear_wave_share(simulation: Simulation, time: np.ndarray) -> np.ndarray:
@@ -219,9 +216,6 @@ def measure_random(simulation: Simulation) -> Finding:
     height, right = 4.0 * float(eta.std()), 4.0 * float(theory.std())
     numbers = (percent_error(height, right), absolute_error(alike, 1.0))
     middle = len(x) // 2
-    return Finding(
-        numbers,
-        [Curve("in the middle", time / PERIOD, eta[:, middle])],
-        [Curve("the sea", time / PERIOD, theory[:, middle])],
-        ("t / T", "elevation [m]"),
-    )
+    measured = [Curve("in the middle", time / PERIOD, eta[:, middle])]
+    expected = [Curve("the sea", time / PERIOD, theory[:, middle])]
+    return Finding(numbers, measured, expected, ("t / T", "elevation [m]"))

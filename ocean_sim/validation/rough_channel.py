@@ -101,9 +101,6 @@ def measure_flow(simulation: Simulation, spacing: float) -> Finding:
     )
     u, z = np.concatenate(seen).T
     order, depths = np.argsort(z), np.linspace(0.0, DEPTH, 41)
-    return Finding(
-        numbers,
-        [Curve("last seconds", u[order], z[order] / DEPTH, points=True)],
-        [Curve(FLOW_SOURCE, steady_profile(depths, spacing), depths / DEPTH)],
-        ("u [m/s]", "z / h"),
-    )
+    measured = [Curve("last seconds", u[order], z[order] / DEPTH, points=True)]
+    expected = [Curve(FLOW_SOURCE, steady_profile(depths, spacing), depths / DEPTH)]
+    return Finding(numbers, measured, expected, ("u [m/s]", "z / h"))

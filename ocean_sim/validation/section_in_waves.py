@@ -52,15 +52,11 @@ def closed_form_problem(scenario: str, coarse: bool = False) -> Problem:
     seen, freed = measured_amplitudes(scenario), FREE_MOTIONS[scenario]
     periods = sorted(seen, reverse=True)[1:3] if coarse else sorted(seen, reverse=True)
     pairs = [(period, motion) for period in periods for motion in freed if motion in seen[period]]
-    promises = tuple(
-        Promise(
-            f"{scenario}, T {period:g} s: {motion} [{'k a' if motion == 'roll' else 'a'}]",
-            "%",
-            SOURCE_TEXT,
-            {"dynamic": HEAVE_TOLERANCE} if motion == "heave" and not is_resonant(period) else {},
-        )
-        for period, motion in pairs
-    )
+    promises = []
+    for period, motion in pairs:
+        limits = {"dynamic": HEAVE_TOLERANCE} if motion == "heave" and not is_resonant(period) else {}
+        quantity = f"{scenario}, T {period:g} s: {motion} [{'k a' if motion == 'roll' else 'a'}]"
+        promises.append(Promise(quantity, "%", SOURCE_TEXT, limits))
 
     def measure(simulation: Simulation) -> Finding:
         found = {period: wave_response(simulation, period) for period in periods}
@@ -79,7 +75,7 @@ def closed_form_problem(scenario: str, coarse: bool = False) -> Problem:
         ship["moorings"] = sway_springs()
     scene = ships.at_sea(ship, 1.0, 0.01, heading_deg=90.0)
     scene["basin"]["depth"] = DEPTH
-    return Problem(scene, promises, measure, f"closed form, {scenario}", slot="ship", schemes=("dynamic",))
+    return Problem(scene, tuple(promises), measure, f"closed form, {scenario}", slot="ship", schemes=("dynamic",))
 
 
 def is_resonant(period: float) -> bool:
@@ -102,10 +98,9 @@ def particle_problem(period: float) -> Problem:
     """Set-up of the section on particles in a patch of open sea, in waves of a period [s]."""
     k = float(waves.wavenumber(2.0 * pi / period, DEPTH, GRAVITY))
     length = 2.0 * pi / k
+    limits = {motion: {"pressure": PARTICLE_TOLERANCES[motion]} for motion in MOTION_SCALES}
     promises = tuple(
-        Promise(
-            f"T {period:g} s, particles: {motion} [{over}]", "%", SOURCE_TEXT, {"pressure": PARTICLE_TOLERANCES[motion]}
-        )
+        Promise(f"T {period:g} s, particles: {motion} [{over}]", "%", SOURCE_TEXT, limits[motion])
         for motion, over in MOTION_SCALES.items()
     )
     scene = {

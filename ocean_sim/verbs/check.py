@@ -38,16 +38,8 @@ def check(
         if not as_json:
             raise
         problems = [problem._asdict() for problem in error.problems]
-        console.answer(
-            {
-                "ok": False,
-                "error": console.problem_count(problems),
-                "problems": problems,
-                "warnings": [],
-                **UNKNOWN_FACTS,
-                "ledger": [],
-            }
-        )
+        wrong = {"ok": False, "error": console.problem_count(problems), "problems": problems, "warnings": []}
+        console.answer(wrong | UNKNOWN_FACTS | {"ledger": []})
         raise typer.Exit(2) from None
     if time:
         console.must_compute_with(config.runtime.library)
@@ -217,16 +209,10 @@ def print_preflight(found: dict[str, Any], config: SceneConfig) -> None:
             ["wall time", wall_time(found, config)],
         ],
     )
-    rows = [
-        [
-            row["part"],
-            row["what"],
-            f"{row['bytes'] / 1e6:.2f}",
-            "" if row["kernels"] is None else f"{len(row['kernels'])}",
-            row["why"],
-        ]
-        for row in ledger_rows(found, config)
-    ]
+    rows = []
+    for row in ledger_rows(found, config):
+        kernels = "" if row["kernels"] is None else f"{len(row['kernels'])}"
+        rows.append([row["part"], row["what"], f"{row['bytes'] / 1e6:.2f}", kernels, row["why"]])
     heads = ["part", "fields", "MB", "kernels", "why"]
     console.table("\nwhat is allocated and compiled (kernels: at most), and why", heads, rows)
     console.say()

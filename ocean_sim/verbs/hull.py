@@ -288,14 +288,10 @@ def roll_damping_rows(afloat: hydrostatics.Hydrostatics, asked: Asked) -> tuple[
     if not found.parts:
         return [], []
     scale = found.scale / found.critical
-    rows = [
-        {
-            "amplitude_deg": a,
-            **{part: scale * b for part, b in found.parts[a]._asdict().items()},
-            "sum": found.critical_share(a),
-        }
-        for a in ROLL_AMPLITUDES_DEG
-    ]
+    rows = []
+    for a in ROLL_AMPLITUDES_DEG:
+        shares = {part: scale * b for part, b in found.parts[a]._asdict().items()}
+        rows.append({"amplitude_deg": a, **shares, "sum": found.critical_share(a)})
     return rows, found.warnings
 
 

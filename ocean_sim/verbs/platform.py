@@ -212,11 +212,8 @@ def print_report(done: Commands, found: list[Metric], files: list[Path]) -> None
     kinds = ("scaled_rms", "felt_rms", "error_rms", "correlation", "delay", "false_cue")
     numbers = [[value[f"{name}_{kind}"] for kind in kinds] for name in FELT_COLUMNS]
     rows = [[name, *("-" if np.isnan(n) else f"{n:.4g}" for n in row)] for name, row in zip(FELT_COLUMNS, numbers)]
-    console.table(
-        "specific force [m/s2] and rates [rad/s]: scaled, and felt on the platform",
-        ["", *(kind.replace("_", " ") for kind in kinds)],
-        rows,
-    )
+    title = "specific force [m/s2] and rates [rad/s]: scaled, and felt on the platform"
+    console.table(title, ["", *(kind.replace("_", " ") for kind in kinds)], rows)
     sick = (value["motion_sickness_dose_ship"], value["motion_sickness_dose_platform"])
     limited, stroke = 100.0 * value["share_limited"], 100.0 * value["stroke_used"]
     console.say(f"\n{len(done.time)} rows, {limited:.3g} % of them limited; {stroke:.3g} % of the stroke used")

@@ -178,16 +178,8 @@ def row_line(row: dict[str, Any]) -> list[str]:
     verdict = "reported" if row["tolerance"] is None else "ok" if row["ok"] else "MISSED"
     error = f"{number_cell(row['error'])}{unit}" if row["error"] is not None else "-"
     tolerance = number_cell(row["tolerance"]) if row["tolerance"] is not None else ""
-    return [
-        row["scheme"],
-        row["quantity"],
-        number_cell(row["value"]),
-        number_cell(row["reference"]),
-        error,
-        tolerance,
-        verdict,
-        row["source"],
-    ]
+    numbers = [number_cell(row["value"]), number_cell(row["reference"]), error, tolerance]
+    return [row["scheme"], row["quantity"], *numbers, verdict, row["source"]]
 
 
 def number_cell(value: float | None) -> str:

@@ -38,19 +38,9 @@ def html_page(title: str, parts: Iterable[str]) -> str:
         f"<style>\n{STYLE_FILE.read_text(encoding='utf-8')}</style>",
     ]
     body = [PLOT_CLIP, *link_headings(list(parts))]
-    page = [
-        "<!doctype html>",
-        '<html lang="en">',
-        "<head>",
-        *head,
-        "</head>",
-        "<body>",
-        *body,
-        "</body>",
-        "</html>",
-        "",
-    ]
-    return "\n".join(page)
+    return "\n".join(
+        ["<!doctype html>", '<html lang="en">', "<head>", *head, "</head>", "<body>", *body, "</body>", "</html>", ""]
+    )
 
 
 def link_headings(parts: list[str]) -> list[str]:

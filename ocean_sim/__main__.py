@@ -7,7 +7,7 @@ try:
     import os
     from errno import ENAMETOOLONG
     from importlib import import_module
-    from typing import Annotated, Any
+    from typing import Any
 
     import typer
     from typer.core import TyperCommand, TyperGroup
@@ -111,9 +111,9 @@ def show_version(asked: bool) -> None:
 
 @app.callback()
 def program(
-    version: Annotated[
-        bool, typer.Option("--version", help="Print the version and exit.", callback=show_version, is_eager=True)
-    ] = False,
+    version: bool = typer.Option(
+        False, "--version", help="Print the version and exit.", callback=show_version, is_eager=True
+    ),
 ) -> None:
     """A particle ocean with wind, ships and a motion platform, from a YAML scene to pictures and data."""
 

@@ -21,10 +21,8 @@ EXTRA_PACKAGES = {
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGXCPU)
 stop_requested = threading.Event()  # to end
 KILL_TIMEOUT = 1.0  # [s] that a process may take to end that has been killed
-CGROUP_LIMIT_FILES = (
-    "/sys/fs/cgroup/memory.max",
-    "/sys/fs/cgroup/memory/memory.limit_in_bytes",
-)  # [bytes], of versions 2 and 1
+# [bytes], of versions 2 and 1
+CGROUP_LIMIT_FILES = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
 MEMORY_FILES = "/proc/meminfo", "/proc/self/status"
 SOURCE_SUFFIXES = (".py", ".csv")  # suffixes of the program's files that its numbers depend on
 

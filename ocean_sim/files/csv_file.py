@@ -116,16 +116,14 @@ class Table(dict[str, np.ndarray]):
         missing = [name for name in wanted if name not in self]
         if missing:
             there = quoted_piece(", ".join(self.names), 80)
-            raise NAMED_COLUMNS_RULE.broken(
-                self.path, f"it has no column {' and no column '.join(missing)}, but {there}"
-            )
+            lacks = f"it has no column {' and no column '.join(missing)}"
+            raise NAMED_COLUMNS_RULE.broken(self.path, f"{lacks}, but {there}")
         wrong = np.argwhere(~np.isfinite([self[name][since:] for name in wanted]).T)
         if len(wrong):
             row, name = since + int(wrong[0, 0]), wanted[wrong[0, 1]]
             cell = self.cells(self.rows[row])[self.names.index(name)]
-            raise FINITE_NUMBERS_RULE.broken(
-                self.path, f"{name} is {quoted_piece(cell) if cell else 'empty'} in row {row + 1}"
-            )
+            found = quoted_piece(cell) if cell else "empty"
+            raise FINITE_NUMBERS_RULE.broken(self.path, f"{name} is {found} in row {row + 1}")
         return [self[name] for name in wanted]
 
     def resolution(self, name: str) -> float:
@@ -151,9 +149,8 @@ class Table(dict[str, np.ndarray]):
         """Warnings of columns named *_deg whose values could be radians: none beyond 2 pi, not all whole numbers."""
         angles = {name: values for name, values in self.items() if name.endswith("_deg")}
         found = [name for name, each in angles.items() if np.abs(each).max() <= 2.0 * np.pi and (each % 1.0).any()]
-        return [
-            f"{input_file.display_path(self.path)}: is {name} in radians? {DEGREES_RULE.sentence}" for name in found
-        ]
+        where = input_file.display_path(self.path)
+        return [f"{where}: is {name} in radians? {DEGREES_RULE.sentence}" for name in found]
 
 
 def unreached_times_warning(what: str, times: np.ndarray, duration: float, instead: str) -> list[str]:

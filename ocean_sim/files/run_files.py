@@ -35,9 +35,8 @@ def foreign_names(folder: Path, *ours: str) -> list[str]:
     if not folder.is_dir() or any((folder / mark).exists() for mark in (MANIFEST_FILE, *ours[:1])):
         return []
     names = sorted(path.name for path in folder.iterdir())
-    return [
-        each for each in names if not is_unfinished(each) and not any(fnmatch(each, one) for one in (LOCK_FILE, *ours))
-    ]
+    own = (LOCK_FILE, *ours)
+    return [each for each in names if not is_unfinished(each) and not any(fnmatch(each, one) for one in own)]
 
 
 def claim_folder(out: Path, *ours: str, named: str = "") -> "Claim":

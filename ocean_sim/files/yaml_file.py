@@ -160,9 +160,8 @@ def parse_mapping(content: str, name: str) -> Node:
     if node.data is None:
         raise SceneError([problem_at(Location(name, 1, 1), "", "this file is empty; a mapping was expected")])
     if not node.is_mapping:
-        raise SceneError(
-            [problem_at(node.location, "", f"expected a mapping of keys to values, got {describe_value(node.data)}")]
-        )
+        message = f"expected a mapping of keys to values, got {describe_value(node.data)}"
+        raise SceneError([problem_at(node.location, "", message)])
     return node
 
 

@@ -1,7 +1,7 @@
 """Errors of density, energy and momentum of the water, and the impulse and work of each force."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -13,9 +13,7 @@ from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading
 from ocean_sim.observers.shared.energy import Balance, kinetic_energy, potential_energy
 from ocean_sim.parts import Preflight, Problems
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
-
-if TYPE_CHECKING:
-    from ocean_sim.surface import Surface
+from ocean_sim.surface import Surface
 
 FORCE_TERMS = (
     "pressure",
@@ -196,13 +194,13 @@ def highest_particles(basin: Basin, fluid: ParticleFluid) -> np.ndarray:
     return x[highest[highest >= 0]].astype(float) + [0.0, 0.5 * fluid.spacing, 0.0]
 
 
-def surface_fit(surface: "Surface", points: np.ndarray) -> tuple[float, float]:
+def surface_fit(surface: Surface, points: np.ndarray) -> tuple[float, float]:
     """Mean and root mean square [m] of the height of a surface minus that of points x, y, z (m, 3) [m]."""
     away = surface.elevations(points[:, [0, 2]]) - points[:, 1]
     return float(away.mean()), float(np.sqrt(np.square(away).mean()))
 
 
-def surface_meaning(surface: "Surface | None") -> dict[str, object]:
+def surface_meaning(surface: Surface | None) -> dict[str, object]:
     """Meaning, by name, of the columns of accuracy.csv on the surface: its fit to particles, its own measurements."""
     if surface is None:
         return {}

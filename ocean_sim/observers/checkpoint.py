@@ -63,10 +63,9 @@ class Checkpoint(Observer):
         self.names = [*(kept for kept in self.names if kept != name), name][-KEPT_FILES:]
         taken = Snapshot(roots(simulation), self.folder, self.contents)
         made, scene = program_facts(simulation), simulation.scene.resolved()
-        checkpoint_file.write_checkpoint(
-            checkpoint_file.Checkpoint(simulation.time, simulation.steps, scene, made, taken.tree, taken.arrays),
-            self.folder,
-        )
+        moment = simulation.time, simulation.steps
+        checkpoint = checkpoint_file.Checkpoint(*moment, scene, made, taken.tree, taken.arrays)
+        checkpoint_file.write_checkpoint(checkpoint, self.folder)
         for path in checkpoint_file.checkpoint_files(self.folder):
             if path.name not in self.names:
                 path.unlink()

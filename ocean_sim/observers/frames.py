@@ -56,9 +56,8 @@ class Config(PeriodicConfig):
         points = self.point_count(preflight)
         if points <= MAX_POINTS:
             return []
-        return [
-            (("spacing",), f"a frame would keep {points:.3g} heights, at most {MAX_POINTS:g}; give a larger one [m]")
-        ]
+        many = f"a frame would keep {points:.3g} heights, at most {MAX_POINTS:g}"
+        return [(("spacing",), f"{many}; give a larger one [m]")]
 
     def warnings(self, preflight: Preflight) -> list[str]:
         kept = preflight.particles if self.particles else 0

@@ -14,17 +14,8 @@ from ocean_sim.files.atomic_file import write_facts
 from ocean_sim.machine import installed_version, program_hash
 from ocean_sim.simulation import ObserverConfig, OutcomeObserver, Simulation
 
-PACKAGE_NAMES = (
-    "ocean-sim",
-    kernel_library.LIBRARY_NAME,
-    "numpy",
-    "scipy",
-    "pydantic",
-    "pyyaml",
-    "h5py",
-    "pyvista",
-    "vtk",
-)
+LIBRARIES = ("numpy", "scipy", "pydantic", "pyyaml", "h5py", "pyvista", "vtk")
+PACKAGE_NAMES = ("ocean-sim", kernel_library.LIBRARY_NAME, *LIBRARIES)
 
 
 class Config(ObserverConfig):

@@ -191,10 +191,8 @@ class Log:
             times, numbers = zip(*self.due)
             between = Between(track, np.array(times), np.array(numbers))
             values = self.load_table(attitude_of(track), acceleration, turning, moments[:, MOMENT.orders :])
-            motions, others = (
-                self.motion_table(between.interpolated_track()).T.tolist(),
-                between.interpolated_values(values).tolist(),
-            )
+            motions = self.motion_table(between.interpolated_track()).T.tolist()
+            others = between.interpolated_values(values).tolist()
             for t, pose, rest in zip(times, motions, others, strict=True):
                 rows.append(self.csv.row([t, self.number, *pose, *rest]))
                 self.number += 1

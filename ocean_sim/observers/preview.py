@@ -7,7 +7,7 @@ its first pictures (corners come with the third), which are therefore thrown awa
 import sys
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, field_validator
@@ -23,10 +23,7 @@ from ocean_sim.pictures.live.preview_scene import Balls, Patch, PreviewScene
 from ocean_sim.pictures.live.scene_lines import scene_lines
 from ocean_sim.pictures.live.vulkan import VulkanMissing, require
 from ocean_sim.pictures.stage.camera import Camera
-from ocean_sim.simulation import Observer, PeriodicConfig
-
-if TYPE_CHECKING:
-    from ocean_sim.simulation import Simulation
+from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
 PANEL_WIDTH, PANEL_HEIGHT, PANEL_EDGE = 292, 500, 10  # [pixels] of the panel at the left, and around it
 SETTLING_PICTURES = 3  # thrown away
@@ -60,7 +57,7 @@ class Config(PeriodicConfig):
     def mismatches(self, preflight: Preflight) -> Problems:
         return [] if self.ship is None else preflight.unknown_ship(self.ship)
 
-    def build(self, folder: Path, simulation: "Simulation") -> "Preview":
+    def build(self, folder: Path, simulation: Simulation) -> "Preview":
         return Preview(self, folder, simulation)
 
 
@@ -69,7 +66,7 @@ class Preview(Observer):
 
     left_out = ("screen",)  # of its checkpoints
 
-    def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
+    def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.every, self.multiples = config.every, Multiples(config.every)
         self.folder, self.drawn = folder / "preview", 0
         self.screen: Screen | None = None
@@ -83,7 +80,7 @@ class Preview(Observer):
         self.panel = Panel([], simulation.scene.wind.kind)
         self.screen.watch(simulation, self.panel, config)
 
-    def observe(self, simulation: "Simulation") -> None:
+    def observe(self, simulation: Simulation) -> None:
         if self.screen is not None and self.multiples.reached(simulation.time):
             self.screen.draw(self.panel)
             write_png(self.folder / f"{self.drawn:05d}.png", self.screen.image())
@@ -169,7 +166,7 @@ class Screen:
         self.settling = 0 if show else SETTLING_PICTURES
         self.cursor: tuple[float, float] | None = None
 
-    def watch(self, simulation: "Simulation", panel: Panel, config: Config | None = None) -> None:
+    def watch(self, simulation: Simulation, panel: Panel, config: Config | None = None) -> None:
         """Draw another simulation from now on; the panel gets its cameras, contents, ships and choices of `config`."""
         self.simulation, self.scene = simulation, PreviewScene(simulation)
         panel.cameras, panel.contents, panel.person = self.scene.cameras, self.scene.contents, None

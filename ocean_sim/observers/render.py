@@ -231,9 +231,8 @@ class Render(OutcomeObserver):
 
     def observe(self, simulation: Simulation) -> None:
         if self.drawer is None and self.config.film and frame_path(self.folder, 0).exists():
-            self.drawer = Drawer(
-                [order_of(self.folder, **config_options(self.config, self.folder))], self.progress, goes_on=True
-            )
+            order = order_of(self.folder, **config_options(self.config, self.folder))
+            self.drawer = Drawer([order], self.progress, goes_on=True)
         if self.drawer is not None:
             self.every = float("inf")
 
@@ -277,9 +276,8 @@ class Drawer:
         self.child: subprocess.Popen[str] | None = None
         self.problem: Exception | None = None
         window = opengl.window()
-        sentence = (
-            obstacle_to_pictures(Path(orders[0].folder), orders[0].camera, (), orders[0].ship) if goes_on else None
-        )
+        first = orders[0]
+        sentence = obstacle_to_pictures(Path(first.folder), first.camera, (), first.ship) if goes_on else None
         if window is None or sentence is not None:
             self.problem = OpenGLMissing() if window is None else RenderFailed(sentence)
             return
@@ -351,13 +349,7 @@ def drawing_failure(child: subprocess.Popen[Any], errors: IO[str]) -> RenderFail
     return RenderFailed(said[-1] if said else "the drawing process ended without a message")
 
 
-def render_run(
-    folder: Path,
-    *,
-    out: Path | None = None,
-    progress: Progress | None = None,
-    **asked: Any,
-) -> list[Path]:
+def render_run(folder: Path, *, out: Path | None = None, progress: Progress | None = None, **asked: Any) -> list[Path]:
     """Draw preview.png, and film, stills and strip if asked, into `out`; returns the files. `asked`: fields of Order.
     Raises OpenGLMissing or RenderFailed."""
     order = order_of(folder, out=out, **asked)
@@ -424,9 +416,7 @@ def variants(folder: Path, time: float, switched: Sequence[dict[str, Any]], **op
     given: dict[str, Any] = {"folder": str(folder), "film": False, "preview": False, "stills": (time,)} | options
     with tempfile.TemporaryDirectory() as made:
         orders = [Order(**given | {"out": str(Path(made, str(k)))} | more) for k, more in enumerate(switched)]
-        sentences = [
-            obstacle_to_pictures(Path(order.folder), order.camera, order.stills, order.ship) for order in orders
-        ]
+        sentences = [obstacle_to_pictures(Path(each.folder), each.camera, each.stills, each.ship) for each in orders]
         if any(sentences):
             raise RenderFailed(next(filter(None, sentences)))
         for order in orders:

@@ -7,6 +7,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import ClassVar, NamedTuple
 
+from ocean_sim.kernel_library import ti
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, heading
 from ocean_sim.simulation import NO_FOLDER, Observer, PeriodicConfig, Simulation
@@ -122,6 +123,4 @@ def synchronization(arch: str) -> Callable[[], None]:
     """Function that waits until all launched kernels are done; a no-op on a processor, where each launch waits."""
     if arch in ("cpu", "x64", "arm64"):
         return lambda: None
-    from ocean_sim.kernel_library import ti
-
     return ti.sync

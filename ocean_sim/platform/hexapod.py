@@ -122,9 +122,8 @@ class HexapodPlatform:
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
         """Commands that glide back to neutral within the ramp, longer for slow legs; arguments as in `Platform`."""
         lengths, every, machine = self.hexapod.legs(past), self.every, self.geometry
-        longest = (
-            machine.longest - machine.shortest
-        ) / machine.leg_speed + machine.leg_speed / machine.leg_acceleration
+        stroke = machine.longest - machine.shortest
+        longest = stroke / machine.leg_speed + machine.leg_speed / machine.leg_acceleration  # [s]
         count = np.arange(1, round((self.ramp + GLIDE_TIME + 2.0 * longest) / every) + 2)
         t = (count * every)[:, None]
         glide = past[1] + (past[1] - past[0]) / every * GLIDE_TIME * (1.0 - np.exp(-t / GLIDE_TIME))

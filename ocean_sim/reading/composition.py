@@ -218,9 +218,8 @@ def compose(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> Co
     for slot in SLOTS:
         if slot in scene.data:
             result.lay(slot, scene.data[slot], None)
-    beside = {
-        key: scene.data[key] for key in KEYS_BESIDE_SLOTS if key in scene.data and scene.data[key].data is not None
-    }
+    given = {key: scene.data[key] for key in KEYS_BESIDE_SLOTS if key in scene.data}
+    beside = {key: node for key, node in given.items() if node.data is not None}
     early = [key for key in beside if result.slots.get(KEYS_BESIDE_SLOTS[key]) is not None]
     for key in early:
         result.lay_beside(key, beside[key])
@@ -269,9 +268,8 @@ def choice_of(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
     else:
         raise SceneError([without_kind(place, node)])
     if not isinstance(name.data, str):
-        raise SceneError(
-            [problem_at(name.location, f"{place}.kind", f"expected a name, got {describe_value(name.data)}")]
-        )
+        message = f"expected a name, got {describe_value(name.data)}"
+        raise SceneError([problem_at(name.location, f"{place}.kind", message)])
     if name.data in named(slot) and name.data not in within and (name is node or name.data not in kinds(slot)):
         part = read_mapping(library("configs") / slot / f"{name.data}.yaml")
         base = choice_of(place, part, (*within, name.data)).whole()

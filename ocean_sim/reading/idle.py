@@ -32,10 +32,8 @@ def has_key(mapping: Any, key: str) -> bool:
     return key in type(mapping).model_fields and getattr(mapping, key) is not None
 
 
-PI_TWELFTH, PI_TOLERANCE = (
-    np.pi / 12.0,
-    0.008,
-)  # [rad], and the share of it by which 3.14 differs from pi, but no 5.5 from 21
+PI_TWELFTH = np.pi / 12.0  # [rad]
+PI_TOLERANCE = 0.008  # share of it by which 3.14 differs from pi, but no 5.5 from 21
 SEEDS_APART = "the scene draws nothing at random but its spectra, and each of these has a seed of its own"
 
 # Slot and path of a mapping, through all entries of lists; some of its keys; True if they have an effect, by the

@@ -140,9 +140,8 @@ def of_names(node: dict[str, Any]) -> dict[str, Any]:
 def kind_inside(path: str, node: dict[str, Any]) -> Iterator[Key]:
     """Yield the key `kind` of a value that may be one of several models; nothing for other values."""
     mappings = [definition(member["$ref"]) for member in union_members(node) if "$ref" in member]
-    chosen = {
-        m["properties"]["kind"]["const"]: m for m in mappings if "const" in m.get("properties", {}).get("kind", {})
-    }
+    kinds_of = [(m.get("properties", {}).get("kind", {}), m) for m in mappings]
+    chosen = {kind["const"]: m for kind, m in kinds_of if "const" in kind}
     if not chosen:
         return
     told = [

@@ -334,9 +334,8 @@ def _suggest_below(key: str, data: dict[str, Node]) -> tuple[str, str | None]:
         slot, kind, *_ = path.split(".")
         return slot not in SLOTS or (slot in data and data[slot].is_mapping and data[slot].plain()["kind"] == kind)
 
-    paths = sorted(
-        (example_path(path) for path in named_so(key) if "." in path and here(path)), key=lambda p: p.count(".")
-    )
+    paths = [example_path(path) for path in named_so(key) if "." in path and here(path)]
+    paths.sort(key=lambda path: path.count("."))
     return choice_sentence(paths[0], paths[:1]) if paths else (keys_elsewhere(key), None)
 
 
@@ -413,9 +412,8 @@ def _observers(
         node = data.get(name, root.with_data({} if on else None))
         if node.data is None:
             if name == "manifest":
-                problems.append(
-                    problem_at(node.location, name, "every run writes its manifest; this key cannot be null")
-                )
+                message = "every run writes its manifest; this key cannot be null"
+                problems.append(problem_at(node.location, name, message))
             continue
         config = validated(import_module(f"ocean_sim.observers.{name}").Config, node, (name,), problems, folder)
         if config is not None:

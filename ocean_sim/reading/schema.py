@@ -82,16 +82,10 @@ def _slot_schema(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:
 def _preset_schema(slot: str, name: str, definitions: dict[str, Any]) -> dict[str, Any]:
     """Schema of a mapping whose `kind` is a preset: the keys of its kind, none of them required."""
     kind = choice_of(slot, node_of(name, Location(name))).kind
-    properties = definitions[f"{slot}.{kind}"]["properties"] | {
-        "kind": {"const": name, "description": part_sentence(slot, name)}
-    }
-    return {
-        "type": "object",
-        "description": part_sentence(slot, name),
-        "properties": properties,
-        "required": ["kind"],
-        "additionalProperties": False,
-    }
+    name_only = {"const": name, "description": part_sentence(slot, name)}
+    properties = definitions[f"{slot}.{kind}"]["properties"] | {"kind": name_only}
+    mapping = {"type": "object", "description": part_sentence(slot, name), "properties": properties}
+    return mapping | {"required": ["kind"], "additionalProperties": False}
 
 
 def _add_explanation(node: dict[str, Any], definitions: dict[str, Any]) -> None:

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from ocean_sim.files.input_file import SCENE_FOLDER_KEY
-from ocean_sim.files.yaml_file import Node, Problem, describe_value, problem_at
+from ocean_sim.files.yaml_file import Node, Problem, SceneError, describe_value, problem_at
 from ocean_sim.model import in_brackets
 
 MIN_NUMBER, MAX_NUMBER = 1e-60, 1e15  # size of a number in SI units that a scene may hold
@@ -37,9 +37,8 @@ SHAPE_WORDS = {
 }
 SHAPE_TYPES = {"a mapping": "object", "a list": "array"}  # of JSON Schema
 
-MEASURE_PATTERN = re.compile(
-    r"([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*\[?([^\s\[\]]*)\]?"
-)  # a number and its unit
+# A number and its unit.
+MEASURE_PATTERN = re.compile(r"([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*\[?([^\s\[\]]*)\]?")
 UNIT_FACTORS = {  # what people write, in units of scenes
     "mm": ("m", 1e-3),
     "cm": ("m", 1e-2),
@@ -123,6 +122,15 @@ def validated(
     told = {each.key for each in wrong}
     problems += [*wrong, *(each for each in beyond if each.key not in told)]
     return None if beyond else found
+
+
+def checked(model: type[Model], node: Node) -> Model:
+    """The data of a node as this model; raises SceneError with all of its problems."""
+    problems: list[Problem] = []
+    found = validated(model, node, (), problems)
+    if found is None:
+        raise SceneError(problems)
+    return found
 
 
 def out_of_range(node: Node, path: Path) -> Iterator[Problem]:
@@ -333,9 +341,8 @@ def _problem_of(found: _Found, prefix: Path) -> Problem:
     elif found.kind == "literal_error":
         choices = [word.strip("'") for word in context["expected"].replace(" or ", ", ").split(", ")]
         end, suggestion = choice_sentence(str(found.node.data), choices)
-        message = (
-            f"{value} is not one of {context['expected']}" if suggestion is None else f"{value} is not a choice{end}"
-        )
+        none_near = f"one of {context['expected']}"
+        message = f"{value} is not {none_near if suggestion is None else f'a choice{end}'}"
     elif found.kind in ("union_tag_invalid", "union_tag_not_found"):
         name = context["discriminator"].strip("'")
         choices = [word.strip("'") for word in context.get("expected_tags", "").split(", ") if word]

@@ -39,15 +39,8 @@ MISSING_VALUE = object()
 NUMBER_TYPES = (int, float, np.number, np.bool_)
 COMPARED_TYPES: tuple[Any, ...] = (Path, TextIOWrapper, str, NUMBER_TYPES, list, tuple, dict, range, np.ndarray)
 FIELD_KEY, ARRAY_KEY, NUMBER_KEY, SAME_KEY, REBUILT_KEY = "field", "array", "number", "same", "left"
-LIST_KEY, TUPLE_KEY, DICT_KEY, RANGE_KEY, FILE_KEY, PATH_KEY, OBJECT_KEY = (
-    "list",
-    "tuple",
-    "dict",
-    "range",
-    "file",
-    "path",
-    "of",
-)
+LIST_KEY, TUPLE_KEY, DICT_KEY, RANGE_KEY = "list", "tuple", "dict", "range"
+FILE_KEY, PATH_KEY, OBJECT_KEY = "file", "path", "of"
 
 
 @runtime_checkable
@@ -80,10 +73,6 @@ def is_computed(value: Any, name: str) -> bool:
 def path_step(key: Any, number: int) -> str:
     """Last element of the path of an entry in a mapping: its key if that is an identifier, else its number."""
     return key if isinstance(key, str) and key.isidentifier() else str(number)
-
-
-def is_named_tuple(value: Any) -> bool:
-    return isinstance(value, tuple) and hasattr(value, "_fields")
 
 
 class Snapshot:
@@ -130,9 +119,8 @@ class Snapshot:
             return node["data"]
         if SAME_KEY in node:
             return node[SAME_KEY] not in self.stays
-        return not {FIELD_KEY, REBUILT_KEY, FILE_KEY} & set(node) and all(
-            self.is_data(inner) for inner in node.values()
-        )
+        kept = {FIELD_KEY, REBUILT_KEY, FILE_KEY} & set(node)
+        return not kept and all(self.is_data(inner) for inner in node.values())
 
     def structure(self, value: Any, path: str) -> Any:
         """Node of a container, field, array, file or object that is met for the first time; `path`: from the root."""
@@ -149,14 +137,13 @@ class Snapshot:
         if isinstance(value, range):
             return {RANGE_KEY: [value.start, value.stop, value.step]}
         if type(value) is list or isinstance(value, tuple):
-            of = {OBJECT_KEY: class_name(value)} if is_named_tuple(value) else {}
+            of = {OBJECT_KEY: class_name(value)} if hasattr(value, "_fields") else {}  # of a named tuple
             kind = LIST_KEY if type(value) is list else TUPLE_KEY
             return {kind: [self.node(inner, f"{path}.{k}") for k, inner in enumerate(value)], **of}
         if type(value) is dict:
             steps = [f"{path}.{path_step(key, k)}" for k, key in enumerate(value)]
-            return {
-                DICT_KEY: [[self.node(key, f"{at}.key"), self.node(value[key], at)] for key, at in zip(value, steps)]
-            }
+            pairs = [[self.node(key, f"{at}.key"), self.node(value[key], at)] for key, at in zip(value, steps)]
+            return {DICT_KEY: pairs}
         if is_package_object(value):
             inner = {name: self.node(each, f"{path}.{name}") for name, each in saved_attributes(value).items()}
             data = dataclasses.is_dataclass(value) and all(self.is_data(each) for each in inner.values())
@@ -296,9 +283,8 @@ class Restorer:
         stays = type(fresh) is made and not data
         value = fresh if stays else object.__new__(made)
         if self.used.setdefault(id(value), path) != path:
-            raise Mismatch(
-                f"its {path.lstrip('.')} and {self.used[id(value)].lstrip('.')} are one thing in this program"
-            )
+            both = f"{path.lstrip('.')} and {self.used[id(value)].lstrip('.')}"
+            raise Mismatch(f"its {both} are one thing in this program")
         self.made[path] = value
         for name, inner in node["at"].items():
             before = vars(fresh).get(name, MISSING_VALUE) if type(fresh) is made else MISSING_VALUE

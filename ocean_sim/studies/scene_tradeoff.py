@@ -21,14 +21,7 @@ from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_
 from ocean_sim.parts import SLOTS, from_coarse, slot_of
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result
-from ocean_sim.studies.shared.scene_run import (
-    CLOCK_COLUMNS,
-    PICTURE_OBSERVERS,
-    motion_tables,
-    run_order,
-    unwrapped_table,
-    wave_heights,
-)
+from ocean_sim.studies.shared import scene_run
 
 PROFILE_NAMES = ("ci", "interactive", "thesis", "reference")
 SEED_COUNTS = {True: 2, False: 5}  # quick or not
@@ -62,9 +55,8 @@ class Budget:
         """Budget from a text: `realtime`, or a time such as 16ms or 30s. Raises ValueError for any other."""
         found = re.fullmatch(r"(\d+(?:\.\d+)?)(ms|s)|realtime", text.strip())
         if found is None or (found[1] and float(found[1]) <= 0.0):
-            raise ValueError(
-                f"--budget {text}: give realtime, or a time as in 16ms (of 1/60 s simulated) or 30s (in all)"
-            )
+            takes = "give realtime, or a time as in 16ms (of 1/60 s simulated) or 30s (in all)"
+            raise ValueError(f"--budget {text}: {takes}")
         return cls(text.strip(), float(found[1]) if found[1] else 1.0)
 
     def seconds(self, row: dict[str, Any]) -> float | None:
@@ -104,7 +96,7 @@ class Repeat:
     scene: SceneConfig
 
     def order(self) -> dict[str, Any]:
-        return run_order(self.scene)
+        return scene_run.run_order(self.scene)
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
         """One row: outcome, costs and measures of the run, with its result folder under the key `run`."""
@@ -143,9 +135,8 @@ def setting_grid(scene: str, profile: str | None, sets: dict[str, Node], vary: V
     count = prod(map(len, vary.values()))
     if not 2 <= count <= MOST_SETTINGS:
         location = Location("--vary")
-        raise SceneError(
-            [problem_at(location, "", f"there are {count} settings; 2 to {MOST_SETTINGS} can be compared")]
-        )
+        message = f"there are {count} settings; 2 to {MOST_SETTINGS} can be compared"
+        raise SceneError([problem_at(location, "", message)])
     best = {key: finest_setting(key, [node.plain() for node in nodes]) for key, nodes in vary.items()}
     found: list[Setting] = []
     problems: list[Problem] = []
@@ -166,7 +157,7 @@ def setting_grid(scene: str, profile: str | None, sets: dict[str, Node], vary: V
 
 def _with_seed(scene: str, profile: str | None, sets: dict[str, Node], count: int) -> tuple[SceneConfig, ...]:
     """Scenes with `count` successive seeds and without pictures; one without ships and gauges gets a gauge."""
-    quiet: dict[str, Any] = dict.fromkeys(PICTURE_OBSERVERS) | sets
+    quiet: dict[str, Any] = dict.fromkeys(scene_run.PICTURE_OBSERVERS) | sets
     first = load(scene, quiet, profile)
     if not first.ships and "gauges" not in first.observers:
         middle = [0.0, 0.0] if first.basin.width is not None else [0.0]
@@ -179,13 +170,13 @@ def errors_against(result: Result, reference: Result) -> dict[str, float | None]
     found: dict[str, float | None] = {}
     legs = []
     motions = [f"{name}_{unit}" for name in Motions._fields for unit in ("m", "rad")]
-    afloat = motion_tables(reference)
+    afloat = scene_run.motion_tables(reference)
     for table, columns in (
         ("gauges", None),
         *((table, motions) for table in afloat),
         ("platform", [f"leg{k}_m" for k in range(1, 7)]),
     ):
-        own, other = unwrapped_table(result, table), unwrapped_table(reference, table)
+        own, other = scene_run.unwrapped_table(result, table), scene_run.unwrapped_table(reference, table)
         for name in columns or [key for key in other if key.endswith("_m")]:
             if not (len(own.get(name, ())) and len(other.get(name, ()))):
                 continue
@@ -203,7 +194,7 @@ def errors_against(result: Result, reference: Result) -> dict[str, float | None]
 
 def _of_waves(gauge: str, own: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> dict[str, float | None]:
     """Differences of wave heights [m] and period [s] at a gauge, by name, between two tables; None without a wave."""
-    a, b = (wave_heights(gauge, table["time_s"], table[f"{gauge}_m"]) for table in (own, other))
+    a, b = (scene_run.wave_heights(gauge, table["time_s"], table[f"{gauge}_m"]) for table in (own, other))
     return {key: abs(a[key] - b[key]) if a[key] is not None and b[key] is not None else None for key in b}  # type: ignore[operator]
 
 
@@ -229,7 +220,7 @@ def tradeoff_summary(
         "outcome": "done" if lost is None else lost["outcome"],
         "reason": "" if lost is None else lost["reason"],
     }
-    for key in (*CLOCK_COLUMNS, "particles", "threads"):
+    for key in (*scene_run.CLOCK_COLUMNS, "particles", "threads"):
         known = [answer[key] for answer in answers if answer.get(key) is not None]
         row[key] = median(known) if known else None
     names = dict.fromkeys(name for found in apart for name in found)

@@ -110,9 +110,8 @@ class Spot:
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
         """One row: setting, time step, limits of the time step, verdict with its reason, and clock times."""
-        outcome, why, numbers = verdict_of(
-            answer, unwrapped_table(run, "accuracy"), self.scene, self.axis.name == "wind"
-        )
+        accuracy, driven = unwrapped_table(run, "accuracy"), self.axis.name == "wind"
+        outcome, why, numbers = verdict_of(answer, accuracy, self.scene, driven)
         point = {"map": self.axis.name, "scheme": self.scheme, "key": self.axis.key, "value": self.value}
         steps = {"dt_over_courant": self.factor, "dt_s": self.dt} | {f"{k}_s": v for k, v in self.limits.items()}
         clock = {"simulated_s": answer.get("simulated_s"), "wall_s": answer.get("wall_s")}
@@ -131,9 +130,8 @@ def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
         return  # a hull has a mass of its own, and water without particles cannot become unstable
     schemes = ("delta_sph",) if afloat else compared("fluid") if theirs is None else (theirs.kind,)
     for scheme in (scheme for scheme in schemes if reads_key(scheme, axis.key)):
-        base: Any = scene or (
-            AFLOAT_SCENE if afloat else COLUMN_SCENE | {"fluid": COLUMN_SCENE["fluid"] | {"kind": scheme}}
-        )
+        column = COLUMN_SCENE | {"fluid": COLUMN_SCENE["fluid"] | {"kind": scheme}}
+        base: Any = scene or (AFLOAT_SCENE if afloat else column)
         own: dict[str, Any] = dict.fromkeys(PICTURE_OBSERVERS) | {"time_step": {"kind": "courant"}}
         for value in axis.quick if quick else axis.full:
             try:
@@ -149,25 +147,16 @@ def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
                 dt = factor * step
                 short = {"duration": min(max(calm.duration, MIN_STEPS * dt), MAX_STEPS[quick] * dt)}
                 fixed = {"time_step": {"kind": "fixed", "dt": dt}}
-                yield Spot(
-                    axis,
-                    scheme,
-                    value,
-                    factor,
-                    dt,
-                    finite,
-                    load(base, own | axis.settings(value) | fixed | short),
-                )
+                scene_at = load(base, own | axis.settings(value) | fixed | short)
+                yield Spot(axis, scheme, value, factor, dt, finite, scene_at)
 
 
 def verdict_of(
     answer: dict[str, Any], accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool
 ) -> tuple[str, str, dict[str, float]]:
     """Verdict (of VERDICT_WORDS), its reason, and energy gain and greatest mean compression; `driven`: a wind acts."""
-    gain, dense = (
-        energy_gain(accuracy, scene, driven),
-        float(np.max(accuracy.get("compression_mean", [0.0]), initial=0.0)),
-    )
+    gain = energy_gain(accuracy, scene, driven)
+    dense = float(np.max(accuracy.get("compression_mean", [0.0]), initial=0.0))
     numbers = {"energy_gain": gain, "compression_mean": dense}
     if answer["outcome"] not in ("done", "stopped"):
         return "none", answer["reason"], numbers
@@ -175,11 +164,8 @@ def verdict_of(
         return "stopped", answer["reason"], numbers
     allowed = max(MAX_COMPRESSION, MAX_OVER_ALLOWED * scene.fluid.compression_asked)
     if not gain <= MAX_ENERGY_GAIN:
-        return (
-            "degraded",
-            f"energy from nowhere: {100.0 * gain:.3g} % of m v^2 (bound {100.0 * MAX_ENERGY_GAIN:g} %)",
-            numbers,
-        )
+        why = f"energy from nowhere: {100.0 * gain:.3g} % of m v^2 (bound {100.0 * MAX_ENERGY_GAIN:g} %)"
+        return "degraded", why, numbers
     if not dense <= allowed:
         return "degraded", f"mean compression {100.0 * dense:.3g} % (bound {100.0 * allowed:.3g} %)", numbers
     return "stable", "", numbers
@@ -210,10 +196,8 @@ def map_summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
         longest = max(held, default=None)
         step = here[0]["dt_s"] / here[0]["dt_over_courant"]
         line = {"map": key[0], "scheme": key[1], "value": key[2], "courant_s": step, "stable_to": longest}
-        line |= {
-            "first_break": first,
-            "verdict": next((r["verdict"] for r in here if r["dt_over_courant"] == first), ""),
-        }
+        line["first_break"] = first
+        line["verdict"] = next((r["verdict"] for r in here if r["dt_over_courant"] == first), "")
         for name in ("acoustic", "viscous", "force"):
             limit = here[0].get(f"{name}_s")
             line[f"{name}_number"] = longest * step / limit if limit and longest else None

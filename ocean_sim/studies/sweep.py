@@ -22,7 +22,7 @@ from pydantic import Field
 from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of, problem_at, read_mapping
 from ocean_sim.model import Model
 from ocean_sim.reading.scene import SceneConfig, load
-from ocean_sim.reading.translation import validated
+from ocean_sim.reading.translation import checked
 from ocean_sim.result import Result
 from ocean_sim.studies.shared.scene_run import CLOCK_COLUMNS, PICTURE_OBSERVERS, run_order
 
@@ -70,10 +70,7 @@ class Planned:
 def read_plan(path: Path, threads: int | None = None) -> list[Planned]:
     """Read the runs of a plan file; `threads`: for scenes that set none. Raises SceneError with all problems."""
     node = read_mapping(path)
-    problems: list[Problem] = []
-    plan = validated(PlanConfig, node, (), problems)
-    if plan is None:
-        raise SceneError(problems)
+    plan, problems = checked(PlanConfig, node), list[Problem]()
     count = max(1, len(plan.list)) * prod(map(len, plan.grid.values())) * max(1, len(plan.seeds))
     if count > MOST_RUNS:
         raise SceneError([problem_at(node.location, "", f"this plan has {count} runs; {MOST_RUNS} are the most")])

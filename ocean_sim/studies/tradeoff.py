@@ -15,9 +15,8 @@ from ocean_sim.result import Result
 from ocean_sim.studies import reads_key
 from ocean_sim.studies.shared.case_run import problem_of, run_order
 
-SETTING_AXES: dict[
-    str, dict[str, tuple]
-] = {  # by what a scheme is a kind of; the default of a scheme is run in any case
+# By what a scheme is a kind of; the default of a scheme is run in any case.
+SETTING_AXES: dict[str, dict[str, tuple]] = {
     "fluid": {
         "fluid.support_ratio": (2.0, 2.5, 3.0, 4.0),
         "time_step.courant_number": (0.3, 1.0),
@@ -28,12 +27,7 @@ SETTING_AXES: dict[
     "surface": {"surface.spacing": (0.05, 0.1, 0.2, 0.4)},
 }
 RESOLVED_SLOTS = ("fluid", "surface")  # slots whose cases are run coarse and fine
-RESOLUTION_LEVELS = (
-    (True, 1.0),
-    (True, 0.5),
-    (False, 1.0),
-    (False, 0.5),
-)  # coarse set-up or not, and the resolution over it
+RESOLUTION_LEVELS = ((True, 1.0), (True, 0.5), (False, 1.0), (False, 0.5))  # coarse set-up or not; resolution over it
 QUICK_LEVELS = 2
 QUICK_VARIED = ("standing_wave", "taylor_green", "ship_rao", "surface_slab")
 QUICK_VALUES: dict[str, tuple] = {
@@ -73,16 +67,9 @@ class Trial:
 TRIAL_CASES = (
     Trial("hydrostatic", "pressure, L2 over rho g H"),
     Trial("standing_wave", "Re 250: decay rate [1/s]", "Re 250"),
-    Trial(
-        "dam_break_front",
-        "mean distance of the front, Martin & Moyce, a = 2.25 in [a]",
-        scatter=8.0,
-    ),
+    Trial("dam_break_front", "mean distance of the front, Martin & Moyce, a = 2.25 in [a]", scatter=8.0),
     Trial("elliptical_drop", "minor semi-axis [m]"),
-    Trial(
-        "taylor_green",
-        "L1 of the speed at t = 1",
-    ),
+    Trial("taylor_green", "L1 of the speed at t = 1"),
     Trial("square_patch", "largest void [spacings]"),
     Trial("sloshing", "period of the first mode [s]", quick=False),
     Trial("wall_impact", "impulse p* t* to t* = 5.5, Buchner 2002", quick=False),
@@ -111,7 +98,8 @@ class Point:
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
         """One row for each error of the case; a single row without an error if the run gave none."""
         names = {"case": self.trial.case, "set_up": self.trial.set_up, "scheme": self.scheme, "changed": self.changed}
-        head = names | {"coarse": self.coarse} | {key: self.settings.get(key) for key in ("resolution", *varied_keys())}
+        keys = ("resolution", *(key for axes in SETTING_AXES.values() for key in axes))
+        head = names | {"coarse": self.coarse} | {key: self.settings.get(key) for key in keys}
         facts = {key: value for key, value in answer.items() if key != "errors"}
         errors = answer.get("errors") or [{"quantity": self.trial.quantity, "error": None}]
         return [head | facts | error for error in errors]
@@ -121,11 +109,6 @@ class Point:
         """Setting other than resolution that differs from the default, as text `key=value`; empty if none does."""
         rest = {key: value for key, value in self.settings.items() if key != "resolution"}
         return ", ".join(f"{key}={value}" for key, value in rest.items())
-
-
-def varied_keys() -> list[str]:
-    """Keys of all settings that the study varies."""
-    return [key for axes in SETTING_AXES.values() for key in axes]
 
 
 def study_points(quick: bool) -> list[Point]:
@@ -139,9 +122,8 @@ def _of_trial(trial: Trial, quick: bool) -> Iterator[Point]:
     for scheme in trial.schemes:
         slot = problem_of(trial.case, trial.set_up, True, scheme).slot
         for coarse, factor in _case_levels(trial, quick) if slot in RESOLVED_SLOTS else [(True, 1.0)]:
-            yield Point(
-                trial, scheme, coarse, {} if factor == 1.0 else {"resolution": factor}, MAX_TIMED_SECONDS[quick]
-            )
+            settings = {} if factor == 1.0 else {"resolution": factor}
+            yield Point(trial, scheme, coarse, settings, MAX_TIMED_SECONDS[quick])
         if trial.case in QUICK_VARIED or not quick:
             for key, values in SETTING_AXES[slot].items():
                 for value in QUICK_VALUES.get(key, ()) if quick else values:

@@ -10,10 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from ocean_sim.fluid import Particles
 
-AREA_AND_VOLUME = {
-    "surface_area_m2": "of what faces the air",
-    "surface_volume_m3": "water between surface and bed",
-}
+AREA_AND_VOLUME = {"surface_area_m2": "of what faces the air", "surface_volume_m3": "water between surface and bed"}
 
 
 @dataclass(frozen=True, eq=False)

@@ -40,9 +40,6 @@ def measure(simulation: Simulation) -> Finding:
     points = np.stack([GAUGE_POSITIONS, 0.0 * GAUGE_POSITIONS], axis=1)
     time, found = resample_evenly(*gauge_records(simulation, points, SAMPLE_INTERVAL), RECORD_START, SAMPLE_INTERVAL)
     back = reflection_ratio(SAMPLE_INTERVAL, found, GAUGE_POSITIONS, DEPTH, (0.7 / PERIOD, 1.3 / PERIOD))
-    return Finding(
-        [(back, theoretical_reflection(), 100.0 * back)],
-        [Curve(f"{x:g} m", time, column) for x, column in zip(GAUGE_POSITIONS, found.T)],
-        [],
-        ("time [s]", "elevation [m]"),
-    )
+    numbers = [(back, theoretical_reflection(), 100.0 * back)]
+    measured = [Curve(f"{x:g} m", time, column) for x, column in zip(GAUGE_POSITIONS, found.T)]
+    return Finding(numbers, measured, [], ("time [s]", "elevation [m]"))

@@ -68,9 +68,8 @@ def measure(simulation: Simulation) -> Finding:
     """Give the drop its exact initial flow, run, and compare its shape over time with the exact ellipse."""
     start = particle_state(simulation).position
     density, radius2 = simulation.fluid.rest_density, (start**2).sum(axis=1)
-    set_state(
-        simulation, start, STRAIN_RATE * start * [-1.0, 1.0, 0.0], 0.5 * density * STRAIN_RATE**2 * (1.0 - radius2)
-    )
+    pressure = 0.5 * density * STRAIN_RATE**2 * (1.0 - radius2)
+    set_state(simulation, start, STRAIN_RATE * start * [-1.0, 1.0, 0.0], pressure)
     return compare_axes(list(sampled_states(simulation, END_TIME / STRAIN_RATE, END_TIME / STRAIN_RATE / 20)))
 
 
@@ -86,9 +85,6 @@ def compare_axes(drops: list[State]) -> Finding:
         percent_error(wide[-1], float(np.interp(last, tau, minor))),
         percent_error(drops[-1].kinetic_energy / drops[0].kinetic_energy, 1.0),
     )
-    return Finding(
-        numbers,
-        [Curve("minor", times, wide), Curve("major", times, high)],
-        [Curve("exact minor", tau, minor), Curve("exact major", tau, major)],
-        ("A0 t", "semi-axis [m]"),
-    )
+    measured = [Curve("minor", times, wide), Curve("major", times, high)]
+    expected = [Curve("exact minor", tau, minor), Curve("exact major", tau, major)]
+    return Finding(numbers, measured, expected, ("A0 t", "semi-axis [m]"))

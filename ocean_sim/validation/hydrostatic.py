@@ -64,12 +64,10 @@ def compare_pressure(water: State, depth: float, g: float) -> Finding:
         bed, bed_exact = float(water.pressure[row].mean()), float(exact[row].mean())
     speed = water.max_speed / sqrt(g * depth)
     order = np.argsort(y)
-    return Finding(
-        [absolute_error(l2), (bed, bed_exact, 100.0 * (bed - bed_exact) / scale), absolute_error(speed)],
-        [Curve("particles", water.pressure / scale, y, points=True)],
-        [Curve("rho g (H - z)", exact[order] / scale, y[order])],
-        ("p / (rho g H)", "y [m]"),
-    )
+    numbers = [absolute_error(l2), (bed, bed_exact, 100.0 * (bed - bed_exact) / scale), absolute_error(speed)]
+    measured = [Curve("particles", water.pressure / scale, y, points=True)]
+    expected = [Curve("rho g (H - z)", exact[order] / scale, y[order])]
+    return Finding(numbers, measured, expected, ("p / (rho g H)", "y [m]"))
 
 
 def measure_long(simulation: Simulation) -> Finding:

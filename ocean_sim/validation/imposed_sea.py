@@ -52,9 +52,6 @@ def measure(simulation: Simulation) -> Finding:
     pairs = ((sea.hm0_m, wanted.hm0_m), (sea.tm02_s, wanted.tm02_s), (sea.hs_m, wanted.hs_m))
     numbers = [percent_error(a, b) for a, b in pairs if a is not None and b is not None]
     numbers.append((back, 0.0, 100.0 * back))
-    return Finding(
-        numbers,
-        [Curve("gauge 2 wavelengths away", time, found[:, 0])],
-        [Curve("linear theory", time, theory)],
-        ("time [s]", "elevation [m]"),
-    )
+    measured = [Curve("gauge 2 wavelengths away", time, found[:, 0])]
+    expected = [Curve("linear theory", time, theory)]
+    return Finding(numbers, measured, expected, ("time [s]", "elevation [m]"))

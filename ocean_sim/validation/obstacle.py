@@ -98,18 +98,17 @@ def compare_channels(time: np.ndarray, channels: dict[str, np.ndarray]) -> Findi
         worst, rms = float(np.abs(off).max()), float(np.sqrt(np.mean(off**2)))
         found[f"{name}, largest error to 2 s over H0"] = absolute_error(100.0 * worst / DEPTH)
         found[f"{name}, root mean square error to 2 s over H0"] = absolute_error(100.0 * rms / DEPTH)
-    for name, measured in ARRIVAL_TIMES.items():
+    for name, arrival in ARRIVAL_TIMES.items():
         threshold = ARRIVAL_HEIGHT if name.startswith("H") else ARRIVAL_PRESSURE
-        found[f"{name} arrival [s]"] = percent_error(arrival_time(time, channels[name], threshold), measured)
+        found[f"{name} arrival [s]"] = percent_error(arrival_time(time, channels[name], threshold), arrival)
     for name in PRESSURE_SENSORS:
         mine = float(np.trapezoid(channels[name], time))
         theirs = float(np.trapezoid(data[name][within], data["t"][within]))
         found[f"{name} impulse to 2 s [Pa s]"] = (mine, theirs, 100.0 * (mine - theirs) / (END_TIME * PRESSURE_SCALE))
     shown = ("H1", "H2", "H3", "H4", "P1", "P3", "P5", "P7")
     unit = {name: DEPTH if name.startswith("H") else PRESSURE_SCALE for name in shown}
-    return Finding(
-        [found[promise.quantity] for promise in PROMISES],
-        [Curve(name, time, channels[name] / unit[name]) for name in shown],
-        [Curve(f"{name} measured", data["t"][within], data[name][within] / unit[name], points=True) for name in shown],
-        ("time [s]", "height / H0, pressure / (rho g H0)"),
-    )
+    numbers = [found[promise.quantity] for promise in PROMISES]
+    measured = [Curve(name, time, channels[name] / unit[name]) for name in shown]
+    known = data["t"][within]
+    expected = [Curve(f"{name} measured", known, data[name][within] / unit[name], points=True) for name in shown]
+    return Finding(numbers, measured, expected, ("time [s]", "height / H0, pressure / (rho g H0)"))

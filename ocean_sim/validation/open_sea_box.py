@@ -19,15 +19,7 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.conventions import GRAVITY, WATER_DENSITY
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.case import (
-    Curve,
-    Finding,
-    Problem,
-    Promise,
-    absolute_error,
-    other_simulation,
-    percent_error,
-)
+from ocean_sim.validation.shared import case
 from ocean_sim.validation.shared.ship import at_sea, first_harmonics, follow_body, ship_of, ship_of_section
 from ocean_sim.validation.shared.state import State, particle_state
 from ocean_sim.validation.shared.tables import table_path
@@ -50,13 +42,13 @@ SHIP_MOTIONS = ("heave", "roll")  # in the axes of the ship
 THEORY_TOLERANCE, PATCH_TOLERANCE = 8.0, 3.0  # [%]
 
 
-def problems(coarse: bool) -> list[Problem]:
+def problems(coarse: bool) -> list[case.Problem]:
     """Set-ups to run: the box moored, towed, and in forced heave; none if coarse."""
     moored, towed = floating_problem("moored", 0.0), floating_problem("towed", TOWING_SPEED)
     return [] if coarse else [moored, towed, heaving_problem()]
 
 
-def floating_problem(name: str, speed: float) -> Problem:
+def floating_problem(name: str, speed: float) -> case.Problem:
     """Set-up of the box in waves, held in sway or towed at a speed [m/s] along x, on a patch and on a larger one."""
     moves = SHIP_MOTIONS if speed == 0.0 else ("sway", *SHIP_MOTIONS)
     source, within = "linear_waves, with its table", THEORY_TOLERANCE if speed == 0.0 else None
@@ -64,26 +56,26 @@ def floating_problem(name: str, speed: float) -> Problem:
     promises = [motion_promise(f"{name}: {motion}", within, source) for motion in MOTIONS]
     promises += [motion_promise(f"{name}: {motion}{larger_patch}", PATCH_TOLERANCE, small_patch) for motion in MOTIONS]
 
-    def measure(simulation: Simulation) -> Finding:
+    def measure(simulation: Simulation) -> case.Finding:
         exact, small = closed_form_motions(simulation, speed), follow_motions(simulation, speed)
-        with other_simulation(simulation, patch_scene(FREE_LENGTHS[1], moves)) as larger:
+        with case.other_simulation(simulation, patch_scene(FREE_LENGTHS[1], moves)) as larger:
             large = follow_motions(larger, speed)
         theory, here, there = (motion_amplitudes(rows, speed) for rows in (exact, small, large))
-        numbers = [*map(percent_error, here, theory), *map(percent_error, there, here)]
+        numbers = [*map(case.percent_error, here, theory), *map(case.percent_error, there, here)]
         curves = [*motion_curves(small), *motion_curves(large, larger_patch)]
-        return Finding(numbers, curves, motion_curves(exact, ", linear"), ("t / T", "heave / a, pitch / k a"))
+        return case.Finding(numbers, curves, motion_curves(exact, ", linear"), ("t / T", "heave / a, pitch / k a"))
 
     scene = patch_scene(FREE_LENGTHS[0], moves)
-    return Problem(scene, tuple(promises), measure, name, True, "ship", ("pressure",))
+    return case.Problem(scene, tuple(promises), measure, name, True, "ship", ("pressure",))
 
 
-def heaving_problem() -> Problem:
+def heaving_problem() -> case.Problem:
     """Set-up of the box in forced heave in calm water: waves that the rim returns over those that the box sends [%]."""
-    back = Promise("heaving: wave that comes back, over that which leaves", "%", "none; 5 %", {"pressure": 5.0})
+    back = case.Promise("heaving: wave that comes back, over that which leaves", "%", "none; 5 %", {"pressure": 5.0})
     scene = patch_scene(FREE_LENGTHS[0], ["heave"])
     scene["sea"] = {"kind": "linear_waves", "rim": scene["sea"]["rim"]}
 
-    def measure(simulation: Simulation) -> Finding:
+    def measure(simulation: Simulation) -> case.Finding:
         omega, rows, values, nexts = 2.0 * pi / PERIOD, [], [], (RUN_PERIODS - JUDGED_PERIODS) * PERIOD
         began = float(ship_of(simulation).body.position[1])
         while simulation.time < RUN_PERIODS * PERIOD:
@@ -103,9 +95,9 @@ def heaving_problem() -> Problem:
                 values.append(speeds)
         fit = np.linalg.lstsq(np.concatenate(rows), np.concatenate(values), rcond=None)[0]
         leaving, coming = np.hypot(fit[0], fit[1]), np.hypot(fit[2], fit[3])
-        return Finding([absolute_error(100.0 * float(coming / leaving))])
+        return case.Finding([case.absolute_error(100.0 * float(coming / leaving))])
 
-    return Problem(scene, (back,), measure, "heaving", True, "ship", ("pressure",))
+    return case.Problem(scene, (back,), measure, "heaving", True, "ship", ("pressure",))
 
 
 def fit_columns(water: State) -> tuple[np.ndarray, np.ndarray]:
@@ -126,12 +118,12 @@ def fit_columns(water: State) -> tuple[np.ndarray, np.ndarray]:
     return np.stack(columns, axis=1), np.concatenate([u, v])
 
 
-def motion_promise(quantity: str, within: float | None, source: str) -> Promise:
+def motion_promise(quantity: str, within: float | None, source: str) -> case.Promise:
     """Promise of a motion `quantity` over wave amplitude, or over wave slope if pitch; `within`: tolerance [%]."""
     over = "k a" if "pitch" in quantity else "a"
     if within is None:
-        return Promise(f"{quantity} [{over}]", "%", f"{source}; reported")
-    return Promise(f"{quantity} [{over}]", "%", f"{source}; {within:g} %", {"pressure": within})
+        return case.Promise(f"{quantity} [{over}]", "%", f"{source}; reported")
+    return case.Promise(f"{quantity} [{over}]", "%", f"{source}; {within:g} %", {"pressure": within})
 
 
 def patch_scene(free: float, moves: Sequence[str]) -> dict[str, Any]:
@@ -185,9 +177,9 @@ def motion_amplitudes(rows: np.ndarray, speed: float) -> list[float]:
     return first_harmonics(t[last], rows[last, 1:], encounter).tolist()
 
 
-def motion_curves(rows: np.ndarray, suffix: str = "") -> list[Curve]:
+def motion_curves(rows: np.ndarray, suffix: str = "") -> list[case.Curve]:
     """Curves of heave and pitch over time, from rows (n, 3) of `follow_motions`; `suffix`: end of their labels."""
-    return [Curve(f"{motion}{suffix}", rows[:, 0] / PERIOD, rows[:, k + 1]) for k, motion in enumerate(MOTIONS)]
+    return [case.Curve(f"{motion}{suffix}", rows[:, 0] / PERIOD, rows[:, k + 1]) for k, motion in enumerate(MOTIONS)]
 
 
 def follow_motions(simulation: Simulation, speed: float) -> np.ndarray:
@@ -211,5 +203,5 @@ def closed_form_motions(simulation: Simulation, speed: float) -> np.ndarray:
     of_waves = {"height": 2.0 * AMPLITUDE, "period": PERIOD, "heading_deg": 90.0}
     scene = at_sea(box_keys(SHIP_MOTIONS) | extra, BREADTH, PERIOD / PERIOD_STEPS, RUN_PERIODS * PERIOD, **of_waves)
     scene["basin"]["depth"] = DEPTH
-    with other_simulation(simulation, scene) as plain:
+    with case.other_simulation(simulation, scene) as plain:
         return follow_motions(plain, speed)

@@ -24,7 +24,7 @@ from ocean_sim import waves
 from ocean_sim.fluid import with_particles
 from ocean_sim.fluid.patch.relaxation_zone import relaxation_band
 from ocean_sim.fluid.patch.sea_patch import table_nodes
-from ocean_sim.fluid.patch.sources import Depths
+from ocean_sim.fluid.patch.sources import Depths, SteepSource
 from ocean_sim.fluid.sph.initial_state import displaced_state, patch_waves
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, absolute_error, percent_error
@@ -108,20 +108,16 @@ def fit_wave(water: State, amplitude: float, at: float) -> tuple[complex, float]
 
 def measure_regular(simulation: Simulation, amplitude: float, speed: float) -> Finding:
     """Run; measure wave height, phase and current at a point moving at `speed` [m/s]; `amplitude`: of the sea [m]."""
-    time, fits = record_run(
-        simulation, PERIOD / PERIOD_SAMPLES, lambda water: fit_wave(water, amplitude, speed * water.time)
-    )
+    fit = lambda water: fit_wave(water, amplitude, speed * water.time)
+    time, fits = record_run(simulation, PERIOD / PERIOD_SAMPLES, fit)
     height = fits[:, 0] / linear_wave_share(simulation, time)
     last = time > simulation.scene.duration - JUDGED_PERIODS * PERIOD
     a, u = complex(height[last].mean()), float(fits[last, 1].real.mean()) * K / OMEGA
     degrees = float(np.degrees(np.angle(a)))
     numbers = ((abs(a), 1.0, 100.0 * (abs(a) - 1.0)), absolute_error(degrees), (u, 0.0, 100.0 * u))
-    return Finding(
-        numbers,
-        [Curve("height", time / PERIOD, np.abs(height))],
-        [Curve("the sea", time / PERIOD, np.ones_like(time))],
-        ("t / T", "height over that of the sea"),
-    )
+    measured = [Curve("height", time / PERIOD, np.abs(height))]
+    expected = [Curve("the sea", time / PERIOD, np.ones_like(time))]
+    return Finding(numbers, measured, expected, ("t / T", "height over that of the sea"))
 
 
 def linear_wave_share(simulation: Simulation, time: np.ndarray) -> np.ndarray:
@@ -129,13 +125,9 @@ def linear_wave_share(simulation: Simulation, time: np.ndarray) -> np.ndarray:
     around_it = relaxation_band(with_particles(simulation.fluid).config.lattice(simulation.basin))
     if around_it is None or around_it.sea is None or around_it.nonlinear is None:
         return np.ones(len(time), dtype=complex)
-    from ocean_sim.fluid.patch.sources import SteepSource
-
     depths = Depths(DEPTH, around_it.sea.significant_height, DEPTH)
-    source, crests = (
-        SteepSource(around_it, around_it.sea, depths, table_nodes(around_it, around_it.sea)),
-        round(PATCH_LENGTH),
-    )
+    source = SteepSource(around_it, around_it.sea, depths, table_nodes(around_it, around_it.sea))
+    crests = round(PATCH_LENGTH)
     began = source.modes(0.0)[1, 0, crests, 0]
     return np.array([source.modes(t)[1, 0, crests, 0] / began * np.exp(1j * OMEGA * t) for t in time])
 
@@ -224,9 +216,6 @@ def measure_random(simulation: Simulation) -> Finding:
     height, right = 4.0 * float(eta.std()), 4.0 * float(theory.std())
     numbers = (percent_error(height, right), absolute_error(alike, 1.0))
     middle = len(x) // 2
-    return Finding(
-        numbers,
-        [Curve("in the middle", time / PERIOD, eta[:, middle])],
-        [Curve("the sea", time / PERIOD, theory[:, middle])],
-        ("t / T", "elevation [m]"),
-    )
+    measured = [Curve("in the middle", time / PERIOD, eta[:, middle])]
+    expected = [Curve("the sea", time / PERIOD, theory[:, middle])]
+    return Finding(numbers, measured, expected, ("t / T", "elevation [m]"))

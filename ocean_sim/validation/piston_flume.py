@@ -106,9 +106,6 @@ def compare_harmonics(
         percent_error(2.0 * abs(far) / stroke, TRANSFER),
         percent_error(speed, WAVELENGTH / PERIOD),
     )
-    return Finding(
-        numbers,
-        [Curve(f"{n} wavelengths away", times, column) for n, column in zip(away, elevation.T)],
-        [Curve(f"linear theory, {n}", times, column) for n, column in zip(away, theory.T)],
-        ("time [s]", "elevation [m]"),
-    )
+    measured = [Curve(f"{n} wavelengths away", times, column) for n, column in zip(away, elevation.T)]
+    expected = [Curve(f"linear theory, {n}", times, column) for n, column in zip(away, theory.T)]
+    return Finding(numbers, measured, expected, ("time [s]", "elevation [m]"))

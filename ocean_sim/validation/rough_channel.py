@@ -30,10 +30,8 @@ DENSITY, SLOPE_GRAVITY = 1000.0, 0.05  # [kg/m3], g S [m/s2]: a slope of 0.0051
 STRESS = DENSITY * SLOPE_GRAVITY * DEPTH  # [Pa]
 START_SHARE = 0.8  # of the steady speed
 END_TIME, JUDGED_TIME = 45.0, 5.0  # [s] of the run; [s] at its end for the means
-FLOW_SOURCE, LAW_SOURCE = (
-    "a parabola on the logarithmic law",
-    "rho (kappa u / ln(z / z0))^2, u and z means of the lowest row",
-)
+FLOW_SOURCE = "a parabola on the logarithmic law"
+LAW_SOURCE = "rho (kappa u / ln(z / z0))^2, u and z means of the lowest row"
 PROMISES = (
     Promise("stress of the bed, of that by its law [Pa]", "%", LAW_SOURCE, {"delta_sph": 5.0, "dfsph": 5.0}),
     Promise("stress of the bed [Pa]", "%", "rho g S h", {"delta_sph": 2.0, "dfsph": 2.0}),
@@ -103,9 +101,6 @@ def measure_flow(simulation: Simulation, spacing: float) -> Finding:
     )
     u, z = np.concatenate(seen).T
     order, depths = np.argsort(z), np.linspace(0.0, DEPTH, 41)
-    return Finding(
-        numbers,
-        [Curve("last seconds", u[order], z[order] / DEPTH, points=True)],
-        [Curve(FLOW_SOURCE, steady_profile(depths, spacing), depths / DEPTH)],
-        ("u [m/s]", "z / h"),
-    )
+    measured = [Curve("last seconds", u[order], z[order] / DEPTH, points=True)]
+    expected = [Curve(FLOW_SOURCE, steady_profile(depths, spacing), depths / DEPTH)]
+    return Finding(numbers, measured, expected, ("u [m/s]", "z / h"))

@@ -21,16 +21,8 @@ from ocean_sim import waves
 from ocean_sim.conventions import GRAVITY, WATER_DENSITY
 from ocean_sim.files import csv_file
 from ocean_sim.simulation import Simulation
+from ocean_sim.validation.shared import ship as ships
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, percent_error
-from ocean_sim.validation.shared.ship import (
-    JUDGED_WAVES,
-    at_sea,
-    first_harmonics,
-    floating_ship,
-    follow_body,
-    record_in_waves,
-    ship_of_section,
-)
 from ocean_sim.validation.shared.tables import table_path
 
 LENGTH, BREADTH, HEIGHT, DRAUGHT, BILGE = 0.586, 0.400, 0.256, 0.200, 0.0512  # [m]
@@ -60,15 +52,11 @@ def closed_form_problem(scenario: str, coarse: bool = False) -> Problem:
     seen, freed = measured_amplitudes(scenario), FREE_MOTIONS[scenario]
     periods = sorted(seen, reverse=True)[1:3] if coarse else sorted(seen, reverse=True)
     pairs = [(period, motion) for period in periods for motion in freed if motion in seen[period]]
-    promises = tuple(
-        Promise(
-            f"{scenario}, T {period:g} s: {motion} [{'k a' if motion == 'roll' else 'a'}]",
-            "%",
-            SOURCE_TEXT,
-            {"dynamic": HEAVE_TOLERANCE} if motion == "heave" and not is_resonant(period) else {},
-        )
-        for period, motion in pairs
-    )
+    promises = []
+    for period, motion in pairs:
+        limits = {"dynamic": HEAVE_TOLERANCE} if motion == "heave" and not is_resonant(period) else {}
+        quantity = f"{scenario}, T {period:g} s: {motion} [{'k a' if motion == 'roll' else 'a'}]"
+        promises.append(Promise(quantity, "%", SOURCE_TEXT, limits))
 
     def measure(simulation: Simulation) -> Finding:
         found = {period: wave_response(simulation, period) for period in periods}
@@ -78,25 +66,23 @@ def closed_form_problem(scenario: str, coarse: bool = False) -> Problem:
             curves.append(Curve(motion, np.array(periods), np.array([found[t][motion] for t in periods]), points=True))
             at = [t for t in sorted(seen) if motion in seen[t]]
             expected.append(Curve(f"{motion}, measured", np.array(at), np.array([seen[t][motion] for t in at])))
-        return Finding(
-            numbers, curves, expected, ("T [s]", " / a, ".join(freed) + (" / k a" if "roll" in freed else " / a"))
-        )
+        label = " / a, ".join(freed) + (" / k a" if "roll" in freed else " / a")
+        return Finding(numbers, curves, expected, ("T [s]", label))
 
     extra = {"radiation": str(table_path("section_radiation")), "damping": {"cross_flow": 0.0}}
     ship = section_keys(8 if coarse else 12) | extra | {"free": list(freed)}
     if "sway" in freed:
         ship["moorings"] = sway_springs()
-    scene = at_sea(ship, 1.0, 0.01, heading_deg=90.0)
+    scene = ships.at_sea(ship, 1.0, 0.01, heading_deg=90.0)
     scene["basin"]["depth"] = DEPTH
-    return Problem(scene, promises, measure, f"closed form, {scenario}", slot="ship", schemes=("dynamic",))
+    return Problem(scene, tuple(promises), measure, f"closed form, {scenario}", slot="ship", schemes=("dynamic",))
 
 
 def is_resonant(period: float) -> bool:
     """True if at a wave period [s] the damping of heave exceeds mass and stiffness together."""
     table, omega = csv_file.Table(table_path("section_radiation")), 2.0 * pi / period
-    added, damping = (
-        float(np.interp(omega, table["omega_rad_s"], table[name])) for name in ("heave_added_kg", "heave_damping_kg_s")
-    )
+    names = ("heave_added_kg", "heave_damping_kg_s")
+    added, damping = (float(np.interp(omega, table["omega_rad_s"], table[name])) for name in names)
     return omega * damping > abs(WATER_DENSITY * GRAVITY * BREADTH * LENGTH - omega**2 * (MASS + added))
 
 
@@ -112,13 +98,9 @@ def particle_problem(period: float) -> Problem:
     """Set-up of the section on particles in a patch of open sea, in waves of a period [s]."""
     k = float(waves.wavenumber(2.0 * pi / period, DEPTH, GRAVITY))
     length = 2.0 * pi / k
+    limits = {motion: {"pressure": PARTICLE_TOLERANCES[motion]} for motion in MOTION_SCALES}
     promises = tuple(
-        Promise(
-            f"T {period:g} s, particles: {motion} [{over}]",
-            "%",
-            SOURCE_TEXT,
-            {"pressure": PARTICLE_TOLERANCES[motion]},
-        )
+        Promise(f"T {period:g} s, particles: {motion} [{over}]", "%", SOURCE_TEXT, limits[motion])
         for motion, over in MOTION_SCALES.items()
     )
     scene = {
@@ -139,24 +121,21 @@ def particle_problem(period: float) -> Problem:
 
 def measure_particles(simulation: Simulation, period: float) -> Finding:
     """Run in waves of a period [s]; compare heave over wave amplitude, and roll over wave slope, with measured ones."""
-    rows = [(t, b.position[1], b.angles[2]) for t, b in follow_body(simulation, simulation.scene.duration)]
+    rows = [(t, b.position[1], b.angles[2]) for t, b in ships.follow_body(simulation, simulation.scene.duration)]
     t, heave, roll = np.array(rows).T
-    late = t > t[-1] - JUDGED_WAVES * period
+    late = t > t[-1] - ships.JUDGED_WAVES * period
     omega = 2.0 * pi / period
     over = np.array([AMPLITUDE, AMPLITUDE * float(waves.wavenumber(omega, DEPTH, GRAVITY))])
-    found = first_harmonics(t[late], np.stack([heave, roll], axis=1)[late], omega) / over
+    found = ships.first_harmonics(t[late], np.stack([heave, roll], axis=1)[late], omega) / over
     seen = measured_amplitudes()[period]
     numbers = [percent_error(float(value), seen[motion]) for value, motion in zip(found, MOTION_SCALES, strict=True)]
-    curves = [
-        Curve("heave", t / period, (heave - heave[0]) / AMPLITUDE),
-        Curve("roll", t / period, roll / over[1]),
-    ]
+    curves = [Curve("heave", t / period, (heave - heave[0]) / AMPLITUDE), Curve("roll", t / period, roll / over[1])]
     return Finding(numbers, curves, [], ("t / T", "heave / a, roll / k a"))
 
 
 def section_keys(cells: int) -> dict[str, Any]:
     """Ship keys of the section, free in heave and roll, with so many cells to the draught."""
-    whole = ship_of_section(BREADTH, HEIGHT, BILGE, LENGTH, MASS, KG, ROLL_RADIUS, cells)
+    whole = ships.ship_of_section(BREADTH, HEIGHT, BILGE, LENGTH, MASS, KG, ROLL_RADIUS, cells)
     return whole | {"free": ["heave", "roll"]}
 
 
@@ -174,7 +153,7 @@ def measured_amplitudes(scenario: str = "heave+roll") -> dict[float, dict[str, f
 
 def wave_response(simulation: Simulation, period: float) -> dict[str, float]:
     """Run in a regular wave of a period [s]; amplitudes by motion: sway, heave over wave amplitude a, roll over k a."""
-    rest, omega = KG - floating_ship(simulation).hydrostatics.draught, 2.0 * pi / period
-    t, sway, heave, _, _, _, roll = record_in_waves(simulation, rest, 2.0 * AMPLITUDE, period, 90.0)
-    sway, heave, roll = first_harmonics(t, np.stack([sway, heave, roll], axis=1), omega) / AMPLITUDE
+    rest, omega = KG - ships.floating_ship(simulation).hydrostatics.draught, 2.0 * pi / period
+    t, sway, heave, _, _, _, roll = ships.record_in_waves(simulation, rest, 2.0 * AMPLITUDE, period, 90.0)
+    sway, heave, roll = ships.first_harmonics(t, np.stack([sway, heave, roll], axis=1), omega) / AMPLITUDE
     return {"sway": float(sway), "heave": float(heave), "roll": float(roll / waves.wavenumber(omega, DEPTH, GRAVITY))}

@@ -74,9 +74,8 @@ def measure_draught(simulation: Simulation, exact: float) -> Finding:
 
 def trim_problem() -> Problem:
     """Set-up of the barge whose load of 10 t is moved 5 m aft."""
-    promise = Promise(
-        "trim of a barge by shifted load [deg]", "%", "w x / (W GM_L)", dict.fromkeys(COMPARED_SHIPS, 1.0)
-    )
+    limits = dict.fromkeys(COMPARED_SHIPS, 1.0)
+    promise = Promise("trim of a barge by shifted load [deg]", "%", "w x / (W GM_L)", limits)
 
     def measure(simulation: Simulation) -> Finding:
         ship = ship_of(simulation)

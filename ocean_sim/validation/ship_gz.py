@@ -40,12 +40,10 @@ def hull_problem(hull: str, cells: int, limit: float) -> Problem:
         found = righting_levers(simulation, heels)
         error = 100.0 * (found / exact - 1.0)
         worst = int(np.abs(error).argmax())
-        return Finding(
-            [(found[worst], exact[worst], error[worst])],
-            [Curve("GZ", heels, found, points=True)],
-            [Curve("exact", heels, exact)],
-            ("heel [deg]", "GZ [m]"),
-        )
+        numbers = [(found[worst], exact[worst], error[worst])]
+        measured = [Curve("GZ", heels, found, points=True)]
+        expected = [Curve("exact", heels, exact)]
+        return Finding(numbers, measured, expected, ("heel [deg]", "GZ [m]"))
 
     return Problem(scene, (promise,), measure, name, slot="ship", schemes=("hydrostatic",))
 
@@ -53,15 +51,8 @@ def hull_problem(hull: str, cells: int, limit: float) -> Problem:
 def thesis_problem() -> Problem:
     """Set-up of the barge under the force law of the thesis, as printed, with its own righting levers as reference."""
     scene = at_sea({"hull": "barge20", "cells_per_draught": 16}, 20.0, 0.01)
-    promises = tuple(
-        Promise(
-            f"as printed: GZ at {heel} degrees [m]",
-            "m",
-            "columns on the vertical through the bottom",
-            {"thesis": 0.004},
-        )
-        for heel in COLUMN_LEVERS
-    )
+    source, limit = "columns on the vertical through the bottom", {"thesis": 0.004}
+    promises = tuple(Promise(f"as printed: GZ at {heel} degrees [m]", "m", source, limit) for heel in COLUMN_LEVERS)
 
     def measure(simulation: Simulation) -> Finding:
         found = righting_levers(simulation, np.array(list(COLUMN_LEVERS)))

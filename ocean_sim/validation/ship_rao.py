@@ -6,6 +6,7 @@ half a wave, and roll 10 % outside 0.9 to 1.1 rad/s, where viscosity dominates; 
 compared with 5 % of critical damping added.
 """
 
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -53,16 +54,10 @@ def hull_problem(
     free = ["surge", "heave", "pitch"] if sea == "head" else ["sway", "heave", "roll"]
     kg = {"centre_of_mass": [0.0, 0.17, 0.0]} if hull == "wigley" else {}
     ship = {"hull": hull, "cells_per_draught": cells, "free": free} | kg | keys
-    promises = tuple(
-        Promise(
-            f"{name}, {omega:g} rad/s: {motion} [{'m/m' if motion == 'heave' else 'deg/m'}]",
-            "%",
-            SOURCE_TEXT,
-            {"dynamic": limit} if (limit := allowed_error(hull, omega, motion)) else {},
-        )
-        for omega in omegas
-        for motion in ("heave", turn)
-    )
+    unit, promises = {"heave": "m/m", turn: "deg/m"}, []
+    for omega, motion in product(omegas, unit):
+        limits = {"dynamic": limit} if (limit := allowed_error(hull, omega, motion)) else {}
+        promises.append(Promise(f"{name}, {omega:g} rad/s: {motion} [{unit[motion]}]", "%", SOURCE_TEXT, limits))
 
     def measure(simulation: Simulation) -> Finding:
         reference, numbers = table(f"{hull}_rao"), []
@@ -72,21 +67,12 @@ def hull_problem(
                 exact = float(np.interp(omega, reference["omega_rad_s"], reference[f"{sea}_{motion}"]))
                 numbers.append(percent_error(value, exact))
         at, errors = np.array(omegas), np.array([error for _, _, error in numbers]).reshape(-1, 2)
-        return Finding(
-            numbers,
-            [Curve(f"{motion}, error", at, errors[:, k], points=True) for k, motion in enumerate(("heave", turn))],
-            [Curve("none", at, 0.0 * at)],
-            ("omega [rad/s]", "error [%]"),
-        )
+        measured = [Curve(f"{motion}, error", at, each, points=True) for motion, each in zip(unit, errors.T)]
+        expected = [Curve("none", at, 0.0 * at)]
+        return Finding(numbers, measured, expected, ("omega [rad/s]", "error [%]"))
 
-    return Problem(
-        at_sea(ship, HULL_LENGTH[hull], 0.01, heading_deg=180.0 if sea == "head" else 90.0),
-        promises,
-        measure,
-        name,
-        slot="ship",
-        schemes=schemes,
-    )
+    scene = at_sea(ship, HULL_LENGTH[hull], 0.01, heading_deg=180.0 if sea == "head" else 90.0)
+    return Problem(scene, tuple(promises), measure, name, slot="ship", schemes=schemes)
 
 
 def allowed_error(hull: str, omega: float, motion: str) -> float | None:

@@ -115,9 +115,6 @@ def measure_extrema(simulation: Simulation) -> Finding:
         numbers += [percent_error(float(t[at]), when), percent_error(float(y[at]), height)]
         begin = at
     exact = np.array(EXTREMA).T
-    return Finding(
-        numbers,
-        [Curve("heave", t, y)],
-        [Curve("linear theory", exact[0], exact[1], points=True)],
-        ("t [s]", "heave over the rise"),
-    )
+    measured = [Curve("heave", t, y)]
+    expected = [Curve("linear theory", exact[0], exact[1], points=True)]
+    return Finding(numbers, measured, expected, ("t [s]", "heave over the rise"))

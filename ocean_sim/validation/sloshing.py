@@ -89,12 +89,9 @@ def compare_mode(times: np.ndarray, signal: np.ndarray) -> Finding:
         percent_error(float(np.hypot(a, b)), 1.0),
         percent_error(float(np.hypot(c, d)), 1.0),
     )
-    return Finding(
-        numbers,
-        [Curve("first mode", times, signal)],
-        [Curve("linear theory", times, np.cos(OMEGA * times) - np.cos(SWAY_OMEGA * times))],
-        ("time [s]", "first mode over its amplitude"),
-    )
+    measured = [Curve("first mode", times, signal)]
+    expected = [Curve("linear theory", times, np.cos(OMEGA * times) - np.cos(SWAY_OMEGA * times))]
+    return Finding(numbers, measured, expected, ("time [s]", "first mode over its amplitude"))
 
 
 def measure_series(simulation: Simulation) -> Finding:
@@ -117,14 +114,8 @@ def compare_series(times: np.ndarray, elevation: np.ndarray) -> Finding:
     known_times, known = data["t_s"][order], data["eta_m"][order]
     at = (times >= known_times[0]) & (times <= known_times[-1])
     level = 0.5 * float(known.max())
-    came, expected = arrival_time(times[at], elevation[at], level), arrival_time(known_times, known, level)
-    numbers = (
-        percent_error(float(elevation[at].max()), float(known.max())),
-        (came, expected, 100.0 * (came - expected)),
-    )
-    return Finding(
-        numbers,
-        [Curve("gauge", times, elevation)],
-        [Curve(SERIES_SOURCE, known_times, known, points=True)],
-        ("time [periods]", "elevation [m]"),
-    )
+    came, due = arrival_time(times[at], elevation[at], level), arrival_time(known_times, known, level)
+    numbers = (percent_error(float(elevation[at].max()), float(known.max())), (came, due, 100.0 * (came - due)))
+    measured = [Curve("gauge", times, elevation)]
+    expected = [Curve(SERIES_SOURCE, known_times, known, points=True)]
+    return Finding(numbers, measured, expected, ("time [periods]", "elevation [m]"))

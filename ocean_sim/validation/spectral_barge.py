@@ -29,14 +29,9 @@ def barge_problem(sea: str, cells: int) -> Problem:
     closed_form = at_sea(ship, HULL_LENGTH["barge20"], 0.01, heading_deg=heading)
     scene = closed_form | {"fluid": closed_form["fluid"] | {"tile": 200.0}}
     promises = tuple(
-        Promise(
-            f"{sea} sea, {omega:g} rad/s: {motion} [{'m/m' if motion == 'heave' else 'deg/m'}]",
-            "%",
-            SOURCE_TEXT,
-            {"spectral_sea": 1.0},
-        )
+        Promise(f"{sea} sea, {omega:g} rad/s: {motion} [{unit}]", "%", SOURCE_TEXT, {"spectral_sea": 1.0})
         for omega in WAVE_FREQUENCIES
-        for motion in ("heave", turn)
+        for motion, unit in (("heave", "m/m"), (turn, "deg/m"))
     )
     made = Promise(f"{sea} sea: how far the barge moves the water's surface [m]", "m", "above zero")
 

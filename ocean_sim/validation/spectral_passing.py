@@ -101,9 +101,8 @@ def elevation_at(x: float, z: float, long: float, broad: float) -> float:
         ray = np.exp(1j * np.where(ahead, RAY_ANGLE, -RAY_ANGLE))[:, None]
         k = 0.5 * RAY_END * (s + 1.0) / width[:, None] * ray
         dk = 0.5 * RAY_END * ds / width[:, None] * ray
-        inner = (dk * k * np.exp(-0.25 * (k * width[:, None]) ** 2 + 1j * k * w[:, None]) / (k - k0[:, None])).sum(
-            axis=1
-        )
+        decay = np.exp(-0.25 * (k * width[:, None]) ** 2 + 1j * k * w[:, None])
+        inner = (dk * k * decay / (k - k0[:, None])).sum(axis=1)
         residue = k0 * np.exp(-0.25 * (k0 * width) ** 2 + 1j * k0 * w)
         whole = (inner - np.where(ahead, 0.0, 2j * np.pi * residue)) / np.cos(t) ** 2
         total += float((weight * whole).sum().real)

@@ -79,12 +79,10 @@ def side_band_problem() -> Problem:
         rate = float(np.polyfit(time[of], size[of], 1)[0])
         dysthe = omega * delta / np.sqrt(8.0) * np.sqrt(s**2 * (1.0 - delta) - delta**2 / 8.0)
         grown = np.array(size) - size[0]
-        return Finding(
-            [percent_error(rate, float(dysthe))],
-            [Curve("side-bands", time, grown)],
-            [Curve("Dysthe 1979", time, dysthe * time)],
-            ("t [s]", "logarithm of their growth"),
-        )
+        numbers = [percent_error(rate, float(dysthe))]
+        measured = [Curve("side-bands", time, grown)]
+        expected = [Curve("Dysthe 1979", time, dysthe * time)]
+        return Finding(numbers, measured, expected, ("t [s]", "logarithm of their growth"))
 
     scene = tile_scene(100.0, 256, slice_=True)
     return Problem(scene, (promise,), measure, "side-bands", schemes=SPECTRAL_SCHEMES)

@@ -80,9 +80,6 @@ def compare_patches(patches: list[State]) -> Finding:
         (1.0 + spin / 100.0, 1.0, spin),
         (1.0 + energy / 100.0, 1.0, energy),
     )
-    return Finding(
-        numbers,
-        [Curve("largest void", times, voids)],
-        [Curve("tears", np.array([0.0, END_TIME]), np.array([MAX_VOID, MAX_VOID]))],
-        ("w t", "void [spacings]"),
-    )
+    measured = [Curve("largest void", times, voids)]
+    expected = [Curve("tears", np.array([0.0, END_TIME]), np.array([MAX_VOID, MAX_VOID]))]
+    return Finding(numbers, measured, expected, ("w t", "void [spacings]"))

@@ -101,12 +101,9 @@ class StandingWave:
 
     def finding(self, numbers: tuple[Number, ...], times: np.ndarray, share: np.ndarray, rate: float) -> Finding:
         """Finding with these numbers, and curves: measured `share` (n,) of the amplitude, and decay at a rate [1/s]."""
-        return Finding(
-            numbers,
-            [Curve("wave", times / self.period, share)],
-            [Curve("linear theory", times / self.period, self.decaying_signal(times, rate))],
-            ("t / T", "velocity over its first amplitude"),
-        )
+        measured = [Curve("wave", times / self.period, share)]
+        expected = [Curve("linear theory", times / self.period, self.decaying_signal(times, rate))]
+        return Finding(numbers, measured, expected, ("t / T", "velocity over its first amplitude"))
 
     def amplitude_share(self, water: State) -> float:
         """Velocity amplitude of the mode over that at the start; negative if it moves the opposite way."""

@@ -71,14 +71,7 @@ def measure(simulation: Simulation) -> Finding:
     spacing = particles.spacing
     offset = float(shown.mean()) / spacing
     apart = float(np.sqrt(np.mean((shown - AMPLITUDE * wave) ** 2))) / spacing
-    numbers = (
-        percent_error(4.0 * float(np.mean(shown * wave)), 2.0 * AMPLITUDE),
-        absolute_error(offset),
-        absolute_error(apart),
-    )
-    return Finding(
-        numbers,
-        [Curve("surface", x, shown)],
-        [Curve("water", x, AMPLITUDE * wave)],
-        ("x [m]", "elevation [m]"),
-    )
+    height = percent_error(4.0 * float(np.mean(shown * wave)), 2.0 * AMPLITUDE)
+    numbers = (height, absolute_error(offset), absolute_error(apart))
+    of_slab, of_water = Curve("surface", x, shown), Curve("water", x, AMPLITUDE * wave)
+    return Finding(numbers, [of_slab], [of_water], ("x [m]", "elevation [m]"))

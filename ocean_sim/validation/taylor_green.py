@@ -76,9 +76,6 @@ def compare_decay(waters: list[State]) -> Finding:
         percent_error(float(fastest[-1]), SPEED * exp(-DECAY_RATE * last.time)),
         percent_error(last.kinetic_energy / (0.5 * last.mass * float((exact**2).sum())), 1.0),
     )
-    return Finding(
-        numbers,
-        [Curve("largest speed", times, fastest)],
-        [Curve("exact", times, SPEED * np.exp(-DECAY_RATE * times))],
-        ("time [s]", "largest speed [m/s]"),
-    )
+    measured = [Curve("largest speed", times, fastest)]
+    expected = [Curve("exact", times, SPEED * np.exp(-DECAY_RATE * times))]
+    return Finding(numbers, measured, expected, ("time [s]", "largest speed [m/s]"))

@@ -94,9 +94,4 @@ def compare_pressures(time: np.ndarray, pressure: np.ndarray) -> Finding:
         numbers += map(percent_error, found, arrival_and_impulse(data["tstar"], data["pstar"]))
         measured.append(Curve(f"y = {0.5 * (sensor.low + sensor.high):.2g} H", time, pressure[:, k]))
         expected.append(Curve(sensor.name, data["tstar"], data["pstar"], points=True))
-    return Finding(
-        numbers,
-        measured,
-        expected,
-        ("t* = t sqrt(g / H)", "p* = p / (rho g H)"),
-    )
+    return Finding(numbers, measured, expected, ("t* = t sqrt(g / H)", "p* = p / (rho g H)"))

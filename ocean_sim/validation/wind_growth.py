@@ -70,17 +70,10 @@ def measure(simulation: Simulation) -> Finding:
         _, under_still = record_run(without, PERIOD / 20, wave_amplitude)
     grown, calm = growth_rate(times, under_wind), growth_rate(times, under_still)
     viscosity = -calm / (4.0 * K**2)
-    numbers = (
-        percent_error(grown, GROWTH_RATE + calm),
-        percent_error(grown - calm, GROWTH_RATE),
-        reported(calm),
-        reported(viscosity),
-        reported(WIND_GAIN),
-    )
+    rates = (percent_error(grown, GROWTH_RATE + calm), percent_error(grown - calm, GROWTH_RATE))
+    numbers = (*rates, reported(calm), reported(viscosity), reported(WIND_GAIN))
     first = under_still[0]
-    return Finding(
-        numbers,
-        [Curve("wind", times / PERIOD, under_wind / first), Curve("still air", times / PERIOD, under_still / first)],
-        [Curve("beta - 4 nu_eff k^2", times / PERIOD, np.exp(0.5 * (GROWTH_RATE + calm) * times))],
-        ("t / T", "amplitude over its first"),
-    )
+    t = times / PERIOD
+    measured = [Curve("wind", t, under_wind / first), Curve("still air", t, under_still / first)]
+    expected = [Curve("beta - 4 nu_eff k^2", t, np.exp(0.5 * (GROWTH_RATE + calm) * times))]
+    return Finding(numbers, measured, expected, ("t / T", "amplitude over its first"))

@@ -89,9 +89,6 @@ def measure(simulation: Simulation) -> Finding:
     bins = np.digitize(z, edges)
     mean = np.array([u[bins == k].mean() if (bins == k).any() else np.nan for k in range(1, len(edges))])
     middle = 0.5 * (edges[1:] + edges[:-1])
-    return Finding(
-        numbers,
-        [Curve("mean flow", mean, middle, points=True)],
-        [Curve("laminar", 3.0 * middle**2 - 2.0 * middle, middle)],
-        ("u over tau h / (4 mu)", "z / h"),
-    )
+    measured = [Curve("mean flow", mean, middle, points=True)]
+    expected = [Curve("laminar", 3.0 * middle**2 - 2.0 * middle, middle)]
+    return Finding(numbers, measured, expected, ("u over tau h / (4 mu)", "z / h"))

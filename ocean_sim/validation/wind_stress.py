@@ -67,12 +67,9 @@ def measure(simulation: Simulation) -> Finding:
     wanted = STRESS * LENGTH * times
     part, rest = momentum[-1] / wanted[-1], calm[-1] / wanted[-1]
     numbers = (absolute_error(part, 1.0), absolute_error(rest), reported(float(reached)))
-    return Finding(
-        numbers,
-        [Curve("momentum", times, momentum, points=True)],
-        [Curve("tau A t", times, wanted)],
-        ("time [s]", "momentum along the wind [N s/m]"),
-    )
+    measured = [Curve("momentum", times, momentum, points=True)]
+    expected = [Curve("tau A t", times, wanted)]
+    return Finding(numbers, measured, expected, ("time [s]", "momentum along the wind [N s/m]"))
 
 
 def wind_keys(stress: float, **keys: float) -> dict:
@@ -82,6 +79,5 @@ def wind_keys(stress: float, **keys: float) -> dict:
 
 def without_wind(simulation: Simulation) -> Simulation:
     assert isinstance(simulation.scene, SceneConfig)
-    return Simulation(
-        simulation.scene.model_copy(update={"wind": config_of("wind", "still").model_validate({"kind": "still"})})
-    )
+    still = config_of("wind", "still").model_validate({"kind": "still"})
+    return Simulation(simulation.scene.model_copy(update={"wind": still}))

@@ -12,7 +12,7 @@ from pathlib import Path
 from statistics import median
 from time import monotonic, perf_counter, process_time
 from types import ModuleType
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -30,26 +30,20 @@ MIN_BLOCK_SECONDS = 0.5  # wall time of a block of steps, at least [s]
 
 
 def bench(
-    scenes: Annotated[
-        list[str] | None, typer.Argument(help="By default bench/dam_break_6k and bench/dam_break_50k.")
-    ] = None,
+    scenes: list[str] | None = typer.Argument(None, help="By default bench/dam_break_6k and bench/dam_break_50k."),
     profile: Profile = None,
     sets: Sets = None,
-    threads: Annotated[int | None, typer.Option(min=1, help="Worker threads; by default all cores.")] = None,
-    repeats: Annotated[
-        int, typer.Option(min=1, help="Number of blocks, each of at least half a second; the median counts.")
-    ] = 5,
-    cold: Annotated[bool, typer.Option(help="Start with an empty kernel cache, as on a first run.")] = False,
-    peers: Annotated[
-        bool, typer.Option("--peers", help="Also time pysplashsurf and Capytaine on the same tasks, where installed.")
-    ] = False,
-    peer_python: Annotated[
-        list[Path] | None,
-        typer.Option(
-            help="With --peers: the Python of an environment that has pysplishsplash, pysph or both, for dam breaks; "
-            "may be given several times."
-        ),
-    ] = None,
+    threads: int | None = typer.Option(None, min=1, help="Worker threads; by default all cores."),
+    repeats: int = typer.Option(5, min=1, help="Number of blocks, each of at least half a second; the median counts."),
+    cold: bool = typer.Option(False, help="Start with an empty kernel cache, as on a first run."),
+    peers: bool = typer.Option(
+        False, "--peers", help="Also time pysplashsurf and Capytaine on the same tasks, where installed."
+    ),
+    peer_python: list[Path] | None = typer.Option(
+        None,
+        help="With --peers: the Python of an environment that has pysplishsplash, pysph or both, for dam breaks; "
+        "may be given several times.",
+    ),
     as_json: Json = False,
 ) -> None:
     """Measure the speed of scenes one after the other; with --peers and no scene, time other programs alone."""
@@ -88,9 +82,8 @@ def peer_programs() -> ModuleType:
     """The module `benchmarks.peers`, which times other programs; raises Refused outside a checkout of the project."""
     checkout = PACKAGE.parent
     if not (checkout / "benchmarks" / "peers.py").is_file():
-        raise console.Refused(
-            "--peers: the programs that run others are in a checkout of the project, in benchmarks/; use that"
-        )
+        where = "in a checkout of the project, in benchmarks/; use that"
+        raise console.Refused(f"--peers: the programs that run others are {where}")
     sys.path.insert(0, str(checkout))
     return import_module("benchmarks.peers")
 
@@ -123,9 +116,8 @@ def bench_one(order: str, as_json: Json = False) -> None:
 
     asked = json.loads(order)
     quiet: dict[str, Any] = {name: None for name in observer_names() if name not in ("manifest", "timings")}
-    machine: dict[str, Any] = {"runtime.pin": True} | (
-        {"runtime.threads": asked["threads"]} if asked["threads"] else {}
-    )
+    limited = {"runtime.threads": asked["threads"]} if asked["threads"] else {}
+    machine: dict[str, Any] = {"runtime.pin": True} | limited
     config = load(asked["scene"], {**quiet, **machine, **console.set_values(asked["sets"])}, asked["profile"])
     console.must_compute_with(config.runtime.library)
     with Simulation(config) as simulation:

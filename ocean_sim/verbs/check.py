@@ -1,27 +1,24 @@
 """`ocean-sim check`: memory, time step and time of a scene, before anything is allocated."""
 
 from math import isinf
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
-from ocean_sim import machine
+from ocean_sim import machine, runtime
 from ocean_sim.conventions import figures
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.parts import LedgerRow, called
 from ocean_sim.reading.scene import SceneConfig, load
+from ocean_sim.simulation import Simulation
 from ocean_sim.time_step.courant import Config as Courant
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.history import keep_step_time, step_time
 from ocean_sim.verbs.shared.options import Json, Profile, Scene, Sets
 from ocean_sim.verbs.shared.progress import kernel_notice
 
-UNKNOWN_FACTS = dict.fromkeys(
-    (
-        *("particles", "memory_mb", "pictures_mb", "bytes_a_particle", "most_particles", "time_step", "limited_by"),
-        "estimated_wall_s",
-    )
-)
+WATER_FACTS = ("particles", "memory_mb", "pictures_mb", "bytes_a_particle", "most_particles", "time_step", "limited_by")
+UNKNOWN_FACTS = dict.fromkeys((*WATER_FACTS, "estimated_wall_s"))
 CARD_BYTES = 16e9  # memory of a graphics card, which cannot be asked for its own before it is started
 FEW_PARTICLES = 20_000  # below which most memory of the water does not go with their number
 STABLE_COURANT = 0.8  # the courant number of the profiles `ci` and `interactive`, up to which steps were found stable
@@ -31,7 +28,7 @@ def check(
     scene: Scene,
     profile: Profile = None,
     sets: Sets = None,
-    time: Annotated[bool, typer.Option("--time", help="Take some steps first, to estimate the wall time.")] = False,
+    time: bool = typer.Option(False, "--time", help="Take some steps first, to estimate the wall time."),
     as_json: Json = False,
 ) -> None:
     """Report the memory, time step and wall time that a scene needs, and its problems."""
@@ -41,16 +38,8 @@ def check(
         if not as_json:
             raise
         problems = [problem._asdict() for problem in error.problems]
-        console.answer(
-            {
-                "ok": False,
-                "error": console.problem_count(problems),
-                "problems": problems,
-                "warnings": [],
-                **UNKNOWN_FACTS,
-                "ledger": [],
-            }
-        )
+        wrong = {"ok": False, "error": console.problem_count(problems), "problems": problems, "warnings": []}
+        console.answer(wrong | UNKNOWN_FACTS | {"ledger": []})
         raise typer.Exit(2) from None
     if time:
         console.must_compute_with(config.runtime.library)
@@ -67,7 +56,6 @@ def check(
 def measure_step_time(config: SceneConfig) -> None:
     """Run a scene for half a second, and store the mean wall time of its steps for estimates."""
     from ocean_sim.observers.timings import synchronization
-    from ocean_sim.simulation import Simulation
     from ocean_sim.verbs.bench import time_block
 
     with Simulation(config) as simulation:
@@ -78,11 +66,9 @@ def measure_step_time(config: SceneConfig) -> None:
 
 def preflight(config: SceneConfig) -> dict[str, Any]:
     """Facts of a scene as JSON data: particles, memory, time step, wall time, ships, warnings."""
-    from ocean_sim.runtime import base_memory
-
     known, rows, warnings = config.preflight, config.ledger(), config.warnings()
     particles = known.particles
-    memory = base_memory(particles) + sum(row.bytes for row in rows)
+    memory = runtime.base_memory(particles) + sum(row.bytes for row in rows)
     time_step = config.time_step.build()
     still = config.fluid.still_limits(known)
     dt = time_step.next(still)
@@ -92,9 +78,8 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         over = f"{dt / longest:.2g} times the {longest:.3g} s that stayed stable in still water ({ruling} limit)"
         warnings.append(f"the time step of {dt:.3g} s is {over}")
     if memory > 0.9 * machine.memory_limit():
-        warnings.append(
-            f"needs {memory / 1e9:.1f} GB of memory; this machine has {machine.memory_limit() / 1e9:.1f} GB"
-        )
+        has = f"this machine has {machine.memory_limit() / 1e9:.1f} GB"
+        warnings.append(f"needs {memory / 1e9:.1f} GB of memory; {has}")
     (each, is_measured), pictures = step_time(config), picture_time(config)
     steps = each * config.duration / dt
     return {
@@ -126,8 +111,6 @@ def picture_time(config: SceneConfig) -> float:
 
 def particle_room(config: SceneConfig, rows: list[LedgerRow], particles: int) -> dict[str, int | None]:
     """Bytes per particle, and number of particles that fits into memory, by ledger `rows`; None without particles."""
-    from ocean_sim.runtime import BASE_MEMORY, COPY_BYTES_PER_PARTICLE, GRAPHICS_CARD_CHOICES
-
     if not particles:
         return {"bytes_a_particle": None, "most_particles": None}
     water = sum(row.bytes for row in rows if row.part == "fluid")
@@ -135,10 +118,10 @@ def particle_room(config: SceneConfig, rows: list[LedgerRow], particles: int) ->
     others = sum(row.bytes for row in rows) - water - watched
     each = -(-water // particles)
     free, taken = CARD_BYTES - others, each
-    if config.runtime.arch not in GRAPHICS_CARD_CHOICES:
+    if config.runtime.arch not in runtime.GRAPHICS_CARD_CHOICES:
         seen = sum(part.bytes_a_particle(config.preflight) for part in config.observers.values())
-        free = 0.9 * machine.memory_limit() - others - (watched - seen * particles) - BASE_MEMORY
-        taken = each + COPY_BYTES_PER_PARTICLE + seen
+        free = 0.9 * machine.memory_limit() - others - (watched - seen * particles) - runtime.BASE_MEMORY
+        taken = each + runtime.COPY_BYTES_PER_PARTICLE + seen
     most = min(int(free / taken), config.fluid.most_particles(config.preflight))
     return {"bytes_a_particle": each, "most_particles": max(0, most)}
 
@@ -162,11 +145,9 @@ def ship_facts(config: SceneConfig) -> dict[str, dict[str, Any]]:
 
 def ledger_rows(found: dict[str, Any], config: SceneConfig) -> list[dict[str, Any]]:
     """Memory ledger of `preflight` (`found`) as dicts; the first row of a part lists the kernels of the whole part."""
-    from ocean_sim.runtime import kernels_in
-
     parts, listed, rows = {"basin": config.basin} | config.parts(), set(), []
     for row in found["ledger"]:
-        kernels = None if row.part in listed else kernels_in(type(parts[row.part]).__module__)
+        kernels = None if row.part in listed else runtime.kernels_in(type(parts[row.part]).__module__)
         listed.add(row.part)
         rows.append(row._asdict() | {"kernels": kernels})
     return rows
@@ -192,12 +173,10 @@ def memory_taken(found: dict[str, Any]) -> str:
 
 def room_sentence(found: dict[str, Any], config: SceneConfig) -> str:
     """Memory per particle and the number of particles that fits, in words, from the facts `found` of `preflight`."""
-    from ocean_sim.runtime import GRAPHICS_CARD_CHOICES
-
     if found["bytes_a_particle"] is None:
         return "no particles"
     where = f"the {machine.memory_limit() / 1e9:.1f} GB of this machine"
-    if config.runtime.arch in GRAPHICS_CARD_CHOICES:
+    if config.runtime.arch in runtime.GRAPHICS_CARD_CHOICES:
         where = f"{CARD_BYTES / 1e9:.0f} GB of a graphics card"
     fit = f"{found['most_particles'] / 1e6:.2g} million particles fit into {where}"
     if found["particles"] < FEW_PARTICLES:
@@ -212,9 +191,8 @@ def preflight_lines(found: dict[str, Any], config: SceneConfig) -> str:
         f"time step {found['time_step']:.3g} s in still water ({found['limited_by']}), "
         f"wall time {wall_time(found, config)}"
     ]
-    return "\n".join(
-        [*lines, *(f"note: {note}" for note in found["notes"]), *(f"warning: {w}" for w in found["warnings"])]
-    )
+    lines += [f"note: {note}" for note in found["notes"]]
+    return "\n".join([*lines, *(f"warning: {warning}" for warning in found["warnings"])])
 
 
 def print_preflight(found: dict[str, Any], config: SceneConfig) -> None:
@@ -228,22 +206,13 @@ def print_preflight(found: dict[str, Any], config: SceneConfig) -> None:
             ["room", room_sentence(found, config)],
             ["time step", f"{found['time_step']:.4g} s in still water, limited by: {found['limited_by']}"],
             ["stable", f"{found['stable_time_step']:.4g} s in still water, limited by: {found['stable_limited_by']}"],
-            [
-                "wall time",
-                wall_time(found, config),
-            ],
+            ["wall time", wall_time(found, config)],
         ],
     )
-    rows = [
-        [
-            row["part"],
-            row["what"],
-            f"{row['bytes'] / 1e6:.2f}",
-            "" if row["kernels"] is None else f"{len(row['kernels'])}",
-            row["why"],
-        ]
-        for row in ledger_rows(found, config)
-    ]
+    rows = []
+    for row in ledger_rows(found, config):
+        kernels = "" if row["kernels"] is None else f"{len(row['kernels'])}"
+        rows.append([row["part"], row["what"], f"{row['bytes'] / 1e6:.2f}", kernels, row["why"]])
     heads = ["part", "fields", "MB", "kernels", "why"]
     console.table("\nwhat is allocated and compiled (kernels: at most), and why", heads, rows)
     console.say()

@@ -83,13 +83,14 @@ def examine_machine() -> dict[str, Any]:
 def run_probe(script: str) -> dict[str, Any]:
     """Run a Python script in a child process, which may crash: `ok` if it succeeded, and as `detail` its last line."""
     try:
+        quiet = os.environ | {"ENABLE_TAICHI_HEADER_PRINT": "False"}
         child = subprocess.run(
             [sys.executable, "-c", script],
             capture_output=True,
             text=True,
             timeout=PROBE_SECONDS,
             check=False,
-            env=os.environ | {"ENABLE_TAICHI_HEADER_PRINT": "False"},
+            env=quiet,
         )
     except subprocess.TimeoutExpired:
         return {"ok": False, "detail": f"no answer within {PROBE_SECONDS:.0f} s"}

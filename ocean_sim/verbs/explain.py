@@ -1,7 +1,7 @@
 """`ocean-sim explain`: meaning, unit, default and range of a key of a scene, with an example of its setting."""
 
 import shlex
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
@@ -9,7 +9,7 @@ from ocean_sim.files.yaml_file import Location, in_yaml, node_of
 from ocean_sim.model import in_brackets
 from ocean_sim.parts import ALONE, SEVERAL, SLOTS
 from ocean_sim.reading.composition import choice_of, kind_named, known_names
-from ocean_sim.reading.keys import Key, keys_at, keys_elsewhere, scene_keys
+from ocean_sim.reading.keys import Key, by_path, keys_at, keys_elsewhere, scene_keys
 from ocean_sim.reading.sentences import part_sentence
 from ocean_sim.reading.translation import choice_sentence, likeliest
 from ocean_sim.verbs.list import list_choices
@@ -20,13 +20,9 @@ MAX_AT_LENGTH = 12  # keys that are explained at length; of more only their mean
 
 
 def explain(
-    key: Annotated[
-        str,
-        typer.Argument(
-            help="A key such as wind.stress.u10, or without the kind: wind.u10.",
-            autocompletion=completion(lambda: (key.path for key in scene_keys())),
-        ),
-    ],
+    key: str = typer.Argument(
+        help="A key such as wind.stress.u10, or without the kind: wind.u10.", autocompletion=completion(by_path)
+    ),
     as_json: Json = False,
 ) -> None:
     """Explain a key, or the keys of a preset or a kind; another word is refused, with the likeliest key."""

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
-from typing import Annotated, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import typer
 
@@ -57,15 +57,12 @@ def figure_sentence(path: Path) -> str:
 
 
 def figure(
-    names: Annotated[
-        list[str],
-        typer.Argument(
-            help="Figures such as 6-3, or `all` of the thesis (ocean-sim list figures).",
-            autocompletion=completion(lambda: (*figure_scripts(), ALL_FIGURES)),
-        ),
-    ],
-    fast: Annotated[bool, typer.Option("--fast", help="Coarse and short, for a quick look.")] = False,
-    out: Annotated[Path, typer.Option(help="Where data (CSV) and pictures (PNG) go.")] = Path("runs/figures"),
+    names: list[str] = typer.Argument(
+        help="Figures such as 6-3, or `all` of the thesis (ocean-sim list figures).",
+        autocompletion=completion(lambda: (*figure_scripts(), ALL_FIGURES)),
+    ),
+    fast: bool = typer.Option(False, "--fast", help="Coarse and short, for a quick look."),
+    out: Path = typer.Option(Path("runs/figures"), help="Where data (CSV) and pictures (PNG) go."),
     as_json: Json = False,
 ) -> int:
     """Draw figures one after the other and report; the exit code is 1 where one failed, and the others are there."""

@@ -11,7 +11,6 @@ import sys
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Annotated
 
 import typer
 
@@ -61,9 +60,8 @@ class Entry(Model):
         """Words of two `ocean-sim` commands: one simulates the scene into folder `run`, one draws the picture of it."""
         verb, *options = shlex.split(self.draw)
         left_out = [word for name in UNUSED_OBSERVERS for word in ("--set", f"{name}=null")]
-        drawing = [verb, run, *options] + (
-            ["--no-film", "--quality", "final", "--size", PICTURE_SIZE] if verb == "render" else []
-        )
+        looks = ["--no-film", "--quality", "final", "--size", PICTURE_SIZE] if verb == "render" else []
+        drawing = [verb, run, *options, *looks]
         return ["run", self.scene, "--until", f"{self.until:g}", *left_out, "--out", run], drawing
 
 
@@ -104,14 +102,10 @@ def stale_entries(folder: Path) -> list[Entry]:
 
 
 def gallery(
-    names: Annotated[list[str] | None, typer.Argument(help="Pictures; by default those that are out of date.")] = None,
-    check: Annotated[
-        bool, typer.Option("--check", help="Only list those that are out of date, with their commands.")
-    ] = False,
-    every: Annotated[bool, typer.Option("--all", help="Make all of them.")] = False,
-    out: Annotated[
-        Path | None, typer.Option(help="Where to write; by default figures/gallery of this checkout.")
-    ] = None,
+    names: list[str] | None = typer.Argument(None, help="Pictures; by default those that are out of date."),
+    check: bool = typer.Option(False, "--check", help="Only list those that are out of date, with their commands."),
+    every: bool = typer.Option(False, "--all", help="Make all of them."),
+    out: Path | None = typer.Option(None, help="Where to write; by default figures/gallery of this checkout."),
     as_json: Json = False,
 ) -> int:
     """Make pictures that are old, or those named; `check`: only list them. The exit code is 1 where some are old."""

@@ -2,22 +2,29 @@
 picture."""
 
 from dataclasses import replace
-from math import isinf
+from math import asin, degrees, isinf, sqrt
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import typer
 
 from ocean_sim.conventions import GRAVITY, WATER_DENSITY, AxisName, figures
 from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.yaml_file import read_mapping
+from ocean_sim.parts import library, named
+from ocean_sim.reading.scene import load, packaged_scenes
+from ocean_sim.reading.translation import checked, likeliest
+from ocean_sim.ship.body.floating import MAX_LEAN, FloatingConfig, lean_matrix, rest_angles
+from ocean_sim.ship.forces.added_mass import by_rule
+from ocean_sim.ship.forces.roll_damping import BilgeKeels, Ikeda, RollDamping
+from ocean_sim.ship.hull.hull import CUBE_BUDGET, FIRST_GUESS_CUBES, MESH_ENDINGS, Hull, error_sentence, hull_of
+from ocean_sim.ship.hull.mesh import BadMesh
+from ocean_sim.ship.hull.voxels import MISSED_SHARE, voxels
+from ocean_sim.ship.naval import hydrostatics
+from ocean_sim.ship.naval.stability import CROSS_HEELS, LAST_HEEL, Loading, Stability
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json, number_list
-
-if TYPE_CHECKING:
-    from ocean_sim.ship.hull.hull import Hull
-    from ocean_sim.ship.naval.hydrostatics import Hydrostatics
-    from ocean_sim.ship.naval.stability import Loading, Stability
 
 ASSUMED_DENSITY_RATIO = 0.5  # of the water's density: what a hull without a mass is taken to weigh
 ROLL_AMPLITUDES_DEG = (5.0, 10.0, 20.0)  # [deg] amplitudes of roll
@@ -56,54 +63,38 @@ class Asked(NamedTuple):
 
 
 def hull(
-    name: Annotated[
-        str, typer.Argument(help="The name of a hull, a ship or a scene; a scene file; or an STL, OBJ or PLY file.")
-    ],
-    mass: Annotated[
-        float | None, typer.Option(min=0.001, help="Mass of the whole ship [kg]; by default that of the hull.")
-    ] = None,
-    draught: Annotated[float | None, typer.Option(min=0.0001, help="Draught [m], upright, instead of a mass.")] = None,
-    kg: Annotated[float | None, typer.Option(help="Height of the centre of mass above the keel [m].")] = None,
-    cg: Annotated[
-        str | None, typer.Option(help="Centre of mass X,Y,Z [m] from the keel amidships: to port, up, forward.")
-    ] = None,
-    loading: Annotated[
-        Path | None,
-        typer.Option(
-            help="A loading condition (YAML): light: {mass: 250000, at: [0, 2.5, 0]}; weights, tanks, openings by name."
-        ),
-    ] = None,
-    density: Annotated[
-        float | None, typer.Option(min=1.0, help="Density of the water [kg/m3]; by default 1000.")
-    ] = None,
-    ship: Annotated[str | None, typer.Option(help="Which ship, where a scene has several.")] = None,
-    cross: Annotated[bool, typer.Option("--cross", help="Also print cross curves of stability.")] = False,
-    bilge_keels: Annotated[
-        str | None, typer.Option(help="LENGTH,BREADTH of each bilge keel [m]: also print the damping of roll.")
-    ] = None,
-    depth: Annotated[
-        float | None, typer.Option(min=0.001, help="Depth of the water [m]: also print squat over speed.")
-    ] = None,
-    cells: Annotated[float, typer.Option(min=1.0, max=64.0, help="Number of cubes over the draught.")] = 16.0,
-    up: Annotated[
-        AxisName | None, typer.Option(help="Axis of a mesh file that points up, -z where z points down; else guessed.")
-    ] = None,
-    bow: Annotated[
-        AxisName | None, typer.Option(help="Axis of a mesh file that points to the bow; by default the longest.")
-    ] = None,
-    scale: Annotated[
-        float | None,
-        typer.Option(min=1e-9, help="Metres per unit of a mesh file: 0.001 for millimetres; else guessed."),
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option(help="The picture; by default runs/hull/<name>.png, with --json none.")
-    ] = None,
+    name: str = typer.Argument(help="The name of a hull, a ship or a scene; a scene file; or an STL, OBJ or PLY file."),
+    mass: float | None = typer.Option(
+        None, min=0.001, help="Mass of the whole ship [kg]; by default that of the hull."
+    ),
+    draught: float | None = typer.Option(None, min=0.0001, help="Draught [m], upright, instead of a mass."),
+    kg: float | None = typer.Option(None, help="Height of the centre of mass above the keel [m]."),
+    cg: str | None = typer.Option(None, help="Centre of mass X,Y,Z [m] from the keel amidships: to port, up, forward."),
+    loading: Path | None = typer.Option(
+        None,
+        help="A loading condition (YAML): light: {mass: 250000, at: [0, 2.5, 0]}; weights, tanks, openings by name.",
+    ),
+    density: float | None = typer.Option(None, min=1.0, help="Density of the water [kg/m3]; by default 1000."),
+    ship: str | None = typer.Option(None, help="Which ship, where a scene has several."),
+    cross: bool = typer.Option(False, "--cross", help="Also print cross curves of stability."),
+    bilge_keels: str | None = typer.Option(
+        None, help="LENGTH,BREADTH of each bilge keel [m]: also print the damping of roll."
+    ),
+    depth: float | None = typer.Option(None, min=0.001, help="Depth of the water [m]: also print squat over speed."),
+    cells: float = typer.Option(16.0, min=1.0, max=64.0, help="Number of cubes over the draught."),
+    up: AxisName | None = typer.Option(
+        None, help="Axis of a mesh file that points up, -z where z points down; else guessed."
+    ),
+    bow: AxisName | None = typer.Option(
+        None, help="Axis of a mesh file that points to the bow; by default the longest."
+    ),
+    scale: float | None = typer.Option(
+        None, min=1e-9, help="Metres per unit of a mesh file: 0.001 for millimetres; else guessed."
+    ),
+    out: Path | None = typer.Option(None, help="The picture; by default runs/hull/<name>.png, with --json none."),
     as_json: Json = False,
 ) -> int:
     """Describe a hull; the exit code is 2 where it is not one."""
-    from ocean_sim.ship.hull.hull import error_sentence
-    from ocean_sim.ship.hull.mesh import BadMesh
-
     at = number_list("--cg", cg)
     if at is not None and len(at) != 3:
         raise console.Refused(f"--cg: {cg!r} is not like 0,1.2,-0.3")
@@ -118,7 +109,7 @@ def hull(
         raise console.Refused(
             f"--out: {out} is no picture's name: end it in {', '.join(PICTURE_SUFFIXES[:-1])} or {PICTURE_SUFFIXES[-1]}"
         )
-    condition = None if loading is None else condition_of(loading)
+    condition = None if loading is None else checked(Loading, read_mapping(loading))
     try:
         shape, of_water, fitted = found_hull(name, ship, asked)
         asked = asked._replace(density=asked.density or of_water, bilge_keels=asked.bilge_keels or fitted)
@@ -141,12 +132,9 @@ def hull(
     return 0
 
 
-def found_hull(name: str, ship: str | None, asked: Asked) -> "tuple[Hull, float, tuple[float, float] | None]":
+def found_hull(name: str, ship: str | None, asked: Asked) -> tuple[Hull, float, tuple[float, float] | None]:
     """The hull called `name` (in configs/hull/ or configs/ship/, a mesh file, or `ship` of a scene), density of the
     water [kg/m3], length and breadth of the bilge keels [m] or None. Raises ValueError, SceneError or Refused."""
-    from ocean_sim.parts import library, named
-    from ocean_sim.ship.hull.hull import MESH_ENDINGS, hull_of
-
     scene = Path(name).suffix in (".yaml", ".yml") or (library("scenes") / f"{name}.yaml").is_file()
     if ship is not None and not scene:
         raise console.Refused(f"--ship names one of the ships of a scene, and {name} is none")
@@ -156,9 +144,6 @@ def found_hull(name: str, ship: str | None, asked: Asked) -> "tuple[Hull, float,
         raise console.Refused(f"{', '.join(given)} say how a mesh file is read, and {name} is none")
     if name in named("hull") or is_file:
         return hull_of(name, asked.up, asked.bow, asked.scale), WATER_DENSITY, None
-    from ocean_sim.reading.scene import load, packaged_scenes
-    from ocean_sim.reading.translation import likeliest
-    from ocean_sim.ship.body.floating import FloatingConfig
 
     if not scene and name not in named("ship"):
         hulls, ships = ", ".join(named("hull")), ", ".join(named("ship"))
@@ -186,23 +171,8 @@ def found_hull(name: str, ship: str | None, asked: Asked) -> "tuple[Hull, float,
     return chosen.whole_hull, config.fluid.rest_density, None if keels is None else (keels.length, keels.breadth)
 
 
-def condition_of(path: Path) -> "Loading":
-    """The loading condition (weights, tanks, openings) in a YAML file; raises SceneError."""
-    from ocean_sim.files.yaml_file import Problem, SceneError, read_mapping
-    from ocean_sim.reading.translation import validated
-    from ocean_sim.ship.naval.stability import Loading
-
-    problems: list[Problem] = []
-    found = validated(Loading, read_mapping(path), (), problems)
-    if found is None:
-        raise SceneError(problems)
-    return found
-
-
-def load_ship(shape: "Hull", asked: Asked, condition: "Loading | None", notes: list[str]) -> "Hull":
+def load_ship(shape: Hull, asked: Asked, condition: Loading | None, notes: list[str]) -> Hull:
     """The hull with mass and centre of mass from options or loading condition; values assumed are added to `notes`."""
-    from ocean_sim.ship.hull.voxels import voxels
-
     mass, centre = asked.mass or shape.mass, shape.centre_of_mass
     lower, upper = shape.shape.bounds()
     keel, height = float(lower[1]), float(upper[1] - lower[1])
@@ -213,12 +183,9 @@ def load_ship(shape: "Hull", asked: Asked, condition: "Loading | None", notes: l
         mass = mass_at(shape, asked)
         notes.append(f"at a draught of {asked.draught:g} m it carries {mass:.5g} kg")
     if mass is None:
-        from ocean_sim.ship.hull.hull import FIRST_GUESS_CUBES
-
         mass = ASSUMED_DENSITY_RATIO * density_of(asked) * voxels(shape.shape, height / FIRST_GUESS_CUBES).volume
-        notes.append(
-            f"no mass is given: taken as {ASSUMED_DENSITY_RATIO:g} of the water's density (--mass sets another)"
-        )
+        assumed = f"{ASSUMED_DENSITY_RATIO:g} of the water's density"
+        notes.append(f"no mass is given: taken as {assumed} (--mass sets another)")
     if asked.cg is not None:
         centre = asked.cg
     if asked.kg is not None:
@@ -234,26 +201,19 @@ def density_of(asked: Asked) -> float:
     return asked.density or WATER_DENSITY
 
 
-def mass_at(shape: "Hull", asked: Asked) -> float:
+def mass_at(shape: Hull, asked: Asked) -> float:
     """Mass [kg] of the water that the hull displaces upright at the draught in the options; raises Refused."""
-    from ocean_sim.ship.naval.hydrostatics import UPRIGHT
-
     assert asked.draught is not None
     height = float(np.ptp(shape.shape.bounds(), axis=0)[1])
     if not asked.draught < height:
         raise console.Refused(f"--draught: the hull is {height:g} m high, less than the draught")
     some = shape.model_copy(update={"mass": 1.0})
     still = some.in_cubes(max(asked.draught / asked.cells, some.smallest_side), density_of(asked), GRAVITY, 1.0)
-    return density_of(asked) * float(still.wet_volumes(UPRIGHT, still.keel + asked.draught).sum())
+    return density_of(asked) * float(still.wet_volumes(hydrostatics.UPRIGHT, still.keel + asked.draught).sum())
 
 
-def hull_report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> tuple[dict[str, Any], list[str]]:
+def hull_report(shape: Hull, asked: Asked, condition: Loading | None = None) -> tuple[dict[str, Any], list[str]]:
     """Facts of a hull in its loading condition as JSON data, with notes and problems; and the notes, as sentences."""
-    from ocean_sim.ship.hull.hull import CUBE_BUDGET
-    from ocean_sim.ship.hull.voxels import MISSED_SHARE
-    from ocean_sim.ship.naval.hydrostatics import metacentric_heights
-    from ocean_sim.ship.naval.stability import Stability
-
     notes: list[str] = []
     problems: list[str] = []
     solid = shape.shape.closed_mesh()
@@ -280,7 +240,7 @@ def hull_report(shape: "Hull", asked: Asked, condition: "Loading | None" = None)
         afloat = replace(afloat, free_surface_loss=condition.free_surface_loss)
     notes += [] if solid is None else solid.unlike_a_ship(afloat.draught, afloat.kb)
     stability = Stability(afloat, None if condition is None else condition.openings)
-    heights = metacentric_heights(shape.shape, afloat)
+    heights = hydrostatics.metacentric_heights(shape.shape, afloat)
     if heights is not None:
         notes.append(f"GM by the faces of the hull is {heights[0]:.4g} m; what follows is by its cubes")
     problems += stability_problems(stability)
@@ -292,7 +252,7 @@ def hull_report(shape: "Hull", asked: Asked, condition: "Loading | None" = None)
     return facts | found | {"notes": notes, "problems": problems}, notes
 
 
-def outlying_parts(shape: "Hull", afloat: "Hydrostatics", condition: "Loading | None") -> list[str]:
+def outlying_parts(shape: Hull, afloat: hydrostatics.Hydrostatics, condition: Loading | None) -> list[str]:
     """Sentences on weights, openings or a centre of mass that lie outside the hull."""
     lower, upper = (np.array(corner) for corner in shape.shape.bounds())
     centre, found = afloat.matter.centre, [] if condition is None else condition.outside_hull(lower, upper)
@@ -303,80 +263,61 @@ def outlying_parts(shape: "Hull", afloat: "Hydrostatics", condition: "Loading | 
     return found
 
 
-def stability_problems(stability: "Stability") -> list[str]:
+def stability_problems(stability: Stability) -> list[str]:
     """Sentences on why a ship does not float upright at rest: instability, no equilibrium, flooding; else none."""
-    from ocean_sim.ship.body.floating import MAX_LEAN, rest_angles
-
     found = []
     if stability.gm <= 0.0:
         ends = "no lever rights her" if stability.rest_heel is None else f"she lolls to {stability.rest_heel:.1f} deg"
         found.append(f"unstable upright: GM = {stability.gm:.3g} m; {ends}")
     elif rest_angles(stability.still) is None:
-        found.append(
-            f"within {MAX_LEAN:g} degrees of trim and heel she has no pose at rest: her centre of mass is too far out"
-        )
+        never = f"within {MAX_LEAN:g} degrees of trim and heel she has no pose at rest"
+        found.append(f"{never}: her centre of mass is too far out")
     angle, opening = stability.flooding_heel
     if angle == 0.0:
         found.append(f"water comes in upright: openings.{opening} lies under the water")
     return found
 
 
-def roll_damping_rows(afloat: "Hydrostatics", asked: Asked) -> tuple[list[dict[str, float]], list[str]]:
+def roll_damping_rows(afloat: hydrostatics.Hydrostatics, asked: Asked) -> tuple[list[dict[str, float]], list[str]]:
     """Roll damping by components (Ikeda) as shares of critical, a row per amplitude; and warnings out of its range."""
-    from ocean_sim.ship.forces.added_mass import by_rule
-    from ocean_sim.ship.forces.roll_damping import BilgeKeels, Ikeda, RollDamping
-
     keels = None if asked.bilge_keels is None else BilgeKeels(length=asked.bilge_keels[0], breadth=asked.bilge_keels[1])
     if keels is not None and keels.length > afloat.length:
-        raise console.Refused(
-            f"--bilge-keels: {keels.length:g} m are longer than her waterline of {afloat.length:.3g} m"
-        )
+        long = f"{keels.length:g} m are longer than her waterline of {afloat.length:.3g} m"
+        raise console.Refused(f"--bilge-keels: {long}")
     found = RollDamping(Ikeda(bilge_keels=keels), afloat, float(by_rule(afloat)[5]), True)
     if not found.parts:
         return [], []
     scale = found.scale / found.critical
-    rows = [
-        {
-            "amplitude_deg": a,
-            **{part: scale * b for part, b in found.parts[a]._asdict().items()},
-            "sum": found.critical_share(a),
-        }
-        for a in ROLL_AMPLITUDES_DEG
-    ]
+    rows = []
+    for a in ROLL_AMPLITUDES_DEG:
+        shares = {part: scale * b for part, b in found.parts[a]._asdict().items()}
+        rows.append({"amplitude_deg": a, **shares, "sum": found.critical_share(a)})
     return rows, found.warnings
 
 
-def squat_rows(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[str, float]], list[str]]:
+def squat_rows(afloat: hydrostatics.Hydrostatics, depth: float | None) -> tuple[list[dict[str, float]], list[str]]:
     """Squat in water of `depth` [m], a row per Froude number, and warnings; empty without a depth. Raises Refused."""
-    from math import degrees, sqrt
-
-    from ocean_sim.ship.naval.hydrostatics import bow_squat, slender_squat
-
     if depth is None:
         return [], []
     if depth <= afloat.draught:
         raise console.Refused(f"--depth: she draws {afloat.draught:.3g} m, more than the water has")
-    law, rows = slender_squat(afloat), []
+    law, rows = hydrostatics.slender_squat(afloat), []
     names = ("froude", "speed_m_s", "sinkage_m", "trim_deg", "bow_m", "under_keel_m")
     for froude in SQUAT_FROUDE_NUMBERS:
         speed = froude * sqrt(GRAVITY * depth)
         at = law.at_speed(speed, depth)
-        bow = bow_squat(afloat.needed_volume, afloat.length, speed, depth)
+        bow = hydrostatics.bow_squat(afloat.needed_volume, afloat.length, speed, depth)
         under_keel = depth - afloat.draught - max(bow, at.end_sinkage)
         rows.append(dict(zip(names, (froude, speed, at.sinkage, degrees(at.trim), bow, under_keel))))
     blunt = "squat: sinkage and trim are of a slender hull; her ends are blunt, and they grow slowly with --cells"
     return rows, [blunt] if law.blunt else []
 
 
-def stated_balance(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[str, Any]:
+def stated_balance(afloat: hydrostatics.Hydrostatics, stability: Stability, cross: bool) -> dict[str, Any]:
     """Draught, GM, trim, righting levers, criteria and natural periods as JSON data; `cross`: also cross curves."""
-    from ocean_sim.ship.forces.added_mass import by_rule
-    from ocean_sim.ship.naval.hydrostatics import LEVER_HEELS
-    from ocean_sim.ship.naval.stability import CROSS_HEELS
-
     kb = afloat.kb
     kg = float(afloat.matter.centre[1]) - afloat.keel
-    heels = [0.0, *LEVER_HEELS]
+    heels = [0.0, *hydrostatics.LEVER_HEELS]
     by_heel = dict(zip(stability.heels.tolist(), stability.levers.tolist()))
     levers = [by_heel[heel] for heel in heels]
     angle, opening = stability.flooding_heel
@@ -408,12 +349,8 @@ def stated_balance(afloat: "Hydrostatics", stability: "Stability", cross: bool) 
     return found
 
 
-def balance_at_rest(afloat: "Hydrostatics") -> dict[str, float | None]:
+def balance_at_rest(afloat: hydrostatics.Hydrostatics) -> dict[str, float | None]:
     """Draughts fore and aft [m], trim and heel [deg], > 0 with bow and starboard down; None without equilibrium."""
-    from math import asin, degrees
-
-    from ocean_sim.ship.body.floating import lean_matrix, rest_angles
-
     angles, names = rest_angles(afloat), ("draught_fore_m", "draught_aft_m", "trim_deg", "heel_deg")
     if angles is None:
         return dict.fromkeys(names)
@@ -425,7 +362,6 @@ def balance_at_rest(afloat: "Hydrostatics") -> dict[str, float | None]:
 
 
 def print_report(name: str, found: dict[str, Any], notes: list[str], picture: Path | None) -> None:
-    from ocean_sim.ship.naval.stability import LAST_HEEL
 
     console.say(name)
     for note in notes:
@@ -465,9 +401,8 @@ def print_report(name: str, found: dict[str, Any], notes: list[str], picture: Pa
     if found.get("squat"):
         heads = ["U / sqrt(g h)", "speed [m/s]", "sinkage [m]", "trim, bow down [deg]", "bow [m]", "under the keel [m]"]
         rows = [[f"{round(value, 5) + 0.0:.3g}" for value in row.values()] for row in found["squat"]]
-        console.table(
-            "\nsquat: sinkage and trim of a slender hull (Tuck 1966); bow at most (ICORELS 1980)", heads, rows
-        )
+        title = "\nsquat: sinkage and trim of a slender hull (Tuck 1966); bow at most (ICORELS 1980)"
+        console.table(title, heads, rows)
     if found.get("cross"):
         heads = ["kg", *(f"{row['heel_deg']:g} deg" for row in found["cross"][0]["kn"])]
         rows = [[f"{c['displacement_kg']:.5g}", *(f"{row['kn_m']:.4f}" for row in c["kn"])] for c in found["cross"]]
@@ -482,23 +417,19 @@ def draw_hull(path: Path, shape: Any, found: dict[str, Any]) -> None:
     """Draw three views of the hull with its waterline, and righting levers from `found`, its facts, into a PNG file."""
     from matplotlib.figure import Figure
 
-    from ocean_sim.ship.hull.voxels import voxels
-
     lower, upper = shape.shape.bounds()
     cubes = voxels(shape.shape, float((upper - lower)[1]) / 24.0)
     figure = Figure(figsize=(11.0, 6.5), layout="constrained")
     names = ("x to port [m]", "y up [m]", "z to the bow [m]")
     for number, (across, up) in enumerate(((2, 1), (0, 1), (2, 0))):
         axes = figure.add_subplot(2, 2, number + 1)
-        edges = [
-            lower[a] + cubes.size[a] * np.arange(-1, (upper - lower)[a] / cubes.size[a] + 1.5) for a in (across, up)
-        ]
+        size, whole = cubes.size, upper - lower
+        edges = [lower[a] + size[a] * np.arange(-1, whole[a] / size[a] + 1.5) for a in (across, up)]
         positions = cubes.centre[:, across], cubes.centre[:, up]
         image, *_ = np.histogram2d(*positions, bins=edges, weights=cubes.share)
         shown = np.where(image.T > 0.0, image.T, np.nan)
-        axes.imshow(
-            shown, origin="lower", extent=(*edges[0][[0, -1]], *edges[1][[0, -1]]), cmap="Greys", aspect="equal"
-        )
+        extent = (*edges[0][[0, -1]], *edges[1][[0, -1]])
+        axes.imshow(shown, origin="lower", extent=extent, cmap="Greys", aspect="equal")
         if up == 1 and found["draught_m"] is not None:
             axes.axhline(lower[1] + found["draught_m"], color="C0", linewidth=1.0)
         axes.set_xlabel(names[across])

@@ -1,7 +1,5 @@
 """`ocean-sim list`: all names to choose from, each with one sentence; no kind is imported for it."""
 
-from typing import Annotated
-
 import typer
 
 from ocean_sim.parts import PACKAGE, SLOTS, kinds, library, named
@@ -16,13 +14,11 @@ SECTION_NAMES = ("scenes", *SLOTS, "hull", "geometry", "washout", "observers", "
 
 
 def list_choices(
-    slot: Annotated[
-        str | None,
-        typer.Argument(
-            help="scenes, observers, cases, figures, or a slot such as wind.",
-            autocompletion=completion(lambda: SECTION_NAMES),
-        ),
-    ] = None,
+    slot: str | None = typer.Argument(
+        None,
+        help="scenes, observers, cases, figures, or a slot such as wind.",
+        autocompletion=completion(lambda: SECTION_NAMES),
+    ),
     as_json: Json = False,
 ) -> None:
     """Print the names of every section, or of one (`slot`), each with a sentence."""

@@ -4,7 +4,6 @@ import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
@@ -26,10 +25,10 @@ MAX_NAMES = 6  # names of what else a slot may hold
 
 
 def new(
-    file: Annotated[Path, typer.Argument(help="The scene file to write.")],
-    source: Annotated[
-        str, typer.Option("--from", help="The scene to start from: a name or a file.", autocompletion=complete_scene)
-    ] = "showcase",
+    file: Path = typer.Argument(help="The scene file to write."),
+    source: str = typer.Option(
+        "showcase", "--from", help="The scene to start from: a name or a file.", autocompletion=complete_scene
+    ),
     as_json: Json = False,
 ) -> None:
     """Write a scene like another one; never over a file that is there."""
@@ -44,10 +43,7 @@ def new(
     with atomic_write(file) as draft:
         draft.write_text("\n".join(scene_lines(scene, file)) + "\n", encoding="utf-8")
     load(file)
-    if as_json:
-        console.answer({"file": file})
-    else:
-        console.say(f"{file}: try `ocean-sim check {file}`, then `ocean-sim run {file}`")
+    console.reply(as_json, {"file": file}, f"{file}: try `ocean-sim check {file}`, then `ocean-sim run {file}`")
 
 
 def scene_lines(scene: Node, file: Path) -> Iterator[str]:
@@ -57,9 +53,8 @@ def scene_lines(scene: Node, file: Path) -> Iterator[str]:
     yield f"# yaml-language-server: $schema={os.path.relpath(schema, here) if near else schema.absolute().as_uri()}"
     yield "# SI units and radians unless a key says otherwise; `ocean-sim explain KEY` says more of each."
     first = {key: key.meaning.split("; ")[0].split(". ")[0].rstrip(".") for key in scene_keys()}
-    yield from section_lines(
-        scene.data, {key.path: f"{meaning}{in_brackets(key.unit)}" for key, meaning in first.items()}
-    )
+    meanings = {key.path: f"{meaning}{in_brackets(key.unit)}" for key, meaning in first.items()}
+    yield from section_lines(scene.data, meanings)
     absent = [slot for slot in SLOTS if slot not in scene.data and slot != "time_step"]
     if "ships" in scene.data:
         absent.remove("ship")
@@ -105,8 +100,8 @@ def with_comment(text: str, comment: str) -> str:
 
 
 def print_schema(
-    out: Annotated[Path | None, typer.Option(help="A file to write instead of standard output.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="The output is always JSON.")] = True,
+    out: Path | None = typer.Option(None, help="A file to write instead of standard output."),
+    as_json: bool = typer.Option(True, "--json", help="The output is always JSON."),
 ) -> None:
     """Print the schema, or write it into a file."""
     if out is None:

@@ -5,14 +5,14 @@ from collections.abc import Sequence
 from contextlib import closing
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import typer
 
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.files.input_file import Unreadable
-from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, merge_nodes, node_of, read_mapping
+from ocean_sim.files.yaml_file import Location, Node, merge_nodes, node_of, read_mapping
 from ocean_sim.observers.platform_log import heading
 from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.parts import library, named
@@ -22,7 +22,7 @@ from ocean_sim.platform.shared import datagrams, motion_log
 from ocean_sim.platform.shared import packets as wire
 from ocean_sim.platform.shared.metrics import Metric, ride_metrics
 from ocean_sim.platform.shared.motion_log import FRAME_AXES, MotionLog
-from ocean_sim.reading.translation import choice_sentence, validated
+from ocean_sim.reading.translation import checked, choice_sentence
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared import platform_pictures as pictures
 from ocean_sim.verbs.shared.options import Json
@@ -31,30 +31,21 @@ FELT_COLUMNS = ("force_x", "force_y", "force_z", "rate_x", "rate_y", "rate_z")
 
 
 def platform(
-    log: Annotated[Path, typer.Argument(help="A motion log, or a run folder that has one.")],
-    geometry: Annotated[str, typer.Option(help="A name in configs/geometry/, or a file.")] = "hexapod_a",
-    washout: Annotated[str, typer.Option(help="A name in configs/washout/, or a file.")] = "ship",
-    ramp: Annotated[
-        float | None, typer.Option(min=0.0, help="Time [s] from neutral to the motion, and back at the end.")
-    ] = None,
-    sets: Annotated[
-        list[str] | None,
-        typer.Option("--set", help="key=value over platform, washout and geometry: washout.tilt_rate_deg=2."),
-    ] = None,
-    frame: Annotated[
-        str | None, typer.Option(help="ship, ned or flu: the axes written; the motion log is written in them, too.")
-    ] = None,
-    stream: Annotated[
-        str | None, typer.Option(help="Replay in real time to an address such as udp://127.0.0.1:5005.")
-    ] = None,
-    packets: Annotated[str, typer.Option(help="ocean_sim, openmotionsim, floats or text.")] = "ocean_sim",
-    key: Annotated[Path | None, typer.Option(help="A file whose content signs every packet of ocean_sim.")] = None,
-    film: Annotated[
-        bool, typer.Option("--film", help="Also film.gif: the 10 s in which the hexapod moves most.")
-    ] = False,
-    out: Annotated[Path, typer.Option(help="Where platform.csv, metrics.csv and the pictures go.")] = Path(
-        "runs/platform"
+    log: Path = typer.Argument(help="A motion log, or a run folder that has one."),
+    geometry: str = typer.Option("hexapod_a", help="A name in configs/geometry/, or a file."),
+    washout: str = typer.Option("ship", help="A name in configs/washout/, or a file."),
+    ramp: float | None = typer.Option(None, min=0.0, help="Time [s] from neutral to the motion, and back at the end."),
+    sets: list[str] | None = typer.Option(
+        None, "--set", help="key=value over platform, washout and geometry: washout.tilt_rate_deg=2."
     ),
+    frame: str | None = typer.Option(
+        None, help="ship, ned or flu: the axes written; the motion log is written in them, too."
+    ),
+    stream: str | None = typer.Option(None, help="Replay in real time to an address such as udp://127.0.0.1:5005."),
+    packets: str = typer.Option("ocean_sim", help="ocean_sim, openmotionsim, floats or text."),
+    key: Path | None = typer.Option(None, help="A file whose content signs every packet of ocean_sim."),
+    film: bool = typer.Option(False, "--film", help="Also film.gif: the 10 s in which the hexapod moves most."),
+    out: Path = typer.Option(Path("runs/platform"), help="Where platform.csv, metrics.csv and the pictures go."),
     as_json: Json = False,
 ) -> None:
     """Turn a motion log into commands of a motion platform; all is computed before anything is written."""
@@ -101,11 +92,7 @@ def platform_config(geometry: str, washout: str, sets: Sequence[str] = ()) -> Co
         for part in reversed(key.split(".")):
             value = node_of({part: value}, value.location)
         whole = merge_nodes(whole, value)
-    problems: list[Problem] = []
-    config = validated(Config, whole, (), problems)
-    if config is None:
-        raise SceneError(problems)
-    return config
+    return checked(Config, whole)
 
 
 def platform_choice(what: str, name: str) -> Node:
@@ -173,17 +160,15 @@ def write_commands(
     """Write commands `done`, metrics `found` and pictures of a ride into `out`, at once when complete; return paths."""
     with TemporaryDirectory(prefix=".platform-", dir=out) as name:
         folder = Path(name)
-        head = heading(log.every, frame or "flu") | (
-            {"seed": log.table.head["seed"]} if "seed" in log.table.head else {}
-        )
+        seed = {"seed": log.table.head["seed"]} if "seed" in log.table.head else {}
+        head = heading(log.every, frame or "flu") | seed
         commands_table(folder / "platform.csv", head, PLATFORM_COLUMNS, to_log_frame(done, frame or "flu").rows())
         rows = [[metric.quantity, metric.value, metric.unit] for metric in found]
         commands_table(folder / "metrics.csv", {}, ("quantity", "value", "unit"), rows)
         if frame is not None:
             changed = log.table.head | {"frame": frame, "axes": motion_log.AXES_IN_WORDS[frame]}
-            commands_table(
-                folder / f"motion_{frame}.csv", changed, log.table.names, motion_log.convert_rows(log, frame)
-            )
+            converted = motion_log.convert_rows(log, frame)
+            commands_table(folder / f"motion_{frame}.csv", changed, log.table.names, converted)
         console.draw_if_able(pictures.draw_pictures, folder, done, config, machine, film)
         return [path.replace(out / path.name) for path in sorted(folder.iterdir())]
 
@@ -227,11 +212,8 @@ def print_report(done: Commands, found: list[Metric], files: list[Path]) -> None
     kinds = ("scaled_rms", "felt_rms", "error_rms", "correlation", "delay", "false_cue")
     numbers = [[value[f"{name}_{kind}"] for kind in kinds] for name in FELT_COLUMNS]
     rows = [[name, *("-" if np.isnan(n) else f"{n:.4g}" for n in row)] for name, row in zip(FELT_COLUMNS, numbers)]
-    console.table(
-        "specific force [m/s2] and rates [rad/s]: scaled, and felt on the platform",
-        ["", *(kind.replace("_", " ") for kind in kinds)],
-        rows,
-    )
+    title = "specific force [m/s2] and rates [rad/s]: scaled, and felt on the platform"
+    console.table(title, ["", *(kind.replace("_", " ") for kind in kinds)], rows)
     sick = (value["motion_sickness_dose_ship"], value["motion_sickness_dose_platform"])
     limited, stroke = 100.0 * value["share_limited"], 100.0 * value["stroke_used"]
     console.say(f"\n{len(done.time)} rows, {limited:.3g} % of them limited; {stroke:.3g} % of the stroke used")

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
@@ -18,7 +18,7 @@ from ocean_sim.parts import named
 from ocean_sim.pictures.live.panel import Panel
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.simulation import Simulation
-from ocean_sim.verbs.serve import serve
+from ocean_sim.verbs.serve import LOCAL_HOST, serve
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import Bar
 from ocean_sim.verbs.shared.options import Json, Profile, Scene, Sets
@@ -33,23 +33,20 @@ def preview(
     scene: Scene,
     profile: Profile = None,
     sets: Sets = None,
-    frames: Annotated[
-        int | None,
-        typer.Option(min=1, help="Number of pictures to write instead of opening a window; needs no screen."),
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Where pictures and snapshots go; by default runs/<scene>-preview.")
-    ] = None,
-    camera: Annotated[str | None, typer.Option(help="third_person, helm, top or side.")] = None,
-    content: Annotated[str | None, typer.Option(help="surface, particles or both.")] = None,
-    browser: Annotated[bool, typer.Option("--browser", help="Use the browser instead, as `serve` does.")] = False,
+    frames: int | None = typer.Option(
+        None, min=1, help="Number of pictures to write instead of opening a window; needs no screen."
+    ),
+    out: Path | None = typer.Option(None, help="Where pictures and snapshots go; by default runs/<scene>-preview."),
+    camera: str | None = typer.Option(None, help="third_person, helm, top or side."),
+    content: str | None = typer.Option(None, help="surface, particles or both."),
+    browser: bool = typer.Option(False, "--browser", help="Use the browser instead, as `serve` does."),
     as_json: Json = False,
 ) -> None:
     """Open a window, or write `frames` pictures into a folder."""
     if browser:
         if frames is not None or camera is not None or content is not None:
             raise typer.BadParameter("--browser takes neither --frames nor --camera nor --content")
-        serve([scene], profile, sets, out=out, as_json=as_json)
+        serve([scene], profile, sets, LOCAL_HOST, None, True, out, as_json)
         return
     overrides: dict[str, Any] = dict(console.set_values(sets))
     overrides |= {f"preview.{key}": value for key, value in (("camera", camera), ("content", content)) if value}
@@ -76,10 +73,7 @@ def preview(
                 session.film(frames, as_json)
         finally:
             session.close()
-    if as_json:
-        console.answer(session.facts())
-    else:
-        console.say(session.summary())
+    console.reply(as_json, session.facts(), session.summary())
 
 
 def picture_name(number: int) -> str:

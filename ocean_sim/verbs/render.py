@@ -1,13 +1,13 @@
 """`ocean-sim render` and `export`: pictures and files made from a finished run."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
 from ocean_sim.files import run_files
 from ocean_sim.files.run_files import MANIFEST_FILE
-from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of
+from ocean_sim.files.yaml_file import Location, Node, node_of
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import Drawing
 from ocean_sim.verbs.shared.options import Json, number_list
@@ -17,33 +17,30 @@ EXPORT_KINDS = {"particles": ("vtkhdf", "ply"), "surface": ("ply", "vtp", "vtkhd
 
 
 def render(
-    run: Annotated[Path, typer.Argument(help="A run folder.")],
-    camera: Annotated[
-        str, typer.Option(help="third_person, follow, orbit, fixed, first_person, top or side.")
-    ] = "third_person",
-    quality: Annotated[str, typer.Option(help="draft or final.")] = "final",
-    size: Annotated[str | None, typer.Option(help="Width and height in pixels, both even, as 1280x720.")] = None,
-    stills: Annotated[str | None, typer.Option(help="Times [s] of further pictures: 2,4.5,6.")] = None,
-    strip: Annotated[int, typer.Option(help="Number of pictures side by side in strip.png.")] = 0,
-    film: Annotated[bool, typer.Option("--film/--no-film", help="Make film.mp4.")] = True,
-    fps: Annotated[float | None, typer.Option(help="Pictures a second of the film, which runs in real time.")] = None,
-    particles: Annotated[bool, typer.Option("--particles", help="Draw particles instead of the surface.")] = False,
-    eye: Annotated[str | None, typer.Option(help="X,Y,Z [m] of the fixed camera.")] = None,
-    target: Annotated[str | None, typer.Option(help="X,Y,Z [m] at which the fixed camera looks.")] = None,
-    ship: Annotated[str | None, typer.Option(help="The ship that a camera follows, where there are several.")] = None,
-    caption: Annotated[bool, typer.Option("--caption/--no-caption", help="Write the time into the pictures.")] = True,
-    outline: Annotated[bool, typer.Option("--outline", help="Draw where the basin ends.")] = False,
-    scale_bar: Annotated[
-        bool,
-        typer.Option("--scale-bar", help="Draw a scale bar; on maps the colours of heights, with --wind an arrow's."),
-    ] = False,
-    wind: Annotated[bool, typer.Option("--wind", help="Draw where the wind blows, and in which direction.")] = False,
-    out: Annotated[Path | None, typer.Option(help="Where to write; by default the run folder.")] = None,
+    run: Path = typer.Argument(help="A run folder."),
+    camera: str = typer.Option("third_person", help="third_person, follow, orbit, fixed, first_person, top or side."),
+    quality: str = typer.Option("final", help="draft or final."),
+    size: str | None = typer.Option(None, help="Width and height in pixels, both even, as 1280x720."),
+    stills: str | None = typer.Option(None, help="Times [s] of further pictures: 2,4.5,6."),
+    strip: int = typer.Option(0, help="Number of pictures side by side in strip.png."),
+    film: bool = typer.Option(True, "--film/--no-film", help="Make film.mp4."),
+    fps: float | None = typer.Option(None, help="Pictures a second of the film, which runs in real time."),
+    particles: bool = typer.Option(False, "--particles", help="Draw particles instead of the surface."),
+    eye: str | None = typer.Option(None, help="X,Y,Z [m] of the fixed camera."),
+    target: str | None = typer.Option(None, help="X,Y,Z [m] at which the fixed camera looks."),
+    ship: str | None = typer.Option(None, help="The ship that a camera follows, where there are several."),
+    caption: bool = typer.Option(True, "--caption/--no-caption", help="Write the time into the pictures."),
+    outline: bool = typer.Option(False, "--outline", help="Draw where the basin ends."),
+    scale_bar: bool = typer.Option(
+        False, "--scale-bar", help="Draw a scale bar; on maps the colours of heights, with --wind an arrow's."
+    ),
+    wind: bool = typer.Option(False, "--wind", help="Draw where the wind blows, and in which direction."),
+    out: Path | None = typer.Option(None, help="Where to write; by default the run folder."),
     as_json: Json = False,
 ) -> None:
     """Draw pictures and a film from the frames of a run."""
     from ocean_sim.observers import render as drawing
-    from ocean_sim.reading.translation import validated
+    from ocean_sim.reading.translation import checked
 
     asked = {
         "camera": camera,
@@ -65,10 +62,7 @@ def render(
         raise console.Refused(f"--fps {fps:g}: choose 0.1 to 240 pictures a second")
     given = {key: value for key, value in asked.items() if value is not None}
     nodes = {key: node_of(value, Location(f"--{key} {option_text(value)}")) for key, value in given.items()}
-    problems: list[Problem] = []
-    config = validated(drawing.Config, Node(nodes, Location("--camera"), Location("--camera")), (), problems)
-    if config is None:
-        raise SceneError(problems)
+    config = checked(drawing.Config, Node(nodes, Location("--camera"), Location("--camera")))
     require_frames(run)
     sentence = drawing.obstacle_to_pictures(run, config.camera, config.stills, config.ship)
     if sentence is not None:
@@ -108,20 +102,15 @@ def option_text(value: Any) -> str:
 
 
 def export(
-    run: Annotated[Path, typer.Argument(help="A run folder.")],
-    particles: Annotated[
-        str | None, typer.Option(help="vtkhdf: all in one file; ply: points, one file a frame.")
-    ] = None,
-    surface: Annotated[str | None, typer.Option(help="ply or vtp: one mesh a frame; vtkhdf: all in one file.")] = None,
-    scene: Annotated[
-        str | None,
-        typer.Option(
-            help="usd: water, ships, obstacles and particles in one file; glb: all but particles. No file has walls."
-        ),
-    ] = None,
-    z_up: Annotated[bool, typer.Option("--z-up", help="Write files in which z, not y, points up.")] = False,
-    every: Annotated[int, typer.Option(min=1, help="Export every Nth frame.")] = 1,
-    out: Annotated[Path | None, typer.Option(help="Where to write; by default the folder export/ of the run.")] = None,
+    run: Path = typer.Argument(help="A run folder."),
+    particles: str | None = typer.Option(None, help="vtkhdf: all in one file; ply: points, one file a frame."),
+    surface: str | None = typer.Option(None, help="ply or vtp: one mesh a frame; vtkhdf: all in one file."),
+    scene: str | None = typer.Option(
+        None, help="usd: water, ships, obstacles and particles in one file; glb: all but particles. No file has walls."
+    ),
+    z_up: bool = typer.Option(False, "--z-up", help="Write files in which z, not y, points up."),
+    every: int = typer.Option(1, min=1, help="Export every Nth frame."),
+    out: Path | None = typer.Option(None, help="Where to write; by default the folder export/ of the run."),
     as_json: Json = False,
 ) -> None:
     """Write files for ParaView, Blender and others from the frames of a run."""

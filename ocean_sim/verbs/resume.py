@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Any
 
 import typer
 
@@ -16,22 +16,20 @@ from ocean_sim.kernel_library import LIBRARY_NAME, LIBRARY_VARIABLE, QUADRANTS, 
 from ocean_sim.machine import source_hashes, stop_if_asked, stoppable
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import FIRST_FILE, Result, simulate
+from ocean_sim.simulation import Simulation
 from ocean_sim.state import checkpoint_file
 from ocean_sim.verbs.run import report_run, until_node
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json, Quiet
 from ocean_sim.verbs.shared.progress import Progress, kernel_notice
 
-if TYPE_CHECKING:
-    from ocean_sim.simulation import Simulation
-
 MAX_SHOWN_DIFFERENCES = 3  # differences that are named
 
 
 def resume(
-    run: Annotated[Path, typer.Argument(help="A run folder with checkpoints.")],
-    until: Annotated[float | None, typer.Option(help="Simulated time [s], instead of the scene's duration.")] = None,
-    anyway: Annotated[bool, typer.Option("--anyway", help="Go on even if the program has changed since.")] = False,
+    run: Path = typer.Argument(help="A run folder with checkpoints."),
+    until: float | None = typer.Option(None, help="Simulated time [s], instead of the scene's duration."),
+    anyway: bool = typer.Option(False, "--anyway", help="Go on even if the program has changed since."),
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
@@ -78,10 +76,9 @@ def continue_run(
     """Run on from the checkpoint `kept`. The simulation is built in a temporary folder, so that the run folder is
     unchanged until the checkpoint is restored; `changed`: changes of the program in words."""
     from ocean_sim.observers.checkpoint import restore
-    from ocean_sim.simulation import Simulation
     from ocean_sim.state.snapshot import FileShortened, Mismatch
 
-    def restored(simulation: "Simulation") -> None:
+    def restored(simulation: Simulation) -> None:
         if kept.made.get("backend") != simulation.backend.arch:
             backends = f"{kept.made.get('backend')}, and this one on {simulation.backend.arch}"
             raise console.Refused(f"{folder}: the checkpoint was made on {backends}")
@@ -147,10 +144,8 @@ def library_of(manifest: dict[str, Any], config: SceneConfig) -> str | None:
 
 def report_finished(folder: Path, manifest: dict[str, Any], as_json: bool) -> None:
     facts = {key: manifest.get(key) for key in ("outcome", "steps", "simulated_s")} | {"folder": str(folder)}
-    if as_json:
-        console.answer(facts)
-    else:
-        console.say(f"{folder}: this run is finished, at t = {manifest['simulated_s']:.3f} s; --until continues it")
+    end = f"{folder}: this run is finished, at t = {manifest['simulated_s']:.3f} s; --until continues it"
+    console.reply(as_json, facts, end)
 
 
 def never_begun(folder: Path, config: SceneConfig) -> bool:
@@ -212,16 +207,12 @@ def program_changes(made: dict[str, Any]) -> str:
 
     now, then, library = versions(), made.get("sources") or {}, other_library(made)
     compared = [name for name in now if name != LIBRARY_NAME or not library]
-    versions_differ = scene_differences(
-        {name: made.get(name) for name in compared}, {name: now[name] for name in compared}
-    )
+    kept, used = ({name: each.get(name) for name in compared} for each in (made, now))
+    versions_differ = scene_differences(kept, used)
     files = [name for name in sorted({*then, *source_hashes()}) if then.get(name) != source_hashes().get(name)]
     more = f" and {len(files) - MAX_SHOWN_DIFFERENCES} more" if len(files) > MAX_SHOWN_DIFFERENCES else ""
-    differ = (
-        [f"another library: {library} compiled its kernels, and {LIBRARY_VARIABLE} is {LIBRARY_NAME}"]
-        if library
-        else []
-    )
+    other = f"another library: {library} compiled its kernels, and {LIBRARY_VARIABLE} is {LIBRARY_NAME}"
+    differ = [other] if library else []
     differ += [f"another version: {versions_differ}"] if versions_differ else []
     differ += [f"other sources: {', '.join(files[:MAX_SHOWN_DIFFERENCES])}{more}"] if files else []
     return ", and of ".join(differ)
@@ -229,9 +220,8 @@ def program_changes(made: dict[str, Any]) -> str:
 
 def other_library(made: dict[str, Any]) -> str:
     """Kernel library and version in `made`, a checkpoint's versions, if this process uses another one; else empty."""
-    return next(
-        (f"{name} {made[name]}" for name in (TAICHI, QUADRANTS) if name in made and LIBRARY_NAME not in made), ""
-    )
+    used = (name for name in (TAICHI, QUADRANTS) if name in made and LIBRARY_NAME not in made)
+    return next((f"{name} {made[name]}" for name in used), "")
 
 
 def scene_differences(kept: Any, now: Any) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator
 from itertools import count
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
@@ -21,6 +21,7 @@ from ocean_sim.verbs.shared.progress import Progress, kernel_notice
 
 OFFSET_STATED = 0.1  # [spacings] by which a surface has left the highest particles, from which on it is said
 RESIDUAL_STATED = 0.2  # of the work of what drives the water that is in no energy, from which on it is said
+USUAL_EVENTS = ("start", "limit", "end", "stop", "done")  # that are not news
 DRIVING_TERMS = ("wind", "walls", "sea", "obstacles", "ship", "emitter")
 
 
@@ -29,9 +30,9 @@ def run(
     profile: Profile = None,
     sets: Sets = None,
     out: Out = None,
-    until: Annotated[float | None, typer.Option(help="Simulated time [s], instead of the scene's duration.")] = None,
-    overwrite: Annotated[bool, typer.Option(help="Replace a run that is already in --out.")] = False,
-    frame: Annotated[str | None, typer.Option(help="Axes of motion.csv: ship, ned or flu.")] = None,
+    until: float | None = typer.Option(None, help="Simulated time [s], instead of the scene's duration."),
+    overwrite: bool = typer.Option(False, help="Replace a run that is already in --out."),
+    frame: str | None = typer.Option(None, help="Axes of motion.csv: ship, ned or flu."),
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
@@ -78,10 +79,7 @@ def report_run(
         keep_step_time(config, progress.step_time)
     facts = progress.summary() | {"outcome": result.manifest.get("outcome"), "warnings": config.warnings()}
     facts |= run_facts(result, config)
-    if as_json:
-        console.answer(facts)
-    else:
-        console.say(str(folder) if quiet else run_summary(facts))
+    console.reply(as_json, facts, str(folder) if quiet else run_summary(facts))
 
 
 def stopped_run(progress: Progress, folder: Path) -> console.Stopped:
@@ -136,9 +134,7 @@ def run_facts(result: Any, config: SceneConfig) -> dict[str, Any]:
     return {
         "worst_compression": worst,
         "remarks": balance_remarks(accuracy, config.preflight.spacing) if accuracy else [],
-        "events": [
-            event for event in result.events if event.get("event") not in ("start", "limit", "end", "stop", "done")
-        ],
+        "events": [event for event in result.events if event.get("event") not in USUAL_EVENTS],
         "folder": str(result.folder),
         "files": sorted(path.name + ("/" if path.is_dir() else "") for path in result.folder.glob("[!.]*")),
         "notes": config.notes,

@@ -1,7 +1,7 @@
 """`ocean-sim sea`: the waves of a scene as files that other programs read."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import typer
@@ -18,13 +18,11 @@ from ocean_sim.waves import exchange
 def sea(
     scene: Scene,
     sets: Sets = None,
-    swd: Annotated[Path | None, typer.Option(help="A spectral-wave-data file (.swd) to write.")] = None,
-    openfast: Annotated[
-        Path | None, typer.Option(help="An elevation file of OpenFAST (.Elev, WaveMod 5) to write.")
-    ] = None,
-    at: Annotated[str, typer.Option(help="X,Z [m], the point of that elevation.")] = "0,0",
-    every: Annotated[float, typer.Option(min=0.001, help="Time between its rows [s].")] = 0.1,
-    until: Annotated[float | None, typer.Option(min=0.001, help="Its end [s]; by default that of the scene.")] = None,
+    swd: Path | None = typer.Option(None, help="A spectral-wave-data file (.swd) to write."),
+    openfast: Path | None = typer.Option(None, help="An elevation file of OpenFAST (.Elev, WaveMod 5) to write."),
+    at: str = typer.Option("0,0", help="X,Z [m], the point of that elevation."),
+    every: float = typer.Option(0.1, min=0.001, help="Time between its rows [s]."),
+    until: float | None = typer.Option(None, min=0.001, help="Its end [s]; by default that of the scene."),
     as_json: Json = False,
 ) -> None:
     """Write the files that are asked for, and describe their content."""

@@ -7,7 +7,7 @@ import sys
 from contextlib import nullcontext, suppress
 from pathlib import Path
 from threading import Event
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
@@ -20,26 +20,21 @@ from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json, Profile, Sets
 
 HTML_TYPE, BYTES_TYPE, JSON_TYPE = "text/html; charset=utf-8", "application/octet-stream", "application/json"
+LOCAL_HOST = "127.0.0.1"  # where a page is served to this machine alone
 
 
 def serve(
-    targets: Annotated[
-        list[str], typer.Argument(metavar="SCENE|RUN...", help="A scene, a finished run, or two of them side by side.")
-    ],
+    targets: list[str] = typer.Argument(
+        metavar="SCENE|RUN...", help="A scene, a finished run, or two of them side by side."
+    ),
     profile: Profile = None,
     sets: Sets = None,
-    host: Annotated[
-        str, typer.Option(help="Where to listen; 0.0.0.0 lets other machines in, by an address with a random token.")
-    ] = "127.0.0.1",
-    port: Annotated[
-        int | None, typer.Option(min=1, max=65535, help="The port; by default 8765, or any free one.")
-    ] = None,
-    show: Annotated[
-        bool, typer.Option("--open/--no-open", help="Open the page in the browser, where there is one.")
-    ] = True,
-    out: Annotated[
-        Path | None, typer.Option(help="Where records and saved scenes go; by default runs/<scene>-browser.")
-    ] = None,
+    host: str = typer.Option(
+        LOCAL_HOST, help="Where to listen; 0.0.0.0 lets other machines in, by an address with a random token."
+    ),
+    port: int | None = typer.Option(None, min=1, max=65535, help="The port; by default 8765, or any free one."),
+    show: bool = typer.Option(True, "--open/--no-open", help="Open the page in the browser, where there is one."),
+    out: Path | None = typer.Option(None, help="Where records and saved scenes go; by default runs/<scene>-browser."),
     as_json: Json = False,
 ) -> None:
     """Serve a page with a scene or with finished runs until Ctrl-C."""
@@ -121,10 +116,8 @@ def access_token(host: str) -> str:
 
 def announce_page(server: Any, as_json: bool, show: bool, more: str) -> None:
     """Print a page's address and the hint `more`, and open it in a browser if `show` and there is a screen."""
-    if as_json:
-        console.answer({"address": server.address})
-    else:
-        console.say(f"{server.address}\nCtrl-C stops" + (f"; {more}" if more else ""))
+    stops = "Ctrl-C stops" + (f"; {more}" if more else "")
+    console.reply(as_json, {"address": server.address}, f"{server.address}\n{stops}")
     if show and not as_json and has_screen():
         import webbrowser
 
@@ -136,8 +129,8 @@ def has_screen() -> bool:
 
 
 def report(
-    runs: Annotated[list[Path], typer.Argument(metavar="RUN [RUN]", help="A run folder, or two to compare.")],
-    out: Annotated[Path | None, typer.Option(help="The page; by default replay.html in the run folder.")] = None,
+    runs: list[Path] = typer.Argument(metavar="RUN [RUN]", help="A run folder, or two to compare."),
+    out: Path | None = typer.Option(None, help="The page; by default replay.html in the run folder."),
     as_json: Json = False,
 ) -> None:
     """Write one page with the replay of a run, or of two, that needs no server; and write report.html anew."""
@@ -157,7 +150,5 @@ def report(
         if len(runs) == 1 and out is None:
             files.append(run_report.write_report(runs[0]))
         run_files.add_to_manifest(runs[0], files)
-    if as_json:
-        console.answer({"files": files, "bytes": path.stat().st_size})
-    else:
-        console.say(f"{path} ({path.stat().st_size / 1e6:.2f} MB)")
+    size = path.stat().st_size
+    console.reply(as_json, {"files": files, "bytes": size}, f"{path} ({size / 1e6:.2f} MB)")

@@ -1,7 +1,7 @@
 """`ocean-sim stability`: where water becomes unstable, and how the run ends there."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
@@ -15,10 +15,10 @@ from ocean_sim.verbs.shared.options import Json
 
 
 def stability(
-    scene: Annotated[str | None, typer.Argument(help="A scene; without one, a collapsing column.")] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Fewer points: minutes instead of hours.")] = False,
-    workers: Annotated[int | None, typer.Option(min=1, help="Runs at a time; by default one per core.")] = None,
-    out: Annotated[Path, typer.Option(help="Where tables, pictures and runs go.")] = Path("runs/stability"),
+    scene: str | None = typer.Argument(None, help="A scene; without one, a collapsing column."),
+    quick: bool = typer.Option(False, "--quick", help="Fewer points: minutes instead of hours."),
+    workers: int | None = typer.Option(None, min=1, help="Runs at a time; by default one per core."),
+    out: Path = typer.Option(Path("runs/stability"), help="Where tables, pictures and runs go."),
     as_json: Json = False,
 ) -> int:
     """Map stability over all settings; writes stability.csv, limits.csv, pictures; 1 where a point has no verdict."""
@@ -28,21 +28,16 @@ def stability(
             raise console.Refused(f"{scene}: this scene has no setting to take to an extreme")
         if not as_json:
             console.say(f"{len(plan)} runs, each on one thread")
-        study = Study(
-            plan, out / "runs", workers or available_cores(), out / "stability.csv", limit=MAX_RUN_SECONDS[quick]
-        )
+        runs, table_file = workers or available_cores(), out / "stability.csv"
+        study = Study(plan, out / "runs", runs, table_file, limit=MAX_RUN_SECONDS[quick])
         table = rows_of(study, as_json)
         lines = map_summary(table)
         write_table(out / "limits.csv", lines)
         for axis in EXTREME_AXES:
             here = [row for row in table if row["map"] == axis.name]
             if here:
-                console.draw_if_able(
-                    maps.draw_maps,
-                    out / f"stability_{axis.name.replace(' ', '_')}.png",
-                    f"{axis.name} [{axis.unit}]",
-                    here,
-                )
+                picture = out / f"stability_{axis.name.replace(' ', '_')}.png"
+                console.draw_if_able(maps.draw_maps, picture, f"{axis.name} [{axis.unit}]", here)
         if as_json:
             console.answer(table)
         else:

@@ -1,7 +1,7 @@
 """`ocean-sim sweep`: many runs from a plan, in a table that keeps failures, too."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
@@ -17,16 +17,12 @@ FACT_COLUMNS = ("outcome", "simulated_s", "particles", "wall_s", "reason")
 
 
 def sweep(
-    plan: Annotated[Path, typer.Argument(help="A YAML file: scene, profile, set, list, grid, seeds.")],
-    scheduler: Annotated[
-        str | None, typer.Option(help="A Dask cluster, as in tcp://127.0.0.1:8786, that sees the same files.")
-    ] = None,
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="Runs at a time on this machine; by default one per core.")
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Where run folders and results.csv go; by default runs/<plan>.")
-    ] = None,
+    plan: Path = typer.Argument(help="A YAML file: scene, profile, set, list, grid, seeds."),
+    scheduler: str | None = typer.Option(
+        None, help="A Dask cluster, as in tcp://127.0.0.1:8786, that sees the same files."
+    ),
+    workers: int | None = typer.Option(None, min=1, help="Runs at a time on this machine; by default one per core."),
+    out: Path | None = typer.Option(None, help="Where run folders and results.csv go; by default runs/<plan>."),
     as_json: Json = False,
 ) -> None:
     """Run all runs of a plan that have not been run yet; the table is complete after every run."""

@@ -2,7 +2,7 @@
 
 import shutil
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
@@ -36,21 +36,19 @@ CASE_COLUMNS = ("scheme", "particles", "neighbours", "wall_per_s", "cpu_per_s", 
 
 
 def tradeoff(
-    scene: Annotated[str | None, typer.Argument(help="A scene; without one, the validation cases.")] = None,
-    vary: Annotated[
-        list[str] | None,
-        typer.Option(help="KEY=A,B,C; given several times: every combination. By default profile=ci,..."),
-    ] = None,
-    budget: Annotated[
-        str | None,
-        typer.Option(help="16ms: wall time per 1/60 s simulated; realtime; 30s: wall time of the whole run."),
-    ] = None,
-    by: Annotated[str | None, typer.Option(help="The error that decides: a column of the table.")] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Fewer runs and seeds: minutes instead of hours.")] = False,
+    scene: str | None = typer.Argument(None, help="A scene; without one, the validation cases."),
+    vary: list[str] | None = typer.Option(
+        None, help="KEY=A,B,C; given several times: every combination. By default profile=ci,..."
+    ),
+    budget: str | None = typer.Option(
+        None, help="16ms: wall time per 1/60 s simulated; realtime; 30s: wall time of the whole run."
+    ),
+    by: str | None = typer.Option(None, help="The error that decides: a column of the table."),
+    quick: bool = typer.Option(False, "--quick", help="Fewer runs and seeds: minutes instead of hours."),
     profile: Profile = None,
     sets: Sets = None,
-    workers: Annotated[int | None, typer.Option(min=1, help="Cases at a time; by default one per core.")] = None,
-    out: Annotated[Path | None, typer.Option(help="Where tables, pictures and runs go.")] = None,
+    workers: int | None = typer.Option(None, min=1, help="Cases at a time; by default one per core."),
+    out: Path | None = typer.Option(None, help="Where tables, pictures and runs go."),
     as_json: Json = False,
 ) -> None:
     """Study cost and accuracy of the validation cases, or of a scene."""
@@ -83,9 +81,8 @@ def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None
     write_table(out / "equal.csv", fair)
     for trial in TRIAL_CASES:
         if drawn[trial.case]:
-            console.draw_if_able(
-                pareto.draw_pareto, out / f"tradeoff_{trial.case}.png", trial, drawn[trial.case], speed
-            )
+            picture = out / f"tradeoff_{trial.case}.png"
+            console.draw_if_able(pareto.draw_pareto, picture, trial, drawn[trial.case], speed)
             if not as_json:
                 print_settings(f"{trial.case}: {trial.quantity}", drawn[trial.case], speed)
     if as_json:

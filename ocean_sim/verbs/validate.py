@@ -7,7 +7,7 @@ from concurrent.futures.process import BrokenProcessPool
 from fnmatch import filter as matching
 from multiprocessing import active_children, get_context, parent_process
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
@@ -26,36 +26,24 @@ TOO_LONG, NOT_COARSE = "takes too long for a gate", "has no coarse set-up"
 
 
 def validate(
-    cases: Annotated[
-        list[str] | None,
-        typer.Argument(
-            help="Cases, or patterns such as 'open_*'; by default all (ocean-sim list cases).",
-            autocompletion=completion(case_names),
-        ),
-    ] = None,
-    schemes: Annotated[
-        list[str] | None,
-        typer.Option("--scheme", help="A kind of fluid or ship; give it twice to compare two. By default delta_sph."),
-    ] = None,
-    slow: Annotated[
-        bool,
-        typer.Option(
-            "--slow", help="Also run the set-ups that take minutes; with --coarse, those too long for a gate."
-        ),
-    ] = False,
-    coarse: Annotated[
-        bool,
-        typer.Option(
-            "--coarse",
-            help="A gate for CI: twice the spacing or more, tolerances of its own, no long cases.",
-        ),
-    ] = False,
+    cases: list[str] | None = typer.Argument(
+        None,
+        help="Cases, or patterns such as 'open_*'; by default all (ocean-sim list cases).",
+        autocompletion=completion(case_names),
+    ),
+    schemes: list[str] | None = typer.Option(
+        None, "--scheme", help="A kind of fluid or ship; give it twice to compare two. By default delta_sph."
+    ),
+    slow: bool = typer.Option(
+        False, "--slow", help="Also run the set-ups that take minutes; with --coarse, those too long for a gate."
+    ),
+    coarse: bool = typer.Option(
+        False, "--coarse", help="A gate for CI: twice the spacing or more, tolerances of its own, no long cases."
+    ),
     sets: Sets = None,
-    out: Annotated[Path, typer.Option(help="Where validate.csv and the pictures go.")] = Path("runs/validate"),
-    junit: Annotated[
-        Path | None, typer.Option(help="Also write a report in JUnit's XML, which CI services read.")
-    ] = None,
-    workers: Annotated[int | None, typer.Option(min=1, help="Cases at a time; by default one per core.")] = None,
+    out: Path = typer.Option(Path("runs/validate"), help="Where validate.csv and the pictures go."),
+    junit: Path | None = typer.Option(None, help="Also write a report in JUnit's XML, which CI services read."),
+    workers: int | None = typer.Option(None, min=1, help="Cases at a time; by default one per core."),
     as_json: Json = False,
 ) -> int:
     """Run cases under schemes and report; the exit code is 1 where a promise was missed."""
@@ -95,9 +83,8 @@ def validate(
             for sentence in left_out(plan, schemes, coarse):
                 console.say(f"\n{sentence}")
             promised = sum(row["tolerance"] is not None for row in rows)
-            console.say(
-                f"\n{promised - len(missed)} of {promised} tolerances kept; {out / 'validate.csv'} and pictures"
-            )
+            kept = f"{promised - len(missed)} of {promised} tolerances kept"
+            console.say(f"\n{kept}; {out / 'validate.csv'} and pictures")
             if junit is not None:
                 console.say(str(junit))
         return 1 if missed else 0
@@ -191,16 +178,8 @@ def row_line(row: dict[str, Any]) -> list[str]:
     verdict = "reported" if row["tolerance"] is None else "ok" if row["ok"] else "MISSED"
     error = f"{number_cell(row['error'])}{unit}" if row["error"] is not None else "-"
     tolerance = number_cell(row["tolerance"]) if row["tolerance"] is not None else ""
-    return [
-        row["scheme"],
-        row["quantity"],
-        number_cell(row["value"]),
-        number_cell(row["reference"]),
-        error,
-        tolerance,
-        verdict,
-        row["source"],
-    ]
+    numbers = [number_cell(row["value"]), number_cell(row["reference"]), error, tolerance]
+    return [row["scheme"], row["quantity"], *numbers, verdict, row["source"]]
 
 
 def number_cell(value: float | None) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from math import isfinite
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import typer
@@ -15,24 +15,8 @@ from ocean_sim.pictures.water.sea_state import run_scene
 from ocean_sim.verbs.render import warn_unless_ended
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json
+from ocean_sim.waves import record
 from ocean_sim.waves.orbits import BREAKING_ACCELERATION, Grid, Motion, SurfaceRecord, surface_record, tracer_motion
-from ocean_sim.waves.record import (
-    CUT_OFF_PEAKS,
-    MIN_IRREGULAR_WAVES,
-    RECORD_PERIODS,
-    REGULAR_ERROR,
-    Sea,
-    Treatment,
-    Unmeasurable,
-    even_samples,
-    gauge_elevations,
-    linear_trend,
-    measure_record,
-    missing_samples,
-    record_spectra,
-    sampling_error,
-    slow_part,
-)
 from ocean_sim.wind.shared.air_load import LAW, stated_speed
 
 WAVE_COLUMNS = {
@@ -49,28 +33,24 @@ ORBIT_COLUMNS = ["particle", "level_m", "along_m", "up_m", "ratio", "drift_m_s"]
 
 
 def waves(
-    run: Annotated[Path, typer.Argument(help="A run folder, or its gauges.csv.")],
-    begin: Annotated[float, typer.Option(help="Ignore the record before this time [s].")] = 0.0,
-    detrend: Annotated[
-        bool, typer.Option("--detrend", help="Subtract the straight line fitted to each record.")
-    ] = False,
-    hysteresis: Annotated[
-        float, typer.Option(min=0.0, help="Count a wave only if it goes this far below and above zero [m].")
-    ] = 0.0,
-    out: Annotated[
-        Path | None, typer.Option(help="Where the plot and the spectra go; by default next to the record.")
-    ] = None,
+    run: Path = typer.Argument(help="A run folder, or its gauges.csv."),
+    begin: float = typer.Option(0.0, help="Ignore the record before this time [s]."),
+    detrend: bool = typer.Option(False, "--detrend", help="Subtract the straight line fitted to each record."),
+    hysteresis: float = typer.Option(
+        0.0, min=0.0, help="Count a wave only if it goes this far below and above zero [m]."
+    ),
+    out: Path | None = typer.Option(None, help="Where the plot and the spectra go; by default next to the record."),
     as_json: Json = False,
 ) -> None:
     """Measure every gauge; writes waves.csv, spectra.csv, waves.png, of frames surface.csv, of tracers orbits.csv."""
-    treatment = Treatment(detrend, hysteresis)
+    treatment = record.Treatment(detrend, hysteresis)
     if not isfinite(treatment.hysteresis):
         raise console.Refused(f"--hysteresis is a height in metres, not {treatment.hysteresis:g}")
     path = read_record(run)
     try:
-        time, heights = gauge_elevations(path, begin)
+        time, heights = record.gauge_elevations(path, begin)
         found = {name: wave_statistics(name, time, height, treatment) for name, height in heights.items()}
-    except Unmeasurable as why:
+    except record.Unmeasurable as why:
         raise console.Refused(f"{path}: {why}") from None
     except ValueError as error:
         raise console.Refused(str(error)) from None
@@ -79,7 +59,7 @@ def waves(
     folder.mkdir(parents=True, exist_ok=True)
     files = [folder / "waves.csv", folder / "spectra.csv", folder / "waves.png"]
     write_seas(files[0], found, treatment.notes())
-    frequency, densities = record_spectra(time, heights, treatment)
+    frequency, densities = record.record_spectra(time, heights, treatment)
     write_columns(files[1], {"frequency_Hz": frequency} | {f"{name}_m2_s": d for name, d in densities.items()})
     if not console.draw_if_able(draw_waves, files[2], time, heights, frequency, densities):
         files.pop()
@@ -95,10 +75,9 @@ def waves(
         console.answer({name: sea.numbers() | treated[name] | whole_run for name, sea in found.items()})
         return
     print_waves(found, path, treatment, time)
-    steady = [height for name, height in heights.items() if found[name].waves >= MIN_IRREGULAR_WAVES]
-    for sentence in sampling_facts(
-        [sampling_error(treatment.deviation(even_samples(time, height)[1])) for height in steady]
-    ):
+    steady = [height for name, height in heights.items() if found[name].waves >= record.MIN_IRREGULAR_WAVES]
+    errors = [record.sampling_error(treatment.deviation(record.even_samples(time, h)[1])) for h in steady]
+    for sentence in sampling_facts(errors):
         console.say(sentence)
     for name, done in treated.items():
         for warning in done.get("warnings", ()):
@@ -155,9 +134,8 @@ def particle_orbits(path: Path, folder: Path, begin: float, period: float | None
     rows = orbit_rows(names, found)
     csv_file.write_table(folder / "orbits.csv", ORBIT_COLUMNS, rows)
     some = rows[:: max(1, len(rows) // 10)]
-    console.table(
-        f"{path}: orbits under waves of {period:.4g} s (half length and height, and drift)", ORBIT_COLUMNS, some
-    )
+    title = f"{path}: orbits under waves of {period:.4g} s (half length and height, and drift)"
+    console.table(title, ORBIT_COLUMNS, some)
     if found.decay_per_m is not None:
         console.say(f"orbits shrink with depth as exp({found.decay_per_m:.4g} y)")
     return [folder / "orbits.csv"]
@@ -174,20 +152,21 @@ def read_record(run: Path) -> Path:
     return path
 
 
-def treatment_of(treatment: Treatment, time: np.ndarray, height: np.ndarray) -> dict[str, Any]:
+def treatment_of(treatment: record.Treatment, time: np.ndarray, height: np.ndarray) -> dict[str, Any]:
     """Facts on the treatment of a record (n,): trend removed [m/s], hysteresis [m], warnings; each if there is one."""
-    warnings = [*filter(None, (missing_samples(time), slow_part(*even_samples(time, height), treatment)))]
-    found: dict[str, Any] = {"trend_m_s": linear_trend(*even_samples(time, height))} if treatment.detrended else {}
+    even = record.even_samples(time, height)
+    warnings = [*filter(None, (record.missing_samples(time), record.slow_part(*even, treatment)))]
+    found: dict[str, Any] = {"trend_m_s": record.linear_trend(*even)} if treatment.detrended else {}
     found |= {"hysteresis_m": treatment.hysteresis} if treatment.hysteresis else {}
     return found | ({"warnings": warnings} if warnings else {})
 
 
-def wave_statistics(name: str, time: np.ndarray, height: np.ndarray, treatment: Treatment) -> Sea:
+def wave_statistics(name: str, time: np.ndarray, height: np.ndarray, treatment: record.Treatment) -> record.Sea:
     """Wave statistics of a gauge's heights (n,) [m] over time (n,) [s]; raises Unmeasurable with the gauge's name."""
     try:
-        return measure_record(time, height, treatment)
-    except Unmeasurable as why:
-        raise Unmeasurable(f"the record of gauge {name!r} {why}") from None
+        return record.measure_record(time, height, treatment)
+    except record.Unmeasurable as why:
+        raise record.Unmeasurable(f"the record of gauge {name!r} {why}") from None
 
 
 def wind_config(path: Path) -> dict[str, Any] | None:
@@ -221,7 +200,7 @@ def wind_of(path: Path) -> str | None:
     return "no wind" if wind["kind"] == "still" else f"wind: {wind['kind']}, a stylised force field"
 
 
-def print_waves(found: dict[str, Sea], path: Path, treatment: Treatment, time: np.ndarray) -> None:
+def print_waves(found: dict[str, record.Sea], path: Path, treatment: record.Treatment, time: np.ndarray) -> None:
     rows = [[name, *(table_cell(getattr(sea, key)) for key in WAVE_COLUMNS.values())] for name, sea in found.items()]
     heads = [f"{head} [{key.split('_')[-1]}]" if "_" in key else head for head, key in WAVE_COLUMNS.items()]
     console.table(f"{path}: {len(time)} samples from {time[0]:.12g} to {time[-1]:.12g} s", ["gauge", *heads], rows)
@@ -229,23 +208,22 @@ def print_waves(found: dict[str, Sea], path: Path, treatment: Treatment, time: n
         for sentence in record_shortcomings(sea, treatment):
             console.say(f"{name}: {sentence}")
     beyond = f" of waves that go {treatment.hysteresis:g} m below and above" if treatment.hysteresis else ""
-    console.say(
-        f"moments up to {CUT_OFF_PEAKS:g} peak frequencies; H1/3, Tz and Hmax between zero up-crossings{beyond}"
-    )
+    counted = f"H1/3, Tz and Hmax between zero up-crossings{beyond}"
+    console.say(f"moments up to {record.CUT_OFF_PEAKS:g} peak frequencies; {counted}")
     if (wind := wind_of(path)) is not None:
         console.say(wind)
 
 
 def sampling_facts(errors: list[float]) -> list[str]:
     """Sentence, in a list, on the errors (shares) of gauges' significant wave heights; empty for regular waves."""
-    irregular = sorted(error for error in errors if error < REGULAR_ERROR)
+    irregular = sorted(error for error in errors if error < record.REGULAR_ERROR)
     if not irregular:
         return []
     share = " to ".join(dict.fromkeys(f"{100.0 * error:.2g}" for error in (irregular[0], irregular[-1])))
     return [f"4 sqrt m0 of irregular waves has a standard error of {share} % in a record of this length"]
 
 
-def record_shortcomings(sea: Sea, treatment: Treatment) -> list[str]:
+def record_shortcomings(sea: record.Sea, treatment: record.Treatment) -> list[str]:
     """Sentences on statistics for which a record is too short."""
     if not sea.waves:
         if sea.hm0_m and treatment.hysteresis:
@@ -253,11 +231,12 @@ def record_shortcomings(sea: Sea, treatment: Treatment) -> list[str]:
         why = "constant" if sea.hm0_m == 0.0 else "shorter than a wave: it does not cross its mean upwards twice"
         return [f"the record is {why}, so no wave is counted"]
     found = []
-    if sea.waves < MIN_IRREGULAR_WAVES:
+    if sea.waves < record.MIN_IRREGULAR_WAVES:
         count = "1 wave" if sea.waves == 1 else f"{sea.waves} waves"
-        found.append(f"the record holds {count}; statistics of irregular waves need at least {MIN_IRREGULAR_WAVES}")
+        least = record.MIN_IRREGULAR_WAVES
+        found.append(f"the record holds {count}; statistics of irregular waves need at least {least}")
     if sea.tp_s is None:
-        why = f"the record is shorter than {RECORD_PERIODS:g} periods of its spectral peak"
+        why = f"the record is shorter than {record.RECORD_PERIODS:g} periods of its spectral peak"
         found.append(f"{why}, so Tp, Tm01 and Tm02 cannot be resolved")
     return found
 
@@ -266,7 +245,7 @@ def table_cell(value: float | None) -> str:
     return "-" if value is None else f"{value:d}" if isinstance(value, int) else f"{value:.4g}"
 
 
-def write_seas(path: Path, found: dict[str, Sea], notes: Mapping[str, str]) -> None:
+def write_seas(path: Path, found: dict[str, record.Sea], notes: Mapping[str, str]) -> None:
     """Write a CSV file with a row of wave statistics per gauge, and notes as comment lines."""
     numbers = {name: [getattr(sea, key) for key in WAVE_COLUMNS.values()] for name, sea in found.items()}
     rows = [[name, *("" if value is None else f"{value:.9g}" for value in own)] for name, own in numbers.items()]
@@ -298,7 +277,7 @@ def draw_waves(
     below.set_ylabel("spectral density [m2 s]")
     highest = max((float(frequency[np.argmax(density)]) for density in densities.values()), default=0.0)
     if highest > 0.0:  # beyond it the moments of a spectrum end, too
-        below.set_xlim(0.0, min(CUT_OFF_PEAKS * highest, float(frequency[-1])))
+        below.set_xlim(0.0, min(record.CUT_OFF_PEAKS * highest, float(frequency[-1])))
     for axes in (above, below):
         axes.grid(alpha=0.3)
         axes.legend(fontsize="x-small")

@@ -71,9 +71,8 @@ def of_swd(path: str | Path, gravity: float = waves.GRAVITY) -> waves.Components
         raise SWD_RULE.broken(path, "it ends too early") from None
     amplitude, k, heading, phase = rows.T
     if not (np.isfinite(rows).all() and (k > 0.0).all()):
-        raise SWD_RULE.broken(
-            path, f"component {int(np.argmin(np.isfinite(rows).all(axis=1) & (k > 0.0))) + 1} is none"
-        )
+        first = int(np.argmin(np.isfinite(rows).all(axis=1) & (k > 0.0)))
+        raise SWD_RULE.broken(path, f"component {first + 1} is none")
     deep = depth if depth > 0.0 else 1e3 * 2.0 * np.pi / float(k.min())  # infinite where it is below 0
     wavevector = k[:, None] * np.stack([np.sin(heading), np.cos(heading)], axis=1)
     return waves.Components(amplitude, wavevector, -phase, deep, gravity)

@@ -233,10 +233,8 @@ def surface_record(grid: Grid, frames: Iterable[Frame], begin: float) -> Surface
             turning.append(frame_circulation(grid, frame))
     if not times:
         return None
-    known = bool(np.isfinite(turning).all())
-    return SurfaceRecord(
-        np.array(times), grid.radius, np.array(turning) if known else None, np.array(cover), grid.shortest
-    )
+    swirl = np.array(turning) if np.isfinite(turning).all() else None
+    return SurfaceRecord(np.array(times), grid.radius, swirl, np.array(cover), grid.shortest)
 
 
 def frame_circulation(grid: Grid, frame: Frame) -> float:

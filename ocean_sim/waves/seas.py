@@ -15,12 +15,8 @@ from ocean_sim.waves import exchange
 ONSET_PERIODS = 5.0  # [periods] time in which the nonlinear terms set in
 COMPONENT_COLUMNS = ("amplitude_m", "period_s", "heading_deg", "phase_deg")
 POSITIVE_PERIODS = Rule("every period_s is above 0")
-CHECKS = (
-    Checked(
-        "Plane waves of a sea, `fluid.spectral_sea.components`: a table, or a .swd file",
-        (POSITIVE_PERIODS, exchange.SWD_RULE),
-    ),
-)
+CHECKED_FILE = "Plane waves of a sea, `fluid.spectral_sea.components`: a table, or a .swd file"
+CHECKS = (Checked(CHECKED_FILE, (POSITIVE_PERIODS, exchange.SWD_RULE)),)
 Problems = list[tuple[tuple[str | int, ...], str]]  # where below the sea, and a sentence
 
 

@@ -165,9 +165,8 @@ def out_of_range(u10: float, law: DragLaw) -> list[str]:
     if u10 == 0.0 or low <= u10 <= high:
         return []
     others = ", ".join(f"{name} {1e3 * coefficient(u10):.2f}" for name, coefficient in DRAG_LAWS.items())
-    return [
-        f"wind: U10 = {u10:g} m/s is outside the range of {law} ({low:g} to {high:g} m/s); 1000 C_d there is {others}"
-    ]
+    outside = f"outside the range of {law} ({low:g} to {high:g} m/s)"
+    return [f"wind: U10 = {u10:g} m/s is {outside}; 1000 C_d there is {others}"]
 
 
 def fetch_limited(u10: float, fetch: float, gravity: float = GRAVITY) -> tuple[float, float]:

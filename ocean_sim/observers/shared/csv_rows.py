@@ -27,13 +27,8 @@ TIME_TOLERANCE = 1.0e-9  # of `every`: a time so little short of a multiple has 
 
 def heading(simulation: "Simulation", rate: str, **more: object) -> dict[str, object]:
     """Comment lines, by name, at the top of every CSV file of a run; `rate`: text on its rows; `more`: other lines."""
-    return {
-        "frame": "world",
-        "axes": "right-handed, x and z horizontal, y up, origin at the centre of the still surface",
-        "rate": rate,
-        "seed": simulation.scene.seed,
-        **more,
-    }
+    axes = "right-handed, x and z horizontal, y up, origin at the centre of the still surface"
+    return {"frame": "world", "axes": axes, "rate": rate, "seed": simulation.scene.seed, **more}
 
 
 def cell_text(value: object) -> str:

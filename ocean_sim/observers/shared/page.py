@@ -83,9 +83,8 @@ def embedded_picture(path: Path, caption: str, link: str | None = None) -> str:
     except (OSError, ValueError, UnidentifiedImageError, Image.DecompressionBombError):
         return ""
     if image.width > MAX_PICTURE_WIDTH:
-        image = image.resize(
-            (MAX_PICTURE_WIDTH, round(image.height * MAX_PICTURE_WIDTH / image.width)), Image.Resampling.LANCZOS
-        )
+        height = round(image.height * MAX_PICTURE_WIDTH / image.width)
+        image = image.resize((MAX_PICTURE_WIDTH, height), Image.Resampling.LANCZOS)
     data = io.BytesIO()
     image.save(data, "JPEG", quality=JPEG_QUALITY, optimize=True)
     source = f"data:image/jpeg;base64,{base64.b64encode(data.getvalue()).decode()}"

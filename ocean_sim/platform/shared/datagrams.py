@@ -18,21 +18,9 @@ import numpy as np
 
 from ocean_sim.files import input_file
 from ocean_sim.parts import preset
+from ocean_sim.platform.shared import packets as wire
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, smooth_step
 from ocean_sim.platform.shared.limits import Legs
-from ocean_sim.platform.shared.packets import (
-    LegReport,
-    Packet,
-    is_stop_packet,
-    pack,
-    pack_report,
-    parse_report,
-    pose_along_flu,
-    sign,
-    stop_packet,
-    unpack,
-    verify,
-)
 
 MIN_KEY_BYTES, MAX_KEY_BYTES = 16, 4096  # bytes
 LOOPBACK_HOST = "127.0.0.1"
@@ -123,12 +111,12 @@ class Sender:
         self.sent: list[float] = []  # [s]
         self.due: list[float] = []  # times of the rows [s]
         self.left: dict[int, float] = {}  # when each packet was sent [s], by its number
-        self.readings: list[tuple[float, LegReport]] = []  # what the platform reports, and when it came [s]
+        self.readings: list[tuple[float, wire.LegReport]] = []  # what the platform reports, and when it came [s]
 
-    def send(self, packet: Packet) -> None:
+    def send(self, packet: wire.Packet) -> None:
         """Wait until a packet is due, receiving reports meanwhile, then send it."""
-        data, now = pack(packet, self.layout), time.perf_counter()
-        data = sign(data, self.key, self.began) if self.key else data
+        data, now = wire.pack(packet, self.layout), time.perf_counter()
+        data = wire.sign(data, self.key, self.began) if self.key else data
         if self.start is None or now > self.start + packet.time:
             self.start = now - packet.time
         while (left := self.start + packet.time - time.perf_counter()) > 0.0:
@@ -148,7 +136,7 @@ class Sender:
             except OSError:  # nothing has come, or nobody listens there
                 return
             with suppress(ValueError):
-                self.readings.append((time.perf_counter(), parse_report(data)))
+                self.readings.append((time.perf_counter(), wire.parse_report(data)))
 
     def latency(self) -> "Latency | None":
         """Statistics of the delay from sending a packet to the platform's first report on it; None without reports."""
@@ -188,7 +176,7 @@ class SmoothPose:
     def __init__(self, hold: float = 0.1, ramp: float = 3.0, home: float = np.inf) -> None:
         """`hold`: silence [s] after which a stream counts as interrupted; `ramp`, `home` [s]: see the class."""
         self.hold, self.ramp, self.home = hold, ramp, home
-        self.last: Packet | None = None
+        self.last: wire.Packet | None = None
         self.line: list[tuple[float, np.ndarray]] = []  # the last two poses, and when they came [s]
         self.returned, self.held = -np.inf, np.zeros(6)  # when packets came back [s], and the pose until then
         self.came = self.lost = self.reordered = self.stalls = self.strange = 0
@@ -204,7 +192,7 @@ class SmoothPose:
         """Time since the last packet was accepted [s]; infinite before the first."""
         return now - self.line[-1][0] if self.line else np.inf
 
-    def accept(self, packet: Packet, now: float) -> None:
+    def accept(self, packet: wire.Packet, now: float) -> None:
         """Take over a packet that came at `now` [s], unless it is out of order, which is counted."""
         self.came += 1
         if self.last is None:
@@ -259,23 +247,23 @@ class Receiver(SmoothPose):
         self.source: object = None
         self.foreign = self.implausible = 0
 
-    def accept_datagram(self, data: bytes, source: object, now: float) -> Packet | None:
+    def accept_datagram(self, data: bytes, source: object, now: float) -> wire.Packet | None:
         """Accepted packet of a datagram from address `source` at `now` [s]; None if malformed, refused, or a stop."""
-        if is_stop_packet(data, self.key):
+        if wire.is_stop_packet(data, self.key):
             self.stop(now)
             return None
         if self.glide is not None:
             return None
         try:
-            inner, began = verify(data, self.key) if self.key else (data, 0)
-            packet = unpack(inner)
+            inner, began = wire.verify(data, self.key) if self.key else (data, 0)
+            packet = wire.unpack(inner)
         except ValueError:
             self.strange += 1
             return None
         if self.source not in (None, source) and self.silent_time(now) < self.home + self.ramp:
             self.foreign += 1
             return None
-        silent, pose = self.silent_time(now) > self.hold, pose_along_flu(packet)
+        silent, pose = self.silent_time(now) > self.hold, wire.pose_along_flu(packet)
         old = self.last is not None and packet.seq <= self.last.seq
         again = began < self.began or (old and began == self.began)
         if self.key and (again or (began > self.began and not silent)):
@@ -329,7 +317,7 @@ class Receiver(SmoothPose):
     def report(self) -> bytes:
         """Packed report to the sender: leg lengths, number and time of the last accepted packet, and if stopped."""
         seq, moment = (self.last.seq, self.last.time) if self.last is not None else (0, 0.0)
-        return pack_report(LegReport(seq, moment, tuple(self.legs.length.tolist()), self.glide is not None))
+        return wire.pack_report(wire.LegReport(seq, moment, tuple(self.legs.length.tolist()), self.glide is not None))
 
 
 def preset_geometry(name: str) -> Geometry:
@@ -338,7 +326,7 @@ def preset_geometry(name: str) -> Geometry:
 
 
 def receive_stream(
-    url: str, patience: float, report: Callable[[Packet], None], platform: Receiver | None = None
+    url: str, patience: float, report: Callable[[wire.Packet], None], platform: Receiver | None = None
 ) -> Receiver:
     """Receive at a UDP address until no packet has been accepted for `patience` [s], and return the receiver.
 
@@ -364,7 +352,7 @@ def receive_stream(
         return platform
 
 
-def print_some(packet: Packet) -> None:
+def print_some(packet: wire.Packet) -> None:
     if packet.seq % 100 == 0:
         pose = ", ".join(f"{value:+.4f}" for value in packet.pose)
         print(f"{packet.time:8.2f} s  {packet.frame}  x y z roll pitch yaw: {pose}", flush=True)
@@ -374,7 +362,7 @@ def stop_platform(url: str, key: bytes = b"") -> None:
     """Send a stop packet, signed if there is a key, to an address. Raises OSError or ValueError for a bad address."""
     host, port = parse_address(url)
     with socket.socket(socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0][0], socket.SOCK_DGRAM) as sending:
-        sending.sendto(stop_packet(key, time.time_ns()), (host, port))
+        sending.sendto(wire.stop_packet(key, time.time_ns()), (host, port))
 
 
 def print_stream(url: str, key: bytes = b"") -> None:

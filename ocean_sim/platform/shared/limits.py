@@ -36,9 +36,8 @@ class Workspace:
         becomes the most extended, and up to 6 % more than that leg uses."""
         strokes = self.hexapod.strokes(pose)
         most = strokes.max(axis=1)
-        return most * ((strokes / np.maximum(most, USAGE_TOLERANCE)[:, None]) ** USAGE_NORM).sum(axis=1) ** (
-            1.0 / USAGE_NORM
-        )
+        whole = ((strokes / np.maximum(most, USAGE_TOLERANCE)[:, None]) ** USAGE_NORM).sum(axis=1)
+        return most * whole ** (1.0 / USAGE_NORM)
 
     def scale_back(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Poses (n, 6) in the workspace, scaled back from wanted ones (n, 6), and bits (n,) of the limits that acted.
@@ -191,9 +190,8 @@ class Governor:
 
     def stoppable_velocity(self, velocity: np.ndarray) -> np.ndarray:
         """Pose velocity (6,) between braking and `velocity` (6,) [m/s, rad/s]: the nearest to it that allows a stop."""
-        braked = self.velocity * max(
-            0.0, 1.0 - self.brake * self.every / max(self.motion_size(self.velocity), USAGE_TOLERANCE)
-        )
+        size = max(self.motion_size(self.velocity), USAGE_TOLERANCE)
+        braked = self.velocity * max(0.0, 1.0 - self.brake * self.every / size)
         fits, part, step = 0.0, 1.0, 0.5
         for _ in range(VELOCITY_BISECTIONS):
             tried = braked + part * (velocity - braked)
@@ -270,8 +268,6 @@ class Legs:
         aim = wanted + np.sign(behind) * np.minimum(np.abs(behind) / dt, brake)
         speed = np.clip(aim, -self.speed, self.speed)
         new = np.clip(speed, self.velocity - a * dt, self.velocity + a * dt)
-        held = (LEG_SPEED_LIMIT if (speed != aim).any() else 0) | (
-            LEG_ACCELERATION_LIMIT if (new != speed).any() else 0
-        )
+        held = int(LEG_SPEED_LIMIT * (speed != aim).any() | LEG_ACCELERATION_LIMIT * (new != speed).any())
         self.length, self.velocity = self.length + new * dt, new
         return held or LEG_ACCELERATION_LIMIT

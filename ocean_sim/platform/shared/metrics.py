@@ -125,8 +125,6 @@ def sickness_weighting(every: float) -> np.ndarray:
 
     transition, low_step, high_step = pole_pair(0.25, 0.86), pole_pair(0.0625, 0.80), pole_pair(0.1, 0.80)
     low, high = pole_pair(0.08, 0.5**0.5), pole_pair(0.63, 0.5**0.5)
-    motion_gain = (
-        np.prod(high).real * np.prod(transition).real
-    )  # all but the steps, which go from (f5 / f6)^2 to 1 at first
+    gain = np.prod(high).real * np.prod(transition).real  # all but the steps, which go from (f5 / f6)^2 to 1 at first
     zeros = np.concatenate([[0.0, 0.0], low_step])
-    return zpk2sos(*bilinear_zpk(zeros, np.concatenate([low, high, transition, high_step]), motion_gain, 1.0 / every))
+    return zpk2sos(*bilinear_zpk(zeros, np.concatenate([low, high, transition, high_step]), gain, 1.0 / every))

@@ -125,9 +125,8 @@ def read_log(path: str | Path) -> MotionLog:
     if missing is not None:
         words = [name for name in table if name.isidentifier() and name not in REQUIRED_COLUMNS]
         other = next((name for name in words if name.startswith(UNIT_PATTERN.sub("_", missing))), None)
-        raise NAMED_COLUMNS_RULE.broken(
-            path, f"it has no column {missing}{f', but {other}: it has another unit' if other else ''}"
-        )
+        but = f", but {other}: it has another unit" if other else ""
+        raise NAMED_COLUMNS_RULE.broken(path, f"it has no column {missing}{but}")
     frame = table.head.get("frame", "ship")
     if frame not in LOG_FRAMES:
         raise AXES_RULE.broken(path, f"its head says frame {frame!r}")
@@ -215,9 +214,8 @@ def check_agreement(log: MotionLog) -> None:
         off = np.abs(np.linalg.norm(quaternion, axis=1) - 1.0).max()
         apart = np.median(2.0 * np.arccos(np.minimum(np.abs((quaternion * pose.as_quat()).sum(axis=1)), 1.0)))
         if max(off, apart) > MAX_TURNED_APART:
-            found = (
-                f"its quaternion, qw first, is up to {off:.3g} from unit length and in half of the rows {apart:.3g} rad"
-            )
+            off_by = f"up to {off:.3g} from unit length and in half of the rows {apart:.3g} rad"
+            found = f"its quaternion, qw first, is {off_by}"
             raise AGREEMENT_RULE.broken(table.path, f"{found} from its angles: is its order another, or its sense?")
 
 
@@ -298,10 +296,8 @@ def negate_cell(cell: str) -> str:
 
 def check_convertible(log: MotionLog) -> None:
     """Raise Unreadable if a vector to convert to other axes lacks a component, or one of its cells is not a number."""
-    wanted = [name for triple in vector_columns(log.table.names) for name in triple] + sign_changing_columns(
-        log.table.names
-    )
-    log.table.finite(*wanted)
+    vectors = [name for triple in vector_columns(log.table.names) for name in triple]
+    log.table.finite(*vectors, *sign_changing_columns(log.table.names))
 
 
 def sign_changing_columns(names: list[str]) -> list[str]:

@@ -142,9 +142,8 @@ def verify(data: bytes, key: bytes) -> tuple[bytes, int]:
 def is_signed(data: bytes, size: int, key: bytes) -> bool:
     """True if data is a packet of `size` bytes, then a time, then the HMAC-SHA256 signature of both with this key."""
     content, signature = data[:-DIGEST_BYTES], data[-DIGEST_BYTES:]
-    return len(content) == size + START_STRUCT.size and hmac.compare_digest(
-        signature, hmac.digest(key, content, "sha256")
-    )
+    right = hmac.compare_digest(signature, hmac.digest(key, content, "sha256"))
+    return len(content) == size + START_STRUCT.size and right
 
 
 class LegReport(NamedTuple):

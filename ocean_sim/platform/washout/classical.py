@@ -11,14 +11,7 @@ from typing import Literal
 import numpy as np
 
 from ocean_sim.model import quantity
-from ocean_sim.platform.shared.washing import (
-    Filter,
-    NotNegative3,
-    Positive3,
-    Washing,
-    WashingConfig,
-    second_order,
-)
+from ocean_sim.platform.shared.washing import Filter, NotNegative3, Positive3, Washing, WashingConfig, second_order
 
 
 class Config(WashingConfig):

@@ -221,9 +221,8 @@ class FloatingConfig(VesselConfig):
             return [f"{large}: pictures show only the basin; a sea in closed form continues beyond it"] if large else []
         found = [] if fluid.bears else [f"water of kind {fluid.kind} has no pressure: only a bed carries the ship"]
         boxes = preflight.untouched.boxes if preflight.untouched is not None else []
-        if preflight.tank.dimension == 3 and not any(
-            low[0] <= x <= up[0] and low[2] <= z <= up[2] for low, up in boxes
-        ):
+        wet = any(low[0] <= x <= up[0] and low[2] <= z <= up[2] for low, up in boxes)
+        if preflight.tank.dimension == 3 and not wet:
             found.append(f"there is no water under the ship at x = {x:g}, z = {z:g} m at first: it falls")
         return found
 
@@ -234,9 +233,8 @@ class FloatingConfig(VesselConfig):
         above = self.position[1] - afloat_pose(hull)[0]
         freeboard = float(np.ptp(self.whole_hull.shape.bounds(), axis=0)[1]) - hull.draught
         if -above > freeboard:
-            return [
-                f"the ship begins {-above:.3g} m below where it floats, with its whole hull under water: it shoots up"
-            ]
+            under = f"{-above:.3g} m below where it floats, with its whole hull under water"
+            return [f"the ship begins {under}: it shoots up"]
         if above <= hull.draught:
             return []
         speed = sqrt(2.0 * -preflight.tank.gravity[1] * (above - hull.draught))
@@ -304,14 +302,12 @@ class FloatingConfig(VesselConfig):
         if unasked := self.points.keys() - {"helm", *logged, *(mooring.fairlead for mooring in self.moorings)}:
             found.append(f"points: neither a mooring nor motion.point asks for {' or '.join(sorted(unasked))}")
         if any(preflight.fluid.steady_force):
-            found.append(
-                "fluid.body_force acts on the water alone, which it makes heavier or drives; the ship does not feel it"
-            )
+            effect = "which it makes heavier or drives; the ship does not feel it"
+            found.append(f"fluid.body_force acts on the water alone, {effect}")
         cells = hull.draught / float(hull.voxels.size[1])
         if cells < 0.9 * self.cells_per_draught:
-            found.append(
-                f"the hull has {cells:.2g} cubes over its draught, because only a little of its height is under water"
-            )
+            few = f"the hull has {cells:.2g} cubes over its draught"
+            found.append(f"{few}, because only a little of its height is under water")
         if hull.metacentric_height() <= 0.0:
             found.append(f"the ship is unstable upright: GM = {hull.metacentric_height():.3g} m; it will heel")
         elif rest_angles(hull) is None:

@@ -116,6 +116,5 @@ def attitude_of(track: Track) -> Attitude:
     w, x, y, z = q = track.place[3:]
     square = w * w + x * x + y * y + z * z
     unit = q / np.sqrt(square)
-    return Attitude(
-        unit, rotation_matrix(unit), 2.0 / square * quaternion_product(track.velocity[3:], quaternion_inverse(q))[1:]
-    )
+    rates = 2.0 / square * quaternion_product(track.velocity[3:], quaternion_inverse(q))[1:]
+    return Attitude(unit, rotation_matrix(unit), rates)

@@ -132,9 +132,8 @@ def water_reaction(
     v_r, omega_r = minus(v, stream), minus(omega, swirl)
     momentum, turning = water_momentum(water, between, v_r, omega_r)
     carried, carried_turn = water_momentum(water, between, pull, pull_turn)
-    kept, kept_turn = water_momentum(
-        water, between, cross(omega, stream), cross(omega, swirl)
-    )  # of it, as the axes turn
+    # Of it, as the axes turn.
+    kept, kept_turn = water_momentum(water, between, cross(omega, stream), cross(omega, swirl))
     along = plus(cross(omega, momentum), kept)
     around = plus(plus(cross(omega, turning), cross(v_r, momentum)), kept_turn)
     push = minus(minus(plus(transpose_times(r, force.tolist()), carried), along), times(body.mass, cross(omega, v)))
@@ -222,9 +221,8 @@ def entry_curve(hull: Hydrostatics) -> tuple[np.ndarray, np.ndarray]:
     volumes = np.cumsum(breadth.sum(axis=1)) * v.size[1] * v.size[2]
     deadrise = np.arctan2(2.0 * v.size[1], np.maximum(np.diff(breadth, axis=0, prepend=0.0), 1e-9))
     breadth = 0.5 * (breadth + np.append(breadth[1:], breadth[-1:], axis=0))  # at the top of each layer
-    wetted = np.minimum(
-        np.maximum(WAGNER_FACTOR * (1.0 - DEADRISE_FACTOR * deadrise), 0.0) * breadth**2, breadth.max(axis=0) ** 2
-    )
+    spread = np.maximum(WAGNER_FACTOR * (1.0 - DEADRISE_FACTOR * deadrise), 0.0)
+    wetted = np.minimum(spread * breadth**2, breadth.max(axis=0) ** 2)
     plates = hull.density * pi / 8.0 * np.maximum.accumulate(wetted, axis=0).sum(axis=1) * v.size[2]
     length = np.maximum(np.count_nonzero(breadth, axis=1) * v.size[2], v.size[2])
     slender = np.array([pabst_factor(a / b) for a, b in zip(length, np.maximum(breadth.max(axis=1), 1e-9))])

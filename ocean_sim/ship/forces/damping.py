@@ -73,9 +73,8 @@ class Resistance:
         self.surge = rule if config.surge is None else config.surge
         self.roll = config.roll_quadratic
         self.low = hull.keel + float(draught.max()) / 2.0 - hull.matter.centre[1]  # where water crosses [m]
-        self.rolling = (
-            None if config.ikeda is None else RollDamping(config.ikeda, hull, extra.roll, "roll" not in radiated)
-        )
+        ikeda = config.ikeda
+        self.rolling = None if ikeda is None else RollDamping(ikeda, hull, extra.roll, "roll" not in radiated)
         self.rolled = self.low if self.rolling is None else 0.0  # what a rate of roll adds to it: the rest counts it
         self.stern = float(self.z[draught > 0.0].min())
         slender = pi / 2.0 * hull.density * float(draught.mean()) ** 2  # [kg/m] of a body that ends in a stern

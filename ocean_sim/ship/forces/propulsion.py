@@ -257,9 +257,8 @@ class Helmsman:
         self.time = time
         error = remainder(self.wanted_heading(body, dt) - float(body.angles[1]), 2.0 * pi)
         if config.integral_time is not None and abs(error) < MAX_INTEGRAL_RUDDER:
-            self.bent = min(
-                max(self.bent + dt * error / config.integral_time, -MAX_INTEGRAL_RUDDER), MAX_INTEGRAL_RUDDER
-            )
+            bent = self.bent + dt * error / config.integral_time
+            self.bent = min(max(bent, -MAX_INTEGRAL_RUDDER), MAX_INTEGRAL_RUDDER)
         rudder = config.gain * (error + self.bent - config.rate_time * float(body.angular_velocity[1]))
         missing = config.speed - float(body.velocity @ body.matrix[:, 2])
         wanted = SPEED_GAIN * missing + self.driven

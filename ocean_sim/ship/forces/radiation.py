@@ -104,9 +104,8 @@ def read_csv_table(file: str) -> BemTable:
     missing = [name for name in wanted + parts if name not in table]
     unread = [name for name in table if name.split("_")[0] in Motions._fields and name not in wanted + parts]
     if not names:
-        raise ValueError(
-            f"{display_path(file)} has no column of added mass, such as heave_added_kg or pitch_added_kg_m2"
-        )
+        lacks = "has no column of added mass, such as heave_added_kg or pitch_added_kg_m2"
+        raise ValueError(f"{display_path(file)} {lacks}")
     if missing:
         raise ValueError(f"{display_path(file)} has no column {', '.join(missing)}")
     if unread:
@@ -145,9 +144,8 @@ def read_capytaine(file: str) -> BemTable:
     content = BytesIO(input_file.read_bytes(file))
     try:
         with h5py.File(content) as data:
-            words, push = (
-                [word.decode().lower() for word in read_data_set(data, name, WORD_KINDS)] for name in DOF_NAMES
-            )
+            names_of = (read_data_set(data, name, WORD_KINDS) for name in DOF_NAMES)
+            words, push = ([word.decode().lower() for word in each] for each in names_of)
             omega = read_data_set(data, "omega")
             names = [motion for motion in Motions._fields if motion in words and motion in push]
             rows, columns = [words.index(motion) for motion in names], [push.index(motion) for motion in names]

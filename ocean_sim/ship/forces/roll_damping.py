@@ -278,9 +278,8 @@ class RollDamping:
     def warnings(self) -> list[str]:
         """Warnings of a form beyond the regressions, and of eddy damping counted as 0."""
         beyond = ratios_beyond(self.form)
-        said = (
-            [f"roll damping: {', '.join(beyond)}: beyond Ikeda's regressions, taken at their limit"] if beyond else []
-        )
+        limits = f"roll damping: {', '.join(beyond)}: beyond Ikeda's regressions, taken at their limit"
+        said = [limits] if beyond else []
         if any(each.eddies == 0.0 for each in self.parts.values()):
             said.append("roll damping: for so full a hull Ikeda's regression gives negative eddy damping, counted as 0")
         return said

@@ -87,9 +87,8 @@ class Cubes:
         numbers = (np.ascontiguousarray(array, dtype=real) for array in (arm, cubes.area[upwards], volume, box))
         self.upload_cubes(*numbers, upwards.astype(np.int32))
         self.found = np.zeros((self.n, 3))
-        self.table = np.zeros(
-            (1 + self.blocks, max(ROW_COLUMNS.size, SUM_COLUMNS.size))
-        )  # the pose, and the sums of each block
+        # The pose, and the sums of each block.
+        self.table = np.zeros((1 + self.blocks, max(ROW_COLUMNS.size, SUM_COLUMNS.size)))
 
     @ti.kernel
     def upload_cubes(self, arm: Array2, area: Array2, volume: Array, box: Array2, key: Integers):
@@ -125,9 +124,8 @@ class Cubes:
         if isinstance(around, SurroundingSea):
             faces = total[SUM_COLUMNS.face : SUM_COLUMNS.cut].tolist()
             velocity = as_one_body(total[SUM_COLUMNS.velocity : SUM_COLUMNS.acceleration].tolist(), faces, self.size)
-            acceleration = self.gravity * as_one_body(
-                total[SUM_COLUMNS.acceleration : SUM_COLUMNS.face].tolist(), faces, self.size
-            )
+            pull = total[SUM_COLUMNS.acceleration : SUM_COLUMNS.face].tolist()
+            acceleration = self.gravity * as_one_body(pull, faces, self.size)
         parts = total[: SUM_COLUMNS.volume].reshape(4, 2, 3)
         return Wetted(parts[0], parts[1], parts[2], parts[3], float(total[SUM_COLUMNS.volume]), velocity, acceleration)
 
@@ -157,13 +155,7 @@ class Cubes:
                 found[k, 0], found[k, 1], found[k, 2] = x.x, x.z, share * self.volume[k]
 
     @ti.kernel
-    def sum_blocks(
-        self,
-        around: Template,
-        water: Template,
-        wind: Template,
-        table: Array2,
-    ):
+    def sum_blocks(self, around: Template, water: Template, wind: Template, table: Array2):
         """Sample `water` by `around`, then write sums of SUM_COLUMNS over each block of cubes to its row of `table`."""
         around.read_water(water, table)
         wind.set_clock(ti.cast(table[0, ROW_COLUMNS.since], float), ti.cast(table[0, ROW_COLUMNS.step], float))

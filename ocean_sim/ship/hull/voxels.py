@@ -20,9 +20,7 @@ SAMPLES_OF_MESH = (EDGE_SAMPLES, 8, 16)  # across and along a cube of a mesh: mo
 MISSED_SHARE = 0.02  # of the volume of a mesh
 MAX_CUBES = 4_000_000  # cubes
 MAX_FLATNESS = 3.0  # the most that a cube is longer and broader than tall
-SUFFICIENT_CUBES = np.array(
-    [14, 1e9, 24]
-)  # cubes across and along a hull, which leave no error that the height does not
+SUFFICIENT_CUBES = np.array([14, 1e9, 24])  # across and along a hull, which leave no error that the height does not
 COLUMN_OFFSET = 1.0e-4  # of a cube: columns do not run through the edges of a mesh that was drawn on a lattice
 
 
@@ -122,9 +120,8 @@ def sample_cubes(
             inside = shape.fill_lattice(axes[0], axes[1], z).astype(float)
         else:
             edges = lower[1] + size[1] * np.arange(counts[1] * EDGE_SAMPLES + 1) / EDGE_SAMPLES
-            inside = column_shares(
-                mesh.triangles, axes[0] + COLUMN_OFFSET * size[0], z + 0.7 * COLUMN_OFFSET * size[2], edges
-            )
+            x, across = axes[0] + COLUMN_OFFSET * size[0], z + 0.7 * COLUMN_OFFSET * size[2]
+            inside = column_shares(mesh.triangles, x, across, edges)
         blocks = inside.reshape(counts[0], samples, counts[1], EDGE_SAMPLES, 1, samples)
         share[:, :, k] = blocks.mean(axis=(1, 3, 4, 5))
         for a, position in enumerate(np.ix_(axes[0], axes[1], z)):

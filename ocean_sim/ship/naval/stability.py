@@ -83,9 +83,8 @@ class Loading(Model):
     @property
     def free_surface_loss(self) -> tuple[float, float]:
         """Loss of metacentric height across and along, by all free surfaces [m]."""
-        across, along = (
-            sum((self.tanks[name].free_surface_moments for name in sorted(self.tanks)), np.zeros(2)) / self.matter[0]
-        )
+        moments = (self.tanks[name].free_surface_moments for name in sorted(self.tanks))
+        across, along = sum(moments, np.zeros(2)) / self.matter[0]
         return float(across), float(along)
 
     def outside_hull(self, lower: np.ndarray, upper: np.ndarray) -> list[str]:

@@ -36,9 +36,8 @@ def problem_of(case: str, set_up: str, coarse: bool, scheme: str) -> Problem:
 def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
     """Run the set-up of an order on one thread, several times; outcome, errors (equal in all runs) and median costs."""
     problem = problem_of(order["case"], order["set_up"], order["coarse"], order["scheme"])
-    scene = problem.load(
-        order["scheme"], {"runtime.threads": 1} | WATCHED_SCENES.get(problem.slot, {}) | dict(order["set"])
-    )
+    watched = {"runtime.threads": 1} | WATCHED_SCENES.get(problem.slot, {})
+    scene = problem.load(order["scheme"], watched | dict(order["set"]))
     began = perf_counter()
     run = measure_run(problem, order, scene)
     costs, repeats = run.pop("costs"), 1
@@ -69,9 +68,7 @@ def measure_run(problem: Problem, order: dict[str, Any], scene: Any) -> dict[str
             "neighbours": neighbour_count(fluid),
             "time_step_s": simulation.cost()["time_step_s"],
             "threads": simulation.backend.threads,
-            "errors": [
-                error_row(order, promise, number) for promise, number in zip(problem.promises, found, strict=True)
-            ],
+            "errors": [error_row(order, *each) for each in zip(problem.promises, found, strict=True)],
             "costs": simulation.costs(),
         }
 
@@ -80,9 +77,8 @@ def error_row(order: dict[str, Any], promise: Promise, number: Number) -> dict[s
     """Row of a promised quantity: value, reference, error, unit, tolerance, and `ok` if it is within tolerance."""
     found = promise.row(order["case"], order["scheme"], *number)
     kept = ("quantity", "value", "reference", "error", "unit", "tolerance", "ok")
-    return {key: found[key] for key in kept} | plain_values(
-        {key: found[key] for key in ("value", "reference", "error")}
-    )
+    numbers = plain_values({key: found[key] for key in ("value", "reference", "error")})
+    return {key: found[key] for key in kept} | numbers
 
 
 def neighbour_count(fluid: Fluid) -> float | None:

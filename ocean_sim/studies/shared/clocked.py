@@ -8,10 +8,7 @@ from ocean_sim.simulation import Simulation
 
 WARM_UP_STEPS = 3  # steps in which kernels are still compiled or loaded
 FRAME_SECONDS = 1.0 / 60.0  # [s]
-TIMED_PARTS, BLOCK_STEPS = (
-    3,
-    7,
-)  # a run is timed in so many parts, which its blocks of so many steps are dealt to in turn
+TIMED_PARTS, BLOCK_STEPS = 3, 7  # parts in which a run is timed; steps of the blocks that are dealt to them in turn
 
 
 class Clocked(Simulation):

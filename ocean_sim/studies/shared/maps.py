@@ -7,12 +7,7 @@ from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.palette import BLUE, ORANGE, RED
 from ocean_sim.studies.shared.pareto import label_log_axis
 
-VERDICT_LOOKS = {
-    "stable": (BLUE, "o"),
-    "degraded": (ORANGE, "^"),
-    "stopped": (RED, "X"),
-    "none": ("black", "s"),
-}
+VERDICT_LOOKS = {"stable": (BLUE, "o"), "degraded": (ORANGE, "^"), "stopped": (RED, "X"), "none": ("black", "s")}
 LIMIT_LINES = {"acoustic": ("h / c", "-"), "viscous": ("h² / nu", "--"), "force": ("sqrt(h / a)", ":")}
 
 

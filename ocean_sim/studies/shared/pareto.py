@@ -12,9 +12,8 @@ MARK_SHAPES = ("o", "s", "^", "D", "v", "P")
 COST_LABELS = {"wall_per_s": "wall seconds", "cpu_per_s": "processor seconds (the machine was busy)"}
 CROWDED_AXIS_RATIO = 100.0  # ends of an axis so far apart need no number within a decade
 PICTURE_DPI = 110  # of the pictures
-NAME_SHIFTS = [
-    (x, y) for y in (4, -9, 12, -17, 20, -25, 28, -33, 36, -41) for x in (5, -5)
-]  # of a name from its point [points]
+# Of a name from its point [points].
+NAME_SHIFTS = [(x, y) for y in (4, -9, 12, -17, 20, -25, 28, -33, 36, -41) for x in (5, -5)]
 MARK_RADIUS_PIXELS = 4.0  # pixels that a mark takes to each side
 MIN_DRAWN_ERROR = 1e-6  # an error of nothing still has a position on a logarithmic axis
 
@@ -89,9 +88,8 @@ def scatter_points(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]
         look = {"color": SERIES[n % len(SERIES)], "marker": MARK_SHAPES[n % len(MARK_SHAPES)]}
         plain = sorted((row for row in own if not row["changed"]), key=lambda row: row[key])
         if plain:
-            axes.plot(
-                [row[key] for row in plain], [drawn_error(row) for row in plain], label=scheme, ms=8, lw=1.2, **look
-            )
+            at, errors = [row[key] for row in plain], [drawn_error(row) for row in plain]
+            axes.plot(at, errors, label=scheme, ms=8, lw=1.2, **look)
         other = [row for row in own if row["changed"]]
         look["markerfacecolor"] = "white"
         axes.plot([row[key] for row in other], [drawn_error(row) for row in other], ls="none", ms=6, **look)
@@ -165,9 +163,8 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
             name_points(axes, row["setting"].replace("--set ", ""), at, fontsize=6)
         edge = [done[i] for i in pareto_front([(row[key], row[name]) for row in done])]
         axes.step([r[key] for r in edge], [r[name] for r in edge], where="post", color="black", lw=0.8, zorder=1)
-        list_failures(
-            axes, key, ("settings",), [row | {"scheme": "settings"} for row in rows if row["outcome"] != "done"]
-        )
+        lost = [row | {"scheme": "settings"} for row in rows if row["outcome"] != "done"]
+        list_failures(axes, key, ("settings",), lost)
         if budget is not None:
             most = budget.most * 60.0 / 1e3 if budget.name.endswith("ms") else budget.most
             axes.axvline(most, color=SERIES[2], ls="--", lw=1.2, label=f"budget {budget.name}")

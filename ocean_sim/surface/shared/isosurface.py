@@ -281,12 +281,7 @@ class Isosurface:
             self.counted[slab, what] = n
 
     @ti.kernel
-    def write_mesh(
-        self,
-        vertices: Array2,
-        normals: Array2,
-        triangles: Array2,
-    ):
+    def write_mesh(self, vertices: Array2, normals: Array2, triangles: Array2):
         """Write vertices (n, 3) [m], unit normals (n, 3) and triangles (m, 3) of the numbered surface."""
         for s in range(ROW_SLABS * TASK_ITERATIONS):
             if s % TASK_ITERATIONS == 0:

@@ -98,6 +98,14 @@ def answer(data: Any) -> None:
         print(json.dumps(_plain(data), indent=2, ensure_ascii=False, allow_nan=False), flush=True)
 
 
+def reply(as_json: bool, data: Any, text: str) -> None:
+    """Print the result of a command: `data` as JSON, or `text` for people."""
+    if as_json:
+        answer(data)
+    else:
+        say(text)
+
+
 def _plain(value: Any) -> Any:
     """Value as JSON takes it: paths as text, NumPy values as numbers, NaN and infinity as null."""
     if isinstance(value, dict):

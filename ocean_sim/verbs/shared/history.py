@@ -7,7 +7,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from ocean_sim import machine
+from ocean_sim import kernel_library, machine
 from ocean_sim.files.atomic_file import write_facts
 from ocean_sim.files.input_file import read_json_object
 from ocean_sim.reading.scene import SceneConfig
@@ -70,8 +70,6 @@ def slowdown_warning(scene: str, times: float) -> str | None:
 
 def rate_conditions(config: SceneConfig) -> str:
     """Key common to runs with similar times per particle and step: water, backend, library, threads, processor."""
-    from ocean_sim import kernel_library
-
     runtime = config.runtime
     threads = f"{runtime.threads or machine.available_cores()} threads"
     library = runtime.library or kernel_library.LIBRARY_NAME

@@ -27,10 +27,7 @@ PLATE_THICKNESS = 0.025  # of the drawn platform, as a part of its height
 def draw_pictures(folder: Path, done: Commands, config: Config, machine: HexapodPlatform, film: bool) -> None:
     """Draw motion.png, legs.png, workspace.png, strips.png, and film.gif if `film`, of a ride to a folder."""
     shown = done.select(liveliest_span(done, machine, MAX_CURVE_SECONDS))
-    for picture, name in (
-        (draw_motion(shown), "motion.png"),
-        (draw_legs(shown, config.geometry), "legs.png"),
-    ):
+    for picture, name in ((draw_motion(shown), "motion.png"), (draw_legs(shown, config.geometry), "legs.png")):
         if len(shown.time) < len(done.time):
             picture.suptitle(f"the liveliest {MAX_CURVE_SECONDS:g} s of {np.ptp(done.time):.4g} s", fontsize=10)
         save_figure(picture, folder / name)

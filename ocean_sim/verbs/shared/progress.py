@@ -3,17 +3,13 @@
 from collections import Counter
 from contextlib import suppress
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ocean_sim.conventions import figures
 from ocean_sim.machine import kernel_cache
-from ocean_sim.simulation import OutcomeObserver
+from ocean_sim.simulation import OutcomeObserver, Simulation
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import FILM_CURE, Bar, Drawing
-
-if TYPE_CHECKING:
-    from ocean_sim.simulation import Simulation
-
 
 MIN_TIMED_STEPS = 20  # for a mean time of a step
 
@@ -46,7 +42,7 @@ class Progress(OutcomeObserver):
         self.limits: Counter[str] = Counter()
         self.unsolved: dict[str, int] = {}  # steps of each solver that ended above its tolerance
 
-    def observe(self, simulation: "Simulation") -> None:
+    def observe(self, simulation: Simulation) -> None:
         """Record time and limit of the step just made, and show them if the bar is due; called after each step."""
         now = perf_counter()
         self.time, self.steps = simulation.time, simulation.steps
@@ -79,7 +75,7 @@ class Progress(OutcomeObserver):
         drawn = f", {self.pictures} picture{'s' if self.pictures > 1 else ''} drawn" if self.pictures else ""
         return f", {figures(self.factor, 2)} x real time, {console.duration(left)} left{drawn}"
 
-    def attend(self, simulation: "Simulation") -> None:
+    def attend(self, simulation: Simulation) -> None:
         """Have the observers call `draw` for each picture that they finish, during the run and after it."""
         for observer in simulation.observers:
             observer.show_progress(self.draw)

@@ -127,9 +127,8 @@ class Scheduled(Timed):
         last = float(self.course.time[-1])
         found = csv_file.unreached_times_warning("the schedule", self.course.time, duration, "only its {} row blows")
         if not found and isinstance(self.schedule, File) and last < duration:
-            found = [
-                f"{display_path(self.schedule.file)} ends at {last:.9g} s; its last row blows on until {duration:g} s"
-            ]
+            name = display_path(self.schedule.file)
+            found = [f"{name} ends at {last:.9g} s; its last row blows on until {duration:g} s"]
         return found + (self.table.like_radians() if self.table is not None else [])
 
     def unscheduled(self) -> Problems:

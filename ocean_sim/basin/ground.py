@@ -226,12 +226,10 @@ class Ground:
                     : round(self.volume_inside(boxes, lattice.spacing) / lattice.volume)
                 ]
             ] = True
-            widest = max(support for _, support in lattice.kernels) * lattice.spacing
-            reach = (FIT_REACH + 1.0) * lattice.spacing + widest
-            at, volumes, _ = self.samples(lattice.spacing, widest, reach)
-            plan, sides = points[:, [0, 2]], np.array([self.x[[0, -1]], self.z[[0, -1]]])
-            held = np.any((plan < sides[:, 0]) | (plan > sides[:, 1]), axis=1)
-            return fit_particles(points, water, gone, (at, volumes), lattice, self.dimension, held)
+            support = lattice.support * lattice.spacing
+            at, volumes, _ = self.samples(lattice.spacing, support, (FIT_REACH + 1.0) * lattice.spacing + support)
+            sides = np.array([self.x[0], -np.inf, self.z[0]]), np.array([self.x[-1], np.inf, self.z[-1]])
+            return fit_particles(points, water, gone, (at, volumes), lattice, self.dimension, sides)
 
         found = cached_arrays("rooms", content, made)
         gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()

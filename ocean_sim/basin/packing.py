@@ -8,6 +8,10 @@ import numpy as np
 
 FIT_REACH = 4.0  # [spacings] from a body within which particles move for it
 FIT_ITERATIONS = 100  # at most
+ROW_TOLERANCE = 0.05  # [spacings] distances that differ by less are those of a row
+KEPT_APART = 0.02  # of the kernel: push of pairs closer than a spacing, which some kernels let meet
+GOLDEN_RATIO = 0.6180339887498949  # spreads what is taken from a row evenly along it
+EVERYWHERE = np.full(3, -np.inf), np.full(3, np.inf)
 
 
 class Kernel(Protocol):
@@ -22,12 +26,19 @@ class Kernel(Protocol):
 
 @dataclass(frozen=True)
 class Lattice:
-    """Lattice of particles that makes room for bodies, and the kernels by which they are packed, one after the other:
-    one that keeps them apart, and that of the water's pressure."""
+    """Lattice of particles that makes room for bodies, and the kernel by which they are packed."""
 
     spacing: float  # [m]
     volume: float  # of a particle [m3], in 2-D its area [m2]
-    kernels: tuple[tuple[Kernel, float], ...]  # and the support of each [spacings]
+    kernel: Kernel
+    support: float  # of the kernel [spacings]
+
+
+def deepest_first(distance: np.ndarray, spacing: float) -> np.ndarray:
+    """Order of points at distances (n,) [m] from a body, negative inside: the deepest first, spread evenly along rows
+    of the same depth."""
+    rows = np.round(distance / (ROW_TOLERANCE * spacing))
+    return np.lexsort((np.arange(len(distance)) * GOLDEN_RATIO % 1.0, rows))
 
 
 def fit_particles(
@@ -37,25 +48,22 @@ def fit_particles(
     samples: tuple[np.ndarray, np.ndarray],
     lattice: Lattice,
     dimension: int,
-    held: np.ndarray | None = None,
+    box: tuple[np.ndarray, np.ndarray] = EVERYWHERE,
 ) -> dict[str, np.ndarray]:
     """Make room for a body among `points` (n, 3) [m]: indices of particles `gone` and `near` it, and positions [m] of
-    the latter, `moved` to minimise each kernel's sum over particles and samples.
+    the latter, `moved` to minimise the kernel's sum over particles and samples.
 
     `water`: (n,) True for particles, False for points that only continue their lattice; `gone`: (n,) True for points
-    that the body displaces; `samples`: positions (m, 3) [m] and volumes (m,) [m3] of those of the body; `held`: (n,)
-    True for points that stay, or None.
+    that the body displaces; `samples`: positions (m, 3) [m] and volumes (m,) [m3] of those of the body; `box`: lowest
+    and highest corner (3,) [m], in which points stay that are inside; those outside do not move.
     """
     at, weight, spacing = samples[0], samples[1] / lattice.volume, lattice.spacing
-    near = near_to(points, at, FIT_REACH * spacing)
-    if held is not None:
-        near &= ~held
-    widest = max(support for _, support in lattice.kernels)
-    free, rest = near & ~gone, near_to(points, at, (FIT_REACH + widest + 1.0) * spacing) & ~near & ~gone
+    near = near_to(points, at, FIT_REACH * spacing) & ((points >= box[0]) & (points <= box[1])).all(axis=1)
+    free = near & ~gone
+    rest = near_to(points, at, (FIT_REACH + lattice.support + 1.0) * spacing) & ~near & ~gone
     if (free & water).any():
         fixed, weights = np.concatenate([points[rest], at]), np.concatenate([np.ones(rest.sum()), weight])
-        for kernel, support in lattice.kernels:
-            points[free] = even_out(points[free], fixed, weights, kernel, support, spacing, dimension)
+        points[free] = even_out(points[free], fixed, weights, lattice, dimension, box)
     moved = np.flatnonzero(free & water)
     return {"gone": np.flatnonzero(gone & water), "near": moved, "moved": points[moved]}
 
@@ -71,17 +79,18 @@ def even_out(
     free: np.ndarray,
     fixed: np.ndarray,
     weights: np.ndarray,
-    kernel: Kernel,
-    support: float,
-    spacing: float,
+    lattice: Lattice,
     dimension: int,
+    box: tuple[np.ndarray, np.ndarray],
 ) -> np.ndarray:
-    """(n, 3) positions near `free` (n, 3) [m] for the smallest sum of a kernel over all pairs; `fixed` (m, 3):
-    positions [m] of points that stay, with `weights` (m,) in particles; `support` of the kernel [spacings]."""
+    """(n, 3) positions near `free` (n, 3) [m], in a `box`, for the smallest sum of the kernel over all pairs; `fixed`
+    (m, 3): positions [m] of points that stay, with `weights` (m,) in particles."""
     from scipy.optimize import minimize
     from scipy.spatial import cKDTree
 
-    n, tree = len(free), cKDTree(fixed)
+    n, tree, spacing, support, kernel = len(free), cKDTree(fixed), lattice.spacing, lattice.support, lattice.kernel
+
+    unit = float(kernel.value(np.ones(1))[0])
 
     def summed(flat: np.ndarray) -> tuple[float, np.ndarray]:
         """Kernel sum over all pairs, and its gradient by the coordinates `flat` (n * dimension,) [spacings]."""
@@ -96,18 +105,21 @@ def even_out(
             (met["i"], met["j"], fixed, weights[met["j"]], False),
         ):
             apart = (points[i] - others[j])[:, :dimension] / spacing
-            t = np.maximum(1.0 - np.linalg.norm(apart, axis=1) / support, 0.0)
-            total += float((weight * kernel.value(t)).sum())
-            rise = (-1.0 / support**2 * weight * kernel.gradient(t))[:, None] * apart
+            away = np.linalg.norm(apart, axis=1)
+            t, close = np.maximum(1.0 - away / support, 0.0), np.maximum(1.0 - away, 0.0)
+            total += float((weight * (kernel.value(t) / unit + KEPT_APART * close**4 * (1.0 + 4.0 * away))).sum())
+            pull = kernel.gradient(t) / (unit * support**2) + 20.0 * KEPT_APART * close**3
+            rise = -(weight * pull)[:, None] * apart
             for k in range(dimension):
                 slope[:, k] += np.bincount(i, rise[:, k], n)
                 if back:
                     slope[:, k] -= np.bincount(j, rise[:, k], n)
-        unit = kernel.value(np.ones(1))[0]
-        return total / unit, slope.ravel() / unit
+        return total, slope.ravel()
 
     start = (free[:, :dimension] / spacing).ravel()
-    found = minimize(summed, start, jac=True, method="L-BFGS-B", options={"maxiter": FIT_ITERATIONS})
+    low, up = (np.tile(corner[:dimension] / spacing, n) for corner in box)
+    bounds = np.stack([np.maximum(start - 1.0, low), np.minimum(start + 1.0, up)], axis=1)
+    found = minimize(summed, start, bounds=bounds, jac=True, method="L-BFGS-B", options={"maxiter": FIT_ITERATIONS})
     moved = free.copy()
     moved[:, :dimension] = spacing * found.x.reshape(n, dimension)
     return moved

@@ -211,7 +211,7 @@ def test_what_is_known_of_a_hull_beforehand_comes_from_the_cache_unchanged(tmp_p
     axes = [low + spacing * (np.arange(round((up - low) / spacing)) + 0.5) for low, up in zip(*box)]
     lattice = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
 
-    packed = Lattice(spacing, spacing**3, ((WENDLAND, 2.0),))
+    packed = Lattice(spacing, spacing**3, WENDLAND, 2.0)
 
     def found(x: float) -> list[bytes]:
         unit = np.array([1.0, 0.0, 0.0, 0.0])

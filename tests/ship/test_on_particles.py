@@ -258,7 +258,7 @@ def test_a_ship_may_float_before_the_first_water_comes():
     unit = np.array([1.0, 0.0, 0.0, 0.0])
     body = RigidBody(400.0, np.eye(3), np.zeros(3), unit, np.zeros(3), np.zeros(3))
     hull = Solid(hull_of("wigley").shape, np.zeros(3), body, flat=False, is_sampled=False)
-    packed = Lattice(0.2, 0.2**3, ((WENDLAND, 2.0),))
+    packed = Lattice(0.2, 0.2**3, WENDLAND, 2.0)
     for places, taken in ((np.zeros((0, 3)), 0), (np.zeros((1, 3)), 1)):
         gone, others = hull.make_room(places, places[:0], [(np.full(3, -2.0), np.full(3, 2.0))], packed)
         assert gone.sum() == taken and np.array_equal(others, places)

@@ -11,14 +11,13 @@ from ocean_sim.basin import Basin, Box, Solid, shifts
 from ocean_sim.basin.points import middles_of
 from ocean_sim.fluid.bodies.emitter import Emitter, Jet
 from ocean_sim.fluid.sph import initial_state as initial_module
-from ocean_sim.fluid.sph.smoothing import WENDLAND, Kernel
+from ocean_sim.fluid.sph.smoothing import Kernel
 from ocean_sim.waves import Components
 
 if TYPE_CHECKING:
     from ocean_sim.basin import packing
 
 BUDGET_ROWS = 32  # in the depth, by which the volume of a bed is summed before the spacing is known
-PACKED_SUPPORT = 2.0  # [spacings] of the kernel that keeps particles apart where they make room
 MARGIN_SPACINGS = 8.0  # [spacings] around a solid, as far as the water that makes room for it is pressed from
 
 
@@ -215,8 +214,8 @@ class Lattice:
         """What bodies need to know of the lattice that makes room for them."""
         from ocean_sim.basin import packing
 
-        kernels = (WENDLAND, PACKED_SUPPORT), (self.config.kernel, self.config.ratio(self.basin))
-        return packing.Lattice(self.spacing, self.mass / self.config.rest_density, kernels)
+        volume = self.mass / self.config.rest_density
+        return packing.Lattice(self.spacing, volume, self.config.kernel, self.config.ratio(self.basin))
 
     @property
     def repeated_boxes(self) -> list[tuple[np.ndarray, np.ndarray]]:

@@ -8,8 +8,9 @@ from itertools import product
 
 import numpy as np
 
-from ocean_sim.basin.packing import Lattice, fit_particles
+from ocean_sim.basin.packing import Lattice, deepest_first, fit_particles
 from ocean_sim.files.cache_file import cached_arrays
+from ocean_sim.fluid.sph.smoothing import WENDLAND
 from ocean_sim.ship.body.rigid_body import RigidBody
 from ocean_sim.ship.hull.distance import distance_lattice
 from ocean_sim.ship.hull.shapes import HullShape
@@ -17,12 +18,11 @@ from ocean_sim.ship.hull.voxels import Voxels, voxels
 
 CUBES_A_SPACING = 3.0  # cubes to a spacing of the particles, where a mesh keeps water out
 START_GAP = 0.5  # [spacings] from the hull to the nearest particle of the start
-ROW_TOLERANCE = 0.05  # [spacings] distances that differ by less are those of a row
+FIT_SUPPORT = 2.0  # [spacings] of the kernel by which particles are fitted to a hull that the water's laws meet
 Boxes = list[tuple[np.ndarray, np.ndarray]]  # lower and upper corner of each [m]
 UNBOUNDED_BOX = [(np.full(3, -np.inf), np.full(3, np.inf))]  # a box without bounds
 PACKING_SWEEPS = 100  # over crowded particles that are pushed apart
 PACKING_PUSH = 0.5  # share of their overlap in each sweep
-GOLDEN_RATIO = 0.6180339887498949  # spreads what is taken from a row evenly along it
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,10 +110,9 @@ class Solid:
         gone = np.zeros(len(points), dtype=bool)
         for there, count in ((water, wet), (~water, whole - wet)):
             gone[order[there[order]][: round(count)]] = True
-        apart = replace(lattice, kernels=lattice.kernels[:1])
-        at, volumes, _ = self.samples(spacing, lattice.kernels[0][1] * spacing)
-        samples = at @ self.turn.T + origin, volumes
-        return fit_particles(points, water, gone, samples, apart, self.dimension)
+        at, volumes, _ = self.samples(spacing, FIT_SUPPORT * spacing)
+        packed = replace(lattice, kernel=WENDLAND, support=FIT_SUPPORT)
+        return fit_particles(points, water, gone, (at @ self.turn.T + origin, volumes), packed, self.dimension)
 
     def deepest_first(self, own: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
         """(n,) distances from the hull [m] of points `own` (n, 3) in its axes, and the order of the points, the deepest
@@ -122,8 +121,7 @@ class Solid:
         if self.flat:
             own[:, 2] = first[2] + 0.5 * step[2] * (values["distance"].shape[2] - 1)
         distance = lattice_values(values["distance"], (own - first) / step, 2.0 * spacing)
-        rows = np.round(distance / (ROW_TOLERANCE * spacing))
-        return distance, np.lexsort((np.arange(len(own)) * GOLDEN_RATIO % 1.0, rows))
+        return distance, deepest_first(distance, spacing)
 
     def displaced_volume(self, spacing: float, boxes: Boxes) -> float:
         """Volume of the hull inside `boxes` [m3], in 2-D its area [m2], by cubes finer than a `spacing` [m]."""

@@ -24,6 +24,16 @@ class Kernel(Protocol):
         """Shape of its gradient, grad W over -x/support^2."""
 
 
+class Wendland:
+    """Wendland's kernel (C2), which keeps particles apart."""
+
+    def value(self, t: np.ndarray) -> np.ndarray:
+        return t**4 * (5.0 - 4.0 * t)
+
+    def gradient(self, t: np.ndarray) -> np.ndarray:
+        return 20.0 * t**3
+
+
 @dataclass(frozen=True)
 class Lattice:
     """Lattice of particles that makes room for bodies, and the kernel by which they are packed."""
@@ -90,7 +100,7 @@ def even_out(
 
     n, tree, spacing, support, kernel = len(free), cKDTree(fixed), lattice.spacing, lattice.support, lattice.kernel
 
-    unit = float(kernel.value(np.ones(1))[0])
+    unit, apart_kernel = float(kernel.value(np.ones(1))[0]), Wendland()
 
     def summed(flat: np.ndarray) -> tuple[float, np.ndarray]:
         """Kernel sum over all pairs, and its gradient by the coordinates `flat` (n * dimension,) [spacings]."""
@@ -107,8 +117,8 @@ def even_out(
             apart = (points[i] - others[j])[:, :dimension] / spacing
             away = np.linalg.norm(apart, axis=1)
             t, close = np.maximum(1.0 - away / support, 0.0), np.maximum(1.0 - away, 0.0)
-            total += float((weight * (kernel.value(t) / unit + KEPT_APART * close**4 * (1.0 + 4.0 * away))).sum())
-            pull = kernel.gradient(t) / (unit * support**2) + 20.0 * KEPT_APART * close**3
+            total += float((weight * (kernel.value(t) / unit + KEPT_APART * apart_kernel.value(close))).sum())
+            pull = kernel.gradient(t) / (unit * support**2) + KEPT_APART * apart_kernel.gradient(close)
             rise = -(weight * pull)[:, None] * apart
             for k in range(dimension):
                 slope[:, k] += np.bincount(i, rise[:, k], n)

@@ -83,7 +83,7 @@ def _read_netcdf(path: str | Path) -> Heights:
         with netcdf_file(BytesIO(data), mmap=False, maskandscale=True) as file:
             (flat,) = [each for each in file.variables.values() if len(each.dimensions) == 2]
             north, east = (file.variables[name] for name in flat.dimensions)
-            units = [bytes(getattr(axis, "units", b"m")).decode() for axis in (east, north)]
+            units = [vars(axis).get("units", b"m").decode() for axis in (east, north)]
             x, z, y = (np.asarray(np.ma.filled(1.0 * each[:], np.nan), dtype=float) for each in (east, north, flat))
     except (KeyError, TypeError, ValueError, OSError):
         raise GRID_RULE.broken(path, "it has no single variable of two dimensions with places along both") from None

@@ -177,7 +177,7 @@ def scene(floor: object, **fluid: object) -> dict:
 @pytest.mark.parametrize(
     "data, sentence",
     [
-        (scene({}), "basin.floor: give either roughness [m] or friction_factor"),
+        (scene({}), "basin.floor: give a profile [m], a grid, a roughness [m] or a friction_factor"),
         (scene({"roughness": 0.01, "friction_factor": 0.1}), "basin.floor: give either roughness [m] or"),
         (scene({"roughness": 0.0}), "basin.floor.roughness: 0.0 is not greater than 0 [m]"),
         (scene({"rouhgness": 0.01}), "basin.floor.rouhgness: unknown key; did you mean 'roughness'?"),
@@ -210,5 +210,6 @@ def test_what_the_bed_is_stands_in_check():
 
 def test_a_dump_reads_as_the_same_bed():
     config = load(scene({"roughness": 0.003}))
-    assert config.resolved()["basin"]["floor"] == {"roughness": 0.003, "friction_factor": None}
+    shape = {"profile": None, "grid": None, "grid_centre": None, "slip": "free_slip"}
+    assert config.resolved()["basin"]["floor"] == shape | {"roughness": 0.003, "friction_factor": None}
     assert load(config.resolved()).basin == config.basin

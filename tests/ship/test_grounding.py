@@ -11,7 +11,11 @@ from ocean_sim.__main__ import run_command_line
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.result import Result, run
+from ocean_sim.ship import Load
+from ocean_sim.ship.body.rigid_body import RigidBody, quaternion, rotation_matrix
+from ocean_sim.ship.hull.shapes import Box
 from ocean_sim.ship.naval.hydrostatics import bow_squat, slender_squat
+from ocean_sim.ship.water.wall_contact import Sides
 
 QUIET = {name: None for name in observer_names() if name not in ("manifest", "health", "motion")}
 DEPTH = 2.3
@@ -93,3 +97,22 @@ def test_hull_tells_squat_over_a_bed(capfd):
     assert any("her ends are blunt" in note for note in json.loads(capfd.readouterr().out)["notes"])
     assert run_command_line(["hull", "wigley", "--kg", "0.12", "--depth", "0.1"]) == 2
     assert "--depth: she draws 0.187 m" in capfd.readouterr().err
+
+
+def test_a_slope_pushes_a_hull_along_its_normal():
+    """A cube that falls with its foot 0.1 m deep in a slope of 1:2, without friction: no speed into the slope is left."""
+    tank = load(
+        {
+            "basin": {"length": 4.0, "width": 4.0, "depth": 1.0, "floor": {"profile": [[-2.0, -1.0], [2.0, 1.0]]}},
+            "fluid": {"kind": "mueller", "spacing": 0.25, "kinematic_viscosity": 0.01},
+        }
+    ).preflight.tank
+    sides = Sides(Box(kind="box", length=0.5, breadth=0.5, height=0.5), np.array([0.0, 0.25, 0.0]), tank)
+    turn = quaternion(np.array([0.0, 0.0, 1.0]), np.arctan(0.5))
+    place = rotation_matrix(turn) @ [0.0, 0.15, 0.0]
+    body = RigidBody(100.0, np.eye(3), place, turn, np.array([0.0, -1.0, 0.0]), np.zeros(3))
+    assert sides.may_touch(body, 0.01)
+    impulse = sides.with_impulses(Load.of({}), lambda _: body, 1.0).force
+    assert impulse / np.linalg.norm(impulse) == pytest.approx(np.array([-1.0, 2.0, 0.0]) / 5.0**0.5)
+    after = body.velocity + impulse / body.mass
+    assert after @ [-1.0, 2.0, 0.0] == pytest.approx(0.0, abs=1e-6)

@@ -7,14 +7,18 @@ second nothing; in any water the shares sum to the bed in the mean. Where the ro
 front, the stress falls with the share that is: a lone particle is no layer of water on the bed.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ocean_sim.basin import KARMAN_CONSTANT, MIN_ROW_SHARE, Basin, Floor
-from ocean_sim.fluid.bodies.walls import Walls
 from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.fluid.sph.smoothing import Smoothing, Stencil
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import in_kernels
+
+if TYPE_CHECKING:  # it is imported only where a bed has a shape
+    from ocean_sim.fluid.bodies.relief import Relief
 
 FRAME_PUSH, FRAME_RATE, FRAME_TURN, FRAME_PIVOT = range(4)
 FULL_SHARE_ROWS, NO_SHARE_ROWS = 0.75, 1.25  # [rows] height up to which a particle bears its share, from which none
@@ -67,11 +71,13 @@ class Pull:
 class Bed:
     """Friction of a rough bed on the lowest row of particles."""
 
-    def __init__(self, bed: Floor, lattice: Lattice, smoothing: Smoothing, walls: Walls) -> None:
-        """`walls` hold the heights of a bed with a shape."""
+    def __init__(self, bed: Floor, lattice: Lattice, smoothing: Smoothing, relief: "Relief | None") -> None:
+        """`relief`: heights of a bed with a shape, else None."""
         self.level, self.row, self.z0 = lattice.basin.lower[1], lattice.row, bed.z0  # [m]
         self.logarithmic, self.in_row = bed.roughness is not None, bed.drag(0.5 * self.row)
-        self.flat, self.walls = not walls.shaped, walls
+        self.flat = relief is None
+        if relief is not None:
+            self.relief = relief
         self.full_row = Stencil(smoothing, lattice.spacing).row_on_bed(self.flat)
 
     @ti.func
@@ -93,7 +99,7 @@ class Bed:
         if ti.static(self.flat):
             filled += images
         else:
-            z, normal = self.walls.ground.distance(x)
+            z, normal = self.relief.distance(x)
             along = v - v.dot(normal) * normal
         share = tm.clamp((NO_SHARE_ROWS - z / self.row) / (NO_SHARE_ROWS - FULL_SHARE_ROWS), 0.0, 1.0)
         share *= tm.min(1.0, filled / self.full_row)

@@ -211,7 +211,7 @@ class Lattice:
 
     @property
     def packed(self) -> "packing.Lattice":
-        """What bodies need to know of the lattice that makes room for them."""
+        """Spacing, volume of a particle and kernel, for bodies that take room in the lattice."""
         from ocean_sim.basin import packing
 
         volume = self.mass / self.config.rest_density

@@ -75,7 +75,8 @@ class ParticleWater(ParticleFluid):
         self.walls = Walls(lattice, self.grid.images)
         self.pull = Pull(basin, config.body_force)
         if basin.rough_bed is not None:
-            self.bed = Bed(basin.rough_bed, lattice, self.smoothing, self.walls)
+            relief = self.walls.ground if self.walls.shaped else None
+            self.bed = Bed(basin.rough_bed, lattice, self.smoothing, relief)
         around = relaxation_band(lattice)
         self.sea = around.sea if around is not None else None
         if around is not None:

@@ -8,9 +8,8 @@ from itertools import product
 
 import numpy as np
 
-from ocean_sim.basin.packing import Lattice, deepest_first, fit_particles
+from ocean_sim.basin.packing import Lattice, Wendland, deepest_first, fit_particles
 from ocean_sim.files.cache_file import cached_arrays
-from ocean_sim.fluid.sph.smoothing import WENDLAND
 from ocean_sim.ship.body.rigid_body import RigidBody
 from ocean_sim.ship.hull.distance import distance_lattice
 from ocean_sim.ship.hull.shapes import HullShape
@@ -111,7 +110,7 @@ class Solid:
         for there, count in ((water, wet), (~water, whole - wet)):
             gone[order[there[order]][: round(count)]] = True
         at, volumes, _ = self.samples(spacing, FIT_SUPPORT * spacing)
-        packed = replace(lattice, kernel=WENDLAND, support=FIT_SUPPORT)
+        packed = replace(lattice, kernel=Wendland(), support=FIT_SUPPORT)
         return fit_particles(points, water, gone, (at @ self.turn.T + origin, volumes), packed, self.dimension)
 
     def deepest_first(self, own: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:

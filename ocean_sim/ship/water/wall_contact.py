@@ -32,7 +32,10 @@ class Sides:
         self.half: list[float] = (0.5 * np.ptp(self.points, axis=0)).tolist()  # of the box around them [m]
         self.radius = float(np.linalg.norm(self.points, axis=1).max())  # [m]
         self.stops = [(k, way, side[k] + way * room) for way, side in zip((1.0, -1.0), basin.stops()) for k in axes]
-        self.stops = [stop for stop in self.stops if abs(stop[2]) < OPEN]
+        self.ground, self.room = basin.ground if 1 in axes else None, room
+        shaped = self.ground is not None
+        self.stops = [stop for stop in self.stops if abs(stop[2]) < OPEN and not (shaped and stop[:2] == (1, 1.0))]
+        self.highest = -OPEN if self.ground is None else float(self.ground.y.max()) + room  # of a bed with a shape [m]
         self.restitution, self.friction = basin.config.restitution, basin.config.friction
         self.impulse = np.zeros(3)  # on the ship [N s]
         self.bed = False  # whether the last step met it
@@ -44,12 +47,23 @@ class Sides:
         along = 2.0 * dt * (speed + self.radius * rate)
         position = small_linalg.plus(body.position.tolist(), small_linalg.matrix_times(turn, self.middle))
         reach = small_linalg.matrix_times([[abs(part) for part in row] for row in turn], self.half)
-        return any(way * (position[axis] - side) < reach[axis] + along for axis, way, side in self.stops)
+        stops = [*self.stops, (1, 1.0, self.highest)]
+        return any(way * (position[axis] - side) < reach[axis] + along for axis, way, side in stops)
 
     def penetrations(self, body: RigidBody) -> list[tuple[int, float, np.ndarray]]:
-        """Axis, inward direction (1 or -1), and (n,) depths [m] of the hull's corners beyond each side."""
+        """Axis, inward direction (1 or -1), and (n,) depths [m] along the axis of the hull's corners beyond each side,
+        a bed with a shape last."""
         positions = self.points @ body.matrix.T + body.position
-        return [(axis, way, way * (side - positions[:, axis])) for axis, way, side in self.stops]
+        found = [(axis, way, way * (side - positions[:, axis])) for axis, way, side in self.stops]
+        if self.ground is not None:
+            found.append((1, 1.0, self.ground.heights(positions[:, [0, 2]]) + self.room - positions[:, 1]))
+        return found
+
+    def inward(self, axis: int, way: float, at: np.ndarray) -> np.ndarray:
+        """(3,) normal, into the basin, of the side across `axis` at a point (3,) [m]; `way`: inward direction."""
+        if self.ground is None or (axis, way) != (1, 1.0):
+            return way * np.eye(3)[axis]
+        return self.ground.normals(at[None, [0, 2]])[0]
 
     def moved_inside(self, body: RigidBody) -> RigidBody:
         """The body moved back by the penetration of its deepest corner, until the hull only touches the sides."""
@@ -67,8 +81,8 @@ class Sides:
             self.bed |= axis == 1 and way > 0.0 and bool(depth.max() > 0.0)
             deep = np.argsort(-depth, kind="stable")[:MAX_TOUCHING]
             for k in deep[depth[deep] > 0.0]:
-                normals.append(way * np.eye(3)[axis])
                 arms.append(body.matrix @ self.points[k])
+                normals.append(self.inward(axis, way, body.position + arms[-1]))
         if not normals:
             return load
         total = self.contact_impulses(body, np.array(normals), np.array(arms))

@@ -1,0 +1,142 @@
+"""Beds of any shape: what they displace, how still water lies over them, and which are refused."""
+
+import re
+
+import numpy as np
+import pytest
+from scipy.io import netcdf_file
+
+from ocean_sim import Simulation, load
+from ocean_sim.files.yaml_file import SceneError
+from tests.conftest import quickly
+
+DEPTH = 0.4
+SLOPE = [[-1.0, -DEPTH], [-0.6, -DEPTH], [1.0, -0.08]]
+SAWTOOTH = [
+    [-1.0, -DEPTH],
+    *([-0.8 + 0.2 * k + 0.1 * j, -DEPTH + 0.1 * j] for k in range(8) for j in (0, 1)),
+    [1.0, -DEPTH],
+]
+
+
+def scene(floor, fluid=None, **basin):
+    """Slice, 2 m long and 0.4 m deep, with a bed."""
+    return {
+        "duration": 1.0,
+        "basin": {"length": 2.0, "depth": DEPTH, "floor": floor} | basin,
+        "fluid": {"kind": "delta_sph", "spacing": 0.04} | (fluid or {}),
+    }
+
+
+def write_mound(path):
+    """Heights of a mound on a grid of 0.1 m, in the format that the file's ending names."""
+    x, z = np.linspace(-1.0, 1.0, 21), np.linspace(-0.5, 0.5, 11)
+    y = -DEPTH + 0.3 * np.exp(-(x[:, None] ** 2 + z**2) / 0.1)
+    if path.suffix == ".csv":
+        rows = [f"{a},{b},{c!r}" for a, row in zip(x, y.tolist()) for b, c in zip(z, row)]
+        path.write_text("\n".join(["x_m,z_m,y_m", *rows[::-1]]))
+    elif path.suffix == ".asc":
+        head = "ncols 21\nnrows 11\nxllcorner -1.05\nyllcorner -0.55\ncellsize 0.1\nNODATA_value -9999\n"
+        path.write_text(head + "\n".join(" ".join(map(repr, row)) for row in y.T[::-1].tolist()))
+    else:
+        with netcdf_file(path, "w") as file:
+            for name, nodes in (("x", x), ("y", z)):
+                file.createDimension(name, len(nodes))
+                file.createVariable(name, "d", (name,))[:] = nodes
+            file.createVariable("elevation", "d", ("y", "x"))[:] = y.T
+    return y
+
+
+@pytest.mark.parametrize("profile", [SLOPE, SAWTOOTH, [[-1.0, -0.4], [0.4, -0.4], [1.0, 0.2]]])
+def test_a_bed_takes_as_many_particles_as_it_displaces(profile):
+    preflight = load(scene({"profile": profile})).preflight
+    x, y = np.array(profile).T
+    water = np.trapezoid(np.maximum(-np.interp(np.linspace(-1, 1, 20001), x, y), 0.0), dx=1e-4)
+    assert preflight.lattice.n == pytest.approx(water / 0.04**2, abs=2)
+    positions, ground = preflight.lattice.positions(), preflight.tank.ground
+    assert (ground.distances(positions) > 0.0).all()
+    apart = np.linalg.norm(positions[:, None] - positions, axis=2) + np.eye(len(positions))
+    assert apart.min() > 0.6 * 0.04
+
+
+def test_samples_fill_the_ground_down_to_the_flat_bed():
+    ground = load(scene({"profile": SLOPE})).preflight.tank.ground
+    position, volume, normal = ground.samples(0.04, 1.0)
+    assert volume.sum() == pytest.approx(0.5 * 1.6 * 0.32, rel=2e-3)
+    assert position[:, 1].min() > -DEPTH
+    assert normal[position[:, 0] > -0.5] == pytest.approx(
+        np.array([[-0.2, 1.0, 0.0]] * (position[:, 0] > -0.5).sum()) / 1.04**0.5
+    )
+
+
+@pytest.mark.parametrize("ending", ["csv", "asc", "nc"])
+def test_heights_on_a_grid_read_alike_in_three_formats(ending, tmp_path):
+    file = tmp_path / f"mound.{ending}"
+    y = write_mound(file)
+    tank = load(scene({"grid": str(file)}, width=1.0, fluid={"spacing": 0.1})).preflight.tank
+    assert tank.ground.y == pytest.approx(np.maximum(y, -DEPTH), abs=1e-12)
+    with pytest.raises(SceneError, match="the bed reaches from x = -1"):
+        load(scene({"grid": str(file), "grid_centre": [0.2, 0.0]}, {"spacing": 0.1}, width=1.0))
+
+
+@pytest.mark.parametrize("profile", quickly(SLOPE, SAWTOOTH))
+def test_still_water_stays_still_over_a_shaped_bed(profile):
+    """Within 0.8 % of sqrt(g h), at the pressure of its depth on the bed within 1 %."""
+    with Simulation(load(scene({"profile": profile}, {"spacing": 0.02}))) as simulation:
+        simulation.run(until=1.0)
+        water, ground = simulation.fluid, simulation.basin.ground
+        speed = np.linalg.norm(water.particles.snapshot().velocity, axis=1)
+        x = np.linspace(-0.9, 0.5, 15)
+        points = np.stack([x, ground.heights(np.stack([x, 0 * x], axis=1)), 0 * x], axis=1)
+        apart = water.pressures(points) + 9810.0 * points[:, 1]
+    assert np.sqrt((speed**2).mean()) < 8e-3 * (9.81 * DEPTH) ** 0.5
+    assert np.abs(apart).mean() < 0.01 * 9810.0 * DEPTH
+
+
+@pytest.mark.parametrize(
+    "data, sentence",
+    [
+        (
+            scene({"profile": [[-1, -0.4], [0, 0.1]]}),
+            "basin.floor.profile: the bed reaches from x = -1 to 0 m, the basin",
+        ),
+        (scene({"profile": [[-1, -0.5], [1, 0.1]]}), "basin.floor.profile: the bed reaches down to y = -0.5 m"),
+        (scene({"profile": [[-1, 0.4], [1, 0.1]]}), "basin.floor.profile: the bed lies above the water everywhere"),
+        (
+            scene({"profile": [[-1, -0.4], [-1, 0.1]]}),
+            "basin.floor: a profile has two points [x, y] or more, and their x",
+        ),
+        (scene({"profile": [[-1, float("nan")], [1, 0.1]]}), "basin.floor.profile"),
+        (scene({"grid": "nothing.csv"}), "basin.floor.grid: nothing.csv: there is no such file"),
+        (scene({"profile": SLOPE, "grid": "a.csv"}), "basin.floor: give either a profile or a grid"),
+        (scene({"profile": SLOPE}, walls="periodic"), "basin.floor.profile: x is periodic, and the bed is not as high"),
+        (
+            scene({"profile": SLOPE}, wavemaker={"wall": "x_max", "height": 0.05, "period": 1.0}),
+            "basin.floor.profile: before the wavemaker the bed must lie at y = -0.4 m",
+        ),
+        (scene({"profile": SLOPE}, lid={}), "basin.floor.profile: a bed with a shape lies under a free surface"),
+        (
+            scene({"profile": SLOPE}, {"initial": {"kind": "standing_wave", "height": 0.01, "mode": 1}}),
+            "fluid.initial.kind: these are waves over a flat bed",
+        ),
+        (
+            scene({"profile": SLOPE}) | {"fluid": {"kind": "linear_waves", "height": 0.01, "period": 1.0}},
+            "fluid.kind: a sea in closed form lies over a flat bed",
+        ),
+    ],
+)
+def test_a_bed_that_cannot_be_is_refused_in_a_sentence(data, sentence):
+    with pytest.raises(SceneError, match=re.escape(sentence)):
+        load(data)
+
+
+def test_water_runs_down_a_slope_without_going_through_it():
+    """A block of water on a slope of 1:2 slides to its foot; nothing is lost, nothing lies in the ground."""
+    slope = {"profile": [[-1.0, -0.4], [-0.2, -0.4], [1.0, 0.2]]}
+    data = scene(slope, {"fill": [{"min": [0.2, -0.1], "max": [0.6, 0.0]}]}) | {"duration": 0.8}
+    with Simulation(load(data)) as simulation:
+        before = simulation.fluid.positions()[:, 0].mean()
+        simulation.run(until=0.8)
+        after = simulation.fluid.positions()
+        assert after[:, 0].mean() < before - 0.2
+        assert (simulation.basin.ground.distances(after) > 0.0).all()

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.basin.packing import FIT_REACH, Lattice, fit_particles
+from ocean_sim.basin.packing import FIT_REACH, Lattice, deepest_first, fit_particles
 from ocean_sim.files.bathymetry import Heights
 from ocean_sim.files.cache_file import cached_arrays
 
@@ -209,6 +209,13 @@ class Ground:
             f"{WAVE_ROWS:g} spacings deep in places: waves are coarse there; take a smaller spacing"
         ]
 
+    def displaced(self, positions: np.ndarray, boxes: Boxes, lattice: Lattice) -> np.ndarray:
+        """(n,) True for the `positions` (n, 3) [m] of particles that fill `boxes` whose place the bed takes."""
+        gone = np.zeros(len(positions), dtype=bool)
+        count = round(self.volume_inside(boxes, lattice.spacing) / lattice.volume)
+        gone[deepest_first(self.distances(positions), lattice.spacing)[:count]] = True
+        return gone
+
     def make_room(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, lattice: Lattice
     ) -> tuple[np.ndarray, np.ndarray]:
@@ -219,13 +226,7 @@ class Ground:
         def made() -> dict[str, np.ndarray]:
             points = np.concatenate([positions, beyond])
             water = np.arange(len(points)) < len(positions)
-            away = self.distances(points)
-            gone = ~water & (away < 0.0)
-            gone[
-                np.argsort(away[water], kind="stable")[
-                    : round(self.volume_inside(boxes, lattice.spacing) / lattice.volume)
-                ]
-            ] = True
+            gone = np.concatenate([self.displaced(positions, boxes, lattice), self.distances(beyond) < 0.0])
             support = lattice.support * lattice.spacing
             at, volumes, _ = self.samples(lattice.spacing, support, (FIT_REACH + 1.0) * lattice.spacing + support)
             sides = np.array([self.x[0], -np.inf, self.z[0]]), np.array([self.x[-1], np.inf, self.z[-1]])

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 FIT_REACH = 4.0  # [spacings] from a body within which particles move for it
-FIT_ITERATIONS = 100  # at most
+FIT_ITERATIONS = 40  # at most
 ROW_TOLERANCE = 0.05  # [spacings] distances that differ by less are those of a row
 KEPT_APART = 0.02  # of the kernel: push of pairs closer than a spacing, which some kernels let meet
 GOLDEN_RATIO = 0.6180339887498949  # spreads what is taken from a row evenly along it

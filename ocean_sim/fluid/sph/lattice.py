@@ -103,7 +103,7 @@ class Lattice:
         """Number of particles at the start, before an emitter adds any."""
         if self.given is None and not (self.basin.obstacles or self.basin.solids):
             return total_count(self.counts)
-        return len(self.positions())
+        return int(self.wet_mask.sum()) if self.given is None else len(self.given)
 
     @cached_property
     def jet(self) -> Jet | None:
@@ -242,10 +242,13 @@ class Lattice:
             found = found[~((found >= low)[:, :d] & (found <= up)[:, :d]).all(axis=1)]
         return found
 
-    @property
+    @cached_property
     def wet_mask(self) -> np.ndarray:
         """Mask (m,) of the points of the full lattice that hold water, see `room_for_bodies`."""
-        return self.room_for_bodies[0]
+        if self.basin.afloat:
+            return self.room_for_bodies[0]
+        wet, ground = ~in_obstacles(self.full_positions, self.basin), self.basin.ground
+        return wet if ground is None else wet & ~ground.displaced(self.full_positions, self.repeated_boxes, self.packed)
 
     def positions(self) -> np.ndarray:
         """Positions (n, 3) [m] at which the particles start; x runs fastest."""

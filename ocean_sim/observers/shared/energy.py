@@ -68,15 +68,18 @@ def stored_by_weight(simulation: Simulation) -> float:
 
 def energy_scale(simulation: Simulation) -> float:
     """Energy [J] in water at rest to which a gain is compared: that which its weight stores by compression, and in a
-    patch of open sea that of its waves; where none is stored, a hundredth of mass times reference speed squared plus
-    the energy that lifts the water by a spacing (solved water rises by hundredths of one as its lattice gives way)."""
+    patch of open sea that of its waves; where none is stored, a hundredth of mass times reference speed squared. Over
+    a bed with a shape, and where none is stored, also the energy that lifts the water by a spacing: packed particles
+    and solved water move by hundredths of one as their lattice gives way."""
     basin, particles = simulation.basin, with_particles(simulation.fluid).particles
     compresses = simulation.fluid.sound_speed > 0.0 and not simulation.fluid.solvers
     stored = stored_by_weight(simulation) if compresses else 0.0
+    mass = particles.mass * particles.count.now
+    lifted = mass * float(np.linalg.norm(basin.gravity)) * particles.spacing  # [J]
     if stored == 0.0:
-        lifted = float(np.linalg.norm(basin.gravity)) * particles.spacing  # [m2/s2]
-        specific = UNSTORED_SCALE * simulation.fluid.reference_speed**2 + lifted  # [J/kg]
-        return particles.mass * particles.count.now * specific
+        return mass * UNSTORED_SCALE * simulation.fluid.reference_speed**2 + lifted
+    if basin.ground is not None:
+        return stored + lifted
     sea = None if basin.sea is None else basin.sea.plane_waves(basin)
     if sea is None:
         return stored

@@ -18,8 +18,8 @@ from ocean_sim.files.input_file import FileName, Unreadable
 from ocean_sim.model import Model, Vector2, Vector3, quantity
 
 if TYPE_CHECKING:  # it is imported only where the bed has a shape
-    from ocean_sim.basin import packing
     from ocean_sim.basin.ground import Ground
+    from ocean_sim.basin.solids import packing
 
 OPEN = 1.0e30  # [m] where a side that is open would stand
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.basin.packing import FIT_REACH, Lattice, fit_particles
+from ocean_sim.basin.solids.packing import FIT_REACH, Lattice, fit_particles
 from ocean_sim.files.bathymetry import Heights
 from ocean_sim.files.cache_file import cached_arrays
 

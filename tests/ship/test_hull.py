@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from ocean_sim.__main__ import run_command_line
-from ocean_sim.basin.packing import Lattice
+from ocean_sim.basin.solids.mesh import BadMesh
+from ocean_sim.basin.solids.packing import Lattice
+from ocean_sim.basin.solids.voxels import voxels
 from ocean_sim.fluid.sph.smoothing import WENDLAND
 from ocean_sim.parts import named
 from ocean_sim.ship.body.rigid_body import RigidBody, axis_rotation
 from ocean_sim.ship.forces.added_mass import by_rule, pabst_factor
 from ocean_sim.ship.hull.hull import Hull, hull_of
-from ocean_sim.ship.hull.mesh import BadMesh
-from ocean_sim.ship.hull.voxels import voxels
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics, Matter
 
 WATER = (1000.0, 9.81)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from ocean_sim.basin.packing import Lattice
+from ocean_sim.basin.solids.packing import Lattice
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid.sph.smoothing import WENDLAND

@@ -15,7 +15,7 @@ from ocean_sim.fluid.sph.smoothing import Kernel
 from ocean_sim.waves import Components
 
 if TYPE_CHECKING:
-    from ocean_sim.basin import packing
+    from ocean_sim.basin.solids import packing
 
 BUDGET_ROWS = 32  # in the depth, by which the volume of a bed is summed before the spacing is known
 MARGIN_SPACINGS = 8.0  # [spacings] around a solid, as far as the water that makes room for it is pressed from
@@ -212,7 +212,7 @@ class Lattice:
     @property
     def packed(self) -> "packing.Lattice":
         """Spacing, volume of a particle and kernel, for bodies that take room in the lattice."""
-        from ocean_sim.basin import packing
+        from ocean_sim.basin.solids import packing
 
         volume = self.mass / self.config.rest_density
         return packing.Lattice(self.spacing, volume, self.config.kernel, self.config.ratio(self.basin))

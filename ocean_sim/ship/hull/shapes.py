@@ -1,49 +1,31 @@
 """Shapes of hulls, and their triangles as they are drawn. Axes of a hull: x to port, y up from the keel, z to the bow,
 origin amidships at the keel."""
 
-from abc import abstractmethod
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
+from ocean_sim.basin.solids.mesh import BadMesh, ClosedMesh, closed_mesh
+from ocean_sim.basin.solids.shape import Box3, SolidShape
 from ocean_sim.conventions import AxisName
 from ocean_sim.files.cache_file import cached_arrays
 from ocean_sim.files.input_file import FileName, Unreadable, read_bytes
 from ocean_sim.model import Model, Vector3, quantity
-from ocean_sim.ship.hull.mesh import BadMesh, ClosedMesh, closed_mesh
 
 DRAWN_STATIONS, DRAWN_WATERLINES, SIDE_HALVINGS = 41, 25, 24  # of a shape that is drawn by its sections
-Box3 = tuple[np.ndarray, np.ndarray]
 
 
-class HullShape(Model):
-    """Base class of hull shapes: bounds, inside test, and corners or a mesh."""
+class HullShape(Model, SolidShape):
+    """Base class of hull shapes: a solid shape that is written in a scene, and may have corners."""
 
     rounded: ClassVar[bool] = False  # whether the faces that it is drawn with only approach it
 
     def content(self) -> bytes:
-        """Bytes that identify the shape, and name its voxels and lattices in the cache."""
         return self.model_dump_json().encode()
-
-    @abstractmethod
-    def bounds(self) -> Box3:
-        """Lower and upper corner of the box around the shape [m]."""
-
-    def inside(self, x: np.ndarray) -> np.ndarray:
-        """True for points (..., 3) [m] that lie inside."""
-        raise NotImplementedError
 
     def vertices(self) -> np.ndarray | None:
         """(n, 3) points [m] whose convex hull is the shape; None if it is not given by points."""
-        return None
-
-    def fill_lattice(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
-        """(len(x), len(y), len(z)) True for the points of a lattice [m] that lie inside."""
-        return self.inside(np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1))
-
-    def closed_mesh(self) -> ClosedMesh | None:
-        """The mesh in the hull's axes; None if the shape is not a mesh. Raises BadMesh."""
         return None
 
 

@@ -16,11 +16,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ocean_sim.basin.solids.mesh import ClosedMesh, gauss_points, inside_stretches, lone_corner_first
+from ocean_sim.basin.solids.voxels import Voxels
 from ocean_sim.conventions import GRAVITY, Motions
 from ocean_sim.ship.body.rigid_body import axis_rotation
-from ocean_sim.ship.hull.mesh import ClosedMesh, gauss_points, inside_stretches, lone_corner_first
 from ocean_sim.ship.hull.shapes import HullShape, drawn_mesh
-from ocean_sim.ship.hull.voxels import Voxels
 
 UPRIGHT = np.array([0.0, 1.0, 0.0])
 SMALL_TURN = 0.5  # [deg] heel and trim at which metacentric heights are taken

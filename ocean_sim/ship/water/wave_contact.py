@@ -23,6 +23,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ocean_sim.basin import Basin
+from ocean_sim.basin.solids.distance import Distance
 from ocean_sim.columns import Columns
 from ocean_sim.fluid import ParticleFluid
 from ocean_sim.kernel_library import ti, tm
@@ -30,7 +31,6 @@ from ocean_sim.model import Model, quantity
 from ocean_sim.runtime import Array2, Template, in_kernels
 from ocean_sim.ship import Load
 from ocean_sim.ship.body.rigid_body import RigidBody
-from ocean_sim.ship.hull.distance import Distance
 from ocean_sim.ship.hull.shapes import HullShape
 from ocean_sim.ship.water.water_samples import POSE_COLUMNS, SurroundingSea, SurroundingWater, row_vector, write_pose
 

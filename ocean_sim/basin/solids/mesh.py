@@ -26,7 +26,7 @@ SHIP_LENGTH_OVER_BREADTH, SHIP_BREADTH_OVER_DRAUGHT, SHIP_DRAUGHT_OVER_HEIGHT = 
 UPRIGHT_BUOYANCY = 0.49  # of the draught: least height of the centre of buoyancy of sections that do not narrow upwards
 MAX_PROBES = 64  # corners of a skin of which is asked whether others enclose them
 
-TRIANGLE_RULE = Rule(f"a hull is an STL, OBJ or PLY file of triangles, with finite corners within {MAX_UNITS:g} units")
+TRIANGLE_RULE = Rule(f"a mesh is an STL, OBJ or PLY file of triangles, with finite corners within {MAX_UNITS:g} units")
 CLOSED_RULE = Rule("faces close around a volume: at every edge as many turn one way as the other way")
 AXES_RULE = Rule("`up` and `bow` are two axes of the file")
 CHECKS = (
@@ -263,11 +263,11 @@ def turned_outwards(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray
         if all(is_inside(others, point) for point in own[:: -(-len(own) // MAX_PROBES)]):
             share = abs(volumes[k]) / np.abs(volumes).max()
             found.append(
-                f"{skin} inside the hull faces inwards: a void, {share:.2g} of the hull, that stays dry and displaces "
-                "water as the hull does"
+                f"{skin} inside another faces inwards: a void, {share:.2g} of the body, that stays dry and displaces "
+                "water as the body does"
             )
         else:
-            found.append(f"{skin} faces inwards beside others; it is turned and counts as hull")
+            found.append(f"{skin} faces inwards beside others; it is turned and counts as body")
     return turned, found
 
 

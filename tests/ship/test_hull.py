@@ -216,7 +216,7 @@ def test_what_is_known_of_a_hull_beforehand_comes_from_the_cache_unchanged(tmp_p
     def found(x: float) -> list[bytes]:
         unit = np.array([1.0, 0.0, 0.0, 0.0])
         body = RigidBody(500.0, np.eye(3), np.array([x, -0.1, 0.0]), unit, np.zeros(3), np.zeros(3))
-        hull = solid.Solid(shape, np.array([0.0, 0.3, 0.0]), body, flat=False, is_sampled=False)
+        hull = solid.Solid(shape, np.array([0.0, 0.3, 0.0]), body.position, body.matrix, False, False, body=body)
         parts = [
             *shapes.drawn_mesh(shape),
             shapes.convex_corners(shape),

@@ -101,7 +101,7 @@ class Lattice:
     @cached_property
     def start_count(self) -> int:
         """Number of particles at the start, before an emitter adds any."""
-        if self.given is None and not (self.basin.obstacles or self.basin.solids):
+        if self.given is None and not (self.basin.config.obstacles or self.basin.solids):
             return total_count(self.counts)
         return len(self.positions())
 
@@ -179,6 +179,8 @@ class Lattice:
             ends[1, along & np.isclose(ends[1], foot)] = head
         for foot, head, along in reversed(stacked):
             ends[0, along & np.isclose(ends[0], head)] = foot
+        for mesh in self.basin.meshes.values():
+            ends[0] = np.maximum(ends[0], np.minimum(mesh.tops_below(self.full_positions[self.wet_mask]), y))
         for low, up in self.basin.obstacles:
             over = (x > low[0]) & (x < up[0]) & (z > low[2]) & (z < up[2]) & (y > up[1])
             ends[0, over] = np.maximum(ends[0, over], up[1])
@@ -199,8 +201,8 @@ class Lattice:
     @cached_property
     def room_for_bodies(self) -> tuple[np.ndarray, np.ndarray]:
         """Mask (m,) of the lattice points outside obstacles, bed and floating bodies, and positions (m, 3) [m] of all,
-        moved to make room for the last two."""
-        wet, positions = ~in_obstacles(self.full_positions, self.basin), self.full_positions
+        moved to make room for all but boxes."""
+        wet, positions = ~in_boxes(self.full_positions, self.basin), self.full_positions
         for solid in self.basin.solids:
             nearest = shifts(positions, solid.origin[[0, 2]], self.basin.periods)
             beyond = self.points_beyond(solid) if solid.is_sampled else np.empty((0, 3))
@@ -252,8 +254,14 @@ class Lattice:
         return self.room_for_bodies[1][self.wet_mask] if self.given is None else self.given
 
 
-def in_obstacles(positions: np.ndarray, basin: Basin) -> np.ndarray:
-    """Mask (n,) of the positions (n, 3) [m] that lie in an obstacle of the basin."""
+def in_obstacles(positions: np.ndarray, basin: Basin, spacing: float) -> np.ndarray:
+    """Mask (n,) of the positions (n, 3) [m] of particles a `spacing` [m] apart that lie in an obstacle of the basin."""
+    meshes = [mesh.distances(positions.copy(), spacing) < 0.0 for mesh in basin.meshes.values()]
+    return np.any([in_boxes(positions, basin), *meshes], axis=0)
+
+
+def in_boxes(positions: np.ndarray, basin: Basin) -> np.ndarray:
+    """Mask (n,) of the positions (n, 3) [m] that lie in a box in the water of the basin."""
     found = np.zeros(len(positions), dtype=bool)
     if basin.obstacles:
         order = positions[:, 0].argsort(kind="stable")

@@ -2,15 +2,12 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
-from ocean_sim.basin.solids.distance import distance_lattice
 from ocean_sim.basin.solids.packing import Lattice, Wendland
-from ocean_sim.basin.solids.room import CUBES_A_SPACING, Boxes, ShapedSolid, face_normals, lattice_values
+from ocean_sim.basin.solids.room import Boxes, ShapedSolid, face_normals, lattice_values
 from ocean_sim.ship.body.rigid_body import RigidBody
-from ocean_sim.ship.hull.shapes import HullShape
 
 FIT_SUPPORT = 2.0  # [spacings] of the kernel by which particles are fitted to a hull that the water's laws meet
 START_GAP = 0.5  # [spacings] from the hull to the nearest particle of the start
@@ -18,24 +15,12 @@ PACKING_SWEEPS = 100  # over crowded particles that are pushed apart
 PACKING_PUSH = 0.5  # share of their overlap in each sweep
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Solid(ShapedSolid):
     """A hull at its pose at the beginning of a run, as a solid body; in 2-D the section amidships."""
 
-    shape: HullShape
-    centre: np.ndarray  # (3,) centre of mass from the hull's origin [m]
     body: RigidBody
-    flat: bool
-    is_sampled: bool = True  # by the laws of the water
     reach: float = 0.0  # of what it does else to the water [m]
-
-    @property
-    def origin(self) -> np.ndarray:
-        return self.body.position
-
-    @cached_property
-    def turn(self) -> np.ndarray:
-        return self.body.matrix
 
     def room_arrays(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, lattice: Lattice
@@ -48,7 +33,7 @@ class Solid(ShapedSolid):
     def carve_room(self, positions: np.ndarray, boxes: Boxes, spacing: float) -> dict[str, np.ndarray]:
         """Room for a hull without samples: indices of particles `gone` and of those `near` the hull, and positions [m]
         of the latter, `moved` half a spacing off the hull and away from each other. Water fills `boxes`."""
-        values, first, step = distance_lattice(self.shape, spacing / CUBES_A_SPACING, spacing, 2.0 * spacing)
+        values, first, step = self.lattice(spacing)
         distance, order = self.deepest_first((positions - self.origin) @ self.turn + self.centre, spacing)
         gone = np.zeros(len(positions), dtype=bool)
         gone[order[: round(self.displaced_volume(spacing, boxes) / spacing**3)]] = True

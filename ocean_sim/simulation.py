@@ -279,7 +279,7 @@ def require_doubles(scene: Scene, backend: runtime.Backend) -> None:
         "accuracy": "accuracy" in scene.observers,
         "ship": bool(scene.ships),
         "sea": tank.sea is not None,
-        "basin.obstacles": bool(tank.obstacles),
+        "basin.obstacles": bool(tank.config.obstacles),
         "basin.walls": any(side.absorbing is not None for side in tank.sides),
         "health": "health" in scene.observers and scene.fluid.made_of_particles,
         "fluid.kind": scene.fluid.counts_in_doubles,

@@ -10,16 +10,20 @@ import numpy as np
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from ocean_sim import waves
-from ocean_sim.basin.motion import AnyWavemaker, Gate, Motion, Piston
+from ocean_sim.basin.motion import NOT_MOVED, AnyWavemaker, Gate, Motion, Piston
 from ocean_sim.basin.open_sea import Absorbing, OpenSea
-from ocean_sim.conventions import GRAVITY
+from ocean_sim.conventions import GRAVITY, AxisName
 from ocean_sim.files.bathymetry import Heights, read_heights
 from ocean_sim.files.input_file import FileName, Unreadable
 from ocean_sim.model import Model, Vector2, Vector3, quantity
 
-if TYPE_CHECKING:  # it is imported only where the bed has a shape
-    from ocean_sim.basin import packing
+if TYPE_CHECKING:  # they are imported only where the bed has a shape, or an obstacle is a mesh
     from ocean_sim.basin.ground import Ground
+if TYPE_CHECKING:  # they are imported only where the bed has a shape, or bodies are in the water
+    from ocean_sim.basin.ground import Ground
+    from ocean_sim.basin.solids import packing
+    from ocean_sim.basin.solids.room import MeshSolid
+    from ocean_sim.basin.solids.shape import PlacedMesh
 
 OPEN = 1.0e30  # [m] where a side that is open would stand
 
@@ -33,6 +37,7 @@ Corners = tuple[tuple[float, ...], tuple[float, ...]]
 SAME_DIGITS = 0.005  # of the decimal logarithm: a per cent, by which gravity differs over the Earth and in tables
 LEVEL_ROUNDING = 1e-6  # of the depth by which a bed may be deeper, as numbers of single precision are
 BOX_ROUNDING = 1e-9  # [m] by which a box may reach over a side or into another one
+MESH_ROUNDING = 1e-6  # of its size by which a mesh may, as files have numbers of single precision
 
 
 def with_what_is_open(written: Any) -> Any:
@@ -250,8 +255,8 @@ class Box(Model):
         return self
 
 
-class Obstacle(Box):
-    """A box in the water, fixed unless it has a `motion`. One that is thinner than the support of the smoothing kernel
+class Obstacle(Model):
+    """A body in the water, fixed unless it has a `motion`. One that is thinner than the support of the smoothing kernel
     lets the water on both sides feel each other through it."""
 
     slip: Slip = "free_slip"
@@ -278,6 +283,62 @@ class Obstacle(Box):
         return Gate(velocity=self.velocity or (0.0, 0.0, 0.0), end=self.until)
 
 
+class BoxObstacle(Obstacle, Box):
+    """A box in the water."""
+
+
+class MeshObstacle(Obstacle):
+    """A closed mesh of triangles in the water; in 2-D its section at z = 0."""
+
+    mesh: FileName
+    """File of the mesh: STL, OBJ or PLY."""
+    unit: Literal["m", "cm", "mm", "ft", "in"] = "m"
+    """Unit of the file: `m`, `cm`, `mm`, `ft` (0.3048 m) or `in` (0.0254 m)."""
+    up: AxisName = "z"
+    """The file's axis that points up; its x stays x where it can."""
+    at: Point = quantity("m")
+    """Place of the file's origin."""
+    heading_deg: float = quantity("deg", 0.0)
+    """Turn about the vertical through the file's origin, from z towards x."""
+
+    @cached_property
+    def shape(self) -> "PlacedMesh":
+        """The mesh where it stands at time 0."""
+        from ocean_sim.basin.solids.shape import PlacedMesh
+
+        (x, y, *z), keys = self.at, self.model_dump(include={"unit", "up", "heading_deg"})
+        return PlacedMesh(file=self.mesh, at=(x, y, sum(z)), is_section=not z, **keys)
+
+    @cached_property
+    def corners(self) -> np.ndarray:
+        """(2, n) lowest and highest corner [m], less rounding, with as many numbers as `at`; n = 0 if it is faulty."""
+        if self.shape.faults:
+            return np.zeros((2, 0))
+        ends = np.array(self.shape.bounds())[:, : len(self.at)]
+        return ends + MESH_ROUNDING * np.ptp(ends, axis=0) * np.array([[1.0], [-1.0]])
+
+    @property
+    def min(self) -> tuple[float, ...]:
+        return tuple(self.corners[0].tolist())
+
+    @property
+    def max(self) -> tuple[float, ...]:
+        return tuple(self.corners[1].tolist())
+
+
+def box_or_mesh(written: Any) -> str:
+    """Pydantic tag of an obstacle: `MeshObstacle` if it is `written` with a mesh, else `BoxObstacle`."""
+    is_mesh = "mesh" in written if isinstance(written, dict) else isinstance(written, MeshObstacle)
+    return "MeshObstacle" if is_mesh else "BoxObstacle"
+
+
+AnyObstacle = BoxObstacle | MeshObstacle
+TaggedObstacle = Annotated[
+    Annotated[BoxObstacle, Tag("BoxObstacle")] | Annotated[MeshObstacle, Tag("MeshObstacle")],
+    Discriminator(box_or_mesh),
+]
+
+
 class Config(Model):
     """Size and sides of the basin; the origin is the centre of the still surface, y points up."""
 
@@ -302,8 +363,8 @@ class Config(Model):
     friction: float = quantity("1", 0.0, ge=0.0)
     """Coulomb friction at walls and floor: tangential over normal impulse, at most."""
 
-    obstacles: Annotated[tuple[Obstacle, ...], Field(strict=False)] = ()
-    """Boxes that the water flows around, fixed or moving as gates do."""
+    obstacles: Annotated[tuple[TaggedObstacle, ...], Field(strict=False)] = ()
+    """Boxes and meshes that the water flows around, fixed or moving as gates do."""
     motion: Motion | None = None
     """Motion of the whole tank: `harmonic`, or recorded in a `file`; measurements are made in the axes of the tank."""
     wavemaker: AnyWavemaker | None = None
@@ -330,8 +391,10 @@ class Config(Model):
         if basin.dimension == 2 and self.gravity[2] != 0.0:
             sentence = "a slice, in x-y, has no gravity along z; y is up here: gravity: [0, -9.81, 0]"
             found.append((("gravity",), sentence))
-        overlap = "the box overlaps an earlier one"
-        found += box_faults("obstacles", self.obstacles, basin, overlap) or path_faults(self.obstacles, basin, duration)
+        meshes = [(k, body) for k, body in enumerate(self.obstacles) if isinstance(body, MeshObstacle)]
+        bad = [(("obstacles", k, "mesh"), sentence) for k, body in meshes for sentence in body.shape.faults]
+        misplaced = bad or box_faults("obstacles", self.obstacles, basin, "overlaps an earlier one")
+        found += misplaced or path_faults(self.obstacles, basin, duration)
         if isinstance(self.floor, Floor) and self.floor.shaped:
             found += [(("floor", *path), sentence) for path, sentence in self.floor.shape_problems(basin)]
         for side in basin.sides:
@@ -363,19 +426,23 @@ def odd_gravity(gravity: Vector3) -> list[str]:
     return found
 
 
-def box_faults(key: str, boxes: Sequence[Box], basin: "Basin", overlap: str) -> list[tuple[tuple[str | int, ...], str]]:
-    """Faults (key path, sentence) of boxes under `key` that leave the basin or overlap; `overlap`: sentence on that."""
+def box_faults(
+    key: str, boxes: Sequence[Box | MeshObstacle], basin: "Basin", overlap: str
+) -> list[tuple[tuple[str | int, ...], str]]:
+    """Faults (key path, sentence) of boxes under `key` that leave the basin or overlap; `overlap`: words on that."""
     found: list[tuple[tuple[str | int, ...], str]] = []
     fitting = [k for k, box in enumerate(boxes) if len(box.min) == basin.dimension]
     low = np.array([boxes[k].min for k in fitting]).reshape(-1, basin.dimension)
     up = np.array([boxes[k].max for k in fitting]).reshape(-1, basin.dimension)
     for row, k in enumerate(fitting):
         out = axes_beyond(boxes[k].min, boxes[k].max, basin)
+        size = " x ".join(f"{side:.3g}" for side in up[row] - low[row])
+        noun = "the box" if isinstance(boxes[k], Box) else f"the box around the mesh, {size} m,"
         if out:
-            found.append(((key, k), f"the box reaches out of the basin along {' and '.join(out)}"))
+            found.append(((key, k), f"{noun} reaches out of the basin along {' and '.join(out)}"))
         common = np.minimum(up[:row], up[row]) - np.maximum(low[:row], low[row])
         if (common.min(axis=1) > BOX_ROUNDING).any():
-            found.append(((key, k), overlap))
+            found.append(((key, k), f"{noun} {overlap}"))
     for k in set(range(len(boxes))) - set(fitting):
         sentence = f"a point of this basin has {basin.dimension} numbers, got {len(boxes[k].min)}"
         found.append(((key, k), sentence))
@@ -392,7 +459,7 @@ def axes_beyond(low: Sequence[float], up: Sequence[float], basin: "Basin") -> li
 
 
 def path_faults(
-    obstacles: tuple[Obstacle, ...], basin: "Basin", duration: float
+    obstacles: tuple[AnyObstacle, ...], basin: "Basin", duration: float
 ) -> list[tuple[tuple[str | int, ...], str]]:
     """Faults (key path, sentence) of the paths of moving obstacles in a run of `duration` [s]."""
     found: list[tuple[tuple[str | int, ...], str]] = []
@@ -428,7 +495,7 @@ def path_faults(
     return found
 
 
-def crossing_time(box: Obstacle, other: Obstacle, duration: float) -> float | None:
+def crossing_time(box: AnyObstacle, other: AnyObstacle, duration: float) -> float | None:
     """First time [s] up to `duration` at which two obstacles overlap, straight between samples; None if never."""
     gates = [(sign, gate) for sign, gate in ((1.0, box.gate), (-1.0, other.gate)) if gate is not None]
     times = min((gate.moments(duration) for _, gate in gates), key=lambda moments: float(moments[-1]))
@@ -612,30 +679,58 @@ class Basin:
 
     @property
     def solids(self) -> list[Solid]:
-        """Bed and floating bodies around which the initial water is built."""
-        return [*([] if self.ground is None else [self.ground]), *self.afloat.values()]
+        """Bed, meshes and floating bodies around which the initial water is built."""
+        return [*([] if self.ground is None else [self.ground]), *self.meshes.values(), *self.afloat.values()]
+
+    @cached_property
+    def boxes(self) -> list[BoxObstacle]:
+        """Obstacles that are boxes of this basin's dimension."""
+        whole = [box for box in self.config.obstacles if isinstance(box, BoxObstacle)]
+        return [box for box in whole if len(box.min) == self.dimension]
+
+    @cached_property
+    def meshes(self) -> "dict[int, MeshSolid]":
+        """Obstacles that are meshes, by their number among all obstacles."""
+        found = {}
+        for k, body in enumerate(self.config.obstacles):
+            if isinstance(body, MeshObstacle) and len(body.min) == self.dimension:
+                from ocean_sim.basin.solids.room import MeshSolid
+
+                middle = 0.5 * np.add(*body.shape.bounds())
+                found[k] = MeshSolid(body.shape, middle, middle, np.eye(3), self.dimension == 2, gate=body.gate)
+        return found
+
+    def meshes_at(self, time: float) -> "list[tuple[MeshSolid, np.ndarray]]":
+        """Each mesh in the water at a time [s], and its displacement (3,) from its place at time 0 [m]."""
+        moved = [(mesh, NOT_MOVED if mesh.gate is None else mesh.gate.at(time)) for mesh in self.meshes.values()]
+        return [(mesh, now.way) for mesh, now in moved if now is not None]
+
+    def mesh_triangles(self, time: float, moving: bool) -> np.ndarray:
+        """Triangles (m, 3, 3) [m] of the fixed meshes in the water, or of the moving ones at a time [s]."""
+        found = [mesh.mesh.triangles + way for mesh, way in self.meshes_at(time) if (mesh.gate is not None) == moving]
+        return np.concatenate([np.zeros((0, 3, 3)), *found])
 
     @cached_property
     def obstacles(self) -> list[Corners]:
-        """Lowest and highest corner of each obstacle at time 0 [m]; in 2-D without limit along z."""
-        return [box_corners(box) for box in self.config.obstacles if len(box.min) == self.dimension]
+        """Lowest and highest corner of each box in the water at time 0 [m]; in 2-D without limit along z."""
+        return [box_corners(box) for box in self.boxes]
 
     @cached_property
     def fixed(self) -> list[Corners]:
-        """Lowest and highest corner [m] of each obstacle that never moves."""
-        return [box_corners(box) for box in self.config.obstacles if box.gate is None]
+        """Lowest and highest corner [m] of each box in the water that never moves."""
+        return [box_corners(box) for box in self.boxes if box.gate is None]
 
     def obstacles_at(self, time: float) -> list[Corners]:
-        """Lowest and highest corner [m] of each obstacle present at a time [s]."""
+        """Lowest and highest corner [m] of each box in the water at a time [s]."""
         return self.fixed + self.gates_at(time)
 
     def gates_at(self, time: float) -> list[Corners]:
-        """Lowest and highest corner [m] of each gate, an obstacle that moves or is taken out, present at a time [s]."""
+        """Lowest and highest corner [m] of each box that moves or is taken out, if it is present at a time [s]."""
         found = []
-        for k, gate in self.gates:
-            moved = gate.at(time)
+        for box in self.boxes:
+            moved = box.gate.at(time) if box.gate is not None else None
             if moved is not None:
-                low, up = np.array(box_corners(self.config.obstacles[k])) + moved.way
+                low, up = np.array(box_corners(box)) + moved.way
                 found.append((tuple(low.tolist()), tuple(up.tolist())))
         return found
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.basin.packing import FIT_REACH, Lattice, deepest_first, fit_particles
+from ocean_sim.basin.solids.packing import FIT_REACH, Lattice, deepest_first, fit_particles
 from ocean_sim.files.bathymetry import Heights
 from ocean_sim.files.cache_file import cached_arrays
 
@@ -19,6 +19,7 @@ Boxes = Sequence[tuple[np.ndarray, np.ndarray]]  # lower and upper corner of eac
 LAYERS_A_SPACING = 2  # of samples: a single one drives still water up a slope of 1:20 at 0.01 sqrt(g h)
 WAVE_ROWS = 8.0  # [spacings] of depth that waves need
 SLICE_HALF = 1e-3  # [m] half the width of the bed in a slice
+FIT_ITERATIONS = 40  # at which still water is as calm as at 100
 COLUMNS_A_SPACING = 4  # columns to a spacing by which the volume of the bed is summed
 BASE_SHARE = 0.012  # thickness of what is drawn under the flat bed, over the height of the bed above it
 WET_DEPTH_SHARE = 1e-5  # of the height of the bed: least depth of water on it
@@ -230,7 +231,7 @@ class Ground:
             support = lattice.support * lattice.spacing
             at, volumes, _ = self.samples(lattice.spacing, support, (FIT_REACH + 1.0) * lattice.spacing + support)
             sides = np.array([self.x[0], -np.inf, self.z[0]]), np.array([self.x[-1], np.inf, self.z[-1]])
-            return fit_particles(points, water, gone, (at, volumes), lattice, self.dimension, sides)
+            return fit_particles(points, water, gone, (at, volumes), lattice, self.dimension, sides, FIT_ITERATIONS)
 
         found = cached_arrays("rooms", content, made)
         gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()

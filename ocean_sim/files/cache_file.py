@@ -15,10 +15,13 @@ from ocean_sim.machine import cache_directory, source_hashes
 MAX_FOLDER_BYTES = 300_000_000  # of a folder; beyond them what was not used for the longest time goes
 
 
-def cached_arrays(folder: str, content: bytes, made: Callable[[], dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
-    """Arrays by name that `made()` computes, cached in `folder` for equal input bytes `content` and source files."""
-    package = made.__module__.split(".")[1]
-    laws = [item for item in source_hashes().items() if item[0].startswith(f"{package}/")]
+def cached_arrays(
+    folder: str, content: bytes, made: Callable[[], dict[str, np.ndarray]], *asked: type
+) -> dict[str, np.ndarray]:
+    """Arrays by name that `made()` computes, cached in `folder` for equal input bytes `content` and source files of its
+    package and those of the classes that it `asked`."""
+    packages = tuple(f"{each.__module__.split('.')[1]}/" for each in (made, *asked))
+    laws = [item for item in source_hashes().items() if item[0].startswith(packages)]
     path = cache_directory() / folder / f"{hashlib.sha256(repr(laws).encode() + content).hexdigest()}.npz"
     with suppress(input_file.Unreadable):
         arrays = input_file.read_npz(path)

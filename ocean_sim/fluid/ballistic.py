@@ -9,7 +9,7 @@ from ocean_sim.conventions import GRAVITY as EARTH_GRAVITY
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.budget.field import Field
 from ocean_sim.fluid.budget.momentum_budget import GRAVITY, SHIP, WALLS, WIND
-from ocean_sim.fluid.neighbours.backend_plan import PLANS, account_ledger
+from ocean_sim.fluid.neighbours.backend_plan import PLANS, account_ledger, mesh_ledger
 from ocean_sim.fluid.neighbours.grid_size import GridSize
 from ocean_sim.fluid.sph.particle_water import ParticleWater
 from ocean_sim.fluid.sph.water_keys import WaterConfig, free_fall_speed
@@ -55,6 +55,7 @@ class Config(WaterConfig):
             LedgerRow("fluid", f"{n} particles", (8 * word + 4) * n, what),
             LedgerRow("fluid", f"grid of {size.cell_count} cells", size.bytes(word), "the surface that gauges read"),
             *account_ledger(size, word, preflight.sums_impulses),
+            *mesh_ledger(size, word),
         ]
 
     def still_limits(self, preflight: Preflight) -> Limits:

@@ -368,7 +368,7 @@ class Dfsph(Sph):
         self.density, self.forces = Density(self), Forces(self, config.viscosity(basin))
         self.report: np.ndarray = np.zeros(REPORT_SIZE, dtype=particles.position.precision)
         self.begin()
-        if (basin.obstacles or basin.afloat) and not self.closed:
+        if (basin.config.obstacles or basin.afloat) and not self.closed:
             self.make_room()
 
     def begin(self) -> None:

@@ -39,7 +39,7 @@ class Config(waves.GrowingTrain, FluidConfig):
         found = found or [(self.height_key, sentence) for sentence in waves.basin_faults(basin, *self.scale)]
         if basin.ground is not None:
             found.append((("kind",), "a sea in closed form lies over a flat bed; leave the shape of basin.floor out"))
-        if basin.obstacles:
+        if basin.config.obstacles:
             found.append((("kind",), "a sea in closed form goes through obstacles; leave basin.obstacles out"))
         if basin.rough_bed is not None:
             found.append((("kind",), "a sea in closed form has no friction; leave basin.floor out"))

@@ -90,7 +90,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
             found.append(
                 (("kind",), "a sea computed by its surface lies over a flat bed; leave the shape of basin.floor out")
             )
-        if basin.obstacles:
+        if basin.config.obstacles:
             found.append((("kind",), "a sea without sides goes through obstacles; leave basin.obstacles out"))
         if basin.rough_bed is not None:
             found.append((("kind",), "a sea computed by its surface has no friction; leave basin.floor out"))

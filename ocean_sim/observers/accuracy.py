@@ -166,7 +166,8 @@ class Accuracy(Observer):
                 values += self.surface.measures()
             outside = 0
             if not surely_inside(totals, simulation.basin):
-                away = distance_outside(water.particles.position.to_numpy(), simulation.basin, simulation.time)
+                position = water.particles.position.to_numpy()
+                away = distance_outside(position, simulation.basin, simulation.time, water.spacing)
                 outside = int(np.count_nonzero(away))
             counts = (outside, fluid.status.clipped)
             for name in self.solvers:

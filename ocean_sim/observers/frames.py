@@ -123,6 +123,8 @@ class Frames(Observer):
             frame |= {"wind_strongest": np.array(wind.strongest), "wind_unit": np.array(wind.unit)}
         if simulation.basin.gates:
             frame["gates"] = np.array(simulation.basin.gates_at(simulation.time)).reshape(-1, 2, 3)
+            if simulation.basin.meshes:
+                frame["moving_meshes"] = simulation.basin.mesh_triangles(simulation.time, moving=True)
         for ship in self.ships:
             key = key_of(ship.name)
             frame |= {f"{key}_position": ship.body.position, f"{key}_turn": ship.body.matrix}  # body to world

@@ -302,7 +302,7 @@ class Gauges(Observer):
         self.runups = [*config.runup.values()]
         meaning = {
             f"{name}_m": f"elevation at {list(wave.at)} m{RIDING_PHRASE if wave.rides else ''}"
-            + (", over a dry obstacle its top" if simulation.basin.obstacles else "")
+            + (", over a dry obstacle its top" if simulation.basin.config.obstacles else "")
             + (", nan over a dry bed" if simulation.basin.ground is not None else "")
             for name, wave in waves.items()
         }
@@ -326,6 +326,9 @@ class Gauges(Observer):
             if ground is not None:
                 heights = np.maximum(heights, ground.heights(columns))
             heights = dry_tops(simulation.basin.obstacles_at(simulation.time), columns, heights)
+            for mesh, way in simulation.basin.meshes_at(simulation.time):
+                tops = mesh.tops_below(np.insert(columns, 1, heights, axis=1) - way) + way[1]
+                heights = np.maximum(heights, tops)
             parts.append(heights if ground is None else ground.wet_heights(columns, heights))
         if self.runups:
             position = with_particles(fluid).particles.position.to_numpy()

@@ -149,7 +149,8 @@ class Health(OutcomeObserver):
         if self.judges_energy:
             self.first_energy = self.energy_parts(totals)
         if self.judges_level:
-            self.first_level = level_ratio(particles.snapshot().position, particles.spacing, simulation.basin)
+            position = particles.snapshot().position
+            self.first_level = level_ratio(position, particles.spacing, simulation.basin, simulation.time)
         if simulation.steps == 0:
             self.symmetry = Symmetry(simulation)
         if water.impulse:
@@ -192,7 +193,7 @@ class Health(OutcomeObserver):
         self.note_work(totals)
         self.note_swelling()
         if self.judges_level:
-            level = level_ratio(snapshot.position, particles.spacing, basin)
+            level = level_ratio(snapshot.position, particles.spacing, basin, self.simulation.time)
             bound = self.config.max_level_ratio * max(self.first_level, 1.0)
             if not level <= bound:
                 high = f"its centre of mass lies {level:.3g} x as high over the bed as that of as much water at rest"
@@ -223,7 +224,8 @@ class Health(OutcomeObserver):
         if not status.max_speed <= self.max_speed:
             what = f"a particle reached {status.max_speed:.4g} m/s (bound {self.max_speed:.4g} m/s)"
             yield self.describe_failure(what, position, [int(np.square(velocity).sum(axis=1).argmax())])
-        through = distance_outside(position, self.simulation.basin, self.simulation.time)
+        spacing = with_particles(self.simulation.fluid).spacing
+        through = distance_outside(position, self.simulation.basin, self.simulation.time, spacing)
         if through.any():
             what = f"{np.count_nonzero(through)} of {len(through)} particles are outside the walls"
             far = f"the farthest by {through.max():.4g} m (none may be)"

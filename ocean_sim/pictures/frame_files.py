@@ -80,6 +80,7 @@ class Frame:
             self.id = file["id"] if "id" in file else None  # of the particles
             self.ships = {key: (file[f"{key}_position"], file[f"{key}_turn"]) for key in ship_keys(file, "_turn")}
             self.gates = file["gates"].astype(np.float64) if "gates" in file else np.zeros((0, 2, 3))
+            self.moving_meshes = file["moving_meshes"] if "moving_meshes" in file else np.zeros((0, 3, 3))
             empty = (("lines", (0, 2, 3)), ("tails", (0, 3)), ("arrows", (0, 3)))
             self.wind_lines, self.wind_tails, self.wind_arrows = (  # as in `wind.Drawing`
                 file[f"wind_{name}"] if f"wind_{name}" in file else np.zeros(shape) for name, shape in empty
@@ -189,6 +190,8 @@ def grid_arrays(simulation: "LiveSimulation", x: np.ndarray, z: np.ndarray) -> d
     }
     if (ground := basin.ground) is not None:
         arrays |= {"ground_x": ground.x, "ground_z": ground.z, "ground_y": ground.y}
+    if basin.meshes:
+        arrays["meshes"] = basin.mesh_triangles(0.0, moving=False)
     for name, ship in simulation.ships.items():
         key, drawn = key_of(name), ship.drawn()
         if drawn is not None:

@@ -45,7 +45,7 @@ class Config(FloatingConfig):
         still = self.hydrostatics_of(preflight)
         flat = preflight.tank.dimension == 2
         body = self.above_unsettled_water(self.starting_body(still, flat), preflight)
-        return Solid(self.whole_hull.shape, still.matter.centre, body, flat)
+        return Solid(self.whole_hull.shape, still.matter.centre, body.position, body.matrix, flat, body=body)
 
     def added_mass_diagonal(self, still: Hydrostatics) -> np.ndarray:
         """(6,) added mass [kg], inertia [kg m2] by rule, for natural periods alone; in a run the particles react."""

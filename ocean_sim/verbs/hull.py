@@ -9,6 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import typer
 
+from ocean_sim.basin.solids.mesh import BadMesh
+from ocean_sim.basin.solids.voxels import MISSED_SHARE, voxels
 from ocean_sim.conventions import GRAVITY, WATER_DENSITY, AxisName, figures
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.files.yaml_file import read_mapping
@@ -19,8 +21,6 @@ from ocean_sim.ship.body.floating import MAX_LEAN, FloatingConfig, lean_matrix, 
 from ocean_sim.ship.forces.added_mass import by_rule
 from ocean_sim.ship.forces.roll_damping import BilgeKeels, Ikeda, RollDamping
 from ocean_sim.ship.hull.hull import CUBE_BUDGET, FIRST_GUESS_CUBES, MESH_ENDINGS, Hull, error_sentence, hull_of
-from ocean_sim.ship.hull.mesh import BadMesh
-from ocean_sim.ship.hull.voxels import MISSED_SHARE, voxels
 from ocean_sim.ship.naval import hydrostatics
 from ocean_sim.ship.naval.stability import CROSS_HEELS, LAST_HEEL, Loading, Stability
 from ocean_sim.verbs.shared import console

@@ -100,7 +100,7 @@ FOREIGN = {  # what is asked there is no part of ours
         "ocean_sim.runtime",
         "ocean_sim.kernel_library.reading",
         "ocean_sim.files.input_file",
-        "ocean_sim.ship.hull.mesh",
+        "ocean_sim.basin.solids.mesh",
         "ocean_sim.state.fields",
     },
 }

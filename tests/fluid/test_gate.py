@@ -136,7 +136,7 @@ def test_it_runs_out_below_a_gate_that_is_lifted_and_freely_once_that_has_left(c
         x = fluid.particles.position.to_numpy()
         through = x[:, 0] > 0.1
         assert through.any() and x[through, 1].max() < -0.25 and (x[:, 0] < 0.0).any()
-        assert not distance_outside(x, fluid.grid.basin, fluid.time).any()
+        assert not distance_outside(x, fluid.grid.basin, fluid.time, 0.05).any()
         assert body.start.to_numpy()[-1] == body.n and body.forces()[0].any()
         while fluid.time < END:
             fluid.advance(0.001)

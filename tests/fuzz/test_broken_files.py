@@ -57,7 +57,7 @@ def log_text() -> bytes:
 def test_a_spoilt_hull_is_refused_or_is_one(kind, tmp_path, monkeypatch):
     import trimesh
 
-    from ocean_sim.ship.hull.mesh import BadMesh
+    from ocean_sim.basin.solids.mesh import BadMesh
     from ocean_sim.ship.hull.shapes import MeshFile
 
     monkeypatch.chdir(tmp_path)
@@ -89,7 +89,7 @@ def box(kind: str) -> bytes:
 
 def hull_judged(data, folder: Path) -> None:
     """A decayed mesh is refused in a sentence, or has the size of a thing."""
-    from ocean_sim.ship.hull.mesh import BadMesh
+    from ocean_sim.basin.solids.mesh import BadMesh
     from ocean_sim.ship.hull.shapes import MeshFile
 
     kind = data.draw(st.sampled_from(["stl", "obj", "ply"]))

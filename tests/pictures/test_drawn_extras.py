@@ -1,9 +1,11 @@
 """What pictures add to the water of a run: wakes, a wanted cover of foam, boxes of concrete; and sets of pictures."""
 
+import shutil
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import trimesh
 
 from ocean_sim.observers import frames, render
 from ocean_sim.pictures.stage import opengl, wind_marks
@@ -141,7 +143,16 @@ def tank(tmp_path_factory):
 
 
 @with_opengl
-def test_an_obstacle_is_drawn_as_grey_concrete_in_blue_water(tank):
+@pytest.mark.parametrize("body", ["box", "mesh", "moving mesh"])
+def test_an_obstacle_is_drawn_as_grey_concrete_in_blue_water(tank, body, tmp_path):
+    if body != "box":
+        mesh = trimesh.creation.box([2.0, 3.0, 2.0], trimesh.transformations.translation_matrix([0.0, -0.5, 0.0]))
+        shutil.copytree(tank, tmp_path, dirs_exist_ok=True)
+        name, key = ("grid", "meshes") if body == "mesh" else ("frame_00000", "moving_meshes")
+        for file, more in (("grid", {"obstacles": np.zeros((0, 2, 3))}), (name, {key: np.array(mesh.triangles)})):
+            path = tmp_path / "frames" / f"{file}.npz"
+            np.savez(path, **dict(np.load(path)) | more)
+        tank = tmp_path
     pictures = render.variants(tank, 0.0, [{"camera": "top"}, {"camera": "third_person"}], size=(160, 120))
     assert pictures.shape == (2, 120, 160, 3)
     top = pictures[0].astype(float)

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from ocean_sim.__main__ import run_command_line
-from ocean_sim.basin.packing import Lattice
+from ocean_sim.basin.solids.mesh import BadMesh
+from ocean_sim.basin.solids.packing import Lattice
+from ocean_sim.basin.solids.voxels import voxels
 from ocean_sim.fluid.sph.smoothing import WENDLAND
 from ocean_sim.parts import named
 from ocean_sim.ship.body.rigid_body import RigidBody, axis_rotation
 from ocean_sim.ship.forces.added_mass import by_rule, pabst_factor
 from ocean_sim.ship.hull.hull import Hull, hull_of
-from ocean_sim.ship.hull.mesh import BadMesh
-from ocean_sim.ship.hull.voxels import voxels
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics, Matter
 
 WATER = (1000.0, 9.81)
@@ -216,7 +216,7 @@ def test_what_is_known_of_a_hull_beforehand_comes_from_the_cache_unchanged(tmp_p
     def found(x: float) -> list[bytes]:
         unit = np.array([1.0, 0.0, 0.0, 0.0])
         body = RigidBody(500.0, np.eye(3), np.array([x, -0.1, 0.0]), unit, np.zeros(3), np.zeros(3))
-        hull = solid.Solid(shape, np.array([0.0, 0.3, 0.0]), body, flat=False, is_sampled=False)
+        hull = solid.Solid(shape, np.array([0.0, 0.3, 0.0]), body.position, body.matrix, False, False, body=body)
         parts = [
             *shapes.drawn_mesh(shape),
             shapes.convex_corners(shape),

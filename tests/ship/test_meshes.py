@@ -8,8 +8,8 @@ import pytest
 import trimesh
 
 from ocean_sim.__main__ import run_command_line
+from ocean_sim.basin.solids.mesh import BadMesh
 from ocean_sim.ship.hull.hull import hull_of
-from ocean_sim.ship.hull.mesh import BadMesh
 from ocean_sim.ship.hull.shapes import MeshFile
 
 

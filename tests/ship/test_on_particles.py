@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from ocean_sim.basin.packing import Lattice
+from ocean_sim.basin.solids.packing import Lattice
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid.sph.smoothing import WENDLAND
@@ -257,7 +257,7 @@ def test_a_ship_may_float_before_the_first_water_comes():
     """An emitter alone, or a hull that takes the place of all the water there is."""
     unit = np.array([1.0, 0.0, 0.0, 0.0])
     body = RigidBody(400.0, np.eye(3), np.zeros(3), unit, np.zeros(3), np.zeros(3))
-    hull = Solid(hull_of("wigley").shape, np.zeros(3), body, flat=False, is_sampled=False)
+    hull = Solid(hull_of("wigley").shape, np.zeros(3), body.position, body.matrix, False, False, body=body)
     packed = Lattice(0.2, 0.2**3, WENDLAND, 2.0)
     for places, taken in ((np.zeros((0, 3)), 0), (np.zeros((1, 3)), 1)):
         gone, others = hull.make_room(places, places[:0], [(np.full(3, -2.0), np.full(3, 2.0))], packed)

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from ocean_sim import runtime
+from ocean_sim.basin.solids.distance import distance_lattice
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.observers.shared.energy import total_energy
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.ship.body.rigid_body import RigidBody, advance_body, euler_quaternion, with_spin
-from ocean_sim.ship.hull.distance import distance_lattice
 from ocean_sim.ship.hull.shapes import Box, Sphere
 from ocean_sim.ship.water import wave_contact
 from ocean_sim.ship.water.wall_contact import Sides

@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ocean_sim.basin import MeshObstacle
 from ocean_sim.basin.motion import Gate
 from ocean_sim.columns import Columns
 from ocean_sim.fluid.neighbours.grid import Grid
@@ -83,7 +84,12 @@ def fixed_bodies(lattice: Lattice, support: float) -> list[Body]:
     """Sample the obstacles of the basin, and then its bed if that has a shape, at about the particle spacing, down to
     one `support` [m] below their faces. What pushes the bed counts as a push on walls."""
     basin, bodies = lattice.basin, []
-    for obstacle in basin.config.obstacles:
+    for k, obstacle in enumerate(basin.config.obstacles):
+        if isinstance(obstacle, MeshObstacle):
+            mesh = basin.meshes[k]
+            samples = mesh.samples(lattice.spacing, support)
+            bodies.append(Body(*samples, obstacle.slip == "no_slip", mesh.origin, obstacle.gate))
+            continue
         d = basin.dimension
         low, up = np.array(obstacle.min), np.array(obstacle.max)
         count = np.maximum(1, np.round((up - low) / lattice.spacing)).astype(int)

@@ -10,6 +10,7 @@ import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.basin import OPEN, Basin, Side
+from ocean_sim.basin.motion import NOT_MOVED, Moved
 from ocean_sim.fluid.neighbours.images import SIDE_COLUMNS, Images
 from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves
 from ocean_sim.fluid.sph.initial_state import Initial, bearable_waves, fitted_waves
@@ -24,6 +25,7 @@ MAX_ZONE_SHARE = 0.5  # share of the basin in the zones along an axis
 MIN_ZONE_WAVES = 0.5  # [wavelengths] a shorter zone reflects most
 MIN_WAVE_SPACINGS = 4.0  # [spacings] shortest wave of a target
 UNKNOWN_PART, UNKNOWN_RATE = 0.25, 2.5  # share of the basin, [sqrt(|g| / depth)]: zones for unknown waves
+GONE = Moved(np.full(3, 1.0e6), np.zeros(3), np.zeros(3))  # [m] from its place: a mesh that is not there
 GONE_FACES = np.array([3 * [OPEN], 3 * [-OPEN]])  # lowest and highest corner [m] of what is not there
 
 
@@ -176,7 +178,9 @@ class Walls:
         self.axes = range(lattice.basin.dimension)
         self.restitution = lattice.basin.config.restitution
         self.friction = lattice.basin.config.friction
-        self.obstacles, self.gates = len(lattice.basin.obstacles), lattice.basin.gates
+        boxes = lattice.basin.boxes
+        self.obstacles = len(boxes)
+        self.gates = [(b, box.gate) for b, box in enumerate(boxes) if box.gate is not None]
         if self.obstacles:
             self.faces = ti.field(float, shape=(self.obstacles, 2, 3))
             self.first = np.array(lattice.basin.obstacles) + np.array([[-gap], [gap]])  # (n, 2, 3) at time 0 [m]
@@ -192,6 +196,10 @@ class Walls:
             from ocean_sim.fluid.bodies.relief import Relief
 
             self.ground = Relief(lattice.basin.ground, lattice.spacing)
+        meshes = lattice.basin.meshes.values()
+        self.nets = [(n, mesh.net(lattice.spacing), mesh) for n, mesh in enumerate(meshes)]
+        if self.nets:
+            self.places = ti.field(float, shape=(len(self.nets), 2, 3))  # middle [m] and velocity [m/s] of each mesh
         self.advance(0.0)
 
     def advance(self, time: float) -> None:
@@ -205,6 +213,10 @@ class Walls:
                 self.faces[b, side, k] = faces[side, k]
             for k in range(3):
                 self.speed[b, k] = 0.0 if moved is None else moved.velocity[k]
+        for n, _, mesh in self.nets:
+            moved = NOT_MOVED if mesh.gate is None else mesh.gate.at(time) or GONE
+            for k in range(3):
+                self.places[n, 0, k], self.places[n, 1, k] = mesh.origin[k] + moved.way[k], moved.velocity[k]
 
     @ti.func
     def bounce(self, x, v):
@@ -228,6 +240,14 @@ class Walls:
             if away < self.gap:
                 x += (self.gap - away) * normal
                 v = self.reflect_from(v, normal)
+        for n, net, _mesh in ti.static(self.nets):
+            place, wall = tm.vec3(0.0), tm.vec3(0.0)
+            for k in ti.static(range(3)):
+                place[k], wall[k] = self.places[n, 0, k], self.places[n, 1, k]
+            normal, away, _thinning = net.at(x - place)
+            if away < self.gap:
+                x += (self.gap - away) * normal
+                v = wall + self.reflect_from(v - wall, normal)
         if ti.static(self.obstacles > 0):
             for b in range(self.obstacles):
                 x, v = self.leave_obstacle(b, x, v)
@@ -250,7 +270,7 @@ class Walls:
 
     @ti.func
     def reflect_from(self, v, normal):
-        """Velocity [m/s] after a collision with a face at rest that looks along `normal`."""
+        """Velocity [m/s] after a collision with a face at rest that looks along `normal`, as seen from the face."""
         speed = -v.dot(normal)
         if speed > 0.0:
             along = v + speed * normal

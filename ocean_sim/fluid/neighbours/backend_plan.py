@@ -55,6 +55,13 @@ PLANS: dict[str, Plan] = {"cpu": CELL_PLAN, "auto": CELL_PLAN} | dict.fromkeys(
 """Plans by backend. Before a backend is started, `auto` counts as the processor and `gpu` as a card."""
 
 
+def mesh_ledger(size: GridSize, word: int) -> list[LedgerRow]:
+    """Row of the memory ledger for the distances from meshes with floats of `word` bytes; empty without meshes."""
+    spacing, meshes = size.lattice.spacing, size.lattice.basin.meshes.values()
+    sizes = [mesh.net_bytes(spacing, word) + 6 * word for mesh in meshes]
+    return [LedgerRow("basin", "distances from meshes", sum(sizes), "basin.obstacles")] if sizes else []
+
+
 def account_ledger(size: GridSize, word: int, impulses: bool) -> list[LedgerRow]:
     """Row of the memory ledger for the momentum budget, if the plan has a row for each particle; else empty."""
     taken = size.plan.account_bytes(size.lattice.n, word, impulses)

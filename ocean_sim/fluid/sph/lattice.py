@@ -15,7 +15,7 @@ from ocean_sim.fluid.sph.smoothing import Kernel
 from ocean_sim.waves import Components
 
 if TYPE_CHECKING:
-    from ocean_sim.basin import packing
+    from ocean_sim.basin.solids import packing
 
 BUDGET_ROWS = 32  # in the depth, by which the volume of a bed is summed before the spacing is known
 MARGIN_SPACINGS = 8.0  # [spacings] around a solid, as far as the water that makes room for it is pressed from
@@ -101,7 +101,7 @@ class Lattice:
     @cached_property
     def start_count(self) -> int:
         """Number of particles at the start, before an emitter adds any."""
-        if self.given is None and not (self.basin.obstacles or self.basin.solids):
+        if self.given is None and not (self.basin.config.obstacles or self.basin.solids):
             return total_count(self.counts)
         return int(self.wet_mask.sum()) if self.given is None else len(self.given)
 
@@ -179,6 +179,8 @@ class Lattice:
             ends[1, along & np.isclose(ends[1], foot)] = head
         for foot, head, along in reversed(stacked):
             ends[0, along & np.isclose(ends[0], head)] = foot
+        for mesh in self.basin.meshes.values():
+            ends[0] = np.maximum(ends[0], np.minimum(mesh.tops_below(self.full_positions[self.wet_mask]), y))
         for low, up in self.basin.obstacles:
             over = (x > low[0]) & (x < up[0]) & (z > low[2]) & (z < up[2]) & (y > up[1])
             ends[0, over] = np.maximum(ends[0, over], up[1])
@@ -199,8 +201,8 @@ class Lattice:
     @cached_property
     def room_for_bodies(self) -> tuple[np.ndarray, np.ndarray]:
         """Mask (m,) of the lattice points outside obstacles, bed and floating bodies, and positions (m, 3) [m] of all,
-        moved to make room for the last two."""
-        wet, positions = ~in_obstacles(self.full_positions, self.basin), self.full_positions
+        moved to make room for all but boxes."""
+        wet, positions = ~in_boxes(self.full_positions, self.basin), self.full_positions
         for solid in self.basin.solids:
             nearest = shifts(positions, solid.origin[[0, 2]], self.basin.periods)
             beyond = self.points_beyond(solid) if solid.is_sampled else np.empty((0, 3))
@@ -212,7 +214,7 @@ class Lattice:
     @property
     def packed(self) -> "packing.Lattice":
         """Spacing, volume of a particle and kernel, for bodies that take room in the lattice."""
-        from ocean_sim.basin import packing
+        from ocean_sim.basin.solids import packing
 
         volume = self.mass / self.config.rest_density
         return packing.Lattice(self.spacing, volume, self.config.kernel, self.config.ratio(self.basin))
@@ -245,18 +247,25 @@ class Lattice:
     @cached_property
     def wet_mask(self) -> np.ndarray:
         """Mask (m,) of the points of the full lattice that hold water, see `room_for_bodies`."""
-        if self.basin.afloat:
+        ground = self.basin.ground
+        if ground is None or len(self.basin.solids) > 1:
             return self.room_for_bodies[0]
-        wet, ground = ~in_obstacles(self.full_positions, self.basin), self.basin.ground
-        return wet if ground is None else wet & ~ground.displaced(self.full_positions, self.repeated_boxes, self.packed)
+        gone = ground.displaced(self.full_positions, self.repeated_boxes, self.packed)
+        return ~(gone | in_boxes(self.full_positions, self.basin))
 
     def positions(self) -> np.ndarray:
         """Positions (n, 3) [m] at which the particles start; x runs fastest."""
         return self.room_for_bodies[1][self.wet_mask] if self.given is None else self.given
 
 
-def in_obstacles(positions: np.ndarray, basin: Basin) -> np.ndarray:
-    """Mask (n,) of the positions (n, 3) [m] that lie in an obstacle of the basin."""
+def in_obstacles(positions: np.ndarray, basin: Basin, spacing: float) -> np.ndarray:
+    """Mask (n,) of the positions (n, 3) [m] of particles a `spacing` [m] apart that lie in an obstacle of the basin."""
+    meshes = [mesh.distances(positions.copy(), spacing) < 0.0 for mesh in basin.meshes.values()]
+    return np.any([in_boxes(positions, basin), *meshes], axis=0)
+
+
+def in_boxes(positions: np.ndarray, basin: Basin) -> np.ndarray:
+    """Mask (n,) of the positions (n, 3) [m] that lie in a box in the water of the basin."""
     found = np.zeros(len(positions), dtype=bool)
     if basin.obstacles:
         order = positions[:, 0].argsort(kind="stable")

@@ -13,7 +13,7 @@ from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES
 from ocean_sim.fluid.bodies.walls import warnings as of_zones
 from ocean_sim.fluid.bodies.walls import zones
 from ocean_sim.fluid.budget.field import Field
-from ocean_sim.fluid.neighbours.backend_plan import PLANS, Walk, account_ledger
+from ocean_sim.fluid.neighbours.backend_plan import PLANS, Walk, account_ledger, mesh_ledger
 from ocean_sim.fluid.neighbours.grid_size import GridSize
 from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves
 from ocean_sim.fluid.patch.attenuation import Attenuation, Delay, Train, wave_trains
@@ -324,6 +324,7 @@ def scheme_ledger(
         *_of_targets(lattice, word),
         *_of_sea(lattice, word),
         *_of_bodies(sizes, word, preflight.sums_impulses, told),
+        *mesh_ledger(sizes, word),
     ]
 
 
@@ -393,7 +394,7 @@ def _of_bodies(grid: GridSize, word: int, accounts: bool, told: int) -> list[Led
 
 def has_bodies(basin: Basin) -> bool:
     """True if solid bodies act on the water by samples: obstacles, or floating bodies that pair sums include."""
-    return bool(basin.obstacles or any(solid.is_sampled for solid in basin.solids))
+    return bool(basin.config.obstacles or any(solid.is_sampled for solid in basin.solids))
 
 
 def step_limits(

@@ -84,6 +84,9 @@ class WaterConfig(FluidConfig):
             found.append(f"no particle moves further than {limit} spacings in a step; what is held back is counted")
         if (piston := preflight.tank.piston) is not None and piston.path.sea is None:
             found.append(f"the wavemaker moves up to {piston.path.advance:.3g} m into the basin")
+        for k, mesh in preflight.tank.meshes.items():
+            low, up = ((end[: preflight.tank.dimension].round(4) + 0.0).tolist() for end in mesh.extent)
+            found.append(f"obstacles.{k} is a mesh from {low} to {up} m")
         for k, gate in preflight.tank.gates:
             moves = f"moves from {gate.start:g} s on, at up to {gate.fastest(preflight.duration):.3g} m/s, and "
             leaves = "stays" if gate.end is None else f"has left at {gate.end:g} s"
@@ -104,6 +107,7 @@ class WaterConfig(FluidConfig):
                     f"obstacles.{k} is {thin / spacing:.2g} spacings thin: water on either side feels the other; "
                     f"take {MIN_GATE_SPACINGS:g} spacings, or a smaller fluid.spacing"
                 )
+        found += [f"obstacles.{k}: {skin}" for k, mesh in tank.meshes.items() for skin in mesh.mesh.skins]
         for k, gate in tank.gates:
             found += gate.warnings(preflight.duration)
             fastest, speed = gate.fastest(preflight.duration), self.speed(tank)
@@ -150,7 +154,7 @@ class WaterConfig(FluidConfig):
         if basin.dimension == 2 and self.body_force[2] != 0.0:
             found.append((("body_force",), "a 2-D basin, in x-y, has no force along z"))
         fill = self.fill or ()
-        overlap = "the box overlaps an earlier one: two particles would share a position"
+        overlap = "overlaps an earlier one: two particles would share a position"
         misplaced = box_faults("fill", fill, basin, overlap)
         if any(len(box.min) != basin.dimension for box in fill):
             return found + misplaced
@@ -175,12 +179,14 @@ class WaterConfig(FluidConfig):
         found += misplaced
         if lattice.jet is not None and not found:
             found += [(("emitter", *path), sentence) for path, sentence in mouth_problems(basin, lattice.jet)]
-            if in_obstacles(lattice.jet.sites, basin).any():
+            if in_obstacles(lattice.jet.sites, basin, lattice.spacing).any():
                 found.append((("emitter", "position"), "the mouth is inside an obstacle"))
-        if basin.obstacles and not found:
+        thin = [sentence for mesh in basin.meshes.values() if (sentence := mesh.problem(lattice.spacing))]
+        found += [((self.sized_by,), sentence) for sentence in thin]
+        if basin.config.obstacles and not found:
             if lattice.n == 0:
                 found.append((("fill",), "the obstacles of the basin leave no room for water"))
-            elif in_obstacles(lattice.positions(), basin).any():
+            elif lattice.given is not None and in_obstacles(lattice.given, basin, lattice.spacing).any():
                 found.append((("initial", "path"), "some of these particles are inside an obstacle"))
         return found
 

@@ -15,22 +15,25 @@ IMAGE_TOLERANCE = 1e-4  # of spacing and reference speed, for two halves that be
 def surely_inside(totals: Totals, basin: Basin) -> bool:
     """True if the bounds in `totals` show that no particle is outside the basin; else each has to be checked."""
     low, up = basin.stops()
-    flat = not basin.obstacles and basin.ground is None
+    flat = not basin.config.obstacles and basin.ground is None
     return flat and bool((totals.lower >= low).all() and (totals.upper <= up).all())
 
 
-def distance_outside(position: np.ndarray, basin: Basin, time: float) -> np.ndarray:
-    """(n,) distance [m] of particles beyond walls or inside an obstacle, at a time [s]; 0 in the water."""
+def distance_outside(position: np.ndarray, basin: Basin, time: float, spacing: float) -> np.ndarray:
+    """(n,) distance [m] of particles a `spacing` [m] apart beyond walls or inside an obstacle, at a time [s]; 0 in the
+    water."""
     low, up = (np.array(stop) for stop in basin.stops())
     distance = np.linalg.norm(position - np.clip(position, low, up), axis=1)
     for least, most in basin.obstacles_at(time):
         distance = np.maximum(distance, np.minimum(position - least, np.array(most) - position).min(axis=1))
+    for mesh, way in basin.meshes_at(time):
+        distance = np.maximum(distance, -mesh.distances(position - way, spacing))
     if basin.ground is not None:
         distance = np.maximum(distance, -basin.ground.distances(position))
     return np.where(distance > WALL_TOLERANCE * np.abs([basin.lower, basin.upper]).max(), distance, 0.0)
 
 
-def level_ratio(position: np.ndarray, spacing: float, basin: Basin) -> float:
+def level_ratio(position: np.ndarray, spacing: float, basin: Basin, time: float) -> float:
     """Height over the bed of the centre of mass of particles (n, 3) [m], over that at rest, with the water of each
     column of three spacings on the bed at rest density, one layer at least; NaN if a position is not finite."""
     if not np.isfinite(position).all():
@@ -45,6 +48,9 @@ def level_ratio(position: np.ndarray, spacing: float, basin: Basin) -> float:
     held = np.unique(column, return_counts=True)[1]
     tall = np.maximum(held * spacing**basin.dimension / side.prod(), spacing)  # of each column's water at rest [m]
     foot = lower[1] if basin.ground is None else basin.ground.heights(position[:, [0, 2]])
+    places = np.where([True, False, True], spacing * np.round(position / spacing), position)  # few columns for meshes
+    for mesh, way in basin.meshes_at(time):
+        foot = np.maximum(foot, mesh.tops_below(places - way) + way[1])
     return float((position[:, 1] - foot).sum() / (held * tall / 2.0).sum())
 
 
@@ -97,7 +103,7 @@ def image_ids(place: np.ndarray, axis: int) -> np.ndarray:
 
 
 def is_symmetric(basin: Basin, axis: int) -> bool:
-    """True if gravity, walls and obstacles equal their mirror images across `axis`."""
+    """True if gravity, walls and boxes equal their mirror images across `axis`, and there is no mesh."""
     name = "xyz"[axis]
     walls = basin.walls.at(f"{name}_min") == basin.walls.at(f"{name}_max")
     boxes = {tuple(np.round([*low, *up], 9)) for low, up in basin.obstacles}
@@ -106,7 +112,7 @@ def is_symmetric(basin: Basin, axis: int) -> bool:
         ends = np.array([low, up], dtype=float)
         ends[:, axis] = -ends[::-1, axis]
         turned.add(tuple(np.round(ends.ravel(), 9)))
-    return walls and basin.gravity[axis] == 0.0 and boxes == turned
+    return walls and basin.gravity[axis] == 0.0 and boxes == turned and not basin.meshes
 
 
 class Momentum:

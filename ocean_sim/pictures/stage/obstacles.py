@@ -25,25 +25,29 @@ def sand_mesh(ground: Ground, breadth: float) -> tuple[np.ndarray, np.ndarray, n
 
 
 class Obstacles:
-    """Obstacles of a basin in a picture, as boxes: fixed ones are drawn once, gates anew in every picture."""
+    """Obstacles of a basin in a picture, boxes and meshes: fixed ones are drawn once, gates anew in every picture."""
 
-    def __init__(self, stage: Stage, fixed: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> None:
-        """`fixed`: lower and upper corners (n, 2, 3) [m] of the fixed ones, in a basin from `lower` to `upper` [m]."""
+    def __init__(self, stage: Stage, grid: dict[str, np.ndarray], lower: np.ndarray, upper: np.ndarray) -> None:
+        """`grid`: arrays that a run saves once, with the fixed ones; in a basin from `lower` to `upper` [m]."""
         inset = INSET_SHARE * (upper - lower)
         self.stage, self.lower = stage, lower + inset
         self.upper = np.array([upper[0] - inset[0], np.inf, upper[2] - inset[2]])  # it may stand out of the water
-        self.add("obstacles", fixed)
+        self.add("obstacles", grid.get("obstacles", np.zeros((0, 2, 3))), grid.get("meshes", np.zeros((0, 3, 3))))
 
     def show(self, frame: Frame) -> None:
-        self.add("gates", frame.gates)
+        self.add("gates", frame.gates, frame.moving_meshes)
 
-    def add(self, name: str, boxes: np.ndarray) -> None:
-        """Draw boxes (n, 2, 3) [m] under a name, in place of those drawn under it before."""
+    def add(self, name: str, boxes: np.ndarray, triangles: np.ndarray) -> None:
+        """Draw boxes (n, 2, 3) and triangles (m, 3, 3) [m] under a name, in place of those drawn under it before."""
         plotter, pyvista = self.stage.plotter, self.stage.pyvista
         plotter.remove_actor(name, render=False)
-        if len(boxes):
-            ends = [np.stack([np.maximum(low, self.lower), np.minimum(up, self.upper)], axis=1) for low, up in boxes]
-            shape = pyvista.merge([pyvista.Box(each.ravel()) for each in ends], merge_points=False)
+        ends = [np.stack([np.maximum(low, self.lower), np.minimum(up, self.upper)], axis=1) for low, up in boxes]
+        shapes = [pyvista.Box(each.ravel()) for each in ends]
+        if len(triangles):
+            points = np.clip(triangles, self.lower, self.upper).reshape(-1, 3)
+            shapes.append(pyvista.PolyData.from_regular_faces(points, np.arange(len(points)).reshape(-1, 3)))
+        if shapes:
+            shape = pyvista.merge(shapes, merge_points=False)
             paint = np.broadcast_to(CONCRETE_COLOUR, (shape.n_cells, 3))
             light = painted_light(shape.face_normals, paint, np.zeros((shape.n_cells, 1)))
             shape.cell_data["colour"] = water_shading.display_colours(light)

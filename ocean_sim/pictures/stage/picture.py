@@ -129,8 +129,7 @@ class Picture:
             sand = stage.pyvista.PolyData.from_regular_faces(vertices.astype(np.float32), triangles)
             sand["colour"] = colours
             self.plotter.add_mesh(sand, scalars="colour", rgb=True, lighting=False, culling="back")
-        fixed = grid.get("obstacles", np.zeros((0, 2, 3)))
-        self.obstacles = Obstacles(stage, fixed, self.lower, self.upper)
+        self.obstacles = Obstacles(stage, grid, self.lower, self.upper)
         self.ships: dict[str, DrawnShip | ShadedShip] = {}
         if isinstance(self.content, Sea):
             shaded = {key: self.content.ship(model) for key, model in models.items()}

@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import ValidationInfo, field_validator
 
 from ocean_sim.basin import Basin
+from ocean_sim.basin.solids.distance import MAX_LATTICE_NODES, lattice_memory
 from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.files.input_file import relative_to_scene
 from ocean_sim.model import Vector3, quantity
@@ -21,7 +22,6 @@ from ocean_sim.ship.forces.damping import Resistance
 from ocean_sim.ship.forces.moorings import Mooring
 from ocean_sim.ship.forces.propulsion import Autopilot, Crew, Propeller, Rudder
 from ocean_sim.ship.hull.cubes import Cubes
-from ocean_sim.ship.hull.distance import MAX_LATTICE_NODES, lattice_memory
 from ocean_sim.ship.hull.hull import Hull, Inertia, error_sentence, hull_of
 from ocean_sim.ship.hull.shapes import convex_corners
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics, bow_squat, metacentric_heights
@@ -140,7 +140,9 @@ class FloatingConfig(VesselConfig):
         still = self.hydrostatics_of(preflight)
         body = self.above_unsettled_water(self.resting_body(still), preflight)
         reach = max(SAG_RIM, preflight.fluid.support_asked or SAG_RIM) * preflight.spacing
-        return Solid(self.whole_hull.shape, still.matter.centre, body, False, is_sampled=False, reach=reach)
+        return Solid(
+            self.whole_hull.shape, still.matter.centre, body.position, body.matrix, False, False, body=body, reach=reach
+        )
 
     def above_unsettled_water(self, body: RigidBody, preflight: Preflight) -> RigidBody:
         """A body with a given height, raised by as much as the water will settle, so no gap opens; others unchanged."""

@@ -11,6 +11,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from ocean_sim.basin import Basin
+from ocean_sim.basin.solids.distance import Distance
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Contact, Fluid, Limits
 from ocean_sim.parts import called
@@ -21,7 +22,6 @@ from ocean_sim.ship.body.rigid_body import RigidBody, to_world
 from ocean_sim.ship.body.vessel import Actuators, Vessel
 from ocean_sim.ship.forces.added_mass import Slamming
 from ocean_sim.ship.hull.cubes import Cubes, Wetted
-from ocean_sim.ship.hull.distance import Distance
 from ocean_sim.ship.water.wall_contact import Sides
 from ocean_sim.ship.water.water_samples import SurroundingSea, SurroundingWater
 from ocean_sim.ship.water.wave_contact import WaveContact

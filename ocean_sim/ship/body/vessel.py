@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from ocean_sim.basin import Basin
+from ocean_sim.basin.solids.shape import SolidShape
 from ocean_sim.conventions import Diverged, Motions
 from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.model import Vector2, Vector3, quantity
@@ -29,7 +30,7 @@ from ocean_sim.ship.body.rigid_body import (
 )
 from ocean_sim.ship.forces.moorings import Mooring, Moorings
 from ocean_sim.ship.forces.propulsion import Crew, Helm, Helmsman, Person, Pilot, Propeller, Rudder, rate_limited
-from ocean_sim.ship.hull.shapes import HullShape, convex_corners, drawn_mesh
+from ocean_sim.ship.hull.shapes import convex_corners, drawn_mesh
 from ocean_sim.ship.naval.hydrostatics import Matter
 from ocean_sim.ship.water.wall_contact import Sides
 from ocean_sim.ship.water.wave_contact import WaveContact
@@ -185,7 +186,7 @@ class Vessel(Ship):
     def __init__(self, name: str, config: VesselConfig, body: RigidBody, actuators: Actuators, bed: float) -> None:
         """`bed`: height of a flat bed [m]; contact with a bed of another shape is not modelled."""
         self.name, self.bed, self.body, self.actuators, self.last = name, bed, body, actuators, Load.of({}, self.parts)
-        self.shape: HullShape | None = None  # what it looks like
+        self.shape: SolidShape | None = None  # what it looks like
         self.free = np.array([motion in config.free for motion in Motions._fields])
         self.points = {name: np.array(point) - actuators.centre for name, point in config.points.items()}
         self.sides: Sides | None = None  # walls and bed that stop it

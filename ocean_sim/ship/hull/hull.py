@@ -7,11 +7,11 @@ from typing import Annotated
 import numpy as np
 from pydantic import AfterValidator, ValidationError
 
+from ocean_sim.basin.solids.voxels import MAX_FLATNESS, Voxels, voxels
 from ocean_sim.conventions import AxisName
 from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.parts import named, preset
 from ocean_sim.ship.hull.shapes import MeshFile, Shape
-from ocean_sim.ship.hull.voxels import MAX_FLATNESS, Voxels, voxels
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics, Matter
 
 FLAT_CUBES_LIMIT = 8.0  # cubes over a draught, up to which they may be flat; more are for curves of stability

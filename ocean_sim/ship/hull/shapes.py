@@ -1,50 +1,19 @@
 """Shapes of hulls, and their triangles as they are drawn. Axes of a hull: x to port, y up from the keel, z to the bow,
 origin amidships at the keel."""
 
-from abc import abstractmethod
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
+from ocean_sim.basin.solids.mesh import BadMesh, ClosedMesh, closed_mesh
+from ocean_sim.basin.solids.shape import Box3, SolidShape
 from ocean_sim.conventions import AxisName
 from ocean_sim.files.cache_file import cached_arrays
 from ocean_sim.files.input_file import FileName, Unreadable, read_bytes
-from ocean_sim.model import Model, Vector3, quantity
-from ocean_sim.ship.hull.mesh import BadMesh, ClosedMesh, closed_mesh
+from ocean_sim.model import Vector3, quantity
 
 DRAWN_STATIONS, DRAWN_WATERLINES, SIDE_HALVINGS = 41, 25, 24  # of a shape that is drawn by its sections
-Box3 = tuple[np.ndarray, np.ndarray]
-
-
-class HullShape(Model):
-    """Base class of hull shapes: bounds, inside test, and corners or a mesh."""
-
-    rounded: ClassVar[bool] = False  # whether the faces that it is drawn with only approach it
-
-    def content(self) -> bytes:
-        """Bytes that identify the shape, and name its voxels and lattices in the cache."""
-        return self.model_dump_json().encode()
-
-    @abstractmethod
-    def bounds(self) -> Box3:
-        """Lower and upper corner of the box around the shape [m]."""
-
-    def inside(self, x: np.ndarray) -> np.ndarray:
-        """True for points (..., 3) [m] that lie inside."""
-        raise NotImplementedError
-
-    def vertices(self) -> np.ndarray | None:
-        """(n, 3) points [m] whose convex hull is the shape; None if it is not given by points."""
-        return None
-
-    def fill_lattice(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
-        """(len(x), len(y), len(z)) True for the points of a lattice [m] that lie inside."""
-        return self.inside(np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1))
-
-    def closed_mesh(self) -> ClosedMesh | None:
-        """The mesh in the hull's axes; None if the shape is not a mesh. Raises BadMesh."""
-        return None
 
 
 def box_on_keel(breadth: float, height: float, length: float) -> Box3:
@@ -53,7 +22,7 @@ def box_on_keel(breadth: float, height: float, length: float) -> Box3:
     return -half, half + [0.0, height, 0.0]
 
 
-class Box(HullShape):
+class Box(SolidShape):
     """A barge: a box."""
 
     kind: Literal["box"]
@@ -72,7 +41,7 @@ class Box(HullShape):
         return np.all((x >= lower) & (x <= upper), axis=-1)
 
 
-class Wigley(HullShape):
+class Wigley(SolidShape):
     """Wigley's parabolic hull y = B/2 (1 - (2z/L)^2) (1 - (y/T)^2), wall-sided above its draught."""
 
     rounded: ClassVar[bool] = True
@@ -95,7 +64,7 @@ class Wigley(HullShape):
         return (np.abs(x[..., 0]) <= half) & (x[..., 1] >= 0.0) & (x[..., 1] <= self.height)
 
 
-class Cylinder(HullShape):
+class Cylinder(SolidShape):
     """A circular cylinder that lies along z."""
 
     rounded: ClassVar[bool] = True
@@ -112,7 +81,7 @@ class Cylinder(HullShape):
         return (np.hypot(x[..., 0], x[..., 1] - self.radius) <= self.radius) & (np.abs(x[..., 2]) <= self.length / 2)
 
 
-class Sphere(HullShape):
+class Sphere(SolidShape):
     """A ball; its lowest point is its keel."""
 
     rounded: ClassVar[bool] = True
@@ -127,7 +96,7 @@ class Sphere(HullShape):
         return np.linalg.norm(x - [0.0, self.radius, 0.0], axis=-1) <= self.radius
 
 
-class Outline(HullShape):
+class Outline(SolidShape):
     """The convex hull of points, as the thesis makes its yacht (5.3)."""
 
     kind: Literal["outline"]
@@ -158,7 +127,7 @@ class Outline(HullShape):
         return (heights >= low[:, None]) & (heights <= high[:, None])
 
 
-class MeshFile(HullShape):
+class MeshFile(SolidShape):
     """A closed mesh in an STL, OBJ or PLY file, turned so that its longest axis is the ship's."""
 
     kind: Literal["mesh"]
@@ -187,7 +156,7 @@ class MeshFile(HullShape):
 Shape = Annotated[Box | Wigley | Cylinder | Sphere | Outline | MeshFile, Field(discriminator="kind")]
 
 
-def drawn_mesh(shape: HullShape) -> tuple[np.ndarray, np.ndarray]:
+def drawn_mesh(shape: SolidShape) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) vertices [m] in the hull's axes and (m, 3) outward triangles, of the mesh or the shape's convex hull."""
     mesh = shape.closed_mesh()
     if mesh is not None:
@@ -196,7 +165,7 @@ def drawn_mesh(shape: HullShape) -> tuple[np.ndarray, np.ndarray]:
     return found["vertices"], found["triangles"]
 
 
-def convex_triangles(shape: HullShape) -> dict[str, np.ndarray]:
+def convex_triangles(shape: SolidShape) -> dict[str, np.ndarray]:
     """Arrays `vertices`, all points of the sections of a shape, and `triangles` of their convex hull."""
     from scipy.spatial import ConvexHull
 
@@ -208,7 +177,7 @@ def convex_triangles(shape: HullShape) -> dict[str, np.ndarray]:
     return {"vertices": points, "triangles": np.where(inwards[:, None], hull.simplices[:, ::-1], hull.simplices)}
 
 
-def section_points(shape: HullShape) -> np.ndarray:
+def section_points(shape: SolidShape) -> np.ndarray:
     """(n, 3) points on both sides of a shape [m] over a grid of heights and stations, found by bisection."""
     lower, upper = shape.bounds()
     tiny = 1e-6 * (upper - lower)
@@ -227,7 +196,7 @@ def section_points(shape: HullShape) -> np.ndarray:
     return np.concatenate([port, port * [-1.0, 1.0, 1.0]])
 
 
-def convex_corners(shape: HullShape) -> np.ndarray:
+def convex_corners(shape: SolidShape) -> np.ndarray:
     """(n, 3) corners of the convex hull of a shape [m], in its axes."""
 
     def made() -> dict[str, np.ndarray]:

@@ -16,11 +16,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ocean_sim.basin.solids.mesh import ClosedMesh, gauss_points, inside_stretches, lone_corner_first
+from ocean_sim.basin.solids.shape import SolidShape
+from ocean_sim.basin.solids.voxels import Voxels
 from ocean_sim.conventions import GRAVITY, Motions
 from ocean_sim.ship.body.rigid_body import axis_rotation
-from ocean_sim.ship.hull.mesh import ClosedMesh, gauss_points, inside_stretches, lone_corner_first
-from ocean_sim.ship.hull.shapes import HullShape, drawn_mesh
-from ocean_sim.ship.hull.voxels import Voxels
+from ocean_sim.ship.hull.shapes import drawn_mesh
 
 UPRIGHT = np.array([0.0, 1.0, 0.0])
 SMALL_TURN = 0.5  # [deg] heel and trim at which metacentric heights are taken
@@ -237,7 +238,7 @@ class Wet(NamedTuple):
     second: np.ndarray  # (2,) the same, second [m4]
 
 
-def metacentric_heights(shape: HullShape, still: Hydrostatics) -> tuple[float, float] | None:
+def metacentric_heights(shape: SolidShape, still: Hydrostatics) -> tuple[float, float] | None:
     """GM across and along [m] of a hull upright in still water; None if its faces only approximate it, or it sinks."""
     if shape.rounded:
         return None

@@ -11,10 +11,11 @@ from math import sqrt
 import numpy as np
 
 from ocean_sim.basin import OPEN, Basin
+from ocean_sim.basin.solids.shape import SolidShape
 from ocean_sim.ship import Load
 from ocean_sim.ship.body import small_linalg
 from ocean_sim.ship.body.rigid_body import RigidBody, cross
-from ocean_sim.ship.hull.shapes import HullShape, convex_corners
+from ocean_sim.ship.hull.shapes import convex_corners
 
 IMPULSE_SWEEPS = 8  # over the points that touch
 MAX_TOUCHING = 8  # points of a side that are looked at: the deepest
@@ -24,7 +25,7 @@ class Sides:
     """Contact of one hull with walls and bed, as impulses on its corners."""
 
     def __init__(
-        self, shape: HullShape, centre: np.ndarray, basin: Basin, room: float = 0.0, axes: tuple[int, ...] = (0, 1, 2)
+        self, shape: SolidShape, centre: np.ndarray, basin: Basin, room: float = 0.0, axes: tuple[int, ...] = (0, 1, 2)
     ) -> None:
         """`centre` of mass from the hull's origin, `room`: gap to each side [m]; only sides across `axes` count."""
         self.points = convex_corners(shape) - centre  # body axes [m]

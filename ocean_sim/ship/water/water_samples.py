@@ -16,12 +16,12 @@ from typing import ClassVar
 
 import numpy as np
 
+from ocean_sim.basin.solids.distance import Distance
 from ocean_sim.columns import Columns
 from ocean_sim.fluid import ClosedForm, Contact, Hull
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.ship.body.rigid_body import RigidBody
-from ocean_sim.ship.hull.distance import Distance
 
 NODES_ALONG, NODES_ACROSS = 25, 13
 DEPTH_LEVELS = 4  # half a draught apart, downwards from the surface

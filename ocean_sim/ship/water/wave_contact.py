@@ -23,6 +23,8 @@ from collections.abc import Callable
 import numpy as np
 
 from ocean_sim.basin import Basin
+from ocean_sim.basin.solids.distance import Distance
+from ocean_sim.basin.solids.shape import SolidShape
 from ocean_sim.columns import Columns
 from ocean_sim.fluid import ParticleFluid
 from ocean_sim.kernel_library import ti, tm
@@ -30,8 +32,6 @@ from ocean_sim.model import Model, quantity
 from ocean_sim.runtime import Array2, Template, in_kernels
 from ocean_sim.ship import Load
 from ocean_sim.ship.body.rigid_body import RigidBody
-from ocean_sim.ship.hull.distance import Distance
-from ocean_sim.ship.hull.shapes import HullShape
 from ocean_sim.ship.water.water_samples import POSE_COLUMNS, SurroundingSea, SurroundingWater, row_vector, write_pose
 
 TASK_ITERATIONS = 512  # a parallel loop is never cut finer than this
@@ -155,7 +155,7 @@ class WaveContact:
     by cell of the grid into which they are sorted."""
 
     def __init__(
-        self, config: Contact, shape: HullShape, centre: np.ndarray, basin: Basin, fluid: ParticleFluid, gravity: float
+        self, config: Contact, shape: SolidShape, centre: np.ndarray, basin: Basin, fluid: ParticleFluid, gravity: float
     ) -> None:
         """`centre` of mass from the hull's origin [m]."""
         self.config, self.particles, self.grid, self.walls = config, fluid.particles, fluid.grid, fluid.walls

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 FIT_REACH = 4.0  # [spacings] from a body within which particles move for it
-FIT_ITERATIONS = 40  # at most
+FIT_ITERATIONS = 100  # at most
 ROW_TOLERANCE = 0.05  # [spacings] distances that differ by less are those of a row
 KEPT_APART = 0.02  # of the kernel: push of pairs closer than a spacing, which some kernels let meet
 GOLDEN_RATIO = 0.6180339887498949  # spreads what is taken from a row evenly along it
@@ -59,13 +59,14 @@ def fit_particles(
     lattice: Lattice,
     dimension: int,
     box: tuple[np.ndarray, np.ndarray] = EVERYWHERE,
+    iterations: int = FIT_ITERATIONS,
 ) -> dict[str, np.ndarray]:
     """Make room for a body among `points` (n, 3) [m]: indices of particles `gone` and `near` it, and positions [m] of
     the latter, `moved` to minimise the kernel's sum over particles and samples.
 
     `water`: (n,) True for particles, False for points that only continue their lattice; `gone`: (n,) True for points
     that the body displaces; `samples`: positions (m, 3) [m] and volumes (m,) [m3] of those of the body; `box`: lowest
-    and highest corner (3,) [m], in which points stay that are inside; those outside do not move.
+    and highest corner (3,) [m], in which points stay that are inside; those outside do not move. `iterations`: at most.
     """
     at, weight, spacing = samples[0], samples[1] / lattice.volume, lattice.spacing
     near = near_to(points, at, FIT_REACH * spacing) & ((points >= box[0]) & (points <= box[1])).all(axis=1)
@@ -73,7 +74,7 @@ def fit_particles(
     rest = near_to(points, at, (FIT_REACH + lattice.support + 1.0) * spacing) & ~near & ~gone
     if (free & water).any():
         fixed, weights = np.concatenate([points[rest], at]), np.concatenate([np.ones(rest.sum()), weight])
-        points[free] = even_out(points[free], fixed, weights, lattice, dimension, box)
+        points[free] = even_out(points[free], fixed, weights, lattice, dimension, box, iterations)
     moved = np.flatnonzero(free & water)
     return {"gone": np.flatnonzero(gone & water), "near": moved, "moved": points[moved]}
 
@@ -92,6 +93,7 @@ def even_out(
     lattice: Lattice,
     dimension: int,
     box: tuple[np.ndarray, np.ndarray],
+    iterations: int,
 ) -> np.ndarray:
     """(n, 3) positions near `free` (n, 3) [m], in a `box`, for the smallest sum of the kernel over all pairs; `fixed`
     (m, 3): positions [m] of points that stay, with `weights` (m,) in particles."""
@@ -129,7 +131,7 @@ def even_out(
     start = (free[:, :dimension] / spacing).ravel()
     low, up = (np.tile(corner[:dimension] / spacing, n) for corner in box)
     bounds = np.stack([np.maximum(start - 1.0, low), np.minimum(start + 1.0, up)], axis=1)
-    found = minimize(summed, start, bounds=bounds, jac=True, method="L-BFGS-B", options={"maxiter": FIT_ITERATIONS})
+    found = minimize(summed, start, bounds=bounds, jac=True, method="L-BFGS-B", options={"maxiter": iterations})
     moved = free.copy()
     moved[:, :dimension] = spacing * found.x.reshape(n, dimension)
     return moved

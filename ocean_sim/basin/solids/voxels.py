@@ -4,16 +4,16 @@ Cubes are as tall as asked for, and up to MAX_FLATNESS times as long and broad w
 the water clips their height. Whole cubes fill the box around the hull.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import sqrt
 
 import numpy as np
 
+from ocean_sim.basin.solids.mesh import column_shares
+from ocean_sim.basin.solids.shape import SolidShape
 from ocean_sim.files.cache_file import cached_arrays
-from ocean_sim.ship.body import small_linalg
-from ocean_sim.ship.hull.mesh import column_shares
-from ocean_sim.ship.hull.shapes import HullShape
 
 EDGE_SAMPLES = 4  # along each edge of a cube
 SAMPLES_OF_MESH = (EDGE_SAMPLES, 8, 16)  # across and along a cube of a mesh: more where fewer miss it
@@ -52,15 +52,16 @@ class Voxels:
         """Effective height [m] of a cube along a unit vector `up`: of a linear ramp with a box's variance."""
         return float(np.linalg.norm(self.size * up))
 
-    def cut_offset(self, turn: small_linalg.Rows, cut: float) -> tuple[float, float]:
+    def cut_offset(self, turn: Sequence[Sequence[float]], cut: float) -> tuple[float, float]:
         """Moment [m4] along x and z of the world by which the wet part of the cut cubes of a turned hull lies to the
         lower side of their centres; `cut`: volume of these cubes [m3]."""
-        x, square_of_spread, z = small_linalg.matrix_times(turn, small_linalg.times_each(self.size_squared, turn[1]))
+        a, b, c = (square * up for square, up in zip(self.size_squared, turn[1]))
+        x, square_of_spread, z = (row[0] * a + row[1] * b + row[2] * c for row in turn)
         share = -cut / (12.0 * sqrt(square_of_spread))
         return share * x, share * z
 
     @cached_property
-    def size_squared(self) -> small_linalg.Three:
+    def size_squared(self) -> tuple[float, float, float]:
         """Squares of the sides of a cube along each axis [m2]."""
         x, y, z = (self.size**2).tolist()
         return x, y, z
@@ -79,7 +80,7 @@ class Voxels:
         return np.trace(moments) * np.eye(3) - moments
 
 
-def voxels(shape: HullShape, side: float, flat: float = MAX_FLATNESS) -> Voxels:
+def voxels(shape: SolidShape, side: float, flat: float = MAX_FLATNESS) -> Voxels:
     """Cubes of a shape, `side` [m] tall and up to `flat` times as long; raises ValueError if they are too many."""
     lower, upper = shape.bounds()
     sides = np.clip((upper - lower) / SUFFICIENT_CUBES, side, flat * side)
@@ -100,12 +101,12 @@ def voxels(shape: HullShape, side: float, flat: float = MAX_FLATNESS) -> Voxels:
                 break
         return arrays
 
-    arrays = cached_arrays("hulls", content, made)
+    arrays = cached_arrays("hulls", content, made, type(shape))
     return Voxels(lower, size, arrays["centre"], arrays["share"], arrays["area"])
 
 
 def sample_cubes(
-    shape: HullShape, counts: np.ndarray, lower: np.ndarray, upper: np.ndarray, samples: int
+    shape: SolidShape, counts: np.ndarray, lower: np.ndarray, upper: np.ndarray, samples: int
 ) -> dict[str, np.ndarray]:
     """Arrays `share`, `centre` [m], outward `area` [m2] of the cubes not empty among `counts` (3,) from `lower` to
     `upper` [m], by `samples` columns along x and z in each."""

@@ -1,4 +1,4 @@
-"""Hulls from mesh files: read, checked, turned into the hull's axes, and filled by columns.
+"""Solid bodies from mesh files: read, checked, turned into the axes of a hull, and filled by columns.
 
 A point is inside if the skins of the mesh wind around it at least once: the signs of the faces that a ray from it
 crosses add up to more than 0. So bodies that overlap count once. Every closed skin is taken to face outwards.
@@ -7,7 +7,7 @@ crosses add up to more than 0. So bodies that overlap count once. Every closed s
 import logging
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from io import BytesIO
 from typing import Any
@@ -26,16 +26,17 @@ SHIP_LENGTH_OVER_BREADTH, SHIP_BREADTH_OVER_DRAUGHT, SHIP_DRAUGHT_OVER_HEIGHT = 
 UPRIGHT_BUOYANCY = 0.49  # of the draught: least height of the centre of buoyancy of sections that do not narrow upwards
 MAX_PROBES = 64  # corners of a skin of which is asked whether others enclose them
 
-TRIANGLE_RULE = Rule(f"a hull is an STL, OBJ or PLY file of triangles, with finite corners within {MAX_UNITS:g} units")
+TRIANGLE_RULE = Rule(f"a mesh is an STL, OBJ or PLY file of triangles, with finite corners within {MAX_UNITS:g} units")
 CLOSED_RULE = Rule("faces close around a volume: at every edge as many turn one way as the other way")
 AXES_RULE = Rule("`up` and `bow` are two axes of the file")
 CHECKS = (
     Checked("A hull's mesh, `hull.shape.file` and `ocean-sim hull FILE`", (TRIANGLE_RULE, CLOSED_RULE, AXES_RULE)),
+    Checked("An obstacle's mesh, `basin.obstacles[].mesh`", (TRIANGLE_RULE, CLOSED_RULE)),
 )
 
 
 class BadMesh(ValueError):
-    """Error of a mesh that is no hull; `problems` are sentences on the fault and its place."""
+    """Error of a mesh that bounds no body; `problems` are sentences on the fault and its place."""
 
     def __init__(self, *problems: Unreadable) -> None:
         self.problems = [str(problem) for problem in problems]
@@ -52,6 +53,7 @@ class ClosedMesh:
     up: str  # the file's axes
     bow: str
     skins: list[str]  # sentences about its closed skins
+    file_origin: np.ndarray  # (3,) where the file's origin lies [m]
 
     @cached_property
     def triangles(self) -> np.ndarray:
@@ -173,8 +175,27 @@ def closed_mesh(file: str, data: bytes, scale: float | None, up: str | None, bow
     turn = np.stack([np.cross(upwards, ahead), upwards, ahead])  # rows: port, up, bow in the file's axes
     vertices = scale * vertices @ turn.T
     lower, upper = vertices.min(axis=0), vertices.max(axis=0)
-    vertices = vertices - [(lower[0] + upper[0]) / 2, lower[1], (lower[2] + upper[2]) / 2]
-    return ClosedMesh(vertices, faces, scale, up, bow, skins)
+    keel = np.array([(lower[0] + upper[0]) / 2, lower[1], (lower[2] + upper[2]) / 2])
+    return ClosedMesh(vertices - keel, faces, scale, up, bow, skins, -keel)
+
+
+def section_prism(mesh: ClosedMesh) -> ClosedMesh | None:
+    """Prism along z, across z = 0, on the section of a mesh there, as thick as that is broad or high; None if there is
+    no section. Its ends are fans of triangles around one point, of which those outside the section cancel out."""
+    low, high = mesh.triangles[..., 2].min(axis=1), mesh.triangles[..., 2].max(axis=1)
+    cut = mesh.triangles[(low <= 0.0) & (high > 0.0)]
+    if len(cut) == 0:
+        return None
+    a, b, c, ahead = lone_corner_first(cut, cut[..., 2] > 0.0)
+    ends = np.stack([on_edge(a, end, np.zeros(len(cut))) for end in (b, c)])
+    p, q = np.where(ahead[:, None], ends, ends[::-1])  # anticlockwise around the section
+    half = 0.5 * np.array([0.0, 0.0, np.ptp(ends[..., :2], axis=(0, 1)).min()])
+    i, (near, far) = np.arange(len(cut)), 4 * len(cut) + np.arange(2)[:, None].repeat(len(cut), axis=1)
+    p_near, q_near, p_far, q_far = (i + k * len(cut) for k in range(4))
+    corners = (p_near, q_near, q_far), (p_near, q_far, p_far), (far, p_far, q_far), (near, q_near, p_near)
+    faces = np.concatenate([np.stack(three, axis=1) for three in corners])
+    vertices = np.concatenate([p - half, q - half, p + half, q + half, p[:1] - half, p[:1] + half])
+    return replace(mesh, vertices=vertices, faces=faces)
 
 
 def read_mesh(file: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
@@ -263,11 +284,11 @@ def turned_outwards(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray
         if all(is_inside(others, point) for point in own[:: -(-len(own) // MAX_PROBES)]):
             share = abs(volumes[k]) / np.abs(volumes).max()
             found.append(
-                f"{skin} inside the hull faces inwards: a void, {share:.2g} of the hull, that stays dry and displaces "
-                "water as the hull does"
+                f"{skin} inside another faces inwards: a void, {share:.2g} of the body, that stays dry and displaces "
+                "water as the body does"
             )
         else:
-            found.append(f"{skin} faces inwards beside others; it is turned and counts as hull")
+            found.append(f"{skin} faces inwards beside others; it is turned and counts as body")
     return turned, found
 
 

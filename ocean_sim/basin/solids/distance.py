@@ -3,18 +3,18 @@ and kept with them."""
 
 import numpy as np
 
+from ocean_sim.basin.solids.shape import SolidShape
+from ocean_sim.basin.solids.voxels import voxels
 from ocean_sim.files.cache_file import cached_arrays
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import in_kernels
-from ocean_sim.ship.hull.shapes import HullShape
-from ocean_sim.ship.hull.voxels import voxels
 
 USUAL_CUBES = 3e5  # cubes of a lattice; a long hull in fine water has coarser ones
 MAX_LATTICE_NODES = 1e7  # around a hull far smaller than a spacing, whose cubes are as small as the hull
 SMOOTHING_CUBES = 0.5  # [cubes] over which steps of cubes are smoothed
 
 
-def lattice_shape(shape: HullShape, side: float, reach: float) -> tuple[float, np.ndarray, np.ndarray]:
+def lattice_shape(shape: SolidShape, side: float, reach: float) -> tuple[float, np.ndarray, np.ndarray]:
     """Lattice of cubes around a hull, of USUAL_CUBES at most: side of a cube [m], at least `side`; (3,) sides with
     which cubes fill the hull's box [m]; (3,) numbers of cubes beyond the box on each side, to cover `reach` [m]."""
     lower, upper = shape.bounds()
@@ -23,7 +23,7 @@ def lattice_shape(shape: HullShape, side: float, reach: float) -> tuple[float, n
     return side, size, np.ceil(reach / size).astype(int) + 1
 
 
-def lattice_memory(shape: HullShape, side: float, reach: float, word: int) -> tuple[int, int]:
+def lattice_memory(shape: SolidShape, side: float, reach: float, word: int) -> tuple[int, int]:
     """Number of nodes of the lattice of `lattice_shape`, and their memory [bytes] with floats of `word` bytes."""
     _, size, margin = lattice_shape(shape, side, reach)
     lower, upper = shape.bounds()
@@ -32,7 +32,7 @@ def lattice_memory(shape: HullShape, side: float, reach: float, word: int) -> tu
 
 
 def distance_lattice(
-    shape: HullShape, side: float, support: float, reach: float
+    shape: SolidShape, side: float, support: float, reach: float
 ) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
     """Lattice around a hull: arrays `distance` [m] of nodes (i, j, k) from the hull, negative inside, and `share` of
     the hull, smoothed by Wendland's kernel (C2) of this support [m]; position (3,) of the first node in the hull's
@@ -63,14 +63,14 @@ def distance_lattice(
         return {"distance": distance, "share": share}
 
     content = shape.content() + f"{size.tolist()} {margin.tolist()} {support}".encode()
-    return cached_arrays("distances", content, made), lower + (0.5 - margin) * size, size
+    return cached_arrays("distances", content, made, type(shape)), lower + (0.5 - margin) * size, size
 
 
 @in_kernels
 class Distance:
     """Signed distance from a hull and its outward normal, for kernels, in body axes from the centre of mass."""
 
-    def __init__(self, shape: HullShape, centre: np.ndarray, side: float, support: float, reach: float) -> None:
+    def __init__(self, shape: SolidShape, centre: np.ndarray, side: float, support: float, reach: float) -> None:
         """`centre` of mass from the origin, `side` of cubes, `support` of the kernel, `reach` over the hull [m]."""
         values, first, step = distance_lattice(shape, side, support, reach)
         size = values["share"].shape

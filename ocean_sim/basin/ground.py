@@ -18,7 +18,7 @@ from ocean_sim.files.cache_file import cached_arrays
 Boxes = Sequence[tuple[np.ndarray, np.ndarray]]  # lower and upper corner of each [m]
 LAYERS_A_SPACING = 2  # of samples: a single one drives still water up a slope of 1:20 at 0.01 sqrt(g h)
 WAVE_ROWS = 8.0  # [spacings] of depth that waves need
-SLICE_HALF = 1e-3  # [m] half the width of the bed in a slice
+SLICE_HALF = 1.0  # [m] half the width of the bed in a slice
 FIT_ITERATIONS = 40  # at which still water is as calm as at 100
 COLUMNS_A_SPACING = 4  # columns to a spacing by which the volume of the bed is summed
 BASE_SHARE = 0.012  # thickness of what is drawn under the flat bed, over the height of the bed above it

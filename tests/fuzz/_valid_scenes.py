@@ -65,6 +65,8 @@ CHOICES: dict[str, st.SearchStrategy] = {
     "radiation": st.none() | st.just(str(table_path("barge20_radiation"))),
     "title": st.text(st.characters(codec="utf-8", exclude_categories=["C", "Z"]), max_size=8),
     "point": st.none() | st.sampled_from(NAMES),
+    "profile": st.none() | st.just([[-9.0, -0.3], [9.0, 0.2]]),
+    "grid": st.none(),
     "hull": st.fixed_dictionaries(
         {
             "shape": st.fixed_dictionaries(
@@ -80,7 +82,7 @@ CHOICES: dict[str, st.SearchStrategy] = {
     ),
 }
 # What reads files, or draws: broken and tried elsewhere.
-ELSEWHERE = ("MeshFile", "FromFile", "Track", "/File", "Recorded")
+ELSEWHERE = ("MeshFile", "MeshObstacle", "FromFile", "Track", "/File", "Recorded")
 
 
 @cache
@@ -189,11 +191,11 @@ def scenes(draw: Any, dimension: int | None = None) -> dict[str, Any]:
             scene["basin"].pop(key, None)
     if afloat and scene["fluid"]["kind"] not in ("linear_waves", "spectral_sea") and draw(st.integers(0, 9)):
         scene.setdefault("surface", draw(slot("surface", dimension)))
-    if scene["fluid"]["kind"] in ("mueller", "delta_sph", "dfsph") and draw(st.integers(0, 5)) == 0:
+    if scene["fluid"]["kind"] in ("mueller", "delta_sph", "dfsph") and draw(st.booleans()):
         scene["sea"] = draw(slot("sea", dimension))
         scene["basin"]["walls"] = "periodic"
         for keys, part in (
-            (("wavemaker", "motion", "lid", "obstacles"), "basin"),
+            (("wavemaker", "motion", "lid", "obstacles", "floor"), "basin"),
             (("initial", "fill", "emitter"), "fluid"),
         ):
             for key in keys:

@@ -11,9 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.basin.solids.packing import FIT_REACH, Lattice, deepest_first, fit_particles
+from ocean_sim.basin.solids.packing import FIT_REACH, Lattice, deepest_first, fit_particles, kept_room
 from ocean_sim.files.bathymetry import Heights
-from ocean_sim.files.cache_file import cached_arrays
 
 Boxes = Sequence[tuple[np.ndarray, np.ndarray]]  # lower and upper corner of each [m]
 LAYERS_A_SPACING = 2  # of samples: a single one drives still water up a slope of 1:20 at 0.01 sqrt(g h)
@@ -90,7 +89,8 @@ class Ground:
         return np.where(over, water, np.nan)
 
     def touching(self, position: np.ndarray, spacing: float) -> np.ndarray:
-        """Those of the positions (n, 3) [m] of particles, `spacing` [m] apart, that touch the bed."""
+        """Positions (m, 3) [m] of the particles that touch the bed, of those at `position` (n, 3) [m], `spacing` [m]
+        apart."""
         return position[self.distances(position) <= TOUCH_DISTANCE * spacing]
 
     def sheet_heights(self, places: np.ndarray, water: np.ndarray, position: np.ndarray, spacing: float) -> np.ndarray:
@@ -180,8 +180,7 @@ class Ground:
         places, areas = self.columns(spacing / COLUMNS_A_SPACING, 0.0)
         heights, total = self.heights(places), 0.0
         for low, up in boxes:
-            across = [0, 2][: self.dimension - 1]
-            within = ((places >= low[[0, 2]]) & (places <= up[[0, 2]]))[:, : len(across)].all(axis=1)
+            within = ((places >= low[[0, 2]]) & (places <= up[[0, 2]]))[:, : self.dimension - 1].all(axis=1)
             total += float((areas * within * (np.clip(heights, low[1], up[1]) - low[1])).sum())
         return total
 
@@ -233,10 +232,7 @@ class Ground:
             sides = np.array([self.x[0], -np.inf, self.z[0]]), np.array([self.x[-1], np.inf, self.z[-1]])
             return fit_particles(points, water, gone, (at, volumes), lattice, self.dimension, sides, FIT_ITERATIONS)
 
-        found = cached_arrays("rooms", content, made)
-        gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()
-        gone[found["gone"]], moved[found["near"]] = True, found["moved"]
-        return gone, moved
+        return kept_room(positions, content, made)
 
 
 def cells_and_shares(

@@ -1,10 +1,13 @@
 """Packing of particles around solid bodies, so that an even pressure pushes none (Colagrossi et al. 2012, Comput. Phys.
 Commun. 183)."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+
+from ocean_sim.files.cache_file import cached_arrays
 
 FIT_REACH = 4.0  # [spacings] from a body within which particles move for it
 FIT_ITERATIONS = 100  # at most
@@ -79,6 +82,17 @@ def fit_particles(
     return {"gone": np.flatnonzero(gone & water), "near": moved, "moved": points[moved]}
 
 
+def kept_room(
+    positions: np.ndarray, content: bytes, made: Callable[[], dict[str, np.ndarray]], *asked: type
+) -> tuple[np.ndarray, np.ndarray]:
+    """Room of a body in a lattice at `positions` (n, 3) [m], as `basin.Solid.make_room` returns it: from the user's
+    cache, or `made` as by `fit_particles`. `content` and `asked`: as of `cached_arrays`."""
+    found = cached_arrays("rooms", content, made, *asked)
+    gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()
+    gone[found["gone"]], moved[found["near"]] = True, found["moved"]
+    return gone, moved
+
+
 def near_to(points: np.ndarray, others: np.ndarray, reach: float) -> np.ndarray:
     """(n,) True for `points` (n, 3) [m] nearer than `reach` [m] to any of `others` (m, 3) [m]."""
     from scipy.spatial import cKDTree
@@ -101,7 +115,6 @@ def even_out(
     from scipy.spatial import cKDTree
 
     n, tree, spacing, support, kernel = len(free), cKDTree(fixed), lattice.spacing, lattice.support, lattice.kernel
-
     unit, apart_kernel = float(kernel.value(np.ones(1))[0]), Wendland()
 
     def summed(flat: np.ndarray) -> tuple[float, np.ndarray]:

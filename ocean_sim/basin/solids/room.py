@@ -10,10 +10,9 @@ import numpy as np
 from ocean_sim.basin.motion import Gate
 from ocean_sim.basin.solids.distance import Distance, distance_lattice, lattice_memory
 from ocean_sim.basin.solids.mesh import ClosedMesh, inside_stretches
-from ocean_sim.basin.solids.packing import Lattice, deepest_first, fit_particles
+from ocean_sim.basin.solids.packing import Lattice, deepest_first, fit_particles, kept_room
 from ocean_sim.basin.solids.shape import PlacedMesh, SolidShape
 from ocean_sim.basin.solids.voxels import MAX_CUBES, Voxels, voxels
-from ocean_sim.files.cache_file import cached_arrays
 
 CUBES_A_SPACING = 3.0  # cubes to a spacing of the particles, where a body keeps water out
 FOOT_ROUNDING = 1e-6  # of twice the height of a mesh by which its foot may lie above a dry bed
@@ -56,10 +55,7 @@ class ShapedSolid:
         def made() -> dict[str, np.ndarray]:
             return self.room_arrays(positions, beyond, boxes, lattice)
 
-        found = cached_arrays("rooms", content, made, type(self), type(self.shape))
-        gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()
-        gone[found["gone"]], moved[found["near"]] = True, found["moved"]
-        return gone, moved
+        return kept_room(positions, content, made, type(self), type(self.shape))
 
     def room_arrays(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, lattice: Lattice

@@ -29,6 +29,7 @@ from numpy.typing import ArrayLike
 from ocean_sim.basin import MeshObstacle
 from ocean_sim.basin.motion import Gate
 from ocean_sim.columns import Columns
+from ocean_sim.fluid.bodies.relief import Relief
 from ocean_sim.fluid.neighbours.grid import Grid
 from ocean_sim.fluid.neighbours.images import POSITION_SIGN, mirror_direction, mirror_velocity
 from ocean_sim.fluid.neighbours.point_sum import PointSum
@@ -165,8 +166,10 @@ class Boundary:
         pull: Pull,
         smoothing: Smoothing,
         accounts: bool,
+        relief: Relief | None = None,
     ) -> None:
-        """Make the fields of these bodies. `accounts`: True if the work of moving bodies is summed."""
+        """Make the fields of these bodies. `accounts`: True if the work of moving bodies is summed; `relief`: of the
+        body that is the bed."""
         self.bodies, self.mass, self.grid, self.pull = bodies, particles.mass, grid, pull
         self.owners = np.repeat(np.arange(len(bodies)), [len(body.position) for body in bodies])
         self.n = n = len(self.owners)
@@ -178,6 +181,9 @@ class Boundary:
         self.gates = [(k, body.gate) for k, body in enumerate(bodies) if body.gate is not None]
         self.moving, self.working = bool(self.gates), accounts and any_moves(bodies)
         self.given = sum(not body.floats for body in bodies)  # they come first; what floats moves after the water
+        self.shaped = relief is not None
+        if relief is not None:
+            self.relief = relief
         self.uncounted = next((k for k, body in enumerate(bodies) if not body.counts), -1)
         self.speed = 0.0  # [m/s] of the fastest gate
         # In the order of the bodies; positions are from the origin [m], in the body's axes and in those of the tank.
@@ -320,7 +326,7 @@ class Boundary:
 
     @ti.func
     def near(self, x):
-        """True if x [m] lies within one support of the bounding box of any body."""
+        """True if x [m] lies within one support of the bounding box of any body, and not too high over the bed."""
         found = False
         for b in range(ti.static(len(self.bodies))):
             away = tm.vec3(0.0)
@@ -329,7 +335,10 @@ class Boundary:
                 if ti.static(period > 0.0):
                     away[k] -= period * ti.round(away[k] / period)
                 away[k] = ti.abs(away[k]) - self.box[b, 0, k]
-            found = found or away.max() < 0.0
+            here = away.max() < 0.0
+            if ti.static(self.shaped):
+                here = here and (b != self.uncounted or self.relief.is_reached(x))
+            found = found or here
         return found
 
     @ti.func
@@ -463,7 +472,10 @@ class SampleSum:
     @ti.func
     def term(self, own, s, d, mirror):
         """Pair term of a particle (row `own`) with sample s, at d [m] in a mirror, times the weight of the sample."""
-        return self.boundary.particle_equivalent(s) * self.law.pair(own, self.law.sample(own, s, d, mirror))
+        total = ti.Vector.zero(float, self.sums)
+        if d.dot(d) < self.boundary.grid.support**2:
+            total = self.boundary.particle_equivalent(s) * self.law.pair(own, self.law.sample(own, s, d, mirror))
+        return total
 
     @ti.func
     def total(self, x, own):

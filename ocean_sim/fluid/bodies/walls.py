@@ -169,7 +169,8 @@ class Target:
 class Walls:
     """Walls, floor and obstacles, from which particles bounce at `collision_distance`, and absorbing zones."""
 
-    def __init__(self, lattice: Lattice, images: Images) -> None:
+    def __init__(self, lattice: Lattice, images: Images, support: float) -> None:
+        """`support`: reach of the samples of the bed [m]."""
         gap = lattice.config.collision_distance * lattice.spacing
         low, up = lattice.basin.stops()
         self.low, self.up, self.gap = tuple(x + gap for x in low), tuple(x - gap for x in up), gap
@@ -195,7 +196,7 @@ class Walls:
         if lattice.basin.ground is not None:
             from ocean_sim.fluid.bodies.relief import Relief
 
-            self.ground = Relief(lattice.basin.ground, lattice.spacing)
+            self.ground = Relief(lattice.basin.ground, lattice.spacing, support)
         meshes = lattice.basin.meshes.values()
         self.nets = [(n, mesh.net(lattice.spacing), mesh) for n, mesh in enumerate(meshes)]
         if self.nets:

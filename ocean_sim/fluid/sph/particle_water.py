@@ -72,7 +72,7 @@ class ParticleWater(ParticleFluid):
         self.tasks = size.plan.tasks(self.particles.count, size.groups)
         self.surface = FreeSurface(self.particles, self.grid, self.smoothing)
         self.around = self.surface.around
-        self.walls = Walls(lattice, self.grid.images)
+        self.walls = Walls(lattice, self.grid.images, size.support)
         self.pull = Pull(basin, config.body_force)
         if basin.rough_bed is not None:
             relief = self.walls.ground if self.walls.shaped else None

@@ -428,7 +428,8 @@ class Sph(ParticleWater):
 
             lattice, support = sizes.lattice, sizes.support
             bodies = [*fixed_bodies(lattice, support), *floating_bodies(lattice, support).values()]
-            self.boundary = Boundary(bodies, self.particles, self.grid, self.pull, self.smoothing, accounts)
+            relief = self.walls.ground if self.walls.shaped else None
+            self.boundary = Boundary(bodies, self.particles, self.grid, self.pull, self.smoothing, accounts, relief)
         own = len(self.carried) - (config.told_to_bodies if self.bodies else 0)
         self.last_acceleration = self.carried[own:]  # [m/s2], which solid bodies are told
         self.field = Field(

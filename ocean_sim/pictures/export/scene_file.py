@@ -21,10 +21,8 @@ from ocean_sim.pictures.stage.obstacles import SAND_COLOUR
 from ocean_sim.pictures.water.foam import cell_means
 from ocean_sim.pictures.water.water_mesh import grid_triangles
 
-WATER_COLOUR, FOAM_COLOUR = (
-    np.array([0.010, 0.060, 0.090]),
-    np.array([0.75, 0.80, 0.82]),
-)  # linear RGB of water and of its foam
+# Linear RGB of water and of its foam
+WATER_COLOUR, FOAM_COLOUR = np.array([0.010, 0.060, 0.090]), np.array([0.75, 0.80, 0.82])
 STONE_COLOUR = np.array([0.16, 0.15, 0.14])  # linear RGB of what stands in the water
 # Triangles of a box whose corners count x, then y, then z, seen from outside.
 BOX_TRIANGLES = np.array(

@@ -24,11 +24,8 @@ VIEW_DIRECTIONS = {  # direction of view, and what is up in the picture
 LONG_BASIN = 2.5  # lengths of a ship; in a longer basin `third_person` follows it
 FOLLOWED_REACH = 0.62  # lengths of a ship that it sees each way then, from the still water up
 HEAVE_ROOM = 0.16  # lengths of a ship over her top at rest that stay in the picture, too: she rises with the waves
-FOLLOW_DISTANCE, FOLLOW_HEIGHT, FOLLOW_ANGLE = (
-    1.9,
-    0.5,
-    22.0,
-)  # lengths of a ship and [deg] to starboard, from which `follow` looks at it
+# Lengths of a ship and [deg] to starboard, from which `follow` looks at it
+FOLLOW_DISTANCE, FOLLOW_HEIGHT, FOLLOW_ANGLE = 1.9, 0.5, 22.0
 FOLLOW_LAGS = 0.9, 1.6  # [s] in which `follow` makes up for 1 - 1/e of a change of position and of heading
 ORBIT_RADIUS, ORBIT_HEIGHT = 2.2, 0.55  # lengths of a ship: radius and height of `orbit`
 HELM_PITCH = 5.0  # [deg] below straight ahead, from the helm

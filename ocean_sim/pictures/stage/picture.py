@@ -22,10 +22,8 @@ from ocean_sim.pictures.water import far_sea, sea_state, tank_walls, water_shadi
 from ocean_sim.pictures.water.sea import Sea
 from ocean_sim.pictures.water.water_surface import SURFACE_NODES, Water
 
-PIXEL_SAMPLES = {
-    "draft": 1,
-    "final": 2,
-}  # along each side of a pixel; where there is one, edges are smoothed afterwards
+# Along each side of a pixel; where there is one, edges are smoothed afterwards
+PIXEL_SAMPLES = {"draft": 1, "final": 2}
 STRIP_PICTURES, STRIP_SHRINKING = 8, 4  # pictures in a row of moments, and pixels along a side of one of its
 MOMENT_GAP = 3  # [pixels] between them
 MAP_CAMERAS = "top", "side"  # cameras that see the whole way of a ship that leaves the basin

@@ -26,20 +26,15 @@ FROM_BELOW = np.array([0.12, 0.16, 0.18])  # light that the water throws back
 MIRRORED = np.array([0.30, 0.42, 0.56])  # of the sky, in panes
 
 MIN_SKY_HEIGHT = 0.004  # height of a direction at which the sky is read for any lower one
-HAZE_SIZE = (
-    64,
-    128,
-)  # rows and columns of the colours of fog that are kept, one direction around the horizon after another
+# Rows and columns of the colours of fog that are kept, one direction around the horizon after another
+HAZE_SIZE = (64, 128)
 HAZE_LEVEL, MAX_HAZE = 3.5, 3.0  # smaller copy of the sky that it comes from, and to which radiance it is cut
-GROUND_RADIUS, TOP_RADIUS = (
-    6360e3,
-    6420e3,
-)  # [m] of the Earth and of its air (Nishita et al. 1993, Bruneton & Neyret 2008)
+# [m] of the Earth and of its air (Nishita et al. 1993, Bruneton & Neyret 2008)
+GROUND_RADIUS, TOP_RADIUS = 6360e3, 6420e3
 RAYLEIGH_SCATTERING, RAYLEIGH_HEIGHT = np.array([5.8e-6, 13.5e-6, 33.1e-6]), 8000.0  # [1/m] at sea level, [m]
 MIE_SCATTERING, MIE_HEIGHT, MIE_FORWARD = np.full(3, 5.0e-6), 1200.0, 0.76  # [1/m], [m], Henyey-Greenstein's g
-MULTIPLE_SCATTERING = np.array(
-    [0.02, 0.09, -0.75]
-)  # taken off at the horizon: light scattered often is whiter than once (ours)
+# Share of light taken off at the horizon: light scattered often is whiter than once (ours)
+MULTIPLE_SCATTERING = np.array([0.02, 0.09, -0.75])
 CLOUD_COVER, CLOUD_SEED = 0.5, 3  # share of the sky, and seed of their noise
 CLEAR_SIDE = 128  # pixels along a side of the image of the clear gradient
 SUN_RADIANCE = 22.0  # radiance of the sun before the air, in the units of these pictures
@@ -62,9 +57,7 @@ def clear_sky(direction: np.ndarray) -> np.ndarray:
 def sky_and_ground(direction: np.ndarray) -> np.ndarray:
     """Radiance (n, 3) in unit directions (n, 3) of a clear sky, and of a ground that darkens downwards."""
     down = np.clip(-direction[:, 1], 0.0, 1.0)[:, None]
-    flat = unit_vector(
-        np.column_stack([direction[:, 0] + 1e-12, np.zeros(len(direction)), direction[:, 2]])
-    )  # not (0, 0, 0)
+    flat = unit_vector(direction * [1.0, 0.0, 1.0] + [1e-12, 0.0, 0.0])  # not (0, 0, 0)
     ground = GROUND_COLOUR + (0.72 * clear_sky(flat) - GROUND_COLOUR) * np.exp(-down / 0.22)
     return np.where(direction[:, 1:2] >= 0.0, clear_sky(direction), ground)
 
@@ -109,9 +102,7 @@ class Sky:
     def sample(self, direction: np.ndarray, level: np.ndarray | float = 0.0) -> np.ndarray:
         """Radiance (n, 3) in unit directions (n, 3), interpolated between mipmap `level` and the next; directions at or
         below the horizon get the value just above it."""
-        d = unit_vector(
-            np.column_stack([direction[:, 0], np.maximum(direction[:, 1], MIN_SKY_HEIGHT), direction[:, 2]])
-        )
+        d = unit_vector(np.maximum(direction, [-1.0, MIN_SKY_HEIGHT, -1.0]))
         at = 0.5 + 0.5 * d[:, [0, 2]] / (1.0 + d[:, 1:2])
         levels = np.clip(np.broadcast_to(level, len(d)), 0.0, len(self.levels) - 1.0)
         low = np.floor(levels).astype(int)

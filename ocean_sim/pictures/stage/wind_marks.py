@@ -11,17 +11,13 @@ from ocean_sim.pictures.water import water_shading
 
 VOLUME_COLOUR, ARROW_COLOUR = "#ffb347", np.array([0.95, 0.42, 0.04])  # of volumes; of arrows, linear RGB
 VOLUME_OPACITY = 0.22  # opacity of a volume
-MIN_VOLUME_HEIGHT, MAX_VOLUME_HEIGHT = (
-    0.10,
-    0.18,
-)  # of the basin's length: least and greatest height of a volume over the water
+# Least and greatest height of a volume over the water, over the basin's length
+MIN_VOLUME_HEIGHT, MAX_VOLUME_HEIGHT = 0.10, 0.18
 VOLUME_DEPTH = 0.2  # of the basin's length: how far it goes on below, where waves hide it
 MAX_ARROW, ARROW_HEIGHT = 0.13, 0.02  # of the basin's length: the longest arrow, and how far over the water they begin
 ARROW_TITLES = {"m/s²": "acceleration by wind"}  # what an arrow shows, by its unit, where it is not the wind itself
-MIN_ARROW, CROSS_SIZE = (
-    0.02,
-    0.05,
-)  # of the basin's length: the arrow below which there is a cross instead, and its size
+# Length of an arrow below which there is a cross instead, and its size, over the basin's length
+MIN_ARROW, CROSS_SIZE = 0.02, 0.05
 
 
 class WindMarks:

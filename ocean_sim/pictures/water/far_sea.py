@@ -14,27 +14,19 @@ SEA_RADIUS = 14000.0  # [m] where the drawn sea ends, behind the fog
 BLEND_MARGIN = 0.2  # of the basin's shorter side: where its own waves give way to the far ones, within its walls
 NODES_PER_WAVE = (2.0, 3.0)  # at which a wave is not drawn, and is fully drawn
 PIXELS_PER_WAVE = (1.2, 4.0)  # across which the slopes of a wave fade into the width of the glint
-WAVENUMBER_SHELLS, HEADING_SECTORS = (
-    20,
-    6,
-)  # of wavenumbers and of headings in a quarter: in each a wave stands for modes of a basin
+# Ranges of wavenumbers, and of headings in a quarter, in each of which a wave stands for modes of a basin
+WAVENUMBER_SHELLS, HEADING_SECTORS = 20, 6
 MAX_MODE = 0.8  # of half a wave a cell: shorter modes are noise of the particles
 MAX_WAVES = 96  # plane waves of a sea that are drawn far away
 RAY_COUNTS = 120, 320  # least and most of the fan in which the far sea is drawn
 FIRST_RING = 0.35  # [heights of the eye] away, or nearer, where the first ring lies
-RING_SPACING, FAR_RING_GROWTH = (
-    0.03,
-    1.09,
-)  # spacing of rings over their distance, and in the farthest over the one before
-WAVE_REACHES = (
-    (400.0, 0.06),
-    (1000.0, 0.20),
-)  # [m] to which waves but this share of the variance, the shortest, are drawn
+# Spacing of rings over their distance, and in the farthest over the one before
+RING_SPACING, FAR_RING_GROWTH = 0.03, 1.09
+# [m] to which waves but this share of the variance, the shortest, are drawn
+WAVE_REACHES = ((400.0, 0.06), (1000.0, 0.20))
 PEAK_PERIOD = 0.90  # energy period over that of the peak, of JONSWAP's spectrum
-SAMPLE_REACH, SAMPLE_COUNT = (
-    400.0,
-    4096,
-)  # [m] around the eye within which nodes are looked at that lie evenly, and how many
+# [m] around the eye within which nodes are looked at that lie evenly, and how many
+SAMPLE_REACH, SAMPLE_COUNT = 400.0, 4096
 GOLDEN_SHARE = 0.6180339887  # by which a number of a node goes on, so that rays are met as often as each other
 BELT_RINGS = 8  # rings of which the same waves are drawn
 TURN_STEP = np.radians(8.0)  # by which the eye turns before the fan does

@@ -209,12 +209,9 @@ class FoamField:
     def carry(self, way: np.ndarray) -> None:
         """Move flecks and the foam's fine pattern by displacements `way` of the water along x, z (nx, nz, 2) [m]."""
         cells = np.moveaxis(way / self.cell, -1, 0)
-        back = read_ways(
-            cells, np.indices(cells.shape[1:]) - 0.5 * cells
-        )  # in the middle of the way, not at its end: water
-        self.carried = (
-            np.stack([displaced_values(self.carried[..., k], back) for k in range(2)], axis=-1) + way
-        )  # may go around
+        # Ways are read in their middle, not at their end, since water may go around.
+        back = read_ways(cells, np.indices(cells.shape[1:]) - 0.5 * cells)
+        self.carried = np.stack([displaced_values(self.carried[..., k], back) for k in range(2)], axis=-1) + way
         self.flecks[:2] += read_ways(cells, self.flecks[:2] + 0.5 * read_ways(cells, self.flecks[:2]))
         self.leave()
 

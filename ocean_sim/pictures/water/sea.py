@@ -60,9 +60,8 @@ class Sea(Content):
         self.gap = np.zeros((max(len(self.hulls), 1), rows, columns, 3), np.float32)  # [m] and share, for each ship
         self.gaps = water_glsl.make_texture(self.gap.reshape(-1, columns, 3))
         self.mirrored = water_glsl.make_texture(np.zeros((2, 2, 4), np.uint8), smaller=True)
-        self.shadow = np.zeros(
-            (max(len(self.hulls), 1), ship_glsl.SHADOW_PIXELS, ship_glsl.SHADOW_PIXELS, 3), np.float32
-        )  # [m]
+        pixels = ship_glsl.SHADOW_PIXELS
+        self.shadow = np.zeros((max(len(self.hulls), 1), pixels, pixels, 3), np.float32)  # [m]
         self.shadows = water_glsl.make_texture(self.shadow.reshape(-1, ship_glsl.SHADOW_PIXELS, 3))
         textures = self.above | {"hull": self.gaps, "mirror": self.mirrored, "shade": self.shadows}
         dark = "".join(ship_glsl.shadow_program(k) for k in range(len(self.hulls)))

@@ -17,10 +17,8 @@ from ocean_sim.waves import Components
 from ocean_sim.wind.shared.air_load import stated_speed
 
 SWELL_SECONDS = 4.0  # [s] by which the far sea lags behind the basin's
-FRAME_INTERVAL, MEMORY_LAGS = (
-    0.25,
-    6.0,
-)  # [s] between the frames that it is taken from; and in lags, how far it looks back
+# [s] between the frames that it is taken from; and in lags, how far it looks back
+FRAME_INTERVAL, MEMORY_LAGS = 0.25, 6.0
 MIN_LIT_HEIGHT = 0.25  # [m] over the resolved length: crests of a sea lower than that are not lit as crests
 MIN_RIPPLE_WIND, MAX_RIPPLE_WIND = 2.0, 14.0  # [m/s] wind that ripples follow
 TANK_FITTINGS = ("motion", "wavemaker", "lid", "obstacles")  # of a basin that is a tank

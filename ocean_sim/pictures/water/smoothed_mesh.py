@@ -8,10 +8,8 @@ import numpy as np
 
 from ocean_sim.surface import Mesh
 
-PASS_BAND, FILTER_DEGREE = (
-    0.30,
-    32,
-)  # acos(1 - k) of the eigenvalue k where a wave is halved; and how sharply the filter falls
+# Angle acos(1 - k) of the eigenvalue k where a wave is halved; and how sharply the filter falls
+PASS_BAND, FILTER_DEGREE = 0.30, 32
 SIDE_TOLERANCE = 1.0e-4  # of the box: what is nearer to one of its sides lies on it
 SPREAD_STEPS = 16  # edges from its rim to which what lies flat on a side goes with the rim
 

@@ -12,37 +12,23 @@ from ocean_sim.pictures.water.far_sea import SEA_RADIUS
 from ocean_sim.random_numbers import numpy_uniform
 from ocean_sim.surface import Mesh
 
-STIRRING_SPEEDS = (
-    0.15,
-    0.80,
-)  # of g times the depth of a tank: square of the speed from which water is stirred, and is wholly so
+# Squares of the speeds from which water is stirred, and is wholly so, over g times the depth of a tank
+STIRRING_SPEEDS = (0.15, 0.80)
 STIRRING_DEVIATIONS = 0.12, 0.60  # of the speed of its neighbours: how far a particle's own is off theirs, likewise
 STIRRING_NEIGHBOURS = 24  # of a particle, itself among them
-NEIGHBOURHOOD, TEARING_NEIGHBOURS = (
-    1.6,
-    (12.0, 6.0),
-)  # [spacings], and neighbours in it below which water comes apart, and wholly so
-COLUMN_BREADTH, FLYING_GAPS = (
-    2.0,
-    (2.2, 3.5),
-)  # [spacings] breadth of a column, and of air in it below a particle that flies
-SPLASH_RISES, MEAN_WIDTH = (
-    (1.5, 5.0),
-    6.0,
-)  # [spacings] over the mean height of the water so far around it, at which it splashes
-SETTING_OFF_WAYS = (
-    0.5,
-    2.0,
-)  # [spacings] from where the first picture had it: from where water may splash up, and wholly may
+# [spacings], and neighbours in it below which water comes apart, and wholly so
+NEIGHBOURHOOD, TEARING_NEIGHBOURS = 1.6, (12.0, 6.0)
+# [spacings] breadth of a column, and of air in it below a particle that flies
+COLUMN_BREADTH, FLYING_GAPS = 2.0, (2.2, 3.5)
+# [spacings] over the mean height of the water so far around it, at which it splashes
+SPLASH_RISES, MEAN_WIDTH = (1.5, 5.0), 6.0
+# [spacings] from where the first picture had it: from where water may splash up, and wholly may
+SETTING_OFF_WAYS = (0.5, 2.0)
 LACKING_NEIGHBOURS = 5  # neighbours that a particle lacks at a side
-VERTEX_PARTICLES, VERTEX_REACH = (
-    8,
-    2.5,
-)  # particles that a vertex asks, and how far away [spacings] they have nothing to say
-PARTICLE_DROPS, MAX_TORN_PARTICLES = (
-    20,
-    500,
-)  # that fly around a particle of water wholly torn, and particles that have any
+# Particles that a vertex asks, and how far away [spacings] they have nothing to say
+VERTEX_PARTICLES, VERTEX_REACH = 8, 2.5
+# Drops that fly around a particle of water wholly torn, and particles that have any
+PARTICLE_DROPS, MAX_TORN_PARTICLES = 20, 500
 DROP_SIZES = 0.060, 0.50  # [spacings] median radius of a drop, and standard deviation of its logarithm
 AIR_SHARES = 0.5, 0.3  # share of air in water wholly torn, and where it splashes up
 MAX_DROP_RADIUS, MIN_DROPS = 0.20, 2  # [spacings]; and drops below which none fly

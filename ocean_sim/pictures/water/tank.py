@@ -24,22 +24,17 @@ MAX_SMOOTHING = 0.4  # [spacings] by which a folded surface is smoothed
 BEHIND_GLASS = np.array([0.0, 0.0, 0.0])  # air that is seen of it, holes, wrinkles: glass is smooth
 WATER_TRAITS = "nrm", "air", "was"  # normal; air, how torn, how rough; where its water was born
 ABSORPTION = np.array([3.0, 0.85, 0.60])  # of light, in a way as long as the tank is deep
-SCATTERED_LIGHT = np.array(
-    [0.016, 0.135, 0.170]
-)  # light that comes back from water so thick that nothing shines through
+# Light that comes back from water so thick that nothing shines through
+SCATTERED_LIGHT = np.array([0.016, 0.135, 0.170])
 SHINE_VARIANCE = 0.004  # variance of slopes that widen the sun's highlight
 RELIEF_FACTOR = 1.6  # by which slopes are steeper than they are in the light of a map
 GRAIN_LENGTH = 0.5  # of foam: how many of its metres on a sea a spacing of the particles is in a tank
-WRINKLE_SCALES, WRINKLE_SLOPES = (
-    (0.55, 1.5),
-    (0.40, 0.30),
-)  # [1/spacing] of two scales, and how far each tilts a skin that is stirred
+# [1/spacing] of two scales, and how far each tilts a skin that is stirred
+WRINKLE_SCALES, WRINKLE_SLOPES = (0.55, 1.5), (0.40, 0.30)
 HEIGHT_SKEW = (0.7, 0.4)  # of the height at which water was born, in the two coordinates of its grain
 HOLE_SHARE = 1.15  # share of a skin that is gone where it is wholly torn, over 1
-FOAM_COLOUR, FOAM_LIGHTS = (
-    np.array([0.80, 0.83, 0.84]),
-    (0.62, 0.38),
-)  # of water full of bubbles; its light from all sides, and the sun's
+# Colour of water full of bubbles; its light from all sides, and the sun's
+FOAM_COLOUR, FOAM_LIGHTS = np.array([0.80, 0.83, 0.84]), (0.62, 0.38)
 
 DEPTH_FUNCTIONS = """
 vec3 from(vec3 p) { return mix(p - eyeW, ahead * dot(p - eyeW, ahead), parallel); }
@@ -150,10 +145,7 @@ class Shell(Content):
         functions = water_glsl.WATER_FUNCTIONS + DEPTH_FUNCTIONS + GRAIN_FUNCTIONS
         plain = water_glsl.neutral_uniforms(0) | water_glsl.sky_uniforms(over)
         self.water = water_glsl.Shaded(stage.pyvista.PolyData(), WATER_PROGRAM, functions, seen, WATER_TRAITS)
-        measured = {
-            name: water_glsl.image_texture(of.GetInput(), of.GetMipmap())
-            for name, of in (textures | {"before": self.far}).items()
-        }  # of a window of its own
+        measured = water_glsl.own_textures(textures | {"before": self.far})
         self.backs = water_glsl.Shaded(self.water.mesh, DISTANCE_PROGRAM, functions, measured, WATER_TRAITS)
         self.backs.actor.GetProperty().FrontfaceCullingOn()
         half, parallel = stage.camera.parallel_height, stage.camera.parallel_height is not None

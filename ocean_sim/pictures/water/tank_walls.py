@@ -11,27 +11,17 @@ from ocean_sim.pictures.water.water_surface import round_up
 
 EDGE_COLOUR = "#eef3f6"
 PANEL_OFFSET = 0.004  # of a tank's height by which bed and walls are drawn outside the water
-PANEL_COLOUR = np.array(
-    [0.68, 0.74, 0.76]
-)  # of bed and walls: on dark ground clear water would not tell how thick it is
-LINE_INTERVAL, LINE_BREADTH, LINE_LIGHT = (
-    0.2,
-    0.03,
-    0.86,
-)  # lines on it: [tank's depths] apart, breadth over that, and their light over its
+# Colour of bed and walls: on dark ground clear water would not tell how thick it is
+PANEL_COLOUR = np.array([0.68, 0.74, 0.76])
+# Lines on it: [tank's depths] apart, breadth over that, and their light over its
+LINE_INTERVAL, LINE_BREADTH, LINE_LIGHT = 0.2, 0.03, 0.86
 PANEL_CELLS = 24  # along each side of a panel
-NOOK_SHADE, NOOK_REACH = (
-    0.25,
-    0.12,
-)  # light that a panel lacks where another meets it, a third of it so many heights away
-GROUND_LINE_COLOUR, GROUND_LINE_OPACITY = (
-    (8, 20, 30),
-    0.16,
-)  # lines on the ground, and how far they hide it at the block
-GROUND_LINES, GROUND_REACH = (
-    12.0,
-    1.5,
-)  # lines along the longer side of a block; of that side, how far around they fade away
+# Light that a panel lacks where another meets it, a third of it so many heights away
+NOOK_SHADE, NOOK_REACH = 0.25, 0.12
+# Lines on the ground, and how far they hide it at the block
+GROUND_LINE_COLOUR, GROUND_LINE_OPACITY = (8, 20, 30), 0.16
+# Lines along the longer side of a block; of that side, how far around they fade away
+GROUND_LINES, GROUND_REACH = 12.0, 1.5
 AMBIENT_LIGHT, SUN_LIGHT = 0.84, 0.26  # of light: from all sides, and the sun's on a panel that faces it
 
 

@@ -15,13 +15,8 @@ from ocean_sim.pictures.stage.sky import HAZE_SIZE, MIN_SKY_HEIGHT, Sky
 from ocean_sim.pictures.water import foam, ripples
 from ocean_sim.pictures.water import water_shading as w
 
-GAMMA_POLYNOMIAL = (
-    0.0319,
-    0.8804,
-    0.8577,
-    0.0193,
-    0.7503,
-)  # of the ratio of polynomials of a root that is x^(1/2.2): see the test
+# Coefficients of the ratio of polynomials of a root that is x^(1/2.2): see the test
+GAMMA_POLYNOMIAL = (0.0319, 0.8804, 0.8577, 0.0193, 0.7503)
 CONSTANT_REFLECTANCE = 0.4  # share of the mirrored sky where Fresnel's is switched off
 GLINTS = {"none": 0.0, "physical": 1.0, "thesis": 2.0}  # of the sun, as the program numbers them
 
@@ -296,6 +291,11 @@ def image_texture(data: Any, smaller: bool) -> Any:
     return made
 
 
+def own_textures(textures: dict[str, Any]) -> dict[str, Any]:
+    """Textures of the same images, by the same names, for another window."""
+    return {name: image_texture(of.GetInput(), of.GetMipmap()) for name, of in textures.items()}
+
+
 def fill_image(data: Any, image: np.ndarray) -> None:
     """Copy pixels (height, width, channels) into a VTK image."""
     from vtkmodules.util.numpy_support import numpy_to_vtk
@@ -348,8 +348,7 @@ class Shaded:
 
     def twin(self) -> Any:
         """Second actor of the same mesh and program for another plotter, with textures of its own."""
-        own = {name: image_texture(image.GetInput(), image.GetMipmap()) for name, image in self.textures.items()}
-        twin = self.drawn(own)
+        twin = self.drawn(own_textures(self.textures))
         twin.SetShaderProperty(self.actor.GetShaderProperty())
         return twin
 

@@ -101,8 +101,13 @@ def relief_light(normal: np.ndarray, height: np.ndarray) -> np.ndarray:
     slope /= np.hypot(1.0, np.linalg.norm(slope, axis=1, keepdims=True) / MAP_STEEPEST)
     tilted = unit_vector(np.stack([-slope[:, 0], np.ones(len(slope)), -slope[:, 1]], axis=1))
     lit = np.clip(tilted @ MAP_LIGHT, 0.0, 1.0)[:, None]
-    paint = np.stack([np.interp(height, [-1.0, 0.0, 1.0], channel) for channel in MAP_COLOURS.T], axis=1)
-    return paint * (0.25 + 1.1 * lit)
+    return colour_scale(0.5 + 0.5 * height, MAP_COLOURS) * (0.25 + 1.1 * lit)
+
+
+def colour_scale(share: np.ndarray, colours: np.ndarray) -> np.ndarray:
+    """Colours (n, 3) at shares (n,), 0 to 1, along a row of evenly spaced colours (k, 3), interpolated linearly."""
+    at = np.linspace(0.0, 1.0, len(colours))
+    return np.stack([np.interp(share, at, channel) for channel in colours.T], axis=1)
 
 
 def filmic_curve(radiance: np.ndarray, exposure: float = 1.15) -> np.ndarray:

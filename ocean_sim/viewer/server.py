@@ -334,9 +334,8 @@ class Server:
         watcher = self.all[self.count] = Watcher(self.count, socket)
         self.watchers, self.fresh = len(self.all), True
         self.arrived.set()
-        self.queue_text(
-            watcher.number, {"type": "hello", "protocol": PROTOCOL_VERSION, "you": watcher.number, **self.hello}
-        )
+        hello = {"type": "hello", "protocol": PROTOCOL_VERSION, "you": watcher.number}
+        self.queue_text(watcher.number, hello | self.hello)
         if self.panel:
             self.queue_text(watcher.number, self.panel)
         self.tell_helm()

@@ -86,56 +86,32 @@ def shadow_program(k: int) -> str:
 class ShadowMap:
     """Shadow map of a ship: depth, along the sun's direction, of points spread over her surface."""
 
-    def __init__(self, corners: np.ndarray, length: float) -> None:
-        """`corners`: triangles (m, 3, 3) [m] in body axes; `length`: half the side of the map [m]."""
-        self.length = length
-        self.points = np.ascontiguousarray(spread_points(corners, 2.0 * length / SHADOW_PIXELS).T, np.float32)  # (3, n)
+    def __init__(self, points: np.ndarray, length: float) -> None:
+        """`points`: (n, 3) in body axes [m], no pixel of the map apart; `length`: half the side of the map [m]."""
+        self.length, self.points = length, np.ascontiguousarray(points.T)
 
     def map(self, turn: np.ndarray, sun: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Depths (SHADOW_PIXELS, SHADOW_PIXELS, 3) [m] of the sunlit surface, along the direction to the `sun` from the
         ship's position, in three equal channels; unit vectors of columns and rows. `turn`: from body to world."""
         from scipy.ndimage import maximum_filter
 
-        right = np.cross([0.0, 1.0, 0.0], sun)
-        right /= np.linalg.norm(right)
+        right = sky.unit_vector(np.cross([0.0, 1.0, 0.0], sun))
         up = np.cross(sun, right)
         seen = (np.stack([right, up, sun]) @ turn).astype(np.float32) @ self.points
-        column, row = np.clip(
-            (seen[:2] * (0.5 * SHADOW_PIXELS / self.length) + 0.5 * SHADOW_PIXELS).astype(np.int32),
-            0,
-            SHADOW_PIXELS - 1,
-        )
+        pixel = (seen[:2] * (0.5 * SHADOW_PIXELS / self.length) + 0.5 * SHADOW_PIXELS).astype(np.int32)
+        column, row = np.clip(pixel, 0, SHADOW_PIXELS - 1)
         depth = np.full(SHADOW_PIXELS * SHADOW_PIXELS, UNLIT_DEPTH, np.float32)
         np.maximum.at(depth, row * SHADOW_PIXELS + column, seen[2])
         depth = maximum_filter(depth.reshape(SHADOW_PIXELS, SHADOW_PIXELS), 3)
         return np.repeat(depth[..., None], 3, axis=2), right, up
 
 
-def spread_points(corners: np.ndarray, step: float) -> np.ndarray:
-    """Points (n, 3) spread over triangles (m, 3, 3) up to their edges, at most a step [m] apart."""
-    sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
-    longest = sides.argmax(axis=1)
-    a, b, c = (np.take_along_axis(corners, ((longest + k) % 3)[:, None, None], 1)[:, 0] for k in range(3))
-    along = sides.max(axis=1)
-    height = np.linalg.norm(np.cross(b - a, c - a), axis=1) / np.maximum(along, 1e-12)
-    rows = np.ceil(height / step).astype(int) + 1
-    triangle = np.repeat(np.arange(len(corners)), rows)
-    up = (np.arange(len(triangle)) - np.repeat(np.cumsum(rows) - rows, rows)) / np.maximum(rows - 1, 1)[triangle]
-    many = np.ceil(along[triangle] * (1.0 - up) / step).astype(int) + 1
-    row = np.repeat(np.arange(len(triangle)), many)
-    right = (np.arange(len(row)) - np.repeat(np.cumsum(many) - many, many)) / np.maximum(many - 1, 1)[row]
-    of, up, right = triangle[row], up[row, None], right[:, None]
-    return a[of] + up * (c - a)[of] + right * (1.0 - up) * (b - a)[of]
-
-
 def shadow_bounds(depth: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper bounds (3,) of the shadow in a map of depths (SHADOW_PIXELS, SHADOW_PIXELS) [m]: column and row
     as shares of the map; third, 0 and the greatest depth that lies in shadow [m]. `length`: of the `ShadowMap` [m]."""
     row, column = np.nonzero(depth > UNLIT_DEPTH)
-    low, high = (
-        np.array([column.min(), row.min()]) - SHADOW_SOFTNESS,
-        np.array([column.max(), row.max()]) + 1.0 + SHADOW_SOFTNESS,
-    )
+    low = np.array([column.min(), row.min()]) - SHADOW_SOFTNESS
+    high = np.array([column.max(), row.max()]) + 1.0 + SHADOW_SOFTNESS
     farthest = float(depth.max()) - SHADOW_BIAS * length
     return np.append(low / SHADOW_PIXELS, 0.0), np.append(high / SHADOW_PIXELS, farthest)
 

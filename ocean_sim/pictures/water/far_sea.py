@@ -53,9 +53,8 @@ class PlaneWaves:
     def __init__(self, sea: Components, x: np.ndarray, z: np.ndarray) -> None:
         """`x`, `z`: coordinates of the grid's nodes [m]."""
         self.sea = sea
-        self.along_x, self.along_z = (
-            np.exp(1j * nodes[:, None] * k) for nodes, k in zip((x, z), sea.wavevector.T, strict=True)
-        )
+        kx, kz = sea.wavevector.T
+        self.along_x, self.along_z = np.exp(1j * x[:, None] * kx), np.exp(1j * z[:, None] * kz)
 
     def at(self, turning: np.ndarray) -> SeaSample:
         """Sea at the nodes for complex amplitudes (n,) [m] of its waves at their origin (see `complex_amplitudes`)."""
@@ -136,15 +135,8 @@ class Fan:
         bucket = 0.0 if whole else TURN_STEP * round(heading / TURN_STEP)
         step = 2.0 ** (np.round(2.0 * np.log2(max(height, 0.5))) / 2.0)  # heights that are alike look alike
         lengths = shortest_lengths(replace(self.sea, amplitude=amplitude))
-        seen = (
-            bucket,
-            step,
-            float(np.ceil(half / TURN_STEP)),
-            float(np.ceil(lowest / TURN_STEP)),
-            pixel,
-            row,
-            *lengths,
-        )
+        angles = float(np.ceil(half / TURN_STEP)), float(np.ceil(lowest / TURN_STEP))
+        seen = (bucket, step, *angles, pixel, row, *lengths)
         if seen == self.looked:
             return False
         self.looked = seen
@@ -235,9 +227,8 @@ class Modes:
             self.sea = Components(np.zeros(1), np.array([[1.0, 0.0]]), np.zeros(1), depth)
             return
         k = np.hypot(kx, kz)
-        shell = np.minimum(
-            WAVENUMBER_SHELLS * np.log(k / k.min()) / max(np.log(k.max() / k.min()), 1e-9), WAVENUMBER_SHELLS - 1
-        ).astype(int)
+        spread = max(np.log(k.max() / k.min()), 1e-9)
+        shell = np.minimum(WAVENUMBER_SHELLS * np.log(k / k.min()) / spread, WAVENUMBER_SHELLS - 1).astype(int)
         sector = np.minimum(HEADING_SECTORS * np.arctan2(kz, kx) / (0.5 * pi), HEADING_SECTORS - 1).astype(int)
         _, self.numbers = np.unique(shell * HEADING_SECTORS + sector, return_inverse=True)
         many = np.bincount(self.numbers)

@@ -18,9 +18,7 @@ FRESH_THICKNESS = 1.25  # of foam just born, over wholly white: ours, so that th
 PATCH_CELLS = 4.0  # cells of white water along a side of the least patch that a crest makes
 GATHERING_PATCHES = 3.0  # patches apart at which a crest breaks more readily, or less
 GATHERING_SPEED = (1.0, 0.6)  # [cells of white water/s] by which these places go along x and z, for another crest
-MAX_FLECK_SPREAD = (
-    3.0  # times its own cell that a fleck covers before it thins out: a steep trough over the crest before
-)
+MAX_FLECK_SPREAD = 3.0  # cells that a fleck covers before it thins out: a steep trough over the crest before
 FIRST_SPREAD_SHARE = 0.3  # of the cover born where there is none: what the first patches gain as they begin to move
 RIM_POWER = 0.6  # power of the share of a mean within the sides, by which it is divided: ours, so that all vary alike
 SPENT_CONVERGENCE = 0.3  # share of convergence that white water lacks: crests break sooner where none has before
@@ -111,9 +109,8 @@ class FoamField:
 
     def due(self, time: float) -> bool:
         """True if new foam is due at a time [s]: at the first call, and then every BREAKING_INTERVAL."""
-        return not self.started or bool(
-            np.floor(time / BREAKING_INTERVAL + 1e-6) > np.floor(self.ticked / BREAKING_INTERVAL + 1e-6)
-        )
+        now, before = (np.floor(moment / BREAKING_INTERVAL + 1e-6) for moment in (time, self.ticked))
+        return not self.started or bool(now > before)
 
     def advance(
         self, time: float, velocity: np.ndarray, source: np.ndarray | None, wanted: float | None = None
@@ -176,9 +173,8 @@ class FoamField:
         cells = (np.floor(FLECKS_PER_CELL * (along + 0.5)).astype(int) for along in self.flecks[:2])
         covered = rises_to[tuple(cells)] > 0.0
         i, k = np.nonzero(rises_to)
-        fresh = np.stack(
-            [(i + 0.5) / FLECKS_PER_CELL - 0.5, (k + 0.5) / FLECKS_PER_CELL - 0.5, thick[i, k], rises_to[i, k]]
-        )
+        x, z = ((cell + 0.5) / FLECKS_PER_CELL - 0.5 for cell in (i, k))
+        fresh = np.stack([x, z, thick[i, k], rises_to[i, k]])
         self.flecks = np.concatenate([self.flecks[:, ~covered], fresh], axis=1)
         self.white = self.shown(self.flecks[2])
 
@@ -186,9 +182,8 @@ class FoamField:
         """Let flecks rise or fade over a time `step` [s], and remove those too thin to be seen."""
         x, z, thick, rises_to = self.flecks
         rising = rises_to > thick
-        thick = np.where(
-            rising, np.minimum(rises_to, thick + step / RISE_SECONDS), thick * np.exp(-step / FADE_SECONDS)
-        )
+        risen = np.minimum(rises_to, thick + step / RISE_SECONDS)
+        thick = np.where(rising, risen, thick * np.exp(-step / FADE_SECONDS))
         rises_to = np.where(rising & (rises_to > thick), rises_to, 0.0)
         self.flecks = np.stack([x, z, thick, rises_to])[:, np.maximum(thick, rises_to) > MIN_SHARE]
 
@@ -221,10 +216,8 @@ class FoamField:
         self.flecks[:2] -= cells[:, None]
         self.leave()
         for axis, n in enumerate(int(k) for k in cells):
-            self.white, self.carried = (
-                shifted_grid(self.white, FLECKS_PER_CELL * n, axis),
-                shifted_grid(self.carried, n, axis),
-            )
+            self.white = shifted_grid(self.white, FLECKS_PER_CELL * n, axis)
+            self.carried = shifted_grid(self.carried, n, axis)
 
     def leave(self) -> None:
         """Remove flecks outside the grid."""
@@ -255,9 +248,8 @@ def refined_cells(values: np.ndarray) -> np.ndarray:
     (nx, nz), around = values.shape, np.pad(values, 1, mode="edge")
     shares = {(a, b): around * a * b for a, b in product((0.25, 0.75), repeat=2)}
     fine = np.empty((FLECKS_PER_CELL * nx, FLECKS_PER_CELL * nz))
-    for i, k in np.ndindex(
-        FLECKS_PER_CELL, FLECKS_PER_CELL
-    ):  # which half along x and z; from the two cells there, the nearer by 3/4
+    # Each half cell along x and z is a mean of the two cells there, the nearer with a weight of 3/4.
+    for i, k in np.ndindex(FLECKS_PER_CELL, FLECKS_PER_CELL):
         fine[i::FLECKS_PER_CELL, k::FLECKS_PER_CELL] = sum(
             shares[0.25 if i == m else 0.75, 0.25 if k == n else 0.75][i + m : i + m + nx, k + n : k + n + nz]
             for m, n in np.ndindex(2, 2)

@@ -49,9 +49,8 @@ def smooth_mesh(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...], 
     areas = np.linalg.norm(out, axis=1, keepdims=True)
     x += way - out / np.maximum(areas, 1.0e-30) * swept * 3.0 / max(float(areas.sum()), 1.0e-30)
     if flat.any():
-        x = mesh.vertices + spread_ways(
-            x - mesh.vertices, neighbour_weights(corners[flat], np.zeros_like(on)), on | ~inner
-        )
+        beside = neighbour_weights(corners[flat], np.zeros_like(on))
+        x = mesh.vertices + spread_ways(x - mesh.vertices, beside, on | ~inner)
     normals = np.where(on, 0.0, vertex_areas(Mesh(x, curved, mesh.normals)))
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.where(lengths > 0.0, normals / np.maximum(lengths, 1.0e-30), mesh.normals)

@@ -115,9 +115,8 @@ def risen_share(
     from scipy.ndimage import gaussian_filter, map_coordinates
 
     mean = gaussian_filter(elevation, MEAN_WIDTH * spacing / cell, mode="nearest")
-    over = position[:, 1] - map_coordinates(
-        mean, ((position[:, [0, 2]] - lower) / cell - 0.5).T, order=1, mode="nearest"
-    )
+    at = ((position[:, [0, 2]] - lower) / cell - 0.5).T
+    over = position[:, 1] - map_coordinates(mean, at, order=1, mode="nearest")
     return clipped_ramp(over / spacing, SPLASH_RISES)
 
 
@@ -180,10 +179,8 @@ def torn_drops(
     way = velocity[some] / np.maximum(np.linalg.norm(velocity[some], axis=1, keepdims=True), 1e-9)
     offset += DROP_TRAIL * (offset * way[:, None]).sum(axis=2, keepdims=True) * way[:, None]
     bell = np.sqrt(-2.0 * np.log(1.0 - uniform[:, 6])) * np.cos(2.0 * np.pi * uniform[:, 7])
-    radius = (
-        np.minimum(DROP_SIZES[0] * np.exp(DROP_SIZES[1] * bell), MAX_DROP_RADIUS).reshape(len(some), PARTICLE_DROPS)
-        * spacing
-    )
+    radius = np.minimum(DROP_SIZES[0] * np.exp(DROP_SIZES[1] * bell), MAX_DROP_RADIUS) * spacing
+    radius = radius.reshape(len(some), PARTICLE_DROPS)
     flying = which < (PARTICLE_DROPS * torn[some] - MIN_DROPS)[:, None]
     return (position[some, None] + offset)[flying], radius[flying]
 
@@ -213,16 +210,11 @@ class Spray:
         self.spacing = spacing
         self.positions = np.tile(np.array([0.0, -SEA_RADIUS, 0.0], np.float32), (MAX_PUFFS * PUFF_DROPS, 1))
         n = np.arange(PUFF_KINDS * PUFF_DROPS)
-        offsets = (
-            PUFF_RADIUS
-            * spacing
-            * bell_numbers(np.stack([numpy_uniform(0, PUFF_STREAM, n, k) for k in range(6)], axis=1))
-        )
-        self.offsets = offsets.reshape(PUFF_KINDS, PUFF_DROPS, 3)
+        uniform = np.stack([numpy_uniform(0, PUFF_STREAM, n, k) for k in range(6)], axis=1)
+        self.offsets = (PUFF_RADIUS * spacing * bell_numbers(uniform)).reshape(PUFF_KINDS, PUFF_DROPS, 3)
         self.cloud = stage.pyvista.PolyData(self.positions)
-        drops = stage.plotter.add_mesh(
-            self.cloud, color="white", style="points_gaussian", render_points_as_spheres=False, lighting=False
-        )
+        shown = {"color": "white", "style": "points_gaussian", "render_points_as_spheres": False, "lighting": False}
+        drops = stage.plotter.add_mesh(self.cloud, **shown)
         drops.mapper.scale_factor = PUFF_DROP_RADIUS * spacing
         self.drawn = drops.mapper.dataset
 

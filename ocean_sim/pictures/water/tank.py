@@ -206,15 +206,12 @@ class Shell(Content):
     def show(self, frame: Frame) -> None:
         """Update the surface to a frame, and render the pictures of distances and background that its shader needs."""
         mesh, state, birth = self.surface(frame)
-        shape = self.stage.pyvista.PolyData.from_regular_faces(mesh.vertices.astype(np.float32), mesh.triangles)
-        for name, value in zip(WATER_TRAITS, (mesh.normals, state, birth), strict=True):
-            shape.point_data[name] = value.astype(np.float32)
-        self.water.mesh.DeepCopy(shape)
+        traits = dict(zip(WATER_TRAITS, (mesh.normals, state, birth), strict=True))
+        self.water.mesh.DeepCopy(self.stage.mesh(mesh.vertices, mesh.triangles, **traits))
         eye, plotter = self.stage.camera.eye, self.stage.plotter
         reach = 1.01 * float(np.linalg.norm(mesh.vertices - eye, axis=1).max())
         camera = plotter.camera
-        found = camera.GetCompositeProjectionTransformMatrix(self.stage.size[0] / self.stage.size[1], -1.0, 1.0)
-        view = np.array([[found.GetElement(i, j) for j in range(4)] for i in range(4)])
+        view = water_glsl.projection(camera, self.stage.size[0] / self.stage.size[1])
         screen = np.array([*plotter.window_size, 1.0])
         for part in (self.water, self.backs):
             part.set(eyeW=eye, ahead=self.stage.camera.forward, reach=reach, view=view, screen=screen, behindOthers=0.0)

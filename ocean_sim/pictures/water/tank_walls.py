@@ -1,7 +1,7 @@
 """Bed and walls of a tank with lines on them, in soft light; walls between the eye and the tank are left out."""
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -84,17 +84,16 @@ def add_ground_lines(stage: Stage, low: np.ndarray, up: np.ndarray, height: floa
     sheets = [panel_sheet(level, z, pair, 0.0) for pair in line_sides(first[0], last[0], step)]
     sheets += [panel_sheet(level, pair, x, 0.0) for pair in line_sides(first[2], last[2], step)]
     points, faces = join_sheets(sheets)
-    lines = stage.pyvista.PolyData.from_regular_faces(points, faces)
     away = np.maximum(0.0, np.maximum(low - points, points - up))[:, [0, 2]]
     left = GROUND_LINE_OPACITY * np.square(np.maximum(1.0 - np.hypot(*away.T) / reach, 0.0))
-    lines["colour"] = np.column_stack([np.full((len(points), 3), GROUND_LINE_COLOUR), 255.0 * left]).astype(np.uint8)
-    stage.plotter.add_mesh(lines, scalars="colour", rgba=True, lighting=False)
+    colours = np.column_stack([np.full((len(points), 3), GROUND_LINE_COLOUR), 255.0 * left]).astype(np.uint8)
+    stage.add(points, faces, colours)
 
 
 def add_tank(stage: Stage, low: np.ndarray, top: np.ndarray, depth: float) -> None:
     """Add a tank from `low` to `top` [m]: panels, edges, and lines whose round distance suits the water's depth [m]."""
-    pyvista, below, step = stage.pyvista, PANEL_OFFSET * (top[1] - low[1]), round_up(LINE_INTERVAL * depth)
-    box = pyvista.Box(np.stack([low, top], axis=1).ravel()).extract_feature_edges(30.0)
+    below, step = PANEL_OFFSET * (top[1] - low[1]), round_up(LINE_INTERVAL * depth)
+    box = stage.pyvista.Box(np.stack([low, top], axis=1).ravel()).extract_feature_edges(30.0)
     stage.plotter.add_mesh(box, color=EDGE_COLOUR, opacity=0.5, line_width=1.5 * stage.samples, lighting=False)
     whole = tank_panels(low, top)
     sheets: list[tuple[np.ndarray, np.ndarray]] = []
@@ -112,7 +111,5 @@ def add_tank(stage: Stage, low: np.ndarray, top: np.ndarray, depth: float) -> No
             add(panel, pair, even[b], 0.5 * below, LINE_LIGHT)
         for pair in line_sides(low[b], top[b], step):
             add(panel, even[a], pair, 0.5 * below, LINE_LIGHT)
-    drawn: Any = pyvista.PolyData.from_regular_faces(*join_sheets(sheets))
     colour = np.clip(255.0 * np.concatenate(bright)[:, None] * PANEL_COLOUR, 0.0, 255.0)
-    drawn["colour"] = colour.astype(np.uint8)
-    stage.plotter.add_mesh(drawn, scalars="colour", rgb=True, lighting=False, culling="back")
+    stage.add(*join_sheets(sheets), colour.astype(np.uint8), culling="back")

@@ -73,12 +73,8 @@ class Wake:
             nearer = (away2 < nearest[here]) & (away2 < MAX_TRACK_DISTANCE)
             age, away2 = age[nearer], away2[nearer]
             slick = SLICK_SHARE * (1.0 - np.exp(-age / SLICK_SECONDS)) * np.exp(-away2 / SLICK_WIDTH**2)
-            white = (
-                MAX_WHITENESS
-                * min(speed[k] / WHITEST_SPEED, 1.0)
-                * np.exp(-age / FADE_SECONDS - away2**2)
-                * (1.0 - slick)
-            )
+            white = MAX_WHITENESS * min(speed[k] / WHITEST_SPEED, 1.0) * (1.0 - slick)
+            white *= np.exp(-age / FADE_SECONDS - away2**2)
             found[here][nearer], nearest[here][nearer] = white, away2
         share[np.ix_(*near)] = np.where(found > 0.02, found, 0.0)
         return share

@@ -368,6 +368,12 @@ class Shaded:
                 self.uniforms.SetUniformf(name, float(array))
 
 
+def projection(camera: Any, aspect: float) -> np.ndarray:
+    """Projection (4, 4) of a VTK camera from world to clip coordinates, in a picture of an `aspect` ratio."""
+    matrix = camera.GetCompositeProjectionTransformMatrix(aspect, -1.0, 1.0)
+    return np.array([[matrix.GetElement(i, j) for j in range(4)] for i in range(4)])
+
+
 def collect_messages() -> Any:
     """Redirect VTK's messages to a collector from now on; returns the collector, to pass to `refusal`."""
     from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow

@@ -1,10 +1,12 @@
 """Shaders of a ship's paint and panes in sun and sky: diffuse light, the shadow that she casts on herself, a mirrored
 sky, the sun's highlight, and haze between her and the eye. Colours are as in `sky.painted_light`."""
 
+import sys
+
 import numpy as np
 
 from ocean_sim.pictures.stage import sky
-from ocean_sim.pictures.water.water_glsl import FOG_FUNCTIONS, number, vector
+from ocean_sim.pictures.water.water_glsl import FOG_FUNCTIONS, shader
 from ocean_sim.pictures.water.water_shading import SEA_EXPOSURE
 
 SHIP_TRAITS = "nrm", "col", "att"  # normal, paint, (gloss, share of the sky that is seen, 0)
@@ -18,69 +20,14 @@ PAINT_GAIN = 1.15 / SEA_EXPOSURE  # of paint's light for the exposure of the sea
 PAINT_ROUGHNESS = 0.012  # variance of the slopes of paint
 COAT_REFLECTANCE = 0.05  # reflectance of paint and panes at normal incidence
 
-# The share of three by three pixels of a map that the sun sees, moved with the point, so that no pixel shows; `at`:
-# place in pixels, `begins`: the row where the map begins. Pixels are fetched one by one: a filtered depth is none.
-SHADOW_FUNCTIONS = f"""
-float open(vec2 at, float depth, int begins) {{
-  vec2 first = floor(at - 0.5), rest = at - 0.5 - first;
-  float seen = 0.0;
-  for (int i = -1; i <= 2; i++) {{
-    float column = i < 0 ? 1.0 - rest.x : (i > 1 ? rest.x : 1.0);
-    for (int j = -1; j <= 2; j++) {{
-      float row = j < 0 ? 1.0 - rest.y : (j > 1 ? rest.y : 1.0);
-      ivec2 pixel = clamp(ivec2(first) + ivec2(i, j), 0, {SHADOW_PIXELS - 1}) + ivec2(0, begins);
-      seen += column * row / 9.0 * step(texelFetch(shade, pixel, 0).r, depth);
-    }}
-  }}
-  return seen;
-}}
-"""
-SHIP_FUNCTIONS = f"""{FOG_FUNCTIONS}{SHADOW_FUNCTIONS}
-float sunlit(vec3 p, vec3 n) {{
-  vec3 q = p + {number(SHADOW_BIAS)} * shipLength * n - shipAt;
-  vec2 at = {SHADOW_PIXELS}.0 * (0.5 + 0.5 * vec2(dot(q, sunRight), dot(q, sunUp)) / shipLength);
-  return open(at, dot(q, sunDir) + (2.5 - 1.5 * dot(n, sunDir)) * {number(SHADOW_BIAS)} * shipLength, 0);
-}}
-"""
-
-SHIP_PROGRAM = f"""
-  vec3 away = posW - eyeW;
-  float dist = length(away);
-  away /= dist;
-  vec3 e = -away, n = normalize(nrmW);
-  if (dot(n, e) < -0.3) n = -n;
-  float sun = max(dot(n, sunDir), 0.0);
-  int faces = sun > 0.0 ? 1 : 0;
-  for (int turn = 0; turn < faces; turn++) sun *= sunlit(posW, n);
-  vec3 above = mix({vector(sky.FROM_BELOW)}, {vector(sky.FROM_ABOVE)}, 0.5 + 0.5 * n.y) * attW.y;
-  vec3 c = {number(PAINT_GAIN)} * colW * ({vector(sky.SUNSHINE)} * sun + above) * (1.0 - 0.8 * attW.x);
-  float ci = clamp(dot(n, e), 0.0, 1.0);
-  float share = {number(COAT_REFLECTANCE)} + {number(1.0 - COAT_REFLECTANCE)} * pow(1.0 - ci, 5.0);
-  vec3 ray = 2.0 * dot(n, e) * n - e;
-  vec3 seen = {number(PAINT_GAIN)} * {vector(sky.FROM_BELOW)};
-  if (ray.y > 0.0) seen = skyAt(normalize(ray), mix(5.5, 1.5, attW.x));
-  c += share * mix(0.35, 1.6, attW.x) * attW.y * min(seen, vec3(3.0));
-  vec3 h = normalize(sunDir + e);
-  float c2 = max(dot(h, n), 0.001);
-  c2 *= c2;
-  float facets = exp(-(1.0 - c2) / (c2 * {number(2.0 * PAINT_ROUGHNESS)})) /
-    ({number(2.0 * np.pi * PAINT_ROUGHNESS)} * c2 * c2);
-  c += sunLight * {number(COAT_REFLECTANCE)} * facets * 0.25 * sun;
-  fragOutput0 = vec4(filmic(foggy(c, away, dist)), 1.0);
-"""
+SHADOW_FUNCTIONS = shader("shadow", sys.modules[__name__])
+SHIP_FUNCTIONS = FOG_FUNCTIONS + SHADOW_FUNCTIONS + shader("ship_functions", sys.modules[__name__])
+SHIP_PROGRAM = shader("ship", sky, sys.modules[__name__])
 
 
 def shadow_program(k: int) -> str:
     """GLSL program of the shadow of ship k on the water; the shadow maps of all ships are stacked in one texture."""
-    return f"""
-  vec3 off{k} = posW - shadeAt{k};
-  vec2 cast{k} = 0.5 + 0.5 * vec2(dot(off{k}, sunRight), dot(off{k}, sunUp)) / shadeSize{k};
-  bool inside{k} = all(greaterThan(cast{k}, shadeLow{k}.xy)) && all(lessThan(cast{k}, shadeHigh{k}.xy));
-  int dark{k} = inside{k} && dot(off{k}, sunDir) < shadeHigh{k}.z ? 1 : 0;
-  float depth{k} = dot(off{k}, sunDir) + {number(SHADOW_BIAS)} * shadeSize{k};
-  for (int turn = 0; turn < dark{k}; turn++)
-    sunlit -= 1.0 - open({SHADOW_PIXELS}.0 * cast{k}, depth{k}, {k * SHADOW_PIXELS});
-"""
+    return shader("sea_shadow", sys.modules[__name__], k=k)
 
 
 class ShadowMap:

@@ -243,7 +243,7 @@ class Session:
                 else:
                     self.steer_amidships(ship)
                     self.note_setting(f"{ship}: no route")
-            case p.Wind(name=name):
+            case p.Choose(do="wind", name=name):
                 if name not in self.winds:
                     raise Failed(f"there is no wind {name!r}")
                 rest = {key: value for key, value in self.source.overrides.items() if key.split(".")[0] != "wind"}
@@ -251,18 +251,17 @@ class Session:
             case p.Change(key=key, value=value):
                 path, node = parse_setting(f"{key}={value}")
                 self.rebuild(self.source._replace(overrides={**self.source.overrides, path: node}))
-            case p.Check(text=text):
+            case p.Write(do="check", text=text):
                 self.check_text(order.watcher, text)
-            case p.Apply(text=text):
+            case p.Write(text=text):
                 self.rebuild(self.source._replace(text=text, overrides={}))
                 self.server.tell(order.watcher, type="problems", problems=[])
-            case p.Open(name=name):
+            case p.Choose(name=name):
                 if name not in packaged_scenes():
                     raise Failed(f"there is no scene {name!r}")
                 source = Source.of(library("scenes") / f"{name}.yaml", self.source.profile)
                 load_within_memory(source)
-                self.moved = {}
-                self.sliders = []
+                self.moved, self.sliders = {}, []
                 self.rebuild(source)
                 self.tell_scene(None)
             case p.Save(name=name):

@@ -49,13 +49,5 @@ class Obstacles:
             shape = pyvista.merge(shapes, merge_points=False)
             light = painted_light(shape.face_normals, CONCRETE_COLOUR)
             shape.cell_data["colour"] = water_shading.display_colours(light)
-            plotter.add_mesh(
-                shape,
-                scalars="colour",
-                rgb=True,
-                lighting=False,
-                smooth_shading=False,
-                name=name,
-                reset_camera=False,
-                render=False,
-            )
+            shown = {"smooth_shading": False, "name": name, "reset_camera": False, "render": False}
+            plotter.add_mesh(shape, scalars="colour", rgb=True, lighting=False, **shown)

@@ -206,7 +206,8 @@ class FoamField:
         cells = np.moveaxis(way / self.cell, -1, 0)
         # Ways are read in their middle, not at their end, since water may go around.
         back = read_ways(cells, np.indices(cells.shape[1:]) - 0.5 * cells)
-        self.carried = np.stack([displaced_values(self.carried[..., k], back) for k in range(2)], axis=-1) + way
+        here = np.indices(cells.shape[1:]) - back
+        self.carried = np.moveaxis(read_ways(np.moveaxis(self.carried, -1, 0), here, order=3), 0, -1) + way
         self.flecks[:2] += read_ways(cells, self.flecks[:2] + 0.5 * read_ways(cells, self.flecks[:2]))
         self.leave()
 
@@ -263,13 +264,6 @@ def cell_means(white: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     return white.reshape(nx, white.shape[0] // nx, nz, white.shape[1] // nz).mean(axis=(1, 3))
 
 
-def displaced_values(values: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Values (nx, nz) moved by `cells` (2, nx, nz) over their grid, by a cubic spline; constant beyond its edge."""
-    from scipy.ndimage import map_coordinates
-
-    return np.asarray(map_coordinates(values, np.indices(values.shape) - cells, mode="nearest"))
-
-
 def untorn_displacement(carried: np.ndarray, cell: np.ndarray) -> np.ndarray:
     """Displacement (nx, nz, 2) [m] at which the fine pattern of foam is drawn, from `carried`, that of the water. It is
     averaged where neighbouring water moves apart, as behind a ship, so that patches are not drawn out to threads."""
@@ -283,11 +277,12 @@ def untorn_displacement(carried: np.ndarray, cell: np.ndarray) -> np.ndarray:
     return carried + share * (gaussian_filter(carried, (TORN_MEAN_CELLS, TORN_MEAN_CELLS, 0.0)) - carried)
 
 
-def read_ways(ways: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Displacements `ways` (2, nx, nz) at cell centres, interpolated linearly to places (2, ...) [cells]."""
+def read_ways(ways: np.ndarray, places: np.ndarray, order: int = 1) -> np.ndarray:
+    """Displacements `ways` (2, nx, nz) at cell centres, interpolated by splines of an order to places (2, ...) [cells];
+    constant beyond the edge of the grid."""
     from scipy.ndimage import map_coordinates
 
-    return np.stack([map_coordinates(way, places, order=1, mode="nearest") for way in ways])
+    return np.stack([map_coordinates(way, places, order=order, mode="nearest") for way in ways])
 
 
 def new_foam(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np.ndarray:

@@ -165,6 +165,5 @@ class OceanEnv(gymnasium.Env):
         return {"position": self.many.boats.place[0].copy(), "heading": float(self.many.boats.heading[0])}
 
 
-gymnasium.register(
-    "OceanSim/HoldHeading-v0", entry_point=f"{__name__}:OceanEnv", vector_entry_point=f"{__name__}:OceanVectorEnv"
-)
+ENTRY_POINTS = {"entry_point": f"{__name__}:OceanEnv", "vector_entry_point": f"{__name__}:OceanVectorEnv"}
+gymnasium.register("OceanSim/HoldHeading-v0", **ENTRY_POINTS)

@@ -16,20 +16,8 @@ from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 from ocean_sim.surface import Surface
 
 FORCE_TERMS = (
-    "pressure",
-    "viscosity",
-    "wind",
-    "gravity",
-    "walls",
-    "bed",
-    "sea",
-    "obstacles",
-    "ship",
-    "emitter",
-    "diffusion",
-    "leak",
-    "shifting",
-    "breaking",
+    *("pressure", "viscosity", "wind", "gravity", "walls", "bed", "sea", "obstacles", "ship", "emitter"),
+    *("diffusion", "leak", "shifting", "breaking"),
 )
 SOLVER_ERRORS = {
     "density": "mean error of the density over the rest density",
@@ -38,13 +26,8 @@ SOLVER_ERRORS = {
 SOLVER_COLUMNS = ("iterations", "iterations_last", "error_last", "error_max", "unsolved")
 MAX_ROWS_PER_STEP = 1000  # a step that passes more rows has two: values between them lie on a line
 BALANCE_COLUMNS = (
-    "compression_mean",
-    "compression_max",
-    "surface_deficit_mean",
-    "kinetic_energy_J",
-    "potential_energy_J",
-    "internal_energy_J",
-    "energy_residual_J",
+    *("compression_mean", "compression_max", "surface_deficit_mean"),
+    *("kinetic_energy_J", "potential_energy_J", "internal_energy_J", "energy_residual_J"),
     *(f"momentum_{axis}_kg_m_s" for axis in "xyz"),
     *(f"angular_momentum_{axis}_kg_m2_s" for axis in "xyz"),
 )

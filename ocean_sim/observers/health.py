@@ -296,9 +296,8 @@ class Health(OutcomeObserver):
         fluid, gravity = with_particles(self.simulation.fluid), self.simulation.basin.gravity
         if fluid.sound_speed != self.stiffness:  # a person has changed the stiffness
             balance.at_first, self.stiffness = None, fluid.sound_speed
-        return balance.residual(
-            sum(self.energy_parts(totals)), potential_energy(fluid.particles.mass, totals, gravity), fluid.work
-        )
+        lifted = potential_energy(fluid.particles.mass, totals, gravity)
+        return balance.residual(sum(self.energy_parts(totals)), lifted, fluid.work)
 
     def energy_parts(self, totals: Totals) -> tuple[float, float]:
         """Kinetic plus potential energy of the water, and its energy of compression [J]."""

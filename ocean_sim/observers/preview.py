@@ -18,16 +18,15 @@ from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
 from ocean_sim.parts import Preflight, Problems
 from ocean_sim.pictures.live.panel import HELM_KEYS, Panel
-from ocean_sim.pictures.live.preview_eye import preview_camera
-from ocean_sim.pictures.live.preview_scene import Balls, Patch, PreviewScene
+from ocean_sim.pictures.live.preview_scene import Patch, PreviewScene
 from ocean_sim.pictures.live.scene_lines import scene_lines
 from ocean_sim.pictures.live.vulkan import VulkanMissing, require
-from ocean_sim.pictures.stage.camera import Camera
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
 PANEL_WIDTH, PANEL_HEIGHT, PANEL_EDGE = 292, 500, 10  # [pixels] of the panel at the left, and around it
 SETTLING_PICTURES = 3  # thrown away
 LINE_WIDTH = 2.0  # [pixels]
+BALL_RADII = {"particles": 0.3, "both": 0.15}  # [spacings] by what is shown
 SKY_TOP, SKY_BOTTOM = (0.25, 0.45, 0.70), (0.80, 0.87, 0.92)  # display RGB of the backdrop
 FAR_OVER_NEAR = 20_000.0  # greatest over least distance that is drawn
 
@@ -57,6 +56,10 @@ class Config(PeriodicConfig):
     def mismatches(self, preflight: Preflight) -> Problems:
         return [] if self.ship is None else preflight.unknown_ship(self.ship)
 
+    def first_panel(self) -> Panel:
+        """Panel with the camera, content and ship of these keys."""
+        return Panel(self.camera, self.content, self.ship or "", hidden=not self.panel)
+
     def build(self, folder: Path, simulation: Simulation) -> "Preview":
         return Preview(self, folder, simulation)
 
@@ -77,8 +80,8 @@ class Preview(Observer):
             print(f"no preview: {problem}", file=sys.stderr)
             return
         self.folder.mkdir(exist_ok=True)
-        self.panel = Panel([], simulation.scene.wind.kind)
-        self.screen.watch(simulation, self.panel, config)
+        self.panel = config.first_panel()
+        self.screen.watch(simulation, self.panel)
 
     def observe(self, simulation: Simulation) -> None:
         if self.screen is not None and self.multiples.reached(simulation.time):
@@ -166,17 +169,10 @@ class Screen:
         self.settling = 0 if show else SETTLING_PICTURES
         self.cursor: tuple[float, float] | None = None
 
-    def watch(self, simulation: Simulation, panel: Panel, config: Config | None = None) -> None:
-        """Draw another simulation from now on; the panel gets its cameras, contents, ships and choices of `config`."""
+    def watch(self, simulation: Simulation, panel: Panel) -> None:
+        """Draw a simulation from now on; the panel gets its cameras, contents and ships."""
         self.simulation, self.scene = simulation, PreviewScene(simulation)
-        panel.cameras, panel.contents, panel.person = self.scene.cameras, self.scene.contents, None
-        panel.ships = tuple(simulation.ships)
-        if config is not None:
-            panel.camera, panel.content, panel.ship = config.camera, config.content, config.ship or ""
-            panel.hidden = not config.panel
-        panel.ship = panel.ship if panel.ship in panel.ships else next(iter(panel.ships), "")
-        panel.camera = panel.camera if panel.camera in panel.cameras else panel.cameras[0]
-        panel.content = panel.content if panel.content in panel.contents else (*panel.contents, "surface")[0]
+        panel.offer(self.scene.cameras, self.scene.contents, tuple(simulation.ships))
 
     def draw(self, panel: Panel, pace: float | None = None) -> None:
         """Draw the present state; `pace`: simulated over real time, for the panel, None if unknown."""
@@ -194,7 +190,7 @@ class Screen:
         self.plain.ambient_light((1.0, 1.0, 1.0))
         solid = panel.content == "surface"
         if panel.content != "particles":
-            self.water.show(self.plain, self.scene.water_patch(self.scene.surface_heights(), eye, solid), not solid)
+            self.water.show(self.plain, self.scene.water_patch(eye, solid), not solid)
         self.hull.show(self.plain, self.scene.ship_patch())
         self.sand.show(self.plain, self.scene.sand)
         ends, hues = scene_lines(self.simulation, self.scene.box[1][1])
@@ -202,22 +198,20 @@ class Screen:
         self.hues.put(np.repeat(hues, 2, axis=0))
         self.plain.lines(self.ends.field, LINE_WIDTH, per_vertex_color=self.hues.field, vertex_count=count)
         self.canvas.scene(self.plain)
-        balls = None if solid else self.scene.particle_balls(small=panel.content == "both")
-        if balls is not None and len(balls.positions):
-            self.show_balls(balls, eye)
+        balls = None if solid else self.scene.particle_balls()
+        if balls is not None and len(balls[0]):
+            self.show_balls(*balls, BALL_RADII[panel.content] * self.scene.spacing, eye)
         if not panel.hidden:
             width, height = self.size
             place = (PANEL_EDGE / width, PANEL_EDGE / height, PANEL_WIDTH / width, PANEL_HEIGHT / height)
             with self.window.get_gui().sub_window("Ocean Sim", *place) as box:
-                box.text(panel.text(self.simulation, None if balls is None else balls.fastest, pace))
+                box.text(panel.text(self.simulation, None if balls is None else self.scene.fastest, pace))
 
     def point_camera(self, panel: Panel) -> np.ndarray:
         """Set the window's camera as the panel chooses it; returns the eye point (3,) [m]."""
         width, height = self.size
         covered = 0.0 if panel.hidden else (PANEL_WIDTH + 2 * PANEL_EDGE) / width
-        ship, length = self.simulation.ships.get(panel.ship), self.scene.lengths.get(panel.ship, 0.0)
-        orbit = panel.azimuth, panel.height, panel.distance
-        camera: Camera = preview_camera(panel.camera, *orbit, self.scene.box, width / height, covered, ship, length)
+        camera = self.scene.camera(panel, width / height, covered)
         assert camera.near is not None
         self.camera.position(*camera.eye)
         self.camera.lookat(*(camera.eye + camera.forward))
@@ -227,16 +221,14 @@ class Screen:
         self.camera.z_far(FAR_OVER_NEAR * camera.near)
         return camera.eye
 
-    def show_balls(self, balls: Balls, eye: np.ndarray) -> None:
-        """Draw particles as lit balls, seen from `eye` [m], after the plain scene, which these lights would change."""
+    def show_balls(self, positions: np.ndarray, colours: np.ndarray, radius: float, eye: np.ndarray) -> None:
+        """Draw lit balls of a radius [m] for an eye [m], after the plain scene, which these lights would change."""
         self.lit.set_camera(self.camera)
         self.lit.ambient_light((0.55, 0.55, 0.55))
         self.lit.point_light(pos=tuple(eye + [-200.0, 300.0, -100.0]), color=(0.6, 0.6, 0.6))
-        count = self.positions.put(balls.positions)
-        self.tints.put(balls.colours)
-        self.lit.particles(
-            self.positions.field, radius=balls.radius, per_vertex_color=self.tints.field, index_count=count
-        )
+        count = self.positions.put(positions)
+        self.tints.put(colours)
+        self.lit.particles(self.positions.field, radius=radius, per_vertex_color=self.tints.field, index_count=count)
         self.canvas.scene(self.lit)
 
     def image(self) -> np.ndarray:

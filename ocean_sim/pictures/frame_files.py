@@ -22,17 +22,7 @@ if TYPE_CHECKING:
     from ocean_sim.ship import Ship
 
 MAX_FRAME_BYTES = 4_000_000_000  # of a file of frames/, and of what it unpacks to
-DAMAGE_ERRORS = (
-    OSError,
-    EOFError,
-    LookupError,
-    ValueError,
-    TypeError,
-    AttributeError,
-    MemoryError,
-    BadZipFile,
-    BadStream,
-)
+MALFORMED_ERRORS = (EOFError, LookupError, ValueError, TypeError, AttributeError, BadZipFile, BadStream)
 
 
 @contextmanager
@@ -44,7 +34,7 @@ def open_frame(path: Path) -> Iterator[NpzFile]:
             if sum(member.file_size for member in file.zip.infolist()) > MAX_FRAME_BYTES:
                 raise ValueError
             yield file
-    except DAMAGE_ERRORS:
+    except (OSError, MemoryError, *MALFORMED_ERRORS):
         raise Unreadable(path, "this is not a whole npz file of numbers") from None
 
 
@@ -227,10 +217,6 @@ def wave_arrays(fluid: "Fluid") -> dict[str, np.ndarray]:
     sea = fluid.plane_waves
     if sea is None:
         return {}
-    exact = {
-        "sea_amplitude": sea.amplitude,
-        "sea_wavevector": sea.wavevector,
-        "sea_phase": sea.phase,
-        "sea_ramp": np.array(sea.ramp),
-    }
+    exact = {"sea_amplitude": sea.amplitude, "sea_wavevector": sea.wavevector, "sea_phase": sea.phase}
+    exact["sea_ramp"] = np.array(sea.ramp)
     return exact | ({"sea_answers": np.array(True)} if fluid.can_be_disturbed else {})

@@ -1,6 +1,5 @@
 """`ocean-sim preview`: a window to play with, or its pictures as numbered files."""
 
-from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
@@ -10,12 +9,9 @@ import typer
 
 from ocean_sim import runtime
 from ocean_sim.conventions import Diverged
-from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.machine import missing_extra
 from ocean_sim.observers import render
 from ocean_sim.observers.preview import Config, Screen, require, write_png
-from ocean_sim.parts import named
-from ocean_sim.pictures.live.panel import Panel
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.simulation import Simulation
 from ocean_sim.verbs.serve import LOCAL_HOST, serve
@@ -23,7 +19,6 @@ from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import Bar
 from ocean_sim.verbs.shared.options import Json, Profile, Scene, Sets
 
-SCENE_WIND = "of the scene"  # name of a wind that is not a preset
 RIG_OBSERVERS = ("motion", "platform_log", "stream")  # observers that play along where a scene names `stream`
 STEP_SECONDS = 0.1  # wall time for steps between two pictures of a window
 MIN_FILM_INTERVAL, MAX_FILM_INTERVAL = 1.0 / 120.0, 1.0  # [s] of a picture of a film
@@ -50,22 +45,14 @@ def preview(
         return
     overrides: dict[str, Any] = dict(console.set_values(sets))
     overrides |= {f"preview.{key}": value for key, value in (("camera", camera), ("content", content)) if value}
-
-    def scene_in_wind(wind: str) -> SceneConfig:
-        """The scene with another preset of wind, or its own; raises SceneError."""
-        if wind == SCENE_WIND:
-            return load(scene, overrides, profile)
-        kept = {key: value for key, value in overrides.items() if key.split(".")[0] != "wind"}
-        return load(scene, kept | {"wind": wind}, profile)
-
-    config = scene_in_wind(SCENE_WIND)
+    config = load(scene, overrides, profile)
     console.must_compute_with(config.runtime.library)
     folder = out or Path("runs") / f"{scene_path(scene).stem}-preview"
     if frames is not None and (folder / picture_name(0)).exists():
         raise console.Refused(f"--out {folder}: there are pictures here already; name another folder")
     require(show=frames is None)
     with console.claim(folder):
-        session = Session(config, folder, scene_in_wind, frames is None)
+        session = Session(config, folder, frames is None)
         try:
             if frames is None:
                 session.play()
@@ -83,18 +70,14 @@ def picture_name(number: int) -> str:
 class Session:
     """A scene that runs in a preview window under the user's control, or is drawn into files."""
 
-    def __init__(
-        self, config: SceneConfig, folder: Path, scene_in_wind: Callable[[str], SceneConfig], shown: bool
-    ) -> None:
-        """`scene_in_wind`: the scene with another preset of wind; raises SceneError. `shown`: in a window."""
-        self.config, self.folder, self.scene_in_wind, self.shown = config, folder, scene_in_wind, shown
+    def __init__(self, config: SceneConfig, folder: Path, shown: bool) -> None:
+        """`folder`: of pictures and snapshots; `shown`: in a window."""
+        self.config, self.folder, self.shown = config, folder, shown
         look = config.observers.get("preview")
         self.look = look if isinstance(look, Config) else Config(size=(1280, 720))
         self.scratch = TemporaryDirectory(prefix="ocean-sim-")  # files of observers, which are thrown away
         self.simulation = self.build()
-        own = "still" if config.wind.still else SCENE_WIND
-        self.panel = Panel(list(dict.fromkeys([own, *named("wind"), "still"])), own)
-        self.wind = own  # of the simulation, by the panel's name
+        self.panel = self.look.first_panel()
         self.screen: Any = None
         self.milliseconds: list[float] = []
         self.pictures = self.snapshots = 0
@@ -102,7 +85,7 @@ class Session:
     def open(self, show: bool) -> None:
         """Open a window, or with `show` false a hidden one, on the simulation."""
         self.screen = Screen(self.look, show)
-        self.screen.watch(self.simulation, self.panel, self.look)
+        self.screen.watch(self.simulation, self.panel)
 
     def film(self, frames: int, quiet: bool) -> None:
         """Write `frames` numbered pictures, `preview.every` s of simulated time apart, and join them to a film."""
@@ -150,33 +133,26 @@ class Session:
             self.pictures += 1
 
     def obey(self) -> None:
-        """Carry out the user's requests since the last picture: helm, reset and wind."""
+        """Carry out the user's requests since the last picture: helm and reset."""
         panel = self.panel
         if panel.take("helm") and panel.ship:
             panel.person = self.simulation.ships[panel.ship].hand_over()
-        reset, wind = panel.take("reset"), panel.take("wind")
-        if reset or (wind and panel.wind != self.wind):
-            self.rebuild(panel.wind)
+        if panel.take("reset"):
+            self.reset()
 
-    def rebuild(self, wind: str) -> None:
-        """Restart the scene with a preset of wind, in a new window if Taichi has to restart; mistakes are displayed."""
-        panel = self.panel
-        try:
-            config = self.config if wind == self.wind else self.scene_in_wind(wind)
-        except SceneError as error:
-            panel.message, panel.wind = f"{wind}: {error.problems[0].message}", self.wind
-            return
-        self.config, self.wind, panel.message = config, wind, ""
+    def reset(self) -> None:
+        """Restart the scene, in a new window if Taichi has to restart."""
+        self.panel.message = ""
         with runtime.Fields():  # something stays open, for which Taichi goes on, and the window with it
             self.simulation.close()
-            restarted = runtime.must_restart(config.runtime)
+            restarted = runtime.must_restart(self.config.runtime)
             if restarted:
                 self.screen.close()
             self.simulation = self.build()
         if restarted:
             self.open(self.screen.shown)
         else:
-            self.screen.watch(self.simulation, panel)
+            self.screen.watch(self.simulation, self.panel)
 
     def advance(self, span: float) -> None:
         """Step over a span of simulated time [s], or less if that takes too long; by one step if the user asked so."""

@@ -69,9 +69,8 @@ def answer_waves(fluid: Fluid, now: float, asked: Waves) -> dict[str, Any]:
         verbs = {"elevation": whole.elevation, "normal": whole.normal, "velocity": whole.velocity}
         return {"time": time, "values": json_numbers(verbs[asked.verb](points, time))}
     if asked.time is not None:
-        raise Refused(
-            "this water is more than its plane waves: it is known only at the present time, leave the time out"
-        )
+        why = "it is known only at the present time, leave the time out"
+        raise Refused(f"this water is more than its plane waves: {why}")
     if asked.verb == "normal":
         return {"time": now, "values": json_numbers(surface_normals(fluid, points))}
     found = fluid.elevations(points) if asked.verb == "elevation" else fluid.velocities(points)
@@ -81,11 +80,8 @@ def answer_waves(fluid: Fluid, now: float, asked: Waves) -> dict[str, Any]:
 def surface_normals(fluid: Fluid, points: np.ndarray) -> np.ndarray:
     """Upward unit normals (n, 3) of the water surface at points x, z (n, 2) [m], by central differences."""
     step = SLOPE_STEP * fluid.spacing
-    slopes = [
-        (fluid.elevations(points + step * along) - fluid.elevations(points - step * along)) / (2.0 * step)
-        for along in np.eye(2)
-    ]
-    found = np.stack([-slopes[0], np.ones(len(points)), -slopes[1]], axis=1)
+    rises = [fluid.elevations(points + step * along) - fluid.elevations(points - step * along) for along in np.eye(2)]
+    found = np.stack([-rises[0], np.full(len(points), 2.0 * step), -rises[1]], axis=1)
     return found / np.linalg.norm(found, axis=1, keepdims=True)
 
 

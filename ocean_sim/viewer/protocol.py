@@ -92,10 +92,10 @@ class Route(Model):
     speed: float = Field(3.0, gt=0.0, le=50.0)
 
 
-class Wind(Model):
-    """Command to choose another wind preset; the scene starts anew."""
+class Choose(Model):
+    """Command to choose another wind preset, with which the scene starts anew, or to play a packaged scene, by name."""
 
-    do: Literal["wind"]
+    do: Literal["wind", "open"]
     name: Word
 
 
@@ -107,25 +107,11 @@ class Change(Model):
     value: Word
 
 
-class Check(Model):
-    """Request to check the text of a scene; the server answers with `problems`."""
+class Write(Model):
+    """Request to check the text of a scene, which the server answers with `problems`, or command to play it."""
 
-    do: Literal["check"]
+    do: Literal["check", "apply"]
     text: Text
-
-
-class Apply(Model):
-    """Command to play the scene with this text, instead of the present one."""
-
-    do: Literal["apply"]
-    text: Text
-
-
-class Open(Model):
-    """Command to play a packaged scene, by its name."""
-
-    do: Literal["open"]
-    name: Word
 
 
 class Save(Model):
@@ -150,7 +136,7 @@ class Waves(Model):
     """[m]"""
 
 
-Command = Act | Speed | Slide | Steer | Route | Wind | Change | Check | Apply | Open | Save | Waves
+Command = Act | Speed | Slide | Steer | Route | Choose | Change | Write | Save | Waves
 QUERY_NAMES = ("take", "leave", "scene", "scenes", "keys", "check", "waves")  # commands that change no simulation
 _COMMAND_ADAPTER: TypeAdapter[Command] = TypeAdapter(Annotated[Command, Field(discriminator="do")])
 

@@ -21,14 +21,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ocean_sim.conventions import Failed, Lacking, Refused
 from ocean_sim.machine import resource_limit
-from ocean_sim.viewer.protocol import (
-    MAX_MESSAGE_BYTES,
-    PROTOCOL_VERSION,
-    QUERY_NAMES,
-    BadMessage,
-    Command,
-    parse_command,
-)
+from ocean_sim.viewer import protocol
+from ocean_sim.viewer.protocol import BadMessage, Command, parse_command
 
 if TYPE_CHECKING:
     from aiohttp import web
@@ -326,7 +320,7 @@ class Server:
 
         if len(self.all) >= MAX_WATCHERS:
             raise web.HTTPServiceUnavailable(text="too many watchers\n")
-        socket = web.WebSocketResponse(max_msg_size=MAX_MESSAGE_BYTES, heartbeat=15.0, compress=False)
+        socket = web.WebSocketResponse(max_msg_size=protocol.MAX_MESSAGE_BYTES, heartbeat=15.0, compress=False)
         await socket.prepare(request)
         if not self.all and self.hello.get("drives"):
             self.frame = None  # it is old; a new one comes
@@ -334,9 +328,8 @@ class Server:
         watcher = self.all[self.count] = Watcher(self.count, socket)
         self.watchers, self.fresh = len(self.all), True
         self.arrived.set()
-        self.queue_text(
-            watcher.number, {"type": "hello", "protocol": PROTOCOL_VERSION, "you": watcher.number, **self.hello}
-        )
+        hello = {"type": "hello", "protocol": protocol.PROTOCOL_VERSION, "you": watcher.number}
+        self.queue_text(watcher.number, hello | self.hello)
         if self.panel:
             self.queue_text(watcher.number, self.panel)
         self.tell_helm()
@@ -373,7 +366,7 @@ class Server:
         elif order.do == "leave":
             self.helm = 0 if self.helm == watcher.number else self.helm
             self.tell_helm()
-        elif order.do not in QUERY_NAMES and not self.take_helm(watcher.number):
+        elif order.do not in protocol.QUERY_NAMES and not self.take_helm(watcher.number):
             self.refuse_command(watcher, "Another page has the helm.")
         elif len(self.inbox) >= QUEUE_LENGTH:
             self.refuse_command(watcher, "The simulation is busy; your command was not taken.")

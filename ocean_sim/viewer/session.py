@@ -15,7 +15,6 @@ from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.files.run_files import Claim
 from ocean_sim.files.yaml_file import MAX_TEXT_BYTES, Node, SceneError, parse_mapping, parse_setting
 from ocean_sim.parts import library, named
-from ocean_sim.pictures.live.panel import Panel
 from ocean_sim.reading.scene import SceneConfig, load_text, packaged_scenes, scene_path
 from ocean_sim.runtime import base_memory
 from ocean_sim.simulation import Simulation
@@ -67,7 +66,8 @@ class Session:
     ) -> None:
         """Start a scene. `out`: folder of records and saved scenes; `described`: table of the packaged scenes."""
         self.source, self.server, self.out, self.described = source, server, out, described
-        self.panel = Panel([*named("wind"), "still"], "")
+        self.paused, self.message = False, ""  # and a sentence about the last failure
+        self.winds, self.wind = [*named("wind"), "still"], ""  # names of presets, and of the one that blows
         self.sliders: list[Slider] = []
         self.speed, self.due = 1.0, 0.0
         self.plays = False  # True: a simulation is open
@@ -93,9 +93,9 @@ class Session:
         self.plays = True
         self.watch = Watch(self.simulation, self.server)
         self.simulation.observers.append(self.watch)
-        self.panel.wind = wind_name(self.source)
+        self.wind = wind_name(self.source)
         self.sliders = restore_sliders(sliders_of(self.simulation), self.sliders)
-        self.panel.message, self.persons, self.pilots, self.due = "", {}, {}, 0.0
+        self.message, self.persons, self.pilots, self.due = "", {}, {}, 0.0
         self.tell_panel()
         self.watch.show(perf_counter())
 
@@ -131,21 +131,18 @@ class Session:
 
     def advance(self, wall: float) -> None:
         """Step, for at most STEP_BUDGET, to keep up with the wall time `wall` [s] since the last call, or wait."""
-        panel, begin = self.panel, perf_counter()
-        if panel.take("step"):
-            self.step()
-            self.watch.show(perf_counter())
-        if panel.paused:
+        begin = perf_counter()
+        if self.paused:
             if self.server.fresh and self.server.watchers:
                 self.watch.show(perf_counter())
             self.server.arrived.wait(IDLE_WAIT)
             return
         fast = self.speed == 0.0
         self.due = 0.0 if fast else min(self.due + wall * self.speed, MAX_LAG * self.speed)
-        while (fast or self.due > 0.0) and not panel.paused and perf_counter() - begin < STEP_BUDGET:
+        while (fast or self.due > 0.0) and not self.paused and perf_counter() - begin < STEP_BUDGET:
             self.due -= self.simulation.next_dt
             self.step()
-        if not fast and self.due <= 0.0 and not panel.paused:
+        if not fast and self.due <= 0.0 and not self.paused:
             self.server.arrived.wait(min(-self.due / self.speed, IDLE_WAIT))
 
     def step(self) -> None:
@@ -155,17 +152,17 @@ class Session:
             simulation.run(simulation.time + 0.5 * simulation.next_dt)
             self.follow_routes()
         except Diverged as failure:
-            self.panel.paused, self.panel.message = True, f"diverged: {failure}. Reset starts again."
+            self.paused, self.message = True, f"diverged: {failure}. Reset starts again."
             self.watch.show(perf_counter())
             self.tell_panel()
         except OSError as failure:
             if self.claim is None:
                 raise
-            self.panel.paused = True
+            self.paused = True
             self.rebuild(self.source)
             self.say(f"the record ends: {in_words(failure)}", bad=True)
         if self.claim is not None and simulation.time >= self.config.duration:
-            self.panel.paused = True
+            self.paused = True
             self.rebuild(self.source)
 
     def follow_routes(self) -> None:
@@ -204,13 +201,15 @@ class Session:
 
     def execute(self, order: Order) -> bool:
         """Execute a command; True if the pages have to be sent the panel. Raises Failed if it cannot be executed."""
-        command, panel = order.command, self.panel
+        command = order.command
         match command:
             case p.Act(do="pause" | "play"):
-                panel.paused = command.do == "pause"
+                self.paused = command.do == "pause"
                 self.watch.show(perf_counter())
             case p.Act(do="step"):
-                panel.do("step")
+                self.paused = True
+                self.step()
+                self.watch.show(perf_counter())
             case p.Act(do="reset" | "stop"):
                 self.rebuild(self.source)
             case p.Act(do="record"):
@@ -244,26 +243,25 @@ class Session:
                 else:
                     self.steer_amidships(ship)
                     self.note_setting(f"{ship}: no route")
-            case p.Wind(name=name):
-                if name not in panel.winds:
+            case p.Choose(do="wind", name=name):
+                if name not in self.winds:
                     raise Failed(f"there is no wind {name!r}")
                 rest = {key: value for key, value in self.source.overrides.items() if key.split(".")[0] != "wind"}
                 self.rebuild(self.source._replace(overrides=rest | {"wind": name}))
             case p.Change(key=key, value=value):
                 path, node = parse_setting(f"{key}={value}")
                 self.rebuild(self.source._replace(overrides={**self.source.overrides, path: node}))
-            case p.Check(text=text):
+            case p.Write(do="check", text=text):
                 self.check_text(order.watcher, text)
-            case p.Apply(text=text):
+            case p.Write(text=text):
                 self.rebuild(self.source._replace(text=text, overrides={}))
                 self.server.tell(order.watcher, type="problems", problems=[])
-            case p.Open(name=name):
+            case p.Choose(name=name):
                 if name not in packaged_scenes():
                     raise Failed(f"there is no scene {name!r}")
                 source = Source.of(library("scenes") / f"{name}.yaml", self.source.profile)
                 load_within_memory(source)
-                self.moved = {}
-                self.sliders = []
+                self.moved, self.sliders = {}, []
                 self.rebuild(source)
                 self.tell_scene(None)
             case p.Save(name=name):
@@ -327,7 +325,7 @@ class Session:
             if not self.rebuild(self.source, folder):
                 return
             failed.pop_all()
-        self.claim, self.panel.paused = claim, False
+        self.claim, self.paused = claim, False
         for label, value in self.moved.items():
             self.note_setting(f"{label} = {value:g}")
         self.say(f"recording {self.config.duration:g} s into {folder}")
@@ -382,22 +380,21 @@ class Session:
 
     def tell_panel(self) -> None:
         """Send the panel to all pages: settings and their values, sliders, and ships."""
-        simulation, panel = self.simulation, self.panel
         sliders = [{"label": s.label, "value": s.value, "low": s.low, "high": s.high} for s in self.sliders]
         ships = [
             {"name": name, "throttle": ship.orders[0], "rudder": ship.orders[1], "route": self.route_ahead(name)}
-            for name, ship in simulation.ships.items()
+            for name, ship in self.simulation.ships.items()
         ]
         self.server.tell(
             None,
             type="panel",
-            paused=panel.paused,
+            paused=self.paused,
             speed=self.speed,
-            wind=panel.wind,
-            winds=[*([panel.wind] if panel.wind == SCENE_WIND else []), *panel.winds],
+            wind=self.wind,
+            winds=[*([self.wind] if self.wind == SCENE_WIND else []), *self.winds],
             sliders=sliders,
             ships=ships,
-            message=panel.message,
+            message=self.message,
             recording=str(self.claim.folder) if self.claim is not None else "",
             scene=self.source.name,
             duration=self.config.duration,

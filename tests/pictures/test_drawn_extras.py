@@ -98,13 +98,6 @@ def test_no_slope_of_a_map_is_so_steep_that_it_is_black():
     assert bright.min() > 0.5 * flat and bright.max() < 1.5 * flat
 
 
-@pytest.mark.parametrize("vector", [(1.0, 0.0, 0.0), (0.0, -2.0, 0.0), (0.3, 0.9, -0.4)])
-def test_arrows_turn_without_being_bent(vector):
-    turn = wind_marks.vector_basis(np.array(vector))
-    np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-12)
-    np.testing.assert_allclose(turn[0], np.array(vector) / np.linalg.norm(vector))
-
-
 @with_opengl
 def test_a_wind_is_drawn_where_it_blows(tmp_path, watched):
     simulation = watched((0.02,))

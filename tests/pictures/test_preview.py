@@ -17,10 +17,12 @@ from ocean_sim.__main__ import run_command_line
 from ocean_sim.observers import preview
 from ocean_sim.parts import PACKAGE
 from ocean_sim.pictures.live import panel as panel_module
-from ocean_sim.pictures.live import preview_eye, vulkan
+from ocean_sim.pictures.live import preview_scene, vulkan
 from ocean_sim.pictures.live.panel import Panel
-from ocean_sim.pictures.live.preview_scene import PreviewScene, speed_colours
-from ocean_sim.pictures.live.scene_lines import scene_lines
+from ocean_sim.pictures.live.preview_scene import SPEED_COLOURS, PreviewScene
+from ocean_sim.pictures.live.scene_lines import scene_lines, surface_heights
+from ocean_sim.pictures.stage import opengl
+from ocean_sim.pictures.water.water_shading import colour_scale
 from ocean_sim.platform.shared.packets import unpack
 from ocean_sim.reading.scene import load
 from ocean_sim.verbs import preview as verb
@@ -40,7 +42,7 @@ class Wheel:
 
 
 def test_keys_of_the_panel():
-    panel = Panel(["calm", "gale"], "calm")
+    panel = Panel()
     panel.press(" ")
     assert panel.paused
     panel.press(" ")
@@ -52,10 +54,6 @@ def test_keys_of_the_panel():
     for wanted in ("particles", "both", "surface"):
         panel.press("v")
         assert panel.content == wanted
-    panel.press("m")
-    assert panel.wind == "gale" and panel.take("wind")
-    panel.press("m")
-    assert panel.wind == "calm"
     panel.press("r")
     assert panel.take("reset")
     panel.orbit(0.2, 9.0)
@@ -69,7 +67,7 @@ def test_keys_of_the_panel():
 
 
 def test_throttle_and_brake_pedal_and_wheel():
-    panel = Panel([], "still")
+    panel = Panel()
     panel.hold({"Up"}, 0.1)
     assert panel.take("helm") and panel.person is None  # the first touch takes the helm
     panel.person = Wheel()
@@ -86,26 +84,27 @@ def test_throttle_and_brake_pedal_and_wheel():
 
 
 def test_the_panel_says_how_things_stand_in_lines_that_fit(coarse):
-    panel = Panel(["calm", "wide"], "wide", ships=("ship",), ship="ship", message="long " * 40)
+    panel = Panel(ships=("ship",), ship="ship", message="long " * 40)
     panel.press(" ")
     lines = panel.text(coarse, 2.0, 0.5).splitlines()
-    assert any("paused" in line for line in lines) and "wind: wide" in lines
+    assert any("paused" in line for line in lines) and "camera: third_person" in lines
     assert any("throttle" in line and "rudder" in line for line in lines)
     assert max(len(line) for line in lines) <= 38  # fits the panel
 
 
 @pytest.mark.parametrize("camera", ["third_person", "top", "side"])
 @pytest.mark.parametrize("aspect", [16 / 9, 4 / 3])
-def test_the_whole_basin_is_in_the_part_of_the_picture_that_no_panel_covers(camera, aspect):
-    lower, upper = np.array([-30.0, -7.5, -10.0]), np.array([30.0, 2.0, 10.0])
-    shown = preview_eye.preview_camera(camera, 0.7, 0.4, 1.0, (lower, upper), aspect, 0.25, None, 0.0)
+def test_the_whole_basin_is_in_the_part_of_the_picture_that_no_panel_covers(coarse, camera, aspect):
+    scene = PreviewScene(coarse)
+    lower, upper = scene.box
+    shown = scene.camera(Panel(camera, azimuth=0.7, height=0.4), aspect, 0.25)
     right = np.cross(shown.forward, shown.up)
     corners = np.array(list(np.ndindex(2, 2, 2))) * (upper - lower) + lower - shown.eye
     depth, half = corners @ shown.forward, np.tan(radians(shown.angle / 2))
     x = 0.5 + 0.5 * (corners @ right) / depth / half / aspect
     y = 0.5 + 0.5 * (corners @ shown.up) / depth / half
     assert (depth > shown.near).all() and (depth < preview.FAR_OVER_NEAR * shown.near).all()
-    edge = 0.5 * (1.0 - preview_eye.FILLED_SHARE)  # left free above and below, and aside
+    edge = 0.5 * (1.0 - preview_scene.FILLED_SHARE)  # left free above and below, and aside
     assert x.min() >= 0.25 + 0.75 * edge - 1e-9 and x.max() <= 1.0 - 0.75 * edge + 1e-9
     assert y.min() >= edge - 1e-9 and y.max() <= 1.0 - edge + 1e-9
     # ... and fills it along one side
@@ -114,22 +113,22 @@ def test_the_whole_basin_is_in_the_part_of_the_picture_that_no_panel_covers(came
 
 def test_the_eye_at_the_helm_moves_with_the_ship_and_looks_over_the_bow(coarse):
     ship = coarse.ships["ship"]
-    shown = preview_eye.preview_camera("helm", 0.0, 0.4, 1.0, PreviewScene(coarse).box, 1.5, 0.0, ship, 15.0)
+    shown = PreviewScene(coarse).camera(Panel("helm", ship="ship"), 1.5, 0.0)
     np.testing.assert_allclose(shown.eye, ship.body.position + ship.body.matrix @ ship.points["helm"])
     assert shown.forward @ ship.body.matrix[:, 2] > 0.99
 
 
 def test_what_is_seen_lies_where_the_simulation_has_it(coarse):
     scene = PreviewScene(coarse)
-    heights = scene.surface_heights()
-    water = scene.water_patch(heights, np.array([40.0, 20.0, 40.0]), solid=True)
+    heights = surface_heights(coarse, scene.points)
+    water = scene.water_patch(np.array([40.0, 20.0, 40.0]), solid=True)
     assert np.isfinite(water.colours).all() and water.colours.min() >= 0.0 and water.colours.max() <= 1.0
     assert water.triangles.max() < len(water.vertices)
     # the drawn surface goes through the surface of the simulation
-    net = scene.water_patch(heights, np.array([40.0, 20.0, 40.0]), solid=False)
+    net = scene.water_patch(np.array([40.0, 20.0, 40.0]), solid=False)
     assert net.vertices[:, 1].mean() == pytest.approx(heights.mean(), abs=0.02)
-    balls = scene.particle_balls(small=False)
-    assert len(balls.positions) == coarse.fluid.particles.n and len(balls.colours) == len(balls.positions)
+    positions, tints = scene.particle_balls()
+    assert len(positions) == coarse.fluid.particles.n == len(tints)
     hull = scene.ship_patch()
     low, high = hull.vertices.min(axis=0), hull.vertices.max(axis=0)
     assert len(hull.triangles) > 2000 and len(np.unique(hull.colours, axis=0)) > 100  # a model, painted and lit
@@ -142,7 +141,7 @@ def test_what_is_seen_lies_where_the_simulation_has_it(coarse):
 
 def test_colours_of_speed_brighten_evenly():
     """Told apart in grey, too."""
-    grey = speed_colours(np.linspace(0.0, 1.0, 50)) @ [0.2126, 0.7152, 0.0722]
+    grey = colour_scale(np.linspace(0.0, 1.0, 50), SPEED_COLOURS) @ [0.2126, 0.7152, 0.0722]
     assert (np.diff(grey) > 0.0).all()
 
 
@@ -176,7 +175,7 @@ class Window:
     def __init__(self, script):
         self.script, self.drawn, self.times, self.places = list(script), 0, [], []
 
-    def watch(self, simulation, panel, config=None):
+    def watch(self, simulation, panel):
         self.simulation = simulation
         panel.ships, panel.ship, panel.person = tuple(simulation.ships), next(iter(simulation.ships), ""), None
 
@@ -205,20 +204,18 @@ def test_a_window_is_played_with(tmp_path, monkeypatch):
     """Keys through the whole loop, on a sea in closed form."""
     scene, sets = "ship_linear_sea", {"runtime.threads": 1, "runtime.precision": "f64", "time_step.kind": "fixed"}
     sets["time_step.dt"] = 0.02
-    window = Window([[" "], [], ["n"], [" "], ["Up", "p"], ["Up"], [], ["m"], ["r"]])
+    window = Window([[" "], [], ["n"], [" "], ["Up", "p"], ["Up"], [], ["r"]])
     monkeypatch.setattr(
         verb.Session,
         "open",
         lambda self, show: self.__dict__.update(screen=window) or window.watch(self.simulation, self.panel),
     )
-    session = verb.Session(load(scene, sets), tmp_path, lambda wind: load(scene, {**sets, "wind": wind}), True)
-    assert session.panel.wind == "still"
+    session = verb.Session(load(scene, sets), tmp_path, True)
     session.play()
     times = window.times
     assert times[0] == times[1] == 0.0 and times[2] == pytest.approx(0.02)  # paused, then one step
     assert times[3] == pytest.approx(0.04) or times[3] > times[2]  # it goes on
-    assert session.panel.wind != "still" and session.simulation.scene.wind.kind == "gusts"  # built anew
-    assert session.simulation.time < max(times)
+    assert session.simulation.time < max(times)  # built anew
     assert [path.name for path in tmp_path.iterdir()] == ["snapshot_000.png"]
     session.close()
 
@@ -238,7 +235,7 @@ def test_who_steers_in_a_window_rides_on_the_platform_that_its_scene_streams_to(
             "runtime": {"threads": 1, "precision": "f64"},
             "time_step": {"kind": "fixed", "dt": 0.02},
         }
-        session = verb.Session(load(scene), tmp_path / "out", None, True)
+        session = verb.Session(load(scene), tmp_path / "out", True)
         session.panel.ship = "ship"
         for _ in range(4):
             session.panel.hold({"Up", "Left"}, 0.1)
@@ -249,7 +246,7 @@ def test_who_steers_in_a_window_rides_on_the_platform_that_its_scene_streams_to(
         away = session.scratch.name
         session.close()
         assert not (tmp_path / "out").exists() and not Path(away).exists()
-        film = verb.Session(load(scene), tmp_path / "out", None, False)
+        film = verb.Session(load(scene), tmp_path / "out", False)
         assert not {type(each).__name__ for each in film.simulation.observers} & {"Motion", "PlatformLog", "Stream"}
         film.close()
 
@@ -268,7 +265,7 @@ def test_without_vulkan_or_a_screen_a_sentence_says_what_to_do(tmp_path, monkeyp
 def test_without_a_display_no_window_is_tried(monkeypatch):
     for name in vulkan.SCREEN_VARIABLES:
         monkeypatch.delenv(name, raising=False)
-    monkeypatch.setattr(vulkan.subprocess, "run", lambda *a, **k: pytest.fail("a window was tried"))
+    monkeypatch.setattr(opengl.subprocess, "run", lambda *a, **k: pytest.fail("a window was tried"))
     assert not vulkan.draws(show=True)
 
 
@@ -305,8 +302,8 @@ def screen():
 @with_vulkan
 def test_pictures_without_a_window(coarse, screen):
     """Every camera and content; the first picture has its panel, as the second; a key changes the next picture."""
-    panel = Panel(["calm", "wide"], "wide")
-    screen.watch(coarse, panel, CONFIG)
+    panel = CONFIG.first_panel()
+    screen.watch(coarse, panel)
     screen.draw(panel)
     first = screen.image()
     screen.draw(panel)

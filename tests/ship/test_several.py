@@ -325,7 +325,7 @@ def test_a_preview_shows_every_hull_and_keys_steer_the_ship_that_the_panel_names
         hulls = PreviewScene(simulation).ship_patch()
         assert hulls is not None and np.ptp(hulls.vertices[:, 0]) > APART
         assert hulls.triangles.max() == len(hulls.vertices) - 1
-        panel = Panel([], "still", ships=tuple(simulation.ships), ship="a")
+        panel = Panel(ships=tuple(simulation.ships), ship="a")
         panel.hold({"Up"}, 0.1)
         assert panel.take("helm")
         panel.person = simulation.ships[panel.ship].hand_over()

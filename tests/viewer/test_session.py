@@ -65,7 +65,7 @@ class Desk:
 def session(tmp_path_factory):
     source = Source.of("showcase", None, COARSE)
     with Session(source, Desk(), tmp_path_factory.mktemp("out"), list) as one:
-        one.panel.paused = True
+        one.paused = True
         yield one
 
 
@@ -75,7 +75,7 @@ def lake(tmp_path):
     path = tmp_path / "lake.yaml"
     path.write_text(LAKE)
     with Session(Source.of(str(path)), Desk(), tmp_path / "out", list) as one:
-        one.panel.paused = True
+        one.paused = True
         yield one
 
 
@@ -145,7 +145,7 @@ def test_play_step_and_pause(session):
     assert simulation.steps == before
     ask(session, do="step")
     session.advance(0.02)
-    assert simulation.steps == before + 1 and session.panel.paused
+    assert simulation.steps == before + 1 and session.paused
     ask(session, do="play")
     session.advance(0.02)
     ask(session, do="pause")

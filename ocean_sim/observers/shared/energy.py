@@ -117,7 +117,5 @@ def has_driving_walls(basin: Basin) -> bool:
 def gains_energy(simulation: Simulation) -> bool:
     """True if wind, moving walls or obstacles, ships, inflow or a body force may give energy to the water."""
     scene, basin = simulation.scene, simulation.basin
-    walls = has_driving_walls(basin) or basin.gates
-    return bool(
-        not scene.wind.still or walls or simulation.ships or scene.fluid.driven or falls_without_potential(simulation)
-    )
+    moved = has_driving_walls(basin) or basin.gates or simulation.ships
+    return bool(not scene.wind.still or moved or scene.fluid.driven or falls_without_potential(simulation))

@@ -31,16 +31,11 @@ PLOT_CLIP = (
 
 def html_page(title: str, parts: Iterable[str]) -> str:
     """HTML text of a whole page with a title, from the HTML parts of its body."""
-    head = [
-        '<meta charset="utf-8">',
-        '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        f"<title>{html.escape(title)}</title>",
-        f"<style>\n{STYLE_FILE.read_text(encoding='utf-8')}</style>",
-    ]
+    head = ['<meta charset="utf-8">', '<meta name="viewport" content="width=device-width, initial-scale=1">']
+    head += [f"<title>{html.escape(title)}</title>", f"<style>\n{STYLE_FILE.read_text(encoding='utf-8')}</style>"]
     body = [PLOT_CLIP, *link_headings(list(parts))]
-    return "\n".join(
-        ["<!doctype html>", '<html lang="en">', "<head>", *head, "</head>", "<body>", *body, "</body>", "</html>", ""]
-    )
+    lines = ["<!doctype html>", '<html lang="en">', "<head>", *head, "</head>", "<body>", *body, "</body>", "</html>"]
+    return "\n".join([*lines, ""])
 
 
 def link_headings(parts: list[str]) -> list[str]:

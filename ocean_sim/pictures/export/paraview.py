@@ -99,7 +99,8 @@ def export_surface(
             corners = mesh.corners.reshape(-1, 3)
             points = (corners @ turn.T + position).astype(np.float32)
             numbers = np.arange(len(corners)).reshape(-1, 3)
-            colour = (255.0 * display_colours(np.repeat(mesh.colour, 3, axis=0))).astype(np.uint8)
+            shown = np.clip(mesh.colour, 0.0, 1.0) ** (1.0 / 2.2)  # display RGB
+            colour = (255.0 * np.repeat(shown, 3, axis=0)).astype(np.uint8)
             normals = (mesh.normals.reshape(-1, 3) @ turn.T).astype(np.float32)
             name = scene_file.file_name(key)
             files.setdefault(name, []).append((shot.time, points, numbers, {"Normals": normals, "RGB": colour}))
@@ -110,11 +111,6 @@ def export_surface(
     for name, moments in files.items():
         made += save_moments(out, name, kind, moments)
     return made
-
-
-def display_colours(linear: np.ndarray) -> np.ndarray:
-    """Display RGB, 0 to 1, from linear RGB, by gamma 2.2."""
-    return np.clip(linear, 0.0, 1.0) ** (1.0 / 2.2)
 
 
 def save_moments(

@@ -21,10 +21,8 @@ from ocean_sim.pictures.stage.obstacles import SAND_COLOUR
 from ocean_sim.pictures.water.foam import cell_means
 from ocean_sim.pictures.water.water_mesh import grid_triangles
 
-WATER_COLOUR, FOAM_COLOUR = (
-    np.array([0.010, 0.060, 0.090]),
-    np.array([0.75, 0.80, 0.82]),
-)  # linear RGB of water and of its foam
+# Linear RGB of water and of its foam
+WATER_COLOUR, FOAM_COLOUR = np.array([0.010, 0.060, 0.090]), np.array([0.75, 0.80, 0.82])
 STONE_COLOUR = np.array([0.16, 0.15, 0.14])  # linear RGB of what stands in the water
 # Triangles of a box whose corners count x, then y, then z, seen from outside.
 BOX_TRIANGLES = np.array(
@@ -182,15 +180,14 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
             corners = model.mesh.corners.reshape(-1, 3).astype(np.float32)
             hull = UsdGeom.Mesh.Define(stage, f"/sea/{file_name(key)}/hull")
             hull.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(corners))
-            numbers = np.arange(len(corners), dtype=np.int32)
-            set_triangles(hull, numbers, Vt)
+            set_triangles(hull, np.arange(len(corners), dtype=np.int32), Vt)
             hull.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(model.mesh.normals.reshape(-1, 3).astype(np.float32)))
-            hull.CreateDisplayColorPrimvar(UsdGeom.Tokens.uniform).Set(
-                Vt.Vec3fArray.FromNumpy(model.mesh.colour.astype(np.float32))
-            )
+            paint = Vt.Vec3fArray.FromNumpy(model.mesh.colour.astype(np.float32))
+            hull.CreateDisplayColorPrimvar(UsdGeom.Tokens.uniform).Set(paint)
         water = UsdGeom.Mesh.Define(stage, "/sea/water")
         water.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*WATER_COLOUR.tolist())])
         cloud = moving = None
+        numbers = Sdf.ValueTypeNames.FloatArray, UsdGeom.Tokens.vertex
         before: np.ndarray | None = None
         wakes = RunWakes(frame_files(frames[0].parent.parent), grid)
         for frame in frames:
@@ -203,9 +200,7 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
             if "velocity" in kept.fields:
                 water.CreateVelocitiesAttr().Set(Vt.Vec3fArray.FromNumpy(kept.fields["velocity"]), code)
             if "foam" in kept.fields:
-                foam = UsdGeom.PrimvarsAPI(water).CreatePrimvar(
-                    "foam", Sdf.ValueTypeNames.FloatArray, UsdGeom.Tokens.vertex
-                )
+                foam = UsdGeom.PrimvarsAPI(water).CreatePrimvar("foam", *numbers)
                 foam.Set(Vt.FloatArray.FromNumpy(kept.fields["foam"]), code)
             if len(kept.gates[0]) or moving is not None:
                 moving = moving or UsdGeom.Mesh.Define(stage, "/sea/gates")
@@ -224,9 +219,7 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
                 cloud.CreateVelocitiesAttr().Set(Vt.Vec3fArray.FromNumpy(velocity), code)
                 cloud.CreateIdsAttr().Set(Vt.Int64Array.FromNumpy(kept.particles["id"].astype(np.int64)), code)
                 if "pressure" in kept.particles:
-                    pressure = UsdGeom.PrimvarsAPI(cloud).CreatePrimvar(
-                        "pressure", Sdf.ValueTypeNames.FloatArray, UsdGeom.Tokens.vertex
-                    )
+                    pressure = UsdGeom.PrimvarsAPI(cloud).CreatePrimvar("pressure", *numbers)
                     pressure.Set(Vt.FloatArray.FromNumpy(kept.particles["pressure"].astype(np.float32)), code)
         if cloud is not None:
             cloud.CreateWidthsAttr([float(grid["spacing"])])
@@ -264,19 +257,17 @@ def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> P
         made.mesh("water", first.points, first.faces, water_colours(first), moved)
     for name, points, faces, colour in still_bodies(grid):
         made.mesh(name, points, faces, colour)
-    gates = {
-        k: made.mesh(f"gates_{k:05d}", *kept.gates, STONE_COLOUR) for k, kept in enumerate(shots) if len(kept.gates[0])
-    }
-    made.show_at_moments(gates, len(shots))
+    gates = {k: kept.gates for k, kept in enumerate(shots) if len(kept.gates[0])}
+    drawn = {k: made.mesh(f"gates_{k:05d}", *gate, STONE_COLOUR) for k, gate in gates.items()}
+    made.show_at_moments(drawn, len(shots))
     for key, model in ship_models(grid).items():
         corners = model.mesh.corners.reshape(-1, 3)
         colour = np.repeat(model.mesh.colour, 3, axis=0)
         node = made.mesh(file_name(key), corners, np.arange(len(corners)).reshape(-1, 3), colour)
         poses = [kept.ships[key] for kept in shots]
         made.animate(node, "translation", np.array([position for position, _ in poses]))
-        made.animate(
-            node, "rotation", continuous_quaternions(Rotation.from_matrix([turn for _, turn in poses]).as_quat())
-        )
+        turns = Rotation.from_matrix([turn for _, turn in poses]).as_quat()
+        made.animate(node, "rotation", continuous_quaternions(turns))
     made.save(path)
     return path
 
@@ -301,7 +292,5 @@ def upright_shots(meshes: Iterator[ExportShot], z_up: bool) -> Iterator[ExportSh
         fields = {name: values @ Z_UP.T if values.ndim == 2 else values for name, values in kept.fields.items()}
         particles = {name: values @ Z_UP.T if values.ndim == 2 else values for name, values in kept.particles.items()}
         ships = {key: (Z_UP @ position, Z_UP @ turn) for key, (position, turn) in kept.ships.items()}
-        corners, sides = kept.gates
-        yield ExportShot(
-            kept.time, kept.points @ Z_UP.T, kept.faces, fields, ships, particles, (corners @ Z_UP.T, sides)
-        )
+        gates = kept.gates[0] @ Z_UP.T, kept.gates[1]
+        yield ExportShot(kept.time, kept.points @ Z_UP.T, kept.faces, fields, ships, particles, gates)

@@ -1,4 +1,4 @@
-"""State of a preview that the user sets: pause, camera, content, wind and helm. It does not depend on a window."""
+"""State of the preview window that the user sets: pause, camera, content and helm. It does not depend on a window."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -8,37 +8,18 @@ from typing import Any
 
 from ocean_sim.pictures.live.scene_lines import LiveSimulation
 
-CAMERA_NAMES = ("third_person", "helm", "top", "side")
-CONTENT_NAMES = ("surface", "particles", "both")
-KEY_ACTIONS = {
-    " ": "pause",
-    "n": "step",
-    "r": "reset",
-    "c": "camera",
-    "v": "content",
-    "m": "wind",
-    "p": "snapshot",
-    "x": "rudder amidships",
-    "h": "next ship",
-    "Escape": "quit",
-}
 KEY_TEXT = """
 space  pause or go on     n  one step
 r  reset      c  next camera
 v  surface, particles or both
-m  next wind (restarts)
 p  snapshot     Escape  close
 drag  orbit       q, e  nearer, away"""
 HELM_TEXT = """
 Up, Down  throttle, brake
 Left, Right  port, starboard
 x  rudder amidships    h  next ship"""
-HELM_KEYS = {  # throttle up, wheel to port
-    "Up": (1.0, 0.0),
-    "Down": (-1.0, 0.0),
-    "Left": (0.0, 1.0),
-    "Right": (0.0, -1.0),
-}
+REQUEST_KEYS = {"n": "step", "r": "reset", "p": "snapshot"}  # actions of the preview loop
+HELM_KEYS = {"Up": (1.0, 0.0), "Down": (-1.0, 0.0), "Left": (0.0, 1.0), "Right": (0.0, -1.0)}  # throttle; wheel to port
 PEDAL_RATE, WHEEL_RATE = 0.5, radians(20.0)  # [1/s], [rad/s] of an order while a key is held
 MIN_EYE_HEIGHT, MAX_EYE_HEIGHT = radians(2.0), radians(85.0)  # [rad] over the horizon
 MIN_EYE_DISTANCE, MAX_EYE_DISTANCE = 0.2, 4.0  # over that at which everything is in the picture
@@ -49,13 +30,13 @@ LINE_LETTERS, MESSAGE_LINES = 38, 12
 class Panel:
     """Settings of a preview, and the effect of each key on them."""
 
-    winds: list[str]
-    """Names of the presets of wind."""
-    wind: str
     camera: str = "third_person"
     content: str = "surface"
-    contents: tuple[str, ...] = CONTENT_NAMES
-    cameras: tuple[str, ...] = CAMERA_NAMES
+    ship: str = ""
+    """Name of the ship that is steered and followed."""
+    cameras: tuple[str, ...] = ("third_person", "helm", "top", "side")
+    contents: tuple[str, ...] = ("surface", "particles", "both")
+    ships: tuple[str, ...] = ()
     paused: bool = False
     closed: bool = False
     hidden: bool = False
@@ -64,40 +45,35 @@ class Panel:
     distance: float = 1.0  # over that at which everything is in the picture
     message: str = ""
     """Sentence about the last failure."""
-    ships: tuple[str, ...] = ()
-    ship: str = ""
-    """Name of the ship that is steered and followed."""
     person: Any = None
     """The `Person` at her helm, once a key was held: `give(throttle, rudder)`."""
-    requests: list[str] = field(default_factory=list)
-    """Actions due before the next picture: step, reset, wind, snapshot, helm."""
+    requests: set[str] = field(default_factory=set)
+    """Actions due before the next picture: step, reset, snapshot, helm."""
+
+    def offer(self, cameras: tuple[str, ...], contents: tuple[str, ...], ships: tuple[str, ...]) -> None:
+        """Set the names that keys cycle through; a choice that is none of them becomes the first."""
+        self.cameras, self.contents, self.ships, self.person = cameras, contents, ships, None
+        chosen = (self.camera, cameras), (self.content, contents or ("surface",)), (self.ship, ships or ("",))
+        self.camera, self.content, self.ship = (name if name in names else names[0] for name, names in chosen)
 
     def press(self, key: str) -> None:
-        """Do the action that KEY_ACTIONS gives a key; ignore other keys."""
-        if key in KEY_ACTIONS:
-            self.do(KEY_ACTIONS[key])
-
-    def do(self, action: str) -> None:
-        """Do an action of KEY_ACTIONS: change a setting, or add it to `requests` for the preview loop."""
-        if action == "pause":
-            self.paused = not self.paused
-        elif action == "quit":
-            self.closed = True
-        elif action == "camera":
-            self.camera = next_name(self.camera, self.cameras)
-        elif action == "content":
-            self.content = next_name(self.content, self.contents)
-        elif action == "next ship":
-            if len(self.ships) > 1:
+        """Do the action of a key, as in KEY_TEXT and HELM_TEXT, or add it to `requests`; ignore other keys."""
+        match key:
+            case " ":
+                self.paused = not self.paused
+            case "Escape":
+                self.closed = True
+            case "c":
+                self.camera = next_name(self.camera, self.cameras)
+            case "v":
+                self.content = next_name(self.content, self.contents)
+            case "h" if len(self.ships) > 1:
                 self.ship, self.person = next_name(self.ship, self.ships), None
-        elif action == "rudder amidships":
-            if self.person is not None:
+            case "x" if self.person is not None:
                 self.person.give(self.person.throttle, 0.0)
-        else:
-            self.paused = self.paused or action == "step"
-            if action == "wind" and self.winds:
-                self.wind = next_name(self.wind, self.winds)
-            self.requests.append(action)
+            case _ if key in REQUEST_KEYS:
+                self.paused = self.paused or key == "n"
+                self.requests.add(REQUEST_KEYS[key])
 
     def hold(self, keys: set[str], seconds: float) -> None:
         """Change throttle and rudder by helm keys held for `seconds`; request the helm first if it is not taken yet."""
@@ -107,8 +83,8 @@ class Panel:
         if self.person is not None:
             throttle, rudder = self.person.throttle, self.person.rudder
             self.person.give(throttle + seconds * PEDAL_RATE * pedal, rudder + seconds * WHEEL_RATE * wheel)
-        elif "helm" not in self.requests:
-            self.requests.append("helm")
+        else:
+            self.requests.add("helm")
 
     def orbit(self, right: float, up: float) -> None:
         """Turn the eye around its target by a mouse drag right and up, in shares of the picture's width and height."""
@@ -120,10 +96,9 @@ class Panel:
 
     def take(self, action: str) -> bool:
         """Remove an action from the requests; returns True if it was requested."""
-        if action not in self.requests:
-            return False
-        self.requests.remove(action)
-        return True
+        requested = action in self.requests
+        self.requests.discard(action)
+        return requested
 
     def text(self, simulation: LiveSimulation, fastest: float | None, pace: float | None) -> str:
         """Text of the panel; `fastest`: speed [m/s] of the last colour; `pace`: simulated over wall-clock time."""
@@ -132,7 +107,6 @@ class Panel:
         lines = [
             f"t = {simulation.time:.2f} s  {state}",
             "closed form, no particles" if water is None else f"{water.n} particles, {simulation.fluid.config.kind}",
-            f"wind: {self.wind}",
             f"camera: {self.camera}",
             f"shown: {self.content}",
         ]

@@ -1,21 +1,28 @@
-"""Arrays of a preview: water, ships and particles, without a window."""
+"""Arrays and cameras of a preview: water, ships and particles, without a window."""
 
+from math import cos, radians, sin, tan
 from typing import NamedTuple
 
 import numpy as np
 
 from ocean_sim.basin.points import grid, grid_points
+from ocean_sim.pictures.live.panel import Panel
 from ocean_sim.pictures.live.scene_lines import LiveSimulation, box_top, surface_heights
 from ocean_sim.pictures.ships.ship_model import ShipModel, build_model
+from ocean_sim.pictures.stage.camera import VIEW_ANGLE, Camera, eye_before, helm_camera
 from ocean_sim.pictures.stage.obstacles import sand_mesh
-from ocean_sim.pictures.stage.sky import painted_light
+from ocean_sim.pictures.stage.sky import unit_vector
 from ocean_sim.pictures.water import water_shading
 from ocean_sim.pictures.water.water_mesh import WaterMesh
 
 SURFACE_NODES = 5_000  # of the drawn surface, about
+HELM_NEAR = 0.2  # [m] the least distance that is drawn at the helm
+LONG_BASIN = 6.0  # lengths of a ship; in a longer basin the camera follows it
+FOLLOWED_SIZE = 2.5  # lengths of a ship that a camera which follows it sees
+FILLED_SHARE = 0.95  # of the free part of the picture that the box fills along one side
 MAX_PARTICLES = 60_000  # that are drawn: of more, every second, third, ...
 MIN_FASTEST_SPEED = 0.5  # [m/s] the least speed that has the brightest colour
-SIDE_TOP, SIDE_BED = np.array([0.10, 0.40, 0.50]), np.array([0.02, 0.07, 0.12])  # cut side of the water, display RGB
+SIDE_COLOURS = np.array([[0.10, 0.40, 0.50], [0.02, 0.07, 0.12]])  # top and bed of the water's cut side, display RGB
 # Dark blue over grey to yellow, lightness rising evenly, distinct to colour-blind eyes (Nunez et al. 2018, cividis).
 SPEED_COLOURS = np.array(
     [[0.0, 0.14, 0.31], [0.26, 0.31, 0.42], [0.49, 0.48, 0.47], [0.73, 0.68, 0.45], [1.0, 0.91, 0.30]]
@@ -28,15 +35,6 @@ class Patch(NamedTuple):
     vertices: np.ndarray  # (n, 3) [m]
     triangles: np.ndarray  # (m, 3)
     colours: np.ndarray  # (n, 3) display RGB, 0 to 1
-
-
-class Balls(NamedTuple):
-    """Particles to draw as balls, coloured by speed."""
-
-    positions: np.ndarray  # (n, 3) [m]
-    colours: np.ndarray  # (n, 3)
-    radius: float  # [m]
-    fastest: float  # [m/s] the speed of the last colour
 
 
 class PreviewScene:
@@ -87,26 +85,47 @@ class PreviewScene:
         top = box_top(self.simulation, max(self.lengths.values(), default=0.0))
         return self.lower, np.array([self.upper[0], top, self.upper[2]])
 
-    def surface_heights(self) -> np.ndarray:
-        """Heights (n,) [m] of the surface at the grid points of the basin; empty if it has no surface."""
-        return surface_heights(self.simulation, self.points) if self.has_surface else np.zeros(0)
+    def camera(self, panel: Panel, aspect: float, covered: float) -> Camera:
+        """Camera that the panel chooses, in a picture `aspect` times as wide as high, of which the panel covers the
+        left share `covered`: at the helm, or before the box of water and air or, in a long basin, before the ship."""
+        ship, length = self.simulation.ships.get(panel.ship), self.lengths.get(panel.ship, 0.0)
+        if panel.camera == "helm" and ship is not None:
+            helm = ship.points.get("helm", np.array([0.0, 0.25 * (length or 4.0), 0.0]))
+            return helm_camera(ship.body.position, ship.body.matrix, helm, HELM_NEAR)
+        lower, upper = self.box
+        middle, size = 0.5 * (lower + upper), upper - lower
+        if ship is not None and length and max(size[0], size[2]) > LONG_BASIN * length:
+            middle, size = ship.body.position * [1.0, 0.0, 1.0], np.full(3, FOLLOWED_SIZE * length)
+        forward, up = np.array([0.0, -1.0, 0.0]), np.array([0.0, 0.0, -1.0])
+        if panel.camera != "top":
+            azimuth, height = (0.0, 0.0) if panel.camera == "side" else (panel.azimuth, panel.height)
+            forward = -np.array([cos(height) * sin(azimuth), sin(height), cos(height) * cos(azimuth)])
+            up = np.array([0.0, 1.0, 0.0])
+        right = unit_vector(np.cross(forward, up))
+        up = np.cross(right, forward)
+        corners = middle + 0.5 * size * (2.0 * np.array(list(np.ndindex(2, 2, 2))) - 1.0)
+        tangent = tan(radians(VIEW_ANGLE / 2))
+        free = FILLED_SHARE * tangent * aspect * (1.0 - covered), FILLED_SHARE * tangent
+        aside = tangent * aspect * covered  # tangent at which the middle of the free part lies
+        eye = eye_before(corners, (right, up, forward), free, aside)
+        reach = float((middle - eye) @ forward)
+        eye -= (panel.distance - 1.0) * reach * (forward + aside * right)
+        return Camera(eye, forward, up, None, near=0.02 * panel.distance * reach)
 
-    def water_patch(self, heights: np.ndarray, eye: np.ndarray, solid: bool) -> Patch | None:
-        """Surface of heights (n,) [m], coloured for an eye (3,) [m], or None without any; `solid`: with cut sides."""
+    def water_patch(self, eye: np.ndarray, solid: bool) -> Patch | None:
+        """Surface of the water, coloured for an eye (3,) [m], or None without any; `solid`: with cut sides."""
         if not self.has_surface:
             return None
+        heights = surface_heights(self.simulation, self.points)
         if self.sheet is None:
             return self.folded_patch(heights, eye)
         points, normals = self.sheet.surface(heights.reshape(len(self.x), len(self.z)))
         colours = self.surface_colours(points, normals, heights, eye)
         if not solid:
             return Patch(points, self.sheet.surface_triangles, colours)
-        walls, depth = self.sheet.sides(points), self.sheet.side_depth[:, None] ** 0.6
-        return Patch(
-            np.concatenate([points, walls]),
-            np.concatenate([self.sheet.surface_triangles, self.sheet.side_triangles + len(points)]),
-            np.concatenate([colours, SIDE_TOP + (SIDE_BED - SIDE_TOP) * depth]),
-        )
+        sides = water_shading.colour_scale(self.sheet.side_depth**0.6, SIDE_COLOURS)
+        triangles = np.concatenate([self.sheet.surface_triangles, self.sheet.side_triangles + len(points)])
+        return Patch(np.concatenate([points, self.sheet.sides(points)]), triangles, np.concatenate([colours, sides]))
 
     def folded_patch(self, heights: np.ndarray, eye: np.ndarray) -> Patch | None:
         """Closed surface mesh, coloured for an eye (3,) [m], darker where it does not face up; None if it is empty."""
@@ -116,8 +135,8 @@ class PreviewScene:
         if len(mesh.triangles) == 0:
             return None
         points, normals = mesh.vertices.astype(float), mesh.normals.astype(float)
-        depth = np.clip(-points[:, 1:2] / self.simulation.basin.depth, 0.0, 1.0) ** 0.6
-        up, sides = np.clip(2.5 * normals[:, 1:2], 0.0, 1.0), SIDE_TOP + (SIDE_BED - SIDE_TOP) * depth
+        depth = np.clip(-points[:, 1] / self.simulation.basin.depth, 0.0, 1.0)
+        up, sides = np.clip(2.5 * normals[:, 1:2], 0.0, 1.0), water_shading.colour_scale(depth**0.6, SIDE_COLOURS)
         colours = up * self.surface_colours(points, normals, heights, eye) + (1.0 - up) * sides
         return Patch(points, mesh.triangles, colours)
 
@@ -131,21 +150,16 @@ class PreviewScene:
 
     def ship_patch(self) -> Patch | None:
         """Triangles of all ships at their present poses, in the light of sun and sky; None without ships."""
-        points, colours = [], []
-        for name, model in self.models.items():
-            body, mesh = self.simulation.ships[name].body, model.mesh
-            points.append(mesh.corners.reshape(-1, 3) @ body.matrix.T + body.position)
-            normals, gloss = mesh.normals.reshape(-1, 3) @ body.matrix.T, np.repeat(mesh.gloss, 3)[:, None]
-            colours.append(
-                water_shading.display_colours(painted_light(normals, np.repeat(mesh.colour, 3, axis=0), gloss))
-            )
-        if not points:
+        if not self.models:
             return None
-        vertices = np.concatenate(points)
-        return Patch(vertices, np.arange(len(vertices)).reshape(-1, 3), np.concatenate(colours) / 255.0)
+        bodies = {name: self.simulation.ships[name].body for name in self.models}
+        placed = [self.models[name].placed(body.position, body.matrix) for name, body in bodies.items()]
+        vertices, colours = (np.concatenate(arrays) for arrays in zip(*placed))
+        return Patch(vertices, np.arange(len(vertices)).reshape(-1, 3), colours / 255.0)
 
-    def particle_balls(self, small: bool) -> Balls | None:
-        """Particles coloured by speed, or None without any; `small`: of half the radius. The top speed never falls."""
+    def particle_balls(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """Positions (n, 3) [m] and display RGB (n, 3), 0 to 1, by speed, of particles; None without any. The speed of
+        the last colour, `fastest`, never falls."""
         particles = self.simulation.fluid.particles
         if particles is None:
             return None
@@ -154,13 +168,5 @@ class PreviewScene:
         drawn = slice(None) if every == 1 else particles.id.to_numpy() % every == 0
         speed = np.linalg.norm(particles.velocity.to_numpy()[drawn], axis=1)
         self.fastest = max(self.fastest, float(np.quantile(speed, 0.999)) if len(speed) else 0.0)
-        colours = speed_colours(speed / self.fastest)
-        radius = (0.15 if small else 0.3) * self.spacing
-        return Balls(particles.position.to_numpy()[drawn], colours, radius, self.fastest)
-
-
-def speed_colours(share: np.ndarray) -> np.ndarray:
-    """Display RGB (n, 3), 0 to 1, of speeds (n,) given as shares of the highest."""
-    at = np.clip(share, 0.0, 1.0) * (len(SPEED_COLOURS) - 1)
-    k = np.minimum(at.astype(int), len(SPEED_COLOURS) - 2)
-    return SPEED_COLOURS[k] + (SPEED_COLOURS[k + 1] - SPEED_COLOURS[k]) * (at - k)[:, None]
+        colours = water_shading.colour_scale(speed / self.fastest, SPEED_COLOURS)
+        return particles.position.to_numpy()[drawn], colours

@@ -1,13 +1,12 @@
 """Test of whether GGUI can draw here. A window that cannot be opened may end its process, so a child process tries."""
 
 import os
-import subprocess
 import sys
-import tempfile
 from functools import cache
 
 from ocean_sim import kernel_library
 from ocean_sim.conventions import Lacking
+from ocean_sim.pictures.stage.opengl import child_says
 
 INSTALL_COMMAND = "apt-get install --no-install-recommends libx11-6 mesa-vulkan-drivers"
 PROBE_PROGRAM = """
@@ -22,7 +21,6 @@ else:
     window.get_image_buffer_as_numpy()
 print("drawn")
 """
-PROBE_SECONDS = 90.0  # [s]
 SCREEN_VARIABLES = ("DISPLAY", "WAYLAND_DISPLAY")
 
 
@@ -53,15 +51,7 @@ def draws(show: bool) -> bool:
 @cache
 def _survives(show: bool) -> bool:
     """True if a child process drew, on a screen if `show`, without a crash; cached, as starting one takes a second."""
-    command = [sys.executable, "-c", PROBE_PROGRAM.format(show=show)]
-    try:
-        with tempfile.TemporaryDirectory() as away:  # GGUI leaves a file where it works
-            child = subprocess.run(
-                command, capture_output=True, text=True, timeout=PROBE_SECONDS, check=False, cwd=away
-            )
-    except (OSError, subprocess.TimeoutExpired):
-        return False
-    return child.returncode == 0 and "drawn" in child.stdout
+    return child_says("drawn", PROBE_PROGRAM.format(show=show))
 
 
 def require(show: bool) -> None:

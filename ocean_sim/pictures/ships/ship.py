@@ -7,11 +7,12 @@ import numpy as np
 from ocean_sim.pictures.ships import ship_glsl
 from ocean_sim.pictures.ships.ship_model import ShipModel
 from ocean_sim.pictures.stage.plotter import Stage
-from ocean_sim.pictures.stage.sky import Sky, painted_light
-from ocean_sim.pictures.water import water_glsl, water_shading
+from ocean_sim.pictures.stage.sky import Sky
+from ocean_sim.pictures.water import water_glsl
 from ocean_sim.pictures.water.water_shading import FOG_DISTANCE, SEA_EXPOSURE
 
 MIRROR_SHRINKING = 2  # pixels of the picture along each side of a pixel of the mirror's
+SAMPLER_DISTANCE = 1.4  # distance that VTK's sampler is given over that within which it leaves no gap
 MIRROR_NEAR = 0.1  # [m] before the mirrored eye
 
 
@@ -19,20 +20,13 @@ class DrawnShip:
     """A ship in a picture, coloured at her corners in the light of sun and sky, and moved from frame to frame."""
 
     def __init__(self, stage: Stage, model: ShipModel) -> None:
-        mesh = model.mesh
-        self.corners, self.normals = mesh.corners.reshape(-1, 3), mesh.normals.reshape(-1, 3)
-        self.paint, self.gloss = np.repeat(mesh.colour, 3, axis=0), np.repeat(mesh.gloss, 3)[:, None]
-        triangles = np.arange(len(self.corners)).reshape(-1, 3)
-        self.shape = stage.pyvista.PolyData.from_regular_faces(self.corners.astype(np.float32), triangles)
-        self.shape["colour"] = np.zeros((len(self.corners), 3), np.uint8)
-        stage.plotter.add_mesh(self.shape, scalars="colour", rgb=True, lighting=False, smooth_shading=False)
+        self.model, (points, colours) = model, model.placed(np.zeros(3), np.eye(3))
+        self.shape = stage.add(points, np.arange(len(points)).reshape(-1, 3), colours, smooth_shading=False)
 
     def show(self, position: np.ndarray, turn: np.ndarray, eye: np.ndarray) -> None:
         """Move the ship's centre of mass to a position (3,) [m]; `turn`: (3, 3) from body to world; `eye`: unused."""
-        self.shape.points = (self.corners @ turn.T + position).astype(np.float32)
-        self.shape["colour"] = water_shading.display_colours(
-            painted_light(self.normals @ turn.T, self.paint, self.gloss)
-        )
+        points, self.shape["colour"] = self.model.placed(position, turn)
+        self.shape.points = points.astype(np.float32)
 
 
 class ShadedShip:
@@ -42,19 +36,16 @@ class ShadedShip:
         """`above`: textures of the sky, by their sampler names."""
         mesh = model.mesh
         self.sky, self.corners, self.normals = sky, mesh.corners.reshape(-1, 3), mesh.normals.reshape(-1, 3)
-        shape = stage.pyvista.PolyData.from_regular_faces(
-            self.corners.astype(np.float32), np.arange(len(self.corners)).reshape(-1, 3)
-        )
         gloss, seen = np.repeat(mesh.gloss, 3), ship_glsl.sky_shares(self.corners, self.normals)
         traits = self.normals, np.repeat(mesh.colour, 3, axis=0), np.stack([gloss, seen, 0.0 * gloss], axis=1)
-        for name, values in zip(ship_glsl.SHIP_TRAITS, traits, strict=True):
-            shape.point_data[name] = values.astype(np.float32)
-        self.shade = ship_glsl.ShadowMap(mesh.corners, float(np.linalg.norm(self.corners, axis=1).max()))
+        named = dict(zip(ship_glsl.SHIP_TRAITS, traits, strict=True))
+        shape = stage.mesh(self.corners, np.arange(len(self.corners)).reshape(-1, 3), **named)
+        reach = float(np.linalg.norm(self.corners, axis=1).max())
+        self.shade = ship_glsl.ShadowMap(spread_points(shape.clean(), 2.0 * reach / ship_glsl.SHADOW_PIXELS), reach)
         self.map = water_glsl.make_texture(np.zeros((2, 2, 3), np.float32))
         textures = above | {"shade": self.map}
-        self.shaded = water_glsl.Shaded(
-            shape, ship_glsl.SHIP_PROGRAM, ship_glsl.SHIP_FUNCTIONS, textures, ship_glsl.SHIP_TRAITS
-        )
+        program = ship_glsl.SHIP_PROGRAM, ship_glsl.SHIP_FUNCTIONS
+        self.shaded = water_glsl.Shaded(shape, *program, textures, ship_glsl.SHIP_TRAITS)
         self.shaded.set(exposure=SEA_EXPOSURE, fogReach=FOG_DISTANCE, useFog=1.0, **water_glsl.sky_uniforms(sky))
         stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
 
@@ -67,6 +58,19 @@ class ShadedShip:
         water_glsl.fill_image(self.map.GetInput(), depth)
         self.position, self.depth, self.across = position, depth, {"sunRight": right, "sunUp": up}
         self.shaded.set(shipAt=position, shipLength=self.shade.length, eyeW=eye, **self.across)
+
+
+def spread_points(mesh: Any, step: float) -> np.ndarray:
+    """Points (n, 3) [m], single precision, spread over the triangles of a PyVista mesh up to their edges, so that all
+    of it lies within a step [m] of one."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkFiltersModeling import vtkPolyDataPointSampler
+
+    sampler = vtkPolyDataPointSampler()
+    sampler.SetInputData(mesh)
+    sampler.SetDistance(SAMPLER_DISTANCE * step)
+    sampler.Update()
+    return vtk_to_numpy(sampler.GetOutput().GetPoints().GetData())
 
 
 class Mirror:
@@ -101,9 +105,7 @@ class Mirror:
         self.plotter.render()
         seen = self.plotter.screenshot(None, return_img=True, transparent_background=True)
         water_glsl.fill_image(self.image.GetInput(), seen[::-1])
-        aspect = self.size[0] / self.size[1]
-        matrix = camera.GetCompositeProjectionTransformMatrix(aspect, -1.0, 1.0)
-        return np.array([[matrix.GetElement(i, j) for j in range(4)] for i in range(4)])
+        return water_glsl.projection(camera, self.size[0] / self.size[1])
 
     def close(self) -> None:
         self.plotter.close()

@@ -1,10 +1,12 @@
 """Shaders of a ship's paint and panes in sun and sky: diffuse light, the shadow that she casts on herself, a mirrored
 sky, the sun's highlight, and haze between her and the eye. Colours are as in `sky.painted_light`."""
 
+import sys
+
 import numpy as np
 
 from ocean_sim.pictures.stage import sky
-from ocean_sim.pictures.water.water_glsl import FOG_FUNCTIONS, number, vector
+from ocean_sim.pictures.water.water_glsl import FOG_FUNCTIONS, shader
 from ocean_sim.pictures.water.water_shading import SEA_EXPOSURE
 
 SHIP_TRAITS = "nrm", "col", "att"  # normal, paint, (gloss, share of the sky that is seen, 0)
@@ -18,124 +20,45 @@ PAINT_GAIN = 1.15 / SEA_EXPOSURE  # of paint's light for the exposure of the sea
 PAINT_ROUGHNESS = 0.012  # variance of the slopes of paint
 COAT_REFLECTANCE = 0.05  # reflectance of paint and panes at normal incidence
 
-# The share of three by three pixels of a map that the sun sees, moved with the point, so that no pixel shows; `at`:
-# place in pixels, `begins`: the row where the map begins. Pixels are fetched one by one: a filtered depth is none.
-SHADOW_FUNCTIONS = f"""
-float open(vec2 at, float depth, int begins) {{
-  vec2 first = floor(at - 0.5), rest = at - 0.5 - first;
-  float seen = 0.0;
-  for (int i = -1; i <= 2; i++) {{
-    float column = i < 0 ? 1.0 - rest.x : (i > 1 ? rest.x : 1.0);
-    for (int j = -1; j <= 2; j++) {{
-      float row = j < 0 ? 1.0 - rest.y : (j > 1 ? rest.y : 1.0);
-      ivec2 pixel = clamp(ivec2(first) + ivec2(i, j), 0, {SHADOW_PIXELS - 1}) + ivec2(0, begins);
-      seen += column * row / 9.0 * step(texelFetch(shade, pixel, 0).r, depth);
-    }}
-  }}
-  return seen;
-}}
-"""
-SHIP_FUNCTIONS = f"""{FOG_FUNCTIONS}{SHADOW_FUNCTIONS}
-float sunlit(vec3 p, vec3 n) {{
-  vec3 q = p + {number(SHADOW_BIAS)} * shipLength * n - shipAt;
-  vec2 at = {SHADOW_PIXELS}.0 * (0.5 + 0.5 * vec2(dot(q, sunRight), dot(q, sunUp)) / shipLength);
-  return open(at, dot(q, sunDir) + (2.5 - 1.5 * dot(n, sunDir)) * {number(SHADOW_BIAS)} * shipLength, 0);
-}}
-"""
-
-SHIP_PROGRAM = f"""
-  vec3 away = posW - eyeW;
-  float dist = length(away);
-  away /= dist;
-  vec3 e = -away, n = normalize(nrmW);
-  if (dot(n, e) < -0.3) n = -n;
-  float sun = max(dot(n, sunDir), 0.0);
-  int faces = sun > 0.0 ? 1 : 0;
-  for (int turn = 0; turn < faces; turn++) sun *= sunlit(posW, n);
-  vec3 above = mix({vector(sky.FROM_BELOW)}, {vector(sky.FROM_ABOVE)}, 0.5 + 0.5 * n.y) * attW.y;
-  vec3 c = {number(PAINT_GAIN)} * colW * ({vector(sky.SUNSHINE)} * sun + above) * (1.0 - 0.8 * attW.x);
-  float ci = clamp(dot(n, e), 0.0, 1.0);
-  float share = {number(COAT_REFLECTANCE)} + {number(1.0 - COAT_REFLECTANCE)} * pow(1.0 - ci, 5.0);
-  vec3 ray = 2.0 * dot(n, e) * n - e;
-  vec3 seen = {number(PAINT_GAIN)} * {vector(sky.FROM_BELOW)};
-  if (ray.y > 0.0) seen = skyAt(normalize(ray), mix(5.5, 1.5, attW.x));
-  c += share * mix(0.35, 1.6, attW.x) * attW.y * min(seen, vec3(3.0));
-  vec3 h = normalize(sunDir + e);
-  float c2 = max(dot(h, n), 0.001);
-  c2 *= c2;
-  float facets = exp(-(1.0 - c2) / (c2 * {number(2.0 * PAINT_ROUGHNESS)})) /
-    ({number(2.0 * np.pi * PAINT_ROUGHNESS)} * c2 * c2);
-  c += sunLight * {number(COAT_REFLECTANCE)} * facets * 0.25 * sun;
-  fragOutput0 = vec4(filmic(foggy(c, away, dist)), 1.0);
-"""
+SHADOW_FUNCTIONS = shader("shadow", sys.modules[__name__])
+SHIP_FUNCTIONS = FOG_FUNCTIONS + SHADOW_FUNCTIONS + shader("ship_functions", sys.modules[__name__])
+SHIP_PROGRAM = shader("ship", sky, sys.modules[__name__])
 
 
 def shadow_program(k: int) -> str:
     """GLSL program of the shadow of ship k on the water; the shadow maps of all ships are stacked in one texture."""
-    return f"""
-  vec3 off{k} = posW - shadeAt{k};
-  vec2 cast{k} = 0.5 + 0.5 * vec2(dot(off{k}, sunRight), dot(off{k}, sunUp)) / shadeSize{k};
-  bool inside{k} = all(greaterThan(cast{k}, shadeLow{k}.xy)) && all(lessThan(cast{k}, shadeHigh{k}.xy));
-  int dark{k} = inside{k} && dot(off{k}, sunDir) < shadeHigh{k}.z ? 1 : 0;
-  float depth{k} = dot(off{k}, sunDir) + {number(SHADOW_BIAS)} * shadeSize{k};
-  for (int turn = 0; turn < dark{k}; turn++)
-    sunlit -= 1.0 - open({SHADOW_PIXELS}.0 * cast{k}, depth{k}, {k * SHADOW_PIXELS});
-"""
+    return shader("sea_shadow", sys.modules[__name__], k=k)
 
 
 class ShadowMap:
     """Shadow map of a ship: depth, along the sun's direction, of points spread over her surface."""
 
-    def __init__(self, corners: np.ndarray, length: float) -> None:
-        """`corners`: triangles (m, 3, 3) [m] in body axes; `length`: half the side of the map [m]."""
-        self.length = length
-        self.points = np.ascontiguousarray(spread_points(corners, 2.0 * length / SHADOW_PIXELS).T, np.float32)  # (3, n)
+    def __init__(self, points: np.ndarray, length: float) -> None:
+        """`points`: (n, 3) in body axes [m], no pixel of the map apart; `length`: half the side of the map [m]."""
+        self.length, self.points = length, np.ascontiguousarray(points.T)
 
     def map(self, turn: np.ndarray, sun: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Depths (SHADOW_PIXELS, SHADOW_PIXELS, 3) [m] of the sunlit surface, along the direction to the `sun` from the
         ship's position, in three equal channels; unit vectors of columns and rows. `turn`: from body to world."""
         from scipy.ndimage import maximum_filter
 
-        right = np.cross([0.0, 1.0, 0.0], sun)
-        right /= np.linalg.norm(right)
+        right = sky.unit_vector(np.cross([0.0, 1.0, 0.0], sun))
         up = np.cross(sun, right)
         seen = (np.stack([right, up, sun]) @ turn).astype(np.float32) @ self.points
-        column, row = np.clip(
-            (seen[:2] * (0.5 * SHADOW_PIXELS / self.length) + 0.5 * SHADOW_PIXELS).astype(np.int32),
-            0,
-            SHADOW_PIXELS - 1,
-        )
+        pixel = (seen[:2] * (0.5 * SHADOW_PIXELS / self.length) + 0.5 * SHADOW_PIXELS).astype(np.int32)
+        column, row = np.clip(pixel, 0, SHADOW_PIXELS - 1)
         depth = np.full(SHADOW_PIXELS * SHADOW_PIXELS, UNLIT_DEPTH, np.float32)
         np.maximum.at(depth, row * SHADOW_PIXELS + column, seen[2])
         depth = maximum_filter(depth.reshape(SHADOW_PIXELS, SHADOW_PIXELS), 3)
         return np.repeat(depth[..., None], 3, axis=2), right, up
 
 
-def spread_points(corners: np.ndarray, step: float) -> np.ndarray:
-    """Points (n, 3) spread over triangles (m, 3, 3) up to their edges, at most a step [m] apart."""
-    sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
-    longest = sides.argmax(axis=1)
-    a, b, c = (np.take_along_axis(corners, ((longest + k) % 3)[:, None, None], 1)[:, 0] for k in range(3))
-    along = sides.max(axis=1)
-    height = np.linalg.norm(np.cross(b - a, c - a), axis=1) / np.maximum(along, 1e-12)
-    rows = np.ceil(height / step).astype(int) + 1
-    triangle = np.repeat(np.arange(len(corners)), rows)
-    up = (np.arange(len(triangle)) - np.repeat(np.cumsum(rows) - rows, rows)) / np.maximum(rows - 1, 1)[triangle]
-    many = np.ceil(along[triangle] * (1.0 - up) / step).astype(int) + 1
-    row = np.repeat(np.arange(len(triangle)), many)
-    right = (np.arange(len(row)) - np.repeat(np.cumsum(many) - many, many)) / np.maximum(many - 1, 1)[row]
-    of, up, right = triangle[row], up[row, None], right[:, None]
-    return a[of] + up * (c - a)[of] + right * (1.0 - up) * (b - a)[of]
-
-
 def shadow_bounds(depth: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper bounds (3,) of the shadow in a map of depths (SHADOW_PIXELS, SHADOW_PIXELS) [m]: column and row
     as shares of the map; third, 0 and the greatest depth that lies in shadow [m]. `length`: of the `ShadowMap` [m]."""
     row, column = np.nonzero(depth > UNLIT_DEPTH)
-    low, high = (
-        np.array([column.min(), row.min()]) - SHADOW_SOFTNESS,
-        np.array([column.max(), row.max()]) + 1.0 + SHADOW_SOFTNESS,
-    )
+    low = np.array([column.min(), row.min()]) - SHADOW_SOFTNESS
+    high = np.array([column.max(), row.max()]) + 1.0 + SHADOW_SOFTNESS
     farthest = float(depth.max()) - SHADOW_BIAS * length
     return np.append(low / SHADOW_PIXELS, 0.0), np.append(high / SHADOW_PIXELS, farthest)
 

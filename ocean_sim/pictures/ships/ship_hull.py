@@ -5,14 +5,17 @@ import numpy as np
 from ocean_sim.pictures.ships.ship_parts import (
     Mesh,
     Triple,
-    cut_triangles,
+    area_vectors,
     flat_mesh,
     merge_meshes,
     mirrored_pair,
     paint_bands,
     path_mesh,
+    plain_mesh,
+    quad_triangles,
     smooth_normals,
 )
+from ocean_sim.pictures.stage.sky import unit_vector
 
 MIN_DECK_NORMAL = 0.7  # upward share of the normal of a deck
 MIN_DECK_HEIGHT = 0.6  # of the hull's depth
@@ -31,7 +34,7 @@ class Hull:
         self.breadth, self.depth, self.length = self.upper - self.lower  # [m]
         corners = vertices[triangles]
         self.up, self.level = rest_plane(corners, share)
-        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        across = area_vectors(corners)
         upward = across[:, 1] / np.maximum(np.linalg.norm(across, axis=1), 1e-30)
         high = corners[:, :, 1].min(axis=1) > self.lower[1] + MIN_DECK_HEIGHT * self.depth
         self.is_deck = (upward > MIN_DECK_NORMAL) & high
@@ -60,17 +63,14 @@ class Hull:
         low, high = (share * self.freeboard for share in BOOT_TOP)
         sides = self.values[~self.is_deck] if self.has_deck else self.values
         bands = [(low, antifouling), (high, boot_top), (np.inf, topsides)]
-        hull = paint_bands(sides, self.over_water(sides[:, :, :3]), bands)
+        hull = paint_bands(sides, self.up, self.level, bands)
         return merge_meshes([hull, flat_mesh(self.values[self.is_deck][:, :, :3], deck)]) if self.has_deck else hull
 
     def deck_edge(self) -> np.ndarray:
         """Points (n, 3) [m] of the port edge of the deck, from stern to bow."""
         points = self.vertices[np.unique(self.triangles[self.is_deck])]
-        stations = []
-        for z in np.unique(np.round(points[:, 2], 6)):
-            there = points[np.abs(points[:, 2] - z) < 1e-5]
-            stations.append(there[there[:, 0].argmax()])
-        port = np.array(stations)
+        stations = [points[np.abs(points[:, 2] - z) < 1e-5] for z in np.unique(np.round(points[:, 2], 6))]
+        port = np.array([there[there[:, 0].argmax()] for there in stations])
         return port[port[:, 0] > -1e-4 * self.breadth]
 
 
@@ -138,14 +138,10 @@ class Sheer:
 
 def smooth_strip(low: np.ndarray, high: np.ndarray, colour: Triple) -> Mesh:
     """Mesh of quadrilaterals between two lines (n, 3) [m], with smooth normals along them."""
-    n = len(low)
-    vertices = np.concatenate([low, high])
-    k = np.arange(n - 1)
-    triangles = np.concatenate([np.stack([k, k + n, k + n + 1], axis=1), np.stack([k, k + n + 1, k + 1], axis=1)])
-    corners = vertices[triangles]
-    size = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    kept = triangles[size > 1e-12]
-    return Mesh(vertices[kept], smooth_normals(vertices, kept), np.tile(colour, (len(kept), 1)), np.zeros(len(kept)))
+    vertices, (a, b) = np.concatenate([low, high]), np.arange(2 * len(low)).reshape(2, -1)
+    triangles = quad_triangles(a[:-1], b[:-1], b[1:], a[1:])
+    kept = triangles[np.linalg.norm(area_vectors(vertices[triangles]), axis=1) > 1e-12]
+    return plain_mesh(vertices[kept], smooth_normals(vertices, kept), colour)
 
 
 def rest_plane(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
@@ -159,18 +155,16 @@ def rest_plane(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
     if share >= 1.0:
         return upright, float(top)
     displaced = share * float(submerged_moments(corners, upright, top)[0])
-    level = float(
-        brentq(lambda d: submerged_moments(corners, upright, d)[0] - displaced, top, keel, xtol=1e-10 * (keel - top))
-    )
+    rounding = 1e-10 * (keel - top)
+    level = float(brentq(lambda d: submerged_moments(corners, upright, d)[0] - displaced, top, keel, xtol=rounding))
     size = np.ptp(corners.reshape(-1, 3), axis=0).max()
 
     def tilted(pitch: float, roll: float) -> np.ndarray:
-        up = np.array([np.sin(roll), 1.0, np.sin(pitch)])
-        return up / np.linalg.norm(up)
+        return unit_vector(np.array([np.sin(roll), 1.0, np.sin(pitch)]))
 
     def residual(state: np.ndarray) -> np.ndarray:
         """Relative errors (3,) of volume and of the centre of buoyancy; `state`: level over hull size, two slopes."""
-        up = tilted(state[1], state[2])
+        up = tilted(*state[1:])
         volume, *moment = submerged_moments(corners, up, size * state[0])
         arm = np.array(moment) / max(volume, 1e-12)
         arm = arm - (arm @ up) * up
@@ -178,15 +172,17 @@ def rest_plane(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
 
     found = root(residual, np.array([level / size, 0.0, 0.0]), tol=1e-10)
     if found.success and np.abs(found.x[1:]).max() < 0.5:
-        return tilted(found.x[1], found.x[2]), float(size * found.x[0])
+        return tilted(*found.x[1:]), float(size * found.x[0])
     return upright, level
 
 
 def submerged_moments(corners: np.ndarray, up: np.ndarray, level: float) -> np.ndarray:
     """Volume [m3] and first moments [m4] (4,) of closed triangles (m, 3, 3) [m] below n . x + d = 0 (`up`, `level`)."""
+    from trimesh.intersections import slice_faces_plane
+
     apex = -level * up  # on the plane, so that the cut surface adds nothing
-    pieces, height = cut_triangles(corners, corners @ up + level, 0.0)
-    wet = pieces[height.max(axis=1) <= 1e-12 * max(1.0, float(np.abs(corners).max()))]
-    a, b, c = (wet[:, k] - apex for k in range(3))
+    vertices = corners.reshape(-1, 3)
+    wet, faces, _ = slice_faces_plane(vertices, np.arange(len(vertices)).reshape(-1, 3), -up, apex)
+    a, b, c = (wet[faces[:, k]] - apex for k in range(3))
     volume = (a * np.cross(b, c)).sum(axis=1) / 6.0
     return np.concatenate([[volume.sum()], (volume[:, None] * ((a + b + c) / 4.0 + apex)).sum(axis=0)])

@@ -14,6 +14,8 @@ from ocean_sim.parts import library
 from ocean_sim.pictures.ships.ship_hull import Hull, Sheer
 from ocean_sim.pictures.ships.ship_parts import Block, Mesh, level_outline, merge_meshes, mirrored_pair, tube_mesh
 from ocean_sim.pictures.stage.render_order import RenderFailed
+from ocean_sim.pictures.stage.sky import painted_light
+from ocean_sim.pictures.water import water_shading
 
 PAINTS = {  # linear RGB
     "white": (0.80, 0.80, 0.77),
@@ -49,6 +51,14 @@ class ShipModel(NamedTuple):
     @property
     def length(self) -> float:
         return float(self.hull.length)
+
+    def placed(self, position: np.ndarray, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Corners (n, 3) [m] of the mesh with her centre of mass at a position, three a triangle, and their 8-bit
+        display RGB in the light of sun and sky; `turn`: (3, 3) from body to world."""
+        mesh, normals = self.mesh, self.mesh.normals.reshape(-1, 3) @ turn.T
+        paint, gloss = np.repeat(mesh.colour, 3, axis=0), np.repeat(mesh.gloss, 3)[:, None]
+        points = mesh.corners.reshape(-1, 3) @ turn.T + position
+        return points, water_shading.display_colours(painted_light(normals, paint, gloss))
 
 
 def kept_model(grid: Mapping[str, Any], key: str) -> ShipModel:

@@ -9,9 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ocean_sim.pictures.stage.sky import unit_vector
+
 Triple = Sequence[float] | np.ndarray  # a point [m] or a colour, linear RGB
 CREASE_COSINE = np.cos(np.radians(38.0))  # faces that meet at a sharper edge are shaded apart
-UPWARD = np.array([0.0, 1.0, 0.0])
 PANE_LIFT = 0.008  # of a wall's height: distance of its panes from it
 
 
@@ -38,15 +39,25 @@ def mirrored_pair(mesh: Mesh) -> Mesh:
 def flat_mesh(corners: np.ndarray, colour: Triple, gloss: float = 0.0, middle: np.ndarray | None = None) -> Mesh:
     """Mesh of flat triangles (m, 3, 3) of a colour and gloss; if the point `middle` is given, all face away from it."""
     corners = np.array(corners, dtype=float).reshape(-1, 3, 3)
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = area_vectors(corners)
     if middle is not None:
         inwards = (normals * (corners.mean(axis=1) - middle)).sum(axis=1) < 0.0
         corners[inwards] = corners[inwards][:, ::-1]
         normals[inwards] *= -1.0
-    size = np.linalg.norm(normals, axis=1)
-    corners, normals = corners[size > 0.0], normals[size > 0.0] / size[size > 0.0, None]
-    m = len(corners)
-    return Mesh(corners, np.repeat(normals[:, None], 3, axis=1), np.tile(colour, (m, 1)), np.full(m, gloss))
+    size = np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    return plain_mesh(corners, np.repeat((normals / size)[:, None], 3, axis=1), colour, gloss)
+
+
+def plain_mesh(corners: np.ndarray, normals: np.ndarray, colour: Triple, gloss: float = 0.0) -> Mesh:
+    """Mesh of triangles (m, 3, 3) [m] with normals (m, 3, 3), of one colour and gloss, without those of no area."""
+    kept = area_vectors(corners).any(axis=1)
+    m = int(kept.sum())
+    return Mesh(corners[kept], normals[kept], np.tile(colour, (m, 1)), np.full(m, gloss))
+
+
+def area_vectors(corners: np.ndarray) -> np.ndarray:
+    """Normals (m, 3) of triangles (m, 3, 3) [m], as long as twice their areas [m2]."""
+    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
 
 def quad_triangles(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.ndarray:
@@ -102,17 +113,15 @@ def level_outline(corners: list[list[float]], y: float) -> np.ndarray:
 def tube_mesh(start: Triple, end: Triple, radii: tuple[float, float], colour: Triple, sides: int = 8) -> Mesh:
     """Mesh of a bar or cone with a number of sides between two points [m], with a radius [m] at each."""
     a, b = np.array(start, dtype=float), np.array(end, dtype=float)
-    along = (b - a) / np.linalg.norm(b - a)
-    across = np.cross(along, UPWARD if abs(along[1]) < 0.9 else [1.0, 0.0, 0.0])
-    across /= np.linalg.norm(across)
+    along = unit_vector(b - a)
+    across = unit_vector(np.cross(along, [0.0, 1.0, 0.0] if abs(along[1]) < 0.9 else [1.0, 0.0, 0.0]))
     angle = 2.0 * np.pi * np.arange(sides) / sides
     ring = np.cos(angle)[:, None] * across + np.sin(angle)[:, None] * np.cross(along, across)
     mesh = Block(a + radii[0] * ring, b + radii[1] * ring).mesh(colour, colour)
     wall = np.arange(len(mesh.corners)) < 2 * sides
-    from_axis = mesh.corners - a
+    from_axis = mesh.corners[wall] - a
     from_axis -= (from_axis @ along)[..., None] * along
-    size = np.linalg.norm(from_axis, axis=2, keepdims=True)
-    mesh.normals[wall] = (from_axis / np.maximum(size, 1e-12))[wall]
+    mesh.normals[wall] = from_axis / np.maximum(np.linalg.norm(from_axis, axis=2, keepdims=True), 1e-12)
     return mesh
 
 
@@ -123,8 +132,7 @@ def path_mesh(points: np.ndarray, radius: float, colour: Triple) -> Mesh:
 
 def smooth_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """Unit normals (m, 3, 3) at triangle corners: area-weighted means of faces around a vertex, not across creases."""
-    a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    faces = np.cross(b - a, c - a)
+    faces = area_vectors(vertices[triangles])
     flat = faces / np.maximum(np.linalg.norm(faces, axis=1, keepdims=True), 1e-30)
     order = np.argsort(triangles.ravel(), kind="stable")
     owner, face = triangles.ravel()[order], order // 3
@@ -137,39 +145,19 @@ def smooth_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     return normals.reshape(-1, 3, 3)
 
 
-def cut_triangles(values: np.ndarray, height: np.ndarray, level: float) -> tuple[np.ndarray, np.ndarray]:
-    """Cut triangles with values (m, 3, k) and heights (m, 3) at their corners along the height `level`, into values (n,
-    3, k) and heights (n, 3) of triangles that each lie on one side, with interpolated corners."""
-    packed = np.concatenate([values, height[:, :, None]], axis=2)
-    over = height > level
-    crossed = over.any(axis=1) & ~over.all(axis=1)
-    whole, packed, over = packed[~crossed], packed[crossed], over[crossed]
-    if not len(packed):
-        return whole[:, :, :-1], whole[:, :, -1]
-    # One corner lies alone on its side of the level: p; both edges from it are cut.
-    lone = np.where(over.sum(axis=1) == 1, over.argmax(axis=1), (~over).argmax(axis=1))
-    p, q, r = (packed[np.arange(len(packed)), (lone + k) % 3] for k in range(3))
+def paint_bands(values: np.ndarray, up: np.ndarray, level: float, bands: Sequence[tuple[float, Triple]]) -> Mesh:
+    """Mesh of triangles (m, 3, 6) of points [m] and normals, coloured by height and cut where colours meet. The height
+    of a point x is up . x + level [m]; `bands`: (upper limit [m], colour) from below, the last without limit."""
+    from trimesh.intersections import slice_faces_plane
 
-    def at_level(s: np.ndarray, e: np.ndarray) -> np.ndarray:
-        """Point (n, k + 1) at the height `level` on the edges from s to e, both (n, k + 1) with the height last."""
-        point = s + (level - s[:, -1:]) / (e[:, -1:] - s[:, -1:]) * (e - s)
-        point[:, -1] = level
-        return point
-
-    pq, pr = at_level(p, q), at_level(p, r)
-    pieces = np.concatenate([whole, *(np.stack(t, axis=1) for t in ((p, pq, pr), (pq, q, r), (pq, r, pr)))])
-    return pieces[:, :, :-1], pieces[:, :, -1]
-
-
-def paint_bands(values: np.ndarray, height: np.ndarray, bands: Sequence[tuple[float, Triple]]) -> Mesh:
-    """Mesh of triangles (m, 3, 6) of points and normals, coloured by height (m, 3) and cut where colours meet; `bands`:
-    (upper limit, colour) from below, the last without limit."""
-    limits = [limit for limit, _ in bands[:-1]]
-    for limit in limits:
-        values, height = cut_triangles(values, height, limit)
-    number = np.searchsorted(limits, height.mean(axis=1))
-    size = np.linalg.norm(np.cross(values[:, 1, :3] - values[:, 0, :3], values[:, 2, :3] - values[:, 0, :3]), axis=1)
-    values, number = values[size > 0.0], number[size > 0.0]
-    colour = np.array([paint for _, paint in bands], dtype=float)[number]
-    normals = values[:, :, 3:] / np.linalg.norm(values[:, :, 3:], axis=2, keepdims=True)
-    return Mesh(values[:, :, :3], normals, colour, np.zeros(len(colour)))
+    vertices, normals = values.reshape(-1, 6)[:, :3], values.reshape(-1, 6)[:, 3:]
+    whole, lower, parts = np.arange(len(vertices)).reshape(-1, 3), -np.inf, []
+    for upper, colour in bands:
+        x, faces, n = vertices, whole, normals
+        for sense, limit in ((1.0, lower), (-1.0, upper)):
+            if np.isfinite(limit):
+                x, faces, n = slice_faces_plane(x, faces, sense * up, (limit - level) * up, uv=n)
+        if len(faces):
+            parts.append(plain_mesh(x[faces], unit_vector(n[faces]), colour))
+        lower = upper
+    return merge_meshes(parts)

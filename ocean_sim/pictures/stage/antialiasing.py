@@ -3,10 +3,8 @@ and a pixel is mixed with its neighbour across the edge by the share that the ed
 
 import numpy as np
 
-MIN_CONTRAST, MIN_RELATIVE_CONTRAST = (
-    32,
-    0.25,
-)  # contrast of brightness of 255, and over the brightest around, from which there is an edge
+# Contrast of brightness of 255, and over the brightest around, from which there is an edge
+MIN_CONTRAST, MIN_RELATIVE_CONTRAST = 32, 0.25
 EDGE_REACHES = (1.0, 2.0, 3.0, 4.5, 6.5, 10.5, 18.5)  # pixels along an edge at which it is looked for its end
 BATCH_ROWS = 60  # that are looked at together: what is worked with stays in the processor's cache
 SINGLE_PIXEL_BLUR = 0.6  # of the blur of what is a single pixel wide

@@ -5,6 +5,8 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from ocean_sim.pictures.stage.sky import unit_vector
+
 CameraName = Literal["third_person", "follow", "orbit", "fixed", "first_person", "top", "side"]
 SHIP_CAMERAS = ("follow", "first_person")  # that need a ship
 VIEW_ANGLE = 35.0  # [deg], vertical
@@ -24,11 +26,8 @@ VIEW_DIRECTIONS = {  # direction of view, and what is up in the picture
 LONG_BASIN = 2.5  # lengths of a ship; in a longer basin `third_person` follows it
 FOLLOWED_REACH = 0.62  # lengths of a ship that it sees each way then, from the still water up
 HEAVE_ROOM = 0.16  # lengths of a ship over her top at rest that stay in the picture, too: she rises with the waves
-FOLLOW_DISTANCE, FOLLOW_HEIGHT, FOLLOW_ANGLE = (
-    1.9,
-    0.5,
-    22.0,
-)  # lengths of a ship and [deg] to starboard, from which `follow` looks at it
+# Lengths of a ship and [deg] to starboard, from which `follow` looks at it
+FOLLOW_DISTANCE, FOLLOW_HEIGHT, FOLLOW_ANGLE = 1.9, 0.5, 22.0
 FOLLOW_LAGS = 0.9, 1.6  # [s] in which `follow` makes up for 1 - 1/e of a change of position and of heading
 ORBIT_RADIUS, ORBIT_HEIGHT = 2.2, 0.55  # lengths of a ship: radius and height of `orbit`
 HELM_PITCH = 5.0  # [deg] below straight ahead, from the helm
@@ -114,10 +113,8 @@ class Operator:
         if name == "fixed":
             self.standing = camera_looking(np.array(given["eye"], dtype=float), np.array(given["target"], dtype=float))
         elif name == "side" and given.get("at_sea"):
-            middle = 0.5 * (lower + upper) * [1.0, 0.0, 1.0]
-            self.standing = camera_abeam(
-                middle, np.array(VIEW_DIRECTIONS["side"][0]), 0.5 * (upper[0] - lower[0]), aspect
-            )
+            middle, reach = 0.5 * (lower + upper) * [1.0, 0.0, 1.0], 0.5 * (upper[0] - lower[0])
+            self.standing = camera_abeam(middle, np.array(VIEW_DIRECTIONS["side"][0]), reach, aspect)
         else:
             self.standing = camera_on_box(name if name in VIEW_DIRECTIONS else "third_person", lower, upper, aspect)
         self.trail = np.zeros((0, 3)), np.zeros(0)
@@ -141,15 +138,11 @@ class Operator:
             if self.name == "side":
                 beam = np.array([np.cos(heading), 0.0, -np.sin(heading)])
                 return camera_abeam(centre, beam, SIDE_REACH * vessel.length, self.aspect)
-            ahead = np.array(
-                [np.sin(heading + np.radians(FOLLOW_ANGLE)), 0.0, np.cos(heading + np.radians(FOLLOW_ANGLE))]
-            )
+            towards = heading + np.radians(FOLLOW_ANGLE)
+            ahead = np.array([np.sin(towards), 0.0, np.cos(towards)])
             eye = centre - FOLLOW_DISTANCE * vessel.length * ahead + [0.0, FOLLOW_HEIGHT * vessel.length, 0.0]
             return camera_near_ship(eye, centre + [0.0, 0.08 * vessel.length, 0.0], vessel.length)
-        angle = np.radians(HELM_PITCH)
-        forward, up = np.array([0.0, -np.sin(angle), np.cos(angle)]), np.array([0.0, np.cos(angle), np.sin(angle)])
-        near = 0.5 * NEAR_SHARE * vessel.length
-        return Camera(position + turn @ vessel.helm, turn @ forward, turn @ up, None, WIDE_ANGLE, near)
+        return helm_camera(position, turn, vessel.helm, 0.5 * NEAR_SHARE * vessel.length)
 
     def near_ship(self, position: np.ndarray, length: float) -> Camera:
         """Camera `third_person` at a ship's position [m]; moves with her if the basin is long or she may leave it."""
@@ -169,12 +162,10 @@ class Operator:
         turned = np.arctan2(-forward[0], -forward[2]) + 2.0 * np.pi * (time - start) / max(end - start, 1e-9)
         around = np.array([np.sin(turned), 0.0, np.cos(turned)])
         if self.vessel is not None:
-            length = self.vessel.length
-            track = self.vessel.track
+            length, track = self.vessel.length, self.vessel.track
             middle = np.array([np.interp(time, track.time, track.position[:, axis]) for axis in range(3)]) * [1, 0, 1]
-            return camera_near_ship(
-                middle + length * (ORBIT_RADIUS * around + [0.0, ORBIT_HEIGHT, 0.0]), middle, length
-            )
+            eye = middle + length * (ORBIT_RADIUS * around + [0.0, ORBIT_HEIGHT, 0.0])
+            return camera_near_ship(eye, middle, length)
         middle = 0.5 * (self.lower + self.upper)
         away = self.standing.eye - middle
         return camera_looking(middle + np.hypot(away[0], away[2]) * around + [0.0, away[1], 0.0], middle)
@@ -182,9 +173,8 @@ class Operator:
 
 def camera_looking(eye: np.ndarray, target: np.ndarray) -> Camera:
     """Camera at `eye` that looks at `target` [m], with a level horizon."""
-    forward = (target - eye) / np.linalg.norm(target - eye)
-    right = np.cross(forward, [0.0, 1.0, 0.0] if abs(forward[1]) < 0.999 else [0.0, 0.0, -1.0])
-    right /= np.linalg.norm(right)
+    forward = unit_vector(target - eye)
+    right = unit_vector(np.cross(forward, [0.0, 1.0, 0.0] if abs(forward[1]) < 0.999 else [0.0, 0.0, -1.0]))
     return Camera(eye, forward, np.cross(right, forward), None)
 
 
@@ -198,6 +188,14 @@ def raised_camera(camera: Camera, top: np.ndarray) -> Camera:
 def camera_near_ship(eye: np.ndarray, target: np.ndarray, length: float) -> Camera:
     """Camera like that of `camera_looking` that also draws things close to the eye; `length`: of the ship [m]."""
     return camera_looking(eye, target)._replace(near=NEAR_SHARE * length)
+
+
+def helm_camera(position: np.ndarray, turn: np.ndarray, helm: np.ndarray, near: float) -> Camera:
+    """Camera at the helm (3,) [m] of a ship at a position, which looks ahead and a little down; `turn`: (3, 3) from
+    body to world; `near`: least distance that is drawn [m]."""
+    angle = np.radians(HELM_PITCH)
+    forward, up = np.array([0.0, -np.sin(angle), np.cos(angle)]), np.array([0.0, np.cos(angle), np.sin(angle)])
+    return Camera(position + turn @ helm, turn @ forward, turn @ up, None, WIDE_ANGLE, near)
 
 
 def damped_track(track: Track) -> tuple[np.ndarray, np.ndarray]:
@@ -222,9 +220,8 @@ def camera_abeam(middle: np.ndarray, forward: np.ndarray, reach: float, aspect: 
 
 def camera_on_box(name: CameraName, lower: np.ndarray, upper: np.ndarray, aspect: float) -> Camera:
     """Camera `name` that sees a whole box from `lower` to `upper` [m] in a picture `aspect` times as wide as high."""
-    forward, up = (np.array(v) / np.linalg.norm(v) for v in VIEW_DIRECTIONS[name])
-    right = np.cross(forward, up)
-    right /= np.linalg.norm(right)
+    forward, up = (unit_vector(np.array(v)) for v in VIEW_DIRECTIONS[name])
+    right = unit_vector(np.cross(forward, up))
     up = np.cross(right, forward)
     headroom = SKY_HEADROOM * (upper - lower).max() if name == "third_person" else 0.0
     top = upper + [0.0, headroom, 0.0]

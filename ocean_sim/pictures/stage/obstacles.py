@@ -19,8 +19,7 @@ def sand_mesh(ground: Ground, breadth: float) -> tuple[np.ndarray, np.ndarray, n
     corners, normals = ground.body_mesh(breadth)
     middle = ground.extent.mean(axis=0) * [1.0, 0.0, 1.0]
     vertices = middle + (corners.reshape(-1, 3) - middle) * [1.0 + INSET_SHARE, 1.0, 1.0 + INSET_SHARE]
-    light = painted_light(normals, np.broadcast_to(SAND_COLOUR, normals.shape), np.zeros((len(normals), 1)))
-    colours = np.repeat(water_shading.display_colours(light), 3, axis=0)
+    colours = np.repeat(water_shading.display_colours(painted_light(normals, SAND_COLOUR)), 3, axis=0)
     return vertices, np.arange(len(vertices)).reshape(-1, 3), colours
 
 
@@ -48,16 +47,7 @@ class Obstacles:
             shapes.append(pyvista.PolyData.from_regular_faces(points, np.arange(len(points)).reshape(-1, 3)))
         if shapes:
             shape = pyvista.merge(shapes, merge_points=False)
-            paint = np.broadcast_to(CONCRETE_COLOUR, (shape.n_cells, 3))
-            light = painted_light(shape.face_normals, paint, np.zeros((shape.n_cells, 1)))
+            light = painted_light(shape.face_normals, CONCRETE_COLOUR)
             shape.cell_data["colour"] = water_shading.display_colours(light)
-            plotter.add_mesh(
-                shape,
-                scalars="colour",
-                rgb=True,
-                lighting=False,
-                smooth_shading=False,
-                name=name,
-                reset_camera=False,
-                render=False,
-            )
+            shown = {"smooth_shading": False, "name": name, "reset_camera": False, "render": False}
+            plotter.add_mesh(shape, scalars="colour", rgb=True, lighting=False, **shown)

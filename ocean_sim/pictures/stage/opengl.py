@@ -4,9 +4,11 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Mapping
 from contextlib import suppress
 from functools import cache
 from importlib.metadata import version
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -17,6 +19,7 @@ from ocean_sim.machine import cache_directory, missing_extra
 WINDOW_CLASSES = ("vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow")  # EGL draws faster here, OSMesa is the other way
 INSTALL_COMMAND = "apt-get install --no-install-recommends libegl1 libgl1-mesa-dri"
 NOTE_FOLDER = "opengl"  # of the cache, where a success is noted
+PROBE_SECONDS = 120.0  # [s]
 PROBE_PROGRAM = """
 import pyvista
 plotter = pyvista.Plotter(off_screen=True, window_size=(16, 16))
@@ -73,9 +76,17 @@ def forget() -> None:
 
 def draws(name: str) -> bool:
     """True if a child process draws with this VTK window class and ends well."""
-    command = [sys.executable, "-c", PROBE_PROGRAM]
+    return child_says(f"drawn by {name}", PROBE_PROGRAM, drawing_environment(name))
+
+
+def child_says(words: str, program: str, environment: Mapping[str, str] | None = None) -> bool:
+    """True if a child process runs a Python program, prints these words and ends well, within PROBE_SECONDS."""
+    command = [sys.executable, "-c", program]
     try:
-        child = subprocess.run(command, env=drawing_environment(name), capture_output=True, text=True, timeout=120)
+        with TemporaryDirectory() as away:  # where it works, as GGUI leaves a file there
+            child = subprocess.run(
+                command, env=environment, cwd=away, capture_output=True, text=True, timeout=PROBE_SECONDS, check=False
+            )
     except (OSError, subprocess.TimeoutExpired):
         return False
-    return child.returncode == 0 and f"drawn by {name}" in child.stdout
+    return child.returncode == 0 and words in child.stdout

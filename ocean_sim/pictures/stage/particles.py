@@ -26,6 +26,8 @@ class Particles(Content):
         cloud["speed [m/s]"] = np.zeros(len(first.position), np.float32)
         stage.plotter.add_light(stage.pyvista.Light(position=tuple(1e3 * sky.SUN_DIRECTION), light_type="scene light"))
         stage.plotter.add_light(stage.pyvista.Light(light_type="headlight", intensity=0.5))
+        place = {"position_x": 0.70, "position_y": 0.90, "width": 0.27, "height": 0.07}
+        letters = {"label_font_size": 14 * stage.samples, "title_font_size": 15 * stage.samples}
         balls = stage.plotter.add_mesh(
             cloud,
             scalars="speed [m/s]",
@@ -34,17 +36,7 @@ class Particles(Content):
             style="points_gaussian",
             render_points_as_spheres=True,
             ambient=0.4,
-            scalar_bar_args={
-                "position_x": 0.70,
-                "position_y": 0.90,
-                "width": 0.27,
-                "height": 0.07,
-                "n_labels": 2,
-                "fmt": "%.2g",
-                "label_font_size": 14 * stage.samples,
-                "title_font_size": 15 * stage.samples,
-                "color": "#10222c",
-            },
+            scalar_bar_args=place | {"n_labels": 2, "fmt": "%.2g", "color": "#10222c"} | letters,
         )
         balls.mapper.SetSplatShaderCode(BALL_PROGRAM)
         balls.mapper.scale_factor = 0.5 * spacing  # [m] radius

@@ -11,21 +11,21 @@ from ocean_sim.parts import key_of
 from ocean_sim.pictures.frame_files import Frame, FrameLog, kept_ground, ship_keys
 from ocean_sim.pictures.ships.ship import DrawnShip, ShadedShip
 from ocean_sim.pictures.ships.ship_model import kept_model
-from ocean_sim.pictures.stage import antialiasing, overlays, sky
+from ocean_sim.pictures.stage import overlays, sky
+from ocean_sim.pictures.stage.antialiasing import sample_means, smooth_edges
 from ocean_sim.pictures.stage.camera import Camera, Operator, Vessel
 from ocean_sim.pictures.stage.obstacles import Obstacles, sand_mesh
 from ocean_sim.pictures.stage.particles import Particles
 from ocean_sim.pictures.stage.plotter import Content, Stage
 from ocean_sim.pictures.stage.render_order import Order, RenderFailed
 from ocean_sim.pictures.stage.wind_marks import WindMarks, arrow_legend
-from ocean_sim.pictures.water import far_sea, sea_state, tank_walls, water_shading
+from ocean_sim.pictures.water import far_sea, sea_state, tank_walls
 from ocean_sim.pictures.water.sea import Sea
+from ocean_sim.pictures.water.water_shading import display_colours
 from ocean_sim.pictures.water.water_surface import SURFACE_NODES, Water
 
-PIXEL_SAMPLES = {
-    "draft": 1,
-    "final": 2,
-}  # along each side of a pixel; where there is one, edges are smoothed afterwards
+# Along each side of a pixel; where there is one, edges are smoothed afterwards
+PIXEL_SAMPLES = {"draft": 1, "final": 2}
 STRIP_PICTURES, STRIP_SHRINKING = 8, 4  # pictures in a row of moments, and pixels along a side of one of its
 MOMENT_GAP = 3  # [pixels] between them
 MAP_CAMERAS = "top", "side"  # cameras that see the whole way of a ship that leaves the basin
@@ -53,11 +53,8 @@ class Shot(NamedTuple):
 
     def finished(self) -> np.ndarray:
         """Finish the picture: (height, width, 3), 8-bit RGB, with smooth edges and bars."""
-        image = (
-            antialiasing.smooth_edges(self.pixels)
-            if self.samples == 1
-            else antialiasing.sample_means(self.pixels, self.samples)
-        )
+        single = self.samples == 1
+        image = smooth_edges(self.pixels) if single else sample_means(self.pixels, self.samples)
         for bar in self.bars:
             bar.draw(image)
         return image
@@ -78,9 +75,8 @@ class Picture:
         flat = bool(self.lower[2] == self.upper[2])
         away = "sea_answers" in grid  # ships are free to leave the basin
         if away and order.camera in MAP_CAMERAS and log.tracks:
-            self.lower, self.upper = swept_box(
-                self.lower, self.upper, [track.position for track in log.tracks.values()]
-            )
+            ways = [track.position for track in log.tracks.values()]
+            self.lower, self.upper = swept_box(self.lower, self.upper, ways)
         models = {key: kept_model(grid, key) for key in ship_keys(grid, "_vertices")}
         vessels = {
             key: Vessel(model.length, model.helm, log.tracks[key], float(model.mesh.corners[..., 1].max()))
@@ -92,18 +88,9 @@ class Picture:
         scene = sea_state.run_scene(Path(order.folder))
         state = None if bare or not order.far_sea else sea_state.SeaState(scene, grid, log)
         open_sea = state is not None and state.open
-        self.operator = Operator(
-            "side" if flat else order.camera,
-            self.lower,
-            self.upper,
-            order.size[0] / order.size[1],
-            log.span,
-            vessel=vessel,
-            eye=order.eye,
-            target=order.target,
-            away=away,
-            at_sea=open_sea,
-        )
+        given = {"vessel": vessel, "eye": order.eye, "target": order.target, "away": away, "at_sea": open_sea}
+        camera, aspect = "side" if flat else order.camera, order.size[0] / order.size[1]
+        self.operator = Operator(camera, self.lower, self.upper, aspect, log.span, **given)
         stage = self.stage = Stage(order.size, self.operator.at(first.time), PIXEL_SAMPLES[order.quality])
         self.plotter = stage.plotter
         middle, size = 0.5 * (self.lower + self.upper), self.upper - self.lower
@@ -125,10 +112,7 @@ class Picture:
         else:
             self.content = Water(stage, grid, SURFACE_NODES[order.quality])
         if ground is not None:
-            vertices, triangles, colours = sand_mesh(ground, float(grid["spacing"]))
-            sand = stage.pyvista.PolyData.from_regular_faces(vertices.astype(np.float32), triangles)
-            sand["colour"] = colours
-            self.plotter.add_mesh(sand, scalars="colour", rgb=True, lighting=False, culling="back")
+            stage.add(*sand_mesh(ground, float(grid["spacing"])), culling="back")
         self.obstacles = Obstacles(stage, grid, self.lower, self.upper)
         self.ships: dict[str, DrawnShip | ShadedShip] = {}
         if isinstance(self.content, Sea):
@@ -164,22 +148,18 @@ class Picture:
         """Add the background: a dome of sky; in parallel projection, a gradient, or from above the ground's colour."""
         camera, pyvista = self.stage.camera, self.stage.pyvista
         if camera.from_above and camera.parallel_height is not None:
-            self.plotter.set_background(
-                water_shading.display_colours(sky.sky_and_ground(camera.forward[None]))[0] / 255.0
-            )
+            self.plotter.set_background(display_colours(sky.sky_and_ground(camera.forward[None]))[0] / 255.0)
             return
         if camera.parallel_height is not None:
-            low, high = (
-                water_shading.display_colours(sky.sky_and_ground(np.array([[0.0, 0.02, -1.0], [0.0, 0.2, -0.98]])))
-                / 255.0
-            )
+            ahead = np.array([[0.0, 0.02, -1.0], [0.0, 0.2, -0.98]])
+            low, high = display_colours(sky.sky_and_ground(ahead)) / 255.0
             self.plotter.set_background(low, top=high)
             return
         radius = 6.0 * self.reach
         dome = pyvista.Sphere(radius=1.0, theta_resolution=90, phi_resolution=361, direction=(0.0, 1.0, 0.0))
         directions = sky.unit_vector(np.asarray(dome.points, dtype=float))
         dome.points = (camera.eye + radius * directions).astype(np.float32)
-        dome["colour"] = water_shading.display_colours(sky.sky_and_ground(directions))
+        dome["colour"] = display_colours(sky.sky_and_ground(directions))
         self.dome = self.plotter.add_mesh(dome, scalars="colour", rgb=True, lighting=False, smooth_shading=False)
         self.first_eye = camera.eye
         if camera.forward[1] > -0.9:
@@ -188,21 +168,14 @@ class Picture:
     def shadow(self) -> None:
         """Add the soft shadow of the block of water on the ground below it, and lines on the ground."""
         size, middle = self.upper - self.lower, 0.5 * (self.lower + self.upper)
-        plane = self.stage.pyvista.Plane(
-            center=(middle[0], self.lower[1] - 0.02 * size[1], middle[2]),  # below a dry bed
-            direction=(0.0, 1.0, 0.0),
-            i_size=5.0 * size[2],
-            j_size=5.0 * size[0],
-            i_resolution=160,
-            j_resolution=160,
-        )
+        centre = middle[0], self.lower[1] - 0.02 * size[1], middle[2]  # below a dry bed
+        plane = self.stage.pyvista.Plane(centre, (0.0, 1.0, 0.0), 5.0 * size[2], 5.0 * size[0], 160, 160)
         away = np.asarray(plane.points, dtype=float) + 0.5 * size[1] * sky.SUN_DIRECTION
         outside = np.maximum(0.0, np.maximum(self.lower - away, away - self.upper))[:, [0, 2]]
         reach = 0.10 * max(size[0], size[2])
         darkness = 0.5 * np.exp(-np.square(outside / reach).sum(axis=1))
-        plane["colour"] = np.column_stack(
-            [np.full((plane.n_points, 3), tank_walls.GROUND_LINE_COLOUR), 255 * darkness]
-        ).astype(np.uint8)
+        ink = np.full((plane.n_points, 3), tank_walls.GROUND_LINE_COLOUR)
+        plane["colour"] = np.column_stack([ink, 255 * darkness]).astype(np.uint8)
         self.plotter.add_mesh(plane, scalars="colour", rgba=True, lighting=False)
         tank_walls.add_ground_lines(self.stage, self.lower, self.upper, self.lower[1] - 0.019 * size[1])
 
@@ -270,14 +243,13 @@ class Moments:
             if len(self.kept) == 2 * STRIP_PICTURES:
                 self.kept, self.every = self.kept[::2], 2 * self.every
             if self.seen % self.every == 0:
-                self.kept.append(antialiasing.sample_means(image, STRIP_SHRINKING))
+                self.kept.append(sample_means(image, STRIP_SHRINKING))
         self.seen += 1
 
     def row(self) -> np.ndarray:
         """Strip (height, width, 3) of small pictures side by side, evenly spaced over the film so far."""
-        chosen = np.unique(
-            np.round(np.linspace(0, len(self.kept) - 1, min(STRIP_PICTURES, len(self.kept)))).astype(int)
-        )
+        even = np.linspace(0, len(self.kept) - 1, min(STRIP_PICTURES, len(self.kept)))
+        chosen = np.unique(np.round(even).astype(int))
         return picture_row([self.kept[k] for k in chosen], MOMENT_GAP)
 
 

@@ -3,6 +3,8 @@
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+
 from ocean_sim.pictures.frame_files import Frame
 from ocean_sim.pictures.stage.camera import Camera
 from ocean_sim.pictures.stage.render_order import RenderFailed
@@ -28,6 +30,21 @@ class Stage:
         plotter.disable_anti_aliasing()  # PyVista's default multiplies the time of a picture
         plotter.render_window.SetMultiSamples(0)
         return plotter
+
+    def mesh(self, points: np.ndarray, faces: np.ndarray, **vectors: np.ndarray) -> Any:
+        """PyVista mesh of faces (m, 3) or (m, 4) between points (n, 3) [m], with vectors (n, 3) at these by name."""
+        made = self.pyvista.PolyData.from_regular_faces(points.astype(np.float32), faces)
+        for name, values in vectors.items():
+            made.point_data[name] = values.astype(np.float32)
+        return made
+
+    def add(self, points: np.ndarray, faces: np.ndarray, colours: np.ndarray, **shown: Any) -> Any:
+        """Add faces (m, 3) or (m, 4) between points (n, 3) [m] with display colours (n, 3), 8-bit RGB, or (n, 4) with
+        opacity; `shown`: more options of PyVista's add_mesh. Returns the mesh, whose points and "colour" may change."""
+        mesh = self.mesh(points, faces)
+        mesh["colour"] = colours
+        self.plotter.add_mesh(mesh, scalars="colour", rgb=True, lighting=False, **shown)
+        return mesh
 
     def render(self) -> None:
         """Render the picture; raises RenderFailed if OpenGL refuses a shader program."""

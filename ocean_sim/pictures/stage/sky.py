@@ -26,20 +26,15 @@ FROM_BELOW = np.array([0.12, 0.16, 0.18])  # light that the water throws back
 MIRRORED = np.array([0.30, 0.42, 0.56])  # of the sky, in panes
 
 MIN_SKY_HEIGHT = 0.004  # height of a direction at which the sky is read for any lower one
-HAZE_SIZE = (
-    64,
-    128,
-)  # rows and columns of the colours of fog that are kept, one direction around the horizon after another
+# Rows and columns of the colours of fog that are kept, one direction around the horizon after another
+HAZE_SIZE = (64, 128)
 HAZE_LEVEL, MAX_HAZE = 3.5, 3.0  # smaller copy of the sky that it comes from, and to which radiance it is cut
-GROUND_RADIUS, TOP_RADIUS = (
-    6360e3,
-    6420e3,
-)  # [m] of the Earth and of its air (Nishita et al. 1993, Bruneton & Neyret 2008)
+# [m] of the Earth and of its air (Nishita et al. 1993, Bruneton & Neyret 2008)
+GROUND_RADIUS, TOP_RADIUS = 6360e3, 6420e3
 RAYLEIGH_SCATTERING, RAYLEIGH_HEIGHT = np.array([5.8e-6, 13.5e-6, 33.1e-6]), 8000.0  # [1/m] at sea level, [m]
 MIE_SCATTERING, MIE_HEIGHT, MIE_FORWARD = np.full(3, 5.0e-6), 1200.0, 0.76  # [1/m], [m], Henyey-Greenstein's g
-MULTIPLE_SCATTERING = np.array(
-    [0.02, 0.09, -0.75]
-)  # taken off at the horizon: light scattered often is whiter than once (ours)
+# Share of light taken off at the horizon: light scattered often is whiter than once (ours)
+MULTIPLE_SCATTERING = np.array([0.02, 0.09, -0.75])
 CLOUD_COVER, CLOUD_SEED = 0.5, 3  # share of the sky, and seed of their noise
 CLEAR_SIDE = 128  # pixels along a side of the image of the clear gradient
 SUN_RADIANCE = 22.0  # radiance of the sun before the air, in the units of these pictures
@@ -52,25 +47,21 @@ def clear_sky(direction: np.ndarray) -> np.ndarray:
     towards = np.clip(direction @ SUN_DIRECTION, 0.0, 1.0)[:, None]
     low = (1.0 - up) ** 20
     clear = ZENITH_COLOUR + (HORIZON_COLOUR - ZENITH_COLOUR) * (0.3 * (1.0 - up) ** 3 + 0.7 * low)
-    return (
-        clear
-        + (HAZE_COLOUR - HORIZON_COLOUR) * low * towards**3
-        + SUNLIGHT_COLOUR * (0.22 * towards**12 + 0.5 * towards**220)
-    )
+    clear += (HAZE_COLOUR - HORIZON_COLOUR) * low * towards**3
+    return clear + SUNLIGHT_COLOUR * (0.22 * towards**12 + 0.5 * towards**220)
 
 
 def sky_and_ground(direction: np.ndarray) -> np.ndarray:
     """Radiance (n, 3) in unit directions (n, 3) of a clear sky, and of a ground that darkens downwards."""
     down = np.clip(-direction[:, 1], 0.0, 1.0)[:, None]
-    flat = unit_vector(
-        np.column_stack([direction[:, 0] + 1e-12, np.zeros(len(direction)), direction[:, 2]])
-    )  # not (0, 0, 0)
+    flat = unit_vector(direction * [1.0, 0.0, 1.0] + [1e-12, 0.0, 0.0])  # not (0, 0, 0)
     ground = GROUND_COLOUR + (0.72 * clear_sky(flat) - GROUND_COLOUR) * np.exp(-down / 0.22)
     return np.where(direction[:, 1:2] >= 0.0, clear_sky(direction), ground)
 
 
-def painted_light(normals: np.ndarray, paint: np.ndarray, gloss: np.ndarray) -> np.ndarray:
-    """Linear RGB (n, 3) of painted surfaces in sun and sky; `gloss` (n, 1): 1 for panes that mirror the sky, else 0."""
+def painted_light(normals: np.ndarray, paint: np.ndarray, gloss: np.ndarray | float = 0.0) -> np.ndarray:
+    """Linear RGB (n, 3) of surfaces with normals (n, 3) in sun and sky; `paint`: linear RGB, (3,) or (n, 3); `gloss`
+    (n, 1): 1 for panes that mirror the sky, else 0."""
     sun = np.clip(normals @ SUN_DIRECTION, 0.0, 1.0)[:, None]
     above = 0.5 + 0.5 * normals[:, 1:2]
     ambient = FROM_BELOW + (FROM_ABOVE - FROM_BELOW) * above
@@ -109,9 +100,7 @@ class Sky:
     def sample(self, direction: np.ndarray, level: np.ndarray | float = 0.0) -> np.ndarray:
         """Radiance (n, 3) in unit directions (n, 3), interpolated between mipmap `level` and the next; directions at or
         below the horizon get the value just above it."""
-        d = unit_vector(
-            np.column_stack([direction[:, 0], np.maximum(direction[:, 1], MIN_SKY_HEIGHT), direction[:, 2]])
-        )
+        d = unit_vector(np.maximum(direction, [-1.0, MIN_SKY_HEIGHT, -1.0]))
         at = 0.5 + 0.5 * d[:, [0, 2]] / (1.0 + d[:, 1:2])
         levels = np.clip(np.broadcast_to(level, len(d)), 0.0, len(self.levels) - 1.0)
         low = np.floor(levels).astype(int)
@@ -119,10 +108,9 @@ class Sky:
         for k in np.unique(low):
             here = low == k
             share = (levels[here] - k)[:, None]
-            coarser = self.levels[min(k + 1, len(self.levels) - 1)]
-            result[here] = (1.0 - share) * bilinear_values(self.levels[k], at[here]) + share * bilinear_values(
-                coarser, at[here]
-            )
+            nearest = self.levels[k], self.levels[min(k + 1, len(self.levels) - 1)]
+            fine, coarse = (bilinear_values(image, at[here]) for image in nearest)
+            result[here] = (1.0 - share) * fine + share * coarse
         return result
 
 
@@ -165,13 +153,8 @@ def make_sky(side: int) -> dict[str, np.ndarray]:
 
     sun, coarse = SUN_DIRECTION, sky_directions(128)
     coarse[..., 1] = np.maximum(coarse[..., 1], 0.003)
-    image = zoom(
-        scattered_light(unit_vector(coarse), sun)[0],
-        (side / 128, side / 128, 1),
-        order=1,
-        grid_mode=True,
-        mode="nearest",
-    )
+    light = scattered_light(unit_vector(coarse), sun)[0]
+    image = zoom(light, (side / 128, side / 128, 1), order=1, grid_mode=True, mode="nearest")
     sunlight = scattered_light(sun[None], sun)[1][0]
     d = sky_directions(side)
     image = image * (1.0 - np.clip(1.0 - np.abs(d[..., 1:2]) / 0.25, 0.0, 1.0) * MULTIPLE_SCATTERING)
@@ -215,10 +198,8 @@ def scattered_light(d: np.ndarray, sun: np.ndarray, steps: int = 24, inner: int 
         through = veil(thick_r + sun_r, thick_m + sun_m)
         light_r += through * here_r[..., None]
         light_m += through * here_m[..., None]
-    seen = SUN_RADIANCE * (
-        light_r * RAYLEIGH_SCATTERING * rayleigh_phase[..., None] + light_m * MIE_SCATTERING * mie_phase[..., None]
-    )
-    return seen, veil(thick_r, thick_m)
+    rayleigh, mie = RAYLEIGH_SCATTERING * rayleigh_phase[..., None], MIE_SCATTERING * mie_phase[..., None]
+    return SUN_RADIANCE * (light_r * rayleigh + light_m * mie), veil(thick_r, thick_m)
 
 
 def distance_to_top(point: np.ndarray, d: np.ndarray) -> np.ndarray:
@@ -233,13 +214,8 @@ def add_clouds(d: np.ndarray, clear: np.ndarray, sunlight: np.ndarray) -> tuple[
     cover, seed = CLOUD_COVER, CLOUD_SEED
     up = np.maximum(d[..., 1], 1e-3)
     layer = d[..., [0, 2]] / (up + 0.08)[..., None] * 1.15 + [3.1 * seed, 0.7]
-    warp = (
-        np.stack(
-            [fractal_noise(1.3 * layer + 5.0, 4, seed + 20), fractal_noise(1.3 * layer + 9.0, 4, seed + 30)], axis=-1
-        )
-        - 0.5
-    )
-    where = layer * [0.8, 1.0] + 1.2 * warp
+    warps = [fractal_noise(1.3 * layer + shift, 4, seed + stream) for shift, stream in ((5.0, 20), (9.0, 30))]
+    where = layer * [0.8, 1.0] + 1.2 * (np.stack(warps, axis=-1) - 0.5)
     raw = np.clip((fractal_noise(where, 7, seed) - (0.62 - 0.22 * cover)) / 0.22, 0.0, 1.0)
     hidden = raw * raw * (3.0 - 2.0 * raw) * np.clip((d[..., 1] - 0.015) / 0.12, 0.0, 1.0) * 0.92
     sunward = fractal_noise(where + 0.12 * SUN_DIRECTION[[0, 2]], 5, seed)

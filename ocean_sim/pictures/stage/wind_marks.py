@@ -11,17 +11,13 @@ from ocean_sim.pictures.water import water_shading
 
 VOLUME_COLOUR, ARROW_COLOUR = "#ffb347", np.array([0.95, 0.42, 0.04])  # of volumes; of arrows, linear RGB
 VOLUME_OPACITY = 0.22  # opacity of a volume
-MIN_VOLUME_HEIGHT, MAX_VOLUME_HEIGHT = (
-    0.10,
-    0.18,
-)  # of the basin's length: least and greatest height of a volume over the water
+# Least and greatest height of a volume over the water, over the basin's length
+MIN_VOLUME_HEIGHT, MAX_VOLUME_HEIGHT = 0.10, 0.18
 VOLUME_DEPTH = 0.2  # of the basin's length: how far it goes on below, where waves hide it
 MAX_ARROW, ARROW_HEIGHT = 0.13, 0.02  # of the basin's length: the longest arrow, and how far over the water they begin
 ARROW_TITLES = {"m/s²": "acceleration by wind"}  # what an arrow shows, by its unit, where it is not the wind itself
-MIN_ARROW, CROSS_SIZE = (
-    0.02,
-    0.05,
-)  # of the basin's length: the arrow below which there is a cross instead, and its size
+# Length of an arrow below which there is a cross instead, and its size, over the basin's length
+MIN_ARROW, CROSS_SIZE = 0.02, 0.05
 
 
 class WindMarks:
@@ -29,9 +25,11 @@ class WindMarks:
 
     def __init__(self, stage: Stage, lower: np.ndarray, upper: np.ndarray) -> None:
         self.stage, self.length = stage, float(max(upper[0] - lower[0], upper[2] - lower[2]))
-        self.arrow = stage.pyvista.Arrow(tip_length=0.3, tip_radius=0.09, shaft_radius=0.032).triangulate()
+        arrow = stage.pyvista.Arrow(tip_length=0.3, tip_radius=0.09, shaft_radius=0.032).triangulate()
+        self.arrow = arrow.compute_normals(split_vertices=True)
         arms = [stage.pyvista.Cylinder(direction=axis, radius=0.05, height=1.0) for axis in np.eye(3)]
-        self.cross = arms[0].merge(arms[1]).merge(arms[2]).extract_surface().triangulate()
+        cross = arms[0].merge(arms[1]).merge(arms[2]).extract_surface().triangulate()
+        self.cross = cross.compute_normals(split_vertices=True)
 
     def show(self, frame: Frame, heights: np.ndarray) -> None:
         """Draw the wind of a frame; `heights` (n,) [m]: of the water at the arrows."""
@@ -47,26 +45,14 @@ class WindMarks:
 
     def copies(self, name: str, model: object, positions: np.ndarray, along: np.ndarray) -> None:
         """Draw copies of a model, 1 long and along x, at positions (n, 3) [m], turned and scaled to vectors (n, 3)."""
-        plotter = self.stage.plotter
-        plotter.remove_actor(name, render=False)
+        self.stage.plotter.remove_actor(name, render=False)
         if not len(positions):
             return
-        shape = self.stage.pyvista.PolyData(model).compute_normals(split_vertices=True)
-        points, normals = np.asarray(shape.points, dtype=float), np.asarray(shape.point_normals, dtype=float)
-        corners, facing = [], []
-        for position, vector in zip(positions, along):
-            turn = vector_basis(vector)
-            corners.append(position + np.linalg.norm(vector) * points @ turn)
-            facing.append(normals @ turn)
-        triangles = shape.regular_faces[None] + len(points) * np.arange(len(positions))[:, None, None]
-        made = self.stage.pyvista.PolyData.from_regular_faces(
-            np.concatenate(corners).astype(np.float32), triangles.reshape(-1, 3)
-        )
-        paint = np.broadcast_to(ARROW_COLOUR, (made.n_points, 3))
-        made["colour"] = water_shading.display_colours(
-            painted_light(np.concatenate(facing), paint, np.zeros((made.n_points, 1)))
-        )
-        plotter.add_mesh(made, scalars="colour", rgb=True, lighting=False, name=name, reset_camera=False, render=False)
+        places = self.stage.mesh(positions, np.zeros((0, 3), int), along=along)
+        copies = places.glyph(orient="along", scale="along", geom=model)
+        colours = water_shading.display_colours(painted_light(copies.point_normals, ARROW_COLOUR))
+        shown = {"name": name, "reset_camera": False, "render": False}
+        self.stage.add(copies.points, copies.regular_faces, colours, **shown)
 
     def show_volumes(self, lines: np.ndarray, crest: float) -> None:
         """Draw walls over the outlines of wind volumes, given by lines (n, 2, 3) [m]; on a map, where walls would hide
@@ -76,13 +62,8 @@ class WindMarks:
         faces, ends = [], []
         for part in connected_parts(lines):
             outline = convex_outline(part.reshape(-1, 3)[:, [0, 2]])
-            top = (
-                crest
-                if on_map
-                else float(
-                    np.clip(part[..., 1].max(), MIN_VOLUME_HEIGHT * self.length, MAX_VOLUME_HEIGHT * self.length)
-                )
-            )
+            low, high = MIN_VOLUME_HEIGHT * self.length, MAX_VOLUME_HEIGHT * self.length
+            top = crest if on_map else float(np.clip(part[..., 1].max(), low, high))
             over = np.insert(outline, 1, top, axis=1)
             under = np.insert(outline, 1, -VOLUME_DEPTH * self.length, axis=1)
             after = np.roll(over, -1, axis=0)
@@ -113,14 +94,6 @@ def arrow_legend(frame: Frame, length: float) -> tuple[float, str]:
         return 0.0, "wind"
     value, unit = round_down(frame.wind_strongest), frame.wind_unit
     return MAX_ARROW * length * value / frame.wind_strongest, f"{ARROW_TITLES.get(unit, 'wind')}, {value:g} {unit}"
-
-
-def vector_basis(vector: np.ndarray) -> np.ndarray:
-    """Orthonormal basis as rows (3, 3): along a vector, and two across it."""
-    along = vector / np.linalg.norm(vector)
-    side = np.cross(along, [0.0, 1.0, 0.0] if abs(along[1]) < 0.9 else [1.0, 0.0, 0.0])
-    side /= np.linalg.norm(side)
-    return np.stack([along, side, np.cross(along, side)])
 
 
 def connected_parts(lines: np.ndarray) -> list[np.ndarray]:

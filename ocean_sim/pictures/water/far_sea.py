@@ -14,27 +14,19 @@ SEA_RADIUS = 14000.0  # [m] where the drawn sea ends, behind the fog
 BLEND_MARGIN = 0.2  # of the basin's shorter side: where its own waves give way to the far ones, within its walls
 NODES_PER_WAVE = (2.0, 3.0)  # at which a wave is not drawn, and is fully drawn
 PIXELS_PER_WAVE = (1.2, 4.0)  # across which the slopes of a wave fade into the width of the glint
-WAVENUMBER_SHELLS, HEADING_SECTORS = (
-    20,
-    6,
-)  # of wavenumbers and of headings in a quarter: in each a wave stands for modes of a basin
+# Ranges of wavenumbers, and of headings in a quarter, in each of which a wave stands for modes of a basin
+WAVENUMBER_SHELLS, HEADING_SECTORS = 20, 6
 MAX_MODE = 0.8  # of half a wave a cell: shorter modes are noise of the particles
 MAX_WAVES = 96  # plane waves of a sea that are drawn far away
 RAY_COUNTS = 120, 320  # least and most of the fan in which the far sea is drawn
 FIRST_RING = 0.35  # [heights of the eye] away, or nearer, where the first ring lies
-RING_SPACING, FAR_RING_GROWTH = (
-    0.03,
-    1.09,
-)  # spacing of rings over their distance, and in the farthest over the one before
-WAVE_REACHES = (
-    (400.0, 0.06),
-    (1000.0, 0.20),
-)  # [m] to which waves but this share of the variance, the shortest, are drawn
+# Spacing of rings over their distance, and in the farthest over the one before
+RING_SPACING, FAR_RING_GROWTH = 0.03, 1.09
+# [m] to which waves but this share of the variance, the shortest, are drawn
+WAVE_REACHES = ((400.0, 0.06), (1000.0, 0.20))
 PEAK_PERIOD = 0.90  # energy period over that of the peak, of JONSWAP's spectrum
-SAMPLE_REACH, SAMPLE_COUNT = (
-    400.0,
-    4096,
-)  # [m] around the eye within which nodes are looked at that lie evenly, and how many
+# [m] around the eye within which nodes are looked at that lie evenly, and how many
+SAMPLE_REACH, SAMPLE_COUNT = 400.0, 4096
 GOLDEN_SHARE = 0.6180339887  # by which a number of a node goes on, so that rays are met as often as each other
 BELT_RINGS = 8  # rings of which the same waves are drawn
 TURN_STEP = np.radians(8.0)  # by which the eye turns before the fan does
@@ -61,9 +53,8 @@ class PlaneWaves:
     def __init__(self, sea: Components, x: np.ndarray, z: np.ndarray) -> None:
         """`x`, `z`: coordinates of the grid's nodes [m]."""
         self.sea = sea
-        self.along_x, self.along_z = (
-            np.exp(1j * nodes[:, None] * k) for nodes, k in zip((x, z), sea.wavevector.T, strict=True)
-        )
+        kx, kz = sea.wavevector.T
+        self.along_x, self.along_z = np.exp(1j * x[:, None] * kx), np.exp(1j * z[:, None] * kz)
 
     def at(self, turning: np.ndarray) -> SeaSample:
         """Sea at the nodes for complex amplitudes (n,) [m] of its waves at their origin (see `complex_amplitudes`)."""
@@ -144,15 +135,8 @@ class Fan:
         bucket = 0.0 if whole else TURN_STEP * round(heading / TURN_STEP)
         step = 2.0 ** (np.round(2.0 * np.log2(max(height, 0.5))) / 2.0)  # heights that are alike look alike
         lengths = shortest_lengths(replace(self.sea, amplitude=amplitude))
-        seen = (
-            bucket,
-            step,
-            float(np.ceil(half / TURN_STEP)),
-            float(np.ceil(lowest / TURN_STEP)),
-            pixel,
-            row,
-            *lengths,
-        )
+        angles = float(np.ceil(half / TURN_STEP)), float(np.ceil(lowest / TURN_STEP))
+        seen = (bucket, step, *angles, pixel, row, *lengths)
         if seen == self.looked:
             return False
         self.looked = seen
@@ -243,9 +227,8 @@ class Modes:
             self.sea = Components(np.zeros(1), np.array([[1.0, 0.0]]), np.zeros(1), depth)
             return
         k = np.hypot(kx, kz)
-        shell = np.minimum(
-            WAVENUMBER_SHELLS * np.log(k / k.min()) / max(np.log(k.max() / k.min()), 1e-9), WAVENUMBER_SHELLS - 1
-        ).astype(int)
+        spread = max(np.log(k.max() / k.min()), 1e-9)
+        shell = np.minimum(WAVENUMBER_SHELLS * np.log(k / k.min()) / spread, WAVENUMBER_SHELLS - 1).astype(int)
         sector = np.minimum(HEADING_SECTORS * np.arctan2(kz, kx) / (0.5 * pi), HEADING_SECTORS - 1).astype(int)
         _, self.numbers = np.unique(shell * HEADING_SECTORS + sector, return_inverse=True)
         many = np.bincount(self.numbers)

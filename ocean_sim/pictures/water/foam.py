@@ -18,9 +18,7 @@ FRESH_THICKNESS = 1.25  # of foam just born, over wholly white: ours, so that th
 PATCH_CELLS = 4.0  # cells of white water along a side of the least patch that a crest makes
 GATHERING_PATCHES = 3.0  # patches apart at which a crest breaks more readily, or less
 GATHERING_SPEED = (1.0, 0.6)  # [cells of white water/s] by which these places go along x and z, for another crest
-MAX_FLECK_SPREAD = (
-    3.0  # times its own cell that a fleck covers before it thins out: a steep trough over the crest before
-)
+MAX_FLECK_SPREAD = 3.0  # cells that a fleck covers before it thins out: a steep trough over the crest before
 FIRST_SPREAD_SHARE = 0.3  # of the cover born where there is none: what the first patches gain as they begin to move
 RIM_POWER = 0.6  # power of the share of a mean within the sides, by which it is divided: ours, so that all vary alike
 SPENT_CONVERGENCE = 0.3  # share of convergence that white water lacks: crests break sooner where none has before
@@ -111,9 +109,8 @@ class FoamField:
 
     def due(self, time: float) -> bool:
         """True if new foam is due at a time [s]: at the first call, and then every BREAKING_INTERVAL."""
-        return not self.started or bool(
-            np.floor(time / BREAKING_INTERVAL + 1e-6) > np.floor(self.ticked / BREAKING_INTERVAL + 1e-6)
-        )
+        now, before = (np.floor(moment / BREAKING_INTERVAL + 1e-6) for moment in (time, self.ticked))
+        return not self.started or bool(now > before)
 
     def advance(
         self, time: float, velocity: np.ndarray, source: np.ndarray | None, wanted: float | None = None
@@ -176,9 +173,8 @@ class FoamField:
         cells = (np.floor(FLECKS_PER_CELL * (along + 0.5)).astype(int) for along in self.flecks[:2])
         covered = rises_to[tuple(cells)] > 0.0
         i, k = np.nonzero(rises_to)
-        fresh = np.stack(
-            [(i + 0.5) / FLECKS_PER_CELL - 0.5, (k + 0.5) / FLECKS_PER_CELL - 0.5, thick[i, k], rises_to[i, k]]
-        )
+        x, z = ((cell + 0.5) / FLECKS_PER_CELL - 0.5 for cell in (i, k))
+        fresh = np.stack([x, z, thick[i, k], rises_to[i, k]])
         self.flecks = np.concatenate([self.flecks[:, ~covered], fresh], axis=1)
         self.white = self.shown(self.flecks[2])
 
@@ -186,9 +182,8 @@ class FoamField:
         """Let flecks rise or fade over a time `step` [s], and remove those too thin to be seen."""
         x, z, thick, rises_to = self.flecks
         rising = rises_to > thick
-        thick = np.where(
-            rising, np.minimum(rises_to, thick + step / RISE_SECONDS), thick * np.exp(-step / FADE_SECONDS)
-        )
+        risen = np.minimum(rises_to, thick + step / RISE_SECONDS)
+        thick = np.where(rising, risen, thick * np.exp(-step / FADE_SECONDS))
         rises_to = np.where(rising & (rises_to > thick), rises_to, 0.0)
         self.flecks = np.stack([x, z, thick, rises_to])[:, np.maximum(thick, rises_to) > MIN_SHARE]
 
@@ -209,12 +204,10 @@ class FoamField:
     def carry(self, way: np.ndarray) -> None:
         """Move flecks and the foam's fine pattern by displacements `way` of the water along x, z (nx, nz, 2) [m]."""
         cells = np.moveaxis(way / self.cell, -1, 0)
-        back = read_ways(
-            cells, np.indices(cells.shape[1:]) - 0.5 * cells
-        )  # in the middle of the way, not at its end: water
-        self.carried = (
-            np.stack([displaced_values(self.carried[..., k], back) for k in range(2)], axis=-1) + way
-        )  # may go around
+        # Ways are read in their middle, not at their end, since water may go around.
+        back = read_ways(cells, np.indices(cells.shape[1:]) - 0.5 * cells)
+        here = np.indices(cells.shape[1:]) - back
+        self.carried = np.moveaxis(read_ways(np.moveaxis(self.carried, -1, 0), here, order=3), 0, -1) + way
         self.flecks[:2] += read_ways(cells, self.flecks[:2] + 0.5 * read_ways(cells, self.flecks[:2]))
         self.leave()
 
@@ -224,10 +217,8 @@ class FoamField:
         self.flecks[:2] -= cells[:, None]
         self.leave()
         for axis, n in enumerate(int(k) for k in cells):
-            self.white, self.carried = (
-                shifted_grid(self.white, FLECKS_PER_CELL * n, axis),
-                shifted_grid(self.carried, n, axis),
-            )
+            self.white = shifted_grid(self.white, FLECKS_PER_CELL * n, axis)
+            self.carried = shifted_grid(self.carried, n, axis)
 
     def leave(self) -> None:
         """Remove flecks outside the grid."""
@@ -258,9 +249,8 @@ def refined_cells(values: np.ndarray) -> np.ndarray:
     (nx, nz), around = values.shape, np.pad(values, 1, mode="edge")
     shares = {(a, b): around * a * b for a, b in product((0.25, 0.75), repeat=2)}
     fine = np.empty((FLECKS_PER_CELL * nx, FLECKS_PER_CELL * nz))
-    for i, k in np.ndindex(
-        FLECKS_PER_CELL, FLECKS_PER_CELL
-    ):  # which half along x and z; from the two cells there, the nearer by 3/4
+    # Each half cell along x and z is a mean of the two cells there, the nearer with a weight of 3/4.
+    for i, k in np.ndindex(FLECKS_PER_CELL, FLECKS_PER_CELL):
         fine[i::FLECKS_PER_CELL, k::FLECKS_PER_CELL] = sum(
             shares[0.25 if i == m else 0.75, 0.25 if k == n else 0.75][i + m : i + m + nx, k + n : k + n + nz]
             for m, n in np.ndindex(2, 2)
@@ -272,13 +262,6 @@ def cell_means(white: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     """Means (nx, nz) of white water `white` on fine cells over the cells of a coarse grid of this shape."""
     nx, nz = shape
     return white.reshape(nx, white.shape[0] // nx, nz, white.shape[1] // nz).mean(axis=(1, 3))
-
-
-def displaced_values(values: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Values (nx, nz) moved by `cells` (2, nx, nz) over their grid, by a cubic spline; constant beyond its edge."""
-    from scipy.ndimage import map_coordinates
-
-    return np.asarray(map_coordinates(values, np.indices(values.shape) - cells, mode="nearest"))
 
 
 def untorn_displacement(carried: np.ndarray, cell: np.ndarray) -> np.ndarray:
@@ -294,11 +277,12 @@ def untorn_displacement(carried: np.ndarray, cell: np.ndarray) -> np.ndarray:
     return carried + share * (gaussian_filter(carried, (TORN_MEAN_CELLS, TORN_MEAN_CELLS, 0.0)) - carried)
 
 
-def read_ways(ways: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Displacements `ways` (2, nx, nz) at cell centres, interpolated linearly to places (2, ...) [cells]."""
+def read_ways(ways: np.ndarray, places: np.ndarray, order: int = 1) -> np.ndarray:
+    """Displacements `ways` (2, nx, nz) at cell centres, interpolated by splines of an order to places (2, ...) [cells];
+    constant beyond the edge of the grid."""
     from scipy.ndimage import map_coordinates
 
-    return np.stack([map_coordinates(way, places, order=1, mode="nearest") for way in ways])
+    return np.stack([map_coordinates(way, places, order=order, mode="nearest") for way in ways])
 
 
 def new_foam(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np.ndarray:

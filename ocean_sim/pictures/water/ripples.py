@@ -9,12 +9,8 @@ import numpy as np
 
 OCTAVE_COUNT = 5
 OCTAVE_RATIO, CREST_STRETCH = 0.40, 0.62  # wavelength to wavelength; crests are longer than wavelengths
-NOISE_TURN, NOISE_STRETCH, NOISE_SHIFT, OCTAVE_SHIFT = (
-    (0.8, 0.6),
-    1.13,
-    5.1,
-    13.7,
-)  # of the second noise in an octave, and between octaves
+# Placement of the second noise in an octave, and shift between octaves
+NOISE_TURN, NOISE_STRETCH, NOISE_SHIFT, OCTAVE_SHIFT = (0.8, 0.6), 1.13, 5.1, 13.7
 PHASE_SPEED = 1.2  # [m^0.5/s] phase speed over the root of the wavelength: 1.25 in deep water
 UNRESOLVED_SHARE = 0.25  # share of the variance that no octave holds
 MIN_SLOPE_VARIANCE, MAX_SLOPE_VARIANCE = 0.0008, 0.035  # variances of slopes between which the drawn ones stay

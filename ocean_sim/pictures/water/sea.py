@@ -60,18 +60,15 @@ class Sea(Content):
         self.gap = np.zeros((max(len(self.hulls), 1), rows, columns, 3), np.float32)  # [m] and share, for each ship
         self.gaps = water_glsl.make_texture(self.gap.reshape(-1, columns, 3))
         self.mirrored = water_glsl.make_texture(np.zeros((2, 2, 4), np.uint8), smaller=True)
-        self.shadow = np.zeros(
-            (max(len(self.hulls), 1), ship_glsl.SHADOW_PIXELS, ship_glsl.SHADOW_PIXELS, 3), np.float32
-        )  # [m]
+        pixels = ship_glsl.SHADOW_PIXELS
+        self.shadow = np.zeros((max(len(self.hulls), 1), pixels, pixels, 3), np.float32)  # [m]
         self.shadows = water_glsl.make_texture(self.shadow.reshape(-1, ship_glsl.SHADOW_PIXELS, 3))
         textures = self.above | {"hull": self.gaps, "mirror": self.mirrored, "shade": self.shadows}
         dark = "".join(ship_glsl.shadow_program(k) for k in range(len(self.hulls)))
         body = water_glsl.water_program(len(self.hulls), "carW.xz", dark)
         functions = water_glsl.WATER_FUNCTIONS + ship_glsl.SHADOW_FUNCTIONS
-        self.near = water_glsl.Shaded(
-            self.mesh_of(self.surface.nodes, self.surface.triangles), body, functions, textures, NODE_TRAITS
-        )
-        empty = stage.pyvista.PolyData()
+        inner, empty = self.mesh_of(self.surface.nodes, self.surface.triangles), stage.pyvista.PolyData()
+        self.near = water_glsl.Shaded(inner, body, functions, textures, NODE_TRAITS)
         self.far = water_glsl.Shaded(empty, water_glsl.BEYOND_PROGRAM + body, functions, textures, NODE_TRAITS)
         self.dome = Dome(stage, self.above["sky"])
         terms = {"Fresnel": order.fresnel, "Reflection": order.reflection, "Body": order.body, "Foam": order.foam}
@@ -95,11 +92,8 @@ class Sea(Content):
 
     def mesh_of(self, nodes: np.ndarray, corners: np.ndarray) -> Any:
         """PyVista mesh at height 0 of nodes x, z (n, 2) [m] and triangles `corners` (m, 3), with zero NODE_TRAITS."""
-        points = np.insert(nodes, 1, 0.0, axis=1).astype(np.float32)
-        mesh = self.stage.pyvista.PolyData.from_regular_faces(points, corners)
-        for name in NODE_TRAITS:
-            mesh.point_data[name] = np.zeros((len(points), 3), np.float32)
-        return mesh
+        points = np.insert(nodes, 1, 0.0, axis=1)
+        return self.stage.mesh(points, corners, **dict.fromkeys(NODE_TRAITS, np.zeros(points.shape)))
 
     def set(self, **values: Any) -> None:
         """Set uniforms of the shaders of both parts, the basin and the far sea."""

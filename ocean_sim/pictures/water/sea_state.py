@@ -17,10 +17,8 @@ from ocean_sim.waves import Components
 from ocean_sim.wind.shared.air_load import stated_speed
 
 SWELL_SECONDS = 4.0  # [s] by which the far sea lags behind the basin's
-FRAME_INTERVAL, MEMORY_LAGS = (
-    0.25,
-    6.0,
-)  # [s] between the frames that it is taken from; and in lags, how far it looks back
+# [s] between the frames that it is taken from; and in lags, how far it looks back
+FRAME_INTERVAL, MEMORY_LAGS = 0.25, 6.0
 MIN_LIT_HEIGHT = 0.25  # [m] over the resolved length: crests of a sea lower than that are not lit as crests
 MIN_RIPPLE_WIND, MAX_RIPPLE_WIND = 2.0, 14.0  # [m/s] wind that ripples follow
 TANK_FITTINGS = ("motion", "wavemaker", "lid", "obstacles")  # of a basin that is a tank
@@ -86,9 +84,8 @@ class SeaState:
 def recent_frames(times: np.ndarray, time: float) -> tuple[list[int], np.ndarray]:
     """Indices and weights of frames at `times` [s], FRAME_INTERVAL apart, for a mean over the past at a time [s];
     weights decay over SWELL_SECONDS, and each frame counts until the next."""
-    begins = max(
-        times[0], times[0] + FRAME_INTERVAL * np.floor((time - MEMORY_LAGS * SWELL_SECONDS - times[0]) / FRAME_INTERVAL)
-    )
+    intervals = np.floor((time - MEMORY_LAGS * SWELL_SECONDS - times[0]) / FRAME_INTERVAL)
+    begins = max(times[0], times[0] + FRAME_INTERVAL * intervals)
     moments = np.arange(begins, time + 1e-9, FRAME_INTERVAL)
     last = int(np.searchsorted(times, time + 1e-9)) - 1
     numbers = np.unique(np.minimum(np.searchsorted(times, moments - 1e-9), max(last, 0)))
@@ -125,9 +122,8 @@ def ripple_wind(scene: dict[str, Any], sea: Components | None, height: float) ->
 
 def ripple_wind_speed(scene: dict[str, Any], height: float) -> float:
     """Speed [m/s] of the wind that drives the ripples: the scene's, or one that raises this significant height [m]."""
-    return float(
-        np.clip(stated_wind_speed(scene) or far_sea.wind_speed_from_height(height), MIN_RIPPLE_WIND, MAX_RIPPLE_WIND)
-    )
+    speed = stated_wind_speed(scene) or far_sea.wind_speed_from_height(height)
+    return float(np.clip(speed, MIN_RIPPLE_WIND, MAX_RIPPLE_WIND))
 
 
 def stated_wind_speed(scene: dict[str, Any]) -> float:

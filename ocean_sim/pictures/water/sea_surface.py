@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ocean_sim.basin.points import grid_points
 from ocean_sim.pictures.frame_files import Frame
 from ocean_sim.pictures.water import far_sea, foam
 from ocean_sim.pictures.water.sea_state import SeaNow, SeaState
@@ -31,7 +32,7 @@ class SeaSurface:
         self.share = np.outer(self.blend_weight(0), self.blend_weight(1))
         self.far, self.fan = far_sea.PlaneWaves(state.beyond, self.x, self.z), far_sea.Fan(state.beyond)
         self.exact = None if state.exact is None else far_sea.PlaneWaves(state.exact, self.x, self.z)
-        self.nodes = np.stack(np.meshgrid(self.x, self.z, indexing="ij"), axis=-1).reshape(-1, 2)
+        self.nodes = grid_points(self.x, self.z)
         self.triangles = grid_triangles(len(self.x), len(self.z))
         self.grain = self.grain_at(np.zeros(2))
         self.wanted = 0.0  # share of white water

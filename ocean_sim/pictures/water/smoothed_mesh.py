@@ -8,10 +8,8 @@ import numpy as np
 
 from ocean_sim.surface import Mesh
 
-PASS_BAND, FILTER_DEGREE = (
-    0.30,
-    32,
-)  # acos(1 - k) of the eigenvalue k where a wave is halved; and how sharply the filter falls
+# Angle acos(1 - k) of the eigenvalue k where a wave is halved; and how sharply the filter falls
+PASS_BAND, FILTER_DEGREE = 0.30, 32
 SIDE_TOLERANCE = 1.0e-4  # of the box: what is nearer to one of its sides lies on it
 SPREAD_STEPS = 16  # edges from its rim to which what lies flat on a side goes with the rim
 
@@ -51,9 +49,8 @@ def smooth_mesh(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...], 
     areas = np.linalg.norm(out, axis=1, keepdims=True)
     x += way - out / np.maximum(areas, 1.0e-30) * swept * 3.0 / max(float(areas.sum()), 1.0e-30)
     if flat.any():
-        x = mesh.vertices + spread_ways(
-            x - mesh.vertices, neighbour_weights(corners[flat], np.zeros_like(on)), on | ~inner
-        )
+        beside = neighbour_weights(corners[flat], np.zeros_like(on))
+        x = mesh.vertices + spread_ways(x - mesh.vertices, beside, on | ~inner)
     normals = np.where(on, 0.0, vertex_areas(Mesh(x, curved, mesh.normals)))
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.where(lengths > 0.0, normals / np.maximum(lengths, 1.0e-30), mesh.normals)

@@ -12,37 +12,23 @@ from ocean_sim.pictures.water.far_sea import SEA_RADIUS
 from ocean_sim.random_numbers import numpy_uniform
 from ocean_sim.surface import Mesh
 
-STIRRING_SPEEDS = (
-    0.15,
-    0.80,
-)  # of g times the depth of a tank: square of the speed from which water is stirred, and is wholly so
+# Squares of the speeds from which water is stirred, and is wholly so, over g times the depth of a tank
+STIRRING_SPEEDS = (0.15, 0.80)
 STIRRING_DEVIATIONS = 0.12, 0.60  # of the speed of its neighbours: how far a particle's own is off theirs, likewise
 STIRRING_NEIGHBOURS = 24  # of a particle, itself among them
-NEIGHBOURHOOD, TEARING_NEIGHBOURS = (
-    1.6,
-    (12.0, 6.0),
-)  # [spacings], and neighbours in it below which water comes apart, and wholly so
-COLUMN_BREADTH, FLYING_GAPS = (
-    2.0,
-    (2.2, 3.5),
-)  # [spacings] breadth of a column, and of air in it below a particle that flies
-SPLASH_RISES, MEAN_WIDTH = (
-    (1.5, 5.0),
-    6.0,
-)  # [spacings] over the mean height of the water so far around it, at which it splashes
-SETTING_OFF_WAYS = (
-    0.5,
-    2.0,
-)  # [spacings] from where the first picture had it: from where water may splash up, and wholly may
+# [spacings], and neighbours in it below which water comes apart, and wholly so
+NEIGHBOURHOOD, TEARING_NEIGHBOURS = 1.6, (12.0, 6.0)
+# [spacings] breadth of a column, and of air in it below a particle that flies
+COLUMN_BREADTH, FLYING_GAPS = 2.0, (2.2, 3.5)
+# [spacings] over the mean height of the water so far around it, at which it splashes
+SPLASH_RISES, MEAN_WIDTH = (1.5, 5.0), 6.0
+# [spacings] from where the first picture had it: from where water may splash up, and wholly may
+SETTING_OFF_WAYS = (0.5, 2.0)
 LACKING_NEIGHBOURS = 5  # neighbours that a particle lacks at a side
-VERTEX_PARTICLES, VERTEX_REACH = (
-    8,
-    2.5,
-)  # particles that a vertex asks, and how far away [spacings] they have nothing to say
-PARTICLE_DROPS, MAX_TORN_PARTICLES = (
-    20,
-    500,
-)  # that fly around a particle of water wholly torn, and particles that have any
+# Particles that a vertex asks, and how far away [spacings] they have nothing to say
+VERTEX_PARTICLES, VERTEX_REACH = 8, 2.5
+# Drops that fly around a particle of water wholly torn, and particles that have any
+PARTICLE_DROPS, MAX_TORN_PARTICLES = 20, 500
 DROP_SIZES = 0.060, 0.50  # [spacings] median radius of a drop, and standard deviation of its logarithm
 AIR_SHARES = 0.5, 0.3  # share of air in water wholly torn, and where it splashes up
 MAX_DROP_RADIUS, MIN_DROPS = 0.20, 2  # [spacings]; and drops below which none fly
@@ -129,9 +115,8 @@ def risen_share(
     from scipy.ndimage import gaussian_filter, map_coordinates
 
     mean = gaussian_filter(elevation, MEAN_WIDTH * spacing / cell, mode="nearest")
-    over = position[:, 1] - map_coordinates(
-        mean, ((position[:, [0, 2]] - lower) / cell - 0.5).T, order=1, mode="nearest"
-    )
+    at = ((position[:, [0, 2]] - lower) / cell - 0.5).T
+    over = position[:, 1] - map_coordinates(mean, at, order=1, mode="nearest")
     return clipped_ramp(over / spacing, SPLASH_RISES)
 
 
@@ -194,10 +179,8 @@ def torn_drops(
     way = velocity[some] / np.maximum(np.linalg.norm(velocity[some], axis=1, keepdims=True), 1e-9)
     offset += DROP_TRAIL * (offset * way[:, None]).sum(axis=2, keepdims=True) * way[:, None]
     bell = np.sqrt(-2.0 * np.log(1.0 - uniform[:, 6])) * np.cos(2.0 * np.pi * uniform[:, 7])
-    radius = (
-        np.minimum(DROP_SIZES[0] * np.exp(DROP_SIZES[1] * bell), MAX_DROP_RADIUS).reshape(len(some), PARTICLE_DROPS)
-        * spacing
-    )
+    radius = np.minimum(DROP_SIZES[0] * np.exp(DROP_SIZES[1] * bell), MAX_DROP_RADIUS) * spacing
+    radius = radius.reshape(len(some), PARTICLE_DROPS)
     flying = which < (PARTICLE_DROPS * torn[some] - MIN_DROPS)[:, None]
     return (position[some, None] + offset)[flying], radius[flying]
 
@@ -227,16 +210,11 @@ class Spray:
         self.spacing = spacing
         self.positions = np.tile(np.array([0.0, -SEA_RADIUS, 0.0], np.float32), (MAX_PUFFS * PUFF_DROPS, 1))
         n = np.arange(PUFF_KINDS * PUFF_DROPS)
-        offsets = (
-            PUFF_RADIUS
-            * spacing
-            * bell_numbers(np.stack([numpy_uniform(0, PUFF_STREAM, n, k) for k in range(6)], axis=1))
-        )
-        self.offsets = offsets.reshape(PUFF_KINDS, PUFF_DROPS, 3)
+        uniform = np.stack([numpy_uniform(0, PUFF_STREAM, n, k) for k in range(6)], axis=1)
+        self.offsets = (PUFF_RADIUS * spacing * bell_numbers(uniform)).reshape(PUFF_KINDS, PUFF_DROPS, 3)
         self.cloud = stage.pyvista.PolyData(self.positions)
-        drops = stage.plotter.add_mesh(
-            self.cloud, color="white", style="points_gaussian", render_points_as_spheres=False, lighting=False
-        )
+        shown = {"color": "white", "style": "points_gaussian", "render_points_as_spheres": False, "lighting": False}
+        drops = stage.plotter.add_mesh(self.cloud, **shown)
         drops.mapper.scale_factor = PUFF_DROP_RADIUS * spacing
         self.drawn = drops.mapper.dataset
 

@@ -1,7 +1,7 @@
 """Bed and walls of a tank with lines on them, in soft light; walls between the eye and the tank are left out."""
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,27 +11,17 @@ from ocean_sim.pictures.water.water_surface import round_up
 
 EDGE_COLOUR = "#eef3f6"
 PANEL_OFFSET = 0.004  # of a tank's height by which bed and walls are drawn outside the water
-PANEL_COLOUR = np.array(
-    [0.68, 0.74, 0.76]
-)  # of bed and walls: on dark ground clear water would not tell how thick it is
-LINE_INTERVAL, LINE_BREADTH, LINE_LIGHT = (
-    0.2,
-    0.03,
-    0.86,
-)  # lines on it: [tank's depths] apart, breadth over that, and their light over its
+# Colour of bed and walls: on dark ground clear water would not tell how thick it is
+PANEL_COLOUR = np.array([0.68, 0.74, 0.76])
+# Lines on it: [tank's depths] apart, breadth over that, and their light over its
+LINE_INTERVAL, LINE_BREADTH, LINE_LIGHT = 0.2, 0.03, 0.86
 PANEL_CELLS = 24  # along each side of a panel
-NOOK_SHADE, NOOK_REACH = (
-    0.25,
-    0.12,
-)  # light that a panel lacks where another meets it, a third of it so many heights away
-GROUND_LINE_COLOUR, GROUND_LINE_OPACITY = (
-    (8, 20, 30),
-    0.16,
-)  # lines on the ground, and how far they hide it at the block
-GROUND_LINES, GROUND_REACH = (
-    12.0,
-    1.5,
-)  # lines along the longer side of a block; of that side, how far around they fade away
+# Light that a panel lacks where another meets it, a third of it so many heights away
+NOOK_SHADE, NOOK_REACH = 0.25, 0.12
+# Lines on the ground, and how far they hide it at the block
+GROUND_LINE_COLOUR, GROUND_LINE_OPACITY = (8, 20, 30), 0.16
+# Lines along the longer side of a block; of that side, how far around they fade away
+GROUND_LINES, GROUND_REACH = 12.0, 1.5
 AMBIENT_LIGHT, SUN_LIGHT = 0.84, 0.26  # of light: from all sides, and the sun's on a panel that faces it
 
 
@@ -94,17 +84,16 @@ def add_ground_lines(stage: Stage, low: np.ndarray, up: np.ndarray, height: floa
     sheets = [panel_sheet(level, z, pair, 0.0) for pair in line_sides(first[0], last[0], step)]
     sheets += [panel_sheet(level, pair, x, 0.0) for pair in line_sides(first[2], last[2], step)]
     points, faces = join_sheets(sheets)
-    lines = stage.pyvista.PolyData.from_regular_faces(points, faces)
     away = np.maximum(0.0, np.maximum(low - points, points - up))[:, [0, 2]]
     left = GROUND_LINE_OPACITY * np.square(np.maximum(1.0 - np.hypot(*away.T) / reach, 0.0))
-    lines["colour"] = np.column_stack([np.full((len(points), 3), GROUND_LINE_COLOUR), 255.0 * left]).astype(np.uint8)
-    stage.plotter.add_mesh(lines, scalars="colour", rgba=True, lighting=False)
+    colours = np.column_stack([np.full((len(points), 3), GROUND_LINE_COLOUR), 255.0 * left]).astype(np.uint8)
+    stage.add(points, faces, colours)
 
 
 def add_tank(stage: Stage, low: np.ndarray, top: np.ndarray, depth: float) -> None:
     """Add a tank from `low` to `top` [m]: panels, edges, and lines whose round distance suits the water's depth [m]."""
-    pyvista, below, step = stage.pyvista, PANEL_OFFSET * (top[1] - low[1]), round_up(LINE_INTERVAL * depth)
-    box = pyvista.Box(np.stack([low, top], axis=1).ravel()).extract_feature_edges(30.0)
+    below, step = PANEL_OFFSET * (top[1] - low[1]), round_up(LINE_INTERVAL * depth)
+    box = stage.pyvista.Box(np.stack([low, top], axis=1).ravel()).extract_feature_edges(30.0)
     stage.plotter.add_mesh(box, color=EDGE_COLOUR, opacity=0.5, line_width=1.5 * stage.samples, lighting=False)
     whole = tank_panels(low, top)
     sheets: list[tuple[np.ndarray, np.ndarray]] = []
@@ -122,7 +111,5 @@ def add_tank(stage: Stage, low: np.ndarray, top: np.ndarray, depth: float) -> No
             add(panel, pair, even[b], 0.5 * below, LINE_LIGHT)
         for pair in line_sides(low[b], top[b], step):
             add(panel, even[a], pair, 0.5 * below, LINE_LIGHT)
-    drawn: Any = pyvista.PolyData.from_regular_faces(*join_sheets(sheets))
     colour = np.clip(255.0 * np.concatenate(bright)[:, None] * PANEL_COLOUR, 0.0, 255.0)
-    drawn["colour"] = colour.astype(np.uint8)
-    stage.plotter.add_mesh(drawn, scalars="colour", rgb=True, lighting=False, culling="back")
+    stage.add(*join_sheets(sheets), colour.astype(np.uint8), culling="back")

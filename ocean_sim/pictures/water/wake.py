@@ -15,31 +15,22 @@ TRACK_STEPS = 48  # positions of the stern that are kept
 WHITEST_SPEED = 4.0  # [m/s] from which a wake is as white as it gets
 MAX_WHITENESS = 0.8
 KELVIN_HEIGHT = 0.13  # of V^2 / g: the greatest height of Kelvin's waves
-KELVIN_ASTERN, KELVIN_ABEAM, KELVIN_FADE_LENGTH = (
-    9.0,
-    3.5,
-    5.0,
-)  # lengths of a ship that they are drawn behind her bow and aside; and fade in
-HOLLOW_DEPTH, MAX_HOLLOW = (
-    0.15,
-    0.10,
-)  # of V^2 / g: depth of the water behind a transom; and of the breadth: its greatest
+# Lengths of a ship that they are drawn behind her bow and aside; and fade in
+KELVIN_ASTERN, KELVIN_ABEAM, KELVIN_FADE_LENGTH = 9.0, 3.5, 5.0
+# Depth of the water behind a transom over V^2 / g, and its greatest over the breadth
+HOLLOW_DEPTH, MAX_HOLLOW = 0.15, 0.10
 PATTERN_STEP = 0.5  # lengths of a node of their pattern, over the beam
 MIN_SPEED = 1.0  # [m/s] under which there are none
 WAVE_ANGLES = 360  # of the waves that they are made of
 STERN_DISTANCE = 0.46  # lengths of a ship from its middle to its stern
 WAKE_SPREADING = 0.22  # [half breadths at s^-1/2] by which it widens
-SLICK_SHARE, SLICK_SECONDS = (
-    0.75,
-    2.0,
-)  # share of the white in the middle that goes soonest, in so many seconds: a smooth path
+# Share of the white in the middle that goes soonest, in so many seconds: a smooth path
+SLICK_SHARE, SLICK_SECONDS = 0.75, 2.0
 MAX_TRACK_DISTANCE = 2.0  # squared half widths from the track at which the white is gone
 SLICK_WIDTH = 0.6  # [half breadths] is left between two lines of foam
 MIN_ANSWER = 0.025  # lengths of a ship: the height to which the waves at a ship that lies still may rise
-LIMITED_REACH = (
-    1.3,
-    1.2,
-)  # lengths of a ship before and abaft her middle and breadths aside, within which they are limited
+# Lengths of a ship before and abaft her middle and breadths aside, within which they are limited
+LIMITED_REACH = (1.3, 1.2)
 
 
 class Wake:
@@ -82,12 +73,8 @@ class Wake:
             nearer = (away2 < nearest[here]) & (away2 < MAX_TRACK_DISTANCE)
             age, away2 = age[nearer], away2[nearer]
             slick = SLICK_SHARE * (1.0 - np.exp(-age / SLICK_SECONDS)) * np.exp(-away2 / SLICK_WIDTH**2)
-            white = (
-                MAX_WHITENESS
-                * min(speed[k] / WHITEST_SPEED, 1.0)
-                * np.exp(-age / FADE_SECONDS - away2**2)
-                * (1.0 - slick)
-            )
+            white = MAX_WHITENESS * min(speed[k] / WHITEST_SPEED, 1.0) * (1.0 - slick)
+            white *= np.exp(-age / FADE_SECONDS - away2**2)
             found[here][nearer], nearest[here][nearer] = white, away2
         share[np.ix_(*near)] = np.where(found > 0.02, found, 0.0)
         return share

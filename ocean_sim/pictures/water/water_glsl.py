@@ -6,22 +6,23 @@ processor in software computes both sides of every `if`, but leaves a loop as so
 for few pixels is a loop of one turn or none.
 """
 
-from collections.abc import Iterable, Sequence
+import re
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-from ocean_sim.pictures.stage.sky import HAZE_SIZE, MIN_SKY_HEIGHT, Sky
+from ocean_sim.pictures.stage import sky as sky_module
+from ocean_sim.pictures.stage.sky import Sky
 from ocean_sim.pictures.water import foam, ripples
 from ocean_sim.pictures.water import water_shading as w
 
-GAMMA_POLYNOMIAL = (
-    0.0319,
-    0.8804,
-    0.8577,
-    0.0193,
-    0.7503,
-)  # of the ratio of polynomials of a root that is x^(1/2.2): see the test
+SHADER_FOLDER = Path(__file__).parents[1] / "shaders"
+# Coefficients of the ratio of polynomials of a root that is x^(1/2.2): see the test
+GAMMA_POLYNOMIAL = (0.0319, 0.8804, 0.8577, 0.0193, 0.7503)
 CONSTANT_REFLECTANCE = 0.4  # share of the mirrored sky where Fresnel's is switched off
 GLINTS = {"none": 0.0, "physical": 1.0, "thesis": 2.0}  # of the sun, as the program numbers them
 
@@ -31,239 +32,43 @@ def number(value: float) -> str:
     return f"{float(value):.9g}" if "." in f"{float(value):.9g}" or "e" in f"{float(value):.9g}" else f"{value:.1f}"
 
 
-def vector(values: Iterable[float]) -> str:
-    """GLSL literal of a vec3."""
-    return f"vec3({', '.join(number(v) for v in values)})"
+def literal(value: Any) -> str:
+    """GLSL literal of a whole number, of a float, or of a vector of floats."""
+    if np.ndim(value):
+        return f"vec{len(value)}({', '.join(map(number, value))})"
+    return str(value) if isinstance(value, int) else number(value)
 
 
-COMMON_FUNCTIONS = f"""
-vec3 skyAt(vec3 d, float level) {{
-  d = normalize(vec3(d.x, max(d.y, {number(MIN_SKY_HEIGHT)}), d.z));
-  return textureLod(sky, 0.5 + 0.5 * d.xz / (1.0 + d.y), level).rgb;
-}}
-vec3 filmic(vec3 c) {{
-  c = max(c, vec3(0.0)) * exposure;
-  c = c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14);
-  vec3 s = sqrt(clamp(c, 0.0, 1.0));
-  return s * ({number(GAMMA_POLYNOMIAL[0])} + s * ({number(GAMMA_POLYNOMIAL[1])} + {number(GAMMA_POLYNOMIAL[2])} * s)) /
-         ({number(GAMMA_POLYNOMIAL[3])} + s * ({number(GAMMA_POLYNOMIAL[4])} + s));
-}}
-vec3 radiance(vec3 shown) {{
-  vec3 y = min(pow(shown, vec3(2.2)), vec3(0.98));
-  vec3 a = 2.51 - 2.43 * y, b = 0.03 - 0.59 * y;
-  return (sqrt(b * b + 0.56 * a * y) - b) / (2.0 * a * exposure);
-}}
-"""
+def shader(name: str, *modules: ModuleType, **parts: object) -> str:
+    """GLSL text of a file in the folder `shaders`. Names of constants of the modules become their values, NAME[0] the
+    first of several; a name of `parts` after an @ becomes that part."""
+    text = (SHADER_FOLDER / f"{name}.glsl").read_text(encoding="utf-8")
+    for part, value in parts.items():
+        text = text.replace(f"@{part}", str(value))
+    known = {key: value for module in modules for key, value in vars(module).items() if key.isupper()}
 
-# The haze is fetched from a fine row around the horizon, in less time than it is found in the sky.
-FOG_FUNCTIONS = f"""
-vec3 foggy(vec3 c, vec3 away, float dist) {{
-  float f = 1.0 - exp(-dist / fogReach);
-  f *= 0.5 + 0.5 * f * (3.0 - 2.0 * f);
-  f = mix(f, 1.0, smoothstep({number(w.FOG_END[0])}, {number(w.FOG_END[1])}, dist / fogReach));
-  float ahead = away.x / max(abs(away.x) + abs(away.z), 1e-6);
-  float at = away.z < 0.0 ? 3.0 + ahead : 1.0 - ahead;
-  int k = int({number(HAZE_SIZE[0] * HAZE_SIZE[1] / 4)} * at) % {HAZE_SIZE[0] * HAZE_SIZE[1]};
-  return mix(c, texelFetch(haze, ivec2(k % {HAZE_SIZE[1]}, k / {HAZE_SIZE[1]}), 0).rgb, f * useFog);
-}}
-"""
+    def constant(found: re.Match[str]) -> str:
+        value = known[found[1]]
+        return literal(value if found[2] is None else value[int(found[2])])
 
-WATER_FUNCTIONS = f"""{FOG_FUNCTIONS}
-float refracted(float ci) {{ return sqrt(1.0 - (1.0 - ci * ci) / {number(w.REFRACTIVE_INDEX**2)}); }}
-float fresnel(float ci) {{
-  const float n = {number(w.REFRACTIVE_INDEX)};
-  float ct = refracted(ci), rs = (ci - n * ct) / (ci + n * ct), rp = (n * ci - ct) / (n * ci + ct);
-  return 0.5 * (rs * rs + rp * rp);
-}}
-float chance(ivec2 p) {{
-  uint n = uint(p.x) * 374761393u + uint(p.y) * 668265263u;
-  n = (n ^ (n >> 13u)) * 1274126177u;
-  return float(n >> 16u) * {number(1 / 65535)};
-}}
-vec3 noise(vec2 p) {{
-  vec2 w = floor(p), f = p - w;
-  ivec2 i = ivec2(w);
-  vec2 u = f * f * f * (f * (f * 6.0 - 15.0) + 10.0), du = 30.0 * f * f * (f * (f - 2.0) + 1.0);
-  float a = chance(i), b = chance(i + ivec2(1, 0)), c = chance(i + ivec2(0, 1)), d = chance(i + ivec2(1, 1));
-  float k = a - b - c + d;
-  return vec3(a + (b - a) * u.x + (c - a) * u.y + k * u.x * u.y, du * (vec2(b - a, c - a) + k * u.yx));
-}}
-float patches(vec2 q) {{
-  q *= {number(foam.GRAIN_SCALE)};
-  q += {number(foam.GRAIN_BEND)} * (vec2(noise(0.6 * q + vec2(3.0, 7.0)).x, noise(0.6 * q + vec2(23.0, 11.0)).x) - 0.5);
-  float grain = 0.42 * noise(0.45 * q).x, scale = 1.3;
-  vec3 shares = vec3(0.30, 0.26, 0.20);
-  for (int o = 0; o < 3; o++) {{
-    q = vec2({number(foam.OCTAVE_TURN[0])} * q.x - {number(foam.OCTAVE_TURN[1])} * q.y,
-             {number(foam.OCTAVE_TURN[1])} * q.x + {number(foam.OCTAVE_TURN[0])} * q.y);
-    float ridge = 1.0 - abs(2.0 * noise(scale * q + 9.0).x - 1.0);
-    grain += shares[o] * ridge * ridge;
-    scale *= 2.1;
-  }}
-  return grain;
-}}
-float white(float share, vec2 q, float footprint) {{
-  float fine = clamp(1.0 - footprint / {number(foam.MAX_FOOTPRINT)}, 0.0, 1.0);
-  float result = share > {number(foam.MIN_SHARE)} ? share : 0.0;
-  int turns = result > 0.0 && fine > 0.0 ? 1 : 0;
-  for (int turn = 0; turn < turns; turn++) {{
-    float rank = 1.0 / (1.0 + exp(1.702 * (patches(q) - {number(foam.PATCH_MEAN)}) / {number(foam.PATCH_DEVIATION)}));
-    float whiter = {number((1 - foam.MIN_WHITENESS) / foam.WHOLE_SHARE)} * share;
-    float thick = min({number(foam.MIN_WHITENESS)} + whiter, 1.0);
-    float covered = share / thick, soft = max(min(min(covered, 1.0 - covered), {number(foam.EDGE_SOFTNESS)}), 0.001);
-    float edge = clamp((covered + soft - rank) / (2.0 * soft), 0.0, 1.0);
-    result = mix(share, thick * edge * edge * (3.0 - 2.0 * edge), fine);
-  }}
-  return result;
-}}
-vec3 heaps(vec2 q, float footprint) {{
-  vec2 turned = vec2({number(foam.OCTAVE_TURN[0])}, {number(foam.OCTAVE_TURN[1])}), way = turned;
-  vec3 scales = {vector(foam.HEAP_SCALES)}, depths = {vector(foam.HOLLOW_SHADES)}, found = vec3(0.0, 0.0, 1.0);
-  for (int o = 0; o < 3; o++) {{
-    float fine = clamp(1.5 - 3.0 * footprint * scales[o], 0.0, 1.0);
-    vec3 a = noise(scales[o] * vec2(way.x * q.x - way.y * q.y, way.y * q.x + way.x * q.y) + 5.0);
-    found.x += {number(foam.HEAP_SLOPE)} * fine * (way.x * a.y + way.y * a.z);
-    found.y += {number(foam.HEAP_SLOPE)} * fine * (way.x * a.z - way.y * a.y);
-    found.z += depths[o] * fine * (a.x - 0.5);
-    way = vec2(way.x * turned.x - way.y * turned.y, way.y * turned.x + way.x * turned.y);
-  }}
-  return found;
-}}
-vec3 ripples(vec2 p, float footprint) {{
-  float c = cos(windAngle), s = sin(windAngle), wave = rippleLongest;
-  float lost = {number(ripples.UNRESOLVED_SHARE)} * rippleVariance;
-  float each = {number((1 - ripples.UNRESOLVED_SHARE) / ripples.OCTAVE_COUNT)} * rippleVariance;
-  float steep = sqrt(each / {number(ripples.GRADIENT_VARIANCE)});
-  vec2 slope = vec2(0.0);
-  lost += {number(ripples.OCTAVE_COUNT)} * each;
-  float drawn = log(2.0 * footprint / wave) / {number(np.log(ripples.OCTAVE_RATIO))};
-  int octaves = rippleVariance > 0.0 ? int(clamp(ceil(drawn), 0.0, {number(ripples.OCTAVE_COUNT)})) : 0;
-  for (int o = 0; o < octaves; o++) {{
-    float fade = clamp((wave / footprint - 2.0) / 4.0, 0.0, 1.0);
-    vec2 q = vec2((p.x * c + p.y * s) / wave - time * {number(ripples.PHASE_SPEED)} / sqrt(wave),
-                  {number(ripples.CREST_STRETCH)} * (p.y * c - p.x * s) / wave) +
-             {number(ripples.OCTAVE_SHIFT)} * float(o);
-    vec2 t = vec2({number(ripples.NOISE_TURN[0])} * q.x - {number(ripples.NOISE_TURN[1])} * q.y,
-                  {number(ripples.NOISE_TURN[1])} * q.x + {number(ripples.NOISE_TURN[0])} * q.y);
-    vec2 a = noise(q).yz, b = noise({number(ripples.NOISE_STRETCH)} * t + {number(ripples.NOISE_SHIFT)}).yz;
-    float down = a.x + 0.8 * ({number(ripples.NOISE_TURN[0])} * b.x + {number(ripples.NOISE_TURN[1])} * b.y);
-    float side = {number(ripples.CREST_STRETCH)} *
-                 (a.y + 0.8 * ({number(ripples.NOISE_TURN[0])} * b.y - {number(ripples.NOISE_TURN[1])} * b.x));
-    slope += fade * steep * vec2(down * c - side * s, down * s + side * c);
-    lost -= fade * fade * each;
-    wave *= {number(ripples.OCTAVE_RATIO)};
-  }}
-  return vec3(slope, 0.5 * lost);
-}}
-vec3 fromWithin(float height, vec3 n, vec3 e, float ct, float bubbles, float sunlit) {{
-  float up = 2.2 * skyLight.y, thin = clamp(0.25 + 0.5 * height, 0.0, 1.0);
-  float behind = max(-dot(e, vec3(sunDir.x, 0.0, sunDir.z)), 0.0), tilt = 3.0 * clamp(1.0 - n.y * n.y, 0.0, 0.3);
-  float through = 0.25 * up + 1.9 * sunLight.y * (0.30 + 1.3 * behind * behind) * thin * (0.25 + tilt);
-  float sunny = 0.25 * up + (through - 0.25 * up) * sunlit;
-  vec3 milky = bubbles * {vector(w.BUBBLE_LIGHT)} * (up + sunLight.y * sunlit);
-  return 2.0 * up * {vector(w.BODY_LIGHT)} + {vector(w.THIN_LIGHT)} * sunny * (0.55 + 0.45 * ct) + milky;
-}}
-vec3 foamColour(vec3 n, float white, vec3 heap, float sunlit) {{
-  float up = max(n.y, 0.1);
-  n = normalize(vec3(n.x / up - white * heap.x, 1.0, n.z / up - white * heap.y));
-  float sunny = max(0.7 * dot(n, sunDir) + 0.3 * sunDir.y + 0.06, 0.0), bright = 1.0 + white * (heap.z - 1.0);
-  vec3 light = 1.25 * skyLight + 1.75 * sunLight * sunny * sunlit;
-  return bright * mix({vector(w.THIN_FOAM_REFLECTANCE)}, {vector(w.FOAM_REFLECTANCE)}, white) * light;
-}}
-vec3 sunGlint(vec3 n, vec3 e, float variance) {{
-  vec3 h = normalize(sunDir + e);
-  float c2 = max(dot(h, n), 0.001);
-  c2 *= c2;
-  float facets = exp(-(1.0 - c2) / (c2 * 2.0 * variance)) / (6.283185307 * variance * c2 * c2);
-  float share = fresnel(clamp(dot(h, e), 0.0, 1.0));
-  return {number(w.SUN_STRENGTH)} * sunLight * share * facets / (4.0 * max(dot(n, e), 0.12));
-}}
-"""
+    return re.sub(rf"\b({'|'.join(known) or '$^'})\b(?:\[(\d)\])?", constant, text)
 
 
-def water_program(ships: int, grain: str = "posW.xz", shadows: str = "") -> str:
-    """GLSL program of the water around some ships, whose maps of distances to the hulls are stacked in one texture.
-    `grain`: expression of the place at which foam's grain is read; `shadows`: program that reduces `sunlit`."""
-    hulls = "".join(hull_program(k, ships) for k in range(ships))
-    mirrors = "".join(mirror_program(k) for k in range(ships))
-    return f"""
-  vec3 away = posW - eyeW;
-  float dist = length(away);
-  away /= dist;
-  vec3 e = -away, n = normalize(nrmW);
-  float share = attW.x, variance = attW.z, sunlit = 1.0;
-{hulls}{shadows}  share = useFoam * clamp(share, 0.0, 1.0);
-  float slant = sqrt(max(dot(e, n), {number(ripples.MIN_VIEW_COSINE)}));
-  float footprint = max(pixel * dist / slant, 0.004);
-  if (rippleVariance > 0.0) {{
-    vec3 r = ripples(posW.xz, footprint * inversesqrt(slant));
-    float up = max(n.y, 0.1);
-    n = normalize(vec3(n.x / up - r.x, 1.0, n.z / up - r.y));
-    variance += r.z;
-  }}
-  variance = clamp(variance, {number(ripples.MIN_SLOPE_VARIANCE)}, {number(ripples.MAX_SLOPE_VARIANCE)});
-  float back = 0.03 - dot(n, e);
-  if (back > 0.01) n = normalize(n + e * back);
-  float ci = max(dot(n, e), 0.02), blur = sqrt(variance);
-  float reflectance = useFresnel > 0.5 ? fresnel(min(sqrt(ci * ci + 0.55 * variance), 1.0)) : constantShare;
-  vec3 ray = 2.0 * dot(n, e) * n - e;
-  if (ray.y < 0.0) ray.y = 0.01 - 0.6 * ray.y;
-  vec3 straight = normalize(ray);
-  ray.y += 0.35 * blur * (1.0 - ci);
-  float blurred = min({number(w.BLUR_LEVELS)} * blur, {number(w.MAX_BLUR_LEVEL)});
-  vec3 mirrored = min(skyAt(normalize(ray), blurred), vec3({number(w.MAX_MIRRORED)}));
-  float hidden = 0.0;
-{mirrors}  if (glintKind > 1.5) mirrored *= 1.0 + {number(w.HDR_FACTOR)} *
-    clamp(mirrored.r - {number(w.HDR_THRESHOLD)}, 0.0, {number(w.HDR_EXCESS)});
-  vec3 c = useReflection * reflectance * mirrored;
-  c += useBody * (1.0 - reflectance) * fromWithin(attW.y, n, e, refracted(ci), share, sunlit);
-  if (glintKind > 0.5 && glintKind < 1.5) c += sunGlint(n, e, variance) * (1.0 - hidden) * sunlit;
-  float foamy = white(share, {grain}, footprint);
-  int lies = foamy > 0.0 ? 1 : 0;
-  for (int turn = 0; turn < lies; turn++) c = mix(c, foamColour(n, foamy, heaps({grain}, footprint), sunlit), foamy);
-  fragOutput0 = vec4(filmic(foggy(c, away, dist)), 1.0);
-"""
-
-
-def hull_program(k: int, ships: int) -> str:
-    """GLSL program of the foam along the waterline of ship k of `ships`; it discards water inside the hull."""
-    return f"""
-  vec2 uv{k} = (posW.xz - hullBox{k}.xy) / hullSize{k}.xy;
-  int near{k} = useHull{k} > 0.5 && all(greaterThan(uv{k}, vec2(0.0))) && all(lessThan(uv{k}, vec2(1.0))) ? 1 : 0;
-  for (int turn = 0; turn < near{k}; turn++) {{
-    vec2 near = textureLod(hull, vec2(uv{k}.x, ({k}.0 + uv{k}.y) / {ships}.0), 0.0).rg;
-    if (near.r < -0.12) discard;
-    share = max(share, max(hullFoam.x * exp(-max(near.r, 0.0) / hullFoam.y), near.g));
-  }}
-"""
-
-
-def mirror_program(k: int) -> str:
-    """GLSL program of the mirror image of ship k in the water, no farther from her middle than mirrorReach."""
-    return f"""
-  float reach{k} = dot(mirrorAt{k}.xz - posW.xz, normalize(straight.xz));
-  vec3 met{k} = posW + straight * max(reach{k}, 1.0);
-  bool there{k} = useMirror > 0.5 && reach{k} > -mirrorSize{k} && distance(met{k}.xz, mirrorAt{k}.xz) < mirrorReach{k};
-  int mirrors{k} = there{k} ? 1 : 0;
-  for (int turn = 0; turn < mirrors{k}; turn++) {{
-    float reach = reach{k};
-    vec4 seen = mirrorView * vec4(met{k}, 1.0);
-    vec2 uv = 0.5 + 0.5 * seen.xy / seen.w;
-    if (seen.w > 0.0 && all(greaterThan(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)))) {{
-      vec4 ship = textureLod(mirror, uv, clamp(log2(7.0 * blur * max(reach, 1.0) / (dist * mirrorPixel)), 0.0, 6.0));
-      float covered = ship.a * smoothstep(-mirrorSize{k}, 0.0, reach);
-      if (covered > 0.0) mirrored = mix(mirrored, radiance(min(ship.rgb / max(ship.a, 0.01), vec3(1.0))), covered);
-      hidden = max(hidden, covered);
-    }}
-  }}
-"""
-
-
+COMMON_FUNCTIONS = shader("common", sky_module, sys.modules[__name__])
+FOG_FUNCTIONS = shader("fog", sky_module, w)
+WATER_FUNCTIONS = FOG_FUNCTIONS + shader("water", w, ripples, foam)
 BEYOND_PROGRAM = """
   if (all(greaterThan(posW.xz, innerLow.xz)) && all(lessThan(posW.xz, innerHigh.xz))) discard;
 """  # of the far sea: the basin is drawn by its own surface
-
 SKY_PROGRAM = "  fragOutput0 = vec4(filmic(skyAt(normalize(posW - eyeW), 0.0)), 1.0);\n"
+
+
+def water_program(ships: int, grain: str = "posW.xz", shadows: str = "") -> str:
+    """GLSL program of the water around some ships. `grain`: expression of the place at which foam's grain is read;
+    `shadows`: program that reduces `sunlit`."""
+    hulls = "".join(shader("sea_hull", k=k, ships=ships) for k in range(ships))
+    mirrors = "".join(shader("sea_mirror", k=k) for k in range(ships))
+    return shader("sea", w, ripples, hulls=hulls, mirrors=mirrors, grain=grain, shadows=shadows)
 
 
 def sky_textures(sky: Sky) -> dict[str, Any]:
@@ -294,6 +99,11 @@ def image_texture(data: Any, smaller: bool) -> Any:
     made.SetColorModeToDirectScalars()
     made.SetInputDataObject(data)
     return made
+
+
+def own_textures(textures: dict[str, Any]) -> dict[str, Any]:
+    """Textures of the same images, by the same names, for another window."""
+    return {name: image_texture(of.GetInput(), of.GetMipmap()) for name, of in textures.items()}
 
 
 def fill_image(data: Any, image: np.ndarray) -> None:
@@ -348,8 +158,7 @@ class Shaded:
 
     def twin(self) -> Any:
         """Second actor of the same mesh and program for another plotter, with textures of its own."""
-        own = {name: image_texture(image.GetInput(), image.GetMipmap()) for name, image in self.textures.items()}
-        twin = self.drawn(own)
+        twin = self.drawn(own_textures(self.textures))
         twin.SetShaderProperty(self.actor.GetShaderProperty())
         return twin
 
@@ -367,6 +176,12 @@ class Shaded:
                 self.uniforms.SetUniform3f(name, array.tolist())
             else:
                 self.uniforms.SetUniformf(name, float(array))
+
+
+def projection(camera: Any, aspect: float) -> np.ndarray:
+    """Projection (4, 4) of a VTK camera from world to clip coordinates, in a picture of an `aspect` ratio."""
+    matrix = camera.GetCompositeProjectionTransformMatrix(aspect, -1.0, 1.0)
+    return np.array([[matrix.GetElement(i, j) for j in range(4)] for i in range(4)])
 
 
 def collect_messages() -> Any:

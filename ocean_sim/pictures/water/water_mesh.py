@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from ocean_sim.basin.points import grid_points
+
 SIDE_ROWS = 9  # rows of vertices from the surface to the bed
 
 
@@ -32,30 +34,21 @@ class WaterMesh:
         self.x = np.linspace(lower[0], upper[0], len(self.along_x))
         self.z = np.linspace(lower[2], upper[2], len(self.along_z))
         self.bed = float(lower[1])
-        self.slope_x, self.slope_z = (
-            np.gradient(self.along_x, self.x, axis=0),
-            np.gradient(self.along_z, self.z, axis=0),
-        )
-        self.nodes = np.stack(np.meshgrid(self.x, self.z, indexing="ij"), axis=-1).reshape(-1, 2)
+        self.slope_x = np.gradient(self.along_x, self.x, axis=0)
+        self.slope_z = np.gradient(self.along_z, self.z, axis=0)
+        self.nodes = grid_points(self.x, self.z)
         self.surface_triangles = grid_triangles(len(self.x), len(self.z))
         rim = np.arange(len(self.nodes)).reshape(len(self.x), len(self.z))
         self.rims = (rim[:, -1], rim[::-1, 0], rim[-1, ::-1], rim[0, :])  # +z, -z, +x, -x, seen from outside
-        self.side_normals = np.repeat(
-            np.array([(0, 0, 1), (0, 0, -1), (1, 0, 0), (-1, 0, 0)], dtype=float),
-            [len(rim) * SIDE_ROWS for rim in self.rims],
-            axis=0,
-        )
-        counts = np.cumsum([0] + [len(rim) * SIDE_ROWS for rim in self.rims])
+        across, sizes = np.eye(3)[[2, 2, 0, 0]] * [[1], [-1], [1], [-1]], [len(rim) * SIDE_ROWS for rim in self.rims]
+        self.side_normals = np.repeat(across, sizes, axis=0)
+        counts = np.cumsum([0, *sizes])
         self.side_triangles = np.concatenate([grid_triangles(SIDE_ROWS, len(r)) + n for r, n in zip(self.rims, counts)])
         self.side_depth = np.concatenate([np.repeat(np.linspace(0.0, 1.0, SIDE_ROWS), len(rim)) for rim in self.rims])
 
-    def heights(self, elevation: np.ndarray) -> np.ndarray:
-        """Heights (nodes,) [m] of the surface nodes: a cubic spline through the cells' heights (nx, nz) [m]."""
-        return (self.along_x @ elevation @ self.along_z.T).reshape(-1)
-
     def surface(self, elevation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Surface nodes (n, 3) [m] and their unit normals (n, 3), from the cells' heights (nx, nz) [m]."""
-        height = self.heights(elevation)
+        """Surface nodes (n, 3) [m], on a cubic spline through the cells' heights (nx, nz) [m], and unit normals."""
+        height = (self.along_x @ elevation @ self.along_z.T).reshape(-1)
         slope_x = (self.slope_x @ elevation @ self.along_z.T).reshape(-1)
         slope_z = (self.along_x @ elevation @ self.slope_z.T).reshape(-1)
         normals = np.stack([-slope_x, np.ones_like(height), -slope_z], axis=-1)

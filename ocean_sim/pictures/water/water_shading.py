@@ -13,23 +13,18 @@ DEEP_LIGHT = np.array([0.004, 0.030, 0.050])  # light that returns from the dept
 CREST_LIGHT = np.array([0.020, 0.160, 0.150])  # light through thin water
 SIDE_LIGHT = np.array([0.020, 0.210, 0.260])  # the cut side of the water, at the top
 
-TROUGH_COLOUR, REST_COLOUR, PEAK_COLOUR = np.array(
-    [[0.004, 0.030, 0.075], [0.030, 0.150, 0.230], [0.420, 0.620, 0.620]]
-)  # of the map
+MAP_COLOURS = np.array([[0.004, 0.030, 0.075], [0.030, 0.150, 0.230], [0.420, 0.620, 0.620]])  # trough, rest, peak
 MAP_LIGHT, MAP_SLOPE = unit_vector(np.array([-0.55, 0.62, -0.55])), 0.35  # where its light is; deviation of its slopes
 MAP_STEEPEST = 0.45  # slope that none of them reaches
 
 BODY_LIGHT = np.array([0.0036, 0.0200, 0.0350])  # light from the depth of the sea under a sky of radiance 1
 THIN_LIGHT = np.array([0.010, 0.085, 0.088])  # light that comes through crests
-BUBBLE_LIGHT = np.array(
-    [0.024, 0.120, 0.132]
-)  # light that comes back from water full of bubbles, below and between foam
+# Light that comes back from water full of bubbles, below and between foam
+BUBBLE_LIGHT = np.array([0.024, 0.120, 0.132])
 FOAM_REFLECTANCE = np.array([0.70, 0.75, 0.78])  # reflectance of foam
 THIN_FOAM_REFLECTANCE = np.array([0.30, 0.43, 0.50])  # of a film of bubbles, through which the water shows
-BLUR_LEVELS, MAX_BLUR_LEVEL = (
-    26.0,
-    5.5,
-)  # smaller copies of the sky over the roughness of water that mirrors it, and at most
+# Smaller copies of the sky over the roughness of water that mirrors it, and at most
+BLUR_LEVELS, MAX_BLUR_LEVEL = 26.0, 5.5
 MAX_MIRRORED = 12.0  # to which the mirrored sky is cut: no single pixel burns
 HDR_THRESHOLD, HDR_EXCESS, HDR_FACTOR = 0.9, 0.6, 3.0  # of (3.16); the thesis's 100 is meant for a sky of at most 1
 SUN_STRENGTH = 1.6  # of the drawn sun over its colour
@@ -106,13 +101,13 @@ def relief_light(normal: np.ndarray, height: np.ndarray) -> np.ndarray:
     slope /= np.hypot(1.0, np.linalg.norm(slope, axis=1, keepdims=True) / MAP_STEEPEST)
     tilted = unit_vector(np.stack([-slope[:, 0], np.ones(len(slope)), -slope[:, 1]], axis=1))
     lit = np.clip(tilted @ MAP_LIGHT, 0.0, 1.0)[:, None]
-    share = np.clip(0.5 + 0.5 * height, 0.0, 1.0)[:, None]
-    paint = np.where(
-        share < 0.5,
-        TROUGH_COLOUR + 2.0 * share * (REST_COLOUR - TROUGH_COLOUR),
-        REST_COLOUR + (2.0 * share - 1.0) * (PEAK_COLOUR - REST_COLOUR),
-    )
-    return paint * (0.25 + 1.1 * lit)
+    return colour_scale(0.5 + 0.5 * height, MAP_COLOURS) * (0.25 + 1.1 * lit)
+
+
+def colour_scale(share: np.ndarray, colours: np.ndarray) -> np.ndarray:
+    """Colours (n, 3) at shares (n,), 0 to 1, along a row of evenly spaced colours (k, 3), interpolated linearly."""
+    at = np.linspace(0.0, 1.0, len(colours))
+    return np.stack([np.interp(share, at, channel) for channel in colours.T], axis=1)
 
 
 def filmic_curve(radiance: np.ndarray, exposure: float = 1.15) -> np.ndarray:

@@ -7,8 +7,8 @@ import numpy as np
 
 from ocean_sim.pictures.frame_files import Frame
 from ocean_sim.pictures.stage.plotter import Content, Stage
-from ocean_sim.pictures.water import water_shading
 from ocean_sim.pictures.water.water_mesh import WaterMesh
+from ocean_sim.pictures.water.water_shading import display_colours, relief_light, side_light, surface_light
 
 SURFACE_NODES = {"draft": 40_000, "final": 160_000}  # of the drawn surface
 
@@ -18,17 +18,14 @@ class Water(Content):
 
     def __init__(self, stage: Stage, grid: Any, nodes: int) -> None:
         """`grid`: arrays that a run saves once; `nodes`: approximate number of nodes of the surface."""
-        pyvista, self.stage = stage.pyvista, stage
+        self.stage = stage
         self.scale = 0.02 * float(grid["depth"])  # [m] the least height that counts as a crest
         self.most = self.scale  # [m] height from which crests have one colour
         self.mesh = WaterMesh(grid["x"], grid["z"], grid["lower"], grid["upper"], nodes)
         points, _ = self.mesh.surface(np.zeros((len(grid["x"]), len(grid["z"]))))
-        self.surface = pyvista.PolyData.from_regular_faces(points.astype(np.float32), self.mesh.surface_triangles)
         sides = self.mesh.sides(points)
-        self.sides = pyvista.PolyData.from_regular_faces(sides.astype(np.float32), self.mesh.side_triangles)
-        for part in (self.sides, self.surface):
-            part["colour"] = np.zeros((part.n_points, 3), np.uint8)
-            stage.plotter.add_mesh(part, scalars="colour", rgb=True, lighting=False)
+        self.sides = stage.add(sides, self.mesh.side_triangles, np.zeros(sides.shape, np.uint8))
+        self.surface = stage.add(points, self.mesh.surface_triangles, np.zeros(points.shape, np.uint8))
 
     def show(self, frame: Frame) -> None:
         eye = self.stage.camera.eye
@@ -38,17 +35,12 @@ class Water(Content):
         height = np.clip(points[:, 1] / self.most, -1.0, 1.0)
         self.surface.points = points.astype(np.float32)
         camera = self.stage.camera
-        if camera.parallel_height is not None or camera.from_above:
-            self.surface["colour"] = water_shading.display_colours(water_shading.relief_light(normals, height))
-        else:
-            self.surface["colour"] = water_shading.display_colours(
-                water_shading.surface_light(points, normals, height, eye)
-            )
+        on_map = camera.parallel_height is not None or camera.from_above
+        light = relief_light(normals, height) if on_map else surface_light(points, normals, height, eye)
+        self.surface["colour"] = display_colours(light)
         sides, depth = self.mesh.sides(points), self.mesh.side_depth
         self.sides.points = sides.astype(np.float32)
-        self.sides["colour"] = water_shading.display_colours(
-            water_shading.side_light(sides, self.mesh.side_normals, depth, eye)
-        )
+        self.sides["colour"] = display_colours(side_light(sides, self.mesh.side_normals, depth, eye))
 
 
 def round_up(value: float) -> float:

@@ -8,14 +8,10 @@ import numpy as np
 
 from ocean_sim.conventions import GRAVITY
 
-FOAM_REACH, FOAM_FADE_WIDTH = (
-    4.0,
-    1.5,
-)  # [m] around a hull in which it is white, and before the end of that in which her bow's ends
-RESTING_FOAM, CONTACT_WIDTH = (
-    0.30,
-    0.55,
-)  # share of foam along a hull that lies still, and [m] in which it falls to a third
+# [m] around a hull in which it is white, and before the end of that in which her bow's ends
+FOAM_REACH, FOAM_FADE_WIDTH = 4.0, 1.5
+# Share of foam along a hull that lies still, and [m] in which it falls to a third
+RESTING_FOAM, CONTACT_WIDTH = 0.30, 0.55
 POINTS_PER_BATCH = 512  # whose distances to a line are found together: they stay in the processor's cache
 ENTRANCE_LENGTH = 0.35  # lengths of a ship abaft her stem in which she reaches her breadth
 DRAUGHT_SHARE = 0.25  # of her breadth

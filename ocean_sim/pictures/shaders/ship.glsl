@@ -1,0 +1,23 @@
+  vec3 away = posW - eyeW;
+  float dist = length(away);
+  away /= dist;
+  vec3 e = -away, n = normalize(nrmW);
+  if (dot(n, e) < -0.3) n = -n;
+  float sun = max(dot(n, sunDir), 0.0);
+  int faces = sun > 0.0 ? 1 : 0;
+  for (int turn = 0; turn < faces; turn++) sun *= sunlit(posW, n);
+  vec3 above = mix(FROM_BELOW, FROM_ABOVE, 0.5 + 0.5 * n.y) * attW.y;
+  vec3 c = PAINT_GAIN * colW * (SUNSHINE * sun + above) * (1.0 - 0.8 * attW.x);
+  float ci = clamp(dot(n, e), 0.0, 1.0);
+  float share = COAT_REFLECTANCE + (1.0 - COAT_REFLECTANCE) * pow(1.0 - ci, 5.0);
+  vec3 ray = 2.0 * dot(n, e) * n - e;
+  vec3 seen = PAINT_GAIN * FROM_BELOW;
+  if (ray.y > 0.0) seen = skyAt(normalize(ray), mix(5.5, 1.5, attW.x));
+  c += share * mix(0.35, 1.6, attW.x) * attW.y * min(seen, vec3(3.0));
+  vec3 h = normalize(sunDir + e);
+  float c2 = max(dot(h, n), 0.001);
+  c2 *= c2;
+  float facets = exp(-(1.0 - c2) / (c2 * 2.0 * PAINT_ROUGHNESS)) /
+    (6.283185307 * PAINT_ROUGHNESS * c2 * c2);
+  c += sunLight * COAT_REFLECTANCE * facets * 0.25 * sun;
+  fragOutput0 = vec4(filmic(foggy(c, away, dist)), 1.0);

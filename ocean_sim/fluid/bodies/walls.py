@@ -170,7 +170,8 @@ class Walls:
     """Walls, floor and obstacles, from which particles bounce at `collision_distance`, and absorbing zones."""
 
     def __init__(self, lattice: Lattice, images: Images, support: float) -> None:
-        """`support`: reach of the samples of the bed [m]."""
+        """`support`: reach of images and samples [m]."""
+        self.support = support
         gap = lattice.config.collision_distance * lattice.spacing
         low, up = lattice.basin.stops()
         self.low, self.up, self.gap = tuple(x + gap for x in low), tuple(x - gap for x in up), gap
@@ -253,6 +254,15 @@ class Walls:
             for b in range(self.obstacles):
                 x, v = self.leave_obstacle(b, x, v)
         return x, v
+
+    @ti.func
+    def piston_velocity(self, x):
+        """Velocity [m/s] of the pistons whose images push water at x [m]; zero where none is near."""
+        v = tm.vec3(0.0)
+        for s, axis, _upper in ti.static(self.pistons):
+            if ti.abs(x[axis] - self.images.side[s, SIDE_COLUMNS.position]) < self.support:
+                v[axis] += 0.5 * self.images.side[s, SIDE_COLUMNS.twice_velocity + axis]
+        return v
 
     @ti.func
     def reflect(self, v, k: Template, wall, outward):

@@ -189,7 +189,8 @@ class MomentumLaw(Force):
     @ti.func
     def book_step(self, group, own, total, beyond, a, parts: Template, x_free, x_new, v_new, dt):
         """Book impulse and work of each force term in row `group`; a, parts: of `kick`; x_free, ...: of `constrain`."""
-        accounts, m = self.fluid.accounts, ti.static(self.fluid.particles.mass)
+        fluid, m = self.fluid, ti.static(self.fluid.particles.mass)
+        accounts = fluid.accounts
         x, v = vec3(own, self.row.position), vec3(own, self.row.velocity)
         a_water, a_walls, a_wind, a_pull, a_hull, a_bed, a_sea = parts
         a_pressure, mean = self.prefactor(own) * vec3(total, self.terms.push), 0.5 * (v + v_new)
@@ -204,7 +205,8 @@ class MomentumLaw(Force):
         accounts.count_impulses(group, (PRESSURE, VISCOSITY, WIND, GRAVITY, SHIP, BED, SEA), kick, forces, mean)
         accounts.count_impulse(group, WALLS, m * by_walls, mean)
         if ti.static(self.stores_pressure_work):
-            stored = kick * self.prefactor(own) * vec3(beyond, self.terms.push).dot(mean)
+            push = kick * self.prefactor(own) * vec3(beyond, self.terms.push)
+            stored = push.dot(mean - fluid.walls.piston_velocity(x))  # an image moves as the piston lets it
             accounts.count_work(group, WALLS, -stored)
             accounts.count_work(group, PRESSURE, stored)
 

@@ -183,9 +183,9 @@ class WindConfig(KindConfig):
     """Base of the keys of all kinds of wind."""
 
     @property
-    @abstractmethod
     def stylised(self) -> bool:
         """True if the wind is a stylised force field, not a physical stress."""
+        return False
 
     @property
     def acts_on(self) -> Sequence[Target]:
@@ -227,7 +227,6 @@ class WindConfig(KindConfig):
     @abstractmethod
     def build(self, basin: Basin, seed: int) -> Wind:
         """Build the wind over a basin; `seed`: seed of its random numbers."""
-        ...
 
 
 class FluidConfig(KindConfig):
@@ -378,7 +377,6 @@ class ShipConfig(KindConfig):
     @abstractmethod
     def build(self, name: str, basin: Basin, fluid: Fluid) -> Ship:
         """Build the ship of this name, which floats in the water of a basin."""
-        ...
 
 
 class PlatformConfig(KindConfig):
@@ -536,15 +534,12 @@ class Scene(Protocol):
     def ledger(self) -> list[LedgerRow]: ...
     def resolved(self) -> dict[str, Any]:
         """The whole scene as plain data, with all defaults, that load again to an equal scene."""
-        ...
 
     def inputs(self) -> dict[str, str]:
         """SHA-256 by name of each input file; raises Refused if one has changed since it was read."""
-        ...
 
     def files(self) -> list[str]:
         """Names of the files that a run writes into its folder; * stands for digits and dots."""
-        ...
 
 
 def config_of(slot: str, kind: str) -> type[KindConfig]:

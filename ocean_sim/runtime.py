@@ -8,6 +8,7 @@ import tempfile
 import threading
 import time
 import weakref
+from collections.abc import Callable
 from contextlib import chdir, redirect_stdout, suppress
 from dataclasses import dataclass
 from functools import wraps
@@ -458,6 +459,13 @@ def vector_width() -> int:
         total()
         made = "".join(path.read_text() for path in Path().glob("*.ll"))
     return max((int(n) for n in re.findall(r"<(\d+) x float>", made)), default=1)
+
+
+def values_at(points: np.ndarray, real: type, fill: Callable[..., Any], *size: int) -> np.ndarray:
+    """Values (m, *size) that the kernel `fill` writes at points (m, ...), both in the NumPy type `real` there."""
+    values: np.ndarray = np.empty((len(points), *size), dtype=real)
+    fill(np.ascontiguousarray(points, dtype=real), values)
+    return values.astype(float)
 
 
 def running_arch() -> str:

@@ -17,13 +17,11 @@ from ocean_sim.files.bathymetry import Heights, read_heights
 from ocean_sim.files.input_file import FileName, Unreadable
 from ocean_sim.model import Model, Vector2, Vector3, quantity
 
-if TYPE_CHECKING:  # they are imported only where the bed has a shape, or an obstacle is a mesh
-    from ocean_sim.basin.ground import Ground
 if TYPE_CHECKING:  # they are imported only where the bed has a shape, or bodies are in the water
     from ocean_sim.basin.ground import Ground
     from ocean_sim.basin.solids import packing
     from ocean_sim.basin.solids.room import MeshSolid
-    from ocean_sim.basin.solids.shape import PlacedMesh
+    from ocean_sim.basin.solids.shape import Boxes, PlacedMesh
 
 OPEN = 1.0e30  # [m] where a side that is open would stand
 
@@ -34,6 +32,7 @@ KARMAN_CONSTANT = 0.41  # constant of the logarithmic law
 GRAINS_PER_Z0 = 30.0  # sand roughness over z0, where that law comes to rest (Nikuradse 1933, VDI-Forschungsheft 361)
 MIN_ROW_SHARE = 0.25  # [rows] least height above the bed in the logarithmic law
 Corners = tuple[tuple[float, ...], tuple[float, ...]]
+Problems = list[tuple[tuple[str | int, ...], str]]  # key path, sentence
 SAME_DIGITS = 0.005  # of the decimal logarithm: a per cent, by which gravity differs over the Earth and in tables
 LEVEL_ROUNDING = 1e-6  # of the depth by which a bed may be deeper, as numbers of single precision are
 BOX_ROUNDING = 1e-9  # [m] by which a box may reach over a side or into another one
@@ -177,7 +176,7 @@ class Floor(Model):
             deep = f"reaches down to y = {y.min():g} m, and the basin is {basin.depth:g} m deep"
             yield (key,), f"the bed {deep}; y counts upwards from the still water"
             return
-        ground = basin.ground_of(self)
+        ground = basin.shaped_bed
         if ground.y.min() >= 0.0:
             yield (key,), "the bed lies above the water everywhere; y counts upwards from the still water"
         for axis, ends in (("x", ground.y[[0, -1]]), ("z", ground.y[:, [0, -1]].T)):
@@ -232,11 +231,9 @@ class Floor(Model):
 
     def drag(self, height: float) -> float:
         """Drag coefficient tau / (rho |u| u) for a speed u that is taken at a height above the bed [m]."""
-        return (
-            0.5 * self.friction_factor
-            if self.friction_factor is not None
-            else (KARMAN_CONSTANT / log(height / self.z0)) ** 2
-        )
+        if self.friction_factor is not None:
+            return 0.5 * self.friction_factor
+        return (KARMAN_CONSTANT / log(height / self.z0)) ** 2
 
 
 class Box(Model):
@@ -374,10 +371,9 @@ class Config(Model):
         """Basin of these settings; `sea`: the open sea that the basin is a patch of, or None."""
         return Basin(self, sea=sea)
 
-    def problems(self, basin: "Basin", duration: float) -> list[tuple[tuple[str | int, ...], str]]:
+    def problems(self, basin: "Basin", duration: float) -> Problems:
         """Contradictions in these keys for a run of `duration` [s]: key path below `basin`, and sentence, of each."""
-        found: list[tuple[tuple[str | int, ...], str]] = []
-        walls = basin.walls
+        found, walls = Problems(), basin.walls
         for axis in "xz" if basin.dimension == 3 else "x":
             if [walls.at(f"{axis}_min"), walls.at(f"{axis}_max")].count("periodic") == 1:
                 found.append((("walls",), f"{axis} is periodic on one side only; periodic sides come in pairs"))
@@ -426,11 +422,9 @@ def odd_gravity(gravity: Vector3) -> list[str]:
     return found
 
 
-def box_faults(
-    key: str, boxes: Sequence[Box | MeshObstacle], basin: "Basin", overlap: str
-) -> list[tuple[tuple[str | int, ...], str]]:
+def box_faults(key: str, boxes: Sequence[Box | MeshObstacle], basin: "Basin", overlap: str) -> Problems:
     """Faults (key path, sentence) of boxes under `key` that leave the basin or overlap; `overlap`: words on that."""
-    found: list[tuple[tuple[str | int, ...], str]] = []
+    found = Problems()
     fitting = [k for k, box in enumerate(boxes) if len(box.min) == basin.dimension]
     low = np.array([boxes[k].min for k in fitting]).reshape(-1, basin.dimension)
     up = np.array([boxes[k].max for k in fitting]).reshape(-1, basin.dimension)
@@ -458,12 +452,9 @@ def axes_beyond(low: Sequence[float], up: Sequence[float], basin: "Basin") -> li
     ]
 
 
-def path_faults(
-    obstacles: tuple[AnyObstacle, ...], basin: "Basin", duration: float
-) -> list[tuple[tuple[str | int, ...], str]]:
+def path_faults(obstacles: tuple[AnyObstacle, ...], basin: "Basin", duration: float) -> Problems:
     """Faults (key path, sentence) of the paths of moving obstacles in a run of `duration` [s]."""
-    found: list[tuple[tuple[str | int, ...], str]] = []
-    unread: set[int] = set()
+    found, unread = Problems(), set[int]()
     for k, box in enumerate(obstacles):
         gate, key = box.gate, ("obstacles", k, "motion") if box.motion else ("obstacles", k)
         leave = "`end`" if box.motion else "leave (`until`)"
@@ -533,11 +524,7 @@ class Solid(Protocol):
         """(2, 3) lowest and highest corner of the box around it [m]."""
 
     def make_room(
-        self,
-        positions: np.ndarray,
-        beyond: np.ndarray,
-        boxes: list[tuple[np.ndarray, np.ndarray]],
-        lattice: "packing.Lattice",
+        self, positions: np.ndarray, beyond: np.ndarray, boxes: "Boxes", lattice: "packing.Lattice"
     ) -> tuple[np.ndarray, np.ndarray]:
         """(n,) True for `positions` (n, 3) [m] of particles that the body displaces, and (n, 3) positions of the
         others, moved around it. All fill `boxes`, and `beyond` (m, 3) continues their lattice."""
@@ -628,12 +615,9 @@ class Basin:
     @cached_property
     def periods(self) -> tuple[float, float, float]:
         """Period of the basin along each axis [m]; 0 along an axis that is not periodic."""
-        repeats = (
-            self.walls.at("x_min") == "periodic",
-            self.walls.y == "periodic",
-            self.dimension == 3 and self.walls.at("z_min") == "periodic",
-        )
-        return tuple(up - low if here else 0.0 for low, up, here in zip(self.lower, self.upper, repeats))  # type: ignore[return-value]
+        kinds = self.walls.at("x_min"), self.walls.y, self.walls.at("z_min") if self.dimension == 3 else None
+        ends = zip(self.lower, self.upper, kinds)
+        return tuple(up - low if kind == "periodic" else 0.0 for low, up, kind in ends)  # type: ignore[return-value]
 
     @cached_property
     def sides(self) -> tuple[Side, ...]:
@@ -665,14 +649,16 @@ class Basin:
     def ground(self) -> "Ground | None":
         """Bed of any shape over the flat one; None if the bed is flat."""
         floor = self.config.floor
-        if not isinstance(floor, Floor) or not floor.shaped or any(floor.shape_problems(self)):
-            return None
-        return self.ground_of(floor)
+        sound = isinstance(floor, Floor) and floor.shaped and not any(floor.shape_problems(self))
+        return self.shaped_bed if sound else None
 
-    def ground_of(self, floor: Floor) -> "Ground":
-        """Bed with the shape of a floor, cut at the sides of the basin; raises Unreadable."""
+    @cached_property
+    def shaped_bed(self) -> "Ground":
+        """Bed with the shape of the floor, sound or not, cut at the sides of the basin; raises Unreadable."""
         from ocean_sim.basin.ground import Ground
 
+        floor = self.config.floor
+        assert isinstance(floor, Floor)
         periodic = self.periods[0] > 0.0, self.periods[2] > 0.0
         sides = [(low, up) for low, up in zip(self.lower[::2], self.upper[::2])]
         return Ground.within(sides, floor.nodes, self.lower[1], self.dimension, periodic, floor.slip == "no_slip")
@@ -751,9 +737,8 @@ class Basin:
         motion = self.config.motion
         if motion is None or (omega := motion.mean_frequency) == 0.0:
             return None
-        return waves.regular_wave(
-            1.0, 2.0 * np.pi / omega, np.array([1.0, 0.0]), self.depth, waves.downward_gravity(self)
-        )
+        along, g = np.array([1.0, 0.0]), waves.downward_gravity(self)
+        return waves.regular_wave(1.0, 2.0 * np.pi / omega, along, self.depth, g)
 
     def stops(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         """Lowest and highest x, y, z [m] that walls, bed, lid and a moving piston allow; +-OPEN without limit."""

@@ -153,9 +153,8 @@ def overturn_warnings(axis: str, angle: float) -> list[str]:
 def axis_faults(axis: str, basin: waves.Tank) -> Problems:
     """Fault (key path, sentence) of an axis that a 2-D basin does not allow; empty for any other."""
     if basin.dimension == 2 and axis not in SLICE_AXES:
-        return [
-            (("axis",), f"a 2-D basin, in x-y, moves along x or y or about z ({', '.join(SLICE_AXES)}), not {axis!r}")
-        ]
+        sentence = f"a 2-D basin, in x-y, moves along x or y or about z ({', '.join(SLICE_AXES)}), not {axis!r}"
+        return [(("axis",), sentence)]
     return []
 
 
@@ -515,9 +514,8 @@ class Gate(Model):
         """Warn of rows of its file that a run of `duration` [s] does not reach."""
         if self.file is None:
             return []
-        return csv_file.unreached_times_warning(
-            display_path(self.file), self.rows()[0] + self.start, duration, "the obstacle never moves"
-        )
+        path, times = display_path(self.file), self.rows()[0] + self.start
+        return csv_file.unreached_times_warning(path, times, duration, "the obstacle never moves")
 
     @cached_property
     def laws(self) -> list[Callable[[float], tuple[float, float, float]]]:

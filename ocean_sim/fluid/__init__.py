@@ -90,11 +90,9 @@ class Hull(Protocol):
 
     def distance_to(self, x: Any) -> Any:
         """ti.func: distance of x [m] from the hull [m], below 0 inside it; a lower bound far from it."""
-        ...
 
     def push(self, x: Any, ahead: Any) -> Any:
         """ti.func: acceleration [m/s2] by which the hull pushes water at x [m], `ahead` [s] after the step began."""
-        ...
 
 
 class Contact(Protocol):
@@ -103,7 +101,6 @@ class Contact(Protocol):
     @property
     def hull(self) -> Hull:
         """Hull whose `push` accelerates the water."""
-        ...
 
     given: np.ndarray  # (3,) impulse [N s] of collisions on the water, since the start
     work: float  # [J] of these collisions
@@ -117,7 +114,6 @@ class Displacing(Protocol):
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
         """Positions x, z (m, 2) [m] of the water that the body displaces, and the volume at each (m,) [m3]; m is 0 if
         the body's law of motion does not compute them."""
-        ...
 
 
 class Fluid(Protocol):
@@ -129,7 +125,7 @@ class Fluid(Protocol):
 
     config: Any  # the kind's Config
     particles: Particles | None = None  # None in a closed form
-    sound_speed: float  # [m/s]; 0 where nothing is compressed
+    sound_speed: float = 0.0  # [m/s]; 0 where nothing is compressed
     reference_speed: float  # [m/s] speed to which `compression` refers
     rest_density: float  # [kg/m3]
     spacing: float  # [m] between particles at rest; in a closed form between points that show its waves
@@ -203,15 +199,12 @@ class Fluid(Protocol):
 
     def advance(self, dt: float) -> None:
         """Advance the water by one step of dt [s]; raise Diverged where a neighbour list overflows."""
-        ...
 
     def elevation(self, x: Any, z: Any) -> Any:
         """ti.func: height of the water [m] above the still surface; the bed where it is dry."""
-        ...
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
         """(m, 2) points x, z [m] -> (m,) heights [m] of the water, from Python."""
-        ...
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray | None:
         """(m,) heights [m] without the waves of ships, where the `elevation` with them is (m,) [m]; None where the
@@ -220,11 +213,9 @@ class Fluid(Protocol):
 
     def pressures(self, points: np.ndarray) -> np.ndarray:
         """(m, 3) points [m], also on sides and bed -> (m,) pressures [Pa]; 0 where it is dry."""
-        ...
 
     def velocities(self, points: np.ndarray) -> np.ndarray:
         """(m, 3) points [m] -> (m, 3) velocities [m/s]; 0 where it is dry."""
-        ...
 
     def surface_velocities(self, points: np.ndarray) -> np.ndarray:
         """(m, 2) points x, z [m] -> (m, 3) velocities of the surface there [m/s]."""
@@ -236,11 +227,10 @@ class Fluid(Protocol):
 
     def limits(self) -> Limits:
         """Time scales [s] of which the next time step must stay a fraction."""
-        ...
 
     def internal_energy(self) -> float:
         """Energy of compression [J]; 0 where nothing is compressed."""
-        ...
+        return 0.0
 
 
 class Arriving(NamedTuple):
@@ -265,20 +255,16 @@ class ClosedForm(Fluid, Protocol):
 
     def arriving(self, x: float, z: float) -> Arriving:
         """Plane waves at a place x, z [m], at the beginning of the last step, which is the time of floating bodies."""
-        ...
 
     def rise(self, x: Any, z: Any) -> Any:
         """ti.func: elevation [m] at x, z [m] by all waves but the plane ones, when the last step began."""
-        ...
 
     def moving(self, x: Any, z: Any, depth: Any) -> Any:
         """ti.func: velocity [m/s] and acceleration [m/s2] of the current and of all waves but the plane ones, at x, z
         [m] and a depth [m] of the Wheeler-stretched column, when the last step began."""
-        ...
 
     def window(self, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]) -> Window:
         """Make a lattice that tabulates the plane waves at `size` nodes, `step` [m] apart, and at `depths` [m]."""
-        ...
 
 
 class ParticleFluid(Fluid, Protocol):
@@ -292,19 +278,15 @@ class ParticleFluid(Fluid, Protocol):
 
     def begin(self) -> None:
         """Sort the particles and update their fields, after positions and velocities were set from outside."""
-        ...
 
     def add_contact(self, contact: Contact) -> None:
         """Add a ship's hull, which pushes the water from the first step on."""
-        ...
 
     def totals(self) -> Totals:
         """Sums over all particles in their present state, and their bounding box."""
-        ...
 
     def positions(self) -> np.ndarray:
         """(n, 3) positions of the particles [m], in float64, with more digits than `particles.position` may hold."""
-        ...
 
 
 def with_particles(fluid: Fluid) -> ParticleFluid:

@@ -31,12 +31,8 @@ class Config(WaterConfig):
     def problems(self, preflight: Preflight) -> Problems:
         found = super().problems(preflight)
         if preflight.tank.rough_bed is not None:
-            found.append(
-                (
-                    ("kind",),
-                    "particles that ignore each other have no layer on which a bed could act; leave basin.floor out",
-                )
-            )
+            layer = "particles that ignore each other have no layer on which a bed could act"
+            found.append((("kind",), f"{layer}; leave basin.floor out"))
         return found
 
     def size(self, basin: Basin, arch: str) -> GridSize:
@@ -76,7 +72,6 @@ class Ballistic(ParticleWater):
     """Particles that only fall, bounce and drift with the wind. Wind acts on all of them; none has an exposed area."""
 
     config: Config
-    sound_speed = 0.0
 
     def __init__(self, config: Config, basin: Basin, accounts: bool, wind: Wind) -> None:
         super().__init__(config, basin, config.size(basin, running_arch()), accounts, wind)
@@ -140,6 +135,3 @@ class Ballistic(ParticleWater):
     def limits(self) -> Limits:
         """Limits of the next step, by the largest acceleration in the last one."""
         return force_limit(self.grid.support, self.status.max_acceleration)
-
-    def internal_energy(self) -> float:
-        return 0.0

@@ -33,16 +33,7 @@ from ocean_sim.fluid.patch.attenuation import Attenuation, Delay
 from ocean_sim.fluid.sph.law import Law, WalkOptions
 from ocean_sim.fluid.sph.pair_sph import MomentumLaw
 from ocean_sim.fluid.sph.particles import Components, staggered_field
-from ocean_sim.fluid.sph.smoothing import (
-    NEUTRAL_KERNEL,
-    NEUTRAL_RATIO,
-    Kernel,
-    Smoothing,
-    Stencil,
-    lesser,
-    positive,
-    rigidity_notes,
-)
+from ocean_sim.fluid.sph.smoothing import Smoothing, Stencil, lesser, positive
 from ocean_sim.fluid.sph.sph import Sph, SphConfig, scheme_ledger, step_limits
 from ocean_sim.fluid.sph.water_keys import Lattice
 from ocean_sim.kernel_library import ti, tm
@@ -84,8 +75,6 @@ class Config(SphConfig):
     fineness: ClassVar[int] = 3
     attenuation: ClassVar = Attenuation(0.0, flat=1.0e-3, steep=2.7e-3, travelling=Attenuation(0.0, 2.0e-3, 7.9e-3))
     delay: ClassVar = Delay(0.33, high=0.12)
-    default_ratio: ClassVar[tuple[float, float]] = (NEUTRAL_RATIO, NEUTRAL_RATIO)
-    kernel: ClassVar[Kernel] = NEUTRAL_KERNEL
     kind: Literal["delta_sph"] = "delta_sph"
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
     """Kernel support radius over the spacing; by default 4.0. At 4.0 the lattice from which water starts bears no
@@ -134,12 +123,6 @@ class Config(SphConfig):
             )
         return found
 
-    def statements(self, preflight: Preflight) -> list[str]:
-        """Sentences on the scheme, and on the lattice's rigidity under a free surface."""
-        basin = preflight.tank
-        notable = [] if self.is_enclosed(basin) else rigidity_notes(self.smoothing(basin), self.lattice(basin).spacing)
-        return super().statements(preflight) + notable
-
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         """Rows of the memory ledger for the fields of this scheme."""
         what = "position, velocity, density, pressure, its deviation and rate, number"
@@ -178,6 +161,7 @@ class Momentum(MomentumLaw):
     def __init__(self, fluid: "DeltaSph") -> None:
         self.reads = (*fluid.particles.position, *fluid.particles.velocity, fluid.pressing)
         config, h, rho_0 = fluid.config, fluid.smoothing.length, fluid.rest_density
+        self.factor = fluid.slope  # particle mass times the constant of grad W
         self.laminar = 2.0 * config.kinematic_viscosity / rho_0
         self.per_component = fluid.smoothing.dimension + 2.0  # of the central form over that of one component
         self.artificial = config.artificial_viscosity * h * fluid.sound_speed / rho_0
@@ -187,14 +171,8 @@ class Momentum(MomentumLaw):
         self.viscous = self.laminar > 0.0 or self.artificial > 0.0 or not self.is_enclosed
         self.squared_gap = 1e-6 * h * h  # [m2] keeps two particles in one position finite
         super().__init__(fluid)
-        self.options = replace(
-            self.options, tension_column=self.row.pressure, pair_without_tension=self.pair_without_tension
-        )
-
-    @ti.func
-    def prefactor(self, own):
-        """Factor of the sum: particle mass times the constant of grad W."""
-        return self.fluid.slope
+        column, plain = self.row.pressure, self.pair_without_tension
+        self.options = replace(self.options, tension_column=column, pair_without_tension=plain)
 
     @ti.func
     def pressure_rise(self, head):
@@ -304,6 +282,7 @@ class Continuity(Law):
             self.reads = (*self.reads, fluid.share)
         h, rho_0 = fluid.smoothing.length, fluid.rest_density
         self.diffusion = 2.0 * fluid.config.density_diffusion * h * fluid.sound_speed / rho_0
+        self.factor = fluid.slope  # particle mass times the constant of grad W
         self.heavier = rho_0 / fluid.sound_speed**2  # density [kg/m3] over p / rho [m2/s2]
         filled = {} if fluid.shifting and not fluid.bodies else {"filled": 1}
         further = {"crowding": 3} if fluid.shifting else {"edge": fluid.smoothing.dimension}
@@ -312,11 +291,6 @@ class Continuity(Law):
         self.whole = lattice.filled_gain * fluid.smoothing.dimension * rho_0
         self.deficit, self.deficit_bend = lattice.surface_deficit
         self.add_bodies(fluid.boundary)
-
-    @ti.func
-    def prefactor(self, own):
-        """Factor of the sum: particle mass times the constant of grad W."""
-        return self.fluid.slope
 
     @ti.func
     def begin(self, group):
@@ -395,9 +369,8 @@ class Continuity(Law):
         as that of Balsara 1995, J. Comput. Phys. 121)."""
         fluid, spin, strain = self.fluid, self.fluid.spin[i], self.fluid.strain[i]
         inside = tm.clamp((filled - CUT_SHARE) / (FILLED_SHARE - CUT_SHARE), 0.0, 1.0)
-        sheared = tm.clamp(
-            (spin / (strain + fluid.calm) - STRETCHED_RATIO) / (SHEARED_RATIO - STRETCHED_RATIO), 0.0, 1.0
-        )
+        beyond = spin / (strain + fluid.calm) - STRETCHED_RATIO
+        sheared = tm.clamp(beyond / (SHEARED_RATIO - STRETCHED_RATIO), 0.0, 1.0)
         for k, value in ti.static(enumerate((inside + (1.0 - inside) * sheared, spin, strain))):
             fluid.fresh[k][i] = value
 
@@ -467,7 +440,8 @@ class Continuity(Law):
         fluid.accounts.count_density(group, rho_0 + excess)
         if ti.static(fluid.accounts.impulses):
             self.book_work(i, own, compressed, diffused, group)
-            self.book_leak(unleaked, excess, group)
+            p = fluid.equation_of_state(0.5 * (unleaked + excess)) / (rho_0 + unleaked) ** 2
+            fluid.accounts.count_work(group, LEAK, fluid.particles.mass * p * (excess - unleaked))
 
     @ti.func
     def book_work(self, i, own, compressed, diffused, group):
@@ -480,13 +454,6 @@ class Continuity(Law):
         fluid.accounts.count_work(group, PRESSURE, damped)
         fluid.accounts.count_work(group, VISCOSITY, -damped)
 
-    @ti.func
-    def book_leak(self, before, after, group):
-        """Add the work of a leak to the budget; `before`, `after`: deviation of a particle's density [kg/m3]."""
-        fluid = self.fluid
-        p = fluid.equation_of_state(0.5 * (before + after)) / (fluid.rest_density + before) ** 2
-        fluid.accounts.count_work(group, LEAK, fluid.particles.mass * p * (after - before))
-
 
 @in_kernels
 class Shear(Law):
@@ -498,12 +465,8 @@ class Shear(Law):
     def __init__(self, fluid: "DeltaSph") -> None:
         self.fluid, self.reads, self.dimension = fluid, fluid.grid.moved[: STATE_COLUMNS.id], fluid.smoothing.dimension
         self.terms = Columns(gradient=self.dimension**2)
+        self.factor = -fluid.slope / fluid.rest_density  # by which the sum becomes the velocity gradient [1/s]
         self.add_bodies(fluid.boundary)
-
-    @ti.func
-    def prefactor(self, own):
-        """Factor of the sum, by which it becomes the velocity gradient [1/s]."""
-        return -self.fluid.slope / self.fluid.rest_density
 
     @ti.func
     def image(self, other, mirror):

@@ -29,26 +29,14 @@ import numpy as np
 from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid import Limits
-from ocean_sim.fluid.budget.momentum_budget import (
-    BED,
-    GRAVITY,
-    PRESSURE,
-    SEA,
-    SHIP,
-    TERM_NAMES,
-    VISCOSITY,
-    WALLS,
-    WIND,
-    absent_terms,
-    impulse_terms,
-)
+from ocean_sim.fluid.budget import momentum_budget as budget
 from ocean_sim.fluid.neighbours.thread_tasks import Rows
 from ocean_sim.fluid.patch.attenuation import Attenuation, Delay
 from ocean_sim.fluid.sph.law import Law, WalkOptions
 from ocean_sim.fluid.sph.pair_sph import Force
 from ocean_sim.fluid.sph.particles import Components, staggered_field
 from ocean_sim.fluid.sph.pressure_solver import REPORT_SIZE, TOO_DENSE, UPHILL_SLOPE, Solver
-from ocean_sim.fluid.sph.smoothing import NEUTRAL_KERNEL, NEUTRAL_RATIO, Kernel, Stencil, rigidity_notes
+from ocean_sim.fluid.sph.smoothing import Stencil
 from ocean_sim.fluid.sph.sph import Sph, SphConfig, scheme_ledger, step_limits
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
@@ -78,8 +66,6 @@ class Config(SphConfig):
     delay: ClassVar = Delay(0.2)
     unheeded: ClassVar[tuple[str, ...]] = ("compression",)
     told_to_bodies: ClassVar[int] = 0
-    default_ratio: ClassVar[tuple[float, float]] = (NEUTRAL_RATIO, NEUTRAL_RATIO)
-    kernel: ClassVar[Kernel] = NEUTRAL_KERNEL
     counts_in_doubles: ClassVar[bool] = True
     kind: Literal["dfsph"] = "dfsph"
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
@@ -133,10 +119,8 @@ class Config(SphConfig):
         return found
 
     def statements(self, preflight: Preflight) -> list[str]:
-        basin = preflight.tank
-        notable = [] if self.is_enclosed(basin) else rigidity_notes(self.smoothing(basin), self.lattice(basin).spacing)
         flight = "water that flies freely goes too far by the time step over the time of its fall (first order)"
-        return [*super().statements(preflight), *notable, flight]
+        return [*super().statements(preflight), flight]
 
     def neighbours_kept(self, basin: Basin) -> int:
         """Number of neighbours of a particle on the lattice, whose pairs the solvers keep for a step."""
@@ -149,7 +133,7 @@ class Config(SphConfig):
         neighbours = self.neighbours_kept(basin)
         numbers = 27 + self.is_enclosed(basin)
         if preflight.sums_impulses:
-            numbers += 3 * len(impulse_terms(absent_terms(basin)))
+            numbers += 3 * len(budget.impulse_terms(budget.absent_terms(basin)))
         kept = sizes.plan.pair_bytes(sizes, neighbours, word)
         pairs = LedgerRow("fluid", "pairs", kept, f"{neighbours} neighbours on the lattice")
         return [*scheme_ledger(preflight, sizes, numbers, what), pairs]
@@ -171,12 +155,8 @@ class Density(Law):
         stencil, m = fluid.stencil, fluid.particles.mass
         self.slope, self.square = -stencil.slope, stencil.slope**2
         self.mass = m * stencil.slope * fluid.smoothing.support**2
-        self.diagonal_scale, self.least, self.volume = (
-            m * fluid.weight,
-            MIN_DIAGONAL_SHARE * stencil.gradient_squares,
-            stencil.volume,
-        )
-        self.top_deficit = stencil.top_deficit
+        self.diagonal_scale, self.least = m * fluid.weight, MIN_DIAGONAL_SHARE * stencil.gradient_squares
+        self.volume, self.top_deficit = stencil.volume, stencil.top_deficit
         self.add_bodies(fluid.boundary)
 
     @ti.func
@@ -231,15 +211,13 @@ class Forces(Force):
         self.reads = (*fluid.particles.position, *fluid.particles.velocity, fluid.held_pressure)
         further = ({"rub": 3} if self.viscous else {}) | ({"filled": 1} if fluid.rubs else {})
         self.terms = Columns(push=3, **further)
+        self.factor = (
+            fluid.pressing
+        )  # of the pressure sum: m / rho0^2 times the constant of grad W, over `Stencil.gain`
         self.rubbing = 2.0 * viscosity * fluid.stencil.volume * fluid.stencil.slope / fluid.stencil.gain
         self.per_component = fluid.smoothing.dimension + 2.0  # of the central form over that of one component
         self.squared_gap = 1e-6 * fluid.smoothing.support**2  # [m2] keeps two particles in one position finite
         super().__init__(fluid)
-
-    @ti.func
-    def prefactor(self, own):
-        """Factor of the pressure sum: m / rho0^2 times the constant of grad W, over `Stencil.gain`."""
-        return self.fluid.pressing
 
     @ti.func
     def sample(self, own, s, d, mirror):
@@ -294,29 +272,31 @@ class Forces(Force):
         fluid, u = self.fluid, self.fluid.particles.velocity
         dt, x, v = fluid.dt[None], vec3(own, self.row.position), tm.vec3(u.x[i], u.y[i], u.z[i])
         beyond = self.with_bodies(beyond, x, own)
-        fluid.begin_changes(i)
+        for change in ti.static(fluid.changes):
+            for component in ti.static(change):
+                component[i] = 0.0
         # Forces that do not depend on the new velocity.
         a_wind, a_pull, a_hull = fluid.wind_acceleration(i, x, v), fluid.pull.at(x, v), fluid.hull_push(x, 0.0)
         a = a_wind + a_pull + a_hull
-        v_new = v + fluid.change_velocity(i, WIND, dt * a_wind)
-        v_new += fluid.change_velocity(i, GRAVITY, dt * a_pull)
-        v_new += fluid.change_velocity(i, SHIP, dt * a_hull)
+        v_new = v + fluid.change_velocity(i, budget.WIND, dt * a_wind)
+        v_new += fluid.change_velocity(i, budget.GRAVITY, dt * a_pull)
+        v_new += fluid.change_velocity(i, budget.SHIP, dt * a_hull)
         if ti.static(self.viscous):
             rub, rub_walls = vec3(total, self.terms.rub), vec3(beyond, self.terms.rub)
-            v_new += fluid.change_velocity(i, VISCOSITY, dt * self.rubbing * rub)
-            v_new += fluid.change_velocity(i, WALLS, dt * self.rubbing * rub_walls)
+            v_new += fluid.change_velocity(i, budget.VISCOSITY, dt * self.rubbing * rub)
+            v_new += fluid.change_velocity(i, budget.WALLS, dt * self.rubbing * rub_walls)
             a += self.rubbing * (rub + rub_walls)
         v_new += fluid.apply_pressures(i, dt, vec3(total, self.terms.push), vec3(beyond, self.terms.push))
         # What follows slows the water: not the fall of a step, which pressure holds up.
         if ti.static(fluid.rubs):
             a_bed = fluid.bed.push(x, v_new, dt, total[self.terms.filled], beyond[self.terms.filled])
-            v_new += fluid.change_velocity(i, BED, dt * a_bed)
+            v_new += fluid.change_velocity(i, budget.BED, dt * a_bed)
             a += a_bed
         if ti.static(fluid.joined):
             a_sea = fluid.rim.acceleration(x, v_new, dt)
-            v_new += fluid.change_velocity(i, SEA, dt * a_sea)
+            v_new += fluid.change_velocity(i, budget.SEA, dt * a_sea)
             a += a_sea
-        v_new += fluid.change_velocity(i, WALLS, fluid.walls.relax(x, v_new, dt) - v_new)
+        v_new += fluid.change_velocity(i, budget.WALLS, fluid.walls.relax(x, v_new, dt) - v_new)
         for k, component in ti.static(enumerate(fluid.predicted)):
             component[i] = fluid.base[k][i] = v_new[k]
         fluid.divergence.begin(i)
@@ -340,7 +320,7 @@ class Dfsph(Sph):
         side = (particles.mass / particles.rest_density) ** (1.0 / basin.dimension)
         self.stencil = Stencil(self.smoothing, side)
         self.weight = particles.mass / (self.stencil.gain * particles.rest_density**2)  # of p_i + p_j in acceleration
-        self.pressing = self.weight * self.stencil.slope
+        self.pressing = self.weight * self.stencil.slope  # the same over x_ij times the shape of grad W
         self.predicted, self.way = Components(n), Components(n)  # velocity at the end of the step; way over dt [m/s]
         self.base = tuple(Components(n))  # [m/s] before what the pressures gain
         self.pairs = self.neighbours.keep_pairs(self.smoothing, self.stencil.neighbours, self.tasks)
@@ -353,10 +333,10 @@ class Dfsph(Sph):
         self.diagonal = staggered_field(float, n)  # A_ii / dt^2
         kept = self.accounts.impulse_terms if self.accounts.impulses else ()
         # Of the velocity by each term in this step [m/s]: its work takes the velocity that the step ends with.
-        self.changes = tuple(tuple(Components(n)) if term in kept else () for term in range(len(TERM_NAMES)))
+        self.changes = tuple(tuple(Components(n)) if term in kept else () for term in range(len(budget.TERM_NAMES)))
         self.momentum, self.level = (ti.field(float, shape=()) for _ in range(2))  # how far an iteration is carried
         self.level[None] = particles.rest_density  # on; density that is sought [kg/m3]
-        self.rows = Rows(self.accounts.groups, REPORT_SIZE)
+        self.rows = Rows(self.accounts.groups, REPORT_SIZE)  # what groups of particles report
         calm, brief = CALM_ERRORS["divergence"], BRIEF_STEP * self.smoothing.length / self.reference_speed
         if self.closed:
             calm, brief = 1.0, 0.0  # without a surface less would damp the flow
@@ -516,7 +496,7 @@ class Dfsph(Sph):
             u = tm.vec3([component[i] for component in ti.static(tuple(self.predicted))])
         held, fast = self.walls.limit_motion(way, dt)
         x, v = self.landing(i, dt * held, u)
-        self.change_velocity(i, WALLS, v - u)
+        self.change_velocity(i, budget.WALLS, v - u)
         before = self.particles.velocity
         mean = 0.5 * (tm.vec3(before.x[i], before.y[i], before.z[i]) + v)
         for term, change in ti.static(enumerate(self.changes)):
@@ -535,14 +515,8 @@ class Dfsph(Sph):
         self.accounts.summarise(summary)
 
     @ti.func
-    def density_allowance(self, i):
-        surplus = 0.0
-        if ti.static(not self.closed):
-            surplus = self.closing[i]
-        return surplus
-
-    @ti.func
     def admissible_pressure(self, pressure):
+        """Pressure [Pa] that the water can have, nearest to this one; under a free surface not negative."""
         p = pressure
         if ti.static(not self.closed):
             p = tm.max(p, 0.0)
@@ -552,14 +526,8 @@ class Dfsph(Sph):
     def apply_pressures(self, i, dt, total, beyond):
         """Change of velocity [m/s] of particle i over dt [s] by pressure sums (`beyond`: over walls), also booked."""
         scale = dt * self.pressing
-        return self.change_velocity(i, PRESSURE, scale * total) + self.change_velocity(i, WALLS, scale * beyond)
-
-    @ti.func
-    def begin_changes(self, i):
-        """Reset the changes of velocity of particle i by each force term in this step to 0."""
-        for change in ti.static(self.changes):
-            for component in ti.static(change):
-                component[i] = 0.0
+        by_walls = self.change_velocity(i, budget.WALLS, scale * beyond)
+        return self.change_velocity(i, budget.PRESSURE, scale * total) + by_walls
 
     @ti.func
     def change_velocity(self, i, term: Template, change):
@@ -571,6 +539,3 @@ class Dfsph(Sph):
     def limits(self) -> Limits:
         """Limits of the next step, by the acceleration of all forces but pressure."""
         return self.config.limits_at(self.basin, self.max_speed, self.status.max_acceleration)
-
-    def internal_energy(self) -> float:
-        return 0.0

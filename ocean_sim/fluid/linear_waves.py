@@ -8,12 +8,7 @@ from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import LEAST_DENSITY, WATER_DENSITY
 from ocean_sim.fluid import Limits
-from ocean_sim.fluid.open_sea.open_water import (
-    POINTS_PER_WAVE,
-    SMOOTH_STEP_PERIODS,
-    OpenWater,
-    status_of,
-)
+from ocean_sim.fluid.open_sea.open_water import POINTS_PER_WAVE, SMOOTH_STEP_PERIODS, OpenWater, status_of
 from ocean_sim.fluid.open_sea.plane_waves import NO_DRIFT, PlaneWaves
 from ocean_sim.fluid.open_sea.wave_window import Window
 from ocean_sim.model import quantity
@@ -74,14 +69,8 @@ class Config(waves.GrowingTrain, FluidConfig):
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         n, word = len(self.sea(preflight.tank).amplitude), preflight.word
-        return [
-            LedgerRow(
-                "fluid",
-                f"{n} plane waves",
-                PlaneWaves.bytes(n, word),
-                "fluid.kind is linear_waves: no particles",
-            )
-        ]
+        why = "fluid.kind is linear_waves: no particles"
+        return [LedgerRow("fluid", f"{n} plane waves", PlaneWaves.bytes(n, word), why)]
 
     def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
         return Window.bytes(size, levels, len(self.sea(preflight.tank).amplitude), preflight.word)
@@ -116,6 +105,3 @@ class LinearWaves(OpenWater):
     def advance(self, dt: float) -> None:
         self.before, self.time = self.time, self.time + dt
         self.waves.set_time(self.time)
-
-    def limits(self) -> Limits:
-        return self.still

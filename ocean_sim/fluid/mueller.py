@@ -18,7 +18,7 @@ from ocean_sim.fluid.patch.attenuation import Attenuation
 from ocean_sim.fluid.sph.law import Law
 from ocean_sim.fluid.sph.pair_sph import MomentumLaw, PairSph
 from ocean_sim.fluid.sph.particles import staggered_field
-from ocean_sim.fluid.sph.smoothing import positive
+from ocean_sim.fluid.sph.smoothing import WENDLAND, Kernel, positive
 from ocean_sim.fluid.sph.sph import SphConfig, scheme_ledger
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
@@ -44,6 +44,7 @@ class Config(SphConfig):
     fineness: ClassVar[int] = 1
     attenuation: ClassVar = Attenuation(even=3.3e-3)  # 50 spacings to the wave, Re 250: without viscosity it grows
     default_ratio: ClassVar[tuple[float, float]] = (2.0, 2.0)
+    kernel: ClassVar[Kernel] = WENDLAND
     kind: Literal["mueller"] = "mueller"
     support_ratio: float = quantity("spacings", 2.0, ge=1.2, le=6.0)
     """Kernel support radius over the spacing: 2h in papers that call half the support h."""
@@ -97,14 +98,9 @@ class Density(Law):
     def __init__(self, fluid: "Mueller") -> None:
         self.fluid = fluid
         self.reads = tuple(fluid.particles.position)
-        self.constant = fluid.particles.mass * fluid.smoothing.poly6_constant
+        self.factor = fluid.particles.mass * fluid.smoothing.poly6_constant
         self.clamped, self.minimum = fluid.config.minimum_pressure is not None, fluid.config.minimum_pressure or 0.0
         self.add_bodies(fluid.boundary)
-
-    @ti.func
-    def prefactor(self, own):
-        """Factor of the sum: particle mass times the constant of the poly6 kernel."""
-        return self.constant
 
     @ti.func
     def begin(self, group):
@@ -220,7 +216,7 @@ class Mueller(PairSph):
         self.stiffness = values.get("stiffness", self.stiffness)
         self.kinematic_viscosity = values.get("kinematic_viscosity", self.kinematic_viscosity)
         self.sound_speed = sqrt(self.stiffness)
-        self.factors[SLOPE_FACTOR] = real(self.density.constant) * real(self.stiffness)
+        self.factors[SLOPE_FACTOR] = real(self.density.factor) * real(self.stiffness)
         self.factors[OFFSET_FACTOR] = real(particles.rest_density) * real(self.stiffness)
         mu = particles.rest_density * self.kinematic_viscosity
         self.factors[VISCOUS_FACTOR] = mu * particles.mass * self.smoothing.viscosity_constant / self.momentum.constant

@@ -20,13 +20,7 @@ from ocean_sim.conventions import LEAST_DENSITY, LEAST_STEP, WATER_DENSITY, Dive
 from ocean_sim.fluid import Displacing, Fluid, Limits
 from ocean_sim.fluid.open_sea.air_pressure import AirPressure
 from ocean_sim.fluid.open_sea.high_order import STEPS_PER_WAVE, Breaking, HighOrder, nonlinear_sea, tile_step
-from ocean_sim.fluid.open_sea.open_water import (
-    POINTS_PER_WAVE,
-    SMOOTH_STEP_PERIODS,
-    OpenWater,
-    WaterForShip,
-    status_of,
-)
+from ocean_sim.fluid.open_sea.open_water import POINTS_PER_WAVE, SMOOTH_STEP_PERIODS, OpenWater, WaterForShip, status_of
 from ocean_sim.fluid.open_sea.plane_waves import NO_DRIFT, PlaneWaves
 from ocean_sim.fluid.open_sea.wave_sheet import WORDS_PER_CELL, Sheet
 from ocean_sim.fluid.open_sea.wave_tile import PER_TILE, RIM_SHARE, Layer, OnTile, Tile, TileModes
@@ -87,9 +81,8 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         basin = preflight.tank
         found = self.sea_faults(basin)
         if basin.ground is not None:
-            found.append(
-                (("kind",), "a sea computed by its surface lies over a flat bed; leave the shape of basin.floor out")
-            )
+            sentence = "a sea computed by its surface lies over a flat bed; leave the shape of basin.floor out"
+            found.append((("kind",), sentence))
         if basin.config.obstacles:
             found.append((("kind",), "a sea without sides goes through obstacles; leave basin.obstacles out"))
         if basin.rough_bed is not None:
@@ -114,13 +107,10 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
                 cure = "take a multiple of their length, order 1, or a heading of 0 or 90 degrees"
                 found.append((("tile",), f"{sentence} in this direction; {cure}"))
         if not found and self.energy_share(basin) < MIN_HELD_ENERGY:
-            sentence = (
-                f"a tile of {tile.side:.4g} m in {tile.cells} cells holds waves from {4.0 * tile.cell:.3g} m, four"
-            )
+            held = f"from {4.0 * tile.cell:.3g} m, four cells, to {tile.side:.4g} m"
+            sentence = f"a tile of {tile.side:.4g} m in {tile.cells} cells holds waves {held}"
             share = f"{100.0 * self.energy_share(basin):.2g} % of the energy of this sea"
-            found.append(
-                (("tile",), f"{sentence} cells, to {tile.side:.4g} m: {share}; take one of several of its waves")
-            )
+            found.append((("tile",), f"{sentence}: {share}; take one of several of its waves"))
         return found
 
     def energy_share(self, basin: Basin) -> float:
@@ -410,12 +400,8 @@ class SpectralSea(OpenWater):
             return along + afar[0], across + afar[1]
         sea = self.waves.sea
         if sea.amplitude.any():
-            x, z = (
-                axis - size * np.round((axis - middle) / size)
-                for axis, size, middle in zip(
-                    self.tile.nodes(), (self.tile.side, self.tile.width), raised.layer.centre, strict=True
-                )
-            )
+            axes = zip(self.tile.nodes(), (self.tile.side, self.tile.width), raised.layer.centre, strict=True)
+            x, z = (axis - size * np.round((axis - middle) / size) for axis, size, middle in axes)
             turn = 1j * sea.ramp_share(time) * sea.amplitude * np.exp(1j * (sea.phase - sea.omega * time))
             kx, kz = sea.wavevector.T
             rows, columns = turn * np.exp(1j * x[:, None] * kx), np.exp(1j * z[:, None] * kz)
@@ -463,9 +449,6 @@ class SpectralSea(OpenWater):
             self.sheets[-1].set_clock(late, drifts, self.raised.layer.centre)
         for made, sheet in self.felt:
             sheet.set_clock(late, drifts, made.layer.centre)
-
-    def limits(self) -> Limits:
-        return self.still
 
 
 def spacing(sea: waves.Components, tile: Tile) -> float:

@@ -69,7 +69,6 @@ class Washout(Protocol):
 
     def follow(self, ride: Ride) -> Cue:
         """Platform poses requested for the next rows of ship motion; the state of the filter is kept between calls."""
-        ...
 
 
 class WashoutConfig(Protocol):
@@ -91,7 +90,6 @@ class Platform(Protocol):
 
     def follow(self, ride: Ride) -> Commands:
         """Commands for the next rows of ship motion; the state of washout and legs is kept between calls."""
-        ...
 
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
         """Commands back to neutral after the last poses `past` (2, 6); `time` [s] and `seq`: of the last one's row."""

@@ -53,21 +53,14 @@ class Key(NamedTuple):
     """One key that a scene may have: path, values, unit, default, bounds, meaning, example; for docs and `explain`."""
 
     path: str
-    takes: str
-    """A description of the values that may be written."""
-    unit: str
-    """Unit as in `m/s`; empty for a key that is no quantity, `1` for a number without one."""
-    default: str
-    """Default as YAML; `required` where there is none."""
-    range: str
-    """Bounds as in `> 0`."""
+    takes: str  # a description of the values that may be written
+    unit: str  # unit as in `m/s`; empty for a key that is no quantity, `1` for a number without one
+    default: str  # default as YAML; `required` where there is none
+    range: str  # bounds as in `> 0`
     meaning: str
-    example: str
-    """A setting as `--set` takes it, without the kind."""
-    choices: tuple[str, ...]
-    """The words that may be written, where there are only so many."""
-    is_plain: bool
-    """True if a number, a word or a switch may be written."""
+    example: str  # a setting as `--set` takes it, without the kind
+    choices: tuple[str, ...]  # the words that may be written, where there are only so many
+    is_plain: bool  # True if a number, a word or a switch may be written
 
     @property
     def section(self) -> str:

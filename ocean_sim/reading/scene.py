@@ -278,9 +278,8 @@ def _check_models(composition: Composition, problems: list[Problem], folder: Pat
         return None
     values = {key: getattr(heading, key) for key in headings} | {slot: parts[slot] for slot in SLOTS if slot != ALONE}
     notes += preflight.fluid.notes(preflight)
-    config = SceneConfig(
-        **values, ships=preflight.ships, basin=tank_config, runtime=runtime, observers=observers, notes=notes
-    )
+    values |= {"ships": preflight.ships, "basin": tank_config, "runtime": runtime}
+    config = SceneConfig(**values, observers=observers, notes=notes)
     config._preflight = preflight
     config._inputs = config.inputs()
     return config

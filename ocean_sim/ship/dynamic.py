@@ -222,9 +222,8 @@ class SeakeepingShip(FloatingShip):
             force, torque = force + scattered[0], torque + scattered[1]
         drift, surge = self.drift_velocity(now), self.through * wet.acceleration
         between = None if self.between is None else now.share * self.between
-        moved, carried = water_reaction(
-            now.body, now.share * self.added, between, force, torque, drift, surge, self.free
-        )
+        added = now.share * self.added
+        moved, carried = water_reaction(now.body, added, between, force, torque, drift, surge, self.free)
         return forces | {"wave": forces["wave"] + carried, "damping": forces["damping"] + moved}
 
     def advance(self, load: Load, dt: float) -> None:

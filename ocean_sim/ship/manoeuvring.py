@@ -94,9 +94,8 @@ class Otter:
         plane = 0.75 * HULL_LENGTH * PONTOON_BREADTH
         roll = HULL_LENGTH * PONTOON_BREADTH**3 / 6.0 * (6.0 * 0.75**3 / (1.75 * 2.5)) + 2.0 * plane * PONTOON_OFFSET**2
         pitch = 0.8 / 6.0 * PONTOON_BREADTH * HULL_LENGTH**3
-        above = (2.5 * self.draught - 0.5 * volume / (HULL_LENGTH * PONTOON_BREADTH)) / 3.0 - (
-            self.draught - self.centre[2]
-        )
+        kb = (2.5 * self.draught - 0.5 * volume / (HULL_LENGTH * PONTOON_BREADTH)) / 3.0
+        above = kb - (self.draught - self.centre[2])
         spring = WATER_DENSITY * G * np.array([2.0 * plane, roll + volume * above, pitch + volume * above])
         at_flotation = np.diag([0.0, 0.0, *spring, 0.0])
         flotation = shift_matrix(np.array([-0.2, 0.0, 0.0]))

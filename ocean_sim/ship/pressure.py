@@ -131,6 +131,5 @@ class Pressure(Vessel):
         """Give the fluid the pose, velocity and relaxed acceleration of its boundary body, the hull."""
         body = hold_motions(self.body, self.free)
         linear, turning = self.known
-        self.boundary.place(
-            self.number, body.position, body.matrix, body.velocity, body.angular_velocity, linear, turning
-        )
+        moving = body.velocity, body.angular_velocity, linear, turning
+        self.boundary.place(self.number, body.position, body.matrix, *moving)

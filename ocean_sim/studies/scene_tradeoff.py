@@ -28,14 +28,8 @@ SEED_COUNTS = {True: 2, False: 5}  # quick or not
 MOST_SETTINGS = 200
 CLOCKS_APART = 1.5  # ratio of wall and processor time from which on it is told
 MORE_IS_FINER = (
-    "particles",
-    "cells",
-    "order",
-    "support_ratio",
-    "cells_per_draught",
-    "max_density_iterations",
-    "max_divergence_iterations",
-)
+    "particles cells order support_ratio cells_per_draught max_density_iterations max_divergence_iterations"
+).split()
 FROM_COARSE = {  # what can be named, from the coarsest to the finest
     "profile": PROFILE_NAMES,
     "runtime.precision": ("f32", "f64"),

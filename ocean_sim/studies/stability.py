@@ -66,25 +66,10 @@ class Axis:
         return {self.key: value}
 
 
+COMPRESSIONS, VISCOSITIES = (0.0005, 0.0025, 0.01, 0.04, 0.2, 1.0), (0.0, 1e-4, 0.01, 0.1, 1.0, 10.0, 40.0)
 EXTREME_AXES = (
-    Axis(
-        "compression",
-        "fluid.compression",
-        "1",
-        (0.0025, 0.04, 1.0),
-        (0.0005, 0.0025, 0.01, 0.04, 0.2, 1.0),
-        "fluid",
-        QUICK_STEP_FACTORS,
-    ),
-    Axis(
-        "viscosity",
-        "fluid.kinematic_viscosity",
-        "m2/s",
-        (0.1, 10.0),
-        (0.0, 1e-4, 0.01, 0.1, 1.0, 10.0, 40.0),
-        "fluid",
-        QUICK_STEP_FACTORS,
-    ),
+    Axis("compression", "fluid.compression", "1", (0.0025, 0.04, 1.0), COMPRESSIONS, "fluid", QUICK_STEP_FACTORS),
+    Axis("viscosity", "fluid.kinematic_viscosity", "m2/s", (0.1, 10.0), VISCOSITIES, "fluid", QUICK_STEP_FACTORS),
     Axis("wind", "wind.volumes.acceleration", "m/s2", (24.4, 1000.0), (0.0, 2.44, 24.4, 244.0, 1000.0, 1e4)),
     Axis("spacing", "resolution", "of the scene's", (0.5, 2.0), (0.25, 0.5, 1.0, 2.0, 4.0)),
     Axis(

@@ -50,13 +50,10 @@ class Trial:
     quantity: str
     set_up: str = ""
     slot: str = "fluid"
-    only: tuple[str, ...] = ()
-    """Kinds of the slot that the case fits; by default all that are compared."""
-    scatter: float | None = None
-    """Scatter of experiments: a smaller error earns no credit."""
+    only: tuple[str, ...] = ()  # kinds of the slot that the case fits; by default all that are compared
+    scatter: float | None = None  # scatter of experiments: a smaller error earns no credit
     quick: bool = True
-    work: str = ""
-    """Work that is timed, if not the steps."""
+    work: str = ""  # work that is timed, if not the steps
 
     @property
     def schemes(self) -> tuple[str, ...]:

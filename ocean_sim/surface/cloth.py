@@ -64,9 +64,8 @@ class Config(SurfaceConfig):
     def completed(self, preflight: Preflight) -> Self:
         assert preflight.spacing is not None
         widest = min(2.0 * preflight.spacing, preflight.support)
-        return self.model_copy(
-            update={"spacing": self.spacing or preflight.spacing, "thickness": self.thickness or widest}
-        )
+        found = {"spacing": self.spacing or preflight.spacing, "thickness": self.thickness or widest}
+        return self.model_copy(update=found)
 
     def problems(self, preflight: Preflight) -> Problems:
         if preflight.tank.closed:
@@ -82,13 +81,8 @@ class Config(SurfaceConfig):
         if self.thickness is None or 0.999 * least < self.thickness < 1.001 * most:
             return []
         why = "less, and the sheet falls between them" if self.thickness < least else "water is looked for no further"
-        return [
-            (
-                ("thickness",),
-                f"{self.thickness:g} m must lie between a spacing of the particles, {least:.4g} m, and their support, "
-                f"{most:.4g} m: {why}",
-            )
-        ]
+        span = f"a spacing of the particles, {least:.4g} m, and their support, {most:.4g} m"
+        return [(("thickness",), f"{self.thickness:g} m must lie between {span}: {why}")]
 
     def nodes(self, basin: Basin) -> tuple[int, int]:
         """Numbers of nodes along x and z, of a completed config; 1 along z in 2-D."""
@@ -119,9 +113,8 @@ class Cloth:
         self.contact = Contact(basin.dimension, self.thickness, size)
         self.at_surface, self.steepness = self.contact.at_surface, self.contact.steepness
         stretching, bending = config.stretching_stiffness, config.bending_stiffness
-        steps = [(*step, stretching) for step in STRETCH_STEPS + SHEAR_STEPS] + [
-            (*step, bending) for step in BEND_STEPS
-        ]
+        steps = [(*step, stretching) for step in STRETCH_STEPS + SHEAR_STEPS]
+        steps += [(*step, bending) for step in BEND_STEPS]
         self.springs = [*steps, *((-di, -dk, stiffness) for di, dk, stiffness in steps)]  # both ways from a node
         count = self.nodes[0] * self.nodes[1]
         self.height = self.heights.height  # [m]
@@ -176,17 +169,12 @@ class Cloth:
         """Height [m] of node n after Newton steps, which never overshoot, from y [m] towards the surface."""
         p, start, moves = self.heights.column_place(n), y, 0
         while moves < MAX_MOVES:
-            move = self.newton_move(tm.vec3(p.x, y, p.y))
+            share = self.around.total(tm.vec3(p.x, y, p.y), self.contact, 0.0)  # of the water within a thickness
+            move = (share[0] - ti.static(self.at_surface)) / tm.max(-share[1], ti.static(self.steepness))
             y, moves = y + move, ti.select(ti.abs(move) < LAST_MOVE * self.thickness, MAX_MOVES, moves + 1)
             if y < self.bed:
                 y, moves = self.bed, MAX_MOVES
         return start + ti.static(self.config.response) * (y - start)
-
-    @ti.func
-    def newton_move(self, x):
-        """Distance to the surface above x [m], by the water within a thickness: one step of Newton's method."""
-        share = self.around.total(x, self.contact, 0.0)
-        return (share[0] - ti.static(self.at_surface)) / tm.max(-share[1], ti.static(self.steepness))
 
     @ti.func
     def spring_pull(self, n, dt):

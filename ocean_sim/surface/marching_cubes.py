@@ -22,7 +22,7 @@ from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.surface import AREA_AND_VOLUME, Mesh, Surface
 from ocean_sim.surface.shared.heights import Heights
-from ocean_sim.surface.shared.isosurface import Counts, Isosurface
+from ocean_sim.surface.shared.isosurface import TASK_ITERATIONS, Counts, Isosurface
 from ocean_sim.surface.shared.nodes import MAX_NODES, Nodes
 
 if TYPE_CHECKING:
@@ -34,7 +34,6 @@ MEASURED_COLUMNS = AREA_AND_VOLUME | {
     "surface_outside": "particles above the grid",
 }
 MAX_RADIUS = 6.0  # [spacings] radius at most: a node then counts 900 particles
-TASK_ITERATIONS = 512  # Taichi never cuts a parallel loop finer than this: a task every TASK_ITERATIONS iterations
 ROW_GROUPS = 32  # of rows of nodes, each a task of its own; set here, never by the number of threads
 RUN_NODES = 4  # nodes along x that are gathered for at once
 AXIS_IMAGES = 5  # of a point on each axis: itself, in either side or a period on, and in both sides or two periods on
@@ -402,9 +401,8 @@ class DensityMap:
                         high = tm.min(high, tm.ivec3(self.bins) - 1)
                         for k in range(low.z, high.z + 1):
                             for j in range(low.y, high.y + 1):
-                                found |= int(
-                                    self.start[self.bin_at(0, j, k)] < self.start[self.bin_at(self.bins[0], j, k)]
-                                )
+                                last = self.start[self.bin_at(self.bins[0], j, k)]
+                                found |= int(self.start[self.bin_at(0, j, k)] < last)
         return found == 1
 
     @ti.kernel

@@ -14,12 +14,9 @@ class TimeStep(Protocol):
     @property
     def adjustable(self) -> dict[str, Setting]:
         """Settings that `adjust` can change while a simulation goes on."""
-        ...
 
     def adjust(self, **values: float) -> None:
         """Change adjustable settings from the next step on."""
-        ...
 
     def next(self, limits: Limits) -> float:
         """Length of the next time step [s] under these limits of the water or of the whole simulation."""
-        ...

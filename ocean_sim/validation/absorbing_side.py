@@ -30,16 +30,11 @@ def problems(coarse: bool) -> list[Problem]:
     return [Problem(scene, PROMISES, measure, slow=not coarse)]
 
 
-def theoretical_reflection() -> float:
-    """Height of the reflected waves over that of the incident ones, by linear theory for the absorbing zone."""
-    rate = absorption.damping_rate(K, DEPTH, GRAVITY, WAVELENGTH)
-    return float(absorption.wave_reflection(np.array([2.0 * pi / PERIOD]), DEPTH, GRAVITY, WAVELENGTH, rate)[0])
-
-
 def measure(simulation: Simulation) -> Finding:
     points = np.stack([GAUGE_POSITIONS, 0.0 * GAUGE_POSITIONS], axis=1)
     time, found = resample_evenly(*gauge_records(simulation, points, SAMPLE_INTERVAL), RECORD_START, SAMPLE_INTERVAL)
     back = reflection_ratio(SAMPLE_INTERVAL, found, GAUGE_POSITIONS, DEPTH, (0.7 / PERIOD, 1.3 / PERIOD))
-    numbers = [(back, theoretical_reflection(), 100.0 * back)]
+    rate = absorption.damping_rate(K, DEPTH, GRAVITY, WAVELENGTH)
+    theory = float(absorption.wave_reflection(np.array([2.0 * pi / PERIOD]), DEPTH, GRAVITY, WAVELENGTH, rate)[0])
     measured = [Curve(f"{x:g} m", time, column) for x, column in zip(GAUGE_POSITIONS, found.T)]
-    return Finding(numbers, measured, [], ("time [s]", "elevation [m]"))
+    return Finding([(back, theory, 100.0 * back)], measured, [], ("time [s]", "elevation [m]"))

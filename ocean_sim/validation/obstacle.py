@@ -70,9 +70,8 @@ def sensor_positions() -> np.ndarray:
 def measure(simulation: Simulation) -> Finding:
     fluid, sensors = simulation.fluid, sensor_positions()
     probes = np.array([(away - LENGTH / 2, 0.0) for away in HEIGHT_GAUGES.values()])
-    times, values = record_run(
-        simulation, SAMPLE_INTERVAL, lambda _: [*(fluid.elevations(probes) + DEPTH), *fluid.pressures(sensors)]
-    )
+    channels = lambda _: [*(fluid.elevations(probes) + DEPTH), *fluid.pressures(sensors)]
+    times, values = record_run(simulation, SAMPLE_INTERVAL, channels)
     return compare_channels(times, dict(zip((*HEIGHT_GAUGES, *PRESSURE_SENSORS), values.T)))
 
 

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, free_space
 from ocean_sim.validation.shared.state import sampled_states
 from ocean_sim.validation.shared.tables import table
 
@@ -43,16 +43,10 @@ def gap_problem(exact: Profile, column: str, lid: list[float], force: float, coa
     """
     spacing = 0.1 if coarse else 0.05
     duration = JUDGED_TIMES[2] if coarse else JUDGED_TIMES[-1]
+    plates = {"walls": {"x": "periodic"}, "floor": "no_slip", "lid": {"slip": "no_slip", "velocity": lid}}
     scene = {
         "duration": duration,
-        "basin": {
-            "length": 1.0,
-            "depth": 1.0,
-            "gravity": [0.0, 0.0, 0.0],
-            "walls": {"x": "periodic"},
-            "floor": "no_slip",
-            "lid": {"slip": "no_slip", "velocity": lid},
-        },
+        "basin": free_space(1.0, 1.0) | plates,
         "fluid": {
             "spacing": spacing,
             "kinematic_viscosity": 1.0,

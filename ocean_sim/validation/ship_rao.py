@@ -38,9 +38,8 @@ def problems(coarse: bool) -> list[Problem]:
             few = omegas[1:3] if coarse else omegas
             found.append(hull_problem(hull, sea, few, schemes, keys, 4 if coarse else 8))
         if hull == "barge20":
-            memory: dict[str, Any] = {"radiation": str(table_path("barge20_radiation"))} | (
-                ROLL_KEYS if sea == "beam" else {}
-            )
+            memory: dict[str, Any] = {"radiation": str(table_path("barge20_radiation"))}
+            memory |= ROLL_KEYS if sea == "beam" else {}
             found.append(hull_problem(hull, sea, few, ("dynamic",), memory, 4 if coarse else 8))
     return found
 

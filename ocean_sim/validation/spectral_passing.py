@@ -43,7 +43,7 @@ def problems(coarse: bool) -> list[Problem]:
         numbers, measured, expected = [], [], []
         for n in BEAM_DISTANCES:
             cut = np.stack([at + x, np.full(len(x), n * SHIP_LENGTH)], axis=1)
-            eta, exact = by_another.elevations(cut), steady_wake(x, n * SHIP_LENGTH, *widths)
+            eta, exact = by_another.elevations(cut), np.array([elevation_at(a, n * SHIP_LENGTH, *widths) for a in x])
             numbers.append(percent_error(float(np.ptp(eta)), float(np.ptp(exact))))
             measured.append(Curve(f"{n} lengths abeam", x, eta))
             expected.append(Curve(f"Havelock, {n} lengths", x, exact))
@@ -79,11 +79,6 @@ def passing_waters(simulation: Simulation) -> tuple:
         patch.body.position = np.array([SHIP_SPEED * simulation.time, 0.0, 0.0])
         simulation.step()
     return by_another, by_itself, float(patch.body.position[0] + SHIP_SPEED * TIME_STEP)
-
-
-def steady_wake(x: np.ndarray, z: float, long: float, broad: float) -> np.ndarray:
-    """Elevations (n,) [m] `x` (n,) ahead of and `z` beside a pressure exp(-(x / long)^2 - (z / broad)^2); all [m]."""
-    return np.array([elevation_at(each, z, long, broad) for each in x])
 
 
 def elevation_at(x: float, z: float, long: float, broad: float) -> float:

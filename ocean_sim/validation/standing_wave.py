@@ -91,10 +91,6 @@ class StandingWave:
         along, up = -np.sin(self.k * x) * np.cosh(self.k * y), np.cos(self.k * x) * np.sinh(self.k * y)
         return scale * np.stack([along, up, np.zeros_like(x)], axis=1)
 
-    def decaying_signal(self, times: np.ndarray, rate: float) -> np.ndarray:
-        """Velocity (n,) over its first amplitude at times (n,) [s], for a decay rate [1/s], in linear theory."""
-        return np.cos(self.omega * times) * np.exp(-rate * times)
-
     def amplitude_ratio(self, rate: float) -> float:
         """Ratio of amplitudes one period apart, later over earlier, for a decay rate [1/s]."""
         return exp(-rate * self.period)
@@ -102,7 +98,8 @@ class StandingWave:
     def finding(self, numbers: tuple[Number, ...], times: np.ndarray, share: np.ndarray, rate: float) -> Finding:
         """Finding with these numbers, and curves: measured `share` (n,) of the amplitude, and decay at a rate [1/s]."""
         measured = [Curve("wave", times / self.period, share)]
-        expected = [Curve("linear theory", times / self.period, self.decaying_signal(times, rate))]
+        theory = np.cos(self.omega * times) * np.exp(-rate * times)
+        expected = [Curve("linear theory", times / self.period, theory)]
         return Finding(numbers, measured, expected, ("t / T", "velocity over its first amplitude"))
 
     def amplitude_share(self, water: State) -> float:

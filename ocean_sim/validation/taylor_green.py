@@ -10,7 +10,7 @@ from math import exp, pi
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, absolute_error, percent_error
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, absolute_error, free_space, percent_error
 from ocean_sim.validation.shared.state import State, particle_state, random_shifts, sampled_states, set_state
 
 SPEED, REYNOLDS = 1.0, 100.0  # U [m/s], Re
@@ -28,13 +28,7 @@ PROMISES = (
 def problems(coarse: bool) -> list[Problem]:
     scene = {
         "duration": 1.0,
-        "basin": {
-            "length": 1.0,
-            "depth": 1.0,
-            "gravity": [0.0, 0.0, 0.0],
-            "walls": {"x": "periodic", "y": "periodic"},
-            "floor": "none",
-        },
+        "basin": free_space(1.0, 1.0) | {"walls": {"x": "periodic", "y": "periodic"}},
         "fluid": {
             "spacing": 0.04 if coarse else 0.02,
             "kinematic_viscosity": SPEED / REYNOLDS,

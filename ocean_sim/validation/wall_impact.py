@@ -67,9 +67,8 @@ def measure(simulation: Simulation) -> Finding:
     wall, duration = simulation.basin.upper[0], simulation.scene.duration
     heights = np.stack([np.linspace(sensor.low, sensor.high, SENSOR_POINTS) for sensor in SENSORS]) * HEIGHT
     points = np.stack([np.full(heights.size, wall), heights.ravel() - HEIGHT, np.zeros(heights.size)], axis=1)
-    times, pressures = record_run(
-        simulation, duration / 800, lambda _: simulation.fluid.pressures(points).reshape(heights.shape).mean(axis=1)
-    )
+    channels = lambda _: simulation.fluid.pressures(points).reshape(heights.shape).mean(axis=1)
+    times, pressures = record_run(simulation, duration / 800, channels)
     return compare_pressures(scaled_time(times, GRAVITY, HEIGHT), pressures / (DENSITY * GRAVITY * HEIGHT))
 
 

@@ -84,14 +84,8 @@ def run_probe(script: str) -> dict[str, Any]:
     """Run a Python script in a child process, which may crash: `ok` if it succeeded, and as `detail` its last line."""
     try:
         quiet = os.environ | {"ENABLE_TAICHI_HEADER_PRINT": "False"}
-        child = subprocess.run(
-            [sys.executable, "-c", script],
-            capture_output=True,
-            text=True,
-            timeout=PROBE_SECONDS,
-            check=False,
-            env=quiet,
-        )
+        options: dict[str, Any] = {"capture_output": True, "text": True, "timeout": PROBE_SECONDS, "env": quiet}
+        child = subprocess.run([sys.executable, "-c", script], check=False, **options)
     except subprocess.TimeoutExpired:
         return {"ok": False, "detail": f"no answer within {PROBE_SECONDS:.0f} s"}
     if child.returncode < 0:

@@ -16,6 +16,7 @@ from ocean_sim.verbs.list import list_choices
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json, completion
 
+SHOWN = ("meaning", "takes", "unit", "default", "range", "example")
 MAX_AT_LENGTH = 12  # keys that are explained at length; of more only their meanings are listed
 
 
@@ -33,14 +34,13 @@ def explain(
     same = group_alike(keys_at(by_kind(asked)) or [each for each in scene_keys() if each.path.split(".")[-1] == asked])
     part = None if same and "." not in asked else preset_choice(asked)
     if part is not None:
-        same = [
-            (with_preset_value(each, *part), paths)
-            for each, paths in group_alike(keys_at(f"{part[0]}.{kind_named(*part)}"))
-        ]
+        named = group_alike(keys_at(f"{part[0]}.{kind_named(*part)}"))
+        same = [(with_preset_value(each, *part), paths) for each, paths in named]
     if not same and part is None:
         raise console.Refused(f"there is no key {key!r}{refusal_end(asked)}")
     if as_json:
-        console.answer([key_answer(each, paths) for each, paths in same])
+        told = lambda key: {name: getattr(key, name) for name in SHOWN}
+        console.answer([{"key": paths[0], "keys": paths} | told(each) for each, paths in same])
         return
     if part is not None:
         console.say(f"{'.'.join(part)}: {part_sentence(*part)}\n")
@@ -119,8 +119,3 @@ def key_lines(key: Key, paths: list[str]) -> list[str]:
 def key_row(key: Key, paths: list[str]) -> list[str]:
     more = f" and {len(paths) - 1} more" if len(paths) > 1 else ""
     return [paths[0] + more, key.default, f"{key.meaning}{in_brackets(key.unit)}"]
-
-
-def key_answer(key: Key, paths: list[str]) -> dict[str, Any]:
-    shown = ("meaning", "takes", "unit", "default", "range", "example")
-    return {"key": paths[0], "keys": paths} | {name: getattr(key, name) for name in shown}

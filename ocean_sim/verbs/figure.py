@@ -36,13 +36,9 @@ class Outcome(NamedTuple):
 
 def figure_scripts() -> dict[str, Path]:
     """Path of each figure's script, in the order of the thesis: `6-3` is figures/fig6_3.py."""
-    found = {scripts_named(path.stem): path for path in library("figures").glob("[!_]*.py")}
+    scripts = library("figures").glob("[!_]*.py")
+    found = {re.sub(r"^fig(\d+)_(\d+)$", r"\1-\2", path.stem).replace("_", "-"): path for path in scripts}
     return {name: found[name] for name in sorted(found, key=figure_order)}
-
-
-def scripts_named(stem: str) -> str:
-    """Name of the figure that a script draws, by the stem of its file: `6-3` for `fig6_3`."""
-    return re.sub(r"^fig(\d+)_(\d+)$", r"\1-\2", stem).replace("_", "-")
 
 
 def figure_order(name: str) -> tuple[list[int], str]:
@@ -81,11 +77,11 @@ def figure(
             for name in wanted:
                 if not as_json:
                     console.say(f"[{len(done) + 1}/{len(wanted)}] {figure_sentence(known[name])}")
-                done.append(
-                    draw_figure(name, known[name], fast, out, lambda share, text: bar.show(len(done) + share, text))
-                )
+                show = lambda share, text: bar.show(len(done) + share, text)
+                done.append(draw_figure(name, known[name], fast, out, show))
                 if not as_json:
-                    console.say(report_figure(done[-1]))
+                    what = ", ".join(map(str, done[-1].files)) if done[-1].ok else f"FAILED: {done[-1].error}"
+                    console.say(f"      {console.duration(done[-1].wall_s)}  {what}")
         finally:
             bar.close()
         failed = [outcome.figure for outcome in done if not outcome.ok]
@@ -94,12 +90,6 @@ def figure(
         elif failed:
             console.complain(f"{len(failed)} of {len(done)} figures failed: {', '.join(failed)}")
         return 1 if failed else 0
-
-
-def report_figure(outcome: Outcome) -> str:
-    """Line for people with a figure's wall time, and its files or its error."""
-    what = ", ".join(map(str, outcome.files)) if outcome.ok else f"FAILED: {outcome.error}"
-    return f"      {console.duration(outcome.wall_s)}  {what}"
 
 
 def draw_figure(name: str, script: Path, fast: bool, out: Path, show: Callable[[float, str], None]) -> Outcome:

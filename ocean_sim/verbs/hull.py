@@ -432,13 +432,11 @@ def draw_hull(path: Path, shape: Any, found: dict[str, Any]) -> None:
         axes.imshow(shown, origin="lower", extent=extent, cmap="Greys", aspect="equal")
         if up == 1 and found["draught_m"] is not None:
             axes.axhline(lower[1] + found["draught_m"], color="C0", linewidth=1.0)
-        axes.set_xlabel(names[across])
-        axes.set_ylabel(names[up])
+        axes.set(xlabel=names[across], ylabel=names[up])
     axes = figure.add_subplot(2, 2, 4)
     axes.plot([row["heel_deg"] for row in found["gz"]], [row["gz_m"] for row in found["gz"]], ".-")
     axes.axhline(0.0, color="black", linewidth=0.6)
-    axes.set_xlabel("heel [deg]")
-    axes.set_ylabel("GZ [m]")
+    axes.set(xlabel="heel [deg]", ylabel="GZ [m]")
     axes.grid(alpha=0.3)
     path.parent.mkdir(parents=True, exist_ok=True)
     with atomic_write(path) as draft:

@@ -61,7 +61,8 @@ def render(
     if fps is not None and not 0.1 <= fps <= 240.0:
         raise console.Refused(f"--fps {fps:g}: choose 0.1 to 240 pictures a second")
     given = {key: value for key, value in asked.items() if value is not None}
-    nodes = {key: node_of(value, Location(f"--{key} {option_text(value)}")) for key, value in given.items()}
+    text = lambda value: ",".join(f"{item:g}" for item in value) if isinstance(value, list) else str(value)
+    nodes = {key: node_of(value, Location(f"--{key} {text(value)}")) for key, value in given.items()}
     config = checked(drawing.Config, Node(nodes, Location("--camera"), Location("--camera")))
     require_frames(run)
     sentence = drawing.obstacle_to_pictures(run, config.camera, config.stills, config.ship)
@@ -94,11 +95,6 @@ def picture_size(text: str | None) -> list[int] | None:
     if len(words) != 2 or not all(word.isdigit() for word in words):
         raise console.Refused(f"--size {text}: a size is width x height in pixels, as 1280x720")
     return [int(word) for word in words]
-
-
-def option_text(value: Any) -> str:
-    """Text of an option's value as it is written on a command line: numbers of a list between commas."""
-    return ",".join(f"{item:g}" for item in value) if isinstance(value, list) else str(value)
 
 
 def export(

@@ -47,7 +47,9 @@ def resume_claimed(folder: Path, until: float | None, anyway: bool, as_json: boo
     manifest = manifest_of(folder)
     config = scene_of(folder, manifest, until)
     if manifest.get("outcome") == "done" and (until is None or until <= manifest["simulated_s"] * (1.0 + 1e-12)):
-        report_finished(folder, manifest, as_json)
+        facts = {key: manifest.get(key) for key in ("outcome", "steps", "simulated_s")} | {"folder": str(folder)}
+        end = f"{folder}: this run is finished, at t = {manifest['simulated_s']:.3f} s; --until continues it"
+        console.reply(as_json, facts, end)
         return
     require_unchanged_inputs(folder, manifest, config)
     console.must_compute_with(library_of(manifest, config), f"{folder}, by what its kernels were compiled with", "")
@@ -142,20 +144,12 @@ def library_of(manifest: dict[str, Any], config: SceneConfig) -> str | None:
     return config.runtime.library or next(iter(known), None)
 
 
-def report_finished(folder: Path, manifest: dict[str, Any], as_json: bool) -> None:
-    facts = {key: manifest.get(key) for key in ("outcome", "steps", "simulated_s")} | {"folder": str(folder)}
-    end = f"{folder}: this run is finished, at t = {manifest['simulated_s']:.3f} s; --until continues it"
-    console.reply(as_json, facts, end)
-
-
 def never_begun(folder: Path, config: SceneConfig) -> bool:
     """True if a run with checkpoints ended before the first, having written no more than its initial state."""
     if "checkpoint" not in config.observers or any(checkpoint_file.checkpoint_files(folder)):
         return False
-    return (
-        not any(len(recorded_rows(path)) > 1 for path in folder.glob("*.csv"))
-        and len([*folder.glob("frames/frame_*")]) < 2
-    )
+    empty = not any(len(recorded_rows(path)) > 1 for path in folder.glob("*.csv"))
+    return empty and len([*folder.glob("frames/frame_*")]) < 2
 
 
 def recorded_rows(path: Path) -> list[str]:

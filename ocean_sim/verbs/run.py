@@ -1,6 +1,6 @@
 """`ocean-sim run`: preflight, progress, summary."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -102,16 +102,12 @@ def until_node(until: float) -> Node:
 
 
 def run_folder(stem: str, out: Path | None, overwrite: bool, coming: Iterable[str] = ()) -> Claim:
-    """Claim `out`, or else an unused folder in runs/ named after `stem`, for a run that writes the files `coming`.
+    """Claim `out`, or else the first unused of runs/STEM, runs/STEM-2, ..., for a run that writes the files `coming`.
     Raises Refused if another run (unless `overwrite`) or other files are there."""
     if out is None:
-        return next(filter(None, map(unused_folder, run_folders(stem))))
+        folders = (Path("runs") / (stem if k == 1 else f"{stem}-{k}") for k in count(1))
+        return next(filter(None, map(unused_folder, folders)))
     return claim_run_folder(coming, out, overwrite, f"--out {out}", "add --overwrite")
-
-
-def run_folders(stem: str) -> Iterator[Path]:
-    """Yield folders to try for a run of the scene `stem`: runs/STEM, runs/STEM-2 and so on."""
-    return (Path("runs") / (stem if k == 1 else f"{stem}-{k}") for k in count(1))
 
 
 def unused_folder(folder: Path) -> Claim | None:

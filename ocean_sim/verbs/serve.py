@@ -118,14 +118,11 @@ def announce_page(server: Any, as_json: bool, show: bool, more: str) -> None:
     """Print a page's address and the hint `more`, and open it in a browser if `show` and there is a screen."""
     stops = "Ctrl-C stops" + (f"; {more}" if more else "")
     console.reply(as_json, {"address": server.address}, f"{server.address}\n{stops}")
-    if show and not as_json and has_screen():
+    has_screen = sys.platform == "darwin" or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    if show and not as_json and has_screen:
         import webbrowser
 
         webbrowser.open(server.address)
-
-
-def has_screen() -> bool:
-    return sys.platform == "darwin" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 def report(

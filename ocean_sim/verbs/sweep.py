@@ -34,14 +34,9 @@ def sweep(
     if as_json:
         console.answer(table)
     else:
-        print_rows(table, list(dict.fromkeys(key for run in runs for key in run.settings)))
+        names = ["run", *dict.fromkeys(key for run in runs for key in run.settings), *FACT_COLUMNS]
+        console.table("", names, [[text(row.get(name)) for name in names] for row in table])
         console.say(sweep_summary(table, folder))
-
-
-def print_rows(rows: list[dict[str, Any]], keys: list[str]) -> None:
-    """Print a table with settings (columns `keys`) and outcome of each run."""
-    names = ["run", *keys, *FACT_COLUMNS]
-    console.table("", names, [[text(row.get(name)) for name in names] for row in rows])
 
 
 def sweep_summary(rows: list[dict[str, Any]], folder: Path) -> str:

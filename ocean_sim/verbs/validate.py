@@ -72,7 +72,8 @@ def validate(
         for found in case_answers(orders, workers or available_cores()):
             rows += found
             if not as_json:
-                print_case(found[0]["case"], found)
+                columns = ["scheme", "quantity", "value", "reference", "error", "tolerance", "", "source"]
+                console.table(f"\n{found[0]['case']}", columns, [row_line(row) for row in found])
         write_table(out / "validate.csv", ROW_KEYS, ([row[key] for key in ROW_KEYS] for row in rows))
         if junit is not None:
             write_junit(junit, rows)
@@ -166,11 +167,6 @@ def left_out(plan: dict[str, list[tuple[Problem, str]]], schemes: list[str], coa
         why = "they take too long for a gate, or have no tolerance" if coarse else "they take minutes"
         names = [f"{case} ({'; '.join(more)})" if more else case for case, more in slow.items()]
         yield f"left out, as {why} (--slow adds them): {', '.join(names)}"
-
-
-def print_case(case: str, rows: list[dict[str, Any]]) -> None:
-    columns = ["scheme", "quantity", "value", "reference", "error", "tolerance", "", "source"]
-    console.table(f"\n{case}", columns, [row_line(row) for row in rows])
 
 
 def row_line(row: dict[str, Any]) -> list[str]:

@@ -271,10 +271,8 @@ def draw_waves(
     for name, height in heights.items():
         above.plot(time, height, linewidth=0.9, label=name)
         below.plot(frequency, densities[name], linewidth=1.1, label=name)
-    above.set_xlabel("time [s]")
-    above.set_ylabel("elevation [m]")
-    below.set_xlabel("frequency [Hz]")
-    below.set_ylabel("spectral density [m2 s]")
+    above.set(xlabel="time [s]", ylabel="elevation [m]")
+    below.set(xlabel="frequency [Hz]", ylabel="spectral density [m2 s]")
     highest = max((float(frequency[np.argmax(density)]) for density in densities.values()), default=0.0)
     if highest > 0.0:  # beyond it the moments of a spectrum end, too
         below.set_xlim(0.0, min(record.CUT_OFF_PEAKS * highest, float(frequency[-1])))

@@ -193,13 +193,9 @@ def combine(seas: Sequence[Components], depth: float, gravity: float = GRAVITY) 
     """Combine several seas on water of one depth [m] into a single sum of waves; calm water if `seas` is empty."""
     if not seas:
         return Components(np.zeros(1), np.array([[1.0, 0.0]]), np.zeros(1), depth, gravity)
-    return Components(
-        np.concatenate([sea.amplitude for sea in seas]),
-        np.concatenate([sea.wavevector for sea in seas]),
-        np.concatenate([sea.phase for sea in seas]),
-        depth,
-        gravity,
-    )
+    columns = zip(*((sea.amplitude, sea.wavevector, sea.phase) for sea in seas))
+    amplitude, wavevector, phase = (np.concatenate(column) for column in columns)
+    return Components(amplitude, wavevector, phase, depth, gravity)
 
 
 def merge_waves(sea: Components, wavevector: np.ndarray) -> Components:
@@ -237,13 +233,17 @@ def weighted_sum(weight: np.ndarray, waves: np.ndarray) -> np.ndarray:
     return np.einsum("n,nm->m", weight, waves)
 
 
-def orbital_sum(
-    wavevector: np.ndarray, k: np.ndarray, reach: np.ndarray, level: np.ndarray, upright: np.ndarray
-) -> np.ndarray:
-    """Velocities or displacements (m, 3) at m points, summed over n waves: each adds `reach` (n,) times wavevector (n,
-    2) times `level` (n, m) along x and z, and `reach` times wavenumber k (n,) times `upright` (n, m) along y."""
-    along = [weighted_sum(wavevector[:, axis] * reach, level) for axis in (0, 1)]
-    return np.stack([along[0], weighted_sum(k * reach, upright), along[1]], axis=1)
+def orbital_sum(sea: Components, points: np.ndarray, time: float, moved: bool) -> np.ndarray:
+    """Velocities (m, 3) [m/s] at points (m, 3) [m], or displacements [m] of the water if `moved`, by linear theory."""
+    total = np.zeros((len(points), 3))
+    for some, angle in sea.angles(points, time):
+        k, omega, (c, s) = sea.wavenumber[some], sea.omega[some], (np.cos(angle), np.sin(angle))
+        level, upright = profiles(k[:, None], points[:, 1], sea.depth)
+        level, upright = (-level * s, upright * c) if moved else (level * c, upright * s)
+        reach = sea.amplitude[some] * sea.gravity / omega ** (2 if moved else 1)
+        along = [weighted_sum(sea.wavevector[some, axis] * reach, level) for axis in (0, 1)]
+        total += np.stack([along[0], weighted_sum(k * reach, upright), along[1]], axis=1)
+    return sea.ramp_share(time) * total
 
 
 def elevation(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
@@ -302,26 +302,12 @@ def linear_velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> n
         along = sea.amplitude * sea.gravity / sea.omega
         parts = [(along * kx, none), (none, sea.amplitude * sea.omega), (along * kz, none)]
         return sea.ramp_share(time) * _on_lattice(sea, parts, points[::columns, 0], points[:columns, 2], time)
-    v = np.zeros((len(points), 3))
-    for some, angle in sea.angles(points, time):
-        k, omega = sea.wavenumber[some], sea.omega[some]
-        c, s = profiles(k[:, None], points[:, 1], sea.depth)
-        v += orbital_sum(
-            sea.wavevector[some], k, sea.amplitude[some] * sea.gravity / omega, c * np.cos(angle), s * np.sin(angle)
-        )
-    return sea.ramp_share(time) * v
+    return orbital_sum(sea, points, time, moved=False)
 
 
 def displacement(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
     """Displacement (m, 3) [m] by waves of water that rests at points (m, 3) [m]; linear theory, divergence-free."""
-    moved = np.zeros((len(points), 3))
-    for some, angle in sea.angles(points, time):
-        k, omega = sea.wavenumber[some], sea.omega[some]
-        c, s = profiles(k[:, None], points[:, 1], sea.depth)
-        moved += orbital_sum(
-            sea.wavevector[some], k, sea.amplitude[some] * sea.gravity / omega**2, -c * np.sin(angle), s * np.cos(angle)
-        )
-    return sea.ramp_share(time) * moved
+    return orbital_sum(sea, points, time, moved=True)
 
 
 def pressure_head(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
@@ -430,9 +416,8 @@ class SpreadSpectrum(Spectrum):
             return sea
         angle = np.linspace(-pi, pi, SPECTRUM_POINTS)
         share = np.cumsum(np.cos(0.5 * angle) ** (2.0 * self.spreading))
-        drawn = (
-            GOLDEN_RATIO * np.arange(count) + numpy_uniform(self.seed, DIRECTION_STREAM, np.arange(count), 0) / count
-        ) % 1.0
+        n = np.arange(count)
+        drawn = (GOLDEN_RATIO * n + numpy_uniform(self.seed, DIRECTION_STREAM, n, 0) / count) % 1.0
         turn = np.interp(drawn, share / share[-1], angle)
         turn -= np.angle((sea.amplitude**2 * np.exp(1j * turn)).sum())
         c, s = np.cos(turn), np.sin(turn)
@@ -560,10 +545,8 @@ def basin_faults(basin: Tank, height: float = 0.0, period: float | None = None) 
     elif basin.closed:
         yield "waves need a free surface; this basin has none"
     elif period is not None and height > (most := breaking_height(period, basin.depth, downward_gravity(basin))):
-        yield (
-            f"a wave of {period:g} s and {height:g} m would break: on {basin.depth:g} m of water it is at most "
-            f"{most:.3g} m high"
-        )
+        wave = f"a wave of {period:g} s and {height:g} m would break"
+        yield f"{wave}: on {basin.depth:g} m of water it is at most {most:.3g} m high"
 
 
 def heading_faults(heading_deg: float | None, basin: Tank) -> Iterator[str]:

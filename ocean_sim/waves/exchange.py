@@ -41,16 +41,10 @@ def to_swd(sea: waves.Components, note: str = "", date: str = "") -> bytes:
     text = note.encode("ascii", "replace") or b"-"
     heading = np.arctan2(sea.wavevector[:, 0], sea.wavevector[:, 1])
     rows = np.stack([sea.amplitude, sea.wavenumber, heading, -sea.phase], axis=1).astype("<f4")
-    head = SWD_HEAD.pack(
-        SWD_MAGIC, SWD_FORMAT, AIRY_SHAPE, 1, PROGRAM_NAME.ljust(30), date.encode().ljust(20), len(text)
-    )
-    return (
-        head
-        + text
-        + SWD_SIZES.pack(sea.gravity, 1.0, 0, 0, -1.0, 1)
-        + SWD_TAIL.pack(len(rows), sea.depth)
-        + rows.tobytes()
-    )
+    names = PROGRAM_NAME.ljust(30), date.encode().ljust(20)
+    head = SWD_HEAD.pack(SWD_MAGIC, SWD_FORMAT, AIRY_SHAPE, 1, *names, len(text))
+    sizes = SWD_SIZES.pack(sea.gravity, 1.0, 0, 0, -1.0, 1) + SWD_TAIL.pack(len(rows), sea.depth)
+    return head + text + sizes + rows.tobytes()
 
 
 def of_swd(path: str | Path, gravity: float = waves.GRAVITY) -> waves.Components:

@@ -24,12 +24,9 @@ MIN_WAVE_POINTS = 4.0  # [points of the grid] waves that count: shorter ones are
 class Orbit:
     """Size and drift of a particle's orbit over whole wave periods."""
 
-    along_m: float
-    """Half its length along the waves."""
-    up_m: float
-    """Half its height."""
-    drift_m_s: float
-    """Mean velocity along the waves."""
+    along_m: float  # half its length along the waves
+    up_m: float  # half its height
+    drift_m_s: float  # mean velocity along the waves
 
     @property
     def ratio(self) -> float:
@@ -89,10 +86,8 @@ def breaking_cover(falling: np.ndarray) -> float:
 class Motion:
     """Orbits of several tagged particles, and the decay of orbit size with depth."""
 
-    level_m: np.ndarray
-    """(n,) mean height of each path over the still surface."""
-    orbits: list[Orbit]
-    """Their orbits, in the same order."""
+    level_m: np.ndarray  # (n,) mean height of each path over the still surface
+    orbits: list[Orbit]  # their orbits, in the same order
     decay_per_m: float | None
     """Fall of the logarithm of the orbits' length per metre downwards; k on deep water. None: all at one level."""
 
@@ -144,14 +139,10 @@ def tracer_motion(path: Path, begin: float, period: float) -> tuple[list[int], M
 class Frame(Protocol):
     """Interface of one output frame: heights of the surface, and particles if they are kept."""
 
-    time: float
-    """[s]."""
-    elevation: np.ndarray
-    """(nx, nz) height of the surface at the points of a grid [m]."""
-    position: np.ndarray | None
-    """(n, 3) of particles [m]; None where they are not kept."""
-    velocity: np.ndarray | None
-    """(n, 3) of particles [m/s]; None where they are not kept."""
+    time: float  # [s]
+    elevation: np.ndarray  # (nx, nz) height of the surface at the points of a grid [m]
+    position: np.ndarray | None  # (n, 3) of particles [m]; None where they are not kept
+    velocity: np.ndarray | None  # (n, 3) of particles [m/s]; None where they are not kept
     origin: np.ndarray
     """(2,) x and z by which all these lie beside the grid [m]: a patch of open sea is kept around its ships."""
 
@@ -160,18 +151,12 @@ class Frame(Protocol):
 class Grid:
     """Points (x, z) [m] at which output frames hold the height of the surface, and the basin around them."""
 
-    x: np.ndarray
-    """(nx,) [m]."""
-    z: np.ndarray
-    """(nz,) [m]; one in 2-D."""
-    lower: np.ndarray
-    """(3,) lowest corner of the basin [m]."""
-    upper: np.ndarray
-    """(3,) highest corner of the basin [m]."""
-    depth: float
-    """Depth of the still water [m]."""
-    spacing: float
-    """Spacing of the particles [m]."""
+    x: np.ndarray  # (nx,) [m]
+    z: np.ndarray  # (nz,) [m]; one in 2-D
+    lower: np.ndarray  # (3,) lowest corner of the basin [m]
+    upper: np.ndarray  # (3,) highest corner of the basin [m]
+    depth: float  # depth of the still water [m]
+    spacing: float  # spacing of the particles [m]
 
     @property
     def is_slice(self) -> bool:
@@ -205,18 +190,14 @@ class Grid:
 class SurfaceRecord:
     """Time series of circulation and white-cap cover of the water, one value per output frame."""
 
-    time: np.ndarray
-    """(n,) [s]."""
-    radius: float
-    """Radius of the circle about the middle of the basin, or of a patch around its ships [m]."""
+    time: np.ndarray  # (n,) [s]
+    radius: float  # radius of the circle about the middle of the basin, or of a patch around its ships [m]
     circulation: np.ndarray | None
     """(n,) [m2/s] closed integral of the velocity along that circle, by the right hand about the vertical: the mean
     velocity along it of the particles in a ring, over all depths, times its length. None in 2-D, or where frames
     keep no particles."""
-    cover: np.ndarray
-    """(n,) part of the surface where crests break: where it falls faster than 0.4 g by linear theory."""
-    shortest: float
-    """Wavelength of the shortest waves that `cover` counts [m]: four points of the frames apart."""
+    cover: np.ndarray  # (n,) part of the surface where crests break: where it falls faster than 0.4 g by linear theory
+    shortest: float  # wavelength of the shortest waves that `cover` counts [m]: four points of the frames apart
 
     def means(self) -> dict[str, float | None]:
         turn = None if self.circulation is None else float(self.circulation.mean())

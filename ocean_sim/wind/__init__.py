@@ -1,9 +1,8 @@
 """Moving air: each module of this folder is a kind that a scene may name; `shared` holds their common modules."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 
@@ -62,17 +61,6 @@ class Drawing:
 NO_DRAWING = Drawing(np.zeros((0, 2, 3)), np.zeros((0, 3)), np.zeros((0, 3)))
 
 
-class WindKeys(Protocol):
-    """Interface of a wind's config, with the properties that the wind itself reads."""
-
-    @property
-    def needs_area(self) -> bool: ...
-    @property
-    def needs_bend(self) -> bool: ...
-    @property
-    def acts_on(self) -> Sequence[Target]: ...
-
-
 @in_kernels
 class Wind(ABC):
     """Base class of moving air. A kind implements `force`, and overrides those other methods that it needs. A kernel
@@ -83,8 +71,8 @@ class Wind(ABC):
     needs_area: bool  # True if `force` reads `area`: the fluid then finds the exposed area of its particles
     needs_bend: bool  # True if `force` reads `bend`: the fluid then finds how its surface bends
 
-    def __init__(self, config: WindKeys, clock: Clock | None = None) -> None:
-        """`clock`: clock shared with another wind; by default a new one."""
+    def __init__(self, config: Any, clock: Clock | None = None) -> None:
+        """`config`: the kind's Config; `clock`: clock shared with another wind; by default a new one."""
         self.config, self.gain = config, 1.0
         self.needs_area, self.needs_bend = config.needs_area, config.needs_bend
         self.clock = Clock() if clock is None else clock

@@ -209,11 +209,8 @@ class Config(Placed, WindConfig):
         for g, volume in enumerate(self.volumes):
             name, size = f"wind.volumes[{g}]", hypot(*volume.acceleration, *volume.noise)
             sentences += [stylised(name, size, preflight)] if size > 0.0 else []
-            sentences += (
-                velocity_change(name, volume.acceleration, volume.passing_time, preflight)
-                if any(volume.acceleration)
-                else []
-            )
+            if any(volume.acceleration):
+                sentences += velocity_change(name, volume.acceleration, volume.passing_time, preflight)
             sentences += [f"{name}: {sentence}" for sentence in volume.end_warnings(preflight.duration)]
         if any(self.volumes[g].wind_speed > 0.0 for g in self.aimed("ship")):
             sentences += ship_drag_warnings(preflight)
@@ -222,14 +219,10 @@ class Config(Placed, WindConfig):
 
 def joined(drawings: list[Drawing]) -> Drawing:
     """Join the drawings of several volumes into one; its arrows have no scale if their units differ."""
-    alike = len({drawing.unit for drawing in drawings}) == 1
-    return Drawing(
-        lines=np.concatenate([drawing.lines for drawing in drawings]),
-        tails=np.concatenate([drawing.tails for drawing in drawings]),
-        arrows=np.concatenate([drawing.arrows for drawing in drawings]),
-        strongest=drawings[0].strongest if alike else 0.0,
-        unit=drawings[0].unit if alike else "",
-    )
+    columns = zip(*((drawing.lines, drawing.tails, drawing.arrows) for drawing in drawings))
+    lines, tails, arrows = (np.concatenate(column) for column in columns)
+    alike, first = len({drawing.unit for drawing in drawings}) == 1, drawings[0]
+    return Drawing(lines, tails, arrows, *((first.strongest, first.unit) if alike else ()))
 
 
 def row_size(volumes: list[Volume]) -> int:

@@ -13,10 +13,6 @@ class Config(WindConfig):
     kind: Literal["still"] = "still"
 
     @property
-    def stylised(self) -> bool:
-        return False
-
-    @property
     def still(self) -> bool:
         return True
 

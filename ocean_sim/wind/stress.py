@@ -65,10 +65,6 @@ class Config(Scheduled, WindConfig):
     """Targets of the wind; on a ship it is the drag (2.22) of the wind relative to the hull, without the gain."""
 
     @property
-    def needs_area(self) -> bool:
-        return "fluid" in self.targets
-
-    @property
     def needs_bend(self) -> bool:
         """True if the pressure on waves acts on the fluid."""
         return self.needs_area and self.sheltering > 0.0
@@ -76,10 +72,6 @@ class Config(Scheduled, WindConfig):
     @property
     def acts_on(self) -> list[Target]:
         return self.targets
-
-    @property
-    def stylised(self) -> bool:
-        return False
 
     def blows(self, time: float, dimension: int) -> tuple[float, float]:
         """U10 [m/s] and heading [deg] at a time [s] in a basin of 2 or 3 dimensions; the ramp is left to the stress."""
@@ -223,10 +215,8 @@ def unresolved(wind: Config, u10: float, preflight: Preflight) -> list[str]:
     length, sentences = 2.0 * pi / k, []
     real = f"over {fetch:g} m a real wind of {u10:g} m/s makes waves {length:.2g} m long and {height:.2g} m high"
     if length < MIN_WAVE_SPACINGS * spacing:
-        sentences.append(
-            f"wind: {real} (Kahma & Calkoen 1992): shorter than {MIN_WAVE_SPACINGS:g} spacings of {spacing:g} m, "
-            "unresolved"
-        )
+        short = f"shorter than {MIN_WAVE_SPACINGS:g} spacings of {spacing:g} m, unresolved"
+        sentences.append(f"wind: {real} (Kahma & Calkoen 1992): {short}")
     if fetch < 2.0 * length:
         sentences.append(f"wind: {real}: the basin is shorter than two of them")
     seen = 2.0 * pi / max(length, MIN_WAVE_SPACINGS * spacing)

@@ -13,6 +13,7 @@ from ocean_sim.files.input_file import Unreadable, read_bytes
 from ocean_sim.model import Model, Vector3
 
 Box3 = tuple[np.ndarray, np.ndarray]
+Boxes = list[Box3]  # lower and upper corner of each [m]
 UNIT_METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}
 # Axis of a file along z of the basin, by the file's axis that points up: x stays where it can.
 ALONG_Z = {"x": "z", "-x": "z", "y": "z", "-y": "-z", "z": "-y", "-z": "y"}

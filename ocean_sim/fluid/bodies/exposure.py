@@ -10,10 +10,8 @@ over the depth is the mean depth of its slope.
 from typing import Any
 
 from ocean_sim.columns import Columns, vec3
-from ocean_sim.fluid.neighbours.backend_plan import Walk
 from ocean_sim.fluid.neighbours.images import POSITION_SIGN, mirror_position
 from ocean_sim.fluid.sph.law import Law
-from ocean_sim.fluid.sph.particle_water import ParticleWater
 from ocean_sim.fluid.sph.particles import Components
 from ocean_sim.fluid.sph.smoothing import Stencil
 from ocean_sim.kernel_library import ti, tm
@@ -39,21 +37,14 @@ class Exposure(Law):
 
     terms = Columns(area=3)
 
-    def __init__(
-        self,
-        water: ParticleWater,
-        neighbours: Walk,
-        boundary: Any,
-        positions: tuple[ti.Field, ...],
-        plan_area: float,
-        bends: bool,
-    ) -> None:
-        """Make the fields. `positions`: those by which the walk `neighbours` finds particles; `plan_area` of the water
-        [m2], 0 if unknown; `bends`: True if the bend of the surface is computed, too."""
+    def __init__(self, water: Any, plan_area: float, bends: bool) -> None:
+        """Make the fields of an `Sph`. `plan_area` of the water [m2], 0 if unknown; `bends`: True if the bend of the
+        surface is computed, too."""
         particles, smoothing = water.particles, water.smoothing
-        self.particles, self.smoothing, self.neighbours = particles, smoothing, neighbours
-        self.plan_area, self.reads = plan_area, positions
-        self.constant = -2.0 * (particles.mass / particles.rest_density) ** 2 * smoothing.slope
+        self.particles, self.smoothing, self.neighbours = particles, smoothing, water.neighbours
+        self.plan_area, self.reads = plan_area, water.listed_positions
+        # 2 V^2, with V the volume of a particle, times the constant of grad W
+        self.factor = -2.0 * (particles.mass / particles.rest_density) ** 2 * smoothing.slope
         self.least = MIN_EXPOSED_AREA * particles.spacing ** (smoothing.dimension - 1)  # [m2]
         self.area = Components(particles.n)  # by the number of the particle [m2]
         self.level = ti.field(ti.f64, shape=-(-particles.n // AREAS_PER_THREAD))
@@ -63,7 +54,7 @@ class Exposure(Law):
         if bends:
             self.surface = Components(particles.n)  # in storage order: slopes along x and z, and plan area [m2]
             self.bending = Bend(self)
-        self.add_bodies(boundary)
+        self.add_bodies(water.boundary)
 
     def renew_if_due(self, dt: float, speed: float) -> None:
         """Compute the areas anew if water and crests, of this `speed` [m/s] together, may have moved half a spacing."""
@@ -91,10 +82,8 @@ class Exposure(Law):
                 level += self.level[b]
             scale = ti.cast(1.0, ti.f64)
             if ti.static(self.plan_area > 0.0):
-                scale = ti.min(
-                    ti.max(self.plan_area / ti.max(level, 1e-9 * self.plan_area), 1.0 / MAX_AREA_FACTOR),
-                    MAX_AREA_FACTOR,
-                )
+                wanted = self.plan_area / ti.max(level, 1e-9 * self.plan_area)
+                scale = ti.min(ti.max(wanted, 1.0 / MAX_AREA_FACTOR), MAX_AREA_FACTOR)
             self.even[None] = ti.cast(scale, float)
 
     @ti.func
@@ -102,11 +91,6 @@ class Exposure(Law):
         """Exposed area of particle i times its outward normal [m2]; zero inside the water."""
         name = self.particles.id[i]
         return self.even[None] * tm.vec3(self.area.x[name], self.area.y[name], self.area.z[name])
-
-    @ti.func
-    def prefactor(self, own):
-        """Factor of the sum: 2 V^2, with V the volume of a particle, times the constant of grad W."""
-        return self.constant
 
     @ti.func
     def pair(self, own, other):
@@ -132,7 +116,8 @@ class Exposure(Law):
         """Bend at particle i [1]: d(slope_x)/dx, d(slope_x)/dz and d(slope_z)/dz times the depth `skin`; 0 inside."""
         bend = tm.vec3(0.0)
         if ti.static(self.bends):
-            bend = self.bending.of(i)
+            by_name, name = self.bending.bend, self.particles.id[i]
+            bend = tm.vec3(by_name.x[name], by_name.y[name], by_name.z[name])
         return bend
 
 
@@ -149,12 +134,6 @@ class Bend(Law):
         self.reads = (*exposure.reads, *exposure.surface)
         self.skin = Stencil(exposure.smoothing, exposure.particles.spacing).skin_depth
         self.bend = Components(exposure.particles.n)  # by the number of the particle
-
-    @ti.func
-    def of(self, i):
-        """Bend at particle i [1]: three second derivatives of the height times `skin`, see Exposure.bend_of."""
-        name = self.particles.id[i]
-        return tm.vec3(self.bend.x[name], self.bend.y[name], self.bend.z[name])
 
     @ti.func
     def image(self, other, mirror):

@@ -17,7 +17,7 @@ from ocean_sim.fluid.sph.initial_state import Initial, bearable_waves, fitted_wa
 from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.fluid.sph.water_keys import free_fall_speed
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
-from ocean_sim.runtime import Template, in_kernels
+from ocean_sim.runtime import in_kernels
 from ocean_sim.waves.absorption import DAMPING_POWER, damping_rate, sea_reflection
 
 REGULAR_ZONE_WAVES, RANDOM_ZONE_WAVES = 1.0, 2.0  # [wavelengths] default lengths of a zone
@@ -174,10 +174,11 @@ class Walls:
         self.support = support
         gap = lattice.config.collision_distance * lattice.spacing
         low, up = lattice.basin.stops()
+        # Planes [m] at which walls, floor and lid stop the centres of particles, and their distance from a wall.
         self.low, self.up, self.gap = tuple(x + gap for x in low), tuple(x - gap for x in up), gap
         self.images = images
         self.pistons = tuple((s, side.axis, side.upper) for s, side, _ in images.pistons)
-        self.axes = range(lattice.basin.dimension)
+        self.axes = range(lattice.basin.dimension)  # with walls
         self.restitution = lattice.basin.config.restitution
         self.friction = lattice.basin.config.friction
         boxes = lattice.basin.boxes
@@ -225,23 +226,24 @@ class Walls:
         """Position [m] and velocity [m/s] after collisions with walls, obstacles and bed: stopped there, the normal
         velocity times minus the restitution, the tangential one reduced by Coulomb friction, at most to rest."""
         for k in ti.static(self.axes):
-            low, up, wall = self.low[k], self.up[k], 0.0
+            low, up, wall, normal = self.low[k], self.up[k], tm.vec3(0.0), tm.vec3(0.0)
             for s, axis, upper in ti.static(self.pistons):
                 if ti.static(axis == k):
-                    wall = 0.5 * self.images.side[s, SIDE_COLUMNS.twice_velocity + axis]
+                    wall[k] = 0.5 * self.images.side[s, SIDE_COLUMNS.twice_velocity + axis]
                     if ti.static(upper):
                         up = self.images.side[s, SIDE_COLUMNS.position] - self.gap
                     else:
                         low = self.images.side[s, SIDE_COLUMNS.position] + self.gap
             inside = tm.clamp(x[k], low, up)
             if inside != x[k]:
-                v = self.reflect(v, k, wall, ti.select(x[k] > inside, 1.0, -1.0))
+                normal[k] = ti.select(x[k] > inside, -1.0, 1.0)
+                v = self.reflect(v, wall, normal)
                 x[k] = inside
         if ti.static(self.shaped):
             away, normal = self.ground.distance(x)
             if away < self.gap:
                 x += (self.gap - away) * normal
-                v = self.reflect_from(v, normal)
+                v = self.reflect(v, tm.vec3(0.0), normal)
         for n, net, _mesh in ti.static(self.nets):
             place, wall = tm.vec3(0.0), tm.vec3(0.0)
             for k in ti.static(range(3)):
@@ -249,7 +251,7 @@ class Walls:
             normal, away, _thinning = net.at(x - place)
             if away < self.gap:
                 x += (self.gap - away) * normal
-                v = wall + self.reflect_from(v - wall, normal)
+                v = self.reflect(v, wall, normal)
         if ti.static(self.obstacles > 0):
             for b in range(self.obstacles):
                 x, v = self.leave_obstacle(b, x, v)
@@ -265,28 +267,14 @@ class Walls:
         return v
 
     @ti.func
-    def reflect(self, v, k: Template, wall, outward):
-        """Velocity [m/s] after a collision with a wall across axis k that moves at `wall` [m/s]; `outward`: 1 where the
-        wall stops motion up the axis, -1 where it stops motion down."""
-        speed = outward * (v[k] - wall)
+    def reflect(self, v, wall, normal):
+        """Velocity [m/s] after a collision with a face that looks along `normal` and moves at `wall` [m/s]."""
+        speed = (wall - v).dot(normal)
         if speed > 0.0:
-            returned = wall - self.restitution * (v[k] - wall)
-            if ti.static(self.friction > 0.0):
-                along = v
-                along[k] = 0.0
-                kick = self.friction * (1.0 + self.restitution) * speed
-                v = along * tm.max(0.0, 1.0 - kick / tm.max(along.norm(), 1e-12))
-            v[k] = returned
-        return v
-
-    @ti.func
-    def reflect_from(self, v, normal):
-        """Velocity [m/s] after a collision with a face at rest that looks along `normal`, as seen from the face."""
-        speed = -v.dot(normal)
-        if speed > 0.0:
-            along = v + speed * normal
+            along = v - wall + speed * normal
             kick = self.friction * (1.0 + self.restitution) * speed
-            v = along * tm.max(0.0, 1.0 - kick / tm.max(along.norm(), 1e-12)) + self.restitution * speed * normal
+            along *= tm.max(0.0, 1.0 - kick / tm.max(along.norm(), 1e-12))
+            v = along + (wall + self.restitution * speed * normal)
         return v
 
     @ti.func
@@ -304,10 +292,11 @@ class Walls:
         if least > 0.0:
             for k in ti.static(self.axes):
                 if face == k:
-                    wall = 0.0
+                    wall, normal = tm.vec3(0.0), tm.vec3(0.0)
+                    normal[k] = ti.select(across > x[k], 1.0, -1.0)
                     if ti.static(len(self.gates) > 0):
-                        wall = self.speed[b, k]
-                    v = self.reflect(v, k, wall, ti.select(across > x[k], -1.0, 1.0))
+                        wall[k] = self.speed[b, k]
+                    v = self.reflect(v, wall, normal)
                     x[k] = across
         return x, v
 

@@ -20,7 +20,7 @@ from ocean_sim.fluid.sph.body_force import Pull
 from ocean_sim.fluid.sph.particles import Particles
 from ocean_sim.fluid.sph.smoothing import Smoothing
 from ocean_sim.kernel_library import ti, tm
-from ocean_sim.runtime import Array, Array2, in_kernels
+from ocean_sim.runtime import Array, Array2, in_kernels, values_at
 
 if TYPE_CHECKING:  # it is imported only where there are bodies
     from ocean_sim.fluid.bodies.boundary import Boundary
@@ -83,10 +83,8 @@ class Velocity:
     @ti.func
     def term(self, own, j, d, mirror):
         """Weighted velocity [m/s] of particle j at d [m] in a mirror; `own`: factors of `fit_plane`."""
-        v = self.field.particles.velocity
-        return (
-            self.field.weight(d) * self.field.factor(own, d) * mirror_velocity(mirror, tm.vec3(v.x[j], v.y[j], v.z[j]))
-        )
+        v, weight = self.field.particles.velocity, self.field.weight(d) * self.field.factor(own, d)
+        return weight * mirror_velocity(mirror, tm.vec3(v.x[j], v.y[j], v.z[j]))
 
 
 @in_kernels
@@ -196,17 +194,11 @@ class Field:
 
     def pressures(self, points: np.ndarray) -> np.ndarray:
         """Pressures (m,) [Pa] at points (m, 3) [m]; 0 where there is no water."""
-        points = np.ascontiguousarray(points, dtype=self.particles.position.precision).reshape(-1, 3)
-        pressures: np.ndarray = np.empty(len(points), dtype=points.dtype)
-        self.fill_pressures(points, pressures)
-        return pressures.astype(float)
+        return values_at(points, self.particles.position.precision, self.fill_pressures)
 
     def velocities(self, points: np.ndarray) -> np.ndarray:
         """Velocities (m, 3) [m/s] at points (m, 3) [m]; 0 where there is no water."""
-        points = np.ascontiguousarray(points, dtype=self.particles.position.precision).reshape(-1, 3)
-        velocities: np.ndarray = np.empty_like(points)
-        self.fill_velocities(points, velocities)
-        return velocities.astype(float)
+        return values_at(points, self.particles.position.precision, self.fill_velocities, 3)
 
 
 @in_kernels
@@ -283,7 +275,4 @@ class FreeSurface:
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
         """Heights (m,) [m] of the surface at points x, z (m, 2) [m]."""
-        precision = self.particles.position.precision
-        heights: np.ndarray = np.empty(len(points), dtype=precision)
-        self.fill(np.ascontiguousarray(points, dtype=precision), heights)
-        return heights.astype(float)
+        return values_at(points, self.particles.position.precision, self.fill)

@@ -57,10 +57,6 @@ class Accounts:
             self.given = ti.field(ti.f64, shape=rows)  # impulse, and work
             self.sums_copy = np.zeros(rows)
 
-    def has_term(self, term: int) -> bool:
-        """True if this force term acts in the scene; read when a kernel is compiled. Sums of other terms stay zero."""
-        return term not in self.idle
-
     @ti.func
     def begin_motion(self, group):
         """Reset the extremes of speed and acceleration of a group."""
@@ -97,7 +93,7 @@ class Accounts:
     def count_impulse(self, group, term: Template, impulse, v):
         """Add the impulse [N s] of a term on a particle to the sums of a group, and its work v . impulse [J]; v is the
         particle's mean velocity in the step."""
-        if ti.static(self.has_term(term)):
+        if ti.static(term not in self.idle):  # as the kernel is compiled; sums of other terms stay zero
             four = ti.Vector([impulse.x, impulse.y, impulse.z, impulse.dot(v)])
             for k in ti.static(range(WORK_COLUMN + 1)):
                 self.given[group, term, k] = self.given[group, term, k] + ti.cast(four[k], ti.f64)
@@ -148,9 +144,8 @@ class Accounts:
                 f"{dense:.0f} kg/m3, most of all around ({x:.4g}, {y:.4g}, {z:.4g}) m; "
                 "try a smaller compression (stiffer water), a smaller time step or more viscosity"
             )
-        return Status(
-            speed2**0.5, acceleration2**0.5, thin, dense, int(clipped), isfinite(total), thinner / max(inner, 1.0)
-        )
+        swelling = thinner / max(inner, 1.0)
+        return Status(speed2**0.5, acceleration2**0.5, thin, dense, int(clipped), isfinite(total), swelling)
 
     @ti.kernel
     def copy_sums(self, to: Doubles3):

@@ -49,9 +49,7 @@ class CellWalk:
         """Middle [m] and half the sides [m] of the bounding box of the particles in occupied part k."""
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         first = self.grid.first[k]
-        lo = tm.vec3(
-            x[first], y[first], z[first]
-        )  # read outside all loops, without which those of `list_near` are slow
+        lo = tm.vec3(x[first], y[first], z[first])  # outside all loops, without which those of `list_near` are slow
         up = lo
         for i in range(first + 1, self.grid.first[k + 1]):
             lo, up = tm.min(lo, tm.vec3(x[i], y[i], z[i])), tm.max(up, tm.vec3(x[i], y[i], z[i]))
@@ -142,9 +140,8 @@ class CellWalk:
         x, y, z = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
         for a in range(m):
             at = scratch + a + ti.select(a < n, 0, gap)
-            self.candidate[first + a] = self.is_near(
-                mirror_position(mirror, tm.vec3(x[at], y[at], z[at])), middle, half
-            )
+            seen = mirror_position(mirror, tm.vec3(x[at], y[at], z[at]))
+            self.candidate[first + a] = self.is_near(seen, middle, half)
         return self.compact(self.candidate, first, m, 0)
 
     @ti.func
@@ -316,13 +313,10 @@ class CellWalk:
         are particles and the others images, and call its `finish`."""
         # Layout of the scratch: particles up to `images`, then their images up to `end`, each filled up if padded.
         scratch = group * self.width
-        images = scratch + n + self.image_gap(law, n)
-        end = (
-            images + self.padded_count(law, m - n)
-            if ti.static(law.options.apart)
-            else scratch + self.padded_count(law, m)
-        )
-        middle = images if ti.static(law.options.apart) else end
+        images, end = scratch + n + self.image_gap(law, n), scratch + self.padded_count(law, m)
+        middle = end
+        if ti.static(law.options.apart):
+            middle, end = images, images + self.padded_count(law, m - n)
         if ti.static(law.options.padded):
             self.fill_up(law, scratch, scratch + n, images)
             self.fill_up(law, scratch, images + m - n, end)
@@ -340,8 +334,7 @@ class CellWalk:
             if tense == 1:
                 total, beyond = self.candidate_sums(law, law.pair, own, scratch, middle, end, find, to)
             elif ti.static(law.options.tension_column != NO_COLUMN):
-                total, beyond = self.candidate_sums(
-                    law, law.options.pair_without_tension, own, scratch, middle, end, find, to
-                )
+                pair = ti.static(law.options.pair_without_tension)
+                total, beyond = self.candidate_sums(law, pair, own, scratch, middle, end, find, to)
             law.finish(i, own, total, beyond, group)
             to += further

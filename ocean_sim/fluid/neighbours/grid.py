@@ -58,9 +58,8 @@ class Grid:
         """Mean position (3,) [m] of the particles in the cell with most of them, for an error message."""
         start = self.start.to_numpy()
         c = int(np.argmax(np.diff(start)))
-        return np.array(
-            [axis.to_numpy()[start[c] : start[c + 1]].mean() for axis in self.state[: STATE_COLUMNS.velocity]]
-        )
+        axes = self.state[: STATE_COLUMNS.velocity]
+        return np.array([axis.to_numpy()[start[c] : start[c + 1]].mean() for axis in axes])
 
     @ti.func
     def indices_at(self, x):
@@ -91,9 +90,8 @@ class Grid:
         if ti.static(self.parts > 1):
             within = place - ti.cast(indices, float)  # 0 to 1, but beyond the grid
             for k in ti.static(self.axes):
-                part = self.parts_per_axis * part + tm.clamp(
-                    ti.cast(self.parts_per_axis * within[k], int), 0, self.parts_per_axis - 1
-                )
+                own = tm.clamp(ti.cast(self.parts_per_axis * within[k], int), 0, self.parts_per_axis - 1)
+                part = self.parts_per_axis * part + own
         return part
 
     @ti.func

@@ -6,9 +6,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ocean_sim.fluid.neighbours.thread_tasks import TASK_ITERATIONS, Tasks
+from ocean_sim.fluid.neighbours.thread_tasks import TASK_ITERATIONS
 from ocean_sim.fluid.sph.lattice import Lattice
-from ocean_sim.fluid.sph.particles import Count
 from ocean_sim.kernel_library import knows_processor, ti
 
 # Candidates summed at once: eight lanes of f32 four times, or four lanes twice.
@@ -34,16 +33,11 @@ class Plan:
     This plan suits the threads of a processor: few long tasks, each with a list of candidates for its cells.
     """
 
-    grid: Any
-    """Constructor of the cells."""
-    accounts: Any
-    """Constructor of the accounts of a step."""
-    walk: Any
-    """Constructor of the walk over neighbours."""
-    stride: ClassVar[int] = TASK_ITERATIONS
-    """Iterations of a parallel loop for a task."""
-    samples: ClassVar[int] = 32
-    """Samples of solid bodies of a task."""
+    grid: Any  # constructor of the cells
+    accounts: Any  # constructor of the accounts of a step
+    walk: Any  # constructor of the walk over neighbours
+    stride: ClassVar[int] = TASK_ITERATIONS  # iterations of a parallel loop for a task
+    samples: ClassVar[int] = 32  # samples of solid bodies of a task
 
     def task_count(self, n: int) -> int:
         """Number of tasks (groups) for n particles, which is the number of rows of the momentum budget."""
@@ -62,12 +56,14 @@ class Plan:
         return 0
 
     def list_bytes(self, size: "GridSize", word: int) -> int:
-        """Bytes of the lists of candidates (possible neighbours); `word`: size of a `float` [bytes]."""
-        return size.candidate_bytes(word)
+        """Bytes of the lists of candidates (possible neighbours) and the scratch; `word`: bytes of a `float`."""
+        return 4 * (size.occupied + size.groups * size.segment) + word * size.groups * size.width * size.reads
 
     def pair_bytes(self, size: "GridSize", neighbours: int, word: int) -> int:
         """Bytes of the pairs kept for a step; `neighbours`: of a lattice particle; `word`: bytes of a `float`."""
-        return size.kept_bytes(word)
+        names = 4 * (4 * size.occupied + size.groups * (size.width + 2 + size.kept_candidates))
+        shapes = size.lattice.n * size.shapes_per_particle + size.groups * size.spare_shapes
+        return names + word * (shapes + 3 * size.groups * size.kept_candidates)
 
     def highest_index(self, size: "GridSize", neighbours: int) -> int:
         """Highest index of a walk, to fit in 32 bits; `neighbours`: of a particle, 0 if pairs are not kept."""
@@ -76,10 +72,6 @@ class Plan:
     def account_bytes(self, n: int, word: int, impulses: bool) -> int:
         """Bytes of the momentum budget of n particles; 0 where it is negligible."""
         return 0
-
-    def tasks(self, particles: Count, groups: int) -> Tasks:
-        """Divide the particles into so many groups of equal size, each a task."""
-        return Tasks(particles, groups, self.stride)
 
 
 @dataclass(frozen=True)
@@ -201,15 +193,3 @@ class GridSize:
     def kept_candidates(self) -> int:
         """Largest number of candidates a group keeps: its `segment`, and padding of particles that are alone."""
         return self.segment + VECTOR_LENGTH * (self.lattice.n // self.groups)
-
-    def kept_bytes(self, word: int) -> int:
-        """Bytes of the kept pairs (PairBlocks) and their candidates; `word`: size of a `float` [bytes]."""
-        groups = self.groups
-        names = 4 * (4 * self.occupied + groups * (self.width + 2 + self.kept_candidates))
-        return names + word * (
-            self.lattice.n * self.shapes_per_particle + groups * (self.spare_shapes + 3 * self.kept_candidates)
-        )
-
-    def candidate_bytes(self, word: int) -> int:
-        """Bytes of the lists of candidates and of the scratch; `word`: size of a `float` [bytes]."""
-        return 4 * (self.occupied + self.groups * self.segment) + word * self.groups * self.width * self.reads

@@ -47,19 +47,15 @@ class Images:
         """Move the piston sides to their position, velocity and acceleration at a time [s]."""
         for s, side, piston in self.pistons:
             x, v, a = piston.at(time)
-            self.side[s, SIDE_COLUMNS.position], self.side[s, SIDE_COLUMNS.twice_velocity + side.axis] = (
-                side.position + x,
-                2.0 * v,
-            )
+            self.side[s, SIDE_COLUMNS.position] = side.position + x
+            self.side[s, SIDE_COLUMNS.twice_velocity + side.axis] = 2.0 * v
             self.side[s, SIDE_COLUMNS.acceleration] = a
 
     @ti.func
     def is_adjacent(self, s, cell):
         """True if a cell, given by its indices, lies next to side s."""
-        layer = cell[int(self.side[s, SIDE_COLUMNS.axis])]
-        return layer >= int(self.side[s, SIDE_COLUMNS.first_layer]) and layer <= int(
-            self.side[s, SIDE_COLUMNS.last_layer]
-        )
+        layer, first = cell[int(self.side[s, SIDE_COLUMNS.axis])], int(self.side[s, SIDE_COLUMNS.first_layer])
+        return layer >= first and layer <= int(self.side[s, SIDE_COLUMNS.last_layer])
 
     @ti.func
     def mirror(self, s):
@@ -75,6 +71,28 @@ class Images:
             mirror[VELOCITY_OFFSET, k] = ti.select(mirror_velocity, self.side[s, SIDE_COLUMNS.twice_velocity + k], 0.0)
             mirror[SIDE_ACCELERATION, k] = ti.select(across, self.side[s, SIDE_COLUMNS.acceleration], 0.0)
         return mirror
+
+
+@ti.func
+def identity_mirror():
+    """Mirror matrix (rows as in Images.mirror) that leaves positions and velocities unchanged."""
+    mirror = ti.Matrix.zero(float, 5, 3)
+    for k in ti.static(range(3)):
+        mirror[POSITION_SIGN, k] = mirror[VELOCITY_SIGN, k] = 1.0
+    return mirror
+
+
+@ti.func
+def join_mirrors(first, then):
+    """Mirror matrix of two reflections in succession: `then` applied to images in `first`."""
+    mirror = first
+    for k in ti.static(range(3)):
+        mirror[POSITION_SIGN, k] = then[POSITION_SIGN, k] * first[POSITION_SIGN, k]
+        mirror[POSITION_OFFSET, k] = then[POSITION_SIGN, k] * first[POSITION_OFFSET, k] + then[POSITION_OFFSET, k]
+        mirror[VELOCITY_SIGN, k] = then[VELOCITY_SIGN, k] * first[VELOCITY_SIGN, k]
+        mirror[VELOCITY_OFFSET, k] = then[VELOCITY_SIGN, k] * first[VELOCITY_OFFSET, k] + then[VELOCITY_OFFSET, k]
+        mirror[SIDE_ACCELERATION, k] = first[SIDE_ACCELERATION, k] + then[SIDE_ACCELERATION, k]
+    return mirror
 
 
 @ti.func
@@ -99,12 +117,8 @@ def mirror_direction(mirror, d):
 @ti.func
 def hydrostatic_offset(mirror, x, pull):
     """Rise of p / rho [m2/s2] from x to its image: (gravity `pull` - acceleration of the side) . (image of x - x)."""
-    head = 0.0
-    for k in ti.static(range(3)):
-        head += (pull[k] - mirror[SIDE_ACCELERATION, k]) * (
-            mirror[POSITION_SIGN, k] * x[k] + mirror[POSITION_OFFSET, k] - x[k]
-        )
-    return head
+    wall = tm.vec3([mirror[SIDE_ACCELERATION, k] for k in ti.static(range(3))])
+    return (pull - wall).dot(mirror_position(mirror, x) - x)
 
 
 @ti.func
@@ -140,8 +154,5 @@ def row_at(own, d, v):
     """Field values `own` of a particle (position and velocity first), moved by d [m] and with velocity v [m/s]."""
     other = own
     for k in ti.static(range(3)):
-        other[MOTION_COLUMNS.position + k], other[MOTION_COLUMNS.velocity + k] = (
-            own[MOTION_COLUMNS.position + k] + d[k],
-            v[k],
-        )
+        other[MOTION_COLUMNS.position + k], other[MOTION_COLUMNS.velocity + k] = own[k] + d[k], v[k]
     return other

@@ -78,9 +78,8 @@ class KeptPairs(ABC):
             image[k] = ti.select(flips >> k & 1, -image[k], image[k])
         for s, axis, upper in ti.static(self.pistons):
             beyond = away[axis] < 0.0 if ti.static(upper) else away[axis] > 0.0
-            image[axis] += ti.select(
-                (flips >> axis & 1) and beyond, self.images.side[s, SIDE_COLUMNS.twice_velocity + axis], 0.0
-            )
+            twice = self.images.side[s, SIDE_COLUMNS.twice_velocity + axis]
+            image[axis] += ti.select((flips >> axis & 1) and beyond, twice, 0.0)
         return image
 
 
@@ -221,19 +220,13 @@ class PairBlocks(KeptPairs):
         for i in range(self.grid.first[k], self.grid.first[k + 1]):
             place, own = place_at(self.position, i), self.particle_row(law, i)
             if not kept:
-                self.recompute_shapes(place, k, begun)
+                for a in range(seen):  # there was no room for them
+                    self.keep_shape(place - place_at(self.place, self.first[k] + a), begun + a)
             total = self.pair_sum(law, place, own, k, group, begun, 0, near)
             beyond = self.pair_sum(law, place, own, k, group, begun, near, seen)
             law.finish(i, own, total, beyond, group)
             if kept:
                 begun += seen
-
-    @ti.func
-    def recompute_shapes(self, place, k, begun):
-        """Compute the shapes of a particle at `place` [m] that had no room, and store them from index `begun` on."""
-        first = self.first[k]
-        for a in range(self.seen[k]):
-            self.keep_shape(place - place_at(self.place, first + a), begun + a)
 
     @ti.func
     def pair_sum(self, law: Template, place, own, k, group, begun, begin, end):

@@ -110,10 +110,8 @@ class WideAccounts(Accounts):
     def add_up(self, b):
         """Reduce the rows of block b to one row, without impulses and work."""
         blocks, end = self.blocks, ti.min((b + 1) * self.block, self.groups)
-        blocks.speed2[b, 0], blocks.acceleration2[b, 0], thin, dense, total, clipped, crowded, thinner, inner = (
-            self.block_extremes(b * self.block, end)
-        )
-        blocks.thin[b, 0], blocks.dense[b, 0] = thin, dense
+        v2, a2, thin, dense, total, clipped, crowded, thinner, inner = self.block_extremes(b * self.block, end)
+        blocks.speed2[b, 0], blocks.acceleration2[b, 0], blocks.thin[b, 0], blocks.dense[b, 0] = v2, a2, thin, dense
         blocks.thinner[b, 0], blocks.inner[b, 0] = thinner, inner
         blocks.sum[b, 0], blocks.clipped[b, 0], blocks.overflow[b, 0] = total, clipped, crowded
 

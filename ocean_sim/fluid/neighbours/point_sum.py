@@ -10,12 +10,9 @@ from typing import Any, Protocol
 
 from ocean_sim.fluid.neighbours.grid import Grid
 from ocean_sim.fluid.neighbours.images import (
-    POSITION_OFFSET,
-    POSITION_SIGN,
-    SIDE_ACCELERATION,
     SIDE_COLUMNS,
-    VELOCITY_OFFSET,
-    VELOCITY_SIGN,
+    identity_mirror,
+    join_mirrors,
     mirror_direction,
     mirror_position,
 )
@@ -23,38 +20,14 @@ from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template, in_kernels
 
 
-@ti.func
-def identity_mirror():
-    """Mirror matrix (rows as in Images.mirror) that leaves positions and velocities unchanged."""
-    mirror = ti.Matrix.zero(float, 5, 3)
-    for k in ti.static(range(3)):
-        mirror[POSITION_SIGN, k] = mirror[VELOCITY_SIGN, k] = 1.0
-    return mirror
-
-
-@ti.func
-def compose_mirrors(first, then):
-    """Mirror matrix of two reflections in succession: `then` applied to images in `first`."""
-    mirror = first
-    for k in ti.static(range(3)):
-        mirror[POSITION_SIGN, k] = then[POSITION_SIGN, k] * first[POSITION_SIGN, k]
-        mirror[POSITION_OFFSET, k] = then[POSITION_SIGN, k] * first[POSITION_OFFSET, k] + then[POSITION_OFFSET, k]
-        mirror[VELOCITY_SIGN, k] = then[VELOCITY_SIGN, k] * first[VELOCITY_SIGN, k]
-        mirror[VELOCITY_OFFSET, k] = then[VELOCITY_SIGN, k] * first[VELOCITY_OFFSET, k] + then[VELOCITY_OFFSET, k]
-        mirror[SIDE_ACCELERATION, k] = first[SIDE_ACCELERATION, k] + then[SIDE_ACCELERATION, k]
-    return mirror
-
-
 class PointLaw(Protocol):
     """Interface of a sum over all water around a point."""
 
-    sums: int
-    """Numbers that a particle adds."""
+    sums: int  # numbers that a particle adds
 
     def term(self, own: Any, j: Any, d: Any, mirror: Any) -> Any:
         """ti.func: term of particle j, whose image in `mirror` lies at d [m] from the point; `own`: an argument of the
         caller, passed on by the sum."""
-        ...
 
 
 @in_kernels
@@ -100,7 +73,7 @@ class PointSum:
         if ti.static(self.images.sides > 0):
             for side in range(self.images.sides):
                 if subset >> side & 1:
-                    mirror = compose_mirrors(mirror, self.images.mirror(side))
+                    mirror = join_mirrors(mirror, self.images.mirror(side))
         return mirror
 
     @ti.func

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ocean_sim.fluid.open_sea.wave_tile import PER_TILE, Tile
-from ocean_sim.kernel_library import ti, tm
+from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import in_kernels
 from ocean_sim.waves import profiles
 from ocean_sim.wind import Wind
@@ -46,19 +46,13 @@ class AirPressure:
 
     def set_slopes(self, along: np.ndarray, across: np.ndarray) -> None:
         """Set the slopes of the surface along x and z, (cells, rows) each, on which the wind presses."""
-        if self.slope is not None:
-            self.slope.from_numpy(np.stack([along, across], axis=-1).astype(self.number_type))
-
-    @property
-    def number_type(self) -> type:
-        """NumPy type of the slope field; float64 if the wind does not act on slopes."""
-        return self.slope.to_numpy().dtype.type if self.slope is not None else np.float64
+        self.slope.from_numpy(np.stack([along, across], axis=-1).astype(to_numpy_type(self.slope.dtype)))
 
     def collect_impulse(self, dt: float, drift: np.ndarray, centre: np.ndarray) -> None:
         """Add the wind's impulse over dt [s] to each cell; `drift` of the water (2,) [m] by the current; `centre` of
         the tile (2,) in axes that move with it [m]."""
-        first = np.array([axis[0] for axis in self.tile.nodes()])
-        self.add_impulses(self.wind.since, self.wind.step, dt, *first, *drift, *centre)
+        first = [axis[0] for axis in self.tile.nodes()]
+        self.add_impulses(self.wind.since, self.wind.step, dt, *(tm.vec2(*at) for at in (first, drift, centre)))
         self.gathered += dt
 
     def take_pressure(self) -> np.ndarray:
@@ -70,24 +64,13 @@ class AirPressure:
         return -modes / span if span else np.zeros(tile.k.shape)
 
     @ti.kernel
-    def add_impulses(
-        self,
-        since: float,
-        step: float,
-        dt: float,
-        first_x: float,
-        first_z: float,
-        drift_x: float,
-        drift_z: float,
-        centre_x: float,
-        centre_z: float,
-    ):
+    def add_impulses(self, since: float, step: float, dt: float, first: tm.vec2, drift: tm.vec2, centre: tm.vec2):
         """Add the wind's upward impulse over dt [s] in each cell and slab; `since`, `step`: its clock [s]; x, z [m] of
         the first cell from the tile's middle, and of drift and centre as in collect_impulse."""
         self.wind.set_clock(since, step)
         for i, k in ti.ndrange(self.cells, self.rows):
-            x = nearest_image(first_x + i * self.cell, centre_x, self.cell * self.cells) + drift_x
-            z = nearest_image(first_z + k * self.cell, centre_z, self.cell * self.rows) + drift_z
+            at, sides = first + self.cell * tm.vec2(i, k), self.cell * tm.vec2(self.cells, self.rows)
+            at = at - sides * ti.round((at - centre) / sides) + drift  # of the periodic repeat nearest to the centre
             for slab in ti.static(range(len(self.middle))):
                 area = tm.vec3(0.0)
                 if ti.static(slab == 0 and self.wind.needs_area):
@@ -95,13 +78,7 @@ class AirPressure:
                     area = self.cell * self.cell * tm.vec3(-lean.x, 1.0, -lean.y)
                 mass = ti.static(self.density * self.thick[slab] * self.cell**2)
                 key = (slab * self.cells + i) * self.rows + k
-                position = tm.vec3(x, -ti.static(self.middle[slab]), z)
+                position = tm.vec3(at.x, -ti.static(self.middle[slab]), at.y)
                 push = self.wind.force(key, position, tm.vec3(0.0), area, tm.vec3(0.0), mass)
                 lift = ti.cast(push.y * dt / (self.density * self.cell * self.cell), ti.f64)
                 self.impulse[slab, i, k] = self.impulse[slab, i, k] + lift
-
-
-@ti.func
-def nearest_image(x, centre, side):
-    """Periodic repeat of a coordinate x [m], with period `side` [m], that is nearest to `centre` [m]."""
-    return x - side * ti.round((x - centre) / side)

@@ -92,9 +92,8 @@ class Breaking:
         e, p = tile.to_modes(sea.eta), tile.to_modes(sea.phi)
         now, (ex, ez) = sea.surface_state(e, p), tile.slopes(e)
         quarter = -1j * self.mode_signs  # a quarter wave later
-        other, slope, other_slope = tile.to_values(
-            np.array([quarter * e, c * ex + s * ez, quarter * (c * ex + s * ez)])
-        )
+        ahead = c * ex + s * ez
+        other, slope, other_slope = tile.to_values(np.array([quarter * e, ahead, quarter * ahead]))
         envelope = np.maximum(sea.eta**2 + other**2, 1e-300)
         least, most = 4.0 * np.pi / max(tile.side, tile.width), np.pi / (2.0 * tile.cell)
         k = np.clip((sea.eta * other_slope - other * slope) / envelope, least, most)
@@ -195,9 +194,8 @@ class HighOrder:
     def surface_state(self, e: np.ndarray, p: np.ndarray) -> SurfaceState:
         """Slopes and velocities of the surface, from modes e of the elevation and p of the surface potential."""
         tile, (ex, ez), (px, pz) = self.tile, self.tile.slopes(e), self.tile.slopes(p)
-        eta, slope_x, slope_z, phi_x, phi_z, w1 = tile.to_values(
-            np.array([e, ex, ez, px, pz, self.vertical_factor * p])
-        )
+        modes = np.array([e, ex, ez, px, pz, self.vertical_factor * p])
+        eta, slope_x, slope_z, phi_x, phi_z, w1 = tile.to_values(modes)
         return SurfaceState(slope_x, slope_z, phi_x, phi_z, (w1, *self.higher_orders(eta, p, w1)[1:]))
 
     def higher_orders(
@@ -237,9 +235,8 @@ class HighOrder:
 
 def tile_step(tile: Tile) -> float:
     """Time step [s] of a tile: waves of STEP_WAVE_CELLS cells turn by STEP_ANGLE in it."""
-    return STEP_ANGLE / float(
-        waves.angular_frequency(2.0 * pi / (STEP_WAVE_CELLS * tile.cell), tile.depth, tile.gravity)
-    )
+    k = 2.0 * pi / (STEP_WAVE_CELLS * tile.cell)
+    return STEP_ANGLE / float(waves.angular_frequency(k, tile.depth, tile.gravity))
 
 
 def nonlinear_sea(sea: waves.Components, tile: Tile, onset: float, breaking: bool, period: float) -> HighOrder:

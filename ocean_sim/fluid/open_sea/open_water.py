@@ -32,8 +32,6 @@ class OpenWater(Fluid):
     """Base class of water as a sum of waves. Kernels read the plane waves and the `sheets`, Python reads the plane
     waves and all `tiles`; by default plane waves alone, in water at rest."""
 
-    sound_speed = 0.0  # [m/s] nothing is compressed
-
     config: Any
     waves: PlaneWaves  # in closed form
     sheets: "tuple[Sheet, ...]" = ()
@@ -42,9 +40,10 @@ class OpenWater(Fluid):
     current: tuple[float, float] = (0.0, 0.0)  # along x and z [m/s]
     time: float  # [s]
     before: float  # when the last step began: where bodies are that take theirs after the water has [s]
+    still: Limits  # of the time step
 
-    def internal_energy(self) -> float:
-        return 0.0
+    def limits(self) -> Limits:
+        return self.still
 
     @ti.func
     def elevation(self, x, z):
@@ -150,6 +149,7 @@ class WaterForShip(OpenWater):
         self.whole, self.tiles, self.sheets = whole, tiles, sheets
         self.config, self.waves, self.current = whole.config, whole.waves, whole.current
         self.rest_density, self.spacing, self.reference_speed = whole.rest_density, whole.spacing, whole.reference_speed
+        self.still = whole.still
 
     @property
     def time(self) -> float:  # type: ignore[override]
@@ -171,6 +171,3 @@ class WaterForShip(OpenWater):
 
     def advance(self, dt: float) -> None:
         """Do nothing: the whole water advances by itself."""
-
-    def limits(self) -> Limits:
-        return self.whole.limits()

@@ -144,9 +144,8 @@ class Tile:
         i, k = whole.T % np.array([[self.cells], [self.rows]])
         (right, top), (left, bottom) = share.T, 1.0 - share.T
         over, beyond = (i + 1) % self.cells, (k + 1) % self.rows
-        cells = np.concatenate(
-            [i * self.rows + k, over * self.rows + k, i * self.rows + beyond, over * self.rows + beyond]
-        )
+        near, far = i * self.rows, over * self.rows
+        cells = np.concatenate([near + k, far + k, near + beyond, far + beyond])
         shares = np.concatenate([left * bottom, right * bottom, left * top, right * top]) * np.tile(amounts, 4)
         total = np.bincount(cells, shares, self.cells * self.rows)
         return self.smoothing / self.cell**2 * self.to_modes(total.reshape(self.shape))
@@ -154,12 +153,10 @@ class Tile:
     def interpolate(self, values: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Values (m,) at points x, z (m, 2) [m], by a cubic along each axis (Keys 1981, IEEE Trans. ASSP 29)."""
         whole, share = self.cell_corner(points)
-        along, across = (
-            cubic_weights(share[:, 0]),
-            cubic_weights(share[:, 1]) if self.rows > 1 else [np.ones(len(points))],
-        )
-        first = -1 if self.rows > 1 else 0
-        found = np.zeros(len(points))
+        along, across = (cubic_weights(part) for part in share.T)
+        found, first = np.zeros(len(points)), -1
+        if self.rows == 1:
+            across, first = [np.ones(len(points))], 0
         for i, weight in enumerate(along):
             row = (whole[:, 0] + i - 1) % self.cells
             for k, other in enumerate(across):
@@ -217,9 +214,8 @@ class OnTile:
         tile, potential, found = self.tile, self.modes_at(time).potential, np.zeros((len(points), 3))
         if len(points) >= MIN_LATTICE_POINTS and not y.any():
             rising = tile.omega**2 / tile.gravity * tile.directed_modes * potential
-            along, across, up = (
-                tile.interpolate(tile.to_values(of), points) for of in (*tile.slopes(potential), rising)
-            )
+            modes = *tile.slopes(potential), rising
+            along, across, up = (tile.interpolate(tile.to_values(of), points) for of in modes)
             return np.stack([along, up, across], axis=1)
         for n, level, upright in self.point_modes(points, y):
             along = (level * potential).imag

@@ -5,12 +5,11 @@ velocities and accelerations, and the acceleration is its slope. On a lattice th
 its cosines and sines are products of few numbers.
 """
 
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 
 from ocean_sim import waves
-from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Doubles2, in_kernels
 
@@ -18,23 +17,13 @@ SPAN_ANGLE = 0.8  # [rad] turn between the two times of the waves that give the 
 ANGLE_FIRST, ANGLE_LATER, ANGLE_ALONG, ANGLE_ACROSS = range(4)  # of the first node at both times; node to node
 
 
-class Moving(Protocol):
-    """Interface of water whose plane waves a Window sums."""
-
-    waves: PlaneWaves
-    current: tuple[float, float]  # its velocity along x and z, which carries the waves [m/s]
-    time: float  # [s]
-    before: float  # when the last step began: where bodies are that take theirs after the water has [s]
-
-
 @in_kernels
 class Window:
     """Sums of a water's plane waves, without ramp, at lattice nodes and levels of the Wheeler-stretched column."""
 
-    def __init__(
-        self, water: Moving, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]
-    ) -> None:
-        """Make the fields; `size`: nodes along and across; `step` between them, and `depths` of levels [m], first 0."""
+    def __init__(self, water: Any, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]) -> None:
+        """Make the fields for an `OpenWater`; `size`: nodes along and across; `step` between them, and `depths` of
+        levels [m], first 0."""
         self.water, self.size, self.step, self.depths = water, size, step, depths
         self.depth = water.waves.sea.depth  # of the water [m]
         self.n, self.sums = len(water.waves.sea.amplitude), 1 + 3 * len(depths)

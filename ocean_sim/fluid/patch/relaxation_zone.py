@@ -76,9 +76,8 @@ class RelaxationBand:
         loss, feed = (complex(of[self.sea.highest]) for of in (self.losses, self.feed))
         group, side = self.main_direction
         xi = (np.arange(PATCH_PIECES) + 0.5) / PATCH_PIECES * side - 0.5 * side
-        pull = (
-            0.5 * self.rate * np.clip((np.abs(xi) - (0.5 * side - self.width)) / self.width, 0.0, 1.0) ** DAMPING_POWER
-        )
+        inside = np.clip((np.abs(xi) - (0.5 * side - self.width)) / self.width, 0.0, 1.0)
+        pull = 0.5 * self.rate * inside**DAMPING_POWER
         taken = loss + pull
         aim = np.divide(pull + 0.5 * feed, taken, out=np.ones(PATCH_PIECES, dtype=complex), where=taken != 0.0)
         speed = (1.0 - with_waves) * group
@@ -127,10 +126,8 @@ class RelaxationBand:
             crests = max(round(fit * side / (2.0 * pi)), ceil(MIN_PATCH_WAVES * along / length - 1e-9))
             better += [f"basin.{name}: {2.0 * pi * crests / along:.4g}"] if along > 1e-9 * length else []
         asked, became = self.describe_waves(self.requested), self.describe_waves(self.sea)
-        return (
-            f"waves of {asked} do not fit the patch and became waves of {became}; "
-            f"{' and '.join(better)} would keep them"
-        )
+        cure = f"{' and '.join(better)} would keep them"
+        return f"waves of {asked} do not fit the patch and became waves of {became}; {cure}"
 
     @property
     def unresolved_share(self) -> float:
@@ -235,12 +232,8 @@ def relaxation_band(lattice: Lattice) -> RelaxationBand | None:
     rim, sea = basin.sea.rim, patch_waves(basin, lattice.spacing)
     least = MAX_RIM_SHARE * min(period for period in basin.periods if period)
     width = rim.width or (least if sea is None else min(RIM_WIDTH_WAVES * sea.wavelength, least))
-    if sea is None:
-        omega = float(
-            waves.angular_frequency(2.0 * pi * RIM_WIDTH_WAVES / width, basin.depth, waves.downward_gravity(basin))
-        )
-    else:
-        omega = 2.0 * pi / sea.period
+    calm = 2.0 * pi * RIM_WIDTH_WAVES / width, basin.depth, waves.downward_gravity(basin)
+    omega = float(waves.angular_frequency(*calm)) if sea is None else 2.0 * pi / sea.period
     rate = RIM_RATE_RATIO * omega if rim.rate is None else rim.rate
     losses = None if sea is None else lattice.config.losses(lattice, sea)
     nonlinear = basin.sea.nonlinear

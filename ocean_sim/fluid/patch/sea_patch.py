@@ -16,15 +16,7 @@ from ocean_sim.columns import vec3
 from ocean_sim.fluid import Displacing
 from ocean_sim.fluid.open_sea.wave_sheet import cubic_weights
 from ocean_sim.fluid.patch.relaxation_zone import RelaxationBand, rim_depth, tile_cells
-from ocean_sim.fluid.patch.sources import (
-    NODE_VALUES,
-    TABLE_LEVELS,
-    Depths,
-    PlaneWaveSource,
-    Source,
-    SteepSource,
-    wave_counts,
-)
+from ocean_sim.fluid.patch.sources import NODE_VALUES, TABLE_LEVELS, Depths, PlaneWaveSource, SteepSource, wave_counts
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.waves import Components
@@ -64,9 +56,8 @@ class SeaTable:
         self.lower = (basin.lower[0], basin.lower[2])
         self.per_cell = tuple(n / (period or 1.0) for n, period in zip(self.count, basin.periods[::2]))
         depths = Depths(self.depth, self.above, sea.depth)
-        self.source: Source = PlaneWaveSource(band, sea, depths, self.count)
-        if band.nonlinear is not None:
-            self.source = SteepSource(band, sea, depths, self.count)
+        kind: type[PlaneWaveSource | SteepSource] = PlaneWaveSource if band.nonlinear is None else SteepSource
+        self.source = kind(band, sea, depths, self.count)
         shape = (*self.count, TABLE_LEVELS + 1, NODE_VALUES)
         self.slots, self.now = ti.field(float, shape=(2, *shape)), ti.field(float, shape=shape)
         self.begun = 0  # number of the time that the first slot holds

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import ClassVar, NamedTuple, Protocol
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -36,16 +36,8 @@ class Depths(NamedTuple):
         yield c + k * self.above * slope, s + k * self.above
 
 
-class Source(Protocol):
-    """Interface of the sea that fills a SeaTable, before its ramp is applied."""
-
-    def modes(self, time: float) -> np.ndarray:
-        """Complex modes (levels, values, nodes x, nodes z) of velocity and feed at a time [s], never decreasing."""
-        ...
-
-
 class PlaneWaveSource:
-    """Linear sea, a sum of plane waves, as source of a SeaTable."""
+    """Linear sea, a sum of plane waves, as source of a SeaTable, before its ramp is applied."""
 
     left_out: ClassVar[tuple[str, ...]] = ("shapes", "places")
 
@@ -60,6 +52,7 @@ class PlaneWaveSource:
         """(levels, values, n) contribution of each wave at the lower corner of the patch and phase 0."""
 
     def modes(self, time: float) -> np.ndarray:
+        """Complex modes (levels, values, nodes x, nodes z) of velocity and feed at a time [s], never decreasing."""
         found = np.zeros((TABLE_LEVELS + 1, NODE_VALUES, *self.count), dtype=np.complex128)
         origin_phase = np.exp(1j * np.mod(self.sea.phase - self.sea.omega * time, 2.0 * np.pi))
         found[:, :, self.places[0], self.places[1]] = self.shapes * origin_phase
@@ -110,7 +103,8 @@ class SteepSource:
             for n, of in enumerate(both):
                 three = found[level, 3 * n : 3 * n + 3]
                 three[:, self.places[0], self.places[1]] = shape * of
-        return full_modes(found, self.sea.tile)
+        found[..., 1 : self.sea.tile.columns] *= 2.0  # so that the real part of their complex Fourier sum is the field
+        return found
 
 
 def feed_factors(band: RelaxationBand, sea: Components, tile: Tile) -> tuple[np.ndarray, np.ndarray]:
@@ -119,10 +113,3 @@ def feed_factors(band: RelaxationBand, sea: Components, tile: Tile) -> tuple[np.
     k, f = sea.wavenumber[order], band.feed[order]
     real, imaginary = (np.interp(tile.k, k, of) for of in (f.real, f.imag))
     return real, np.divide(imaginary * tile.gravity, tile.omega, out=np.zeros(tile.k.shape), where=tile.omega > 0.0)
-
-
-def full_modes(modes: np.ndarray, tile: Tile) -> np.ndarray:
-    """Double all but the first column of the modes of a real transform in place and return them, so that the real part
-    of their complex Fourier sum is the field."""
-    modes[..., 1 : tile.columns] *= 2.0
-    return modes

@@ -70,14 +70,9 @@ class StandingWave(Start):
         half = (self.amplitude or (self.height or 0.0) / 2.0) / 2.0
         k = self.mode * pi / basin.config.length
         shift, late = -k * basin.lower[0], 0.5 * pi if self.phase == "flat" else 0.0
-        wavevector = np.array([[k, 0.0], [-k, 0.0]])
-        return waves.Components(
-            np.array([half, half]),
-            wavevector,
-            np.array([shift + late, -shift + late]),
-            basin.depth,
-            waves.downward_gravity(basin),
-        )
+        amplitude, wavevector = np.array([half, half]), np.array([[k, 0.0], [-k, 0.0]])
+        phase, g = np.array([shift + late, -shift + late]), waves.downward_gravity(basin)
+        return waves.Components(amplitude, wavevector, phase, basin.depth, g)
 
     def problems(self, basin: Basin) -> Problems:
         """Yield faults (key, sentence) of a wave that would break, or that fits no periodic basin."""
@@ -126,11 +121,8 @@ class RegularWave(Start):
         off = float(np.linalg.norm(wanted.wavevector[0] - sea.wavevector[0]) / sea.wavenumber[0])
         if off > MAX_FIT_CHANGE:
             (length, fits), period = 2.0 * pi / np.append(sea.wavenumber, wanted.wavenumber), 2.0 * pi / wanted.omega[0]
-            yield (
-                ("period",),
-                f"a wave of {self.period:g} s is {length:.4g} m long and does not repeat itself in the periodic basin; "
-                f"the nearest that does is {fits:.4g} m long: period {period:.5g}",
-            )
+            wave = f"a wave of {self.period:g} s is {length:.4g} m long and does not repeat itself in the periodic"
+            yield ("period",), f"{wave} basin; the nearest that does is {fits:.4g} m long: period {period:.5g}"
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
         return displaced_state(fitted_waves(self.sea(basin), basin), positions, basin, density)
@@ -250,32 +242,24 @@ class FromFile(Start):
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
         """Positions, velocities and pressures of the file; `positions` is not used."""
         columns = self.columns()
-        placed = column_vectors(columns, "xyz", basin)
-        return (
-            placed,
-            column_vectors(columns, "uvw", basin),
-            columns.get("p", still_pressure(placed, basin, density, 0.0)),
-        )
+        placed, velocity = (column_vectors(columns, names, basin) for names in ("xyz", "uvw"))
+        return placed, velocity, columns.get("p", still_pressure(placed, basin, density, 0.0))
 
 
 Initial = Annotated[StandingWave | RegularWave | RandomWaves | TaylorGreen | FromFile, Field(discriminator="kind")]
 
 
 def start_state(
-    initial: Initial | None,
-    positions: np.ndarray,
-    basin: Basin,
-    rest_density: float,
-    surface: float | np.ndarray = 0.0,
+    initial: Initial | None, positions: np.ndarray, basin: Basin, density: float, surface: float | np.ndarray = 0.0
 ) -> State:
     """Positions (n, 3) [m], velocities (n, 3) [m/s] and pressures (n,) [Pa] at which water on a lattice starts.
     `surface`: height of still water [m], one number or one a particle."""
     if initial is not None:
-        return initial.state(positions, basin, rest_density)
+        return initial.state(positions, basin, density)
     sea = patch_waves(basin, mean_spacing(positions, basin)) if basin.sea is not None else None
     if sea is not None and not sea.ramp:
-        return displaced_state(sea, positions, basin, rest_density)
-    return positions, np.zeros_like(positions), still_pressure(positions, basin, rest_density, surface)
+        return displaced_state(sea, positions, basin, density)
+    return positions, np.zeros_like(positions), still_pressure(positions, basin, density, surface)
 
 
 def problems(initial: Initial | None, basin: Basin) -> list[tuple[tuple[str, ...], str]]:

@@ -16,6 +16,7 @@ from ocean_sim.waves import Components
 
 if TYPE_CHECKING:
     from ocean_sim.basin.solids import packing
+    from ocean_sim.basin.solids.shape import Boxes
 
 BUDGET_ROWS = 32  # in the depth, by which the volume of a bed is summed before the spacing is known
 MARGIN_SPACINGS = 8.0  # [spacings] around a solid, as far as the water that makes room for it is pressed from
@@ -42,7 +43,6 @@ class Filling(Protocol):
 
     def losses(self, lattice: "Lattice", sea: Components) -> np.ndarray | None:
         """Complex decay rates (n,) [1/s] of the waves of a sea by the scheme, see WaterConfig.losses."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Lattice:
     basin: Basin
 
     @cached_property
-    def boxes(self) -> list[tuple[np.ndarray, np.ndarray]]:
+    def boxes(self) -> "Boxes":
         """Lowest and highest corner (3,) [m] of each box of water."""
         if self.config.fill is None and self.config.emitter is not None and self.given is None:
             return []
@@ -123,11 +123,8 @@ class Lattice:
         """Mass of a particle [kg], in 2-D [kg/m]: rest density times water volume over the number of particles."""
         if not self.boxes and self.given is None:
             return self.config.rest_density * self.spacing**self.basin.dimension
-        return (
-            self.config.rest_density
-            * self.volume
-            / (total_count(self.counts) if self.given is None else len(self.given))
-        )
+        count = total_count(self.counts) if self.given is None else len(self.given)
+        return self.config.rest_density * self.volume / count
 
     @property
     def row(self) -> float:
@@ -148,7 +145,7 @@ class Lattice:
         return max((float((up - low)[1]) for low, up in self.boxes), default=self.basin.depth)
 
     @property
-    def stacked_boxes(self) -> list[tuple[np.ndarray, np.ndarray]]:
+    def stacked_boxes(self) -> "Boxes":
         """Corners of the boxes that begin or end at a height where another ends or begins, sorted by their foot."""
         heights = np.array([(low[1], up[1]) for low, up in self.boxes]).reshape(-1, 2).round(9)
         begins, ends = heights.T
@@ -167,9 +164,8 @@ class Lattice:
         if self.given is not None:
             return np.repeat([[self.basin.lower[1]], [0.0]], len(self.given), axis=1)
         heights = np.array([(low[1], up[1]) for low, up in self.boxes]).reshape(-1, 2)
-        ends = np.repeat(heights, np.array([np.prod(count) for count in self.counts], dtype=int), axis=0)[
-            self.wet_mask
-        ].T
+        numbers = np.array([np.prod(count) for count in self.counts], dtype=int)
+        ends = np.repeat(heights, numbers, axis=0)[self.wet_mask].T
         x, y, z = self.full_positions[self.wet_mask].T
         stacked = [
             (low[1], up[1], (x >= low[0]) & (x <= up[0]) & (z >= low[2]) & (z <= up[2]))
@@ -220,7 +216,7 @@ class Lattice:
         return packing.Lattice(self.spacing, volume, self.config.kernel, self.config.ratio(self.basin))
 
     @property
-    def repeated_boxes(self) -> list[tuple[np.ndarray, np.ndarray]]:
+    def repeated_boxes(self) -> "Boxes":
         """Corners of the boxes, and of their repeats beyond periodic sides."""
         ways = product(*((-period, 0.0, period) if period else (0.0,) for period in self.basin.periods[::2]))
         return [(low + [x, 0.0, z], up + [x, 0.0, z]) for x, z in ways for low, up in self.boxes]
@@ -230,9 +226,8 @@ class Lattice:
         the first box near it; none without such a box."""
         d, found = self.basin.dimension, np.empty((0, 3))
         low_end, high_end = solid.extent + np.array([[-1.0], [1.0]]) * MARGIN_SPACINGS * self.spacing
-        for (low, up), count in zip(
-            self.repeated_boxes, self.counts * (len(self.repeated_boxes) // len(self.counts)), strict=True
-        ):
+        counts = self.counts * (len(self.repeated_boxes) // len(self.counts))
+        for (low, up), count in zip(self.repeated_boxes, counts, strict=True):
             if len(found) or (low[:d] > high_end[:d]).any() or (up[:d] < low_end[:d]).any():
                 continue
             step = (up - low)[:d] / count[:d]

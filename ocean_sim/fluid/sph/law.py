@@ -23,8 +23,7 @@ NO_COLUMN = -1
 class WalkOptions:
     """Options with which the walk over neighbours sums a law."""
 
-    apart: bool = False
-    """True if the sum over images in the sides is kept by itself, as `beyond`."""
+    apart: bool = False  # True if the sum over images in the sides is kept by itself, as `beyond`
     padded: bool = False
     """True if candidates out of reach fill the lists up to whole vectors: worth it for pairs that take long."""
     tension_column: int = NO_COLUMN
@@ -39,11 +38,10 @@ class Law(ABC):
 
     row: Columns = Columns(position=3)
     """Columns that are read of a particle, `own`, and of a neighbour, `other`; the position comes first."""
-    reads: tuple[ti.Field, ...]
-    """Fields of the row, one a column."""
-    terms: Columns
-    """Columns of the sum, `total`."""
+    reads: tuple[ti.Field, ...]  # fields of the row, one a column
+    terms: Columns  # columns of the sum, `total`
     options: WalkOptions = WalkOptions()
+    factor = 1.0  # of the whole sum: constants of the kernel, and masses
     bodies = False
     boundary: Any
     solid: Any  # SampleSum of the boundary
@@ -55,8 +53,8 @@ class Law(ABC):
 
     @ti.func
     def prefactor(self, own):
-        """Factor of the whole sum: constants of the kernel, masses, and fields of the particle's own row."""
-        return 1.0
+        """Factor of the whole sum: `factor`, and in some laws fields of the particle's own row."""
+        return self.factor
 
     @ti.func  # noqa: B027
     def begin(self, group):

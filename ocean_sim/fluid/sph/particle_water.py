@@ -10,19 +10,8 @@ import numpy as np
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Contact, Displacing, Fluid, ParticleFluid, Totals
 from ocean_sim.fluid.bodies.walls import Walls
+from ocean_sim.fluid.budget import momentum_budget as budget
 from ocean_sim.fluid.budget.field import Field, FreeSurface
-from ocean_sim.fluid.budget.momentum_budget import (
-    ENERGY_TERMS,
-    LEAK,
-    SHIP,
-    SUMMARY_SIZE,
-    TERM_NAMES,
-    WIND,
-    WORK_COLUMN,
-    Accounts,
-    Summing,
-    absent_terms,
-)
 from ocean_sim.fluid.neighbours.grid import Grid
 from ocean_sim.fluid.neighbours.grid_size import GridSize
 from ocean_sim.fluid.neighbours.point_sum import PointSum
@@ -49,7 +38,7 @@ class ParticleWater(ParticleFluid):
     particles: Particles
     around: PointSum
     grid: Grid
-    accounts: Accounts
+    accounts: budget.Accounts
     tasks: Tasks
     walls: Walls
     field: Field
@@ -66,10 +55,10 @@ class ParticleWater(ParticleFluid):
         self.carried = tuple(staggered_field(float, self.particles.n) for _ in range(size.carried))
         self.grid = size.plan.grid(self.particles, size, self.carried)
         self.rubs, self.joined = basin.rough_bed is not None, basin.sea is not None
-        absent = (*absent_terms(basin), *(() if config.leaks else (LEAK,)))
+        absent = (*budget.absent_terms(basin), *(() if config.leaks else (budget.LEAK,)))
         self.accounts = size.plan.accounts(size.groups, accounts, absent)
-        self.accounts.idle += (SHIP,) if wind.blows else (SHIP, WIND)
-        self.tasks = size.plan.tasks(self.particles.count, size.groups)
+        self.accounts.idle += (budget.SHIP,) if wind.blows else (budget.SHIP, budget.WIND)
+        self.tasks = Tasks(self.particles.count, size.groups, size.plan.stride)
         self.surface = FreeSurface(self.particles, self.grid, self.smoothing)
         self.around = self.surface.around
         self.walls = Walls(lattice, self.grid.images, size.support)
@@ -83,12 +72,12 @@ class ParticleWater(ParticleFluid):
             from ocean_sim.fluid.patch.sea_patch import SeaRim
 
             self.rim = SeaRim(around)
-        self.summing = Summing(self.particles)
+        self.summing = budget.Summing(self.particles)
         self.jet = lattice.jet
         self.time = 0.0  # [s]
         self.emitted_impulse, self.emitted_work = np.zeros(3), 0.0  # [N s], [J]
         self.contacts = []
-        self.summary: np.ndarray = np.zeros(SUMMARY_SIZE, dtype=self.particles.position.precision)
+        self.summary: np.ndarray = np.zeros(budget.SUMMARY_SIZE, dtype=self.particles.position.precision)
 
     @property
     def of_particles(self) -> ParticleFluid:
@@ -112,7 +101,7 @@ class ParticleWater(ParticleFluid):
 
     def add_contact(self, contact: Contact) -> None:
         self.contacts.append(contact)
-        self.accounts.idle = tuple(term for term in self.accounts.idle if term != SHIP)
+        self.accounts.idle = tuple(term for term in self.accounts.idle if term != budget.SHIP)
 
     def add_ships(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
         """Let a patch of open sea follow these ships; return this water for each."""
@@ -193,11 +182,8 @@ class ParticleWater(ParticleFluid):
         self.emitted_work += self.particles.mass * float(energy)
         before, fastest = self.status, float(np.linalg.norm(v, axis=1).max())
         self.begin()
-        self.status = replace(
-            self.status,
-            max_speed=max(before.max_speed, fastest),
-            max_acceleration=before.max_acceleration,
-        )
+        fastest = max(before.max_speed, fastest)
+        self.status = replace(self.status, max_speed=fastest, max_acceleration=before.max_acceleration)
 
     @ti.kernel
     def append_particles(self, first: int, x: Array2, v: Array2):
@@ -236,12 +222,12 @@ class ParticleWater(ParticleFluid):
 
     @property
     def impulse(self) -> dict[str, np.ndarray]:
-        without_impulse = [TERM_NAMES[term] for term in ENERGY_TERMS]
-        return {term: row[:WORK_COLUMN] for term, row in self.budget().items() if term not in without_impulse}
+        without_impulse = [budget.TERM_NAMES[term] for term in budget.ENERGY_TERMS]
+        return {term: row[: budget.WORK_COLUMN] for term, row in self.budget().items() if term not in without_impulse}
 
     @property
     def work(self) -> dict[str, float]:
-        return {term: float(row[WORK_COLUMN]) for term, row in self.budget().items()}
+        return {term: float(row[budget.WORK_COLUMN]) for term, row in self.budget().items()}
 
     @ti.func
     def elevation(self, x, z):

@@ -187,24 +187,13 @@ class Particles:
 
 def seeded(lattice: Lattice) -> Particles:
     """Make the particles of a lattice in the scene's initial state, with the first layer of an emitter."""
-    n, jet = lattice.n, lattice.jet
+    n, jet, config, basin = lattice.n, lattice.jet, lattice.config, lattice.basin
     count = Count(n if jet is None else jet.particle_count(0.0), n)
-    particles = Particles(
-        n=n,
-        count=count,
-        mass=lattice.mass,
-        rest_density=lattice.config.rest_density,
-        spacing=lattice.spacing,
-        position=Components(n, count),
-        velocity=Components(n, count),
-        id=numbers(int, count),
-        density=numbers(float, count),
-        pressure=numbers(float, count),
-    )
-    config, basin = lattice.config, lattice.basin
-    position, velocity, pressure = start_state(
-        config.initial, lattice.positions(), basin, config.rest_density, lattice.column_ends()[1]
-    )
+    vectors = Components(n, count), Components(n, count)  # position, velocity
+    scalars = numbers(int, count), numbers(float, count), numbers(float, count)  # id, density, pressure
+    particles = Particles(n, count, lattice.mass, config.rest_density, lattice.spacing, *vectors, *scalars)
+    places, surface = lattice.positions(), lattice.column_ends()[1]
+    position, velocity, pressure = start_state(config.initial, places, basin, config.rest_density, surface)
     if jet is not None:
         x, v = jet.emitted_state(jet.first, count.now, 0.0, np.zeros(3))
         position, velocity = np.concatenate([position, x]), np.concatenate([velocity, v])

@@ -5,56 +5,19 @@ transpose, to velocities; A = B B^T is symmetric. Sought are the pressures p wit
 wanted), r <= 0, and r = 0 where p > 0.
 """
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any
 
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid.neighbours.images import row_at
-from ocean_sim.fluid.neighbours.kept_pairs import KeptLaw, KeptPairs
-from ocean_sim.fluid.neighbours.thread_tasks import Rows
-from ocean_sim.fluid.sph.particles import Components, Particles, staggered_field
-from ocean_sim.fluid.sph.smoothing import Smoothing, Stencil
+from ocean_sim.fluid.neighbours.kept_pairs import KeptLaw
+from ocean_sim.fluid.sph.particles import Components, staggered_field
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import in_kernels
-
-if TYPE_CHECKING:  # it is imported only where there are bodies
-    from ocean_sim.fluid.bodies.boundary import Boundary
 
 REPORT_SIZE = 3  # numbers that an iteration reports: sums over all particles
 TOO_DENSE, TOO_THIN, UPHILL_SLOPE = range(REPORT_SIZE)
 # Of the error that a step begins with: in calm water iterations go on until it is less, so that it comes to rest.
 ERROR_REDUCTION = 0.5
-
-
-class IncompressibleWater(Protocol):
-    """Interface of the water whose pressures a Solver computes."""
-
-    particles: Particles
-    smoothing: Smoothing
-    stencil: Stencil
-    pairs: KeptPairs
-    boundary: "Boundary | None"
-    bodies: bool  # whether there are solid bodies in it
-    closed: bool  # whether it has no free surface
-    dt: ti.Field  # [s]
-    momentum: ti.Field  # how far an iteration is carried on along the way of the last ones
-    level: ti.Field  # density that is sought [kg/m3]
-    pressing: float  # what a pair's sum of pressures accelerates, over x_ij times the shape of grad W
-    diagonal: ti.Field  # A_ii / dt^2
-    base: tuple[ti.Field, ...]  # velocity before what the pressures gain [m/s]
-    rate: ti.Field  # of a surface's water: what the velocities that are left compress, a sum over pairs
-    rows: Rows  # what a group of particles reports, REPORT columns
-
-    def density_allowance(self, i: Any) -> Any:
-        """ti.func: density [kg/m3] that particle i may gain in this step, in a gap that closes."""
-        ...
-
-    def admissible_pressure(self, pressure: Any) -> Any:
-        """ti.func: pressure [Pa] that the water can have, nearest to this one; under a free surface not negative."""
-        ...
-
-    def apply_pressures(self, i: Any, dt: Any, total: Any, beyond: Any) -> Any:
-        """ti.func: book and return the velocity change [m/s] of particle i by pressure sums, `beyond` over walls."""
-        ...
 
 
 @in_kernels
@@ -64,7 +27,7 @@ class Compression(KeptLaw):
 
     row, terms = Columns(position=3, velocity=3), Columns(rate=1)  # the row of what is summed over samples of bodies
 
-    def __init__(self, fluid: IncompressibleWater, solver: "Solver") -> None:
+    def __init__(self, fluid: Any, solver: "Solver") -> None:
         self.fluid, self.solver, self.pairs, self.reads = fluid, solver, fluid.pairs, solver.velocity
         self.rate = -fluid.particles.mass * fluid.stencil.slope
         self.relaxation = 1.0 / fluid.stencil.stiffest_mode  # in disorder or piled up particles are up to 1.31 as stiff
@@ -114,8 +77,8 @@ class Compression(KeptLaw):
         r = dt * self.rate * rate
         if ti.static(solver.restores):
             r += fluid.particles.density[i] - fluid.level[None]
-        else:
-            r -= fluid.density_allowance(i)
+        elif ti.static(not fluid.closed):
+            r -= fluid.closing[i]
         start = solver.start_pressure(i)
         p, scale = start + solver.gain[i], dt * dt * fluid.diagonal[i]
         best, last = fluid.admissible_pressure(p + self.relaxation * r / scale), solver.best[i]
@@ -136,7 +99,7 @@ class Push(KeptLaw):
 
     row, terms = Columns(position=3, pressure=1), Columns(push=3)  # the row of what is summed over samples of bodies
 
-    def __init__(self, fluid: IncompressibleWater, solver: "Solver") -> None:
+    def __init__(self, fluid: Any, solver: "Solver") -> None:
         self.fluid, self.solver = fluid, solver
         self.reads = (solver.next,)
         self.add_bodies(fluid.boundary)
@@ -186,7 +149,7 @@ class Push(KeptLaw):
 class Account(Push):
     """Pair law that books the impulses of the pressures added by a solver in the momentum budget."""
 
-    def __init__(self, fluid: IncompressibleWater, solver: "Solver") -> None:
+    def __init__(self, fluid: Any, solver: "Solver") -> None:
         super().__init__(fluid, solver)
         self.reads = (solver.gain,)
 
@@ -202,7 +165,7 @@ class Solver:
 
     def __init__(
         self,
-        fluid: IncompressibleWater,
+        fluid: Any,  # the Dfsph
         velocity: Components,
         tolerance: float,
         most: int,

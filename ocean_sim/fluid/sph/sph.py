@@ -20,7 +20,7 @@ from ocean_sim.fluid.patch.attenuation import Attenuation, Delay, Train, wave_tr
 from ocean_sim.fluid.patch.relaxation_zone import relaxation_band, tile_cells
 from ocean_sim.fluid.sph.initial_state import MIN_WAVE_SPACINGS, NOTABLE_LOST_VARIANCE
 from ocean_sim.fluid.sph.particle_water import ParticleWater
-from ocean_sim.fluid.sph.smoothing import Smoothing
+from ocean_sim.fluid.sph.smoothing import NEUTRAL_KERNEL, NEUTRAL_RATIO, Kernel, Smoothing, rigidity_notes
 from ocean_sim.fluid.sph.water_keys import Lattice, WaterConfig, free_fall_speed
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
@@ -54,8 +54,9 @@ class SphConfig(WaterConfig):
     joins_a_sea: ClassVar[bool] = True
     told_to_bodies: ClassVar[int] = 3
     """Numbers that are carried along for solid bodies: its acceleration, where a pressure is continued into them."""
-    default_ratio: ClassVar[tuple[float, float]]
+    default_ratio: ClassVar[tuple[float, float]] = (NEUTRAL_RATIO, NEUTRAL_RATIO)
     """Default of `support_ratio` in 2-D and in 3-D."""
+    kernel: ClassVar[Kernel] = NEUTRAL_KERNEL
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
     """Kernel support radius over the spacing."""
     compression: float | None = quantity("1", None, gt=0.0, le=1.0)
@@ -106,12 +107,8 @@ class SphConfig(WaterConfig):
         support = preflight.support
         for axis, period in zip("xyz", basin.periods, strict=True):
             if 0.0 < period < 2.0 * support:
-                found.append(
-                    (
-                        ("spacing",),
-                        f"a period of {period:g} m along {axis} is shorter than two support radii of {support:g} m",
-                    )
-                )
+                sentence = f"a period of {period:g} m along {axis} is shorter than two support radii of {support:g} m"
+                found.append((("spacing",), sentence))
         if not found:
             found += [((self.sized_by,), sentence) for sentence in self.count_problems(preflight)]
         if basin.rough_bed is not None:
@@ -244,9 +241,8 @@ class SphConfig(WaterConfig):
         tank, spacing = preflight.tank, preflight.spacing
         if self.attenuation is None or spacing is None:
             return 0.0
-        return self.attenuation.share(2.0 * pi / length, tank.depth, height, spacing, standing) * self.viscosity_scale(
-            tank
-        )
+        share = self.attenuation.share(2.0 * pi / length, tank.depth, height, spacing, standing)
+        return share * self.viscosity_scale(tank)
 
     def viscosity_scale(self, basin: Basin) -> float:
         """Product h c [m2/s] of smoothing length and sound speed: unit of the scheme's numerical viscosity."""
@@ -282,7 +278,10 @@ class SphConfig(WaterConfig):
         around = relaxation_band(self.start_lattice(preflight))
         found += around.statements() if around is not None else []
         found += [zone.statement for zone in zones(self.start_lattice(preflight))]
-        return [*found, *self.wave_statements(preflight), *super().statements(preflight)]
+        found += [*self.wave_statements(preflight), *super().statements(preflight)]
+        if self.kernel is NEUTRAL_KERNEL and not self.is_enclosed(basin):
+            found += rigidity_notes(self.smoothing(basin), self.lattice(basin).spacing)
+        return found
 
     def wave_statements(self, preflight: Preflight) -> Iterator[str]:
         """Yield sentences on the height that the scene's waves lose by the numerical viscosity of the scheme."""
@@ -306,33 +305,22 @@ class SphConfig(WaterConfig):
                 )
 
 
-def scheme_ledger(
-    preflight: Preflight,
-    sizes: GridSize,
-    numbers: int,
-    what: str,
-    told: int = 0,
-) -> list[LedgerRow]:
+def scheme_ledger(preflight: Preflight, sizes: GridSize, numbers: int, what: str, told: int = 0) -> list[LedgerRow]:
     """Rows of the memory ledger of a scheme with `numbers` numbers a particle besides its id (described by `what`);
     `told`: numbers that each particle carries for solid bodies."""
     n, support, lattice, word = sizes.lattice.n, sizes.support, sizes.lattice, preflight.word
+    lists = sizes.plan.list_bytes(sizes, word)
     return [
         LedgerRow("fluid", f"{n} particles", (numbers * word + 4) * n, what),
         LedgerRow("fluid", f"grid of {sizes.cell_count} cells", sizes.bytes(word), f"support {support:g} m"),
-        *_of_walk(sizes, word, preflight.sums_impulses),
+        *([LedgerRow("fluid", "candidate lists", lists, "neighbours of every occupied cell")] if lists else []),
+        *account_ledger(sizes, word, preflight.sums_impulses),
         *_of_areas(preflight, n),
         *_of_targets(lattice, word),
         *_of_sea(lattice, word),
         *_of_bodies(sizes, word, preflight.sums_impulses, told),
         *mesh_ledger(sizes, word),
     ]
-
-
-def _of_walk(sizes: GridSize, word: int, impulses: bool) -> list[LedgerRow]:
-    """Rows of the memory ledger for the walk over neighbours; `word`: size of a `float` [bytes]."""
-    lists = sizes.plan.list_bytes(sizes, word)
-    found = [LedgerRow("fluid", "candidate lists", lists, "neighbours of every occupied cell")] if lists else []
-    return [*found, *account_ledger(sizes, word, impulses)]
 
 
 def _of_areas(preflight: Preflight, n: int) -> list[LedgerRow]:
@@ -432,15 +420,13 @@ class Sph(ParticleWater):
             self.boundary = Boundary(bodies, self.particles, self.grid, self.pull, self.smoothing, accounts, relief)
         own = len(self.carried) - (config.told_to_bodies if self.bodies else 0)
         self.last_acceleration = self.carried[own:]  # [m/s2], which solid bodies are told
-        self.field = Field(
-            self.particles, self.grid, self.smoothing, self.pull.constant, self.pull, boundary=self.boundary
-        )
+        pull = self.pull.constant, self.pull
+        self.field = Field(self.particles, self.grid, self.smoothing, *pull, self.boundary)
         self.exposed = wind.needs_area
         if self.exposed:
             from ocean_sim.fluid.bodies.exposure import Exposure
 
-            positions, plan_area = self.listed_positions, sizes.lattice.plan_area or 0.0
-            self.exposure = Exposure(self, self.neighbours, self.boundary, positions, plan_area, wind.needs_bend)
+            self.exposure = Exposure(self, sizes.lattice.plan_area or 0.0, wind.needs_bend)
 
     @property
     def listed_positions(self) -> tuple[ti.Field, ...]:

@@ -69,9 +69,8 @@ class Jitter(NamedTuple):
 
     def __str__(self) -> str:
         ms = [f"{1e3 * value:.3f} ms" for value in (self.interval, self.deviation, self.longest)]
-        return (
-            f"{self.packets} packets, every {ms[0]}, deviation {ms[1]}, longest {ms[2]}, {100 * self.late:.2g} % late"
-        )
+        late = f"{100 * self.late:.2g} % late"
+        return f"{self.packets} packets, every {ms[0]}, deviation {ms[1]}, longest {ms[2]}, {late}"
 
 
 class Latency(NamedTuple):

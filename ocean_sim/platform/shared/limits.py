@@ -180,7 +180,8 @@ class Governor:
         far = self.motion_size(behind)
         aim = step + behind * (min(1.0 / dt, float(self.stopping_speed(a, np.array(far))) / far) if far > 0.0 else 0.0)
         legs, of_aim = self.hexapod.legs(self.pose[None])[0], self.leg_speeds(aim)
-        room = self.stopping_speed(BRAKE_RESERVE * a, self.stroke_left(legs, of_aim))
+        stroke_left = np.where(of_aim > 0.0, self.hexapod.high - legs, legs - self.hexapod.low)  # up to the end ahead
+        room = self.stopping_speed(BRAKE_RESERVE * a, stroke_left)
         share = float((np.minimum(self.speed, room) / np.maximum(np.abs(of_aim), USAGE_TOLERANCE)).min())
         change = aim * min(1.0, share) - self.velocity
         hard = max(self.motion_size(change) / a, float(np.abs(self.leg_speeds(change)).max()) / self.acceleration) / dt
@@ -213,10 +214,6 @@ class Governor:
         """Highest speed [m/s] from which braking at `acceleration` [m/s2], in whole rows, stops within `left` [m]."""
         lost = 0.5 * acceleration * self.every
         return np.sqrt(lost**2 + 2.0 * acceleration * np.maximum(left, 0.0)) - lost
-
-    def stroke_left(self, legs: np.ndarray, speed: np.ndarray) -> np.ndarray:
-        """Stroke (6,) [m] left for legs of lengths (6,) [m] up to the end that their speeds (6,) point to."""
-        return np.where(speed > 0.0, self.hexapod.high - legs, legs - self.hexapod.low)
 
 
 class Legs:

@@ -205,9 +205,8 @@ def check_agreement(log: MotionLog) -> None:
     n = (len(pose) - len(says)) // 2
     follows = pose[n : len(pose) - n].inv().apply(says) + log.mean_values(log.mean_values(gravity))
     felt = FORCE_COLUMNS, log.mean_values(log.mean_values(log.ride.specific_force)) @ axes.T
-    compare_columns(
-        table.path, felt, (("positions, angles and gravity",) * 3, follows @ axes.T), MIN_FELT, MAX_FELT_FACTOR
-    )
+    other = ("positions, angles and gravity",) * 3, follows @ axes.T
+    compare_columns(table.path, felt, other, MIN_FELT, MAX_FELT_FACTOR)
     if all(name in table for name in QUATERNION_COLUMNS):
         w, *vector = table.finite(*QUATERNION_COLUMNS)
         quaternion = np.column_stack([np.column_stack(vector) @ axes, w])

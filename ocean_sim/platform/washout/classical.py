@@ -54,7 +54,8 @@ class Travel:
         while start < len(acceleration):
             state = self.filter.state
             moved[start:] = self.filter.apply(acceleration[start:])
-            out = np.flatnonzero(~self.is_within(moved[start:], acceleration[start:]))
+            place, push = moved[start:], acceleration[start:]
+            out = np.flatnonzero(((place > self.high) & (push > 0.0)) | ((place < self.low) & (push < 0.0)))
             if not len(out):
                 break
             end = start + int(out[0])
@@ -65,7 +66,3 @@ class Travel:
             cut[end] = True
             start = end + 1
         return moved, cut
-
-    def is_within(self, moved: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-        """True (n,) if displacements `moved` (n,) [m] are in the travel, or accelerations (n,) point back into it."""
-        return ~(((moved > self.high) & (acceleration > 0.0)) | ((moved < self.low) & (acceleration < 0.0)))

@@ -140,9 +140,8 @@ class FloatingConfig(VesselConfig):
         still = self.hydrostatics_of(preflight)
         body = self.above_unsettled_water(self.resting_body(still), preflight)
         reach = max(SAG_RIM, preflight.fluid.support_asked or SAG_RIM) * preflight.spacing
-        return Solid(
-            self.whole_hull.shape, still.matter.centre, body.position, body.matrix, False, False, body=body, reach=reach
-        )
+        place = still.matter.centre, body.position, body.matrix
+        return Solid(self.whole_hull.shape, *place, False, False, body=body, reach=reach)
 
     def above_unsettled_water(self, body: RigidBody, preflight: Preflight) -> RigidBody:
         """A body with a given height, raised by as much as the water will settle, so no gap opens; others unchanged."""

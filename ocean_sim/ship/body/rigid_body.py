@@ -167,9 +167,8 @@ def advance_body(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: flo
     now = small_linalg.spin_of(body.rows, momentum, inertia)
     halfway = small_linalg.quaternion_product(small_linalg.turn_quaternion(small_linalg.times(dt / 2.0, now)), start)
     omega = small_linalg.spin_of(small_linalg.rotation_matrix(halfway), momentum, inertia)
-    turned = small_linalg.unit_quaternion(
-        small_linalg.quaternion_product(small_linalg.turn_quaternion(small_linalg.times(dt, omega)), start)
-    )
+    turn = small_linalg.turn_quaternion(small_linalg.times(dt, omega))
+    turned = small_linalg.unit_quaternion(small_linalg.quaternion_product(turn, start))
     velocity = body.velocity + force / body.mass * dt
     position = body.position + velocity * dt
     return RigidBody(body.mass, body.inertia_body, position, np.array(turned), velocity, np.array(momentum))
@@ -216,9 +215,8 @@ def guide_step(before: RigidBody, after: RigidBody, free: np.ndarray, dt: float)
     if False not in free.tolist():
         return after
     heading, rates = axis_rotation(1, before.angles[1]), np.where(free[3:], after.rates, 0.0)
-    velocity, moved = (
-        heading @ np.where(free[:3], heading.T @ way, 0.0) for way in (after.velocity, after.position - before.position)
-    )
+    ways = after.velocity, after.position - before.position
+    velocity, moved = (heading @ np.where(free[:3], heading.T @ way, 0.0) for way in ways)
     turned = unit_quaternion(quaternion_product(before.orientation, turn_quaternion(rates * dt)))
     body = replace(after, velocity=velocity, position=before.position + moved, orientation=turned)
     return with_spin(body, body.matrix @ rates)

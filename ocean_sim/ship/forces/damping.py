@@ -78,7 +78,9 @@ class Resistance:
         self.rolled = self.low if self.rolling is None else 0.0  # what a rate of roll adds to it: the rest counts it
         self.stern = float(self.z[draught > 0.0].min())
         slender = pi / 2.0 * hull.density * float(draught.mean()) ** 2  # [kg/m] of a body that ends in a stern
-        self.lift = (1.0 + 0.4 * lift_form_factor(hull)) * slender
+        volume = min(hull.needed_volume, hull.voxels.volume)
+        form_factor = volume / (hull.length * float(draught.max()) ** 2)  # C_B B / T
+        self.lift = (1.0 + 0.4 * form_factor) * slender
         self.munk = munk
         self.warnings = [] if self.rolling is None else self.rolling.warnings
         if self.rolling is not None and config.roll:
@@ -108,17 +110,14 @@ class Resistance:
         crossed, crossed_turn = self.crossing.strip_drag(middle, yaw)
         lift = -self.lift * max(surge, 0.0) * (middle + yaw * self.stern)
         side = lift - crossed
+        ikeda = 0.0 if self.rolling is None else self.rolling.roll_moment(roll, surge)  # [N m]
         force = side, -self.linear["heave"] * heave, -self.surge * abs(surge) * surge
         torque = (
             -self.linear["pitch"] * pitch,
             lift * self.stern - crossed_turn - self.munk * surge * sway,
-            -side * self.low - (self.linear["roll"] + self.roll * abs(roll)) * roll + self.ikeda_moment(roll, surge),
+            -side * self.low - (self.linear["roll"] + self.roll * abs(roll)) * roll + ikeda,
         )
         return np.array((force, torque))
-
-    def ikeda_moment(self, roll: float, surge: float) -> float:
-        """Moment [N m] of Ikeda's roll damping at a roll rate [rad/s] and a speed ahead [m/s]; 0 without it."""
-        return 0.0 if self.rolling is None else self.rolling.roll_moment(roll, surge)
 
 
 class CrossFlow:
@@ -138,9 +137,3 @@ class CrossFlow:
         c_0, c_1, c_2, c_3 = (way * (whole - 2.0 * part) for whole, part in zip(self.behind[-1], astern))
         vv, vr, rr = v * v, 2.0 * v * r, r * r
         return c_0 * vv + c_1 * vr + c_2 * rr, c_1 * vv + c_2 * vr + c_3 * rr
-
-
-def lift_form_factor(hull: Hydrostatics) -> float:
-    """Form factor C_B B / T of the hull's lift: volume under water over length times draught squared."""
-    _, _, draught = hull.stations
-    return min(hull.needed_volume, hull.voxels.volume) / (hull.length * float(draught.max()) ** 2)

@@ -214,23 +214,18 @@ class Scattering:
 
     def load(self, waves: Arriving, yaw: float, velocity: np.ndarray) -> np.ndarray:
         """(2, 3) scattering force [N], torque [N m], world axes; `yaw` [rad], `velocity` in the water (3,) [m/s]."""
-        if (
-            self.known is None
-            or abs(yaw - self.known[0]) > HEADING_STEP
-            or not np.array_equal(waves.omega, self.known[1])
-        ):
-            self.known = yaw, waves.omega, self.given_momentum(waves.omega, np.degrees(waves.heading - yaw))
+        known, still = self.known, waves.omega
+        if known is None or abs(yaw - known[0]) > HEADING_STEP or not np.array_equal(still, known[1]):
+            # Momentum that waves of unit amplitude give a hull at rest, divided by its `complex_inertia`.
+            forces = self.unit_wave_forces(still, np.degrees(waves.heading - yaw))
+            known = self.known = yaw, still, forces / (-1j * still * self.complex_inertia(still))
         omega = waves.encounter_frequencies(velocity)
-        given = self.known[2] * self.complex_inertia(omega) * (waves.amplitude * np.exp(1j * waves.angle))
+        given = known[2] * self.complex_inertia(omega) * (waves.amplitude * np.exp(1j * waves.angle))
         c, s = np.cos(yaw), np.sin(yaw)
         level = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
         momentum, rate = ((part.real.sum(axis=1).reshape(2, 3)) @ level.T for part in (given, -1j * omega * given))
         rate[1] += cross(velocity, momentum[0])
         return rate
-
-    def given_momentum(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
-        """(6, n) momentum that waves of unit amplitude give a hull at rest, divided by its `complex_inertia`."""
-        return self.unit_wave_forces(omega, heading) / (-1j * omega * self.complex_inertia(omega))
 
     def complex_inertia(self, omega: np.ndarray) -> np.ndarray:
         """(6, n) A + i B / omega [kg], [kg m2] at frequencies (n,) [rad/s] of motions in the table; 1 of others."""

@@ -130,17 +130,15 @@ class Hydrostatics:
 
     def metacentric_height(self, axis: int = 2) -> float:
         """Metacentric height GM [m] in heel (axis 2) or trim (0), by a small turn both ways."""
-        return (self.righting_lever(axis, SMALL_TURN) - self.righting_lever(axis, -SMALL_TURN)) / (
-            2.0 * sin(radians(SMALL_TURN))
-        )
+        rise = self.righting_lever(axis, SMALL_TURN) - self.righting_lever(axis, -SMALL_TURN)
+        return rise / (2.0 * sin(radians(SMALL_TURN)))
 
     @cached_property
     def waterplane(self) -> float:
         """Area of the waterplane of the upright hull [m2]."""
         level, step = self.draught + self.keel, 0.25 * self.voxels.size[1]
-        return float(self.wet_volumes(UPRIGHT, level + step).sum() - self.wet_volumes(UPRIGHT, level - step).sum()) / (
-            2.0 * step
-        )
+        above, below = (self.wet_volumes(UPRIGHT, level + away).sum() for away in (step, -step))
+        return float(above - below) / (2.0 * step)
 
     @cached_property
     def stiffness(self) -> dict[str, float]:

@@ -50,9 +50,7 @@ def row_vector(table: Template, first: Template):
 @ti.func
 def row_matrix(table: Template):
     """Rotation matrix in the first row of a table, from body to world axes."""
-    return ti.Matrix.rows(
-        [row_vector(table, pose.turn), row_vector(table, pose.turn + 3), row_vector(table, pose.turn + 6)]
-    )
+    return ti.Matrix.rows([row_vector(table, pose.turn + 3 * k) for k in ti.static(range(3))])
 
 
 class SampleLattice:
@@ -97,9 +95,8 @@ class SampleLattice:
             self.frame[0], self.frame[1], self.frame[2], self.frame[3] = x, z, cosine, sine
             self.frame[HIGHEST_LEVEL] = self.level[0, 0]
             for n in range(1, NODES_ALONG * NODES_ACROSS):
-                self.frame[HIGHEST_LEVEL] = ti.max(
-                    self.frame[HIGHEST_LEVEL], self.level[n // NODES_ACROSS, n % NODES_ACROSS]
-                )
+                level = self.level[n // NODES_ACROSS, n % NODES_ACROSS]
+                self.frame[HIGHEST_LEVEL] = ti.max(self.frame[HIGHEST_LEVEL], level)
 
     @ti.func
     def cell_at(self, x, z):

@@ -71,9 +71,8 @@ def run_answers(
         return
     _over.clear()
     with _make_executor(workers, scheduler) as pool:
-        futures = {
-            pool.submit(perform_run, order, str((out / name).resolve()), limit): name for name, order in waiting.items()
-        }
+        paths = {name: str((out / name).resolve()) for name in waiting}
+        futures = {pool.submit(perform_run, order, paths[name], limit): name for name, order in waiting.items()}
         try:
             for future in as_completed(futures):
                 error = future.exception()

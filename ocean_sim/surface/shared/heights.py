@@ -4,7 +4,7 @@ import numpy as np
 
 from ocean_sim.basin import Basin
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
-from ocean_sim.runtime import Array, Array2, FieldCopy, in_kernels, runs_alone
+from ocean_sim.runtime import Array, Array2, FieldCopy, in_kernels, runs_alone, values_at
 from ocean_sim.surface import Mesh, sheet
 
 
@@ -74,10 +74,7 @@ class Heights:
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
         """Heights (m,) [m] at points x, z (m, 2) [m]."""
-        precision = to_numpy_type(self.height.dtype)
-        heights = np.empty(len(points), dtype=precision)
-        self.fill_heights(np.ascontiguousarray(points, dtype=precision), heights)
-        return heights.astype(float)
+        return values_at(points, to_numpy_type(self.height.dtype), self.fill_heights)
 
     def mesh(self) -> Mesh:
         """Mesh from side to side, two triangles between four columns; only for an inset of 0."""

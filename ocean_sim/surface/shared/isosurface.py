@@ -193,9 +193,8 @@ class Isosurface:
                             other[axis] = self.shape[axis] - 1 - inner[axis]
                 ahead = self.node_at(inner.x, inner.y, inner.z), self.node_at(other.x, inner.y, inner.z)
                 behind = self.node_at(inner.x, inner.y, other.z), self.node_at(other.x, inner.y, other.z)
-                mean = 0.25 * (
-                    self.value[ahead[0]] + self.value[ahead[1]] + self.value[behind[0]] + self.value[behind[1]]
-                )
+                before = self.value[ahead[0]] + self.value[ahead[1]]
+                mean = 0.25 * (before + self.value[behind[0]] + self.value[behind[1]])
                 self.value[n] = -tm.max(ti.abs(mean), LEAST_DRY) if closed else mean
 
     def count_surface(self) -> Counts:

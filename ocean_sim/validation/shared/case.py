@@ -78,13 +78,10 @@ class Problem:
 
     scene: dict[str, Any]
     promises: tuple[Promise, ...]
-    measure: Callable[[Simulation], Finding]
-    """Runs a simulation that has just been built, and measures it."""
-    name: str = ""
-    """Name of the set-up, if its case has several."""
+    measure: Callable[[Simulation], Finding]  # runs a simulation that has just been built, and measures it
+    name: str = ""  # name of the set-up, if its case has several
     slow: bool = False
-    slot: str = "fluid"
-    """Slot of the scene that the scheme is a kind of."""
+    slot: str = "fluid"  # slot of the scene that the scheme is a kind of
     schemes: tuple[str, ...] = ("delta_sph",)
     """Schemes that run by default. Every kind of fluid can run what `delta_sph` runs; else no other scheme can."""
 

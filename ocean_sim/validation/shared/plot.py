@@ -34,8 +34,7 @@ def draw(path: Path, case: str, runs: list[tuple[Problem, str, Finding]]) -> Non
         else:
             for n, curve in enumerate(shown.expected):
                 plot_curve(axes, curve, curve.label, "black", n)
-            axes.set_xlabel(shown.axes[0])
-            axes.set_ylabel(shown.axes[1])
+            axes.set(xlabel=shown.axes[0], ylabel=shown.axes[1])
             axes.legend(fontsize="x-small")
         axes.set_title(f"{case}: {name}" if name else case)
         axes.grid(alpha=0.3)

@@ -128,8 +128,7 @@ def draw_workspace(done: Commands, machine: HexapodPlatform) -> Any:
         inside = usage <= 1.0
         axis.set_xlim(1.05 * across[inside].min(), 1.05 * across[inside].max())
         axis.set_ylim(1.05 * up[inside].min(), 1.05 * up[inside].max())
-        axis.set_xlabel(AXIS_LABELS[one])
-        axis.set_ylabel(AXIS_LABELS[other])
+        axis.set(xlabel=AXIS_LABELS[one], ylabel=AXIS_LABELS[other])
         axis.grid(alpha=0.2)
     for axis in axes[:, 2]:
         picture.colorbar(shades, ax=axis, label="part of the stroke")
@@ -183,13 +182,9 @@ def snapshot(points: np.ndarray) -> np.ndarray:
 def draw_stand(axis: Any, hexapod: Hexapod, pose: np.ndarray, offset: float = 0.0) -> None:
     """Draw the hexapod in a pose (6,) [m, rad], shifted by `offset` [m], and its neutral platform dotted, on `axis`."""
     resting, moved = hexapod.leg_vectors(np.array([np.zeros(6), pose]))[0]
-    rings = (
-        0.0 * moved,
-        resting,
-        moved,
-        moved - [0.0, 0.0, PLATE_THICKNESS * hexapod.neutral_height],
-        draw_cylinder(hexapod, moved),
-    )
+    cylinders = moved * (0.8 * hexapod.low / np.linalg.norm(moved, axis=1))[:, None]  # 0.8 of the shortest leg long
+    below = moved - [0.0, 0.0, PLATE_THICKNESS * hexapod.neutral_height]
+    rings = (0.0 * moved, resting, moved, below, cylinders)
     base, rest, top, under, ends = (snapshot(hexapod.base + ring) + [offset, 0.0] for ring in rings)
     axis.fill(*base.T, color="#c9d3d9", lw=1.5, ec="#4a5a66")
     axis.fill(*rest.T, fill=False, lw=0.8, ls=":", ec="#4a5a66")
@@ -201,11 +196,6 @@ def draw_stand(axis: Any, hexapod: Hexapod, pose: np.ndarray, offset: float = 0.
     axis.plot(*np.array([top.mean(axis=0), top[[0, 5]].mean(axis=0)]).T, color="#ff9a4d", lw=2.5, zorder=5)
     axis.set_aspect("equal")
     axis.set_axis_off()
-
-
-def draw_cylinder(hexapod: Hexapod, leg: np.ndarray) -> np.ndarray:
-    """Vectors (6, 3) [m] along `leg`, (6, 3), from the feet to the cylinders' ends: 0.8 of the shortest leg long."""
-    return leg * (0.8 * hexapod.low / np.linalg.norm(leg, axis=1))[:, None]
 
 
 def write_film(path: Path, done: Commands, machine: HexapodPlatform) -> None:

@@ -49,7 +49,8 @@ class Progress(OutcomeObserver):
         self.wall = now - self.began
         if not self.attending:
             self.attending = True
-            self.attend(simulation)
+            for observer in simulation.observers:  # they call `draw` for each picture finished, also after the run
+                observer.show_progress(self.draw)
         self.particles = simulation.fluid.count
         self.unsolved = {name: solver.unsolved for name, solver in simulation.fluid.solvers.items()}
         if self.steps == 0:
@@ -74,11 +75,6 @@ class Progress(OutcomeObserver):
         left = (self.duration - self.time) / self.factor
         drawn = f", {self.pictures} picture{'s' if self.pictures > 1 else ''} drawn" if self.pictures else ""
         return f", {figures(self.factor, 2)} x real time, {console.duration(left)} left{drawn}"
-
-    def attend(self, simulation: Simulation) -> None:
-        """Have the observers call `draw` for each picture that they finish, during the run and after it."""
-        for observer in simulation.observers:
-            observer.show_progress(self.draw)
 
     def draw(self, done: int, total: int) -> None:
         """Record that `done` of `total` pictures are drawn; `total` is 0 while unknown during the run."""

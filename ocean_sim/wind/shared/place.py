@@ -69,11 +69,6 @@ class Patch:
         return found
 
 
-def no_redraw(passage: int) -> tuple[float, float]:
-    """Turn 0 [rad] and strength 1 for every passage; default of `Passages` for a wind without random passages."""
-    return 0.0, 1.0
-
-
 class Passages:
     """Repeated passages of a drifting wind across the basin: its centre [m], turn [rad], strength and passage number.
 
@@ -86,10 +81,10 @@ class Passages:
         drift: ArrayLike,
         reach: float,
         basin: Basin,
-        redraw: Callable[[int], tuple[float, float]] = no_redraw,
+        redraw: Callable[[int], tuple[float, float]] = lambda passage: (0.0, 1.0),
     ) -> None:
         """`start`: first centre [m]; `drift`: velocity [m/s]; `reach`: from centre to rear [m]; `redraw`: function from
-        the number of a passage, from 1 for the second, to its turn [rad] and strength."""
+        the number of a passage, from 1 for the second, to its turn [rad] and strength; by default 0 and 1."""
         self.drift, self.reach, self.redraw = np.array(drift, dtype=float), reach, redraw
         self.lower, self.upper = np.array(basin.lower), np.array(basin.upper)
         if basin.dimension == 2:  # a slice of a sea without sides

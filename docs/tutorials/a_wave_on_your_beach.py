@@ -19,8 +19,8 @@ survey.write_text("x_m,y_m\n-1.0,-0.30\n2.0,-0.10\n3.2,0.02\n5.0,0.26\n")
 profile = np.loadtxt(survey, delimiter=",", skiprows=1)
 
 # %%
-# The flume goes on at the depth of the survey's first point, to a piston. A solitary wave a quarter as high as the water
-# is deep needs about eight depths to form. Friction matters: without it thin water runs up much too far.
+# The flume goes on at the depth of the survey's first point, to a piston. A solitary wave a quarter as high as the
+# water is deep needs about eight depths to form. Friction matters: without it thin water runs up much too far.
 
 depth = -float(profile[0, 1])
 bed = [[-3.6, -depth], *profile.tolist()]
@@ -71,6 +71,5 @@ assert abs(crest - height) < 0.1 * height
 assert 0.3 * depth < highest < 0.7 * depth
 
 # %%
-# How far is that to be trusted? The case `beach_run_up` compares the run-up of a breaking solitary wave on a plane beach
-# with the measured one; the friction factor is the least certain number here: halve and double it. Finer particles
-# follow the tongue of water further. To see the wave break, run the scene `gallery/beach`.
+# How far is that to be trusted? The friction factor is the least certain number here: halve and double it. Finer
+# particles follow the tongue of water further. To see a wave break, run the scene `gallery/beach`.

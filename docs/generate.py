@@ -21,7 +21,10 @@ from ocean_sim.reading.sentences import module_sentence, part_sentence
 
 DOCS = Path(__file__).parent
 RESULTS = DOCS / "results"
-TUTORIALS = ("first_scene", "gust_and_real_wind", "dam_break_on_a_box", "yacht_in_waves", "platform_and_rig")
+TUTORIALS = (
+    *("first_scene", "gust_and_real_wind", "dam_break_on_a_box", "yacht_in_waves"),
+    *("sea_off_cape_canaveral", "platform_and_rig"),
+)
 SCHEMES = ("mueller", "delta_sph", "dfsph")  # of particles, whose laws have terms
 NUMBERS = {
     "3-7": "the transmitted angle ends at 48.59 degrees; asin(1 / 1.333) is 48.61",

@@ -47,6 +47,8 @@ def sea(
             raise Refused(f"{scene}: is no scene; --set, --swd and --openfast are for scenes")
         describe_file(Path(scene), time, point, spreading, out, as_json)
         return
+    if time is not None or out is not None:
+        raise Refused("--time and --out are for a file of spectra, not for a scene")
     if swd is None and openfast is None:
         raise Refused("name a file to write: --swd FILE, --openfast FILE")
     place = number_list("--at", at)

@@ -151,8 +151,8 @@ def of_model(path: str | Path, frequency: np.ndarray, towards: np.ndarray, densi
     return of_table(path, frequency, even + ahead.mean(), density[:, coming.argsort()])
 
 
-def _ndbc_rows(lines: Lines) -> Iterable[tuple[datetime, tuple[list[str], np.ndarray]]]:
-    """Time, frequencies as text and values (n,) of each row of one of NDBC's files, where a value stands before its
+def _ndbc_rows(lines: Lines) -> Iterable[tuple[datetime, np.ndarray]]:
+    """Time, and frequencies and values (2, n), of each row of one of NDBC's files, where a value stands before its
     frequency in parentheses, or under it."""
     heading = lines.words("#YY MM DD hh")
     paired, dated = "(" in lines.begin, 5 if "mm" in heading[:5] else 4
@@ -160,10 +160,8 @@ def _ndbc_rows(lines: Lines) -> Iterable[tuple[datetime, tuple[list[str], np.nda
         words = lines.words("a date and a value for each frequency")
         rest = words[dated + ("Sep_Freq" in heading) :]
         names, cells = ([name.strip("()") for name in rest[1::2]], rest[::2]) if paired else (heading[dated:], rest)
-        if len(names) != len(cells):
-            raise LookupError
         date = [words[0] if len(words[0]) == 4 else f"19{words[0]}", *words[1:dated], "00"][:5]
-        yield datetime.strptime(" ".join(date), "%Y %m %d %H %M"), (names, measured(cells))
+        yield datetime.strptime(" ".join(date), "%Y %m %d %H %M"), np.stack([np.array(names, float), measured(cells)])
 
 
 def _read_ndbc(lines: Lines) -> Iterable[Record]:
@@ -171,19 +169,20 @@ def _read_ndbc(lines: Lines) -> Iterable[Record]:
     are hundredths in the files of a year."""
     path = Path(lines.path)
     live, year = path.suffix in NDBC_ENDINGS, re.fullmatch(rf"(.+)[{NDBC_LETTERS}](\d{{4}}.*)", path.name)
-    if not (live or year):
+    if live:
+        paths = [path.with_suffix(ending) for ending in NDBC_ENDINGS]
+    elif year:
+        paths = [path.with_name(f"{year[1]}{letter}{year[2]}") for letter in NDBC_LETTERS]
+    else:
         raise FORMAT_RULE.broken(path, "its name does not tell those of the other four")
-    before, after = year.groups() if year else ("", "")
-    of_year = [path.with_name(f"{before}{letter}{after}") for letter in NDBC_LETTERS]
-    paths = [path.with_suffix(ending) for ending in NDBC_ENDINGS] if live else of_year
     density, *others = [dict(_read_all(Lines(each), _ndbc_rows)) for each in paths]
-    for time, (names, values) in density.items():
+    for time, (frequency, values) in density.items():
         if all(time in each for each in others):
-            if any(each[time][0] != names for each in others):
+            if not all(np.array_equal(each[time][0], frequency) for each in others):
                 raise TABLE_RULE.broken(path, f"its frequencies at {time:{TIME_FORM}} are not those of the other four")
             alpha_1, alpha_2, r_1, r_2 = (each[time][1] for each in others)
             moments = np.array([r_1, r_2]) * np.exp(1j * np.radians([alpha_1, 2.0 * alpha_2]))
-            yield Record(time, [of_buoy(path, np.array(names, float), values, (1.0 if live else 0.01) * moments)])
+            yield Record(time, [of_buoy(path, frequency, values, (1.0 if live else 0.01) * moments)])
 
 
 def _read_cdip(lines: Lines) -> Iterable[Record]:

@@ -341,6 +341,7 @@ def test_the_verb_lists_times_and_describes_one(tmp_path, capsys):
     assert whole["hm0_m"] == pytest.approx(2.988, abs=1e-3) and len(parts) == 2
     assert (tmp_path / "41010_spectrum.png").stat().st_size > 10_000
     assert run_command_line(["sea", str(BUOY), "--swd", "a.swd"]) == 2
+    assert run_command_line(["sea", "linear_sea", "--time", "2020-06-02T02:50"]) == 2
 
 
 BAD = {
@@ -351,6 +352,7 @@ BAD = {
         "",
         r"b\.data_spec: line 2: expected a date and a value for each frequency, got '2026",
     ),
+    "frequency": (write_ndbc, "(0.03453)", "(low)", r"line 2: expected a date and a value for each frequency"),
     "date": (write_ndbc, "2026 10 03", "2026 13 03", "line 2: expected a date and a value"),
     "cdip row": (write_cdip, " 0.0050 ", " ", r"sp\.txt: line 6: expected nine numbers, got"),
     "cdip time": (write_cdip, "202610031200 ", "sp ", "line 1: expected File Name: sp and a time"),
@@ -390,6 +392,10 @@ def test_a_missing_companion_an_unknown_name_and_another_time_are_refused(tmp_pa
     with pytest.raises(Unreadable, match="its name does not tell those of the other four"):
         read_spectra(tmp_path / "b.txt")
     (tmp_path / "b.txt").rename(path)
+    companion = tmp_path / "b.swr1"
+    companion.write_text(companion.read_text().replace("(0.03453)", "(0.03454)"))
+    with pytest.raises(Unreadable, match="its frequencies at 2026-10-03T12:00 are not those of the other four"):
+        read_spectra(path)
     (tmp_path / "b.swr2").unlink()
     with pytest.raises(Unreadable, match=r"b\.swr2: there is no such file"):
         read_spectra(path)

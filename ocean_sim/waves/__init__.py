@@ -10,10 +10,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import cos, pi, radians, sin, sqrt
-from typing import ClassVar, Literal, Protocol
+from typing import Annotated, Any, ClassVar, Literal, Protocol
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import Discriminator, Tag, model_validator
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files.input_file import FileName, display_path
@@ -525,6 +525,18 @@ class FileSpectrum(Model):
         )
 
 
+def spectrum_class(value: Any) -> str:
+    """Name of the class that the keys of a spectrum, as data, or a spectrum itself are of."""
+    named = isinstance(value, dict) and "file" in value
+    return "FileSpectrum" if named or isinstance(value, FileSpectrum) else "SpreadSpectrum"
+
+
+AnySpectrum = Annotated[
+    Annotated[FileSpectrum, Tag("FileSpectrum")] | Annotated[SpreadSpectrum, Tag("SpreadSpectrum")],
+    Discriminator(spectrum_class),
+]
+
+
 class WaveTrain(Model):
     """Waves that are regular, by `height` and `period`, or random, by `spectrum`."""
 
@@ -592,7 +604,7 @@ class HeadedTrain(WaveTrain):
 class OpenTrain(HeadedTrain):
     """Wave train on a sea without sides, whose directions may spread."""
 
-    spectrum: SpreadSpectrum | FileSpectrum | None = None  # type: ignore[assignment]
+    spectrum: AnySpectrum | None = None  # type: ignore[assignment]
     """Random waves, instead of `height` and `period`; also those of a `file`."""
 
     def direction_faults(self, basin: "Tank") -> Iterator[tuple[tuple[str, ...], str]]:

@@ -45,9 +45,8 @@ class DirectionalSpectrum:
     @property
     def edges(self) -> np.ndarray:
         """Edges (n + 1,) [Hz] of bands, halfway between frequencies: sums over bands are trapezoidal integrals."""
-        return np.concatenate(
-            [self.frequency[:1], 0.5 * (self.frequency[1:] + self.frequency[:-1]), self.frequency[-1:]]
-        )
+        f = np.pad(self.frequency, 1, "edge")
+        return 0.5 * (f[1:] + f[:-1])
 
     @property
     def variance(self) -> np.ndarray:
@@ -71,13 +70,10 @@ class DirectionalSpectrum:
 
     def state(self) -> SeaState:
         """Integral parameters of this spectrum."""
-        variance, mean = self.variance, complex(self.moment.sum() / self.variance.sum())
-        tm02, spread = (
-            (variance.sum() / (variance @ self.frequency**2)) ** 0.5,
-            max(0.0, 2.0 * (1.0 - abs(mean))) ** 0.5,
-        )
-        angles = np.degrees([np.angle(mean), spread]).tolist()
-        return SeaState(self.significant_height, self.peak_period, float(tm02), angles[0] % 360.0, angles[1])
+        m0, m2 = float(self.variance.sum()), float(self.variance @ self.frequency**2)
+        mean = self.moment.sum() / m0
+        angle, spread = np.degrees([np.angle(mean), max(0.0, 2.0 - 2.0 * abs(mean)) ** 0.5]).tolist()
+        return SeaState(self.significant_height, self.peak_period, (m0 / m2) ** 0.5, angle % 360.0, spread)
 
     def spread(self, method: Spreading) -> "DirectionalSpectrum":
         """Table over directions of a spectrum with moments, by the maximum entropy method or Fourier series."""

@@ -269,9 +269,8 @@ def motion_plots(title: str, log: Table) -> Iterator[str]:
 def wave_trains(part: dict[str, Any]) -> Iterator[str]:
     """Yield a sentence about each wave train of a sea or a fluid, from its keys in the scene as data (`part`)."""
     spectrum, components = part.get("spectrum"), part.get("components")
-    yield from (
-        f"spectrum of {each['file']}" for each in (spectrum, components) if isinstance(each, dict) and "file" in each
-    )
+    sources = [each for each in (spectrum, components) if isinstance(each, dict)]
+    yield from (f"spectrum of {each['file']}" for each in sources if "file" in each)
     if spectrum and "kind" in spectrum:
         kind, height = spectrum["kind"].replace("_", " "), spectrum["significant_wave_height"]
         period = f"peak period {spectrum['peak_period']:g} s"

@@ -121,7 +121,8 @@ def measured(words: Iterable[str]) -> np.ndarray:
 
 def of_table(path: str | Path, frequency: np.ndarray, *others: np.ndarray) -> Found:
     """Spectrum of directions, densities and moments (`others`); None without energy, Unreadable if it is impossible."""
-    if len(frequency) < 2 or frequency[0] <= 0.0 or (np.diff(frequency) <= 0.0).any() or not others[1].min() >= 0.0:
+    rising = len(frequency) > 1 and frequency[0] > 0.0 and (np.diff(frequency) > 0.0).all()
+    if not rising or not others[1].min() >= 0.0 or np.isinf(others[1]).any():
         shown = ", ".join(f"{f:g}" for f in frequency[:3])
         raise TABLE_RULE.broken(path, f"it has frequencies {shown} ... Hz and a density of {others[1].min():g}")
     return DirectionalSpectrum(frequency, *others) if others[1].any() else None

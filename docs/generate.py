@@ -22,12 +22,8 @@ from ocean_sim.reading.sentences import module_sentence, part_sentence
 DOCS = Path(__file__).parent
 RESULTS = DOCS / "results"
 TUTORIALS = (
-    "first_scene",
-    "gust_and_real_wind",
-    "dam_break_on_a_box",
-    "a_wave_on_your_beach",
-    "yacht_in_waves",
-    "platform_and_rig",
+    *("first_scene", "gust_and_real_wind", "dam_break_on_a_box", "a_wave_on_your_beach"),
+    *("yacht_in_waves", "sea_off_cape_canaveral", "platform_and_rig"),
 )
 SCHEMES = ("mueller", "delta_sph", "dfsph")  # of particles, whose laws have terms
 NUMBERS = {

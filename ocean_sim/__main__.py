@@ -41,7 +41,7 @@ VERBS = {  # by name, in the order of `--help`, with their lines there
     "serve": "A page in the browser: play with a scene, or look at a finished run; prints its address.",
     "report": "A page with the replay of a run, or of two side by side: one file that opens without a server.",
     "waves": "Waves from the gauges of a run: heights, periods, spectrum, zero crossings.",
-    "sea": "The waves of a scene as files for other programs: spectral-wave-data, OpenFAST.",
+    "sea": "The waves of a scene as files for other programs (spectral-wave-data, OpenFAST), or the spectra of a file.",
     "figure": "The figures of the thesis, drawn anew: data and picture of each.",
     "gallery": "The pictures of the README, made again by the commands that it prints.",
     "platform": "Motion log, washout, hexapod: poses and leg lengths, how good they are, and a replay in real time.",

@@ -1,13 +1,12 @@
 """Reader of heights of a sea bed on a regular grid: CSV, ESRI ASCII and netCDF files."""
 
-from io import BytesIO
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from ocean_sim.files.csv_file import Table
-from ocean_sim.files.input_file import Checked, Rule, Unreadable, read_bytes, read_text
+from ocean_sim.files.input_file import Checked, Rule, Unreadable, open_netcdf, read_text
 
 ESRI_ENDINGS, NETCDF_ENDINGS = (".asc", ".grd"), (".nc", ".cdf")
 ESRI_HEADINGS = ("ncols", "nrows", "cellsize")
@@ -74,18 +73,15 @@ def _read_esri(path: str | Path) -> Heights:
 
 def _read_netcdf(path: str | Path) -> Heights:
     """Heights in the only variable of two dimensions of a netCDF 3 file, whose dimensions have variables."""
-    from scipy.io import netcdf_file
-
-    data = read_bytes(path)
-    if data[:4] == b"\x89HDF":
-        raise Unreadable(path, "this is netCDF 4; `nccopy -3 FILE OTHER.nc` writes it as netCDF 3, which is read")
     try:
-        with netcdf_file(BytesIO(data), mmap=False, maskandscale=True) as file:
+        with open_netcdf(path) as file:
             (flat,) = [each for each in file.variables.values() if len(each.dimensions) == 2]
             north, east = (file.variables[name] for name in flat.dimensions)
             units = [vars(axis).get("units", b"m").decode() for axis in (east, north)]
             x, z, y = (np.asarray(np.ma.filled(1.0 * each[:], np.nan), dtype=float) for each in (east, north, flat))
-    except (KeyError, TypeError, ValueError, OSError):
+    except (KeyError, TypeError, ValueError, OSError) as error:
+        if isinstance(error, Unreadable):
+            raise
         raise GRID_RULE.broken(path, "it has no single variable of two dimensions with places along both") from None
     if any("degree" in unit for unit in units):
         raise METRES_RULE.broken(path, f"its places are in {units[0]}")

@@ -148,6 +148,17 @@ def read_npz(path: str | Path) -> dict[str, np.ndarray]:
     raise Unreadable(path, f"it unpacks to {size / 1e6:.1f} MB; at most {MAX_FILE_BYTES / 1e6:g} MB are read")
 
 
+def open_netcdf(path: str | Path) -> Any:
+    """The netCDF 3 file at a path as SciPy opens it, with scaled and masked values; raises Unreadable, and SciPy's
+    errors for a damaged file."""
+    from scipy.io import netcdf_file
+
+    data = read_bytes(path)
+    if data[:4] == b"\x89HDF":
+        raise Unreadable(path, "this is netCDF 4; `nccopy -3 FILE OTHER.nc` writes it as netCDF 3, which is read")
+    return netcdf_file(BytesIO(data), mmap=False, maskandscale=True)
+
+
 def read_data_set(group: Any, name: str, kinds: str = NUMBER_KINDS, most: int = MAX_FILE_BYTES) -> np.ndarray:
     """Array of the data set `name` in an HDF5 group. Raises ValueError, before unpacking, if it is missing, its NumPy
     kind is not among `kinds` or it exceeds `most` bytes; h5py raises its own errors for a damaged file."""

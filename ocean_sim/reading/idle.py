@@ -12,7 +12,7 @@ from ocean_sim.basin.motion import Harmonic
 from ocean_sim.conventions import Motions
 from ocean_sim.model import Model
 from ocean_sim.parts import FluidConfig, Preflight, slot_of
-from ocean_sim.waves import Spectrum
+from ocean_sim.waves import FileSpectrum, Spectrum
 
 GRAPHICS_BACKENDS = ("cuda", "metal", "vulkan", "gpu")  # backends that no thread of the processor works for
 
@@ -129,7 +129,7 @@ def like_radians(mapping: Model) -> Iterator[str]:
 
 def spectrum_seeds(scene: Model) -> set[int]:
     """Seeds of all wave spectra in a scene."""
-    return {model.seed for _, _, model in inner_models(scene) if isinstance(model, Spectrum)}
+    return {model.seed for _, _, model in inner_models(scene) if isinstance(model, Spectrum | FileSpectrum)}
 
 
 def idle_keys(parts: Mapping[str, Any], known: Preflight) -> Iterator[str]:

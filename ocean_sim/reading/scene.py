@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import PrivateAttr
 
-from ocean_sim import basin
+from ocean_sim import basin, waves
 from ocean_sim.conventions import Refused, Unsuited
 from ocean_sim.files.input_file import display_path, file_digest, input_names
 from ocean_sim.files.yaml_file import (
@@ -51,7 +51,7 @@ from ocean_sim.parts import (
 )
 from ocean_sim.reading import Heading
 from ocean_sim.reading.composition import Composition, compose, unknown_name, with_owners
-from ocean_sim.reading.idle import idle_keys
+from ocean_sim.reading.idle import idle_keys, inner_models
 from ocean_sim.reading.translation import choice_sentence, dotted, key_sentence, validated
 from ocean_sim.runtime import RuntimeConfig
 from ocean_sim.simulation import ObserverConfig
@@ -278,6 +278,8 @@ def _check_models(composition: Composition, problems: list[Problem], folder: Pat
         return None
     values = {key: getattr(heading, key) for key in headings} | {slot: parts[slot] for slot in SLOTS if slot != ALONE}
     notes += preflight.fluid.notes(preflight)
+    models = [model for part in there.values() for _, _, model in inner_models(part)]
+    notes += [model.statement(tank.dimension) for model in models if isinstance(model, waves.FileSpectrum)]
     values |= {"ships": preflight.ships, "basin": tank_config, "runtime": runtime}
     config = SceneConfig(**values, observers=observers, notes=notes)
     config._preflight = preflight

@@ -10,14 +10,17 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import cos, pi, radians, sin, sqrt
-from typing import Literal, Protocol
+from typing import Annotated, Any, ClassVar, Literal, Protocol
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import Discriminator, Tag, model_validator
 
 from ocean_sim.conventions import GRAVITY
+from ocean_sim.files.input_file import FileName, display_path
 from ocean_sim.model import Model, quantity
 from ocean_sim.random_numbers import numpy_uniform
+from ocean_sim.waves.directional import DirectionalSpectrum, Spreading
+from ocean_sim.waves.spectrum_files import read_spectrum
 
 SPECTRUM_WAVES = 200  # plane waves that stand for a spectrum
 RAMP_PERIODS = 2.0  # [periods] time in which waves grow from calm water
@@ -347,6 +350,7 @@ def regular_wave(
 class Spectrum(Model):
     """Long-crested random waves given by a spectrum."""
 
+    height_name: ClassVar[str] = "significant_wave_height"
     kind: Literal["jonswap", "pierson_moskowitz"] = "jonswap"
     """`pierson_moskowitz`: a sea that has grown as far as its wind lets it; `jonswap`: one that still
     grows, with a higher peak."""
@@ -405,7 +409,8 @@ class SpreadSpectrum(Spectrum):
 
     spreading: float | None = quantity("1", None, gt=0.0)
     """s of cos^2s(angle / 2), the share of the energy that goes at an angle to the heading (Longuet-Higgins, Cartwright
-    & Smith 1963): about 10 for a wind sea, 50 for swell; null: long crests."""
+    & Smith 1963): about 10 for a wind sea, 50 for swell; null: long crests. Of a spectrum from a `file`, the method by
+    which a buoy's moments become directions: `mem`, the most entropy, by default, or `fourier`, their series."""
 
     def components(
         self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = SPECTRUM_WAVES
@@ -423,6 +428,98 @@ class SpreadSpectrum(Spectrum):
         c, s = np.cos(turn), np.sin(turn)
         ahead = np.stack([towards[0] * c + towards[1] * s, towards[1] * c - towards[0] * s], axis=1)
         return Components(sea.amplitude, sea.wavenumber[:, None] * ahead, sea.phase, depth, gravity)
+
+
+class FileSpectrum(Model):
+    """Random waves of a directional spectrum that was measured or computed, from a file."""
+
+    height_name: ClassVar[str] = "file"
+    file: FileName
+    """A file of spectra: of NDBC (.data_spec and the four next to it, or those of a year, as 41010w2019.txt), CDIP
+    (sp), Spotter (CSV), SWAN or WAVEWATCH III (2-D, text) or ERA5 (netCDF 3)."""
+    time: str | None = None
+    """Date and time of the spectrum in UTC (ISO 8601), of which `ocean-sim sea FILE` lists all; null: the only one of
+    the file."""
+    point: int = quantity("1", 1, ge=1)
+    """Number of the point in a file with several, as it counts them, from 1 on."""
+    spreading: Spreading | None = None
+    """Method by which a buoy's moments become directions: `mem`, the most entropy (Lygre & Krogstad 1986), or
+    `fourier`, their series clipped at 0 (Longuet-Higgins, Cartwright & Smith 1963); null: `mem`."""
+    north_deg: float | None = quantity("deg", None)
+    """Heading of north in the world, 0 along +z and 90 along +x; null: 0, with east along -x. In 2-D all waves travel
+    along +x."""
+    seed: int = quantity("1", 0, ge=0, lt=2**31)
+    """Seed of the phases, and of frequencies and directions within the file's bands."""
+
+    @model_validator(mode="after")
+    def _legible(self) -> "FileSpectrum":
+        self.table.state()
+        return self
+
+    @cached_property
+    def table(self) -> DirectionalSpectrum:
+        """Spectrum in the file over frequency and direction; raises Unreadable."""
+        return read_spectrum(self.file, self.time, self.point)[1].spread(self.spreading or "mem")
+
+    @property
+    def significant_wave_height(self) -> float:
+        """Four times the standard deviation of the elevation [m]."""
+        return self.table.significant_height
+
+    @property
+    def peak_period(self) -> float:
+        """Period at which the spectrum is highest [s]."""
+        return self.table.peak_period
+
+    @property
+    def heading_deg(self) -> None:
+        """No single heading: the file has the directions."""
+
+    def statement(self, dimension: int) -> str:
+        """Sentence on the directions in which the sea of the file is laid into the world."""
+        axes = {0.0: "+z", 90.0: "+x", 180.0: "-z", 270.0: "-x"}
+        headings = (((self.north_deg or 0.0) + turn) % 360.0 for turn in (0.0, -90.0))
+        north, east = (axes.get(heading, f"heading {heading:g}") for heading in headings)
+        place = f"north is {north}, east is {east}" if dimension == 3 else "in 2-D all waves travel along +x"
+        return f"{display_path(self.file)}: waves from {self.table.state().from_deg:.0f} deg on average; {place}"
+
+    def components(
+        self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = SPECTRUM_WAVES
+    ) -> Components:
+        """Sea of about `count` plane waves, of equal heights within each band of the file, at least one. Each band has
+        its variance and mean direction; in 2-D, where the unit vector `towards` lies along x, all waves follow it."""
+        table, variance = self.table, self.table.variance
+        widths = np.where(variance > 0.0, np.diff(table.edges), 0.0)
+        number = np.rint(0.5 * count * (variance / variance.sum() + widths / widths.sum())).astype(int)
+        number = np.where(variance > 0.0, np.maximum(number, 1), 0)
+        band, n = np.repeat(np.arange(len(number)), number), np.arange(number.sum())
+        streams = FREQUENCY_STREAM, DIRECTION_STREAM, PHASE_STREAM
+        along, turned, phase = (numpy_uniform(self.seed, stream, n, 0) for stream in streams)
+        inside = (n - (np.cumsum(number) - number)[band] + along) / number[band]
+        omega = 2.0 * pi * (table.edges[band] + widths[band] * inside)
+        shares = (GOLDEN_RATIO * n + turned / number[band]) % 1.0
+        grown = np.pad(np.cumsum(table.density, axis=1), ((0, 0), (1, 0)))
+        sides = np.radians(table.direction[0]) + table.step * (np.arange(grown.shape[1]) - 0.5)
+        coming = np.array([np.interp(q * grown[k, -1], grown[k], sides) for q, k in zip(shares, band)])
+        mean = np.bincount(band, np.cos(coming), len(number)) + 1j * np.bincount(band, np.sin(coming), len(number))
+        heading = radians(self.north_deg or 0.0) - pi - coming - np.angle(table.moment * mean.conj())[band]
+        ahead = np.stack([np.sin(heading), np.cos(heading)], axis=1) if towards[1] else towards
+        wavevector = wavenumber(omega, depth, gravity)[:, None] * ahead
+        return Components(
+            np.sqrt(2.0 * (variance / number.clip(1))[band]), wavevector, 2.0 * pi * phase, depth, gravity
+        )
+
+
+def spectrum_class(value: Any) -> str:
+    """Name of the class that the keys of a spectrum, as data, or a spectrum itself are of."""
+    named = isinstance(value, dict) and "file" in value
+    return "FileSpectrum" if named or isinstance(value, FileSpectrum) else "SpreadSpectrum"
+
+
+AnySpectrum = Annotated[
+    Annotated[FileSpectrum, Tag("FileSpectrum")] | Annotated[SpreadSpectrum, Tag("SpreadSpectrum")],
+    Discriminator(spectrum_class),
+]
 
 
 class WaveTrain(Model):
@@ -453,7 +550,7 @@ class WaveTrain(Model):
     @property
     def height_key(self) -> tuple[str, ...]:
         """Path of the config key that gives the height of the waves, for messages."""
-        return ("height",) if self.spectrum is None else ("spectrum", "significant_wave_height")
+        return ("height",) if self.spectrum is None else ("spectrum", self.spectrum.height_name)
 
     def train(self, towards: np.ndarray, depth: float, gravity: float, count: int = SPECTRUM_WAVES) -> Components:
         """Plane waves of this train along a unit vector `towards` (x, z); a spectrum becomes `count` waves."""
@@ -492,14 +589,16 @@ class HeadedTrain(WaveTrain):
 class OpenTrain(HeadedTrain):
     """Wave train on a sea without sides, whose directions may spread."""
 
-    spectrum: SpreadSpectrum | None = None
-    """Random waves, instead of `height` and `period`."""
+    spectrum: AnySpectrum | None = None  # type: ignore[assignment]
+    """Random waves, instead of `height` and `period`; also those of a `file`."""
 
     def direction_faults(self, basin: "Tank") -> Iterator[tuple[tuple[str, ...], str]]:
         """Yield reasons why this basin cannot have these wave directions: path of the config key, and a sentence."""
         yield from ((self.heading_key, sentence) for sentence in heading_faults(self.heading, basin))
-        if basin.dimension == 2 and self.spectrum is not None and self.spectrum.spreading is not None:
-            yield ("spectrum", "spreading"), "in 2-D waves have one direction; leave spreading out"
+        given = dict(self.spectrum) if basin.dimension == 2 and self.spectrum is not None else {}
+        for key in ("spreading", "north_deg"):
+            if given.get(key) is not None:
+                yield ("spectrum", key), f"in 2-D waves have one direction; leave {key} out"
 
 
 class GrowingTrain(OpenTrain):

@@ -41,9 +41,10 @@ class Seas(waves.OpenTrain):
     """Height from trough to crest; 0 is calm water."""
     spectra: list[waves.OpenTrain] = []
     """Further spectra, such as swell on top of a wind sea."""
-    components: FileName | None = None
-    """A CSV file of plane waves on top of all others: `amplitude_m`, `period_s`, `heading_deg`, `phase_deg`; each is
-    amplitude cos(k . x - omega t + phase). Or a spectral-wave-data file (.swd) of linear waves."""
+    components: FileName | waves.FileSpectrum | None = None
+    """Plane waves on top of all others: a CSV file of `amplitude_m`, `period_s`, `heading_deg`, `phase_deg`, each wave
+    amplitude cos(k . x - omega t + phase); a spectral-wave-data file (.swd) of linear waves; or the keys of a spectrum
+    from a `file`."""
 
     @model_validator(mode="after")
     def _regular_or_random(self) -> "Seas":
@@ -56,7 +57,9 @@ class Seas(waves.OpenTrain):
     def trains(self) -> list[tuple[tuple[str | int, ...], waves.OpenTrain]]:
         """Wave trains of the sea, each after its path of config keys: the sea's own, if any, and each of `spectra`."""
         own = [((), self)] if self.height is not None or self.spectrum is not None else []
-        return [*own, *((("spectra", n), sea) for n, sea in enumerate(self.spectra))]
+        file = [self.components] if isinstance(self.components, waves.FileSpectrum) else []
+        listed = [(("components",), waves.OpenTrain(spectrum=each)) for each in file]
+        return [*own, *((("spectra", n), sea) for n, sea in enumerate(self.spectra)), *listed]
 
     @property
     def highest(self) -> tuple[float, float] | None:
@@ -70,7 +73,7 @@ class Seas(waves.OpenTrain):
 
     def table(self) -> dict[str, np.ndarray] | None:
         """Columns of the file `components` by name; None if no file is given. Raises Unreadable if it is faulty."""
-        if self.components is None:
+        if not isinstance(self.components, str):
             return None
         if Path(self.components).suffix == ".swd":
             sea = exchange.of_swd(self.components)

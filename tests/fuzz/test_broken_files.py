@@ -2,6 +2,7 @@
 
 import json
 import random
+from math import isfinite
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +14,12 @@ from hypothesis import strategies as st
 
 from ocean_sim import __main__
 from ocean_sim.files import csv_file, input_file
+from ocean_sim.files.input_file import Unreadable
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.platform.shared import motion_log
 from ocean_sim.platform.shared.motion_log import REQUIRED_COLUMNS
+from ocean_sim.waves.spectrum_files import read_spectra
+from tests.waves.test_spectrum_files import DIALECTS, one_sea
 
 TALK = ("Traceback", "this should not happen", "Errno")
 
@@ -285,3 +289,16 @@ def test_no_file_of_a_run_folder_is_waited_for(tmp_path, odd):
         with pytest.raises(input_file.Unreadable):
             _ = put("events.jsonl") and Result(tmp_path).events
     assert embedded_picture(put("preview.png"), "a picture") == ""
+
+
+@pytest.mark.parametrize("write", DIALECTS)
+def test_a_spoilt_spectrum_is_refused_or_is_one(write, tmp_path):
+    path = write(tmp_path, one_sea())
+    for name, content in spoilt(path.read_bytes()).items():
+        path.write_bytes(content)
+        try:
+            for record in read_spectra(path):
+                for point in filter(None, record.points):
+                    assert isfinite(point.spread("mem").state().hm0_m), name
+        except Unreadable as error:
+            assert str(error).count("\n") == 0 and not any(word in str(error) for word in TALK), name

@@ -268,8 +268,10 @@ def motion_plots(title: str, log: Table) -> Iterator[str]:
 
 def wave_trains(part: dict[str, Any]) -> Iterator[str]:
     """Yield a sentence about each wave train of a sea or a fluid, from its keys in the scene as data (`part`)."""
-    spectrum = part.get("spectrum")
-    if spectrum:
+    spectrum, components = part.get("spectrum"), part.get("components")
+    sources = [each for each in (spectrum, components) if isinstance(each, dict)]
+    yield from (f"spectrum of {each['file']}" for each in sources if "file" in each)
+    if spectrum and "kind" in spectrum:
         kind, height = spectrum["kind"].replace("_", " "), spectrum["significant_wave_height"]
         period = f"peak period {spectrum['peak_period']:g} s"
         yield f"{kind}, significant height {height:g} m, {period}{heading_text(spectrum)}"
@@ -277,8 +279,8 @@ def wave_trains(part: dict[str, Any]) -> Iterator[str]:
         yield f"regular, {part['height']:g} m high, period {part['period']:g} s{heading_text(part)}"
     for more in part.get("spectra", ()):
         yield from wave_trains(more)
-    if part.get("components"):
-        yield f"plane waves of {part['components']}"
+    if isinstance(components, str):
+        yield f"plane waves of {components}"
 
 
 def heading_text(waves: dict[str, Any]) -> str:

@@ -1,0 +1,141 @@
+"""Directional wave spectra: tables of variance density over frequency and the direction from which waves come.
+
+Directions are clockwise from north. A buoy gives the first two Fourier moments c_n = sum D e^(i n theta) of the
+distribution D of the variance over directions theta.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+Spreading = Literal["mem", "fourier"]
+MOMENT_DIRECTIONS = np.arange(0.0, 360.0)  # [deg] at which a distribution is computed from its moments
+MAX_COHERENCE = 0.998  # length of moments of a distribution that these directions resolve
+SMOOTHING_DEG, SMOOTHING_BANDS = 10.0, 0.7  # by which a table is smoothed before its partitions are found
+SADDLE_RATIO = 0.65  # height of a saddle over the lower of its two peaks, from which they are one partition
+MIN_PARTITION_SHARE = 0.01  # share of the variance below which a partition is noise
+
+
+class SeaState(NamedTuple):
+    """Integral parameters of a directional spectrum."""
+
+    hm0_m: float  # 4 sqrt(m0)
+    tp_s: float  # one over the frequency of the highest variance density
+    tm02_s: float  # sqrt(m0 / m2)
+    from_deg: float  # mean direction
+    spread_deg: float  # sqrt(2 (1 - r1)), the circular standard deviation (Kuik, van Vledder & Holthuijsen 1988)
+
+
+@dataclass(frozen=True, eq=False)
+class DirectionalSpectrum:
+    """Variance density at frequencies (n,) [Hz], which rise, and directions (m,) [deg] at equal steps; a buoy's has
+    density (n, 1) [m2/Hz] and moments instead of directions, until it is `spread`."""
+
+    frequency: np.ndarray
+    direction: np.ndarray
+    density: np.ndarray  # (n, m) [m2/(Hz rad)]
+    moments: np.ndarray | None = None  # (2, n): c1 and c2
+
+    @property
+    def step(self) -> float:
+        """Step between directions [rad]; 1 before they are known."""
+        return float(np.radians(np.median(np.diff(self.direction)))) if self.moments is None else 1.0
+
+    @property
+    def edges(self) -> np.ndarray:
+        """Edges (n + 1,) [Hz] of bands, halfway between frequencies: sums over bands are trapezoidal integrals."""
+        f = np.pad(self.frequency, 1, "edge")
+        return 0.5 * (f[1:] + f[:-1])
+
+    @property
+    def variance(self) -> np.ndarray:
+        """Variance (n,) [m2] of each band."""
+        return self.step * self.density.sum(axis=1) * np.diff(self.edges)
+
+    @property
+    def moment(self) -> np.ndarray:
+        """First moment (n,) of the directions of each band, times its variance [m2]."""
+        return self.step * (self.density @ np.exp(1j * np.radians(self.direction))) * np.diff(self.edges)
+
+    @property
+    def significant_height(self) -> float:
+        """Significant wave height 4 sqrt(m0) [m]."""
+        return 4.0 * float(self.variance.sum()) ** 0.5
+
+    @property
+    def peak_period(self) -> float:
+        """Period [s] of the highest variance density."""
+        return 1.0 / float(self.frequency[self.density.sum(axis=1).argmax()])
+
+    def state(self) -> SeaState:
+        """Integral parameters of this spectrum."""
+        m0, m2 = float(self.variance.sum()), float(self.variance @ self.frequency**2)
+        mean = self.moment.sum() / m0
+        angle, spread = np.degrees([np.angle(mean), max(0.0, 2.0 - 2.0 * abs(mean)) ** 0.5]).tolist()
+        return SeaState(self.significant_height, self.peak_period, (m0 / m2) ** 0.5, angle % 360.0, spread)
+
+    def spread(self, method: Spreading) -> "DirectionalSpectrum":
+        """Table over directions of a spectrum with moments, by the maximum entropy method or Fourier series."""
+        if self.moments is None:
+            return self
+        distribution = maximum_entropy if method == "mem" else fourier_series
+        shares = distribution(np.exp(-1j * np.radians(MOMENT_DIRECTIONS)), *self.moments[:, :, None])
+        shares /= shares.sum(axis=1, keepdims=True) * np.radians(1.0)
+        return DirectionalSpectrum(self.frequency, MOMENT_DIRECTIONS, self.density * shares)
+
+    def partitions(self) -> list["DirectionalSpectrum"]:
+        """Parts of this spectrum around its peaks (Hanson & Phillips 2001), the highest waves first."""
+        labels, least = partition_labels(self), MIN_PARTITION_SHARE**0.5 * self.significant_height
+        parts = [replace(self, density=np.where(labels == k, self.density, 0.0)) for k in np.unique(labels)]
+        high = [part for part in parts if part.significant_height >= least]
+        return sorted(high, key=lambda part: -part.significant_height)
+
+
+def fourier_series(turn: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Distribution (n, m) with moments (n, 1) at e^(-i theta) (m,): the Fourier series up to them where it is above 0
+    (Longuet-Higgins, Cartwright & Smith 1963), turned to the mean direction that it has without this clipping."""
+    for _ in range(2):
+        shares = np.maximum(1.0 + 2.0 * (first * turn + second * turn**2).real, 0.0)
+        mean = (shares * turn.conj()).sum(axis=1, keepdims=True)
+        turn = turn * np.exp(1j * np.angle(first * mean.conj()))
+    return shares
+
+
+def maximum_entropy(turn: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Distribution (n, m) with moments (n, 1) at e^(-i theta) (m,) that has the most entropy (Lygre & Krogstad 1986);
+    moments that no distribution has are shortened to MAX_COHERENCE."""
+    first = first / np.maximum(1.0, np.abs(first) / MAX_COHERENCE)
+    phi_2 = (second - first**2) / (1.0 - np.abs(first) ** 2)
+    phi_2 /= np.maximum(1.0, np.abs(phi_2) / MAX_COHERENCE)
+    return np.abs(1.0 - (first - phi_2 * first.conj()) * turn - phi_2 * turn**2) ** -2
+
+
+def partition_labels(spectrum: DirectionalSpectrum) -> np.ndarray:
+    """Peak of each cell (n, m), to which steepest ascent in the smoothed table leads, and then over high saddles."""
+    from scipy.ndimage import gaussian_filter
+
+    widths = SMOOTHING_BANDS, np.radians(SMOOTHING_DEG) / spectrum.step
+    height = gaussian_filter(spectrum.density, widths, mode=("nearest", "wrap"))
+    n, m = height.shape
+
+    def neighbours(values: np.ndarray) -> np.ndarray:
+        padded = np.pad(values, ((1, 1), (0, 0)), constant_values=-1)
+        ways = [(0, 0), *((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j)]
+        return np.stack([np.roll(padded, -j, axis=1)[1 + i : n + 1 + i] for i, j in ways])
+
+    around = neighbours(height)
+    upward = np.take_along_axis(neighbours(np.arange(n * m).reshape(n, m)), around.argmax(axis=0)[None], axis=0).ravel()
+    upward[height.ravel() <= 0.0] = height.argmax()  # without energy: anywhere
+    while (upward[upward] != upward).any():
+        upward = upward[upward]
+    peaks, labels = np.unique(upward, return_inverse=True)
+    top, labels = height.ravel()[peaks], labels.reshape(n, m)
+    while True:
+        saddle = np.zeros((len(peaks), len(peaks)))
+        np.maximum.at(saddle, (labels, neighbours(labels)), np.minimum(height, around))
+        ratio = np.triu(np.maximum(saddle, saddle.T), 1) / np.minimum.outer(top, top)
+        pair = sorted(np.unravel_index(ratio.argmax(), ratio.shape), key=lambda k: top[k])
+        if ratio.max() < SADDLE_RATIO:
+            return labels
+        labels[labels == pair[0]] = pair[1]

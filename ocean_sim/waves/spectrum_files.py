@@ -1,0 +1,293 @@
+"""Readers of directional wave spectra of buoys (NDBC, CDIP, Spotter) and of wave models (SWAN, WAVEWATCH III, ERA5),
+each by the description that its provider publishes."""
+
+import re
+from collections.abc import Callable, Iterable
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ocean_sim.files.csv_file import Table, parse_number, quoted_piece
+from ocean_sim.files.input_file import Checked, Rule, Unreadable, open_netcdf, read_bytes, read_text
+from ocean_sim.waves.directional import DirectionalSpectrum
+
+TIME_FORM = "%Y-%m-%dT%H:%M"
+MISSING_FROM = 999.0  # numbers from here on, and words, stand for none
+MAX_MOMENT = 1.05  # length of a moment, rounded
+SWAN_ENERGY = 1025.0 * 9.81  # [J/m4] energy over variance, with SWAN's default density of water
+ERA5_FREQUENCIES = 0.03453 * 1.1 ** np.arange(30)  # [Hz]
+ERA5_DIRECTIONS = 7.5 + 15.0 * np.arange(24)  # [deg] to which waves travel, clockwise from north
+NDBC_ENDINGS, NDBC_LETTERS = (".data_spec", ".swdir", ".swdir2", ".swr1", ".swr2"), "wdijk"
+NDBC_HEADING = re.compile(r"#?(YY|YYYY)\s+MM\s+DD\s+hh\s")
+FORMAT_RULE = Rule(
+    "spectra are those of NDBC (.data_spec, .swdir, .swdir2, .swr1 and .swr2, or those of a year, as 41010w2019.txt "
+    "and with d, i, j and k for w), CDIP (sp), Spotter (CSV), SWAN or WAVEWATCH III (2-D, text) or ERA5 (netCDF 3)"
+)
+TABLE_RULE = Rule(
+    "frequencies of a spectrum are above 0 and rise, its directions go all round in equal steps, no density is below 0 "
+    "and no moment (r1, r2) above 1"
+)
+CHECKS = (Checked("Wave spectra, `spectrum.file` and `ocean-sim sea FILE`", (FORMAT_RULE, TABLE_RULE)),)
+Found = DirectionalSpectrum | None
+
+
+class Record(NamedTuple):
+    """Spectra of all points of a file at one time."""
+
+    time: datetime | None  # UTC; None in a file without times
+    points: list[Found]  # None for a point without data
+
+
+class Lines:
+    """Words of the lines of a text, one line after the other; empty lines and comments are left out."""
+
+    def __init__(self, path: str | Path) -> None:
+        numbered = [(n, line.strip()) for n, line in enumerate(read_text(path).splitlines(), 1) if line.strip()]
+        self.rows = [(n, line) for n, line in numbered if line[0] not in "$#" or NDBC_HEADING.match(line)]
+        self.path, self.at, self.expected = path, -1, ""
+        self.begin = self.rows[0][1] if self.rows else ""
+
+    @property
+    def ended(self) -> bool:
+        return self.at + 1 >= len(self.rows)
+
+    def words(self, expected: str, *choices: str) -> list[str]:
+        """Words of the next line, the first of which is one of `choices` if there are any; raises LookupError."""
+        self.at, self.expected = self.at + 1, expected
+        found = self.rows[self.at][1].split()
+        if choices and found[0] not in choices:
+            raise LookupError
+        return found
+
+    def numbers(self, count: int, expected: str) -> np.ndarray:
+        """The next `count` numbers (count,), which fill whole lines; raises LookupError or ValueError."""
+        found: list[float] = []
+        while len(found) < count:
+            found += map(float, self.words(f"{count} {expected}"))
+        return np.array(found).reshape(count)
+
+
+def read_spectra(path: str | Path) -> list[Record]:
+    """All spectra of a file whose format is found by its content, in the order of time; raises Unreadable."""
+    if read_bytes(path).startswith((b"CDF", b"\x89HDF")):
+        found = _read_era5(path)
+    else:
+        lines = Lines(path)
+        reader = next((reader for begin, reader in TEXT_READERS.items() if re.match(begin, lines.begin)), None)
+        if reader is None:
+            raise FORMAT_RULE.broken(path, f"line 1 is {quoted_piece(lines.begin)}")
+        found = _read_all(lines, reader)
+    records = sorted((each for each in found if any(each.points)), key=lambda each: each.time or datetime.min)
+    if not records:
+        raise TABLE_RULE.broken(path, "it has no spectrum with energy and directions")
+    return records
+
+
+def _read_all(lines: Lines, reader: Callable[[Lines], Iterable]) -> list:
+    """Everything that a reader finds in lines; raises Unreadable at the first line that is not as expected."""
+    try:
+        return [*reader(lines)]
+    except (LookupError, ValueError) as error:
+        if isinstance(error, Unreadable):
+            raise
+        number, line = [*lines.rows, (lines.rows[-1][0] + 1, "the end")][lines.at]
+        wrong = f"line {number}: expected {lines.expected}, got {quoted_piece(line)}"
+        raise FORMAT_RULE.broken(lines.path, wrong) from None
+
+
+def read_spectrum(path: str | Path, time: str | None, point: int) -> tuple[datetime | None, DirectionalSpectrum]:
+    """Time and spectrum of a point, counted from 1, at a time (ISO 8601, UTC, to the minute), or at the only time of
+    the file; raises Unreadable if there is none."""
+    records = {f"{each.time:{TIME_FORM}}" if each.time else "": each for each in read_spectra(path)}
+    first, *_, last = [*records, *records]
+    asked = first if time is None and len(records) == 1 else (time or "").replace(" ", "T")[:16]
+    if asked not in records:
+        wrong = "" if time is None else f", not {quoted_piece(time)}"
+        raise Unreadable(path, f"name one of its {len(records)} times, {first} to {last}{wrong}")
+    found = records[asked]
+    if point > len(found.points) or (spectrum := found.points[point - 1]) is None:
+        there = [f"{k}" for k, each in enumerate(found.points, 1) if each is not None]
+        raise Unreadable(path, f"it has no spectrum of point {point}, but of {', '.join(there[:8])}")
+    return found.time, spectrum
+
+
+def measured(words: Iterable[str]) -> np.ndarray:
+    """Numbers (n,) in words; NaN where a word stands for none: 999 or more, MM or another one."""
+    values = np.array([parse_number(word) for word in words])
+    return np.where(np.abs(values) < MISSING_FROM, values, np.nan)
+
+
+def of_table(path: str | Path, frequency: np.ndarray, *others: np.ndarray) -> Found:
+    """Spectrum of directions, densities and moments (`others`); None without energy, Unreadable if it is impossible."""
+    rising = len(frequency) > 1 and frequency[0] > 0.0 and (np.diff(frequency) > 0.0).all()
+    if not rising or not others[1].min() >= 0.0 or np.isinf(others[1]).any():
+        shown = ", ".join(f"{f:g}" for f in frequency[:3])
+        raise TABLE_RULE.broken(path, f"it has frequencies {shown} ... Hz and a density of {others[1].min():g}")
+    return DirectionalSpectrum(frequency, *others) if others[1].any() else None
+
+
+def of_buoy(path: str | Path, frequency: np.ndarray, density: np.ndarray, moments: np.ndarray) -> Found:
+    """Spectrum of densities (n,) [m2/Hz] and moments (2, n). Frequencies without a density are left out; those without
+    moments take the nearest ones. None if there is no energy, or no direction."""
+    there = np.isfinite(density)
+    directed = there & np.isfinite(moments).all(axis=0)
+    if not directed.any():
+        return None
+    if np.abs(moments[:, directed]).max() > MAX_MOMENT:
+        raise TABLE_RULE.broken(path, f"it has a moment of {np.abs(moments[:, directed]).max():.3g}")
+    nearest = np.abs(frequency[there, None] - frequency[directed]).argmin(axis=1)
+    return of_table(path, frequency[there], np.zeros(1), density[there, None], moments[:, directed][:, nearest])
+
+
+def of_model(path: str | Path, frequency: np.ndarray, towards: np.ndarray, density: np.ndarray) -> Found:
+    """Spectrum of densities (n, m) [m2/(Hz rad)] at directions (m,) [deg] to which waves travel, clockwise from north,
+    in equal steps all round, which files round."""
+    coming = np.round(towards + 180.0, 3) % 360.0
+    even = 360.0 / len(coming) * np.arange(len(coming))
+    ahead = np.sort(coming) - even
+    if np.ptp(ahead) > 0.2 * even[1]:
+        raise TABLE_RULE.broken(path, f"its directions are up to {np.ptp(ahead):.3g} deg off equal steps")
+    return of_table(path, frequency, even + ahead.mean(), density[:, coming.argsort()])
+
+
+def _ndbc_rows(lines: Lines) -> Iterable[tuple[datetime, np.ndarray]]:
+    """Time, and frequencies and values (2, n), of each row of one of NDBC's files, where a value stands before its
+    frequency in parentheses, or under it."""
+    heading = lines.words("#YY MM DD hh")
+    paired, dated = "(" in lines.begin, 5 if "mm" in heading[:5] else 4
+    while not lines.ended:
+        words = lines.words("a date and a value for each frequency")
+        rest = words[dated + ("Sep_Freq" in heading) :]
+        names, cells = ([name.strip("()") for name in rest[1::2]], rest[::2]) if paired else (heading[dated:], rest)
+        date = [words[0] if len(words[0]) == 4 else f"19{words[0]}", *words[1:dated], "00"][:5]
+        yield datetime.strptime(" ".join(date), "%Y %m %d %H %M"), np.stack([np.array(names, float), measured(cells)])
+
+
+def _read_ndbc(lines: Lines) -> Iterable[Record]:
+    """Spectra of NDBC: density [m2/Hz], mean direction alpha1 and principal direction alpha2 [deg], and r1, r2, which
+    are hundredths in the files of a year."""
+    path = Path(lines.path)
+    live, year = path.suffix in NDBC_ENDINGS, re.fullmatch(rf"(.+)[{NDBC_LETTERS}](\d{{4}}.*)", path.name)
+    if live:
+        paths = [path.with_suffix(ending) for ending in NDBC_ENDINGS]
+    elif year:
+        paths = [path.with_name(f"{year[1]}{letter}{year[2]}") for letter in NDBC_LETTERS]
+    else:
+        raise FORMAT_RULE.broken(path, "its name does not tell those of the other four")
+    density, *others = [dict(_read_all(Lines(each), _ndbc_rows)) for each in paths]
+    for time, (frequency, values) in density.items():
+        if all(time in each for each in others):
+            if not all(np.array_equal(each[time][0], frequency) for each in others):
+                raise TABLE_RULE.broken(path, f"its frequencies at {time:{TIME_FORM}} are not those of the other four")
+            alpha_1, alpha_2, r_1, r_2 = (each[time][1] for each in others)
+            moments = np.array([r_1, r_2]) * np.exp(1j * np.radians([alpha_1, 2.0 * alpha_2]))
+            yield Record(time, [of_buoy(path, frequency, values, (1.0 if live else 0.01) * moments)])
+
+
+def _read_cdip(lines: Lines) -> Iterable[Record]:
+    """Spectrum of CDIP: rows of frequency, width, energy [m2/Hz], direction, a1, b1, a2 and b2, which are moments about
+    north and east of the directions from which waves come."""
+    time = datetime.strptime(lines.words("File Name: sp and a time like 202610031200")[2][-12:], "%Y%m%d%H%M")
+    while lines.words("freq")[0].lower() != "freq":
+        pass
+    lines.words("units")
+    rows = []
+    while not lines.ended:
+        rows.append(measured(lines.words("nine numbers")).reshape(9))
+    found = np.array(rows).T
+    yield Record(time, [of_buoy(lines.path, found[0], found[2], found[[4, 6]] + 1j * found[[5, 7]])])
+
+
+def _read_spotter(lines: Lines) -> Iterable[Record]:
+    """Spectra of a Spotter: moments about east and north of the directions to which waves travel."""
+    rows = Table(lines.path)
+    count = sum(name.startswith("varianceDensity_") for name in rows.names)
+    names = [f"{name}_{k}" for name in ("f", "varianceDensity", "a1", "b1", "a2", "b2") for k in range(count or 1)]
+    if missing := [name for name in names if name not in rows]:
+        raise FORMAT_RULE.broken(lines.path, f"line 1: expected a column {missing[0]}")
+    for row, seconds in enumerate(rows.finite("Epoch Time")[0].tolist()):
+        f, density, *parts = np.array([rows[name][row] for name in names]).reshape(6, -1)
+        first, second = parts[0] + 1j * parts[1], parts[2] + 1j * parts[3]
+        moments = np.array([-1j * first.conj(), -second.conj()])  # an angle t there is a direction of 270 deg - t
+        time = datetime.fromtimestamp(seconds, UTC).replace(tzinfo=None)
+        yield Record(time, [of_buoy(lines.path, f, density, moments)])
+
+
+def _read_swan(lines: Lines) -> Iterable[Record]:
+    """Spectra of SWAN: NDIR from which waves come, clockwise from north, or CDIR to which they travel,
+    counter-clockwise from the x-axis, which is taken to point east; density in m2 or J/m2 over Hz and degrees."""
+    axes: dict[str, np.ndarray] = {}
+    timed, points = False, 1
+    keys = "TIME", "LONLAT", "LOCATIONS", "AFREQ", "RFREQ", "NDIR", "CDIR", "QUANT"
+    lines.words("SWAN")
+    while (key := lines.words(f"one of {', '.join(keys)}", *keys)[0]) != "QUANT":
+        count = int(lines.words(f"a number for {key}")[0])
+        if key == "TIME":
+            timed = True
+        elif key in ("LONLAT", "LOCATIONS"):
+            points = len([lines.words("a place") for _ in range(count)])
+        else:
+            values = lines.numbers(count, key)
+            axes[key[1:]] = {"NDIR": values + 180.0, "CDIR": 90.0 - values}.get(key, values)
+    lines.words("1, of a 2-D spectrum", "1")
+    unit = {"VaDens": np.degrees(1.0), "EnDens": np.degrees(1.0 / SWAN_ENERGY)}[lines.words("VaDens or EnDens")[0]]
+    lines.words("a unit")
+    lines.words("an exception value, after frequencies and directions")
+    shape = len(axes["FREQ"]), len(axes["DIR"])
+    while not lines.ended:
+        time = datetime.strptime(lines.words("20261003.120000")[0], "%Y%m%d.%H%M%S") if timed else None
+        found: list[Found] = [None] * points
+        for k in range(points):
+            if lines.words("FACTOR, ZERO or NODATA", "FACTOR", "ZERO", "NODATA")[0] == "FACTOR":
+                factor = unit * lines.numbers(1, "factor")
+                density = factor * lines.numbers(shape[0] * shape[1], "densities").reshape(shape)
+                found[k] = of_model(lines.path, axes["FREQ"], axes["DIR"], density)
+        yield Record(time, found)
+
+
+def _read_ww3(lines: Lines) -> Iterable[Record]:
+    """Spectra of WAVEWATCH III: directions [rad] to which waves travel, clockwise from north, and for each time and
+    point densities [m2/(Hz rad)], with the frequency running fastest."""
+    lines.words("numbers of frequencies and directions")
+    n, m = map(int, lines.begin.split("'")[2].split()[:2])
+    frequency, towards = lines.numbers(n, "frequencies [Hz]"), np.degrees(lines.numbers(m, "directions [rad]"))
+    found: list[Record] = []
+    while not lines.ended:
+        words = lines.words("a time like 20261003 120000, or a point in quotes")
+        if words[0].startswith("'"):
+            density = lines.numbers(n * m, "densities").reshape(m, n).T
+            found[-1].points.append(of_model(lines.path, frequency, towards, density))
+        else:
+            found.append(Record(datetime.strptime(" ".join(words), "%Y%m%d %H%M%S"), []))
+    return found
+
+
+def _read_era5(path: str | Path) -> Iterable[Record]:
+    """Spectra of ERA5: log10 of the density [m2/(Hz rad)], missing where it is low, over time, frequency, direction and
+    places, each a point."""
+    try:
+        with open_netcdf(path) as file:
+            variable = file.variables["d2fd"]
+            clock = file.variables[variable.dimensions[0]]
+            shape = len(clock[:]), len(ERA5_FREQUENCIES), len(ERA5_DIRECTIONS), -1
+            density = np.nan_to_num(10.0 ** np.ma.filled(1.0 * variable[:], np.nan).reshape(shape))
+            unit, _, day = clock.units.decode().split()[:3]  # as in hours since 1900-01-01 00:00:00.0
+            begin = datetime.strptime(day, "%Y-%m-%d")
+            times = [begin + timedelta(**{unit: float(value)}) for value in clock[:]]
+    except (AttributeError, LookupError, TypeError, ValueError, OSError) as error:
+        if isinstance(error, Unreadable):
+            raise
+        raise FORMAT_RULE.broken(path, "no variable d2fd over time, 30 frequencies and 24 directions") from None
+    for time, points in zip(times, np.moveaxis(density, -1, 1)):
+        yield Record(time, [of_model(path, ERA5_FREQUENCIES, ERA5_DIRECTIONS, each) for each in points])
+
+
+TEXT_READERS = {
+    NDBC_HEADING.pattern: _read_ndbc,
+    "File Name:": _read_cdip,
+    ".*Epoch Time": _read_spotter,
+    "SWAN": _read_swan,
+    "'WAVEWATCH III SPECTRA'": _read_ww3,
+}

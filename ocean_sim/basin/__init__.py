@@ -113,10 +113,10 @@ class Floor(Model):
     )
     """Points [x, y] of the bed, from one side to the other, straight in between; it is alike along z."""
     grid: FileName | None = None
-    """Heights of the bed on a regular grid, in place of a profile: a table of x_m, z_m and y_m, an ESRI ASCII grid
-    (.asc) or netCDF 3 (.nc); linear in between."""
+    """Heights of the bed on a regular grid, in place of a profile: a table of x_m, z_m and y_m; or a map, an ESRI ASCII
+    grid (.asc) or netCDF 3 (.nc), whose north is +z and whose east -x; linear in between."""
     grid_centre: Vector2 | None = quantity("m", None)
-    """Place x, z in the file at which the basin's middle lies; null: [0, 0]."""
+    """Place in the file at which the basin's middle lies: x, z, of a map east, north; null: [0, 0]."""
     slip: Slip = "free_slip"
     """`no_slip`: water sticks to the bed; `free_slip`: it slides along."""
 
@@ -153,9 +153,7 @@ class Floor(Model):
             x, y = np.array(self.profile).T
             return Heights(x, np.array([-OPEN, OPEN]), np.repeat(y[:, None], 2, axis=1))
         assert self.grid is not None
-        x, z, y = read_heights(self.grid)
-        middle = self.grid_centre or (0.0, 0.0)
-        return Heights(x - middle[0], z - middle[1], y)
+        return read_heights(self.grid, self.grid_centre or (0.0, 0.0))
 
     def shape_problems(self, basin: "Basin") -> Iterator[tuple[tuple[str, ...], str]]:
         """Yield faults (key path below the floor, sentence) of the bed's shape in this basin."""

@@ -1,5 +1,6 @@
 """Reader of heights of a sea bed on a regular grid: CSV, ESRI ASCII and netCDF files."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -24,12 +25,15 @@ class Heights(NamedTuple):
     y: np.ndarray
 
 
-def read_heights(path: str | Path) -> Heights:
-    """Heights of a bed in a file: a table with columns x_m, z_m, y_m; an ESRI ASCII grid or netCDF 3, whose east is x
-    and north is z. Raises Unreadable."""
+def read_heights(path: str | Path, centre: Sequence[float]) -> Heights:
+    """Heights of a bed in a file, from its place `centre` (2,) [m] on: a table with columns x_m, z_m, y_m; or a map,
+    an ESRI ASCII grid or netCDF 3, whose north becomes +z and whose east -x. Raises Unreadable."""
     ending = Path(path).suffix.lower()
     read = _read_esri if ending in ESRI_ENDINGS else _read_netcdf if ending in NETCDF_ENDINGS else _read_table
     x, z, y = read(path)
+    x, z = x - centre[0], z - centre[1]
+    if read is not _read_table:
+        x, y = -x[::-1], y[::-1]
     if min(y.shape, default=0) < 2 or not np.isfinite(y).all():
         missing = int((~np.isfinite(y)).sum())
         size = " x ".join(map(str, y.shape))

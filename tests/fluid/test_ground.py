@@ -29,21 +29,21 @@ def scene(floor, fluid=None, **basin):
 
 
 def write_mound(path):
-    """Heights of a mound on a grid of 0.1 m, in the format that the file's ending names."""
+    """Heights of a mound on a grid of 0.1 m, in the format that the file's ending names; east of a map is -x."""
     x, z = np.linspace(-1.0, 1.0, 21), np.linspace(-0.5, 0.5, 11)
-    y = -DEPTH + 0.3 * np.exp(-(x[:, None] ** 2 + z**2) / 0.1)
+    y = -DEPTH + 0.3 * np.exp(-((x[:, None] - 0.3) ** 2 + (z - 0.1) ** 2) / 0.1)
     if path.suffix == ".csv":
         rows = [f"{a},{b},{c!r}" for a, row in zip(x, y.tolist()) for b, c in zip(z, row)]
         path.write_text("\n".join(["x_m,z_m,y_m", *rows[::-1]]))
     elif path.suffix == ".asc":
         head = "ncols 21\nnrows 11\nxllcorner -1.05\nyllcorner -0.55\ncellsize 0.1\nNODATA_value -9999\n"
-        path.write_text(head + "\n".join(" ".join(map(repr, row)) for row in y.T[::-1].tolist()))
+        path.write_text(head + "\n".join(" ".join(map(repr, row)) for row in y[::-1].T[::-1].tolist()))
     else:
         with netcdf_file(path, "w") as file:
             for name, nodes in (("x", x), ("y", z)):
                 file.createDimension(name, len(nodes))
                 file.createVariable(name, "d", (name,))[:] = nodes
-            file.createVariable("elevation", "d", ("y", "x"))[:] = y.T
+            file.createVariable("elevation", "d", ("y", "x"))[:] = y[::-1].T
     return y
 
 
@@ -75,7 +75,7 @@ def test_heights_on_a_grid_read_alike_in_three_formats(ending, tmp_path):
     y = write_mound(file)
     tank = load(scene({"grid": str(file)}, width=1.0, fluid={"spacing": 0.1})).preflight.tank
     assert tank.ground.y == pytest.approx(np.maximum(y, -DEPTH), abs=1e-12)
-    with pytest.raises(SceneError, match="the bed reaches from x = -1"):
+    with pytest.raises(SceneError, match="the bed reaches from x = "):
         load(scene({"grid": str(file), "grid_centre": [0.2, 0.0]}, {"spacing": 0.1}, width=1.0))
 
 

@@ -28,7 +28,6 @@ Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_lengt
 SEGMENT_POINTS = 9  # points of a sensor in 2-D
 RING_POINTS = (6, 12)  # points on the rings of a sensor in 3-D
 DISC_POINTS = sum(RING_POINTS)
-RUNUP_GAP = 3.0  # [spacings] between particles on the bed, at which the water that runs up ends
 DENT_SHARE = 1e-3  # of the depth: how far inside the bed a sensor may be that is meant to be on it
 RIDING_PHRASE = " from the middle of what it rides with"
 
@@ -65,13 +64,7 @@ class Runup(Model):
         assert basin.ground is not None  # see `problem`
         along, across = (0, 2) if self.along == "x" else (2, 0)
         beside = position[np.abs(position[:, across] - (self.at or 0.0)) <= spacing]
-        on = basin.ground.touching(beside, spacing)
-        if not len(on):
-            return float("nan")
-        on = on[np.argsort(on[:, along])]
-        bed = basin.ground.heights(on[:, [0, 2]])
-        stretch = np.cumsum(np.diff(on[:, along], prepend=on[0, along]) > RUNUP_GAP * spacing)
-        return float(bed[stretch == stretch[bed.argmin()]].max())
+        return basin.ground.runup(beside, spacing, along)
 
 
 class Sensor(Model):

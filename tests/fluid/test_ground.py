@@ -102,6 +102,7 @@ def test_still_water_stays_still_over_a_shaped_bed(profile):
         ),
         (scene({"profile": [[-1, -0.5], [1, 0.1]]}), "basin.floor.profile: the bed reaches down to y = -0.5 m"),
         (scene({"profile": [[-1, 0.4], [1, 0.1]]}), "basin.floor.profile: the bed lies above the water everywhere"),
+        (scene({"profile": [[-1, -0.4], [1, -0.4]]}), "basin.floor.profile: the bed is flat, at y = -0.4 m"),
         (
             scene({"profile": [[-1, -0.4], [-1, 0.1]]}),
             "basin.floor: a profile has two points [x, y] or more, and their x",

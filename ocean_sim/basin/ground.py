@@ -103,8 +103,7 @@ class Ground:
         if not touch.any():
             return float("nan")
         stretch = np.cumsum(np.diff(near[:, axis], prepend=near[0, axis]) > RUNUP_GAP * spacing)
-        lowest = np.where(touch, bed, np.inf).argmin()
-        return float(bed[touch & (stretch == stretch[lowest])].max())
+        return float(bed[touch & (stretch == stretch[np.where(touch, bed, np.inf).argmin()])].max())
 
     def sheet_heights(self, places: np.ndarray, water: np.ndarray, position: np.ndarray, spacing: float) -> np.ndarray:
         """Heights (n,) [m] of a sheet that shows the `water` (n,) [m] at places x, z (n, 2) [m]. Beyond deep water it

@@ -158,7 +158,7 @@ def flume_problem(
         def heights(water: State) -> np.ndarray:
             climbing = np.sort(water.position[water.position[:, 0] > basin.upper[0] - 1.5 * water.spacing, 1])
             ends = np.flatnonzero(np.diff(climbing, append=np.inf) > RUNUP_GAP * water.spacing)
-            wall = climbing[ends[0]] if len(climbing) else np.nan
+            wall = climbing[ends[0]] + 0.5 * water.spacing if len(climbing) else np.nan
             climbed = ground.runup(water.position, water.spacing) if ground else np.nan
             return np.array([climbed, wall, *simulation.fluid.elevations(points)])
 

@@ -177,6 +177,8 @@ class Floor(Model):
         ground = basin.shaped_bed
         if ground.y.min() >= 0.0:
             yield (key,), "the bed lies above the water everywhere; y counts upwards from the still water"
+        if ground.y.max() <= ground.lowest:
+            yield (key,), f"the bed is flat, at y = {ground.lowest:g} m, as it is without a {key}: leave {key} out"
         for axis, ends in (("x", ground.y[[0, -1]]), ("z", ground.y[:, [0, -1]].T)):
             if basin.periods["xyz".index(axis)] and np.ptp(ends, axis=0).max() > -LEVEL_ROUNDING * basin.lower[1]:
                 yield (key,), f"{axis} is periodic, and the bed is not as high at one side as at the other"

@@ -23,6 +23,7 @@ COLUMNS_A_SPACING = 4  # columns to a spacing by which the volume of the bed is 
 BASE_SHARE = 0.012  # thickness of what is drawn under the flat bed, over the height of the bed above it
 WET_DEPTH_SHARE = 1e-5  # of the height of the bed: least depth of water on it
 TOUCH_DISTANCE = 1.25  # [spacings] from the bed within which a particle touches it
+RUNUP_GAP = 3.0  # [spacings] from the bed and between particles there, at which the water that runs up ends
 DEEP_LAYERS = 2.5  # [spacings] of water, from which on its height is right within a tenth of one
 FILM_REACH = 1.5  # [spacings] in plan from a particle that touches the bed to where the bed looks dry
 FILM_TAPER = 0.2  # slope at which a film of water ends there
@@ -92,6 +93,17 @@ class Ground:
         """Positions (m, 3) [m] of the particles that touch the bed, of those at `position` (n, 3) [m], `spacing` [m]
         apart."""
         return position[self.distances(position) <= TOUCH_DISTANCE * spacing]
+
+    def runup(self, position: np.ndarray, spacing: float, axis: int = 0) -> float:
+        """Height [m] of the highest place of the bed that particles at `position` (n, 3) [m] touch, with water near
+        the bed along `axis` from there to the lowest place without a gap; NaN without any."""
+        near = position[self.distances(position) <= RUNUP_GAP * spacing]
+        near = near[np.argsort(near[:, axis])]
+        touch, bed = self.distances(near) <= TOUCH_DISTANCE * spacing, self.heights(near[:, [0, 2]])
+        if not touch.any():
+            return float("nan")
+        stretch = np.cumsum(np.diff(near[:, axis], prepend=near[0, axis]) > RUNUP_GAP * spacing)
+        return float(bed[touch & (stretch == stretch[np.where(touch, bed, np.inf).argmin()])].max())
 
     def sheet_heights(self, places: np.ndarray, water: np.ndarray, position: np.ndarray, spacing: float) -> np.ndarray:
         """Heights (n,) [m] of a sheet that shows the `water` (n,) [m] at places x, z (n, 2) [m]. Beyond deep water it

@@ -28,8 +28,6 @@ Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_lengt
 SEGMENT_POINTS = 9  # points of a sensor in 2-D
 RING_POINTS = (6, 12)  # points on the rings of a sensor in 3-D
 DISC_POINTS = sum(RING_POINTS)
-RUNUP_GAP = 3.0  # [spacings] between particles over the bed, at which the water that runs up ends
-RUNUP_REACH = 3.0  # [spacings] over the bed, up to which particles join it
 DENT_SHARE = 1e-3  # of the depth: how far inside the bed a sensor may be that is meant to be on it
 RIDING_PHRASE = " from the middle of what it rides with"
 
@@ -66,14 +64,7 @@ class Runup(Model):
         assert basin.ground is not None  # see `problem`
         along, across = (0, 2) if self.along == "x" else (2, 0)
         beside = position[np.abs(position[:, across] - (self.at or 0.0)) <= spacing]
-        over = beside[basin.ground.distances(beside) <= RUNUP_REACH * spacing]
-        if not len(over):
-            return float("nan")
-        over = over[np.argsort(over[:, along])]
-        bed = basin.ground.heights(over[:, [0, 2]])
-        stretch = np.cumsum(np.diff(over[:, along], prepend=over[0, along]) > RUNUP_GAP * spacing)
-        wet = basin.ground.touching(over[stretch == stretch[bed.argmin()]], spacing)
-        return float(basin.ground.heights(wet[:, [0, 2]]).max()) if len(wet) else float("nan")
+        return basin.ground.runup(beside, spacing, along)
 
 
 class Sensor(Model):

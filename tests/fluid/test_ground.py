@@ -102,6 +102,7 @@ def test_still_water_stays_still_over_a_shaped_bed(profile):
         ),
         (scene({"profile": [[-1, -0.5], [1, 0.1]]}), "basin.floor.profile: the bed reaches down to y = -0.5 m"),
         (scene({"profile": [[-1, 0.4], [1, 0.1]]}), "basin.floor.profile: the bed lies above the water everywhere"),
+        (scene({"profile": [[-1, -0.4], [1, -0.4]]}), "basin.floor.profile: the bed is flat, at y = -0.4 m"),
         (
             scene({"profile": [[-1, -0.4], [-1, 0.1]]}),
             "basin.floor: a profile has two points [x, y] or more, and their x",
@@ -140,3 +141,17 @@ def test_water_runs_down_a_slope_without_going_through_it():
         after = simulation.fluid.positions()
         assert after[:, 0].mean() < before - 0.2
         assert (simulation.basin.ground.distances(after) > 0.0).all()
+
+
+def test_water_runs_up_as_far_as_no_dry_place_lies_below():
+    """Lifted water leaves no gap; a puddle above a dry place does not count, nor does water above one."""
+    ground, spacing = load(scene({"profile": SLOPE})).preflight.tank.ground, 0.04
+    x = np.arange(-0.98, 0.2, spacing)
+    bed = ground.heights(np.stack([x, 0 * x], axis=1))
+    water = np.stack([x, bed + 0.75 * spacing, 0 * x], axis=1)
+    lifted, puddle = water + np.outer((x > -0.5) & (x < -0.2), [0, spacing, 0]), water[-1:] + [0.3, 0.06, 0]
+    for place in (water, lifted, np.concatenate([water, puddle])):
+        assert ground.runup(place, spacing) == pytest.approx(bed[-1])
+    parted = np.abs(x + 0.3) > 0.1
+    assert ground.runup(water[parted], spacing) == pytest.approx(bed[x < -0.4][-1])
+    assert np.isnan(ground.runup(water + [0, 0.5, 0], spacing))

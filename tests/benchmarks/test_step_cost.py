@@ -3,7 +3,8 @@
     OCEAN_SIM_RATIOS=1 ./sandbox test -n 0 -m slow tests/benchmarks/test_step_cost.py
 
 stores the ratios of this processor; take the median of several on a quiet machine. Four spread by 3 % (`delta_sph`) to
-12 %.
+12 %. With a fifth of a core, the least ratio in 3000 rounds of `delta_sph` was 1.3 times that stored: a ratio that is
+too great while others are at work is no measurement, and skipped.
 """
 
 import csv
@@ -26,6 +27,7 @@ RATIO_TABLE, RATIO_COLUMNS = Path(__file__).with_name("step_ratios.csv"), ("proc
 ROUNDS = 200
 BLOCK_SECONDS = 0.03  # of processor time, of steps and of the loop each
 ALLOWED_SLOWDOWN = 1.1
+MIN_CORE_SHARE = 0.9  # of a core: with less, others empty the caches, on which a step depends and the loop does not
 
 
 @in_kernels
@@ -68,10 +70,12 @@ def test_a_step_costs_no_more_than_it_did(scheme):
         for call in (simulation.step, loop.run):
             call()  # compiles
             blocks.append(max(1, round(BLOCK_SECONDS / (seconds_of(call, 20) / 20))))
+        began = time.process_time(), time.perf_counter()
         costs = [
             (seconds_of(simulation.step, blocks[0]) / blocks[0], seconds_of(loop.run, blocks[1]) / blocks[1])
             for _ in range(ROUNDS)
         ]
+        core_share = (time.process_time() - began[0]) / (time.perf_counter() - began[1])
     step, loop_run = map(min, zip(*costs, strict=True))  # what else is at work makes both longer, and never shorter
     ratio, known, key = step / loop_run, stored_ratios(), (processor_name(), scheme)
     if os.environ.get("OCEAN_SIM_RATIOS"):
@@ -83,4 +87,6 @@ def test_a_step_costs_no_more_than_it_did(scheme):
     if key not in known:
         pytest.skip(f"no ratio is stored for {key[0]}; this one is {ratio:.3f}")
     stored = float(known[key]["ratio"])
+    if ratio >= ALLOWED_SLOWDOWN * stored and core_share < MIN_CORE_SHARE:
+        pytest.skip(f"{ratio:.3f} is no measurement: this process had {core_share:.0%} of a core")
     assert ratio < ALLOWED_SLOWDOWN * stored, f"{scheme}: {ratio:.3f} reference loops a step, {stored:.3f} are stored"

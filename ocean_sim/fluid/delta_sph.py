@@ -54,9 +54,9 @@ SHEAR_MEMORY = 3.0  # [depth over reference speed] over which spin and strain ar
 SHEAR_UPDATE_INTERVAL = 1.0 / 64.0  # [SHEAR_MEMORY]
 # [c / h] strain below which water is still; less under a wind, whose drift may be as small.
 CALM_STRAIN, WINDY_CALM_STRAIN = 1e-3, 1e-4
-# Share of the density by which particles stand too thin or too dense where pressure begins to leak, and from there to
-# where the leak is full.
-PACKING_TOLERANCE, PACKING_RANGE = 0.01, 0.1
+# Share of the density by which particles may stand too thin or too dense before pressure leaks: in full water, more of
+# it in a unit of `edge`, and beyond it, up to which the leak grows.
+PACKING_TOLERANCE, EDGE_TOLERANCE, PACKING_RANGE = 0.03, 0.06, 0.1
 RESISTED_APPROACH = 1e-4  # [c] of particles on which the stress under tension acts in full
 PARTING_TENSION = 1e-3  # of the density below rest, from which on a face draws no water apart
 INNER_EDGE = 0.1  # of `edge` inside the water: of the third row from a surface it is 0.01
@@ -396,28 +396,23 @@ class Continuity(Law):
     @ti.func
     def leak(self, thinner, edge, deviation):
         """Rate [1/s] at which pressure leaks that particles do not stand for: up to c / H where they are thinner than
-        the density says and it is above rest, or denser and it is below. Denser and above rest, inside the water,
-        pressure grows as fast: were it to leak alone, noise of the packing would drain it. `edge`: with the share of
-        the kernel that bodies fill."""
-        beyond = tm.clamp((ti.abs(thinner) - PACKING_TOLERANCE) / PACKING_RANGE - edge, 0.0, 1.0)
-        rate = self.fluid.sound_speed / self.fluid.smoothing.support * beyond * beyond
-        growth = ti.select(deviation > 0.0 and edge < INNER_EDGE, rate, 0.0)
-        return ti.select(thinner * deviation > 0.0, rate, -growth)
+        the density says and it is above rest, or denser and it is below."""
+        beyond = (ti.abs(thinner) - PACKING_TOLERANCE - EDGE_TOLERANCE * edge) / PACKING_RANGE
+        rate = self.fluid.sound_speed / self.fluid.smoothing.support * tm.clamp(beyond, 0.0, 1.0)
+        return ti.select(thinner * deviation > 0.0, rate, 0.0)
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
         """Advance density and pressure of particle i to the end of the step; store its diffusion share or its shift."""
         fluid, particles, rho_0 = self.fluid, self.fluid.particles, ti.static(self.fluid.rest_density)
         dt, deviation = fluid.dt[None], own[self.row.deviation]
-        beside = 0.0  # share of the kernel that solid bodies fill
         if ti.static(fluid.bodies):
             solid = self.solid.total(vec3(own, self.row.position), own)
             if ti.static(not fluid.shifting):  # a face that parts from water under tension draws none apart
                 held = tm.clamp(1.0 + deviation / (PARTING_TENSION * rho_0), 0.0, 1.0)
                 solid[self.terms.rate] += (1.0 - held) * positive(-solid[self.terms.rate])
             total += solid
-            beside = self.filled_share(own, solid)
-            fluid.damp_crowded(i, beside)
+            fluid.damp_crowded(i, self.filled_share(own, solid))
         # Second half step of the density; the first was made before the sort.
         compressed, diffused = total[self.terms.rate], self.diffusion * total[self.terms.diffusion]
         rate = self.prefactor(own) * (compressed + diffused)
@@ -428,7 +423,7 @@ class Continuity(Law):
             self.grade_diffusion(i, filled)
             edge = self.edge(own, total)
             thinner = self.swelling(filled, edge, deviation)
-            excess -= lesser(dt * self.leak(thinner, edge + beside, deviation), 1.0) * excess
+            excess -= lesser(dt * self.leak(thinner, edge, deviation), 1.0) * excess
             if edge < INNER_EDGE:
                 fluid.accounts.count_packing(group, thinner)
         fluid.rate[i], fluid.excess[i] = rate, excess

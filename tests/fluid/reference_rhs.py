@@ -214,20 +214,14 @@ def delta_continuity(
     edge = scale * w.support / RHO_0 * np.linalg.norm(lever, axis=1)
     held = np.clip(1.0 + excess / (1e-3 * RHO_0), 0.0, 1.0)
     drawn = solid @ share + (1.0 - held) * np.maximum(-(solid @ share), 0.0)
-    return {
-        "rate": scale * (rate.sum(axis=1) + on * drawn),
-        "filled": filled,
-        "edge": edge,
-        "beside": filled_s @ share / whole,
-    }
+    return {"rate": scale * (rate.sum(axis=1) + on * drawn), "filled": filled, "edge": edge}
 
 
 def delta_leak(water: Water, excess: np.ndarray, filled: np.ndarray, edge: np.ndarray, lack: np.ndarray) -> np.ndarray:
-    """Rate (n,) [1/s] at which an excess of the density decays, or grows; `edge`: with the share of a kernel that
-    bodies fill; `lack`: share of a kernel beyond a flat surface."""
+    """Rate (n,) [1/s] at which an excess of the density decays; `lack`: share of a kernel beyond a flat surface."""
     thinner = 1.0 + excess / RHO_0 - filled - lack
-    rate = np.clip((np.abs(thinner) - 0.01) / 0.1 - edge, 0.0, 1.0) ** 2 * water.c / water.support
-    return np.where(thinner * excess > 0.0, rate, np.where((excess > 0.0) & (edge < 0.1), -rate, 0.0))
+    share = np.clip((np.abs(thinner) - 0.03 - 0.06 * edge) / 0.1, 0.0, 1.0)
+    return np.where(thinner * excess > 0.0, share * water.c / water.support, 0.0)
 
 
 def dfsph(water: Water, p: np.ndarray, left_out: str = "") -> dict[str, np.ndarray]:

@@ -370,18 +370,6 @@ def test_poured_water_takes_the_room_of_its_mass(monkeypatch):
     assert depth > 1.1 * 0.449 and abs(lack) < 0.02
 
 
-def test_a_collapsed_column_keeps_the_room_of_its_mass():
-    """Particles of water five rows deep that sloshes; they stand 3 % denser than they say if pressure only leaks."""
-    fill = [{"min": [-0.805, -0.3], "max": [-0.205, 0.0]}]
-    scene = {"basin": {"length": 1.61, "depth": 0.3}, "render": None, "duration": 8.0, "runtime": {"threads": 1}}
-    with Simulation(load(scene | {"fluid": {"kind": "delta_sph", "spacing": 0.025, "fill": fill}})) as simulation:
-        swelling = []
-        while simulation.time < 8.0:
-            simulation.step()
-            swelling.append(simulation.fluid.status.swelling)
-        assert abs(np.mean(swelling[-len(swelling) // 4 :])) < 0.02
-
-
 def test_a_gate_that_rises_faster_than_water_follows_draws_none_up():
     """Its impulse is that of friction-free faces: none upwards, where it was 8.4 N s of water that stuck to its end."""
     gate = {"min": [-0.205, -0.3], "max": [-0.175, 0.3], "velocity": [0.0, 4.4, 0.0], "until": 0.12}

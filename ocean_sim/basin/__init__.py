@@ -619,6 +619,12 @@ class Basin:
         ends = zip(self.lower, self.upper, kinds)
         return tuple(up - low if kind == "periodic" else 0.0 for low, up, kind in ends)  # type: ignore[return-value]
 
+    def has_potential(self, steady_force: Sequence[float]) -> bool:
+        """True if all work of gravity is a loss of potential energy: without a `steady_force` (3,) [m/s2], and neither
+        in a tank that moves nor along a periodic axis."""
+        periodic = any(period > 0.0 and g != 0.0 for period, g in zip(self.periods, self.gravity, strict=True))
+        return not (periodic or any(steady_force) or self.config.motion is not None)
+
     @cached_property
     def sides(self) -> tuple[Side, ...]:
         """Walls, bed and lid at which the water is mirrored; open and periodic sides are left out."""

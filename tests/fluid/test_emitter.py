@@ -154,14 +154,15 @@ def test_a_closed_basin_has_no_room_for_more_than_it_holds():
         load({"basin": basin, "fluid": {"kind": "delta_sph", "spacing": 0.05, "emitter": INTO | {"cap": 250}}})
 
 
-def test_a_run_tells_what_was_emitted(tmp_path):
+@pytest.mark.parametrize("motion", [None, {"axis": "x", "amplitude": 0.05, "period": 0.5}])
+def test_a_run_tells_what_was_emitted(motion, tmp_path):
     from ocean_sim import run
 
     fluid = {"kind": "ballistic", "spacing": 0.05, "emitter": INTO}
     scene = {
         "duration": 0.16,
         "accuracy": {"every": 0.04},
-        "basin": {"length": 1.0, "depth": 0.5},
+        "basin": {"length": 1.0, "depth": 0.5, "motion": motion},
         "fluid": fluid,
         "runtime": {"threads": 1},
     }

@@ -73,7 +73,7 @@ class ParticleWater(ParticleFluid):
 
             self.rim = SeaRim(around)
         self.summing = budget.Summing(self.particles)
-        self.jet = lattice.jet
+        self.jet, self.lifts = lattice.jet, basin.has_potential(config.steady_force)
         self.time = 0.0  # [s]
         self.emitted_impulse, self.emitted_work = np.zeros(3), 0.0  # [N s], [J]
         self.contacts = []
@@ -178,7 +178,9 @@ class ParticleWater(ParticleFluid):
         self.append_particles(first, x.astype(precision), v.astype(precision))
         self.particles.count.set(last)
         self.emitted_impulse += self.particles.mass * v.sum(axis=0)
-        energy = 0.5 * (v * v).sum() - (x @ self.pull.gravity).sum()
+        energy = 0.5 * (v * v).sum()
+        if self.lifts:
+            energy -= (x @ self.pull.gravity).sum()
         self.emitted_work += self.particles.mass * float(energy)
         before, fastest = self.status, float(np.linalg.norm(v, axis=1).max())
         self.begin()
@@ -210,7 +212,7 @@ class ParticleWater(ParticleFluid):
 
     def budget(self) -> dict[str, np.ndarray]:
         """Impulse [N s] and work [J] of each force term since the start, (4,) each, by name; empty unless impulses are
-        summed. The work of an emitter is all energy that its water brings, kinetic and potential."""
+        summed. The work of an emitter is all energy that its water brings, kinetic and potential if it has any."""
         total = self.accounts.totals()
         if total and self.jet is not None:
             total["emitter"] = np.append(self.emitted_impulse, self.emitted_work)

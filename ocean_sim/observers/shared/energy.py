@@ -23,7 +23,7 @@ class Balance:
         """`working`: names of the forces whose work is summed, in the order in which they are added."""
         inner = CONVERSION_TERMS[: 1 if simulation.fluid.solvers else 2]  # incompressible water stores no energy
         self.outer_terms = [term for term in working if term not in inner]  # they give and take energy
-        self.driven = falls_without_potential(simulation)
+        self.driven = not simulation.basin.has_potential(simulation.scene.fluid.steady_force)
         self.at_first = None
 
     def residual(self, energy: float, potential_energy: float, work: dict[str, float]) -> float:
@@ -87,13 +87,6 @@ def energy_scale(simulation: Simulation) -> float:
     return stored + 0.5 * particles.rest_density * sea.gravity * float((sea.amplitude**2).sum()) * area
 
 
-def falls_without_potential(simulation: Simulation) -> bool:
-    """True if gravity or body force does work beyond potential energy, as in a moving tank or along a periodic axis."""
-    basin = simulation.basin
-    periodic = any(period > 0.0 and g != 0.0 for period, g in zip(basin.periods, basin.gravity, strict=True))
-    return periodic or any(simulation.scene.fluid.steady_force) or basin.config.motion is not None
-
-
 def separable_work_terms(simulation: Simulation) -> list[str]:
     """Names of the forces whose summed work is the energy given to the water; empty where that is unknown.
 
@@ -118,4 +111,6 @@ def gains_energy(simulation: Simulation) -> bool:
     """True if wind, moving walls or obstacles, ships, inflow or a body force may give energy to the water."""
     scene, basin = simulation.scene, simulation.basin
     moved = has_driving_walls(basin) or basin.gates or simulation.ships
-    return bool(not scene.wind.still or moved or scene.fluid.driven or falls_without_potential(simulation))
+    return bool(
+        not scene.wind.still or moved or scene.fluid.driven or not basin.has_potential(scene.fluid.steady_force)
+    )

@@ -21,7 +21,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from math import ceil
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,7 +29,6 @@ from numpy.typing import ArrayLike
 from ocean_sim.basin import MeshObstacle
 from ocean_sim.basin.motion import Gate
 from ocean_sim.columns import Columns
-from ocean_sim.fluid.bodies.relief import Relief
 from ocean_sim.fluid.neighbours.grid import Grid
 from ocean_sim.fluid.neighbours.images import POSITION_SIGN, mirror_direction, mirror_velocity
 from ocean_sim.fluid.neighbours.point_sum import PointSum
@@ -40,6 +39,9 @@ from ocean_sim.fluid.sph.particles import Components, Particles
 from ocean_sim.fluid.sph.smoothing import Smoothing
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Doubles2, Doubles3, Template, in_kernels
+
+if TYPE_CHECKING:  # it is imported only where a bed has a shape
+    from ocean_sim.fluid.bodies.relief import Relief
 
 MOTION_COLUMNS = Columns(
     position=3, rotation=9, velocity=3, angular_velocity=3, acceleration=3, angular_acceleration=3, gone=1
@@ -166,7 +168,7 @@ class Boundary:
         pull: Pull,
         smoothing: Smoothing,
         accounts: bool,
-        relief: Relief | None = None,
+        relief: "Relief | None" = None,
     ) -> None:
         """Make the fields of these bodies. `accounts`: True if the work of moving bodies is summed; `relief`: of the
         body that is the bed."""

@@ -13,7 +13,7 @@ from ocean_sim import waves
 from ocean_sim.basin.motion import NOT_MOVED, AnyWavemaker, Gate, Motion, Piston
 from ocean_sim.basin.open_sea import Absorbing, OpenSea
 from ocean_sim.conventions import GRAVITY, AxisName
-from ocean_sim.files.bathymetry import Heights, read_heights
+from ocean_sim.files.bathymetry import Heights, is_map, read_heights
 from ocean_sim.files.input_file import FileName, Unreadable
 from ocean_sim.model import Model, Vector2, Vector3, quantity
 
@@ -155,6 +155,13 @@ class Floor(Model):
         assert self.grid is not None
         return read_heights(self.grid, self.grid_centre or (0.0, 0.0))
 
+    @property
+    def middle(self) -> list[float]:
+        """Middle of the grid, as `grid_centre` gives it [m]."""
+        (x, z, _), centre = self.nodes, self.grid_centre or (0.0, 0.0)
+        way = -0.5 if self.grid is not None and is_map(self.grid) else 0.5
+        return [centre[0] + way * float(x[0] + x[-1]), centre[1] + 0.5 * float(z[0] + z[-1])]
+
     def shape_problems(self, basin: "Basin") -> Iterator[tuple[tuple[str, ...], str]]:
         """Yield faults (key path below the floor, sentence) of the bed's shape in this basin."""
         key = "profile" if self.profile is not None else "grid"
@@ -166,7 +173,7 @@ class Floor(Model):
         for axis, nodes in (("x", x), ("z", z)):
             low, up = basin.lower["xyz".index(axis)], basin.upper["xyz".index(axis)]
             if nodes[0] > low + BOX_ROUNDING or nodes[-1] < up - BOX_ROUNDING:
-                middle = "" if self.grid is None else f"; its middle is at {axis} = {0.5 * (nodes[0] + nodes[-1]):g} m"
+                middle = "" if self.grid is None else f"; its middle lies at grid_centre: {self.middle}"
                 reach = f"reaches from {axis} = {nodes[0]:g} to {nodes[-1]:g} m, the basin from {low:g} to {up:g} m"
                 yield (key,), f"the bed {reach}{middle}"
                 return

@@ -16,6 +16,7 @@ from ocean_sim.files.bathymetry import Heights
 
 Boxes = Sequence[tuple[np.ndarray, np.ndarray]]  # lower and upper corner of each [m]
 LAYERS_A_SPACING = 2  # of samples: a single one drives still water up a slope of 1:20 at 0.01 sqrt(g h)
+DRY_WARNED = 0.5  # share of a bed's plan that is dry, of which `check` warns
 WAVE_ROWS = 8.0  # [spacings] of depth that waves need
 SLICE_HALF = 1.0  # [m] half the width of the bed in a slice
 FIT_ITERATIONS = 40  # at which still water is as calm as at 100
@@ -210,13 +211,16 @@ class Ground:
         ]
 
     def warnings(self, spacing: float) -> list[str]:
-        """Warning of water too shallow for waves, for particles a `spacing` [m] apart."""
+        """Warnings of a bed mostly dry, and of water too shallow for waves, for particles a `spacing` [m] apart."""
         places, _ = self.columns(spacing, 0.0)
         depth = -self.heights(places)
         shallow = places[(depth > 0.0) & (depth < WAVE_ROWS * spacing), 0]
+        found = []
+        if (depth <= 0.0).mean() > DRY_WARNED:
+            found.append("most of the bed is dry; heights count upwards from still water: are these depths, downwards?")
         if len(shallow) == 0:
-            return []
-        return [
+            return found
+        return found + [
             f"between x = {shallow.min():.3g} and {shallow.max():.3g} m the water over the bed is less than "
             f"{WAVE_ROWS:g} spacings deep in places: waves are coarse there; take a smaller spacing"
         ]

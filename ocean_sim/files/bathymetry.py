@@ -11,9 +11,12 @@ from ocean_sim.files.input_file import Checked, Rule, Unreadable, open_netcdf, r
 
 ESRI_ENDINGS, NETCDF_ENDINGS = (".asc", ".grd"), (".nc", ".cdf")
 ESRI_HEADINGS = ("ncols", "nrows", "cellsize")
+HIGHEST_LAND = 9000.0  # [m] above which a height is none
+METRES = ("", "m", "meter", "meters", "metre", "metres")
+EASTWARD = ("x", "e", "lon")  # how names of places along east begin
 UNEVEN_SHARE = 1e-3  # of a step by which nodes may lie off a regular grid
 GRID_RULE = Rule("heights [m], upwards from the still water, are finite and on a regular grid of two rows and columns")
-METRES_RULE = Rule("places are in metres, in a projection, not in degrees")
+METRES_RULE = Rule("places are in metres, in a projection, not in degrees; heights are in metres")
 CHECKS = (Checked("Heights of a bed, `basin.floor.grid`: CSV, .asc or .nc", (GRID_RULE, METRES_RULE)),)
 
 
@@ -31,18 +34,25 @@ def read_heights(path: str | Path, centre: Sequence[float]) -> Heights:
     ending = Path(path).suffix.lower()
     read = _read_esri if ending in ESRI_ENDINGS else _read_netcdf if ending in NETCDF_ENDINGS else _read_table
     x, z, y = read(path)
-    x, z = x - centre[0], z - centre[1]
-    if read is not _read_table:
+    x, z, y = x - centre[0], z - centre[1], np.where(np.abs(y) < HIGHEST_LAND, y, np.nan)
+    if is_map(path):
         x, y = -x[::-1], y[::-1]
     if min(y.shape, default=0) < 2 or not np.isfinite(y).all():
         missing = int((~np.isfinite(y)).sum())
         size = " x ".join(map(str, y.shape))
-        raise GRID_RULE.broken(path, f"{missing} heights are missing" if missing else f"it has {size} heights")
+        raise GRID_RULE.broken(
+            path, f"{missing} heights are missing, or of 9000 m and more" if missing else f"it has {size} heights"
+        )
     for name, nodes in (("x", x), ("z", z)):
         steps = np.diff(nodes)
         if np.ptp(steps) > UNEVEN_SHARE * abs(steps.mean()):
             raise GRID_RULE.broken(path, f"its steps along {name} are {steps.min():g} to {steps.max():g} m")
     return Heights(x, z, y)
+
+
+def is_map(path: str | Path) -> bool:
+    """True if places in this file are east and north."""
+    return Path(path).suffix.lower() in (*ESRI_ENDINGS, *NETCDF_ENDINGS)
 
 
 def _read_table(path: str | Path) -> Heights:
@@ -52,6 +62,8 @@ def _read_table(path: str | Path) -> Heights:
     z, j = np.unique(across, return_inverse=True)
     y = np.full((len(x), len(z)), np.nan)
     y[i, j] = height
+    if (twice := y[i, j] != height).any():
+        raise GRID_RULE.broken(path, f"x = {along[twice][0]:g}, z = {across[twice][0]:g} m has two heights")
     return Heights(x, z, y)
 
 
@@ -80,14 +92,19 @@ def _read_netcdf(path: str | Path) -> Heights:
     try:
         with open_netcdf(path) as file:
             (flat,) = [each for each in file.variables.values() if len(each.dimensions) == 2]
-            north, east = (file.variables[name] for name in flat.dimensions)
-            units = [vars(axis).get("units", b"m").decode() for axis in (east, north)]
+            names = sorted(flat.dimensions, key=lambda name: name.lower().startswith(EASTWARD))
+            north, east = (file.variables[name] for name in names)
+            told = [vars(each).items() for each in (east, north, flat)]
+            traits = [{key: value.decode() for key, value in each if isinstance(value, bytes)} for each in told]
+            turned = names != list(flat.dimensions)
             x, z, y = (np.asarray(np.ma.filled(1.0 * each[:], np.nan), dtype=float) for each in (east, north, flat))
     except (KeyError, TypeError, ValueError, OSError) as error:
         if isinstance(error, Unreadable):
             raise
         raise GRID_RULE.broken(path, "it has no single variable of two dimensions with places along both") from None
-    if any("degree" in unit for unit in units):
-        raise METRES_RULE.broken(path, f"its places are in {units[0]}")
-    order = np.argsort(x), np.argsort(z)
-    return Heights(x[order[0]], z[order[1]], y.T[np.ix_(*order)])
+    units = [each.get("units", "m") for each in traits]
+    if not {unit.lower() for unit in units} <= set(METRES):
+        raise METRES_RULE.broken(path, f"its places and heights are in {', '.join(units)}")
+    downwards = traits[2].get("positive") == "down" or "depth" in traits[2].get("standard_name", "")
+    order, y = (np.argsort(x), np.argsort(z)), (y if turned else y.T) * (-1.0 if downwards else 1.0)
+    return Heights(x[order[0]], z[order[1]], y[np.ix_(*order)])

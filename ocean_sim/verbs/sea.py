@@ -47,6 +47,8 @@ def sea(
             raise Refused(f"{scene}: is no scene; --set, --swd and --openfast are for scenes")
         describe_file(Path(scene), time, point, spreading, out, as_json)
         return
+    if Path(scene).suffix not in ("", ".yaml", ".yml"):
+        raise Refused(f"{scene}: there is no such file")
     if time is not None or out is not None:
         raise Refused("--time and --out are for a file of spectra, not for a scene")
     if swd is None and openfast is None:

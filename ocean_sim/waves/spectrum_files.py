@@ -102,7 +102,7 @@ def read_spectrum(path: str | Path, time: str | None, point: int) -> tuple[datet
     the file; raises Unreadable if there is none."""
     records = {f"{each.time:{TIME_FORM}}" if each.time else "": each for each in read_spectra(path)}
     first, *_, last = [*records, *records]
-    asked = first if time is None and len(records) == 1 else (time or "").replace(" ", "T")[:16]
+    asked = first if time is None and len(records) == 1 else in_utc(time or "")
     if asked not in records:
         wrong = "" if time is None else f", not {quoted_piece(time)}"
         raise Unreadable(path, f"name one of its {len(records)} times, {first} to {last}{wrong}")
@@ -111,6 +111,15 @@ def read_spectrum(path: str | Path, time: str | None, point: int) -> tuple[datet
         there = [f"{k}" for k, each in enumerate(found.points, 1) if each is not None]
         raise Unreadable(path, f"it has no spectrum of point {point}, but of {', '.join(there[:8])}")
     return found.time, spectrum
+
+
+def in_utc(time: str) -> str:
+    """Time as the files have it, in UTC to the minute; as it is given if it is none."""
+    try:
+        there = datetime.fromisoformat(time)
+    except ValueError:
+        return time
+    return f"{there.astimezone(UTC) if there.tzinfo else there:{TIME_FORM}}"
 
 
 def measured(words: Iterable[str]) -> np.ndarray:

@@ -7,6 +7,8 @@ import pytest
 from scipy.io import netcdf_file
 
 from ocean_sim import Simulation, load
+from ocean_sim.files.bathymetry import read_heights
+from ocean_sim.files.input_file import Unreadable
 from ocean_sim.files.yaml_file import SceneError
 from tests.conftest import quickly
 
@@ -28,8 +30,9 @@ def scene(floor, fluid=None, **basin):
     }
 
 
-def write_mound(path):
-    """Heights of a mound on a grid of 0.1 m, in the format that the file's ending names; east of a map is -x."""
+def write_mound(path, turned=False, **traits):
+    """Heights of a mound on a grid of 0.1 m, in the format that the file's ending names; east of a map is -x. `turned`:
+    east is the first dimension of a netCDF file; `traits`: of its heights."""
     x, z = np.linspace(-1.0, 1.0, 21), np.linspace(-0.5, 0.5, 11)
     y = -DEPTH + 0.3 * np.exp(-((x[:, None] - 0.3) ** 2 + (z - 0.1) ** 2) / 0.1)
     if path.suffix == ".csv":
@@ -43,7 +46,10 @@ def write_mound(path):
             for name, nodes in (("x", x), ("y", z)):
                 file.createDimension(name, len(nodes))
                 file.createVariable(name, "d", (name,))[:] = nodes
-            file.createVariable("elevation", "d", ("y", "x"))[:] = y[::-1].T
+            heights = file.createVariable("elevation", "d", ("x", "y") if turned else ("y", "x"))
+            heights[:] = (y[::-1] if turned else y[::-1].T) * (-1.0 if "positive" in traits else 1.0)
+            for name, value in traits.items():
+                setattr(heights, name, value)
     return y
 
 
@@ -77,6 +83,26 @@ def test_heights_on_a_grid_read_alike_in_three_formats(ending, tmp_path):
     assert tank.ground.y == pytest.approx(np.maximum(y, -DEPTH), abs=1e-12)
     with pytest.raises(SceneError, match="the bed reaches from x = "):
         load(scene({"grid": str(file), "grid_centre": [0.2, 0.0]}, {"spacing": 0.1}, width=1.0))
+
+
+def test_a_map_says_its_dimensions_its_direction_and_its_unit(tmp_path):
+    file = tmp_path / "mound.nc"
+    for traits in ({"turned": True}, {"positive": "down"}, {"turned": True, "units": "m"}):
+        y = write_mound(file, **traits)
+        assert read_heights(file, (0.0, 0.0)).y == pytest.approx(y, abs=1e-12)
+    write_mound(file, units="feet")
+    with pytest.raises(Unreadable, match="its places and heights are in m, m, feet"):
+        read_heights(file, (0.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    "row, sentence",
+    [("0,0.5,-0.4\n0,0,-0.1", "x = 0, z = 0 m has two heights"), ("0,0.5,9999", "1 heights are missing, or of 9000")],
+)
+def test_a_table_that_cannot_be_is_refused(row, sentence, tmp_path):
+    (tmp_path / "bed.csv").write_text(f"x_m,z_m,y_m\n0,0,-0.4\n1,0,-0.4\n1,0.5,-0.4\n{row}")
+    with pytest.raises(Unreadable, match=sentence):
+        read_heights(tmp_path / "bed.csv", (0.0, 0.0))
 
 
 @pytest.mark.parametrize("profile", quickly(SLOPE, SAWTOOTH))

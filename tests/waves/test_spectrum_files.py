@@ -382,6 +382,11 @@ def test_a_bad_file_is_refused_in_one_sentence(case, tmp_path, capsys):
         read_spectra(path)
 
 
+def test_a_time_may_have_an_offset_from_utc():
+    there = read_spectrum(BUOY, "2020-06-02T06:50+02:00", 1)
+    assert there[0] == read_spectrum(BUOY, "2020-06-02T04:50", 1)[0] == datetime(2020, 6, 2, 4, 50)
+
+
 def test_a_missing_companion_an_unknown_name_and_another_time_are_refused(tmp_path):
     path = write_ndbc(tmp_path, one_sea())
     with pytest.raises(Unreadable, match=r"name one of its 1 times, 2026-10-03T12:00 to .*, not '2026-10-03T13:00'"):

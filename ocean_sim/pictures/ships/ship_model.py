@@ -17,25 +17,6 @@ from ocean_sim.pictures.stage.render_order import RenderFailed
 from ocean_sim.pictures.stage.sky import painted_light
 from ocean_sim.pictures.water import water_shading
 
-PAINTS = {  # linear RGB
-    "white": (0.80, 0.80, 0.77),
-    "cream": (0.74, 0.64, 0.42),
-    "grey": (0.30, 0.32, 0.34),
-    "steel": (0.55, 0.57, 0.58),
-    "black": (0.018, 0.019, 0.021),
-    "rubber": (0.030, 0.029, 0.028),
-    "glass": (0.010, 0.014, 0.018),
-    "navy": (0.014, 0.030, 0.105),
-    "green": (0.012, 0.075, 0.055),
-    "oxide": (0.26, 0.050, 0.028),
-    "teak": (0.46, 0.27, 0.12),
-    "wood": (0.28, 0.115, 0.038),
-    "orange": (0.78, 0.24, 0.020),
-    "yellow": (0.80, 0.52, 0.030),
-    "blue": (0.0, 0.165, 0.445),
-    "emerald": (0.0, 0.342, 0.171),
-}
-
 STYLE_WORDS = {"yacht": "yacht", "tug": "tug", "barge": "barge", "box": "barge", "outline": "yacht"}  # in a look
 FILE_PAINTS = "oxide", "white", "navy", "teak"  # of a hull from a file, which may bring its own house
 BODY_PAINTS = "grey", "white", "yellow", "orange"  # of a body without a style: test bodies
@@ -88,8 +69,11 @@ def build_model(
 
 @cache
 def style_of(name: str) -> dict[str, Any]:
-    """Style of a kind of ship, as the mapping in its file in configs/look/."""
+    """Style of a kind of ship, or the paints, as the mapping in its file in configs/look/."""
     return dict(read_mapping(library("configs") / "look" / f"{name}.yaml").plain())
+
+
+PAINTS = style_of("paints")  # linear RGB
 
 
 def styled_model(hull: Hull, style: dict[str, Any], helm: np.ndarray | None) -> ShipModel:

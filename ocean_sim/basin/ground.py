@@ -98,9 +98,11 @@ class Ground:
     def runup(self, position: np.ndarray, spacing: float, axis: int = 0) -> float:
         """Height [m] of the highest place of the bed that particles at `position` (n, 3) [m] touch, with water near
         the bed along `axis` from there to the lowest place without a gap; NaN without any."""
-        near = position[self.distances(position) <= RUNUP_GAP * spacing]
-        near = near[np.argsort(near[:, axis])]
-        touch, bed = self.distances(near) <= TOUCH_DISTANCE * spacing, self.heights(near[:, [0, 2]])
+        position = position[np.argsort(position[:, axis])]
+        away = self.distances(position)
+        over = away <= RUNUP_GAP * spacing
+        near, touch = position[over], away[over] <= TOUCH_DISTANCE * spacing
+        bed = self.heights(near[:, [0, 2]])
         if not touch.any():
             return float("nan")
         stretch = np.cumsum(np.diff(near[:, axis], prepend=near[0, axis]) > RUNUP_GAP * spacing)
@@ -210,20 +212,20 @@ class Ground:
             f"{depth.max() / spacing:.3g} spacings deep{shore}"
         ]
 
-    def warnings(self, spacing: float) -> list[str]:
-        """Warnings of a bed mostly dry, and of water too shallow for waves, for particles a `spacing` [m] apart."""
+    def warnings(self, spacing: float, waves: bool) -> list[str]:
+        """Warnings of a bed mostly dry and, where there are `waves`, of water too shallow for them, for particles a
+        `spacing` [m] apart."""
         places, _ = self.columns(spacing, 0.0)
-        depth = -self.heights(places)
+        depth, found = -self.heights(places), []
         shallow = places[(depth > 0.0) & (depth < WAVE_ROWS * spacing), 0]
-        found = []
         if (depth <= 0.0).mean() > DRY_WARNED:
             found.append("most of the bed is dry; heights count upwards from still water: are these depths, downwards?")
-        if len(shallow) == 0:
-            return found
-        return found + [
-            f"between x = {shallow.min():.3g} and {shallow.max():.3g} m the water over the bed is less than "
-            f"{WAVE_ROWS:g} spacings deep in places: waves are coarse there; take a smaller spacing"
-        ]
+        if waves and len(shallow):
+            found.append(
+                f"between x = {shallow.min():.3g} and {shallow.max():.3g} m the water over the bed is less than "
+                f"{WAVE_ROWS:g} spacings deep in places: waves are coarse there; take a smaller spacing"
+            )
+        return found
 
     def displaced(self, positions: np.ndarray, boxes: Boxes, lattice: Lattice) -> np.ndarray:
         """(n,) True for the `positions` (n, 3) [m] of particles that fill `boxes` whose place the bed takes."""

@@ -11,9 +11,9 @@ from ocean_sim.files.input_file import Checked, Rule, Unreadable, open_netcdf, r
 
 ESRI_ENDINGS, NETCDF_ENDINGS = (".asc", ".grd"), (".nc", ".cdf")
 ESRI_HEADINGS = ("ncols", "nrows", "cellsize")
-HIGHEST_LAND = 9000.0  # [m] above which a height is none
-METRES = ("", "m", "meter", "meters", "metre", "metres")
-EASTWARD = ("x", "e", "lon")  # how names of places along east begin
+HIGHEST_GROUND = 9000.0  # [m] above which a height is none
+METRE_UNITS = ("", "m", "meter", "meters", "metre", "metres")
+EAST_PREFIXES = ("x", "e", "lon")  # how names of places along east begin
 UNEVEN_SHARE = 1e-3  # of a step by which nodes may lie off a regular grid
 GRID_RULE = Rule("heights [m], upwards from the still water, are finite and on a regular grid of two rows and columns")
 METRES_RULE = Rule("places are in metres, in a projection, not in degrees; heights are in metres")
@@ -34,15 +34,14 @@ def read_heights(path: str | Path, centre: Sequence[float]) -> Heights:
     ending = Path(path).suffix.lower()
     read = _read_esri if ending in ESRI_ENDINGS else _read_netcdf if ending in NETCDF_ENDINGS else _read_table
     x, z, y = read(path)
-    x, z, y = x - centre[0], z - centre[1], np.where(np.abs(y) < HIGHEST_LAND, y, np.nan)
+    x, z, y = x - centre[0], z - centre[1], np.where(np.abs(y) < HIGHEST_GROUND, y, np.nan)
     if is_map(path):
         x, y = -x[::-1], y[::-1]
     if min(y.shape, default=0) < 2 or not np.isfinite(y).all():
         missing = int((~np.isfinite(y)).sum())
         size = " x ".join(map(str, y.shape))
-        raise GRID_RULE.broken(
-            path, f"{missing} heights are missing, or of 9000 m and more" if missing else f"it has {size} heights"
-        )
+        absent = f"{missing} heights are missing, or of {HIGHEST_GROUND:g} m and more"
+        raise GRID_RULE.broken(path, absent if missing else f"it has {size} heights")
     for name, nodes in (("x", x), ("z", z)):
         steps = np.diff(nodes)
         if np.ptp(steps) > UNEVEN_SHARE * abs(steps.mean()):
@@ -92,19 +91,21 @@ def _read_netcdf(path: str | Path) -> Heights:
     try:
         with open_netcdf(path) as file:
             (flat,) = [each for each in file.variables.values() if len(each.dimensions) == 2]
-            names = sorted(flat.dimensions, key=lambda name: name.lower().startswith(EASTWARD))
+            names = sorted(flat.dimensions, key=lambda name: name.lower().startswith(EAST_PREFIXES))
             north, east = (file.variables[name] for name in names)
             told = [vars(each).items() for each in (east, north, flat)]
             traits = [{key: value.decode() for key, value in each if isinstance(value, bytes)} for each in told]
-            turned = names != list(flat.dimensions)
             x, z, y = (np.asarray(np.ma.filled(1.0 * each[:], np.nan), dtype=float) for each in (east, north, flat))
     except (KeyError, TypeError, ValueError, OSError) as error:
         if isinstance(error, Unreadable):
             raise
         raise GRID_RULE.broken(path, "it has no single variable of two dimensions with places along both") from None
     units = [each.get("units", "m") for each in traits]
-    if not {unit.lower() for unit in units} <= set(METRES):
+    if not {unit.lower() for unit in units} <= set(METRE_UNITS):
         raise METRES_RULE.broken(path, f"its places and heights are in {', '.join(units)}")
     downwards = traits[2].get("positive") == "down" or "depth" in traits[2].get("standard_name", "")
-    order, y = (np.argsort(x), np.argsort(z)), (y if turned else y.T) * (-1.0 if downwards else 1.0)
+    order, y = (
+        (np.argsort(x), np.argsort(z)),
+        (y.T if names == list(flat.dimensions) else y) * (-1.0 if downwards else 1.0),
+    )
     return Heights(x[order[0]], z[order[1]], y[np.ix_(*order)])

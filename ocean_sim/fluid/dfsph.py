@@ -211,9 +211,8 @@ class Forces(Force):
         self.reads = (*fluid.particles.position, *fluid.particles.velocity, fluid.held_pressure)
         further = ({"rub": 3} if self.viscous else {}) | ({"filled": 1} if fluid.rubs else {})
         self.terms = Columns(push=3, **further)
-        self.factor = (
-            fluid.pressing
-        )  # of the pressure sum: m / rho0^2 times the constant of grad W, over `Stencil.gain`
+        # Of the pressure sum: m / rho0^2 times the constant of grad W, over `Stencil.gain`.
+        self.factor = fluid.pressing
         self.rubbing = 2.0 * viscosity * fluid.stencil.volume * fluid.stencil.slope / fluid.stencil.gain
         self.per_component = fluid.smoothing.dimension + 2.0  # of the central form over that of one component
         self.squared_gap = 1e-6 * fluid.smoothing.support**2  # [m2] keeps two particles in one position finite

@@ -22,7 +22,7 @@ from ocean_sim.validation.shared.tables import table, table_path
 Compare = Callable[[np.ndarray, np.ndarray], list[Number]]
 """Numbers from times (n,) [s] and records (n, 2 + m) [m]: how high water climbs bed and last wall, m elevations."""
 
-WEIGHT = 1000.0 * GRAVITY  # [N/m3]
+SPECIFIC_WEIGHT = 1000.0 * GRAVITY  # [N/m3]
 STILL_BEDS = {  # points x, y [m]
     "1:20": [[-1.0, -0.4], [-0.6, -0.4], [1.0, -0.32]],
     "1:5": [[-1.0, -0.4], [-0.6, -0.4], [1.0, -0.08]],
@@ -41,7 +41,7 @@ RETURNS = {  # cotangent, share that comes back, its source and tolerance
     "slope 1:1": (1.0, 0.95, "0.9 to 1", {"delta_sph": 5.0}),
     "slope 1:3": (3.0, 0.587, "Iribarren number of 2.79, Seelig & Ahrens 1981", {}),
 }
-SHORE = 4.0 * WAVELENGTH  # [m] from the piston to where the bed leaves the water
+SHORE_X = 4.0 * WAVELENGTH  # [m] from the piston to where the bed leaves the water
 SAMPLE_INTERVAL = 0.02  # [s] in a flume
 BAR_BED = [[0.0, -0.8], [11.01, -0.8], [23.04, -0.2], [27.04, -0.2], [33.07, -0.8], [45.0, -0.8]]
 BAR_WAVE_HEIGHT, BAR_PERIOD, BAR_TIME, BAR_RECORD = 0.04, 2.858, 35.0, 4.0  # [m], [s], [s], [periods]
@@ -85,7 +85,7 @@ def mesh_problem(name: str, coarse: bool) -> Problem:
 
 def measure_buoyancy(simulation: Simulation) -> Finding:
     """Run; measure the mean force on the mesh after its first 0.1 s."""
-    weight = WEIGHT * simulation.basin.meshes[0].mesh.volume
+    weight = SPECIFIC_WEIGHT * simulation.basin.meshes[0].mesh.volume
     times, up = record_run(simulation, 0.05, lambda _: -simulation.fluid.impulse["obstacles"][1])
     force = (up[-1] - up[SETTLING_SAMPLES]) / (times[-1] - times[SETTLING_SAMPLES])
     curve = Curve("mesh", times[1:], np.diff(up) / np.diff(times) / weight)
@@ -140,8 +140,8 @@ def measure_still(simulation: Simulation) -> Finding:
 
     times, values = record_run(simulation, simulation.scene.duration / 100.0, motion)
     means = values[-STILL_SAMPLES:].mean(axis=0)
-    pressure, exact = means[2:], -WEIGHT * points[:, 1]
-    off = 100.0 * float(np.abs(pressure - exact).mean()) / (WEIGHT * depth)
+    pressure, exact = means[2:], -SPECIFIC_WEIGHT * points[:, 1]
+    off = 100.0 * float(np.abs(pressure - exact).mean()) / (SPECIFIC_WEIGHT * depth)
     numbers = [*map(absolute_error, (means[0], means[1], off)), percent_error(pressure.mean(), exact.mean())]
     return Finding(numbers, [Curve("water", times[1:], values[1:, 0])], [], ("time [s]", "rms speed / sqrt(g h)"))
 
@@ -195,9 +195,9 @@ def beach_problem(ratio: float, coarse: bool) -> Problem:
 def slope_problem(name: str, coarse: bool) -> Problem:
     """Set-up of regular waves that come back from a wall or a slope of RETURNS."""
     cotangent, expected, source, tolerance = RETURNS[name]
-    foot, top = SHORE - cotangent * DEPTH, [SHORE + 0.4 * cotangent * DEPTH, 0.4 * DEPTH]
+    foot, top = SHORE_X - cotangent * DEPTH, [SHORE_X + 0.4 * cotangent * DEPTH, 0.4 * DEPTH]
     gauges = foot - 0.6 * WAVELENGTH + np.array([-0.35, 0.0, 0.25])
-    begin, end = (SHORE + 0.6 * WAVELENGTH) / GROUP_SPEED + 3.0 * PERIOD, (3.0 * SHORE - WAVELENGTH) / GROUP_SPEED
+    begin, end = (SHORE_X + 0.6 * WAVELENGTH) / GROUP_SPEED + 3.0 * PERIOD, (3.0 * SHORE_X - WAVELENGTH) / GROUP_SPEED
     promises = [Promise(f"{name}: height that comes back, of the incident", "%", source, tolerance)]
 
     def compare(times: np.ndarray, records: np.ndarray) -> list[Number]:

@@ -42,13 +42,12 @@ def sea(
     as_json: Json = False,
 ) -> None:
     """Write the waves of a scene as files, or describe and draw the spectrum in a file."""
-    if Path(scene).is_file() and Path(scene).suffix not in (".yaml", ".yml"):
+    suffix = Path(scene).suffix
+    if suffix not in (".yaml", ".yml") and (suffix or Path(scene).is_file()):
         if sets or swd or openfast:
             raise Refused(f"{scene}: is no scene; --set, --swd and --openfast are for scenes")
         describe_file(Path(scene), time, point, spreading, out, as_json)
         return
-    if Path(scene).suffix not in ("", ".yaml", ".yml"):
-        raise Refused(f"{scene}: there is no such file")
     if time is not None or out is not None:
         raise Refused("--time and --out are for a file of spectra, not for a scene")
     if swd is None and openfast is None:
@@ -90,8 +89,8 @@ def describe_file(
     path: Path, time: str | None, point: int, spreading: Spreading, out: Path | None, as_json: bool
 ) -> None:
     """Describe and draw the spectrum of a point at a time in a file, or list all times of the file."""
-    records, rows, files = read_spectra(path), list[dict[str, Any]](), list[Path]()
-    if time is None and len(records) > 1:
+    records, rows, files = read_spectra(path) if time is None else [], list[dict[str, Any]](), list[Path]()
+    if len(records) > 1:
         title = f"{path}: take one of these as --time"
         for when, points in records:
             first = next(filter(None, points))

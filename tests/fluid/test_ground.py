@@ -105,6 +105,13 @@ def test_a_table_that_cannot_be_is_refused(row, sentence, tmp_path):
         read_heights(tmp_path / "bed.csv", (0.0, 0.0))
 
 
+def test_a_bed_mostly_dry_is_warned_of():
+    for profile, told in (([[-1.0, 0.35], [-0.7, 0.4], [1.0, -0.1]], True), (SLOPE, False)):
+        config = load(scene({"profile": profile}))
+        warnings = config.fluid.warnings(config.preflight)
+        assert any("are these depths, downwards?" in warning for warning in warnings) == told
+
+
 @pytest.mark.parametrize("profile", quickly(SLOPE, SAWTOOTH))
 def test_still_water_stays_still_over_a_shaped_bed(profile):
     """Within 0.8 % of sqrt(g h), at the pressure of its depth on the bed within 1 %."""

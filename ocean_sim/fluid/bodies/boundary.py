@@ -184,8 +184,7 @@ class Boundary:
         self.moving, self.working = bool(self.gates), accounts and any_moves(bodies)
         self.given = sum(not body.floats for body in bodies)  # they come first; what floats moves after the water
         self.shaped = relief is not None
-        if relief is not None:
-            self.relief = relief
+        self.relief: Any = relief
         self.uncounted = next((k for k, body in enumerate(bodies) if not body.counts), -1)
         self.speed = 0.0  # [m/s] of the fastest gate
         # In the order of the bodies; positions are from the origin [m], in the body's axes and in those of the tank.

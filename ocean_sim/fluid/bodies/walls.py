@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 from math import inf, pi
+from typing import Any
 
 import numpy as np
 
@@ -169,9 +170,7 @@ class Target:
 class Walls:
     """Walls, floor and obstacles, from which particles bounce at `collision_distance`, and absorbing zones."""
 
-    def __init__(self, lattice: Lattice, images: Images, support: float) -> None:
-        """`support`: reach of images and samples [m]."""
-        self.support = support
+    def __init__(self, lattice: Lattice, images: Images) -> None:
         gap = lattice.config.collision_distance * lattice.spacing
         low, up = lattice.basin.stops()
         # Planes [m] at which walls, floor and lid stop the centres of particles, and their distance from a wall.
@@ -195,10 +194,11 @@ class Walls:
         self.limited = limit is not None
         self.limit = (limit or 0.0) * lattice.spacing  # [m]
         self.shaped = lattice.basin.ground is not None
+        self.relief: Any = None  # the Relief of a bed with a shape
         if lattice.basin.ground is not None:
             from ocean_sim.fluid.bodies.relief import Relief
 
-            self.ground = Relief(lattice.basin.ground, lattice.spacing, support)
+            self.relief = Relief(lattice.basin.ground, lattice.spacing, images.support)
         meshes = lattice.basin.meshes.values()
         self.nets = [(n, mesh.net(lattice.spacing), mesh) for n, mesh in enumerate(meshes)]
         if self.nets:
@@ -240,7 +240,7 @@ class Walls:
                 v = self.reflect(v, wall, normal)
                 x[k] = inside
         if ti.static(self.shaped):
-            away, normal = self.ground.distance(x)
+            away, normal = self.relief.distance(x)
             if away < self.gap:
                 x += (self.gap - away) * normal
                 v = self.reflect(v, tm.vec3(0.0), normal)
@@ -262,7 +262,7 @@ class Walls:
         """Velocity [m/s] of the pistons whose images push water at x [m]; zero where none is near."""
         v = tm.vec3(0.0)
         for s, axis, _upper in ti.static(self.pistons):
-            if ti.abs(x[axis] - self.images.side[s, SIDE_COLUMNS.position]) < self.support:
+            if ti.abs(x[axis] - self.images.side[s, SIDE_COLUMNS.position]) < self.images.support:
                 v[axis] += 0.5 * self.images.side[s, SIDE_COLUMNS.twice_velocity + axis]
         return v
 

@@ -28,7 +28,7 @@ class Images:
 
     def __init__(self, size: GridSize) -> None:
         sides = size.lattice.basin.sides
-        self.sides, self.deepest = len(sides), 1
+        self.sides, self.deepest, self.support = len(sides), 1, size.support
         rows = []
         for side in sides:
             last = size.cells[side.axis] - 2

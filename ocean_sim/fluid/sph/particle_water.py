@@ -61,11 +61,10 @@ class ParticleWater(ParticleFluid):
         self.tasks = Tasks(self.particles.count, size.groups, size.plan.stride)
         self.surface = FreeSurface(self.particles, self.grid, self.smoothing)
         self.around = self.surface.around
-        self.walls = Walls(lattice, self.grid.images, size.support)
+        self.walls = Walls(lattice, self.grid.images)
         self.pull = Pull(basin, config.body_force)
         if basin.rough_bed is not None:
-            relief = self.walls.ground if self.walls.shaped else None
-            self.bed = Bed(basin.rough_bed, lattice, self.smoothing, relief)
+            self.bed = Bed(basin.rough_bed, lattice, self.smoothing, self.walls.relief)
         around = relaxation_band(lattice)
         self.sea = around.sea if around is not None else None
         if around is not None:

@@ -149,8 +149,9 @@ class SphConfig(WaterConfig):
         found, basin = super().warnings(preflight), preflight.tank
         if basin.rough_bed is not None:
             found += basin.rough_bed.warnings(self.lattice(basin).row)
-        if basin.ground is not None and (basin.piston is not None or basin.config.motion is not None):
-            found += basin.ground.warnings(self.lattice(basin).spacing)
+        if basin.ground is not None:
+            waves = basin.piston is not None or basin.config.motion is not None
+            found += basin.ground.warnings(self.lattice(basin).spacing, waves)
         if "compression" not in self.unheeded:
             found += self.stiffness_warnings(basin) or self.weight_warnings(basin, preflight.duration)
         lattice = self.start_lattice(preflight)
@@ -416,8 +417,8 @@ class Sph(ParticleWater):
 
             lattice, support = sizes.lattice, sizes.support
             bodies = [*fixed_bodies(lattice, support), *floating_bodies(lattice, support).values()]
-            relief = self.walls.ground if self.walls.shaped else None
-            self.boundary = Boundary(bodies, self.particles, self.grid, self.pull, self.smoothing, accounts, relief)
+            water = self.particles, self.grid, self.pull, self.smoothing
+            self.boundary = Boundary(bodies, *water, accounts, self.walls.relief)
         own = len(self.carried) - (config.told_to_bodies if self.bodies else 0)
         self.last_acceleration = self.carried[own:]  # [m/s2], which solid bodies are told
         pull = self.pull.constant, self.pull

@@ -112,8 +112,8 @@ class Displacing(Protocol):
     body: Any  # `position` (3,) of its centre of mass [m]
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
-        """Positions x, z (m, 2) [m] of the water that the body displaces, and the volume at each (m,) [m3]; m is 0 if
-        the body's law of motion does not compute them."""
+        """x, z and depth below the surface (m, 3) [m] of the water that the body displaces, and volumes (m,) [m3]; m is
+        0 if the body's law of motion does not compute them."""
 
 
 class Fluid(Protocol):

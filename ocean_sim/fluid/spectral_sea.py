@@ -2,9 +2,13 @@
 
 The sea from afar is a sum of plane waves, in closed form (`order: 1`), or a nonlinear sea on a tile that repeats itself
 (`order: 3`, `open_sea/high_order.py`). Each ship pushes a tile of her own, which travels with her and fades at its rim
-(`open_sea/wave_tile.py`); the winds push another one. A ship presses on the water with rho g times her draught in each
-cell, smoothed over a cell, so that the sum is her buoyancy. She feels the sea, the winds' waves and those of other
-ships, never her own: her law of motion holds their force already (added mass and damping, or `radiation`).
+(`open_sea/wave_tile.py`); the winds push another one. She feels the sea, the winds' waves and those of other ships,
+never her own: her law of motion holds their force already (added mass and damping, or `radiation`).
+
+A ship makes waves as the volume that she displaces, by layers. A volume D per area at a depth d that changes in time is
+a source; with eta' = eta - D f, f = cosh k (h - d) / cosh kh, the conditions at the surface become those of waves eta'
+under a pressure rho g D f (Wehausen & Laitone 1960, Surface Waves, 13). At rest eta is 0 around her; where she floats
+it is shown as low as her hull, smoothed over a cell.
 """
 
 from collections.abc import Sequence
@@ -218,14 +222,21 @@ class OwnWaves(OnTile):
     def __init__(self, tile: Tile, ship: Displacing | None = None) -> None:
         """Start with calm water; `ship`: maker of the waves, None for the wind."""
         self.tile, self.ship, self.layer, self.time, self.begun = tile, ship, Layer(tile), 0.0, False
+        self.hollow = self.felt = np.zeros(1)
+        """Modes of the ship's volume per area, as it is and as the surface feels it [m]."""
+        self.velocity = np.zeros(2)  # of the ship through the water [m/s]
 
     def covers(self, points: np.ndarray) -> np.ndarray:
         return self.layer.covers(points)
 
     def modes_at(self, time: float) -> TileModes:
         """Fourier modes of these waves at a time [s], extrapolated from the tile's last step."""
-        e, p = self.layer.propagate(time - self.time)
-        return TileModes(e, p, -self.tile.gravity * e)
+        dt, tile = time - self.time, self.tile
+        e, p = self.layer.propagate(dt)
+        u, w = self.velocity
+        onward = np.exp(-1j * dt * (tile.kx * u + tile.kz * w)) if self.velocity.any() else 1.0
+        around = e + onward * self.felt
+        return TileModes(around - onward * self.hollow, p, -tile.gravity * around)
 
 
 class NonlinearSea(OnTile):
@@ -413,8 +424,10 @@ class SpectralSea(OpenWater):
         """Advance a ship's waves `made` by dt [s] under her displaced volume; raise Diverged if they are not finite."""
         points, volumes = ship.displaced()
         centre = np.array([ship.body.position[0], ship.body.position[2]]) - self.drift
-        pressure = self.tile.gravity * self.tile.spread_modes(points - self.drift, volumes)
+        made.hollow, made.felt = self.tile.displaced_modes(points - [*self.drift, 0.0], volumes)
+        pressure = self.tile.gravity * made.felt
         if made.begun:
+            made.velocity = (centre - made.layer.centre) / dt
             made.layer.advance(dt, pressure, centre)
             if not np.isfinite(made.layer.eta).all():
                 raise Diverged("the waves that a ship makes stopped being numbers; try a shorter fluid.step")

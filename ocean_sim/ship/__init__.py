@@ -149,8 +149,8 @@ class Ship(Protocol):
         """Plan-view outline and height range of the hull at its present pose; None where the ship has no shape."""
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
-        """(m, 2) positions x, z [m] and (m,) volumes [m3] of the water that the hull displaces; m may be 0."""
-        return np.zeros((0, 2)), np.zeros(0)
+        """(m, 3) x, z and depths [m] and (m,) volumes [m3] of the water that the hull displaces; m may be 0."""
+        return np.zeros((0, 3)), np.zeros(0)
 
     def limits(self) -> "Limits":
         """Time scales [s] of the fastest motion of the ship, a fraction of which bounds the time step."""

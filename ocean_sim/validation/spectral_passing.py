@@ -60,14 +60,14 @@ class GaussianPressure(Displacing):
     def __init__(self) -> None:
         ticks = np.arange(-3.0, 3.01, 0.125)
         x, z = np.meshgrid(ticks * WIDTH_ALONG, ticks * WIDTH_ACROSS, indexing="ij")
-        self.points = np.stack([x.ravel(), z.ravel()], axis=1)
-        shape = np.exp(-((self.points / [WIDTH_ALONG, WIDTH_ACROSS]) ** 2).sum(axis=1))
+        self.points = np.stack([x.ravel(), z.ravel(), np.zeros(x.size)], axis=1)
+        shape = np.exp(-((self.points[:, :2] / [WIDTH_ALONG, WIDTH_ACROSS]) ** 2).sum(axis=1))
         self.whole = PRESSURE_PEAK / (WATER_DENSITY * GRAVITY) * shape * (0.125 * WIDTH_ALONG) * (0.125 * WIDTH_ACROSS)
         self.body, self.share = SimpleNamespace(position=np.zeros(3)), 0.0
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
-        """Points (n, 2) x, z [m] and displaced volumes (n,) [m3] at the present position."""
-        return self.points + self.body.position[[0, 2]], self.share * self.whole
+        """Points (n, 3) x, z, depth [m] and displaced volumes (n,) [m3] at the present position."""
+        return self.points + self.body.position[[0, 2, 1]], self.share * self.whole
 
 
 def passing_waters(simulation: Simulation) -> tuple:

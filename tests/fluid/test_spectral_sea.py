@@ -30,13 +30,16 @@ KNOWN = ("elevation", "velocity", "acceleration")
 
 
 class Float:
-    """Something of some volume that displaces water where it is told to be."""
+    """Something of some volume that displaces water where it is told to be, evenly down to its draught."""
 
-    def __init__(self, x: float = 0.0, z: float = 0.0, volume: float = 8.0) -> None:
+    def __init__(self, x: float = 0.0, z: float = 0.0, volume: float = 8.0, draught: float = 0.0) -> None:
         self.body, self.volume = Body(np.array([x, 0.0, z])), volume
+        self.depths = draught * (np.arange(20) + 0.5) / 20
 
     def displaced(self):
-        return self.body.position[None, [0, 2]], np.array([self.volume])
+        x, _, z = self.body.position
+        points = np.stack([np.full(20, x), np.full(20, z), self.depths], axis=1)
+        return points, np.full(20, self.volume / 20)
 
 
 class Body:
@@ -227,6 +230,24 @@ def test_a_ship_alone_does_not_feel_what_she_makes_and_others_do(sea):
     np.testing.assert_allclose(mine.elevations(flat) + yours.elevations(flat), pair.elevations(flat), atol=1e-12)
     assert np.abs(alone.elevations(flat)).max() > 0.01
     assert not alone.undisturbed_elevations(flat, alone.elevations(flat)).any()
+
+
+def test_a_body_at_rest_leaves_the_surface_level_and_one_that_moves_makes_lower_waves_the_deeper_it_is(sea):
+    u, height = 4.0, {}
+    for draught in (0.0, 2.0):
+        water, body = sea(FLUME, tile=120.0, cells=256, step=0.05), Float(draught=draught, volume=0.3)
+        water.add_ships([body])
+        water.advance(0.05)
+        x = np.linspace(4.0, 15.0, 50)
+        points = np.stack([x, 0.0 * x], axis=1)
+        assert np.ptp(water.elevations(points)) < 1e-4
+        for n in range(1, 801):
+            body.body.position[0] = u * 0.05 * n
+            water.advance(0.05)
+        wake = np.stack([u * 40.0 - np.linspace(10.0, 30.0, 400), np.zeros(400)], axis=1)
+        height[draught] = water.elevations(wake).std()
+    k = G / u**2
+    assert height[2.0] / height[0.0] == pytest.approx((1.0 - np.exp(-2.0 * k)) / (2.0 * k), rel=0.01)
 
 
 def test_a_sea_undisturbed_by_ships_is_what_comes_from_afar_and_what_winds_make(sea):

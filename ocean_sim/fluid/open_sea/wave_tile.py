@@ -21,6 +21,7 @@ from ocean_sim.waves import MIN_LATTICE_POINTS, profiles
 
 RIM_SHARE = 0.15  # share of the side, at each edge of the tile, in which waves are damped
 PER_TILE = 6.0  # waves on a tile, for which the rim is made
+UPPER_NODE, LOWER_NODE = 0.5 - 1.0 / 12**0.5, 0.5 + 1.0 / 12**0.5  # of Gauss's rule, over a depth
 RIM_DAMPING_RATIO = 0.8  # decay of these waves over their frequency, at the edge itself
 
 
@@ -149,6 +150,16 @@ class Tile:
         shares = np.concatenate([left * bottom, right * bottom, left * top, right * top]) * np.tile(amounts, 4)
         total = np.bincount(cells, shares, self.cells * self.rows)
         return self.smoothing / self.cell**2 * self.to_modes(total.reshape(self.shape))
+
+    def displaced_modes(self, points: np.ndarray, volumes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Modes of the volume per area [m] of volumes (m,) [m3] at x, z and depth (m, 3) [m]: as it is, and as the
+        surface feels it, weighted by cosh k (h - depth) / cosh kh. The weight is linear between two depths, those of
+        Gauss's rule from the surface to the deepest point."""
+        depth, deepest = points[:, 2], max(float(points[:, 2].max(initial=0.0)), 1e-9)
+        low = (depth / deepest - UPPER_NODE) / (LOWER_NODE - UPPER_NODE)
+        upper, lower = (self.spread_modes(points[:, :2], part * volumes) for part in (1.0 - low, low))
+        over, under = (profiles(self.k, -node * deepest, self.depth)[0] for node in (UPPER_NODE, LOWER_NODE))
+        return upper + lower, over * upper + under * lower
 
     def interpolate(self, values: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Values (m,) at points x, z (m, 2) [m], by a cubic along each axis (Keys 1981, IEEE Trans. ASSP 29)."""

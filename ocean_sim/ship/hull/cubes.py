@@ -86,7 +86,7 @@ class Cubes:
         box = np.stack([0.5 * (lower + upper), 0.5 * (upper - lower)], axis=1).reshape(-1, 3)
         numbers = (np.ascontiguousarray(array, dtype=real) for array in (arm, cubes.area[upwards], volume, box))
         self.upload_cubes(*numbers, upwards.astype(np.int32))
-        self.found = np.zeros((self.n, 3))
+        self.found = np.zeros((self.n, 4))
         # The pose, and the sums of each block.
         self.table = np.zeros((1 + self.blocks, max(ROW_COLUMNS.size, SUM_COLUMNS.size)))
 
@@ -132,18 +132,18 @@ class Cubes:
     def displaced_water(
         self, body: RigidBody, around: SurroundingWater | SurroundingSea
     ) -> tuple[np.ndarray, np.ndarray]:
-        """x and z (m, 2) [m] of the cubes under water at the pose of a body, and the volume that each displaces (m,)
-        [m3]. The water surface is that `around` the hull at the last load, moved on by its current."""
+        """x, z and depth below the surface (m, 3) [m] of the wet part of each cube at the pose of a body, and volumes
+        (m,) [m3]. The water surface is that `around` the hull at the last load, moved on by its current."""
         write_pose(self.table[0], body)
         middle = around.middle_now()
         self.table[0, [pose.position, pose.position + 2]] -= middle
         self.find_immersed(around, self.table, self.found)
-        wet = self.found[self.found[:, 2] > 0.0]
-        return wet[:, :2] + middle, wet[:, 2]
+        wet = self.found[self.found[:, 3] > 0.0]
+        return wet[:, :3] + [*middle, 0.0], wet[:, 3]
 
     @ti.kernel
     def find_immersed(self, around: Template, table: Array2, found: Array2):
-        """Write x, z [m] and volume [m3] under the water `around` of each cube to `found` (n, 3); pose in `table`."""
+        """Write x, z, depth [m] and volume [m3] of the wet part of each cube to `found` (n, 4); pose in `table`."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for block in range(self.blocks):
             position, turn = row_vector(table, pose.position), row_matrix(table)
@@ -151,8 +151,10 @@ class Cubes:
             tall = ti.sqrt((self.size_squared * up).dot(up))  # as far as each reaches upwards [m]
             for k in range(block * BLOCK_CUBES, ti.min((block + 1) * BLOCK_CUBES, self.n)):
                 x = position + turn @ self.arm[k]
-                share = tm.clamp((around.elevation(x.x, x.z) - x.y) / tall + 0.5, 0.0, 1.0)
-                found[k, 0], found[k, 1], found[k, 2] = x.x, x.z, share * self.volume[k]
+                depth = around.elevation(x.x, x.z) - x.y
+                share = tm.clamp(depth / tall + 0.5, 0.0, 1.0)
+                found[k, 0], found[k, 1], found[k, 2] = x.x, x.z, depth + 0.5 * tall * (1.0 - share)
+                found[k, 3] = share * self.volume[k]
 
     @ti.kernel
     def sum_blocks(self, around: Template, water: Template, wind: Template, table: Array2):

@@ -234,6 +234,23 @@ def test_a_recorded_wall_counts_from_its_place_at_time_0(tmp_path):
     assert made.path.advance == pytest.approx(0.2, abs=1e-5) and made.path.retreat == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.parametrize(
+    "seconds, metres, told",
+    [
+        (1e3, 1.0, ["are its times in milliseconds?"]),
+        (1.0, 20.0, ["is x_m in metres, and time_s"]),
+        (1.0, 1.0, []),
+    ],
+)
+def test_a_recorded_wall_in_other_units_is_warned_of(tmp_path, seconds, metres, told):
+    t, path = np.linspace(0.0, 3.0, 61), tmp_path / "piston.csv"
+    rows = np.stack([seconds * t, 0.05 * metres * np.sin(pi * t) ** 2], 1)
+    np.savetxt(path, rows, delimiter=",", header="time_s,x_m", comments="")
+    config = flume(file=str(path))
+    found = config.basin.wavemaker.warnings(config.preflight.tank, 3.0)
+    assert len(found) == len(told) and all(sentence in warning for sentence, warning in zip(told, found))
+
+
 FLUME = {"basin": {"length": 4.0, "depth": 0.2, "walls": {"x_max": "absorbing"}}, "duration": 3.0}
 FLUME |= {"fluid": {"kind": "delta_sph", "spacing": 0.04}}
 

@@ -13,7 +13,7 @@ from ocean_sim import waves
 from ocean_sim.basin.motion import NOT_MOVED, AnyWavemaker, Gate, Motion, Piston
 from ocean_sim.basin.open_sea import Absorbing, OpenSea
 from ocean_sim.conventions import GRAVITY, AxisName
-from ocean_sim.files.bathymetry import Heights, is_map, read_heights
+from ocean_sim.files.bathymetry import HIGHEST_GROUND, Heights, is_map, read_heights
 from ocean_sim.files.input_file import FileName, Unreadable
 from ocean_sim.model import Model, Vector2, Vector3, quantity
 
@@ -35,6 +35,7 @@ Corners = tuple[tuple[float, ...], tuple[float, ...]]
 Problems = list[tuple[tuple[str | int, ...], str]]  # key path, sentence
 SAME_DIGITS = 0.005  # of the decimal logarithm: a per cent, by which gravity differs over the Earth and in tables
 LEVEL_ROUNDING = 1e-6  # of the depth by which a bed may be deeper, as numbers of single precision are
+HIGHEST_BED = 50.0  # [depth of the basin] of a bed over still water: no water reaches so high
 BOX_ROUNDING = 1e-9  # [m] by which a box may reach over a side or into another one
 MESH_ROUNDING = 1e-6  # of its size by which a mesh may, as files have numbers of single precision
 
@@ -177,9 +178,17 @@ class Floor(Model):
                 reach = f"reaches from {axis} = {nodes[0]:g} to {nodes[-1]:g} m, the basin from {low:g} to {up:g} m"
                 yield (key,), f"the bed {reach}{middle}"
                 return
+        y = self.nodes.around(basin.plan_sides).y
+        if missing := int((~np.isfinite(y)).sum()):
+            yield (key,), f"{missing} heights in the basin are missing, or of {HIGHEST_GROUND:g} m and more"
+            return
         if y.min() < (1.0 + LEVEL_ROUNDING) * basin.lower[1]:
             deep = f"reaches down to y = {y.min():g} m, and the basin is {basin.depth:g} m deep"
             yield (key,), f"the bed {deep}; y counts upwards from the still water"
+            return
+        if y.max() > HIGHEST_BED * basin.depth:
+            high = f"rises to y = {y.max():g} m over water {basin.depth:g} m deep"
+            yield (key,), f"the bed {high}, where no water comes: are its heights in metres? else cut it off"
             return
         ground = basin.shaped_bed
         if ground.y.min() >= 0.0:
@@ -665,6 +674,11 @@ class Basin:
         sound = isinstance(floor, Floor) and floor.shaped and not any(floor.shape_problems(self))
         return self.shaped_bed if sound else None
 
+    @property
+    def plan_sides(self) -> list[tuple[float, float]]:
+        """Lowest and highest place [m] along x and z."""
+        return [(low, up) for low, up in zip(self.lower[::2], self.upper[::2])]
+
     @cached_property
     def shaped_bed(self) -> "Ground":
         """Bed with the shape of the floor, sound or not, cut at the sides of the basin; raises Unreadable."""
@@ -673,8 +687,8 @@ class Basin:
         floor = self.config.floor
         assert isinstance(floor, Floor)
         periodic = self.periods[0] > 0.0, self.periods[2] > 0.0
-        sides = [(low, up) for low, up in zip(self.lower[::2], self.upper[::2])]
-        return Ground.within(sides, floor.nodes, self.lower[1], self.dimension, periodic, floor.slip == "no_slip")
+        sides, traits = self.plan_sides, (periodic, floor.slip == "no_slip")
+        return Ground.within(sides, floor.nodes.around(sides), self.lower[1], self.dimension, *traits)
 
     @property
     def solids(self) -> list[Solid]:

@@ -35,6 +35,7 @@ CHECKS = (
     Checked("Motion of the tank, `basin.motion.file`: a table over time of four rows or more", (ONE_AXIS,)),
     Checked("Path of a wavemaker, `basin.wavemaker.file`: a table over time of four rows or more", ()),
 )
+LONGEST_PATH = 300.0  # [duration of a run] of the path of a wavemaker; beyond it times are likely in milliseconds
 PATH_MOMENTS = 400  # times at which the path of an obstacle is checked
 PATH_COLUMNS = ("x_m", "y_m", "z_m")  # columns of a table of ways
 SLICE_AXES = ("x", "y", "roll_z")  # along and about which a vertical slice can move
@@ -423,8 +424,16 @@ class RecordedWavemaker(Wavemaker):
         return found + [(("file",), "waves need a free surface; this basin has none")] * basin.closed
 
     def warnings(self, basin: waves.Tank, duration: float) -> list[str]:
-        path = display_path(self.file)
-        return csv_file.unreached_times_warning(path, self.rows()[0], duration, "the wavemaker never moves")
+        path, (times, moved) = display_path(self.file), self.rows()
+        found = csv_file.unreached_times_warning(path, times, duration, "the wavemaker never moves")
+        fastest, c = np.abs(np.diff(moved) / np.diff(times)).max(), sqrt(waves.downward_gravity(basin) * basin.depth)
+        if fastest > c:
+            fast = f"moves at up to {fastest:.3g} m/s, faster than long waves, {c:.3g} m/s"
+            found.append(f"the wavemaker's path in {path} {fast}: is x_m in metres, and time_s in seconds?")
+        if times[-1] > LONGEST_PATH * duration:
+            long = f"goes on to {times[-1]:.4g} s, and the run to {duration:g} s"
+            found.append(f"the wavemaker's path in {path} {long}: are its times in milliseconds?")
+        return found
 
     def path(self, depth: float, gravity: float) -> Path:
         """Path of the wall through the rows of the file; raises Unreadable."""

@@ -21,11 +21,19 @@ CHECKS = (Checked("Heights of a bed, `basin.floor.grid`: CSV, .asc or .nc", (GRI
 
 
 class Heights(NamedTuple):
-    """Heights `y` (n, m) [m] at regular nodes x (n,) and z (m,) [m]."""
+    """Heights `y` (n, m) [m] at regular nodes x (n,) and z (m,) [m]; NaN where one is missing."""
 
     x: np.ndarray
     z: np.ndarray
     y: np.ndarray
+
+    def around(self, sides: Sequence[tuple[float, float]]) -> "Heights":
+        """Heights at the nodes between the `sides`, lowest and highest place [m] along x and z, and the next beyond."""
+        (i, k), (j, n) = (
+            (max(np.searchsorted(nodes, low, "right") - 1, 0), np.searchsorted(nodes, up) + 1)
+            for nodes, (low, up) in zip((self.x, self.z), sides)
+        )
+        return Heights(self.x[i:k], self.z[j:n], self.y[i:k, j:n])
 
 
 def read_heights(path: str | Path, centre: Sequence[float]) -> Heights:
@@ -37,11 +45,8 @@ def read_heights(path: str | Path, centre: Sequence[float]) -> Heights:
     x, z, y = x - centre[0], z - centre[1], np.where(np.abs(y) < HIGHEST_GROUND, y, np.nan)
     if is_map(path):
         x, y = -x[::-1], y[::-1]
-    if min(y.shape, default=0) < 2 or not np.isfinite(y).all():
-        missing = int((~np.isfinite(y)).sum())
-        size = " x ".join(map(str, y.shape))
-        absent = f"{missing} heights are missing, or of {HIGHEST_GROUND:g} m and more"
-        raise GRID_RULE.broken(path, absent if missing else f"it has {size} heights")
+    if min(y.shape, default=0) < 2:
+        raise GRID_RULE.broken(path, f"it has {' x '.join(map(str, y.shape))} heights")
     for name, nodes in (("x", x), ("z", z)):
         steps = np.diff(nodes)
         if np.ptp(steps) > UNEVEN_SHARE * abs(steps.mean()):

@@ -138,7 +138,7 @@ class Table(dict[str, np.ndarray]):
         """Times (n,) [s] and wanted columns (n,); raises Unreadable unless all finite, times rise and n >= `fewest`."""
         time, *found = self.finite(TIME_COLUMN, *wanted)
         if len(time) < fewest:
-            raise WHOLE_TABLE_RULE.broken(self.path, f"it has {len(time)} rows, and {fewest} are needed")
+            raise WHOLE_TABLE_RULE.broken(self.path, f"it has {len(time)} rows, and a smooth path needs {fewest}")
         back = np.flatnonzero(np.diff(time) <= 0.0)
         if len(back):
             k = int(back[0])

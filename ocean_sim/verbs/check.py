@@ -129,10 +129,12 @@ def particle_room(config: SceneConfig, rows: list[LedgerRow], particles: int) ->
 def ship_facts(config: SceneConfig) -> dict[str, dict[str, Any]]:
     """Displacement, draught, metacentric heights and natural periods of each ship with a hull, by her name."""
     found = {name: ship.floats(config.preflight) for name, ship in config.ships.items()}
+    spacing = config.preflight.spacing
     return {
         name: {
             "displacement_kg": each.displacement,
             "draught_m": None if isinf(each.draught) else each.draught,
+            "draught_spacings": None if isinf(each.draught) or not spacing else each.draught / spacing,
             "gm_m": each.gm,
             "gm_longitudinal_m": each.gm_longitudinal,
             "gm_of_faces_m": each.gm_of_faces,
@@ -141,6 +143,13 @@ def ship_facts(config: SceneConfig) -> dict[str, dict[str, Any]]:
         for name, each in found.items()
         if each is not None
     }
+
+
+def resolves(spacings: float) -> str:
+    """Say whether water of particles resolves a ship with so many spacings in her draught."""
+    from ocean_sim.ship.body.floating import RESOLVED_SPACINGS
+
+    return "the water resolves her" if spacings >= RESOLVED_SPACINGS else "the water does not resolve her"
 
 
 def ledger_rows(found: dict[str, Any], config: SceneConfig) -> list[dict[str, Any]]:
@@ -221,10 +230,14 @@ def print_preflight(found: dict[str, Any], config: SceneConfig) -> None:
             periods = ", ".join(f"{motion} {t:.3g} s" for motion, t in ship["periods_s"].items() if t is not None)
             own = ship["gm_of_faces_m"]
             faces = "" if own is None else f" (by the faces of her hull {own:.3g} m)"
+            across = ship["draught_spacings"]
+            draught = f"draught {ship['draught_m']:.3g} m"
+            if across is not None:
+                draught += f" ({across:.3g} spacings: {resolves(across)})"
             console.say(
-                f"{called(name)}: {figures(ship['displacement_kg'])} kg, draught {ship['draught_m']:.3g} m, GM "
-                f"{ship['gm_m']:.3g} m{faces}, longitudinal "
-                f"GM {ship['gm_longitudinal_m']:.3g} m; natural periods: {periods}"
+                f"{called(name)}: {figures(ship['displacement_kg'])} kg, {draught}, "
+                f"GM {ship['gm_m']:.3g} m{faces}, longitudinal GM {ship['gm_longitudinal_m']:.3g} m; "
+                f"natural periods: {periods}"
             )
     for sentence in found["statements"]:
         console.say(sentence)

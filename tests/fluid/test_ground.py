@@ -85,6 +85,19 @@ def test_heights_on_a_grid_read_alike_in_three_formats(ending, tmp_path):
         load(scene({"grid": str(file), "grid_centre": [0.2, 0.0]}, {"spacing": 0.1}, width=1.0))
 
 
+def test_a_map_may_lack_heights_and_lie_deeper_outside_the_basin_only(tmp_path):
+    file = tmp_path / "mound.csv"
+    write_mound(file)
+    z = np.linspace(-0.5, 0.5, 11)
+    outside = "\n".join(f"{x},{b},{'9999' if b > 0.0 else '-7'}" for x in (-1.1, 1.1) for b in z)
+    file.write_text(file.read_text() + "\n" + outside)
+    ground = load(scene({"grid": str(file)}, width=1.0, fluid={"spacing": 0.1})).preflight.tank.ground
+    assert ground.y.min() == pytest.approx(-DEPTH, abs=1e-6)
+    file.write_text(re.sub(r"(?m)^0.0,0.0,.*$", "0.0,0.0,9999", file.read_text()))
+    with pytest.raises(SceneError, match="1 heights in the basin are missing, or of 9000 m"):
+        load(scene({"grid": str(file)}, width=1.0, fluid={"spacing": 0.1}))
+
+
 def test_a_map_says_its_dimensions_its_direction_and_its_unit(tmp_path):
     file = tmp_path / "mound.nc"
     for traits in ({"turned": True}, {"positive": "down"}, {"turned": True, "units": "m"}):
@@ -97,10 +110,10 @@ def test_a_map_says_its_dimensions_its_direction_and_its_unit(tmp_path):
 
 @pytest.mark.parametrize(
     "row, sentence",
-    [("0,0.5,-0.4\n0,0,-0.1", "x = 0, z = 0 m has two heights"), ("0,0.5,9999", "1 heights are missing, or of 9000")],
+    [("0,0.5,-0.4\n1,0.5,-0.4\n0,0,-0.1", "x = 0, z = 0 m has two heights"), ("", "it has 2 x 1 heights")],
 )
 def test_a_table_that_cannot_be_is_refused(row, sentence, tmp_path):
-    (tmp_path / "bed.csv").write_text(f"x_m,z_m,y_m\n0,0,-0.4\n1,0,-0.4\n1,0.5,-0.4\n{row}")
+    (tmp_path / "bed.csv").write_text(f"x_m,z_m,y_m\n0,0,-0.4\n1,0,-0.4\n{row}")
     with pytest.raises(Unreadable, match=sentence):
         read_heights(tmp_path / "bed.csv", (0.0, 0.0))
 
@@ -134,6 +147,10 @@ def test_still_water_stays_still_over_a_shaped_bed(profile):
             "basin.floor.profile: the bed reaches from x = -1 to 0 m, the basin",
         ),
         (scene({"profile": [[-1, -0.5], [1, 0.1]]}), "basin.floor.profile: the bed reaches down to y = -0.5 m"),
+        (
+            scene({"profile": [[-1, -0.4], [1, 300]]}),
+            "basin.floor.profile: the bed rises to y = 300 m over water",
+        ),
         (scene({"profile": [[-1, 0.4], [1, 0.1]]}), "basin.floor.profile: the bed lies above the water everywhere"),
         (scene({"profile": [[-1, -0.4], [1, -0.4]]}), "basin.floor.profile: the bed is flat, at y = -0.4 m"),
         (

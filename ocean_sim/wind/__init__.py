@@ -106,6 +106,11 @@ class Wind(ABC):
         """Lines and arrows that show the present wind in pictures; none for a wind that draws nothing."""
         return NO_DRAWING
 
+    @property
+    def real_velocity(self) -> tuple[float, float]:
+        """Velocity of the air along x and z [m/s], if it is a real wind, the same everywhere; else 0."""
+        return 0.0, 0.0
+
     @ti.func  # noqa: B027
     def set_clock(self, since, step):
         """Compute the wind's state in this step from the clock's `since` and `step` [s]; called as a kernel begins."""

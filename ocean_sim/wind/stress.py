@@ -299,6 +299,11 @@ class Stress(Wind):
         return Drawing(np.zeros((0, 2, 3)), tails, arrows, strongest, "m/s")
 
     @property
+    def real_velocity(self) -> tuple[float, float]:
+        _, _, _, x, z, speed = self.row.values
+        return speed * x, speed * z
+
+    @property
     def stress(self) -> float:
         """Present stress on the water [Pa]."""
         return hypot(self.row.values[ROW.stress_x], self.row.values[ROW.stress_z])

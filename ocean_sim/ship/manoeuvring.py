@@ -6,6 +6,7 @@ small heel and trim; current, first-order waves and wind are added.
 """
 
 from dataclasses import replace
+from functools import reduce
 from math import exp, pi, sqrt
 from typing import ClassVar, Literal
 
@@ -57,15 +58,15 @@ class Config(VesselConfig):
         return found
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        model = "the Otter's model" if self.mmg is None else "the MMG model"
-        seas = "plane waves carry her by first-order motions, superposed, without mean or slow drift"
+        model = "the Otter's model" if self.mmg is None else "her MMG model"
+        seas = "plane waves, not those on tiles (order 3), carry her to first order, superposed, without drift"
         seas = "waves do not move her" if preflight.fluid.made_of_particles else seas
         wind = "no wind acts on her (windage is null)" if self.windage is None else "a stress acts on her by windage"
         return [*super().warnings(preflight), f"{model} is of calm water: {seas}; a current does; {wind}"]
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        whose = "the Otter's model" if self.mmg is None else "an MMG model"
-        return [LedgerRow("ship", f"the matrices of {whose}", 0, "ship.kind is manoeuvring")]
+        model = "the Otter's model" if self.mmg is None else "an MMG model"
+        return [LedgerRow("ship", f"the matrices of {model}", 0, "ship.kind is manoeuvring")]
 
     def build(self, name: str, basin: Basin, fluid: Fluid) -> Ship:
         return Manoeuvring(name, self, basin, fluid)
@@ -86,8 +87,7 @@ def shift_matrix(arm: np.ndarray) -> np.ndarray:
 class Otter:
     """Mass, stiffness and damping of the Otter, in SNAME axes about its origin amidships at the still water."""
 
-    payload_mass, propeller_delay, time_scale = PAYLOAD_MASS, 0.1, 0.08  # [kg], [s], [s]
-    blade, level = None, False  # it has no rudder; its axes are those of the body
+    payload_mass, propeller_delay, time_scale, blade, level = PAYLOAD_MASS, 0.1, 0.08, None, False  # [kg], [s], [s]
 
     def __init__(self) -> None:
         self.mass = HULL_MASS + PAYLOAD_MASS
@@ -181,16 +181,17 @@ class Manoeuvring(Vessel):
         pitch, yaw, roll = body.angles
         r, omega, turning, inertia = body.matrix, body.rates, body.rates, body.inertia_body
         if model.level:  # so that waves do not tilt the forces of the manoeuvre
-            r = axis_rotation(1, float(yaw))
+            r = axis_rotation(1, yaw)
             tilt = r.T @ body.matrix
             omega, inertia = tilt @ omega, tilt @ inertia @ tilt.T
             turning = omega * [0.0, 1.0, 0.0]
         u, w = fluid.current
         through = body.velocity - np.array([u, 0.0, w])
-        flow, surge, place = np.zeros((3, 6))
-        if (sea := fluid.in_closed_form) is not None:
-            waves = sea.arriving(float(body.position[0]), float(body.position[2]))
-            flow, surge, place = wave_motion(waves, float(yaw), through, model.box, self.depth)
+        sea, (x, _, z) = fluid.in_closed_form, body.position.tolist()
+        still = np.zeros((3, 6))
+        flow, surge, place = (
+            still if sea is None else wave_motion(sea.arriving(x, z), yaw, through, model.box, self.depth)
+        )
         origin = r.T @ through - np.cross(omega, self.arm)
         spin = to_frame("ned", omega)
         nu = np.concatenate([to_frame("ned", origin), spin]) - flow
@@ -212,11 +213,10 @@ class Manoeuvring(Vessel):
         line += np.cross(twist, self.arm) + np.cross(omega, np.cross(omega, self.arm))
         turn = inertia @ twist + np.cross(omega, inertia @ omega)
         shared = {name: self.about_centre(load) for name, load in parts.items()}
-        whole = np.stack([body.mass * line, turn])
-        for name, other in shared.items():
-            if name != "damping":
-                whole = whole - other
-        shared["damping"] = whole  # with the added mass, and waves
+        others = [load for name, load in shared.items() if name != "damping"]
+        shared["damping"] = reduce(
+            np.subtract, others, np.stack([body.mass * line, turn])
+        )  # with added mass, and waves
         return Load.of({name: load @ r.T for name, load in shared.items()}, self.parts)
 
     def about_centre(self, load: np.ndarray) -> np.ndarray:

@@ -21,16 +21,13 @@ from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, a
 from ocean_sim.validation.shared.tables import table_path
 from ocean_sim.validation.ship_turn import RUDDER_ANGLE, circle_values, sail_rows, zigzag_record
 
-COARSE_TESTS = ("kvlcc2 circle 35 port", "kvlcc2 zig-zag 20 port")
-MODEL_WAKE = {"wake": 0.40, "revolutions": 2.0}
+COARSE_TEST = "kvlcc2 zig-zag 20 port"
+MODEL_WAKE = {"hull": [0.220, 0.40], "revolutions": 2.0}
 TURN_TIME, ZIGZAG_TIME, SETTLED_TIME = 1500.0, 600.0, 100.0  # [s]
-SAILED_SOURCE, ROLLED_SOURCE = (
-    "MARIN's free-running models (SIMMAN 2008, 2020)",
-    "Alexandersson et al. (2021), SSPA's model",
-)
-TOLERANCES = {"advance": 8.0, "tactical diameter": 8.0, "speed left": 10.0}  # [%]
+CIRCLE_TOLERANCES = {"advance": 8.0, "tactical diameter": 8.0, "speed left": 10.0}  # [%]
 OVERSHOOT_TOLERANCE, OVERSHOOT_SHARE = 2.5, 0.2  # [deg], and the share of the overshoot where that is more
 ROLL_TOLERANCES = {"period": 2.0, "decrement": 20.0}  # [%]
+SAILED, ROLLED = "MARIN's free-running models (SIMMAN 2008, 2020)", "SSPA's model (Alexandersson et al. 2021)"
 DECAYS = {  # speed [m/s], heel [deg] at first and 15 half swings later, period [s]
     "run 21337, at rest": (0.0, 9.573, 6.762, 20.92),
     "run 21338, at rest": (0.0, 10.417, 7.196, 20.91),
@@ -41,10 +38,10 @@ MIDDLE_BODY = (58.0, HEIGHT, 3.60, 221.8, 312653.0e3, 18.6, 23.2)  # as `ship_of
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Set-ups to run: one for each test; coarse: COARSE_TESTS."""
+    """Set-ups to run: one for each test; coarse: COARSE_TEST."""
     rows = csv_file.read_records(table_path("simman_free_running").read_text(encoding="utf-8"))
     tests = [sailed_problem(row) for row in rows]
-    return [test for test in tests if test.name in COARSE_TESTS] if coarse else [*tests, *map(decay_problem, DECAYS)]
+    return [test for test in tests if test.name == COARSE_TEST] if coarse else [*tests, *map(decay_problem, DECAYS)]
 
 
 def sailed_problem(row: dict[str, str]) -> Problem:
@@ -56,31 +53,26 @@ def sailed_problem(row: dict[str, str]) -> Problem:
     measured = {key: float(value) for key, value in list(row.items())[3:] if value}
     promises = []
     for key, value in measured.items():
-        limit = max(OVERSHOOT_TOLERANCE, OVERSHOOT_SHARE * value) if "deg" in key else TOLERANCES.get(key)
-        limits = {} if limit is None else {"manoeuvring": limit}
-        promises.append(Promise(f"{name}, {test}: {key}", "deg" if "deg" in key else "%", SAILED_SOURCE, limits))
-    look = partial(measure_sailed, test=test, speed=float(speed), measured=measured)
+        limit = CIRCLE_TOLERANCES.get(key, max(OVERSHOOT_TOLERANCE, OVERSHOOT_SHARE * value))
+        unit = "%" if key in CIRCLE_TOLERANCES else "deg"
+        promises.append(Promise(f"{name}, {test}: {key}", unit, SAILED, {"manoeuvring": limit}))
+    look = partial(measure_sailed, test=test, speed=float(speed), measured=list(measured.values()))
     scene = ships.at_sea(ship, LENGTH, 0.25)
     return Problem(scene, tuple(promises), look, f"{name} {test}", slot="ship", schemes=("manoeuvring",))
 
 
-def measure_sailed(simulation: Simulation, test: str, speed: float, measured: dict[str, float]) -> Finding:
+def measure_sailed(simulation: Simulation, test: str, speed: float, measured: list[float]) -> Finding:
     """Run a test from a speed [m/s]; compare its indices with those measured."""
     (kind, angle, side), ship = test.split(), cast(Any, ships.ship_of(simulation))
-    way, throttle = 1.0 if side == "port" else -1.0, held_throttle(ship, speed)
-    values: list[Any]
+    way, sailing = 1.0 if side == "port" else -1.0, (held_throttle(ship, speed), 0.0)
     if kind == "circle":
         turn = lambda time, yaw: way * radians(RUDDER_ANGLE)
-        rows = np.array(list(sail_rows(simulation, turn, TURN_TIME, throttle, 0.0)))
-        *values, _, last, _, _ = circle_values(rows, ship.model.box[0], SETTLED_TIME)
-        values.append(cast(float, last) / speed)
+        rows = np.array(list(sail_rows(simulation, turn, TURN_TIME, *sailing)))
+        found: list[Any] = circle_values(rows, ship.model.box[0], SETTLED_TIME)
+        numbers = list(map(percent_error, (found[0], found[2], found[4] / speed), measured))
     else:
-        rows, executed, overshoots = zigzag_record(simulation, float(angle), way, ZIGZAG_TIME, throttle, 0.0)
-        values = [executed[0], *overshoots]
-    numbers = [
-        (absolute_error if "deg" in key else percent_error)(value, reference)
-        for value, (key, reference) in zip(values, measured.items())
-    ]
+        rows, _, found = zigzag_record(simulation, float(angle), way, ZIGZAG_TIME, *sailing)
+        numbers = list(map(absolute_error, found, measured))
     return Finding(numbers, [Curve("track", rows[:, 1], rows[:, 2])], [], ("x, to port [m]", "z, ahead [m]"))
 
 
@@ -103,7 +95,7 @@ def decay_problem(name: str) -> Problem:
     ship["hull"]["shape"]["points"] += ends
     ship |= {"free": ["roll", "surge"], "damping": {"cross_flow": 0.0, "surge": 0.0, "ikeda": {}}}
     limits = {f"kvlcc2 {name}: {key}": {"dynamic": limit} for key, limit in ROLL_TOLERANCES.items()}
-    promises = tuple(Promise(key, "%", ROLLED_SOURCE, limit) for key, limit in limits.items())
+    promises = tuple(Promise(key, "%", ROLLED, limit) for key, limit in limits.items())
     look, scene = partial(measure_decay, name=name), ships.at_sea(ship, LENGTH, 0.1)
     return Problem(scene, promises, look, name, slot="ship", schemes=("dynamic",))
 

@@ -286,6 +286,7 @@ class Stress(Wind):
         numbers = along * ahead[0], along * ahead[1], part * self.config.sheltered(u10), *ahead, part * u10
         for column, number in enumerate(numbers):
             self.row.set(column, number)
+        self.real_velocity = part * u10 * ahead[0], part * u10 * ahead[1]
 
     def drawing(self) -> Drawing:
         """Arrows of the wind on a 4 x 4 grid over the water; length 1 is the greatest U10 of the scene."""
@@ -297,11 +298,6 @@ class Stress(Wind):
         push *= self.gain * self.config.blowing(self.time) * u10 / (strongest or 1.0)
         tails, arrows = np.stack([x, 0.0 * x, z], axis=1), np.tile(push, (len(x), 1))
         return Drawing(np.zeros((0, 2, 3)), tails, arrows, strongest, "m/s")
-
-    @property
-    def real_velocity(self) -> tuple[float, float]:
-        _, _, _, x, z, speed = self.row.values
-        return speed * x, speed * z
 
     @property
     def stress(self) -> float:

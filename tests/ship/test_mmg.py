@@ -61,7 +61,7 @@ def test_a_gentle_turn_is_that_of_the_linear_equations():
     side, lever = 1.0 + pushed, -0.5 + pushed * where
     # F' = force (delta + gamma (v' + l_R r') / stream), Y_R = -side F', N_R = -lever F'.
     turned = force * gamma / stream * np.array([1.0, arm])
-    rows = np.array([[sway["v"], sway["r"] - mass - c.added[0]], [yaw["v"], yaw["r"] - mass * c.centre[0] * far]])
+    rows = np.array([[-sway["b"], sway["r"] - mass - c.added[0]], [-yaw["b"], yaw["r"] - mass * c.centre[0] * far]])
     rows -= np.outer([side, lever], turned)
     assert np.linalg.det(rows) > 0.0  # stable on course
     v, r = np.linalg.solve(rows, np.array([side, lever]) * force * delta)
@@ -195,4 +195,4 @@ def test_a_term_that_is_none_and_shallow_water_are_refused():
         load(shallow)
     assert any("draws 10.8 m" in str(problem) for problem in refused.value.problems)
     told = [sentence for sentence in load(at_sea({"kind": "kcs"})).warnings() if "MMG" in sentence]
-    assert "superposed, without mean or slow drift" in told[0]
+    assert "to first order, superposed, without drift" in told[0]

@@ -17,7 +17,7 @@ from ocean_sim.ship.forces.propulsion import Rudder
 
 PROPELLER_POSITION = -0.48  # ahead of midships, over L
 Length = Annotated[float, Field(gt=0.0)]
-Terms = dict[Annotated[str, Field(pattern=r"^v*r*$", min_length=1)], float]
+Terms = dict[Annotated[str, Field(pattern=r"^(v*|b*)r*$", min_length=1)], float]
 
 
 class ScrewCoefficients(Model):
@@ -30,10 +30,8 @@ class ScrewCoefficients(Model):
     """n at full throttle, to which it is proportional, with a delay of 2 s; 0 astern."""
     thrust: Vector3 = quantity("1")
     """k0, k1, k2."""
-    deduction: float = quantity("1", ge=0.0, lt=1.0)
-    """Thrust deduction t."""
-    wake: float = quantity("1", ge=0.0, lt=1.0)
-    """Wake fraction w0."""
+    hull: Vector2 = quantity("1")
+    """Thrust deduction t and wake fraction w0."""
     wake_change: Vector3 = quantity("1", (0.0, 1.0, 1.0))
     """C1, and C2 where b is below 0 and where it is above."""
 
@@ -71,9 +69,8 @@ class MmgCoefficients(Model):
     resistance: float = quantity("1", ge=0.0)
     """R_0: resistance straight ahead."""
     hull: dict[Literal["surge", "sway", "yaw"], Terms] = {}
-    """Coefficients of the hull's force ahead and to starboard and moment to starboard: `vvr` is that of v' v' r'."""
-    drift_angle: bool = False
-    """True if v' in these terms is less the drift angle [rad] in place of v / U."""
+    """Coefficients of the hull's force ahead and to starboard and moment to starboard: `vvr` is that of v' v' r', `br`
+    that of r' times the drift angle [rad]."""
     propeller: ScrewCoefficients
     rudder: RudderCoefficients
 
@@ -102,7 +99,7 @@ class MmgHull:
         self.damping = 2.0 * shares * np.sqrt(np.diag(self.whole) * spring)
         self.time_scale = 0.16 * pi * sqrt(2.0 * draught / gravity)  # [s] of heave
         hull = [config.hull.get(motion, {}) for motion in ("surge", "sway", "yaw")]
-        self.terms = [[(name.count("v"), name.count("r"), c) for name, c in terms.items()] for terms in hull]
+        self.terms = [[(*map(name.count, "vbr"), c) for name, c in terms.items()] for terms in hull]
 
     def scaled_motion(self, nu: np.ndarray) -> tuple[float, float, float]:
         """Speed U [m/s] that forces are scaled with, v' and r', at a velocity (6,) through the water."""
@@ -113,8 +110,8 @@ class MmgHull:
     def drag_load(self, nu: np.ndarray) -> np.ndarray:
         """Load of the hull (eqs. 7 and 8), and linear damping of heave, roll and pitch."""
         speed, aside, turning = self.scaled_motion(nu)
-        aside = asin(aside) if self.config.drift_angle else aside
-        ahead, across, turn = (sum(c * aside**a * turning**b for a, b, c in terms) for terms in self.terms)
+        drift = -asin(aside)
+        ahead, across, turn = (sum(c * aside**v * drift**b * turning**r for v, b, r, c in row) for row in self.terms)
         ahead -= copysign(self.config.resistance, nu[0])
         load = -self.damping * nu
         scale = 0.5 * self.density * self.length * self.draught * speed**2
@@ -137,7 +134,7 @@ class MmgHull:
         angle = asin(-aside) - PROPELLER_POSITION * turning
         fading, below, above = screw.wake_change
         change = (1.0 - exp(-fading * abs(angle))) * ((above if angle > 0.0 else below) - 1.0)
-        return (1.0 - screw.wake) * (1.0 + change) * max(nu[0], 0.0)
+        return (1.0 - screw.hull[1]) * (1.0 + change) * max(nu[0], 0.0)
 
     def bare_thrust(self, inflow: float, revolutions: float) -> float:
         """Thrust [N] without its deduction, at a speed of the water [m/s] and revolutions [1/s] (eqs. 10 to 12)."""
@@ -163,4 +160,4 @@ class MmgHull:
         port, _, ahead = self.blade.blade_force(rudder, across, self.stream_speed(inflow, thrust), self.density)
         turn = -(self.blade.position[2] + pushed * where * self.length) * port
         steered = np.array([(1.0 - lost) * ahead, -(1.0 + pushed) * port, 0.0, 0.0, 0.0, turn])
-        return {"propeller": np.eye(6)[0] * (1.0 - self.config.propeller.deduction) * thrust, "rudder": steered}
+        return {"propeller": np.eye(6)[0] * (1.0 - self.config.propeller.hull[0]) * thrust, "rudder": steered}

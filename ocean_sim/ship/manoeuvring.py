@@ -188,10 +188,9 @@ class Manoeuvring(Vessel):
         u, w = fluid.current
         through = body.velocity - np.array([u, 0.0, w])
         sea, (x, _, z) = fluid.in_closed_form, body.position.tolist()
-        still = np.zeros((3, 6))
-        flow, surge, place = (
-            still if sea is None else wave_motion(sea.arriving(x, z), yaw, through, model.box, self.depth)
-        )
+        flow, surge, place = np.zeros((3, 6))
+        if sea is not None:
+            flow, surge, place = wave_motion(sea.arriving(x, z), yaw, through, model.box, self.depth)
         origin = r.T @ through - np.cross(omega, self.arm)
         spin = to_frame("ned", omega)
         nu = np.concatenate([to_frame("ned", origin), spin]) - flow
@@ -214,9 +213,8 @@ class Manoeuvring(Vessel):
         turn = inertia @ twist + np.cross(omega, inertia @ omega)
         shared = {name: self.about_centre(load) for name, load in parts.items()}
         others = [load for name, load in shared.items() if name != "damping"]
-        shared["damping"] = reduce(
-            np.subtract, others, np.stack([body.mass * line, turn])
-        )  # with added mass, and waves
+        whole = np.stack([body.mass * line, turn])
+        shared["damping"] = reduce(np.subtract, others, whole)  # with the added mass, and waves
         return Load.of({name: load @ r.T for name, load in shared.items()}, self.parts)
 
     def about_centre(self, load: np.ndarray) -> np.ndarray:

@@ -13,17 +13,16 @@ from typing import Any, cast
 
 import numpy as np
 
-from ocean_sim.files import csv_file, yaml_file
-from ocean_sim.parts import library
+from ocean_sim.files import csv_file
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared import ship as ships
-from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, absolute_error, percent_error
+from ocean_sim.validation.shared.case import Curve, Finding, Number, Problem, Promise, absolute_error, percent_error
 from ocean_sim.validation.shared.tables import table_path
-from ocean_sim.validation.ship_turn import RUDDER_ANGLE, circle_values, sail_rows, zigzag_record
+from ocean_sim.validation.ship_turn import RUDDER_ANGLE, circle_values, preset_keys, sail_rows, zigzag_record
 
 COARSE_TEST = "kvlcc2 zig-zag 20 port"
 MODEL_WAKE = {"hull": [0.220, 0.40], "revolutions": 2.0}
-TURN_TIME, ZIGZAG_TIME, SETTLED_TIME = 1500.0, 600.0, 100.0  # [s]
+TURN_TIME, ZIGZAG_TIME, SETTLED_TIME, DECAY_TIME = 1500.0, 600.0, 100.0, 170.0  # [s]
 CIRCLE_TOLERANCES = {"advance": 8.0, "tactical diameter": 8.0, "speed left": 10.0}  # [%]
 OVERSHOOT_TOLERANCE, OVERSHOOT_SHARE = 2.5, 0.2  # [deg], and the share of the overshoot where that is more
 ROLL_TOLERANCES = {"period": 2.0, "decrement": 20.0}  # [%]
@@ -41,13 +40,13 @@ def problems(coarse: bool) -> list[Problem]:
     """Set-ups to run: one for each test; coarse: COARSE_TEST."""
     rows = csv_file.read_records(table_path("simman_free_running").read_text(encoding="utf-8"))
     tests = [sailed_problem(row) for row in rows]
-    return [test for test in tests if test.name == COARSE_TEST] if coarse else [*tests, *map(decay_problem, DECAYS)]
+    return [test for test in tests if test.name == COARSE_TEST] if coarse else [*tests, decay_problem()]
 
 
 def sailed_problem(row: dict[str, str]) -> Problem:
     """Set-up of one measured circle or zig-zag, a row of the table."""
     name, test, speed, *_ = row.values()
-    ship: dict[str, Any] = yaml_file.read_mapping(library("configs") / "ship" / f"{name}.yaml").plain()
+    ship = preset_keys(name)
     ship["mmg"]["propeller"] |= MODEL_WAKE if name == "kvlcc2" else {}
     ship |= {"velocity": [0.0, 0.0, float(speed)], "windage": None}
     measured = {key: float(value) for key, value in list(row.items())[3:] if value}
@@ -88,25 +87,28 @@ def held_throttle(ship: Any, speed: float) -> float:
     return throttle
 
 
-def decay_problem(name: str) -> Problem:
-    """Set-up of one of DECAYS."""
+def decay_problem() -> Problem:
+    """Set-up of the DECAYS, one after another."""
     ship = ships.ship_of_section(*MIDDLE_BODY, cells=16)
     ends = [[END_BREADTH / 2.0, y, way * LENGTH / 2.0] for y in (DRAUGHT, HEIGHT) for way in (1.0, -1.0)]
     ship["hull"]["shape"]["points"] += ends
     ship |= {"free": ["roll", "surge"], "damping": {"cross_flow": 0.0, "surge": 0.0, "ikeda": {}}}
-    limits = {f"kvlcc2 {name}: {key}": {"dynamic": limit} for key, limit in ROLL_TOLERANCES.items()}
-    promises = tuple(Promise(key, "%", ROLLED, limit) for key, limit in limits.items())
-    look, scene = partial(measure_decay, name=name), ships.at_sea(ship, LENGTH, 0.1)
-    return Problem(scene, promises, look, name, slot="ship", schemes=("dynamic",))
+    limits = [(f"kvlcc2 {name}: {key}", limit) for name in DECAYS for key, limit in ROLL_TOLERANCES.items()]
+    promises = tuple(Promise(words, "%", ROLLED, {"dynamic": limit}) for words, limit in limits)
+    scene = ships.at_sea(ship, LENGTH, 0.1)
+    return Problem(scene, promises, measure_decays, "roll decay", slot="ship", schemes=("dynamic",))
 
 
-def measure_decay(simulation: Simulation, name: str) -> Finding:
-    """Let the ship go, heeled and under way, as in one of DECAYS; compare period and decrement over 15 half swings."""
-    speed, first, last, period = DECAYS[name]
-    pose = {"position": ships.ship_of(simulation).body.position, "orientation": ships.turn_quaternion(2, first)}
-    ships.set_pose(simulation, **pose, velocity=np.array([0.0, 0.0, speed]))
-    t, roll = np.array([(t, degrees(b.angles[2])) for t, b in ships.follow_body(simulation, 170.0)]).T
-    turns = np.flatnonzero(np.diff(np.sign(np.diff(roll)))) + 1  # the first extreme is the heel at the start
-    found, measured = log(first / abs(roll[turns[14]])), log(first / last)
-    numbers = [percent_error(ships.zero_crossing_period(t, roll), period), percent_error(found, measured)]
-    return Finding(numbers, [Curve("roll", t, roll)], [], ("t [s]", "roll [deg]"))
+def measure_decays(simulation: Simulation) -> Finding:
+    """Let the ship go, heeled and under way, as in each of DECAYS; compare period and decrement over 15 half swings."""
+    numbers, curves, upright = list[Number](), [], ships.ship_of(simulation).body.position
+    for name, (speed, first, last, period) in DECAYS.items():
+        pose, begin = {"position": upright, "orientation": ships.turn_quaternion(2, first)}, simulation.time
+        ships.set_pose(simulation, **pose, velocity=np.array([0.0, 0.0, speed]))
+        rows = [(t - begin, degrees(b.angles[2])) for t, b in ships.follow_body(simulation, begin + DECAY_TIME)]
+        t, roll = np.array(rows).T
+        turns = np.flatnonzero(np.diff(np.sign(np.diff(roll)))) + 1  # the first extreme is the heel at the start
+        numbers.append(percent_error(ships.zero_crossing_period(t, roll), period))
+        numbers.append(percent_error(log(first / abs(roll[turns[14]])), log(first / last)))
+        curves.append(Curve(name, t, roll))
+    return Finding(numbers, curves, [], ("t [s]", "roll [deg]"))

@@ -25,7 +25,7 @@ from ocean_sim.validation.shared.case import Curve, Finding, Number, Problem, Pr
 from ocean_sim.validation.shared.ship import COMPARED_SHIPS, at_sea, ship_of
 
 APPROACH_TIME, TURN_TIME, ZIGZAG_TIME, TIME_STEP = 30.0, 150.0, 100.0, 0.05  # [s]
-RUDDER_ANGLE = 35.0  # [deg]
+RUDDER_ANGLE, COARSE_CUBES = 35.0, {"cells_per_draught": 4}  # [deg]
 SHIP_LENGTHS = {"yacht": 14.2, "tug": 21.3}  # [m] at the still water
 CIRCLE_LIMITS: dict[str, tuple[float, float] | None] = {  # lowest and highest allowed value, in the unit of the name
     "speed ahead [m/s]": None,
@@ -42,22 +42,22 @@ SOURCE_TEXT = "IMO MSC.137(76), 5.3"
 Orders = Callable[[float, float], float]  # rudder [rad] by time [s] and yaw [rad]
 
 
-def coarse_preset(name: str) -> dict[str, Any]:
-    """Keys of a ship in configs/ship, without its kind, with 4 cells to the draught."""
+def preset_keys(name: str) -> dict[str, Any]:
+    """Keys of a ship in configs/ship, without its kind."""
     keys = yaml_file.read_mapping(library("configs") / "ship" / f"{name}.yaml").plain()
-    return {key: value for key, value in keys.items() if key != "kind"} | {"cells_per_draught": 4}
+    return {key: value for key, value in keys.items() if key != "kind"}
 
 
 def problems(coarse: bool) -> list[Problem]:
     """Set-ups to run: circles of yacht and tug, zig-zags by 10 and 20 degrees; coarse: without the tug and 10."""
-    scene = at_sea(coarse_preset("yacht"), 15.0, TIME_STEP, APPROACH_TIME + TURN_TIME)
+    scene = at_sea(preset_keys("yacht") | COARSE_CUBES, 15.0, TIME_STEP, APPROACH_TIME + TURN_TIME)
     found = [circle_problem("yacht", scene)]
     for angle in (20.0,) if coarse else (10.0, 20.0):
         promises = tuple(bounded_promise(name, limits) for name, limits in zigzag_limits(angle).items())
         look = partial(measure_zigzag, angle=angle)
         found.append(Problem(scene, promises, look, f"zig-zag {angle:g}", slot="ship", schemes=COMPARED_SHIPS))
     if not coarse:
-        tug = at_sea(coarse_preset("tug"), 15.0, TIME_STEP, APPROACH_TIME + TURN_TIME)
+        tug = at_sea(preset_keys("tug") | COARSE_CUBES, 15.0, TIME_STEP, APPROACH_TIME + TURN_TIME)
         found.append(circle_problem("tug", tug, "tug: "))
     return found
 

@@ -69,8 +69,7 @@ class MmgCoefficients(Model):
     resistance: float = quantity("1", ge=0.0)
     """R_0: resistance straight ahead."""
     hull: dict[Literal["surge", "sway", "yaw"], Terms] = {}
-    """Coefficients of the hull's force ahead and to starboard and moment to starboard: `vvr` is that of v' v' r', `br`
-    that of r' times the drift angle [rad]."""
+    """Forces ahead and to starboard and moment to starboard: `vvr` of v' v' r', `br` of drift angle [rad] and r'."""
     propeller: ScrewCoefficients
     rudder: RudderCoefficients
 

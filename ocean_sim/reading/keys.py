@@ -45,7 +45,7 @@ EXAMPLE_VALUES = {  # of keys by their names, where no default is one; of any ot
     "period": "2.0",
     "peak_period": "6.0",
 }
-EXAMPLE_ENTRIES = {"min": "-1.0", "max": "1.0", "half_size": "1.0"}  # numbers of a list, by the name of its key
+EXAMPLE_ENTRIES = {"min": "-1.0", "max": "1.0", "half_size": "1.0", "size": "1.0"}  # in a list, by the name of its key
 EXAMPLE_SIZES = {"m": "1.0", "s": "0.1", "deg": "30.0", "1": "0.5"}  # an example of a number, by its unit
 
 

@@ -1,11 +1,12 @@
-"""The Otter, a catamaran of 2 m that steers by two propellers: a published manoeuvring model, in still water.
+"""A ship of a published manoeuvring model: one with MMG coefficients, or the Otter, a catamaran of 2 m.
 
-Model and numbers: T. I. Fossen, PythonVehicleSimulator (MIT), otter.py, and Fossen (2021), Handbook of Marine Craft
-Hydrodynamics and Motion Control, 2nd ed., Wiley; cross-flow drag by Hoerner's curve. It knows neither waves nor wind,
-and holds for small heel and trim.
+The Otter: T. I. Fossen, PythonVehicleSimulator (MIT), otter.py, and Fossen (2021), Handbook of Marine Craft
+Hydrodynamics and Motion Control, 2nd ed., Wiley; cross-flow drag by Hoerner's curve. Both hold in calm water and for
+small heel and trim; current, first-order waves and wind are added.
 """
 
 from dataclasses import replace
+from functools import reduce
 from math import exp, pi, sqrt
 from typing import ClassVar, Literal
 
@@ -16,8 +17,10 @@ from ocean_sim.conventions import from_frame, to_frame
 from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.parts import LedgerRow, Preflight, Problems
 from ocean_sim.ship import Load, Ship
-from ocean_sim.ship.body.rigid_body import euler_quaternion
+from ocean_sim.ship.body.rigid_body import axis_rotation, euler_quaternion
 from ocean_sim.ship.body.vessel import Actuators, Vessel, VesselConfig
+from ocean_sim.ship.forces.mmg import MmgCoefficients, MmgHull
+from ocean_sim.ship.forces.weather import Windage, wave_motion
 from ocean_sim.ship.naval.hydrostatics import Matter
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
@@ -29,7 +32,6 @@ HULL_MASS, PAYLOAD_MASS = 55.0, 25.0  # [kg]
 AHEAD_COEFFICIENT, ASTERN_COEFFICIENT = 0.02216 / 2.0, 0.01289 / 2.0  # thrust over revolutions squared [N s2]
 MAX_REVOLUTIONS = sqrt(0.5 * 24.4 * G / AHEAD_COEFFICIENT)  # [rad/s]
 MAX_ASTERN_REVOLUTIONS = sqrt(0.5 * 13.6 * G / ASTERN_COEFFICIENT)  # [rad/s] astern
-PROPELLER_DELAY = 0.1  # [s] of the propellers
 STOPPING_RUDDER = pi * 35.0 / 180.0  # [rad] rudder order at which one propeller stops at half throttle on both
 HOERNER_DRAG = (
     (0.0109, 0.1766, 0.3530, 0.4519, 0.4728, 0.4929, 0.4933, 0.5585, 0.6464, 0.8336)
@@ -40,23 +42,34 @@ HOERNER_DRAG = (
 
 
 class Config(VesselConfig):
-    """Start and crew of the ship; all other numbers are those of the model."""
+    """Start and crew of the ship, and the numbers of her model."""
 
     needs_surface: ClassVar[bool] = False
     kind: Literal["manoeuvring"] = "manoeuvring"
+    mmg: MmgCoefficients | None = None
+    """Coefficients of the standard MMG model; null: the Otter's model, which has its own."""
+    windage: Windage | None = None
+    """Areas on which a wind of kind `stress` acts; null: none does."""
 
     def problems(self, preflight: Preflight) -> Problems:
-        return self.basin_problems(preflight.tank)
+        found, deep = self.basin_problems(preflight.tank), preflight.tank.depth
+        if self.mmg is not None and self.mmg.size[2] >= deep:
+            found.append((("mmg",), f"the ship draws {self.mmg.size[2]:g} m, the water is {deep:g} m deep"))
+        return found
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        calm = "the Otter's model is of calm water: neither waves nor wind act on it"
-        return [*super().warnings(preflight), calm]
+        model = "the Otter's model" if self.mmg is None else "her MMG model"
+        seas = "plane waves, not those on tiles (order 3), carry her to first order, superposed, without drift"
+        seas = "waves do not move her" if preflight.fluid.made_of_particles else seas
+        wind = "no wind acts on her (windage is null)" if self.windage is None else "a stress acts on her by windage"
+        return [*super().warnings(preflight), f"{model} is of calm water: {seas}; a current does; {wind}"]
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        return [LedgerRow("ship", "the matrices of the Otter's model", 0, "ship.kind is manoeuvring")]
+        model = "the Otter's model" if self.mmg is None else "an MMG model"
+        return [LedgerRow("ship", f"the matrices of {model}", 0, "ship.kind is manoeuvring")]
 
     def build(self, name: str, basin: Basin, fluid: Fluid) -> Ship:
-        return Manoeuvring(name, self, basin)
+        return Manoeuvring(name, self, basin, fluid)
 
 
 def skew_matrix(a: np.ndarray) -> np.ndarray:
@@ -73,6 +86,8 @@ def shift_matrix(arm: np.ndarray) -> np.ndarray:
 
 class Otter:
     """Mass, stiffness and damping of the Otter, in SNAME axes about its origin amidships at the still water."""
+
+    payload_mass, propeller_delay, time_scale, blade, level = PAYLOAD_MASS, 0.1, 0.08, None, False  # [kg], [s], [s]
 
     def __init__(self) -> None:
         self.mass = HULL_MASS + PAYLOAD_MASS
@@ -104,6 +119,7 @@ class Otter:
         omega = np.sqrt(spring / m[2:5])
         swing = 2.0 * np.array([0.3, 0.2, 0.4]) * omega * m[2:5]
         self.damping = np.array([24.4 * G / (6.0 * 0.5144), m[1], *swing, m[5]])
+        self.box = HULL_LENGTH, OVERALL_BREADTH, self.draught
         self.across = float(np.interp(PONTOON_BREADTH / (2.0 * self.draught), *HOERNER_DRAG))
 
     def drag_load(self, nu: np.ndarray) -> np.ndarray:
@@ -127,49 +143,78 @@ class Otter:
         water[3:, 3:] = -skew_matrix(moved[3:])
         return (self.shift.T @ own @ self.shift + water) @ nu
 
+    def driving_loads(self, nu: np.ndarray, revolutions: np.ndarray, rudder: float) -> dict[str, np.ndarray]:
+        """(6,) force [N] and torque [N m] of both propellers about the model's origin, SNAME axes."""
+        n = revolutions
+        port, starboard = np.where(n > 0.0, AHEAD_COEFFICIENT, ASTERN_COEFFICIENT) * n * np.abs(n)
+        return {"propeller": np.array([port + starboard, 0.0, 0.0, 0.0, 0.0, PONTOON_OFFSET * (port - starboard)])}
+
+    def ordered_revolutions(self, throttle: float, rudder: float) -> np.ndarray:
+        """(2,) speed [rad/s] of the port and the starboard propeller, ordered by throttle and rudder."""
+        share = np.clip(throttle + np.array([-1.0, 1.0]) * rudder / STOPPING_RUDDER, -1.0, 1.0)
+        return np.where(share > 0.0, MAX_REVOLUTIONS, MAX_ASTERN_REVOLUTIONS) * share
+
 
 class Manoeuvring(Vessel):
-    """Ship that moves by the Otter model; its rigid body is hull and payload, about their common centre of mass."""
+    """Ship that moves by a manoeuvring model; the rigid body is hull and payload, about their centre of mass."""
 
     prompt: ClassVar[bool] = True
 
-    def __init__(self, name: str, config: Config, basin: Basin) -> None:
-        self.model = model = Otter()
+    def __init__(self, name: str, config: Config, basin: Basin, fluid: Fluid) -> None:
+        model: Otter | MmgHull = Otter()
+        if config.mmg is not None:
+            model = MmgHull(config.mmg, fluid.rest_density, -basin.gravity[1])
+        self.model, self.windage, self.depth = model, config.windage, basin.depth
         centre = from_frame("ned", model.centre)
         keel = np.array([centre[0], model.draught + centre[1], centre[2]])
         inertia = from_frame("ned", from_frame("ned", model.inertia).T)
         matter = Matter(model.mass, keel, inertia)
         body = config.body_at_start(matter, float(centre[1]), euler_quaternion(0.0, 0.0, 0.0))
-        super().__init__(name, config, body, Actuators(config, None, None, keel), basin.lower[1])
+        super().__init__(name, config, body, Actuators(config, None, model.blade, keel), basin.lower[1])
         self.arm = centre  # of the centre of mass from the model's origin, our axes [m]
-        self.revolutions = np.zeros(2)  # port and starboard [rad/s]
+        self.revolutions = np.zeros_like(model.ordered_revolutions(0.0, 0.0))  # of the propellers, from port
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
         """All forces and torques of the model about the centre of mass, by the velocity relative to the water (Fossen
-        2021, ch. 10). A steady current changes no acceleration in world axes."""
+        2021, ch. 10). A steady current changes no acceleration in world axes; that of waves carries her."""
         model, body = self.model, self.centred_body
-        r, omega = body.matrix, body.rates
+        pitch, yaw, roll = body.angles
+        r, omega, turning, inertia = body.matrix, body.rates, body.rates, body.inertia_body
+        if model.level:  # so that waves do not tilt the forces of the manoeuvre
+            r = axis_rotation(1, yaw)
+            tilt = r.T @ body.matrix
+            omega, inertia = tilt @ omega, tilt @ inertia @ tilt.T
+            turning = omega * [0.0, 1.0, 0.0]
         u, w = fluid.current
-        origin = r.T @ (body.velocity - np.array([u, 0.0, w])) - np.cross(omega, self.arm)
-        nu = np.concatenate([to_frame("ned", origin), to_frame("ned", omega)])
-        pitch, _, roll = body.angles
+        through = body.velocity - np.array([u, 0.0, w])
+        sea, (x, _, z) = fluid.in_closed_form, body.position.tolist()
+        flow, surge, place = np.zeros((3, 6))
+        if sea is not None:
+            flow, surge, place = wave_motion(sea.arriving(x, z), yaw, through, model.box, self.depth)
+        origin = r.T @ through - np.cross(omega, self.arm)
+        spin = to_frame("ned", omega)
+        nu = np.concatenate([to_frame("ned", origin), spin]) - flow
         low = -(body.position - r @ self.arm)[1]
-        displacement = np.array([0.0, 0.0, low, roll, -pitch, 0.0])
-        weight = to_frame("ned", r.T @ np.array([0.0, -PAYLOAD_MASS * G, 0.0]))
+        displacement = np.array([0.0, 0.0, low, roll, -pitch, 0.0]) - place
+        weight = to_frame("ned", r.T @ np.array([0.0, -model.payload_mass * G, 0.0]))
         parts = {
             "gravity": np.concatenate([weight, np.cross(model.payload, weight)]),
             "buoyancy": -model.spring @ displacement,
-            "damping": model.drag_load(nu) - model.centripetal_load(nu),
-            "propeller": self.propeller_load(),
+            "damping": model.drag_load(nu) - model.centripetal_load(np.concatenate([nu[:3], spin])),
+            **model.driving_loads(nu, self.revolutions, self.orders[1]),
         }
-        rate = np.linalg.solve(model.whole, sum(parts.values()))
-        spin, twist = from_frame("ned", nu[3:]), from_frame("ned", rate[3:])
-        line = from_frame("ned", rate[:3]) + np.cross(spin, origin)
-        line += np.cross(twist, self.arm) + np.cross(spin, np.cross(spin, self.arm))
-        turn = body.inertia_body @ twist + np.cross(spin, body.inertia_body @ spin)
-        whole = np.stack([body.mass * line, turn])
+        if self.windage is not None:
+            port, _, ahead = r.T @ (np.insert(wind.real_velocity, 1, 0.0) - body.velocity)
+            parts["wind_drag"] = self.windage.wind_load(ahead, port, model.box[0])
+        rate = np.linalg.solve(model.whole, sum(parts.values())) + surge
+        twist = from_frame("ned", rate[3:]) + np.cross(turning, omega)
+        line = from_frame("ned", rate[:3]) + np.cross(turning, from_frame("ned", nu[:3]))
+        line += np.cross(twist, self.arm) + np.cross(omega, np.cross(omega, self.arm))
+        turn = inertia @ twist + np.cross(omega, inertia @ omega)
         shared = {name: self.about_centre(load) for name, load in parts.items()}
-        shared["damping"] = whole - shared["gravity"] - shared["buoyancy"] - shared["propeller"]  # and the added mass
+        others = [load for name, load in shared.items() if name != "damping"]
+        whole = np.stack([body.mass * line, turn])
+        shared["damping"] = reduce(np.subtract, others, whole)  # with the added mass, and waves
         return Load.of({name: load @ r.T for name, load in shared.items()}, self.parts)
 
     def about_centre(self, load: np.ndarray) -> np.ndarray:
@@ -177,29 +222,16 @@ class Manoeuvring(Vessel):
         force, torque = from_frame("ned", load[:3]), from_frame("ned", load[3:])
         return np.stack([force, torque - np.cross(self.arm, force)])
 
-    def propeller_load(self) -> np.ndarray:
-        """(6,) force [N] and torque [N m] of both propellers about the model's origin, SNAME axes."""
-        n = self.revolutions
-        port, starboard = np.where(n > 0.0, AHEAD_COEFFICIENT, ASTERN_COEFFICIENT) * n * np.abs(n)
-        return np.array([port + starboard, 0.0, 0.0, 0.0, 0.0, PONTOON_OFFSET * (port - starboard)])
-
-    @property
-    def ordered_revolutions(self) -> np.ndarray:
-        """(2,) speed [rad/s] of the port and the starboard propeller, ordered by the crew's throttle and rudder."""
-        throttle, rudder = self.orders
-        share = np.clip(throttle + np.array([-1.0, 1.0]) * rudder / STOPPING_RUDDER, -1.0, 1.0)
-        return np.where(share > 0.0, MAX_REVOLUTIONS, MAX_ASTERN_REVOLUTIONS) * share
-
     def advance(self, load: Load, dt: float) -> None:
         """Take a step of dt [s], second-order (leapfrog): velocities stay half a step behind the position, and the
         propellers follow the mean of the orders before and after the step, with a delay."""
-        body, before, (of, *gained) = self.body, self.ordered_revolutions, self.gained
+        body, before, (of, *gained) = self.body, self.model.ordered_revolutions(*self.orders), self.gained
         if of is not body or not np.any(gained):  # it begins: its velocities are still of the time of its place
             slower, less = load.force / body.mass * dt / 2.0, load.torque * dt / 2.0
             self.body = replace(body, velocity=body.velocity - slower, angular_momentum=body.angular_momentum - less)
         super().advance(load, dt)
-        mean = (before + self.ordered_revolutions) / 2.0
-        self.revolutions = mean + (self.revolutions - mean) * exp(-dt / PROPELLER_DELAY)
+        mean = (before + self.model.ordered_revolutions(*self.orders)) / 2.0
+        self.revolutions = mean + (self.revolutions - mean) * exp(-dt / self.model.propeller_delay)
 
     def limits(self) -> Limits:
-        return Limits(force=0.08)
+        return Limits(force=self.model.time_scale)

@@ -25,7 +25,7 @@ from ocean_sim.validation.shared.case import Curve, Finding, Number, Problem, Pr
 from ocean_sim.validation.shared.ship import COMPARED_SHIPS, at_sea, ship_of
 
 APPROACH_TIME, TURN_TIME, ZIGZAG_TIME, TIME_STEP = 30.0, 150.0, 100.0, 0.05  # [s]
-RUDDER_ANGLE = 35.0  # [deg]
+RUDDER_ANGLE, COARSE_CUBES = 35.0, {"cells_per_draught": 4}  # [deg]
 SHIP_LENGTHS = {"yacht": 14.2, "tug": 21.3}  # [m] at the still water
 CIRCLE_LIMITS: dict[str, tuple[float, float] | None] = {  # lowest and highest allowed value, in the unit of the name
     "speed ahead [m/s]": None,
@@ -39,24 +39,25 @@ CIRCLE_LIMITS: dict[str, tuple[float, float] | None] = {  # lowest and highest a
 }
 MAX_OVERSHOOTS = {10.0: (10.0, 25.0), 20.0: (25.0, None)}  # [deg] first and second, by angle [deg]
 SOURCE_TEXT = "IMO MSC.137(76), 5.3"
+Orders = Callable[[float, float], float]  # rudder [rad] by time [s] and yaw [rad]
 
 
-def coarse_preset(name: str) -> dict[str, Any]:
-    """Keys of a ship in configs/ship, without its kind, with 4 cells to the draught."""
+def preset_keys(name: str) -> dict[str, Any]:
+    """Keys of a ship in configs/ship, without its kind."""
     keys = yaml_file.read_mapping(library("configs") / "ship" / f"{name}.yaml").plain()
-    return {key: value for key, value in keys.items() if key != "kind"} | {"cells_per_draught": 4}
+    return {key: value for key, value in keys.items() if key != "kind"}
 
 
 def problems(coarse: bool) -> list[Problem]:
     """Set-ups to run: circles of yacht and tug, zig-zags by 10 and 20 degrees; coarse: without the tug and 10."""
-    scene = at_sea(coarse_preset("yacht"), 15.0, TIME_STEP, APPROACH_TIME + TURN_TIME)
+    scene = at_sea(preset_keys("yacht") | COARSE_CUBES, 15.0, TIME_STEP, APPROACH_TIME + TURN_TIME)
     found = [circle_problem("yacht", scene)]
     for angle in (20.0,) if coarse else (10.0, 20.0):
         promises = tuple(bounded_promise(name, limits) for name, limits in zigzag_limits(angle).items())
         look = partial(measure_zigzag, angle=angle)
         found.append(Problem(scene, promises, look, f"zig-zag {angle:g}", slot="ship", schemes=COMPARED_SHIPS))
     if not coarse:
-        tug = at_sea(coarse_preset("tug"), 15.0, TIME_STEP, APPROACH_TIME + TURN_TIME)
+        tug = at_sea(preset_keys("tug") | COARSE_CUBES, 15.0, TIME_STEP, APPROACH_TIME + TURN_TIME)
         found.append(circle_problem("tug", tug, "tug: "))
     return found
 
@@ -96,31 +97,31 @@ def zigzag_limits(angle: float) -> dict[str, tuple[float, float] | None]:
 
 
 def sail_rows(
-    simulation: Simulation, orders: Callable[[float, float], float], duration: float
+    simulation: Simulation, orders: Orders, duration: float, throttle: float = 1.0, approach: float = APPROACH_TIME
 ) -> Iterator[tuple[float, ...]]:
-    """Gather way, then run for a duration [s]; `orders`: rudder [rad] by time [s] and yaw [rad]. Yield time [s], x, z
-    [m], yaw, heel [rad], velocity along x and z [m/s] after every step, measured from the first order."""
+    """Sail ahead for an `approach` [s], then run for a duration [s]. Yield time [s], x, z [m], yaw, heel [rad],
+    velocity along x and z [m/s] after every step, measured from the first order."""
     ship = ship_of(simulation)
     helm = ship.hand_over()
-    helm.give(1.0, 0.0)
-    while simulation.time < APPROACH_TIME:
+    helm.give(throttle, 0.0)
+    while simulation.time < approach:
         simulation.step()
     begin = simulation.time
     start, yaw = ship.body.position.copy(), float(ship.body.angles[1])
     while simulation.time < begin + duration:
-        helm.give(1.0, orders(simulation.time - begin, float(ship.body.angles[1]) - yaw))
+        helm.give(throttle, orders(simulation.time - begin, float(ship.body.angles[1]) - yaw))
         simulation.step()
         body = ship.body
         x, _, z = body.position - start
         yield simulation.time - begin, x, z, body.angles[1] - yaw, body.angles[2], body.velocity[0], body.velocity[2]
 
 
-def measure_circle(simulation: Simulation, length: float) -> Finding:
-    """Turn a ship of a length [m] to port; measure advance, transfer, diameter, speeds, drift angle and heel."""
-    rows = np.array(list(sail_rows(simulation, lambda time, yaw: radians(RUDDER_ANGLE), TURN_TIME)))
+def circle_values(rows: np.ndarray, length: float, settled: float) -> list[float | None]:
+    """Advance, transfer, tactical diameter (None before their heading) and radius in lengths [m], speed [m/s], drift
+    angle and heel [deg] of a turn by `sail_rows`, the last four over its last `settled` seconds."""
     t, x, z, yaw, heel, vx, vz = rows.T
     turned = np.abs(np.unwrap(yaw))
-    last = t > TURN_TIME - 10.0
+    last = t > t[-1] - settled
     speed, rate = np.hypot(vx, vz), np.polyfit(t[last], turned[last], 1)[0]
     drift = np.unwrap(np.arctan2(vx, vz)) - np.unwrap(yaw)
 
@@ -128,27 +129,40 @@ def measure_circle(simulation: Simulation, length: float) -> Finding:
         return float(np.interp(radians(angle), turned, np.abs(y))) if turned[-1] > radians(angle) else None
 
     lengths = [at(90.0, z), at(90.0, x), at(180.0, x), speed[last].mean() / rate]
-    found = [speed[0], *(None if way is None else way / length for way in lengths), speed[last].mean()]
-    found += [degrees(abs(drift[last].mean())), degrees(heel[last].mean())]
+    found = [None if way is None else way / length for way in lengths]
+    return [*found, speed[last].mean(), degrees(abs(drift[last].mean())), degrees(heel[last].mean())]
+
+
+def measure_circle(simulation: Simulation, length: float) -> Finding:
+    """Turn a ship of a length [m] to port; measure advance, transfer, diameter, speeds, drift angle and heel."""
+    rows = np.array(list(sail_rows(simulation, lambda time, yaw: radians(RUDDER_ANGLE), TURN_TIME)))
+    found = [np.hypot(rows[0, 5], rows[0, 6]), *circle_values(rows, length, 10.0)]
     numbers = [bounded_number(*pair) for pair in zip(found, CIRCLE_LIMITS.values(), strict=True)]
-    return Finding(numbers, [Curve("track", x, z)], [], ("x, to port [m]", "z, ahead [m]"))
+    return Finding(numbers, [Curve("track", rows[:, 1], rows[:, 2])], [], ("x, to port [m]", "z, ahead [m]"))
+
+
+def zigzag_record(
+    simulation: Simulation, angle: float, way: float, *sailing: float
+) -> tuple[np.ndarray, list[float], list[float]]:
+    """Rows of a zig-zag by an angle [deg], first to port (`way` 1) or starboard (-1), times of reversal [s], and the
+    further turn after each but the last [deg]; `sailing`: of `sail_rows` from the duration on."""
+    ways, executed = [way], []
+
+    def orders(time: float, yaw: float) -> float:
+        """Rudder angle [rad]: reversed each time that the yaw [rad] has reached the zig-zag's angle on its side."""
+        if ways[0] * yaw >= radians(angle):
+            ways[0] = -ways[0]
+            executed.append(time)
+        return ways[0] * radians(angle)
+
+    rows = np.array(list(sail_rows(simulation, orders, *sailing)))
+    spans = [rows[(rows[:, 0] >= a) & (rows[:, 0] <= b), 3] for a, b in pairwise(executed)]
+    return rows, executed, [degrees(np.abs(yaw).max()) - angle for yaw in spans]
 
 
 def measure_zigzag(simulation: Simulation, angle: float) -> Finding:
     """Run a zig-zag by an angle [deg], first to port; measure overshoots, and time between rudder orders."""
-    way, executed = [1.0], []
-
-    def orders(time: float, yaw: float) -> float:
-        """Rudder angle [rad]: reversed each time that the yaw [rad] has reached the zig-zag's angle on its side."""
-        if way[0] * yaw >= radians(angle):
-            way[0] = -way[0]
-            executed.append(time)
-        return way[0] * radians(angle)
-
-    t, _, _, yaw, _, _, _ = np.array(list(sail_rows(simulation, orders, ZIGZAG_TIME))).T
-    values: list[float | None] = [None] * 3
-    if len(executed) > 2:
-        spans = [(t >= a) & (t <= b) for a, b in pairwise(executed)]
-        values = [*(degrees(np.abs(yaw[span]).max()) - angle for span in spans[:2]), executed[1] - executed[0]]
+    rows, executed, overshoots = zigzag_record(simulation, angle, 1.0, ZIGZAG_TIME)
+    values = [*overshoots[:2], executed[1] - executed[0]] if len(executed) > 2 else [None] * 3
     numbers = [bounded_number(*pair) for pair in zip(values, zigzag_limits(angle).values(), strict=True)]
-    return Finding(numbers, [Curve("heading", t, np.degrees(yaw))], [], ("t [s]", "heading [deg]"))
+    return Finding(numbers, [Curve("heading", rows[:, 0], np.degrees(rows[:, 3]))], [], ("t [s]", "heading [deg]"))

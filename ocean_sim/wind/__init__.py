@@ -70,6 +70,7 @@ class Wind(ABC):
     blows: bool = True  # False: `force` is always zero, and kernels leave it out
     needs_area: bool  # True if `force` reads `area`: the fluid then finds the exposed area of its particles
     needs_bend: bool  # True if `force` reads `bend`: the fluid then finds how its surface bends
+    real_velocity: tuple[float, float] = (0.0, 0.0)  # [m/s] along x and z, of a real wind that is the same everywhere
 
     def __init__(self, config: Any, clock: Clock | None = None) -> None:
         """`config`: the kind's Config; `clock`: clock shared with another wind; by default a new one."""

@@ -286,6 +286,7 @@ class Stress(Wind):
         numbers = along * ahead[0], along * ahead[1], part * self.config.sheltered(u10), *ahead, part * u10
         for column, number in enumerate(numbers):
             self.row.set(column, number)
+        self.real_velocity = part * u10 * ahead[0], part * u10 * ahead[1]
 
     def drawing(self) -> Drawing:
         """Arrows of the wind on a 4 x 4 grid over the water; length 1 is the greatest U10 of the scene."""

@@ -10,7 +10,7 @@ from ocean_sim.reading.scene import load, packaged_scenes
 from ocean_sim.simulation import Simulation
 
 BASIN = {"length": 40.0, "width": 40.0, "depth": 7.5}
-SEA = {"basin": BASIN, "fluid": {"kind": "linear_waves", "height": 0.5, "period": 4.0}}
+SEA = {"basin": BASIN | {"depth": 40.0}, "fluid": {"kind": "linear_waves", "height": 0.5, "period": 4.0}}
 PARTICLES = {"basin": BASIN, "fluid": {"kind": "mueller", "spacing": 2.5}}
 PATCH = PARTICLES | {"basin": BASIN | {"walls": "periodic"}}
 PARTS = [(slot, name) for slot in SLOTS for name in named(slot)]

@@ -356,7 +356,15 @@ class ShipConfig(KindConfig):
     carried_as_body: ClassVar[bool] = False
     """True if only water that `carries_bodies` carries it."""
 
+    feels_wind: ClassVar[bool] = False
+    """True if a wind that acts on ships acts on this kind of ship."""
+
     points: dict[str, tuple[float, float, float]] = {}
+
+    @property
+    def drift_law(self) -> str:
+        """Law of the drift forces of waves in closed form, in words; empty where none act on the ship."""
+        return ""
 
     def solid(self, preflight: Preflight) -> Solid | None:
         """Solid body of the ship, around which the particles start; None if water passes through her."""
@@ -507,6 +515,19 @@ class Preflight:
     def basin(self) -> Basin:
         """Basin that contains the floating bodies around which the particles start."""
         return replace(self.tank, afloat=self.solids) if self.solids else self.tank
+
+
+def forces_in_waves(preflight: Preflight, regular: bool, current: bool) -> list[str]:
+    """Sentences on which of mean drift, slow drift, wind and current act on each ship in waves, which are `regular` or
+    not, in a `current` or none."""
+    found, blows = list[str](), not preflight.wind.still and "ship" in preflight.wind.acts_on
+    for name, ship in preflight.ships.items():
+        law = "particles" if preflight.fluid.made_of_particles else ship.drift_law
+        acting = {"mean": law, "slow": law and not regular}, {"wind": blows and ship.feels_wind, "current": current}
+        drift, others = (", ".join(word if acts else f"no {word}" for word, acts in each.items()) for each in acting)
+        why = f"by {law}" if law else "first-order waves, drag and her motion alone move her on"
+        found.append(f"on {called(name)} act in these waves: {drift} drift ({why}), {others}")
+    return found
 
 
 class Scene(Protocol):

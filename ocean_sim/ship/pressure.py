@@ -36,6 +36,7 @@ class Config(FloatingConfig):
     needs_surface: ClassVar[bool] = False
     slices: ClassVar[bool] = True
     carried_as_body: ClassVar[bool] = True
+    feels_wind: ClassVar[bool] = False
     fineness: ClassVar[int] = 3
     kind: Literal["pressure"] = "pressure"
     contact: None = None

@@ -1,4 +1,4 @@
-"""Tables of drift forces for `ship.drift: {table: FILE}` from Capytaine, by its far-field formula (Maruo, Newman).
+"""Tables of drift forces for `ship.drift: {table: FILE}` from Capytaine 3.0, by its far-field formula (Maruo, Newman).
 
 `python -m benchmarks.drift_table` prints that of `barge20`: ocean_sim/validation/data/barge20_drift.csv. For a hull of
 your own, give `drift_rows` a floating body with mass, stiffness and six rigid motions about its centre of mass.

@@ -41,6 +41,8 @@ class Config(FloatingConfig):
     kind: Literal["pressure"] = "pressure"
     contact: None = None
     """The laws of the water itself act between particles and this hull."""
+    drift: None = None
+    """The waves that particles carry drift this hull themselves."""
 
     def solid(self, preflight: Preflight) -> Solid:
         still = self.hydrostatics_of(preflight)

@@ -4,8 +4,8 @@ The barge, free in surge or sway, heave and pitch or roll, on soft lines, settle
 the run: the table's, and what is left of the second order in the first-order forces. The tolerance is 10 % of the
 table's; at 1.2 rad/s, where that is below 5 % of what a wall would feel, the error is only reported. The section of
 Sundsdal et al. (2025) settles on its springs by the force of linear potential flow in its flume; wanted are 25 % of the
-measured mean offset where the record is longer than a natural period of the springs (7.5 s), with a friction of 0.2 to
-0.5 N there against forces of 0.2 to 0.4 N.
+measured mean offset where the record is longer than a natural period of the springs (7.5 s), a choice made when first
+figures were known, with a friction of 0.2 to 0.5 N there against forces of 0.2 to 0.4 N.
 """
 
 from math import pi

@@ -358,6 +358,16 @@ class ShipConfig(KindConfig):
 
     points: dict[str, tuple[float, float, float]] = {}
 
+    @property
+    def feels_wind(self) -> bool:
+        """True if a wind that acts on ships acts on this one."""
+        return False
+
+    @property
+    def drift_law(self) -> str:
+        """Law of the drift forces of waves in closed form, in words; empty where none act on the ship."""
+        return ""
+
     def solid(self, preflight: Preflight) -> Solid | None:
         """Solid body of the ship, around which the particles start; None if water passes through her."""
         return None
@@ -507,6 +517,19 @@ class Preflight:
     def basin(self) -> Basin:
         """Basin that contains the floating bodies around which the particles start."""
         return replace(self.tank, afloat=self.solids) if self.solids else self.tank
+
+
+def forces_in_waves(preflight: Preflight, regular: bool, current: bool) -> list[str]:
+    """Sentences on which of mean drift, slow drift, wind and current act on each ship in waves, which are `regular` or
+    not, in a `current` or none."""
+    found, blows = list[str](), not preflight.wind.still and "ship" in preflight.wind.acts_on
+    for name, ship in preflight.ships.items():
+        law = "particles" if preflight.fluid.made_of_particles else ship.drift_law
+        acting = {"mean": law, "slow": law and not regular}, {"wind": blows and ship.feels_wind, "current": current}
+        drift, others = (", ".join(word if acts else f"no {word}" for word, acts in each.items()) for each in acting)
+        why = f"by {law}" if law else "first-order waves, drag and her motion alone move her on"
+        found.append(f"on {called(name)} act in these waves: {drift} drift ({why}), {others}")
+    return found
 
 
 class Scene(Protocol):

@@ -253,8 +253,9 @@ class ClosedForm(Fluid, Protocol):
 
     current: tuple[float, float]  # velocity of all the water along x and z [m/s]
 
-    def arriving(self, x: float, z: float) -> Arriving:
-        """Plane waves at a place x, z [m], at the beginning of the last step, which is the time of floating bodies."""
+    def arriving(self, x: float, z: float, afar: bool = False) -> Arriving:
+        """Plane waves at a place x, z [m], at the beginning of the last step, which is the time of floating bodies:
+        those that kernels sum, or all `plane_waves` (`afar`)."""
 
     def rise(self, x: Any, z: Any) -> Any:
         """ti.func: elevation [m] at x, z [m] by all waves but the plane ones, when the last step began."""

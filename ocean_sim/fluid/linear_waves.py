@@ -9,10 +9,10 @@ from ocean_sim.basin import Basin
 from ocean_sim.conventions import LEAST_DENSITY, WATER_DENSITY
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.open_sea.open_water import POINTS_PER_WAVE, SMOOTH_STEP_PERIODS, OpenWater, status_of
-from ocean_sim.fluid.open_sea.plane_waves import NO_DRIFT, PlaneWaves
+from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves
 from ocean_sim.fluid.open_sea.wave_window import Window
 from ocean_sim.model import quantity
-from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems
+from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems, forces_in_waves
 from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import Wind
 
@@ -41,7 +41,7 @@ class Config(waves.GrowingTrain, FluidConfig):
         return found + list(self.direction_faults(basin))
 
     def statements(self, preflight: Preflight) -> list[str]:
-        return [NO_DRIFT] if preflight.ships and self.scale[0] > 0.0 else []
+        return forces_in_waves(preflight, self.spectrum is None, False) if self.scale[0] > 0.0 else []
 
     def warnings(self, preflight: Preflight) -> list[str]:
         found: list[str] = []

@@ -25,12 +25,12 @@ from ocean_sim.fluid import Displacing, Fluid, Limits
 from ocean_sim.fluid.open_sea.air_pressure import AirPressure
 from ocean_sim.fluid.open_sea.high_order import STEPS_PER_WAVE, Breaking, HighOrder, nonlinear_sea, tile_step
 from ocean_sim.fluid.open_sea.open_water import POINTS_PER_WAVE, SMOOTH_STEP_PERIODS, OpenWater, WaterForShip, status_of
-from ocean_sim.fluid.open_sea.plane_waves import NO_DRIFT, PlaneWaves
+from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves
 from ocean_sim.fluid.open_sea.wave_sheet import WORDS_PER_CELL, Sheet
 from ocean_sim.fluid.open_sea.wave_tile import PER_TILE, RIM_SHARE, Layer, OnTile, Tile, TileModes
 from ocean_sim.fluid.open_sea.wave_window import Window
 from ocean_sim.model import Vector2, quantity
-from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems, called
+from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems, called, forces_in_waves
 from ocean_sim.runtime import in_kernels
 from ocean_sim.waves.seas import Seas, Steepening
 from ocean_sim.wind import Wind
@@ -168,9 +168,10 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
 
     def statements(self, preflight: Preflight) -> list[str]:
         tile = self.tile_of(preflight.tank)
-        drift = [NO_DRIFT] if preflight.ships and self.highest is not None else []
+        regular, streams = len(self.sea_of(preflight.tank).amplitude) == 1, any(self.current)
+        acting = forces_in_waves(preflight, regular, streams) if self.highest is not None else []
         return [
-            *drift,
+            *acting,
             f"tiles of {tile.side:.4g} m in cells of {tile.cell:.3g} m that step every {self.tile_step(tile):.3g} s; "
             f"what ships and winds make fades in their outer {100.0 * RIM_SHARE:g} %",
         ]

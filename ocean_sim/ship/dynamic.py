@@ -200,7 +200,7 @@ class SeakeepingShip(FloatingShip):
         if self.memory is not None:
             self.made = now.motion + (now.wet.velocity - self.drift_velocity(now))
             resisted = resisted + self.memory.load(self.actuators.time, self.made)
-        return now.share * to_world(resisted, now.body)
+        return now.share * to_world(resisted, now.axes)
 
     def drift_velocity(self, now: Immersion) -> np.ndarray:
         """(6,) velocity of the water that added mass reacts to, body axes [m/s], [rad/s]: of the current alone in
@@ -215,8 +215,8 @@ class SeakeepingShip(FloatingShip):
         force, torque = np.concatenate(list(forces.values())).reshape(-1, 2, 3).sum(axis=0)
         wet = now.wet
         if self.scattering is not None and self.sea is not None:
-            (x, _, z), (_, yaw, _) = now.body.position, now.body.angles
-            through = now.body.velocity - self.stream
+            (x, _, z), (_, yaw, _) = now.axes.position, now.axes.angles
+            through = now.axes.velocity - self.stream
             scattered = now.share * self.scattering.load(self.sea.arriving(float(x), float(z)), float(yaw), through)
             forces = forces | {"wave": forces["wave"] + scattered}
             force, torque = force + scattered[0], torque + scattered[1]

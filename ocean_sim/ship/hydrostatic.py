@@ -50,4 +50,4 @@ class Hydrostatic(FloatingShip):
             self.slamming = Slamming(self.hydrostatics, float(by_rule(self.hydrostatics)[1]))
 
     def damping(self, now: Immersion) -> np.ndarray:
-        return now.share * to_world(self.resistance.load(now.motion), now.body)
+        return now.share * to_world(self.resistance.load(now.motion), now.axes)

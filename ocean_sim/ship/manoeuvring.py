@@ -51,6 +51,10 @@ class Config(VesselConfig):
     windage: Windage | None = None
     """Areas on which a wind of kind `stress` acts; null: none does."""
 
+    @property
+    def feels_wind(self) -> bool:
+        return self.windage is not None
+
     def problems(self, preflight: Preflight) -> Problems:
         found, deep = self.basin_problems(preflight.tank), preflight.tank.depth
         if self.mmg is not None and self.mmg.size[2] >= deep:

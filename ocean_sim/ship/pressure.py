@@ -40,6 +40,12 @@ class Config(FloatingConfig):
     kind: Literal["pressure"] = "pressure"
     contact: None = None
     """The laws of the water itself act between particles and this hull."""
+    drift: None = None
+    """The waves that particles carry drift this hull themselves."""
+
+    @property
+    def feels_wind(self) -> bool:
+        return False
 
     def solid(self, preflight: Preflight) -> Solid:
         still = self.hydrostatics_of(preflight)

@@ -2,8 +2,9 @@
 
 The spread is that between the slowest and the fastest drift from eight phases of a head sea of 1 m and 5 s, over the
 twelve periods after eighteen (weighed by Hann's window, as the ship meets the waves a little later each time). The
-drift itself is only reported, as second-order forces are not modelled. In 100 s, waves of 5 and 6 s from abeam turn the
-yacht by less than half a quarter: only the flow by its drift, which acts off its middle, turns it.
+drift itself is only reported; without the key `drift` it is an artefact of first-order forces. In 100 s, waves of 5 and
+6 s from abeam turn the yacht by less than half a quarter: only the flow by its drift, which acts off its middle, turns
+it.
 """
 
 from dataclasses import replace

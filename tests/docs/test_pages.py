@@ -251,6 +251,7 @@ def test_every_reader_of_a_file_that_a_scene_names_has_its_rules_on_the_page(mon
 
     elsewhere = {
         "dynamic.py": "radiation.py",
+        "floating.py": "drift.py",
         "stream.py": "datagrams.py",
         "shapes.py": "mesh.py",
         "__init__.py": "bathymetry.py",

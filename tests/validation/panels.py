@@ -1,11 +1,12 @@
 """Linear potential flow around a ship's section across a flume, by panels: how data/section_radiation.csv and
 data/box_radiation.csv were made.
 
-`python tests/validation/panels.py section` prints the one, `box` the other. The potential is that of constant sources
-and dipoles (Green's third identity with ln r and its image in the bed) on hull, free surface and two ends; at the ends
-it is a sum of the eigenfunctions of the depth, which lets every wave out. Slots between the hull and the walls of the
-flume are thin sheets of water with a free surface of their own: they take the pressure of the hull's contour and give
-it their flux, less what laminar friction between two plates holds back (Womersley 1955, J. Physiol. 127, in a plane).
+`python tests/validation/panels.py section` prints the one, `box` the other, `drift` data/section_drift.csv. The
+potential is that of constant sources and dipoles (Green's third identity with ln r and its image in the bed) on hull,
+free surface and two ends; at the ends it is a sum of the eigenfunctions of the depth, which lets every wave out. Slots
+between the hull and the walls of the flume are thin sheets of water with a free surface of their own: they take the
+pressure of the hull's contour and give it their flux, less what laminar friction between two plates holds back
+(Womersley 1955, J. Physiol. 127, in a plane).
 """
 
 from itertools import pairwise
@@ -21,6 +22,9 @@ G, DENSITY, VISCOSITY = 9.81, 1000.0, 1e-6
 SECTION = (0.400, 0.200, 0.0512)  # breadth, draught, radius of the bilges [m]
 LENGTH, FLUME, DEPTH, AXIS = 0.586, 0.600, 1.00, -0.093  # [m]
 BOX = {"section": (1.0, 0.2, 0.0512), "length": 1.0, "flume": 1.0, "axis": -0.05}  # of open_sea_box
+MASS = 46.8  # [kg]
+DRIFT_FREQUENCIES = np.arange(3.0, 11.01, 0.1)  # [rad/s]
+SPRINGS = (60.0, 8.70, 0.303)  # in sway [N/m], [N s/m], [kg]
 MODES = 12  # of those that do not travel
 MOTIONS = ("sway", "heave", "roll")
 FREQUENCIES = [0.02, 0.1, *np.arange(0.25, 26.01, 0.25)]  # [rad/s]
@@ -102,6 +106,14 @@ def answers(
     axis: float = AXIS,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """(3, 3) added mass and damping of sway, heave, roll; (3,) scattered and undisturbed force of waves of 1 m."""
+    return solve(omega, section, length, flume, fine, axis)[:4]
+
+
+def solve(
+    omega: float, section: tuple[float, float, float], length: float, flume: float, fine: int, axis: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """What `answers` gives, and (2, 4) amplitudes [m] of the waves that leave to the near side, where waves come from,
+    and to the far side: of sway, heave and roll at 1 m/s or rad/s, and of the waves of 1 m that are scattered."""
     k, far = float(waves.wavenumber(omega, DEPTH, G)), 1.2 if omega < 12.0 else 0.8
     hull = contour(*section, 24 * fine)
     x = section[0] / 2.0 + (far - section[0] / 2.0) * np.linspace(0.0, 1.0, 200 * fine + 1) ** 1.5
@@ -136,12 +148,35 @@ def answers(
     driven[wet, :3] = share * motions
     driven[wet, 3] = slope[wet, wet] @ coming - passing
     source, dipole = green(start, stop, DEPTH)
-    potential = np.linalg.solve(dipole - source @ slope, source @ driven)[wet]
-    force = 1j * omega * DENSITY * length * (motions * size[wet, None]).T @ np.column_stack([potential, coming])
-    return force[:, :3].imag / omega, -force[:, :3].real, force[:, 3], force[:, 4]
+    potential = np.linalg.solve(dipole - source @ slope, source @ driven)
+    force = 1j * omega * DENSITY * length * (motions * size[wet, None]).T @ np.column_stack([potential[wet], coming])
+    ends = [(part, np.cosh(k * (middle[part, 1] + DEPTH)) / np.cosh(k * DEPTH)) for part in on[:2:-1]]
+    left = [1j * omega / G * (f * size[part]) @ potential[part] / (f @ (f * size[part])) for part, f in ends]
+    left[1][3] += np.exp(1j * k * far)  # of the waves that pass
+    return force[:, :3].imag / omega, -force[:, :3].real, force[:, 3], force[:, 4], np.array(left)
+
+
+def drift(omega: float, stiffness: float, lost: float, more: float) -> float:
+    """Mean force [N/m2] per amplitude squared on the section in the flume, free in sway and heave, on springs of a
+    `stiffness` [N/m] that damp by `lost` [N s/m] and weigh `more` [kg]: by the waves that leave, of which the section
+    gives rho g a^2 / 2 c_g / c (1 + R^2 - T^2) a metre of the flume (Longuet-Higgins 1977, Proc. R. Soc. A 352)."""
+    added, damping, scattered, passing, left = solve(omega, SECTION, LENGTH, FLUME, 1, AXIS)
+    two = np.ix_((0, 1), (0, 1))
+    heavy = np.diag([MASS + more, MASS]) + added[two]
+    stiff = np.diag([stiffness, DENSITY * G * SECTION[0] * LENGTH])
+    whole = stiff - omega**2 * heavy - 1j * omega * (damping[two] + np.diag([lost, 0.0]))
+    moved = np.linalg.solve(whole, (scattered + passing)[:2])
+    near, beyond = np.abs(left[:, 3] + left[:, :2] @ (-1j * omega * moved))
+    k = float(waves.wavenumber(omega, DEPTH, G))
+    return DENSITY * G / 2.0 * group_speed(omega) * k / omega * (1.0 + near**2 - beyond**2) * FLUME
 
 
 def main(name: str) -> None:
+    if name == "drift":
+        print("omega_rad_s,heading_deg,surge_N_m2,sway_N_m2,yaw_Nm_m2")
+        for omega in DRIFT_FREQUENCIES:
+            print(f"{omega:g},90,0,{drift(float(omega), *SPRINGS):.6g},0")
+        return
     body: dict[str, Any] = {"section": {}, "box": BOX}[name]
     units = ("kg", "kg", "kg_m2")
     columns = [f"{m}_added_{u},{m}_damping_{u}_s" for m, u in zip(MOTIONS, units)]

@@ -2,7 +2,23 @@
 
 import numpy as np
 import pytest
-from panels import BOX, DENSITY, DEPTH, LENGTH, MOTIONS, G, answers, by_reciprocity
+from panels import (
+    AXIS,
+    BOX,
+    DENSITY,
+    DEPTH,
+    FLUME,
+    LENGTH,
+    MOTIONS,
+    SECTION,
+    SPRINGS,
+    G,
+    answers,
+    by_reciprocity,
+    drift,
+    group_speed,
+    solve,
+)
 
 from ocean_sim import Simulation, load, waves
 from ocean_sim.files import csv_file
@@ -28,6 +44,23 @@ def test_without_slots_waves_push_as_reciprocity_demands():
     assert added[0, 2] == pytest.approx(added[2, 0], rel=5e-3)
     push = scattered + undisturbed
     assert push[2] / push[0] == pytest.approx(damping[0, 2] / damping[0, 0], rel=3e-3)  # its sign, too
+
+
+def test_waves_that_leave_have_the_energy_that_arrives_and_that_a_motion_gives():
+    """R^2 + T^2 = 1 of the section held, and two waves carry away what the damping takes, without slots."""
+    _, damping, _, _, left = solve(6.0, SECTION, LENGTH, LENGTH, 1, AXIS)
+    assert (np.abs(left[:, 3]) ** 2).sum() == pytest.approx(1.0, abs=2e-3)
+    power = DENSITY * G * group_speed(6.0) * LENGTH * (np.abs(left[:, :3]) ** 2).sum(axis=0)
+    assert power == pytest.approx(np.diag(damping), rel=5e-3)
+
+
+def test_the_table_of_drift_is_what_the_panels_say():
+    """Short waves push as on a wall, by rho g a^2 / 2 a metre of the flume, long ones hardly."""
+    table = csv_file.Table(table_path("section_drift"))
+    row = int(np.flatnonzero(table["omega_rad_s"] == 7.0)[0])
+    assert table["sway_N_m2"][row] == pytest.approx(drift(7.0, *SPRINGS), rel=1e-4)
+    assert drift(16.0, *SPRINGS) == pytest.approx(0.5 * DENSITY * G * FLUME, rel=0.03)
+    assert drift(3.0, *SPRINGS) < 0.02 * 0.5 * DENSITY * G * FLUME
 
 
 @pytest.mark.parametrize("name, body", [("section_radiation", {}), ("box_radiation", BOX)])

@@ -75,9 +75,10 @@ class OpenWater(Fluid):
     def window(self, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]) -> Window:
         return Window(self, size, step, depths)
 
-    def arriving(self, x: float, z: float) -> Arriving:
-        """Plane waves at x, z [m], grown by their ramp, when the last step began."""
-        sea, (dx, dz) = self.waves.sea, np.array([x, z]) - self.before * np.array(self.current)
+    def arriving(self, x: float, z: float, afar: bool = False) -> Arriving:
+        """Plane waves at x, z [m], grown by their ramp, when the last step began; `afar`: all, not those of kernels."""
+        sea = (self.plane_waves if afar else None) or self.waves.sea
+        dx, dz = np.array([x, z]) - self.before * np.array(self.current)
         angle = sea.wavevector[:, 0] * dx + sea.wavevector[:, 1] * dz + sea.phase - sea.omega * self.before
         heading = np.arctan2(sea.wavevector[:, 0], sea.wavevector[:, 1])
         return Arriving(sea.ramp_share(self.before) * sea.amplitude, angle, sea.omega, heading, sea.wavenumber)

@@ -6,11 +6,6 @@ from ocean_sim import waves
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Array2, Doubles2, in_kernels, runs_alone
 
-NO_DRIFT = (
-    "the waves are of the first order: what drifts a ship in the mean, second-order forces, is not modelled; a mean "
-    "drift of a run is that of drag and of a hull that moves"
-)
-
 
 @in_kernels
 class PlaneWaves:

@@ -16,7 +16,7 @@ from ocean_sim.fluid.sph.initial_state import Initial
 from ocean_sim.fluid.sph.lattice import Lattice, in_obstacles
 from ocean_sim.fluid.sph.smoothing import WENDLAND, Kernel
 from ocean_sim.model import Vector3, quantity
-from ocean_sim.parts import FluidConfig, Preflight, Problems
+from ocean_sim.parts import FluidConfig, Preflight, Problems, forces_in_waves
 from ocean_sim.waves import Components
 
 MAX_ROUNDING_SPACINGS = 1e-3  # [spacings] between two numbers: about a hundredth of the way of a particle in a step
@@ -78,7 +78,7 @@ class WaterConfig(FluidConfig):
         return self.impulses
 
     def statements(self, preflight: Preflight) -> list[str]:
-        found = []
+        found = [] if preflight.sea is None else forces_in_waves(preflight, False, False)
         if self.motion_limit is not None:
             limit = f"{self.motion_limit:g}"
             found.append(f"no particle moves further than {limit} spacings in a step; what is held back is counted")

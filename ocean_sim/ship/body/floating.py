@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property, lru_cache
 from math import cos, isinf, radians, sin, sqrt
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import ValidationInfo, field_validator
@@ -12,8 +12,9 @@ from pydantic import ValidationInfo, field_validator
 from ocean_sim.basin import Basin
 from ocean_sim.basin.solids.distance import MAX_LATTICE_NODES, lattice_memory
 from ocean_sim.conventions import WATER_DENSITY
-from ocean_sim.files.input_file import relative_to_scene
-from ocean_sim.model import Vector3, quantity
+from ocean_sim.files.input_file import FileName, relative_to_scene
+from ocean_sim.fluid import ClosedForm
+from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, named
 from ocean_sim.ship import Afloat, Look, Outline
 from ocean_sim.ship.body.rigid_body import RigidBody, euler_quaternion, rotation_matrix
@@ -30,10 +31,31 @@ from ocean_sim.ship.water.wall_contact import Sides
 from ocean_sim.ship.water.water_samples import DEPTH_LEVELS, NODES_ACROSS, NODES_ALONG, SurroundingSea
 from ocean_sim.ship.water.wave_contact import CUBES_A_SPACING, SAG_RIM, Contact
 
+if TYPE_CHECKING:  # imported only where a ship has drift forces
+    from ocean_sim.ship.forces.drift import Drift
+
 RESOLVED_SPACINGS = 4.0  # spacings in a draught
 SHALLOW_DRAUGHTS = 4.0  # draughts of water from which on the bed is hardly felt
 GM_TOLERANCE = 0.05  # of GM by which that of the cubes may differ from that of the hull without a warning
 MAX_LEAN = 30.0  # [deg] of trim or heel, within which a pose at rest is looked for
+
+
+class DriftFile(Model):
+    """Drift forces of a hull from a table."""
+
+    table: FileName
+    """A CSV file with a row for each frequency and heading: `omega_rad_s`, `heading_deg` to which the waves go from the
+    ship's heading (0 astern, 90 to port, 180 head sea), `surge_N_m2`, `sway_N_m2` [N/m2] to bow and port and
+    `yaw_Nm_m2` [N m/m2] to port, per amplitude squared, about the centre of mass."""
+
+    @field_validator("table")
+    @classmethod
+    def _whole_table(cls, file: str) -> str:
+        """Validate the file by reading it; raises ValueError if that fails."""
+        from ocean_sim.ship.forces.drift import read_table
+
+        read_table(file)
+        return file
 
 
 class FloatingConfig(VesselConfig):
@@ -57,6 +79,10 @@ class FloatingConfig(VesselConfig):
     rudder: Rudder | None = None
     moorings: list[Mooring] = []
     """Lines that hold the ship, and fenders."""
+    drift: Literal["rule"] | DriftFile | None = None
+    """Second-order forces of waves in closed form on her, mean and slow (Newman 1974): by `rule`, from her waterline
+    (Faltinsen et al. 1980, Maruo 1960), for waves shorter than 0.8 lengths ahead and twice her breadth abeam, or from a
+    `table`; horizontal wave forces are then those on the hull at rest. Null: none."""
 
     @field_validator("hull")
     @classmethod
@@ -134,6 +160,24 @@ class FloatingConfig(VesselConfig):
         """Rigid body at the start; afloat at rest where the config gives no height or attitude."""
         return self.body_at_start(still.matter, *afloat_pose(still))
 
+    @property
+    def feels_wind(self) -> bool:
+        return True
+
+    @property
+    def drift_law(self) -> str:
+        return "" if self.drift is None else self.drift if isinstance(self.drift, str) else "table"
+
+    def drift_force(self, still: Hydrostatics, sea: ClosedForm, body: RigidBody) -> "Drift | None":
+        """Drift of a hull, a `body`, in a sea in closed form; None without the key `drift`, or if she cannot float."""
+        if self.drift is None or isinf(still.draught):
+            return None
+        from ocean_sim.ship.forces import drift
+
+        if isinstance(self.drift, str):
+            return drift.Drift(drift.waterline_law(still), sea, body)
+        return drift.Drift(drift.read_table(self.drift.table).coefficients, sea, body)
+
     def solid(self, preflight: Preflight) -> Solid | None:
         if self.contact is None or preflight.spacing is None:
             return None
@@ -160,10 +204,13 @@ class FloatingConfig(VesselConfig):
 
     def mismatches(self, preflight: Preflight) -> Problems:
         found, basin, spacing = Problems(), preflight.tank, preflight.spacing or 0.0
+        if self.drift is not None and preflight.fluid.made_of_particles:
+            twice = "particles carry the waves that drift her, and would count them twice; leave it out"
+            found.append((("drift",), f"{twice}, or take water in closed form"))
         solid = self.solid(preflight)
         large = self.oversize(basin) if preflight.fluid.made_of_particles else ""
         if large:
-            return [(("hull",), large)]
+            return [*found, (("hull",), large)]
         still = self.hydrostatics_of(preflight)
         if solid is not None:
             reach = max(solid.reach, SAG_RIM * spacing)
@@ -176,7 +223,7 @@ class FloatingConfig(VesselConfig):
             sides = Sides(self.whole_hull.shape, still.matter.centre, basin, axes=(1,))
             body = self.resting_body(still)
         else:
-            return []
+            return found
         for axis, _, depth in sides.penetrations(body):
             if depth.max() > 1e-6:
                 side = "the bed" if axis == 1 else f"a wall across {'xyz'[axis]}"
@@ -329,8 +376,8 @@ class FloatingConfig(VesselConfig):
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         basin, word = preflight.tank, preflight.word
         n = len(self.in_still_water(-basin.gravity[1], WATER_DENSITY).voxels.share)
-        size = Cubes.bytes(n, word) + SurroundingSea.bytes(word)
-        size += preflight.fluid.window_bytes(preflight, (NODES_ALONG, NODES_ACROSS), DEPTH_LEVELS)
+        lattice = preflight.fluid.window_bytes(preflight, (NODES_ALONG, NODES_ACROSS), DEPTH_LEVELS)
+        size = Cubes.bytes(n, word) + (2 if self.drift else 1) * (SurroundingSea.bytes(word) + lattice)
         why = f"{self.cells_per_draught:g} cells_per_draught"
         rows = [LedgerRow("ship", f"{n} cubes of the hull", size, why)]
         solid = self.solid(preflight)

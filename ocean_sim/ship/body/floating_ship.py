@@ -17,8 +17,8 @@ from ocean_sim.fluid import Contact, Fluid, Limits
 from ocean_sim.parts import called
 from ocean_sim.ship import Load
 from ocean_sim.ship.body import small_linalg
-from ocean_sim.ship.body.floating import FloatingConfig
-from ocean_sim.ship.body.rigid_body import RigidBody, to_world
+from ocean_sim.ship.body.floating import FloatingConfig, afloat_pose
+from ocean_sim.ship.body.rigid_body import RigidBody, euler_quaternion, quaternion_product, to_world
 from ocean_sim.ship.body.vessel import Actuators, Vessel
 from ocean_sim.ship.forces.added_mass import Slamming
 from ocean_sim.ship.hull.cubes import Cubes, Wetted
@@ -40,6 +40,16 @@ class Immersion(NamedTuple):
     motion: np.ndarray  # (6,) velocity relative to the water, body axes [m/s], [rad/s]
     surface: Surface | Fluid
     body: RigidBody
+    axes: RigidBody  # along which damping acts and where waves arrive: `body`, or with drift that of `level_body`
+
+
+def linear_across(wet: Wetted, flat: Wetted, turn: np.ndarray) -> Wetted:
+    """Sums `wet` of a hull whose horizontal wave force and whose water's motion are those of the hull at rest, `flat`:
+    linear in the waves, so that their mean force is not counted twice. `turn`: (3, 3) from the axes of `flat`."""
+    wave = wet.wave.copy()
+    wave[0, [0, 2]], wave[1, 1] = flat.wave[0, [0, 2]], flat.wave[1, 1]
+    velocity, acceleration = ((moved.reshape(2, 3) @ turn.T).ravel() for moved in (flat.velocity, flat.acceleration))
+    return wet._replace(wave=wave, velocity=velocity, acceleration=acceleration)
 
 
 class FloatingShip(Vessel):
@@ -81,6 +91,10 @@ class FloatingShip(Vessel):
         super().__init__(name, config, body, actuators, basin.lower[1])
         self.shape, self.contact, self.sides = shape, contact, sides
         self.moor(config.moorings, config.points)
+        self.rest, self.drift = afloat_pose(still), None if closed is None else config.drift_force(still, closed, body)
+        if self.drift is not None and closed is not None:
+            self.slow_water = SurroundingSea(length, width, height, still.draught, still.gravity, closed)
+            self.add_part("drift")
         self.usual_volume = min(still.needed_volume, still.voxels.volume)  # under water [m3]
         self.weight = np.array([[0.0, -matter.mass * still.gravity, 0.0], [0.0, 0.0, 0.0]])
         self.motion_limits = self.limits_of_motion(self.added)
@@ -100,17 +114,27 @@ class FloatingShip(Vessel):
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
         body = self.centred_body if self.water.samples_depth else self.body
-        wet = self.cubes.sum_forces(body, self.water, surface, wind)
+        wet, axes = self.cubes.sum_forces(body, self.water, surface, wind), body
+        if self.drift is not None:
+            axes = self.level_body(body, *self.drift.slow[:2])
+            flat = self.cubes.sum_forces(axes, self.slow_water, surface, wind)
+            wet = linear_across(wet, flat, body.matrix.T @ axes.matrix)
         # Added mass, damping and thrust are whole until half the usual volume is out of the water.
         share = min(1.0, 2.0 * wet.volume / self.usual_volume)
         motion = np.array([*body.own_velocity, *body.own_spin]) - wet.velocity
-        now = Immersion(wet, share, motion, surface, body)
+        now = Immersion(wet, share, motion, surface, body, axes)
         self.relative, self.wet = motion, wet.volume
         self.airborne = not wet.volume > 0.0
         if self.slamming is not None:
             self.rising = small_linalg.dot(body.rows[1], motion[:3].tolist())
             self.upwards = wet.buoyancy / max(float(wet.buoyancy[0, 1]), 1e-9)
         return Load.of(self.answered(now, self.forces(now)), self.parts)
+
+    def level_body(self, body: RigidBody, place: np.ndarray, velocity: np.ndarray) -> RigidBody:
+        """The body as it floats at rest at a place [m], with a velocity [m/s] and the same heading."""
+        height, trim = self.rest
+        turn = quaternion_product(euler_quaternion(0.0, body.angles[1], 0.0), trim)
+        return replace(body, position=np.array([place[0], height, place[2]]), velocity=velocity, orientation=turn)
 
     def forces(self, now: Immersion) -> dict[str, np.ndarray]:
         """(2, 3) force [N], torque [N m] of each part, world axes, without the reaction of added mass."""
@@ -124,6 +148,7 @@ class FloatingShip(Vessel):
             "wind_lift": wet.wind_lift,
             "damping": self.whole_damping(now),
             **({"mooring": self.moorings.load(now.body)} if self.moorings is not None else {}),
+            **({"drift": now.share * self.drift.load(now.axes)} if self.drift is not None else {}),
             **{part: to_world(force, now.body) for part, force in driven.items()},
         }
 
@@ -148,6 +173,8 @@ class FloatingShip(Vessel):
             if push > 0.0:
                 load = load.plus("damping", push * self.upwards)
         super().advance(load, dt)
+        if self.drift is not None:
+            self.drift.follow(self.body, dt)
         if self.aground and self.contact is None and isinf(self.hydrostatics.draught):
             x, _, z = self.body.position
             raise Diverged(f"{called(self.name)} has sunk to the bed, {-self.bed:g} m down, at ({x:.4g}, {z:.4g}) m")

@@ -204,8 +204,12 @@ class Vessel(Ship):
         """Moor the ship by any lines and fenders at her named `points`; their force is the load's part `mooring`."""
         if lines:
             self.moorings = Moorings(lines, points, self.actuators.centre, self.body)
-            self.parts = (*self.parts, "mooring")
-            self.last = Load.of({}, self.parts)
+            self.add_part("mooring")
+
+    def add_part(self, name: str) -> None:
+        """Add a part of this name to those of the ship's load."""
+        self.parts = (*self.parts, name)
+        self.last = Load.of({}, self.parts)
 
     @property
     def orders(self) -> tuple[float, float]:

@@ -111,16 +111,18 @@ def follow_body(simulation: Simulation, until: float) -> Iterator[tuple[float, "
         yield simulation.time, ship_of(simulation).body
 
 
-def record_in_waves(simulation: Simulation, rest: float, height: float, period: float, heading: float) -> np.ndarray:
-    """Run the ship from upright at height `rest` [m] in regular waves of a height [m], period [s], heading [deg]: rows
-    (7, n) of time [s], position [m], pitch, yaw and roll [rad] over the last JUDGED_WAVES waves."""
+def record_in_waves(
+    simulation: Simulation, rest: float, height: float, period: float, heading: float, count: int = WAVE_COUNT
+) -> np.ndarray:
+    """Run the ship from upright at height `rest` [m] in `count` regular waves of a height [m], period [s], heading
+    [deg]: rows (7, n) of time [s], position [m], pitch, yaw and roll [rad] over the last JUDGED_WAVES waves."""
     fluid: Any = simulation.fluid  # of kind linear_waves
     clock: Any = simulation.time_step  # of kind fixed
     set_pose(simulation, position=np.array([0.0, rest, 0.0]), orientation=UPRIGHT)
     fluid.begin(regular_wave(height, period, heading_vector(heading, 3), simulation.basin.depth, GRAVITY))
     simulation.time, simulation.next_dt = 0.0, period / WAVE_STEPS
     clock.adjust(dt=period / WAVE_STEPS)
-    rows = [(t, *b.position, *b.angles) for t, b in follow_body(simulation, WAVE_COUNT * period - 1e-9)]
+    rows = [(t, *b.position, *b.angles) for t, b in follow_body(simulation, count * period - 1e-9)]
     return np.array(rows[-JUDGED_WAVES * WAVE_STEPS :]).T
 
 

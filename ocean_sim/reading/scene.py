@@ -55,6 +55,7 @@ from ocean_sim.reading.idle import idle_keys, inner_models
 from ocean_sim.reading.translation import choice_sentence, dotted, key_sentence, validated
 from ocean_sim.runtime import RuntimeConfig
 from ocean_sim.simulation import ObserverConfig
+from ocean_sim.waves.spectrum_files import ndbc_files
 
 ALWAYS_ON = ("manifest", "timings", "health", "accuracy", "frames", "report", "render")  # observers, unless null
 ON_WITH = {"motion": ALONE, "platform_log": "platform"}  # observers, unless null, where the scene has this part
@@ -110,7 +111,9 @@ class SceneConfig(Heading):
     def inputs(self) -> dict[str, str]:
         """SHA-256 by name of each input file of the scene's numbers; raises Refused if one changed since loading."""
         parts = [part.model_dump() for part in (self.basin, *self.parts().values())]
-        found = {name: file_digest(name) for name in sorted(set(input_names(parts)))}
+        names = set(input_names(parts))
+        names |= {str(beside) for name in names for beside in ndbc_files(name) if beside.is_file()}
+        found = {name: file_digest(name) for name in sorted(names)}
         for name, now in found.items():
             if self._inputs.get(name, now) != now:
                 changed = f"{display_path(name)}: this file has changed since the scene was loaded"

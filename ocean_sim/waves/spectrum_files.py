@@ -174,16 +174,21 @@ def _ndbc_rows(lines: Lines) -> Iterable[tuple[datetime, np.ndarray]]:
         yield datetime.strptime(" ".join(date), "%Y %m %d %H %M"), np.stack([np.array(names, float), measured(cells)])
 
 
+def ndbc_files(path: str | Path) -> list[Path]:
+    """The five files of NDBC of which `path` names one; empty if its name is not one of theirs."""
+    path = Path(path)
+    if path.suffix in NDBC_ENDINGS:
+        return [path.with_suffix(ending) for ending in NDBC_ENDINGS]
+    year = re.fullmatch(rf"(.+)[{NDBC_LETTERS}](\d{{4}}.*)", path.name)
+    return [path.with_name(f"{year[1]}{letter}{year[2]}") for letter in NDBC_LETTERS] if year else []
+
+
 def _read_ndbc(lines: Lines) -> Iterable[Record]:
     """Spectra of NDBC: density [m2/Hz], mean direction alpha1 and principal direction alpha2 [deg], and r1, r2, which
     are hundredths in the files of a year."""
     path = Path(lines.path)
-    live, year = path.suffix in NDBC_ENDINGS, re.fullmatch(rf"(.+)[{NDBC_LETTERS}](\d{{4}}.*)", path.name)
-    if live:
-        paths = [path.with_suffix(ending) for ending in NDBC_ENDINGS]
-    elif year:
-        paths = [path.with_name(f"{year[1]}{letter}{year[2]}") for letter in NDBC_LETTERS]
-    else:
+    live, paths = path.suffix in NDBC_ENDINGS, ndbc_files(path)
+    if not paths:
         raise FORMAT_RULE.broken(path, "its name does not tell those of the other four")
     density, *others = [dict(_read_all(Lines(each), _ndbc_rows)) for each in paths]
     for time, (frequency, values) in density.items():

@@ -1,6 +1,7 @@
 """Seas from files of spectra: one sea in every dialect, its directions and energy in every kind of water, bad files."""
 
 import json
+import shutil
 from datetime import datetime
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from scipy.io import netcdf_file
 
 from ocean_sim import waves
 from ocean_sim.__main__ import run_command_line
+from ocean_sim.conventions import Refused
 from ocean_sim.files.input_file import Unreadable
 from ocean_sim.fluid.spectral_sea import SPECTRUM_COMPONENTS, snapped
 from ocean_sim.fluid.sph.initial_state import patch_waves
@@ -409,3 +411,14 @@ def test_a_missing_companion_an_unknown_name_and_another_time_are_refused(tmp_pa
 def test_a_scene_tells_the_key_of_a_bad_file(tmp_path):
     with pytest.raises(Exception, match=r"fluid\.spectrum.* it has no|fluid\.spectrum.*name one of its 2 times"):
         load(OPEN | {"fluid": {"kind": "linear_waves", "spectrum": {"file": str(BUOY)}}})
+
+
+def test_all_five_files_of_a_buoy_are_inputs_of_a_run(tmp_path):
+    for path in (*library("scenes").glob("41010.*"), library("scenes") / "cape_canaveral.yaml"):
+        shutil.copy(path, tmp_path)
+    config = load(tmp_path / "cape_canaveral.yaml")
+    assert {Path(name).suffix for name in config.inputs()} >= {".data_spec", ".swdir", ".swdir2", ".swr1", ".swr2"}
+    changed = tmp_path / "41010.swr2"
+    changed.write_text(changed.read_text() + "\n")
+    with pytest.raises(Refused, match="swr2: this file has changed since"):
+        config.inputs()

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.files.atomic_file import atomic_write, require_disk_space
+from ocean_sim.files.atomic_file import atomic_write, require_disk_space, write_file
 
 PLY_TYPES = {"<f4": "float", "<i4": "int", "|u1": "uchar"}
 AXIS_NAMES = "xyz"
@@ -48,8 +48,7 @@ def save_ply(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: d
     if faces is not None:
         head += [f"element face {len(faces)}", "property list uchar int vertex_indices"]
         corners["count"], corners["corners"] = 3, faces
-    with atomic_write(path) as draft:
-        draft.write_bytes("\n".join([*head, "end_header", ""]).encode("ascii") + rows.tobytes() + corners.tobytes())
+    write_file(path, "\n".join([*head, "end_header", ""]).encode("ascii") + rows.tobytes() + corners.tobytes())
     return path
 
 

@@ -62,9 +62,9 @@ class Checkpoint(Observer):
         name = checkpoint_file.checkpoint_name(simulation.time)
         self.names = [*(kept for kept in self.names if kept != name), name][-KEPT_FILES:]
         taken = Snapshot(roots(simulation), self.folder, self.contents)
-        made, scene = program_facts(simulation), simulation.scene.resolved()
-        moment = simulation.time, simulation.steps
-        checkpoint = checkpoint_file.Checkpoint(*moment, scene, made, taken.tree, taken.arrays)
+        made = versions() | {"backend": simulation.backend.arch, "sources": source_hashes()}
+        moment = simulation.time, simulation.steps, simulation.scene.resolved()
+        checkpoint = checkpoint_file.Checkpoint(*moment, made, taken.tree, taken.arrays)
         checkpoint_file.write_checkpoint(checkpoint, self.folder)
         for path in checkpoint_file.checkpoint_files(self.folder):
             if path.name not in self.names:
@@ -93,11 +93,6 @@ def roots(simulation: Simulation) -> dict[str, Any]:
     """Objects from which a checkpoint saves all others: the simulation, and the observers that the scene names."""
     named = simulation.scene.observers
     return {"simulation": simulation, "observers": dict(zip(named, simulation.observers[: len(named)]))}
-
-
-def program_facts(simulation: Simulation) -> dict[str, Any]:
-    """Versions of packages, backend, and hashes of sources, by name, on which the bytes of a run depend."""
-    return versions() | {"backend": simulation.backend.arch, "sources": source_hashes()}
 
 
 def versions() -> dict[str, str | None]:

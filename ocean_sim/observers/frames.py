@@ -12,7 +12,7 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.basin import shifts
 from ocean_sim.basin.points import grid, grid_points, grid_size
-from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.atomic_file import write_file
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
 from ocean_sim.parts import Preflight, Problems, key_of
@@ -221,8 +221,7 @@ class Frames(Observer):
         """Write arrays into the file `name`.npz of the folder, atomically."""
         file = BytesIO()  # in memory: savez seeks and writes for every array
         np.savez(file, **arrays)  # type: ignore[arg-type]
-        with atomic_write(self.folder / f"{name}.npz") as draft:
-            draft.write_bytes(file.getbuffer())
+        write_file(self.folder / f"{name}.npz", file.getbuffer())
 
 
 def move_triangles(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) -> "Mesh":

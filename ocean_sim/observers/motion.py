@@ -163,20 +163,15 @@ class Log:
         self.due += [(k * self.multiples.every, self.seen) for k in self.multiples.reached(time)]
         self.seen += 1
         if self.seen == 1:
-            self.set_first_velocity(body, 0.5 * (simulation.time - time))
+            dt = 0.5 * (simulation.time - time)
+            speeds = body.velocity + dt * ship.acceleration, body.angular_velocity + dt * ship.turning
+            self.velocity = first_derivative(*speeds, body.orientation)  # mean of this moment's and the next one's
             self.write(simulation)
             self.velocity = UNKNOWN_VELOCITY
-        elif self.seen == MOMENTS_PER_BATCH or (self.due and self.is_awaited(simulation)):
+        elif self.seen == MOMENTS_PER_BATCH or (
+            self.due and any(taker.at_once for taker in takers(simulation, TakesMotion))
+        ):
             self.write(simulation)
-
-    def is_awaited(self, simulation: Simulation) -> bool:
-        """True if an observer needs each row as soon as it is known."""
-        return any(taker.at_once for taker in takers(simulation, TakesMotion))
-
-    def set_first_velocity(self, body: "RigidBody", dt: float) -> None:
-        """Set the ship's velocity at the first moment: the mean of that now and that after a step of 2 `dt` [s]."""
-        gained = dt * self.ship.acceleration, dt * self.ship.turning
-        self.velocity = first_derivative(body.velocity + gained[0], body.angular_velocity + gained[1], body.orientation)
 
     def write(self, simulation: Simulation) -> None:
         """Write the due rows, interpolated between stored states of the ship; the last one begins the next batch."""

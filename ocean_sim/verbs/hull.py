@@ -12,7 +12,7 @@ import typer
 from ocean_sim.basin.solids.mesh import BadMesh
 from ocean_sim.basin.solids.voxels import MISSED_SHARE, voxels
 from ocean_sim.conventions import GRAVITY, WATER_DENSITY, AxisName, figures
-from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.atomic_file import save_figure
 from ocean_sim.files.yaml_file import read_mapping
 from ocean_sim.parts import library, named
 from ocean_sim.reading.scene import load, packaged_scenes
@@ -362,7 +362,6 @@ def balance_at_rest(afloat: hydrostatics.Hydrostatics) -> dict[str, float | None
 
 
 def print_report(name: str, found: dict[str, Any], notes: list[str], picture: Path | None) -> None:
-
     console.say(name)
     for note in notes:
         console.say(note)
@@ -438,6 +437,4 @@ def draw_hull(path: Path, shape: Any, found: dict[str, Any]) -> None:
     axes.axhline(0.0, color="black", linewidth=0.6)
     axes.set(xlabel="heel [deg]", ylabel="GZ [m]")
     axes.grid(alpha=0.3)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with atomic_write(path) as draft:
-        figure.savefig(draft, dpi=100)
+    save_figure(figure, path)

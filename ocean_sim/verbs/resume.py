@@ -9,6 +9,7 @@ import typer
 
 from ocean_sim.files import input_file
 from ocean_sim.files.atomic_file import reserve_disk_space
+from ocean_sim.files.csv_file import split_lines
 from ocean_sim.files.input_file import display_path
 from ocean_sim.files.run_files import MANIFEST_FILE, Claim
 from ocean_sim.files.yaml_file import SceneError
@@ -148,13 +149,8 @@ def never_begun(folder: Path, config: SceneConfig) -> bool:
     """True if a run with checkpoints ended before the first, having written no more than its initial state."""
     if "checkpoint" not in config.observers or any(checkpoint_file.checkpoint_files(folder)):
         return False
-    empty = not any(len(recorded_rows(path)) > 1 for path in folder.glob("*.csv"))
-    return empty and len([*folder.glob("frames/frame_*")]) < 2
-
-
-def recorded_rows(path: Path) -> list[str]:
-    """Rows of a run's CSV file as text, without comments and heading."""
-    return [line for line in input_file.read_text(path).splitlines() if line and line[0] != "#"][1:]
+    tables = (split_lines(input_file.read_text(path)) for path in folder.glob("*.csv"))
+    return not any(len(table.rows) > 1 for table in tables) and len([*folder.glob("frames/frame_*")]) < 2
 
 
 def newest_checkpoint(folder: Path, config: SceneConfig) -> checkpoint_file.Checkpoint:

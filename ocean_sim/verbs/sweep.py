@@ -10,7 +10,8 @@ from ocean_sim.studies.shared.runs import ADDRESS_PATTERN
 from ocean_sim.studies.shared.study import Study
 from ocean_sim.studies.sweep import read_plan
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.bar import rows_of, text
+from ocean_sim.verbs.shared.bar import rows_of
+from ocean_sim.verbs.shared.console import cell
 from ocean_sim.verbs.shared.options import Json
 
 FACT_COLUMNS = ("outcome", "simulated_s", "particles", "wall_s", "reason")
@@ -35,7 +36,7 @@ def sweep(
         console.answer(table)
     else:
         names = ["run", *dict.fromkeys(key for run in runs for key in run.settings), *FACT_COLUMNS]
-        console.table("", names, [[text(row.get(name)) for name in names] for row in table])
+        console.table("", names, [[cell(row.get(name)) for name in names] for row in table])
         console.say(sweep_summary(table, folder))
 
 

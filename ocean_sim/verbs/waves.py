@@ -1,6 +1,6 @@
 """`ocean-sim waves`: the records of a run's gauges, as waves."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -9,14 +9,14 @@ import numpy as np
 import typer
 
 from ocean_sim.files import csv_file, run_files
-from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.atomic_file import save_figure
 from ocean_sim.pictures.frame_files import Frame, frame_files, open_frame
 from ocean_sim.pictures.water.sea_state import run_scene
 from ocean_sim.verbs.render import warn_unless_ended
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json
 from ocean_sim.waves import record
-from ocean_sim.waves.orbits import BREAKING_ACCELERATION, Grid, Motion, SurfaceRecord, surface_record, tracer_motion
+from ocean_sim.waves.orbits import BREAKING_ACCELERATION, Grid, SurfaceRecord, surface_record, tracer_motion
 from ocean_sim.wind.shared.air_load import LAW, stated_speed
 
 WAVE_COLUMNS = {
@@ -131,7 +131,10 @@ def particle_orbits(path: Path, folder: Path, begin: float, period: float | None
     except (OSError, ValueError, IndexError) as error:
         console.say(f"{path}: no orbits: {error}")
         return []
-    rows = orbit_rows(names, found)
+    rows = [
+        [f"{name}", *(f"{value:.6g}" for value in (level, o.along_m, o.up_m, o.ratio, o.drift_m_s))]
+        for name, level, o in sorted(zip(names, found.level_m, found.orbits), key=lambda row: -row[1])
+    ]
     csv_file.write_table(folder / "orbits.csv", ORBIT_COLUMNS, rows)
     some = rows[:: max(1, len(rows) // 10)]
     title = f"{path}: orbits under waves of {period:.4g} s (half length and height, and drift)"
@@ -201,7 +204,9 @@ def wind_of(path: Path) -> str | None:
 
 
 def print_waves(found: dict[str, record.Sea], path: Path, treatment: record.Treatment, time: np.ndarray) -> None:
-    rows = [[name, *(table_cell(getattr(sea, key)) for key in WAVE_COLUMNS.values())] for name, sea in found.items()]
+    rows = [
+        [name, *(console.cell(getattr(sea, key), "-") for key in WAVE_COLUMNS.values())] for name, sea in found.items()
+    ]
     heads = [f"{head} [{key.split('_')[-1]}]" if "_" in key else head for head, key in WAVE_COLUMNS.items()]
     console.table(f"{path}: {len(time)} samples from {time[0]:.12g} to {time[-1]:.12g} s", ["gauge", *heads], rows)
     for name, sea in found.items():
@@ -241,10 +246,6 @@ def record_shortcomings(sea: record.Sea, treatment: record.Treatment) -> list[st
     return found
 
 
-def table_cell(value: float | None) -> str:
-    return "-" if value is None else f"{value:d}" if isinstance(value, int) else f"{value:.4g}"
-
-
 def write_seas(path: Path, found: dict[str, record.Sea], notes: Mapping[str, str]) -> None:
     """Write a CSV file with a row of wave statistics per gauge, and notes as comment lines."""
     numbers = {name: [getattr(sea, key) for key in WAVE_COLUMNS.values()] for name, sea in found.items()}
@@ -279,13 +280,4 @@ def draw_waves(
     for axes in (above, below):
         axes.grid(alpha=0.3)
         axes.legend(fontsize="x-small")
-    with atomic_write(path) as draft:
-        figure.savefig(draft, dpi=100)
-
-
-def orbit_rows(names: Sequence[int], found: Motion) -> list[list[str]]:
-    """Table rows of particle orbits (ORBIT_COLUMNS), as text, the highest first; `names`: ids of the particles."""
-    return [
-        [f"{name}", *(f"{value:.6g}" for value in (level, o.along_m, o.up_m, o.ratio, o.drift_m_s))]
-        for name, level, o in sorted(zip(names, found.level_m, found.orbits), key=lambda row: -row[1])
-    ]
+    save_figure(figure, path)

@@ -32,7 +32,6 @@ def rate_file() -> Path:
 def keep_measurement(path: Path, conditions: str, measured: float | list[float]) -> None:
     """Store a measurement in a JSON file under the key `conditions`; a file that cannot be written is ignored."""
     with suppress(OSError):
-        path.parent.mkdir(parents=True, exist_ok=True)
         write_facts(path, read_json_object(path) | {conditions: measured})
 
 

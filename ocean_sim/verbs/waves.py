@@ -1,6 +1,5 @@
 """`ocean-sim waves`: the records of a run's gauges, as waves."""
 
-from collections.abc import Mapping
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -49,16 +48,21 @@ def waves(
     path = read_record(run)
     try:
         time, heights = record.gauge_elevations(path, begin)
-        found = {name: wave_statistics(name, time, height, treatment) for name, height in heights.items()}
-    except record.Unmeasurable as why:
-        raise console.Refused(f"{path}: {why}") from None
     except ValueError as error:
         raise console.Refused(str(error)) from None
+    found = {}
+    for name, height in heights.items():
+        try:
+            found[name] = record.measure_record(time, height, treatment)
+        except record.Unmeasurable as why:
+            raise console.Refused(f"{path}: the record of gauge {name!r} {why}") from None
     warn_unless_ended(path.parent)
     folder = path.parent if out is None else out
     folder.mkdir(parents=True, exist_ok=True)
     files = [folder / "waves.csv", folder / "spectra.csv", folder / "waves.png"]
-    write_seas(files[0], found, treatment.notes())
+    numbers = {name: [getattr(sea, key) for key in WAVE_COLUMNS.values()] for name, sea in found.items()}
+    rows = [[name, *("" if value is None else f"{value:.9g}" for value in own)] for name, own in numbers.items()]
+    csv_file.write_table(files[0], ["gauge", *WAVE_COLUMNS.values()], rows, **treatment.notes())
     frequency, densities = record.record_spectra(time, heights, treatment)
     write_columns(files[1], {"frequency_Hz": frequency} | {f"{name}_m2_s": d for name, d in densities.items()})
     if not console.draw_if_able(draw_waves, files[2], time, heights, frequency, densities):
@@ -164,14 +168,6 @@ def treatment_of(treatment: record.Treatment, time: np.ndarray, height: np.ndarr
     return found | ({"warnings": warnings} if warnings else {})
 
 
-def wave_statistics(name: str, time: np.ndarray, height: np.ndarray, treatment: record.Treatment) -> record.Sea:
-    """Wave statistics of a gauge's heights (n,) [m] over time (n,) [s]; raises Unmeasurable with the gauge's name."""
-    try:
-        return record.measure_record(time, height, treatment)
-    except record.Unmeasurable as why:
-        raise record.Unmeasurable(f"the record of gauge {name!r} {why}") from None
-
-
 def wind_config(path: Path) -> dict[str, Any] | None:
     """The wind in the scene of a run as a dict, by the path of its gauge record; None if unknown."""
     wind = run_scene(path.parent).get("wind")
@@ -244,13 +240,6 @@ def record_shortcomings(sea: record.Sea, treatment: record.Treatment) -> list[st
         why = f"the record is shorter than {record.RECORD_PERIODS:g} periods of its spectral peak"
         found.append(f"{why}, so Tp, Tm01 and Tm02 cannot be resolved")
     return found
-
-
-def write_seas(path: Path, found: dict[str, record.Sea], notes: Mapping[str, str]) -> None:
-    """Write a CSV file with a row of wave statistics per gauge, and notes as comment lines."""
-    numbers = {name: [getattr(sea, key) for key in WAVE_COLUMNS.values()] for name, sea in found.items()}
-    rows = [[name, *("" if value is None else f"{value:.9g}" for value in own)] for name, own in numbers.items()]
-    csv_file.write_table(path, ["gauge", *WAVE_COLUMNS.values()], rows, **notes)
 
 
 def write_columns(path: Path, columns: dict[str, np.ndarray]) -> None:

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack, suppress
+from contextlib import AbstractContextManager, ExitStack, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
@@ -56,7 +56,7 @@ class Source(NamedTuple):
         return load_text(self.text, self.name, self.folder, dict(self.overrides), self.profile)
 
 
-class Session:
+class Session(AbstractContextManager["Session"]):
     """Plays one simulation after another, each with a `Watch` that shows it, and obeys the pages; a context manager."""
 
     simulation: Simulation
@@ -393,9 +393,6 @@ class Session:
             scene=self.source.name,
             duration=self.config.duration,
         )
-
-    def __enter__(self) -> "Session":
-        return self
 
     def __exit__(self, *failure: object) -> None:
         with suppress(Failed):

@@ -8,6 +8,7 @@ seconds, as the format prescribes. VTKHDF 2.2, poly data (ParaView 5.12 or newer
 
 import json
 import struct
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
@@ -154,7 +155,7 @@ class Glb:
             file.write(struct.pack("<I4s", len(self.data), b"BIN\0") + bytes(self.data))
 
 
-class Series:
+class Series(AbstractContextManager["Series"]):
     """Writer of a VTKHDF file of points, cells and fields, one moment after the other; equal cells are written once.
     A context manager; `add` raises OSError before the disk is full, since HDF5 would end the process."""
 
@@ -225,9 +226,6 @@ class Series:
             group[name] = np.array(values)
         for name in self.fields:
             group[f"PointDataOffsets/{name}"] = np.array(self.steps["PointOffsets"])
-
-    def __enter__(self) -> "Series":
-        return self
 
     def __exit__(self, kind: type | None, *failure: object) -> None:
         """Complete the file with `finish` unless the block failed, and close it."""

@@ -48,7 +48,8 @@ class Checkpoint(Observer):
 
     def observe(self, simulation: Simulation) -> None:
         if self.handlers is None:
-            self.install_handlers()
+            main = threading.current_thread() is threading.main_thread()  # no other thread may install them
+            self.handlers = {each: signal.signal(each, self.handle_signal) for each in STOP_SIGNALS} if main else {}
         due = bool(self.multiples.reached(simulation.time)) or simulation.time >= simulation.scene.duration
         late = self.config.wall_every is not None and perf_counter() - self.last_write >= self.config.wall_every
         if due or late or self.stop_requested:
@@ -70,12 +71,6 @@ class Checkpoint(Observer):
             if path.name not in self.names:
                 path.unlink()
         self.last_write = perf_counter()
-
-    def install_handlers(self) -> None:
-        """Install handlers of STOP_SIGNALS, in the main thread only, and keep the earlier ones for `close`."""
-        self.handlers = {}
-        if threading.current_thread() is threading.main_thread():
-            self.handlers = {number: signal.signal(number, self.handle_signal) for number in STOP_SIGNALS}
 
     def handle_signal(self, number: int, frame: FrameType | None) -> None:
         """Handler of STOP_SIGNALS: stop the run after the step on the first signal, at once on the second."""

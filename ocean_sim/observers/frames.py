@@ -132,8 +132,8 @@ class Frames(Observer):
             x = snapshot.position
             frame |= snapshot._asdict()
             frame["position"] = x + shifts(x, origin, simulation.basin.periods) if origin.any() else x
-        arrays = {key: single_precision(array) for key, array in frame.items()}
-        self.write(f"frame_{self.count:05d}", time=simulation.time, **arrays)
+        single = {key: array.astype(np.float32, copy=False) for key, array in frame.items() if array.dtype.kind == "f"}
+        self.write(f"frame_{self.count:05d}", time=simulation.time, **frame | single)
         self.count += 1
 
     def foam_arrays(
@@ -263,8 +263,3 @@ def fill_unknown(values: np.ndarray, known: np.ndarray) -> np.ndarray:
     share = uniform_filter(known.astype(float), 3, mode="nearest")
     around = uniform_filter(values * known[..., None], (3, 3, 1), mode="nearest") / np.maximum(share, 1e-9)[..., None]
     return np.where(known[..., None], values, around)
-
-
-def single_precision(array: np.ndarray) -> np.ndarray:
-    """Array in single precision, plenty for a picture, if it holds floating-point numbers; any other as it is."""
-    return array.astype(np.float32, copy=False) if array.dtype.kind == "f" else array

@@ -188,7 +188,11 @@ class Health(OutcomeObserver):
         if not totals.finite:
             return
         snapshot = particles.snapshot()
-        self.note_particles(snapshot.id)
+        count, ids = len(snapshot.id), snapshot.id
+        there = np.bincount(ids[(ids >= 0) & (ids < count)], minlength=count)
+        if (there != 1).any():
+            lost, twice = int((there == 0).sum()), int((there > 1).sum())
+            self.record_once("particles from nowhere", lost=lost, twice=twice)
         if self.symmetry is not None:  # judged once, before rounding can have grown
             apart, self.symmetry = self.symmetry.largest_distance(self.simulation), None
             self.report_excess("symmetry lost", "spacings", apart, MAX_IMAGE_DRIFT)
@@ -258,14 +262,6 @@ class Health(OutcomeObserver):
         if due and value != self.recorded[kind]:
             self.record_event(name, **facts)
             self.event_times[kind], self.recorded[kind] = self.simulation.time, value
-
-    def note_particles(self, ids: np.ndarray) -> None:
-        """Record an event if, by the ids of all particles (n,), some are missing or there twice."""
-        count = len(ids)
-        there = np.bincount(ids[(ids >= 0) & (ids < count)], minlength=count)
-        if (there != 1).any():
-            lost, twice = int((there == 0).sum()), int((there > 1).sum())
-            self.record_once("particles from nowhere", lost=lost, twice=twice)
 
     def note_work(self, totals: Totals) -> None:
         """Record an event if the water has energy that no force has given: over its energy scale, the highest kinetic

@@ -9,7 +9,7 @@ import numpy as np
 from ocean_sim.columns import Columns
 from ocean_sim.conventions import Frame, Motions, to_frame
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, TakesMotion, heading, takers
+from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, TakesMotion, heading
 from ocean_sim.parts import ALONE, LedgerRow, Preflight, Problems, called
 from ocean_sim.ship import Ship
 from ocean_sim.ship.body.track import (
@@ -169,7 +169,7 @@ class Log:
             self.write(simulation)
             self.velocity = UNKNOWN_VELOCITY
         elif self.seen == MOMENTS_PER_BATCH or (
-            self.due and any(taker.at_once for taker in takers(simulation, TakesMotion))
+            self.due and any(isinstance(each, TakesMotion) and each.at_once for each in simulation.observers)
         ):
             self.write(simulation)
 
@@ -192,12 +192,8 @@ class Log:
                 rows.append(self.csv.row([t, self.number, *pose, *rest]))
                 self.number += 1
         self.moments[0], self.velocity, self.seen, self.due = moments[-1], track.velocity[:, -1], 1, []
-        if rows:
-            self.hand_rows_on(rows, simulation)
-
-    def hand_rows_on(self, rows: list[str], simulation: Simulation) -> None:
-        """Give the text of new rows to the observers that take them, as numbers rounded like those in the file."""
-        for observer in takers(simulation, TakesMotion):
+        takers = [each for each in simulation.observers if isinstance(each, TakesMotion)] if rows else []
+        for observer in takers:  # they get numbers rounded like those in the file
             cells = [row.split(",", self.motion_columns)[: self.motion_columns] for row in rows]
             table = np.array([[float(number) for number in row] for row in cells]).T
             observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)

@@ -16,7 +16,7 @@ import tempfile
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import ExitStack, suppress
+from contextlib import AbstractContextManager, ExitStack, suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import IO, Annotated, Any, ClassVar
@@ -511,7 +511,7 @@ class ComingFrames:
                 self.over.wait(LOOK_INTERVAL)
 
 
-class Painter:
+class Painter(AbstractContextManager["Painter"]):
     """Another process that draws a film by turns with this one, which reads the pictures from a pipe."""
 
     def __init__(self, order: Order, over: threading.Event, turn: int) -> None:
@@ -540,9 +540,6 @@ class Painter:
             self.child.wait()
             raise drawing_failure(self.child, self.errors)
         return np.frombuffer(pixels, np.uint8).reshape(self.shape)
-
-    def __enter__(self) -> "Painter":
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.child.kill()

@@ -1,5 +1,4 @@
-"""`ocean-sim gallery`: redraw the pictures of the README by their stated commands, and list those that are older than
-the code or laws they show."""
+"""`ocean-sim gallery`: redraw the README's pictures by their commands; list those older than the code they show."""
 
 import ast
 import hashlib

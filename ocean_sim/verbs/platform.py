@@ -1,5 +1,4 @@
-"""`ocean-sim platform`: motion platform commands from a motion log, as in a run, with metrics, pictures, live
-replay."""
+"""`ocean-sim platform`: motion platform commands from a motion log, with metrics, pictures and live replay."""
 
 from collections.abc import Sequence
 from contextlib import closing

@@ -52,7 +52,10 @@ def resume_claimed(folder: Path, until: float | None, anyway: bool, as_json: boo
         end = f"{folder}: this run is finished, at t = {manifest['simulated_s']:.3f} s; --until continues it"
         console.reply(as_json, facts, end)
         return
-    require_unchanged_inputs(folder, manifest, config)
+    now, then = config.inputs(), manifest.get("inputs")
+    if isinstance(then, dict) and (differing := [name for name in now if then.get(name) != now[name]]):
+        cure = "put back what it held, or `run` the scene again"
+        raise console.Refused(f"{folder}: {display_path(differing[0])} has changed since this run began; {cure}")
     console.must_compute_with(library_of(manifest, config), f"{folder}, by what its kernels were compiled with", "")
     if never_begun(folder, config):
         kept, changed = None, ""
@@ -127,15 +130,6 @@ def scene_of(folder: Path, manifest: dict[str, Any], until: float | None) -> Sce
             raise
         why = "is not one of this version, or names a file that is not there any more"
         raise console.Refused(f"{folder}: its scene {why}: {error}") from None
-
-
-def require_unchanged_inputs(folder: Path, manifest: dict[str, Any], config: SceneConfig) -> None:
-    """Raise Refused if an input file of the scene has changed since the run began, by the hashes in its manifest."""
-    now, then = config.inputs(), manifest.get("inputs")
-    changed = [name for name in now if then.get(name) != now[name]] if isinstance(then, dict) else []
-    if changed:
-        cure = "put back what it held, or `run` the scene again"
-        raise console.Refused(f"{folder}: {display_path(changed[0])} has changed since this run began; {cure}")
 
 
 def library_of(manifest: dict[str, Any], config: SceneConfig) -> str | None:

@@ -149,7 +149,12 @@ def of_scene(
     if as_json:
         console.answer({"judged_by": judge, "rows": rows, "answer": best_row, "clocks": clock_note(rows)})
         return
-    show_settings(rows, known)
+    names = ["setting", *CLOCK_COLUMNS[:3], judge, f"{judge}_spread", *known[1:4]]
+    lines = [
+        [*(cell(row.get(name)) for name in names), "reference" if row["reference"] else row["reason"][:50]]
+        for row in sorted(rows, key=lambda row: row["wall_per_s"] or 0.0)
+    ]
+    console.table("", [*names, ""], lines)
     if limit is not None:
         console.say(budget_verdict(best_row, rows, judge, limit))
         if told := clock_note(rows):
@@ -194,16 +199,6 @@ def confirmed_setting(
         row["reason"] = f"run again it spent {cell(spent)} and missed by {cell(error)} (bound {bound:.4g})"
         left = [one for one in left if one is not row]
     return None
-
-
-def show_settings(rows: list[dict[str, Any]], known: list[str]) -> None:
-    """Print a table of all settings, the cheapest first; `known`: error columns, the deciding one first."""
-    names = ["setting", *CLOCK_COLUMNS[:3], known[0], f"{known[0]}_spread", *known[1:4]]
-    lines = [
-        [*(cell(row.get(name)) for name in names), "reference" if row["reference"] else row["reason"][:50]]
-        for row in sorted(rows, key=lambda row: row["wall_per_s"] or 0.0)
-    ]
-    console.table("", [*names, ""], lines)
 
 
 def budget_verdict(found: dict[str, Any] | None, rows: list[dict[str, Any]], judge: str, limit: Budget) -> str:

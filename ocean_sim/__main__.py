@@ -136,7 +136,10 @@ def run_command_line(arguments: list[str]) -> int:
     """Run a command line and return its exit code; an error is printed as a sentence, with `--debug` its traceback."""
     debug, as_json = "--debug" in arguments, "--json" in arguments
     try:
-        must_be_somewhere()
+        try:
+            os.getcwd()
+        except FileNotFoundError:
+            raise Refused("the folder that you are in has been removed; change to another one") from None
         code: Any = app([word for word in arguments if word != "--debug"], "ocean-sim", standalone_mode=False)
         if code == 130:  # what typer makes of an interrupt
             raise KeyboardInterrupt
@@ -147,14 +150,6 @@ def run_command_line(arguments: list[str]) -> int:
 
             traceback.print_exc()
         return print_error(error, as_json)
-
-
-def must_be_somewhere() -> None:
-    """Raise Refused if the working directory, from which file names start, has been removed."""
-    try:
-        os.getcwd()
-    except FileNotFoundError:
-        raise Refused("the folder that you are in has been removed; change to another one") from None
 
 
 def print_error(error: BaseException, as_json: bool) -> int:

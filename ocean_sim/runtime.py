@@ -533,7 +533,10 @@ def _kernel_cache() -> Path:
     try:
         if not path.is_dir():
             path.mkdir(parents=True, exist_ok=True)
-            _remove_unused_caches(path.parent)
+            for other in path.parent.iterdir():  # kernels of copies of the program that have not run for long
+                with suppress(OSError):
+                    if time.time() - other.stat().st_mtime > UNUSED_CACHE_AGE:
+                        shutil.rmtree(other) if other.is_dir() else other.unlink()
         os.utime(path)
     except OSError as error:
         raise BackendMissing(f"the kernel cache {path} cannot be written: {error}; set XDG_CACHE_HOME") from error
@@ -543,14 +546,6 @@ def _kernel_cache() -> Path:
         if time.time() - lock.stat().st_mtime > STALE_LOCK_AGE:
             lock.unlink()
     return path
-
-
-def _remove_unused_caches(folder: Path) -> None:
-    """Remove from `folder` the compiled kernels of copies of the program that have not run for UNUSED_CACHE_AGE."""
-    for other in folder.iterdir():
-        with suppress(OSError):
-            if time.time() - other.stat().st_mtime > UNUSED_CACHE_AGE:
-                shutil.rmtree(other) if other.is_dir() else other.unlink()
 
 
 def _thread_ids() -> set[int]:

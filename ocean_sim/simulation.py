@@ -6,7 +6,7 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext, suppress
 from math import floor
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, Self
 
 from ocean_sim import runtime
 from ocean_sim.conventions import Diverged, Unsuited, in_words, number
@@ -255,7 +255,7 @@ class Simulation:
         self.observers = []
         return failures
 
-    def __enter__(self) -> "Simulation":
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, kind: type | None, failure: BaseException | None, where: object) -> None:

@@ -40,26 +40,14 @@ BOX_ROUNDING = 1e-9  # [m] by which a box may reach over a side or into another 
 MESH_ROUNDING = 1e-6  # of its size by which a mesh may, as files have numbers of single precision
 
 
-def with_what_is_open(written: Any) -> Any:
-    """Turn a side `written` as the word `absorbing` into a mapping of its keys, so dumped configs show defaults."""
-    return {"kind": "absorbing"} if written == "absorbing" else written
-
-
-def with_each_side(written: Any) -> Any:
-    """Turn walls `written` as the word `absorbing` into a mapping with such an entry each for x and z."""
-    return {"x": written, "z": written} if written == "absorbing" else written
-
-
-def word_or_mapping(written: Any) -> str:
-    """Pydantic tag of a side of the basin: `Absorbing` if it is `written` as a mapping, `Wall` if as a word."""
-    return "Absorbing" if isinstance(written, dict | Absorbing) else "Wall"
-
-
+# A side written as the word `absorbing` becomes a mapping of its keys, so that dumped configs show the defaults.
 OneSide = Annotated[
     Annotated[Wall, Tag("Wall")] | Annotated[Absorbing, Tag("Absorbing")],
-    Discriminator(word_or_mapping),
-    BeforeValidator(with_what_is_open),
+    Discriminator(lambda written: "Absorbing" if isinstance(written, dict | Absorbing) else "Wall"),
+    BeforeValidator(lambda written: {"kind": "absorbing"} if written == "absorbing" else written),
 ]
+# Walls written as that word become a mapping with such an entry each for x and z.
+AllSides = BeforeValidator(lambda written: {"x": written, "z": written} if written == "absorbing" else written)
 
 
 class Walls(Model):
@@ -363,7 +351,7 @@ class Config(Model):
     """Depth of the still water."""
     gravity: Vector3 = quantity("m/s2", (0.0, -GRAVITY, 0.0))
     """Acceleration of gravity."""
-    walls: Annotated[Wall | Walls, BeforeValidator(with_each_side)] = "reflecting"
+    walls: Annotated[Wall | Walls, AllSides] = "reflecting"
     """`reflecting` (free slip), `no_slip`, `periodic`, `absorbing` or `none`, for all sides or per side; walls rise
     without limit. Per side also {kind: absorbing, length: 2.0, rate: 3.0}."""
     floor: Literal["free_slip", "no_slip", "none"] | Floor = "free_slip"

@@ -91,8 +91,7 @@ class Ground:
         return np.where(over, water, np.nan)
 
     def touching(self, position: np.ndarray, spacing: float) -> np.ndarray:
-        """Positions (m, 3) [m] of the particles that touch the bed, of those at `position` (n, 3) [m], `spacing` [m]
-        apart."""
+        """Those of the positions (n, 3) [m] of particles `spacing` [m] apart that touch the bed, as (m, 3)."""
         return position[self.distances(position) <= TOUCH_DISTANCE * spacing]
 
     def runup(self, position: np.ndarray, spacing: float, axis: int = 0) -> float:
@@ -213,8 +212,7 @@ class Ground:
         ]
 
     def warnings(self, spacing: float, waves: bool) -> list[str]:
-        """Warnings of a bed mostly dry and, where there are `waves`, of water too shallow for them, for particles a
-        `spacing` [m] apart."""
+        """Warnings of a bed mostly dry and of water too shallow for `waves`; `spacing` [m] of particles."""
         places, _ = self.columns(spacing, 0.0)
         depth, found = -self.heights(places), []
         shallow = places[(depth > 0.0) & (depth < WAVE_ROWS * spacing), 0]

@@ -13,11 +13,6 @@ RESERVE_FILE, RESERVE_BYTES = ".reserve", 1 << 20  # a file, and its size [bytes
 DRAFT_PATTERN = r"\..+\.\d+\.tmp(\..+)?"  # names of unfinished files, with the number of the process that writes them
 
 
-def draft_path(path: Path) -> Path:
-    """Path of the temporary file, next to `path`, that `atomic_write` renames to it; the name has this process's id."""
-    return path.with_name(f".{path.stem}.{os.getpid()}.tmp{path.suffix}")
-
-
 @contextmanager
 def atomic_write(path: Path) -> Iterator[Path]:
     """Yield the path of a temporary file next to `path`, renamed to `path` at the end of the block and deleted if the
@@ -28,7 +23,7 @@ def atomic_write(path: Path) -> Iterator[Path]:
         return
     if path.is_symlink():
         path = path.resolve()
-    draft = draft_path(path)
+    draft = path.with_name(f".{path.stem}.{os.getpid()}.tmp{path.suffix}")
     try:
         with file_named_in_errors(path, draft):
             yield draft
@@ -37,10 +32,23 @@ def atomic_write(path: Path) -> Iterator[Path]:
         draft.unlink(missing_ok=True)
 
 
-def write_facts(path: Path, data: dict[str, Any]) -> None:
-    """Write `data` as an indented JSON file, which appears whole or not at all."""
+def write_file(path: Path, content: str | bytes | memoryview) -> None:
+    """Write a text, in UTF-8, or bytes into a file, whose folder is made if missing."""
+    path.parent.mkdir(parents=True, exist_ok=True)
     with atomic_write(path) as draft:
-        draft.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
+        draft.write_bytes(content.encode() if isinstance(content, str) else content)
+
+
+def write_facts(path: Path, data: dict[str, Any]) -> None:
+    """Write `data` as an indented JSON file."""
+    write_file(path, json.dumps(data, indent=2) + "\n")
+
+
+def save_figure(figure: Any, path: Path, dpi: int = 100) -> None:
+    """Write a Matplotlib figure into a picture file, whose folder is made if missing."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with atomic_write(path) as draft:
+        figure.savefig(draft, dpi=dpi)
 
 
 class file_named_in_errors:

@@ -4,7 +4,6 @@ import hashlib
 import os
 from collections.abc import Callable
 from contextlib import suppress
-from pathlib import Path
 
 import numpy as np
 
@@ -33,13 +32,9 @@ def cached_arrays(
         path.parent.mkdir(parents=True, exist_ok=True)
         with atomic_write(path) as draft:
             np.savez(draft, **arrays)  # type: ignore[arg-type]
-        drop_oldest(path.parent)
+        stored = ((each.stat(), each) for each in path.parent.glob("*.npz"))
+        files = sorted(stored, key=lambda file: -file[0].st_mtime_ns)
+        for (_, old), size in zip(files, np.cumsum([stat.st_size for stat, _ in files]), strict=True):
+            if size > MAX_FOLDER_BYTES:
+                old.unlink(missing_ok=True)
     return arrays
-
-
-def drop_oldest(folder: Path) -> None:
-    """Delete the least recently used npz files of a folder until the rest have at most MAX_FOLDER_BYTES in all."""
-    files = sorted(((path.stat(), path) for path in folder.glob("*.npz")), key=lambda file: -file[0].st_mtime_ns)
-    for (_, path), size in zip(files, np.cumsum([stat.st_size for stat, _ in files]), strict=True):
-        if size > MAX_FOLDER_BYTES:
-            path.unlink(missing_ok=True)

@@ -149,8 +149,7 @@ def read_npz(path: str | Path) -> dict[str, np.ndarray]:
 
 
 def open_netcdf(path: str | Path) -> Any:
-    """The netCDF 3 file at a path as SciPy opens it, with scaled and masked values; raises Unreadable, and SciPy's
-    errors for a damaged file."""
+    """NetCDF 3 file at a path, with scaled and masked values; raises Unreadable, or SciPy's errors if damaged."""
     from scipy.io import netcdf_file
 
     data = read_bytes(path)

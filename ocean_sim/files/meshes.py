@@ -8,12 +8,13 @@ seconds, as the format prescribes. VTKHDF 2.2, poly data (ParaView 5.12 or newer
 
 import json
 import struct
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ocean_sim.files.atomic_file import atomic_write, require_disk_space
+from ocean_sim.files.atomic_file import atomic_write, require_disk_space, write_file
 
 PLY_TYPES = {"<f4": "float", "<i4": "int", "|u1": "uchar"}
 AXIS_NAMES = "xyz"
@@ -48,8 +49,7 @@ def save_ply(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: d
     if faces is not None:
         head += [f"element face {len(faces)}", "property list uchar int vertex_indices"]
         corners["count"], corners["corners"] = 3, faces
-    with atomic_write(path) as draft:
-        draft.write_bytes("\n".join([*head, "end_header", ""]).encode("ascii") + rows.tobytes() + corners.tobytes())
+    write_file(path, "\n".join([*head, "end_header", ""]).encode("ascii") + rows.tobytes() + corners.tobytes())
     return path
 
 
@@ -155,7 +155,7 @@ class Glb:
             file.write(struct.pack("<I4s", len(self.data), b"BIN\0") + bytes(self.data))
 
 
-class Series:
+class Series(AbstractContextManager["Series"]):
     """Writer of a VTKHDF file of points, cells and fields, one moment after the other; equal cells are written once.
     A context manager; `add` raises OSError before the disk is full, since HDF5 would end the process."""
 
@@ -226,9 +226,6 @@ class Series:
             group[name] = np.array(values)
         for name in self.fields:
             group[f"PointDataOffsets/{name}"] = np.array(self.steps["PointOffsets"])
-
-    def __enter__(self) -> "Series":
-        return self
 
     def __exit__(self, kind: type | None, *failure: object) -> None:
         """Complete the file with `finish` unless the block failed, and close it."""

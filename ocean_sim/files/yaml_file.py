@@ -342,8 +342,11 @@ class _Reader:
         if kind == "bool":
             return text.lower() == "true"
         if kind in ("int", "float"):
+            digits = text.replace("_", "").lower()
             try:
-                return _parse_integer(text) if kind == "int" else _parse_real(text)
+                if kind == "int":
+                    return int(digits, {"0x": 16, "0o": 8, "0b": 2}.get(digits.lstrip("+-")[:2], 10))
+                return float(digits.replace(".inf", "inf").replace(".nan", "nan"))
             except ValueError:
                 return self.refuse(tree, path, f"{describe_value(text)} is not a number that can be read").data
         if any("\ud800" <= c <= "\udfff" for c in text):
@@ -354,15 +357,3 @@ class _Reader:
         if kind not in TEXT_TAGS:
             return self.refuse(tree, path, f"tags such as {tree.tag} are not read here").data
         return text
-
-
-def _parse_integer(text: str) -> int:
-    """Integer in decimal, 0x, 0o or 0b notation, with underscores allowed; raises ValueError."""
-    digits = text.replace("_", "").lower()
-    base = {"0x": 16, "0o": 8, "0b": 2}.get(digits.lstrip("+-")[:2], 10)
-    return int(digits, base)
-
-
-def _parse_real(text: str) -> float:
-    """Float of a YAML number such as 1_000.5, .inf or .nan; raises ValueError."""
-    return float(text.replace("_", "").lower().replace(".inf", "inf").replace(".nan", "nan"))

@@ -39,7 +39,8 @@ class Tree:
         self.nodes: list[Any] = [*ast.walk(self.root)]
         self.attributes = [node for node in self.nodes if type(node) is ast.Attribute]
         for node in self.nodes:
-            node.place, node.read = source.place_of(node), node_reader(node.__class__)
+            node.place = source.places[node.lineno - 1] if isinstance(node, (ast.stmt, ast.expr)) else ""
+            node.read = node_reader(node.__class__)
 
     def clear(self) -> None:
         """Remove Taichi's results from the nodes: they refer to simulations, and would keep them in memory."""
@@ -73,14 +74,6 @@ class Source:
         root: Any = ast.parse(self.text)
         root.body[0].decorator_list = []
         return root
-
-    def free_tree(self) -> Tree:
-        """Take a syntax tree that no translation is using, or parse another: a function may call itself."""
-        return self.trees.pop() if self.trees else Tree(self)
-
-    def place_of(self, node: ast.AST) -> str:
-        """Place of a node in the source, for compiler messages: file, line number, function, and the line itself."""
-        return self.places[node.lineno - 1] if isinstance(node, (ast.stmt, ast.expr)) else ""
 
 
 def function_lines(function: FunctionType) -> tuple[list[str], int]:
@@ -134,7 +127,8 @@ def tree_and_context(
         ast_builder=ast_builder,
         is_real_function=is_real_function,
     )
-    return source.free_tree().root, context
+    tree = source.trees.pop() if source.trees else Tree(source)  # a function may call itself
+    return tree.root, context
 
 
 def read_tree(root: Any, context: Any) -> Any:

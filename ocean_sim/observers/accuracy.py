@@ -74,7 +74,10 @@ class Accuracy(Observer):
             self.at_start = potential_energy(water.particles.mass, water.totals(), self.gravity)
             self.balance = Balance(simulation, self.work_terms)
             self.solvers = tuple(fluid.solvers)
-            meaning = self.column_meaning() | surface_meaning(self.surface)
+            meaning = self.column_meaning()
+            if self.surface is not None:
+                measured = {name.rsplit("_m", 1)[0]: what for name, what in self.surface.measured.items()}
+                meaning |= SURFACE_MEANING | measured
         elif self.work_terms:
             meaning = {"work": "energy given to a tile of the sea since the start, by what gives or takes it"}
         self.csv = CsvFile(
@@ -182,10 +185,3 @@ def surface_fit(surface: Surface, points: np.ndarray) -> tuple[float, float]:
     """Mean and root mean square [m] of the height of a surface minus that of points x, y, z (m, 3) [m]."""
     away = surface.elevations(points[:, [0, 2]]) - points[:, 1]
     return float(away.mean()), float(np.sqrt(np.square(away).mean()))
-
-
-def surface_meaning(surface: Surface | None) -> dict[str, object]:
-    """Meaning, by name, of the columns of accuracy.csv on the surface: its fit to particles, its own measurements."""
-    if surface is None:
-        return {}
-    return SURFACE_MEANING | {name.rsplit("_m", 1)[0]: meaning for name, meaning in surface.measured.items()}

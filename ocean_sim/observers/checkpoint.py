@@ -48,7 +48,8 @@ class Checkpoint(Observer):
 
     def observe(self, simulation: Simulation) -> None:
         if self.handlers is None:
-            self.install_handlers()
+            main = threading.current_thread() is threading.main_thread()  # no other thread may install them
+            self.handlers = {each: signal.signal(each, self.handle_signal) for each in STOP_SIGNALS} if main else {}
         due = bool(self.multiples.reached(simulation.time)) or simulation.time >= simulation.scene.duration
         late = self.config.wall_every is not None and perf_counter() - self.last_write >= self.config.wall_every
         if due or late or self.stop_requested:
@@ -62,20 +63,14 @@ class Checkpoint(Observer):
         name = checkpoint_file.checkpoint_name(simulation.time)
         self.names = [*(kept for kept in self.names if kept != name), name][-KEPT_FILES:]
         taken = Snapshot(roots(simulation), self.folder, self.contents)
-        made, scene = program_facts(simulation), simulation.scene.resolved()
-        moment = simulation.time, simulation.steps
-        checkpoint = checkpoint_file.Checkpoint(*moment, scene, made, taken.tree, taken.arrays)
+        made = versions() | {"backend": simulation.backend.arch, "sources": source_hashes()}
+        moment = simulation.time, simulation.steps, simulation.scene.resolved()
+        checkpoint = checkpoint_file.Checkpoint(*moment, made, taken.tree, taken.arrays)
         checkpoint_file.write_checkpoint(checkpoint, self.folder)
         for path in checkpoint_file.checkpoint_files(self.folder):
             if path.name not in self.names:
                 path.unlink()
         self.last_write = perf_counter()
-
-    def install_handlers(self) -> None:
-        """Install handlers of STOP_SIGNALS, in the main thread only, and keep the earlier ones for `close`."""
-        self.handlers = {}
-        if threading.current_thread() is threading.main_thread():
-            self.handlers = {number: signal.signal(number, self.handle_signal) for number in STOP_SIGNALS}
 
     def handle_signal(self, number: int, frame: FrameType | None) -> None:
         """Handler of STOP_SIGNALS: stop the run after the step on the first signal, at once on the second."""
@@ -93,11 +88,6 @@ def roots(simulation: Simulation) -> dict[str, Any]:
     """Objects from which a checkpoint saves all others: the simulation, and the observers that the scene names."""
     named = simulation.scene.observers
     return {"simulation": simulation, "observers": dict(zip(named, simulation.observers[: len(named)]))}
-
-
-def program_facts(simulation: Simulation) -> dict[str, Any]:
-    """Versions of packages, backend, and hashes of sources, by name, on which the bytes of a run depend."""
-    return versions() | {"backend": simulation.backend.arch, "sources": source_hashes()}
 
 
 def versions() -> dict[str, str | None]:

@@ -12,7 +12,7 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.basin import shifts
 from ocean_sim.basin.points import grid, grid_points, grid_size
-from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.atomic_file import write_file
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
 from ocean_sim.parts import Preflight, Problems, key_of
@@ -132,8 +132,8 @@ class Frames(Observer):
             x = snapshot.position
             frame |= snapshot._asdict()
             frame["position"] = x + shifts(x, origin, simulation.basin.periods) if origin.any() else x
-        arrays = {key: single_precision(array) for key, array in frame.items()}
-        self.write(f"frame_{self.count:05d}", time=simulation.time, **arrays)
+        single = {key: array.astype(np.float32, copy=False) for key, array in frame.items() if array.dtype.kind == "f"}
+        self.write(f"frame_{self.count:05d}", time=simulation.time, **frame | single)
         self.count += 1
 
     def foam_arrays(
@@ -221,8 +221,7 @@ class Frames(Observer):
         """Write arrays into the file `name`.npz of the folder, atomically."""
         file = BytesIO()  # in memory: savez seeks and writes for every array
         np.savez(file, **arrays)  # type: ignore[arg-type]
-        with atomic_write(self.folder / f"{name}.npz") as draft:
-            draft.write_bytes(file.getbuffer())
+        write_file(self.folder / f"{name}.npz", file.getbuffer())
 
 
 def move_triangles(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) -> "Mesh":
@@ -264,8 +263,3 @@ def fill_unknown(values: np.ndarray, known: np.ndarray) -> np.ndarray:
     share = uniform_filter(known.astype(float), 3, mode="nearest")
     around = uniform_filter(values * known[..., None], (3, 3, 1), mode="nearest") / np.maximum(share, 1e-9)[..., None]
     return np.where(known[..., None], values, around)
-
-
-def single_precision(array: np.ndarray) -> np.ndarray:
-    """Array in single precision, plenty for a picture, if it holds floating-point numbers; any other as it is."""
-    return array.astype(np.float32, copy=False) if array.dtype.kind == "f" else array

@@ -113,8 +113,7 @@ def disc_points() -> np.ndarray:
 
 
 def nearest_normal(point: np.ndarray, basin: Basin) -> np.ndarray | None:
-    """(3,) unit normal of the side, face of a fixed obstacle or place of the bed nearest to a point (3,) [m]; None
-    without any."""
+    """(3,) unit normal of the side, face of an obstacle or place of the bed nearest to a point (3,) [m], or None."""
     found = [(abs(point[side.axis] - side.position), np.eye(3)[side.axis]) for side in basin.sides]
     for low, high in basin.fixed:
         beyond = np.maximum(np.maximum(np.array(low) - point, point - np.array(high)), 0.0)
@@ -269,13 +268,6 @@ def dry_tops(obstacles: Sequence[Corners], columns: np.ndarray, heights: np.ndar
     return heights
 
 
-def riding_centre(simulation: Simulation) -> np.ndarray:
-    """(2,) x, z [m] of the point with which gauges ride: the middle of the ships, or of the patch of open sea."""
-    if simulation.ships:
-        return np.mean([ship.body.position[[0, 2]] for ship in simulation.ships.values()], axis=0)
-    return simulation.fluid.patch_centre
-
-
 class Gauges(Observer):
     """Writes gauges.csv: one column of elevation [m], run-up [m] or pressure [Pa] for each gauge."""
 
@@ -312,7 +304,10 @@ class Gauges(Observer):
 
     def observe(self, simulation: Simulation) -> None:
         fluid, parts = simulation.fluid, []
-        x, z = riding_centre(simulation) if self.any_rides else (0.0, 0.0)
+        x, z = 0.0, 0.0  # [m] of the point with which gauges ride: the middle of the ships, or of the patch of open sea
+        if self.any_rides:
+            places = [ship.body.position[[0, 2]] for ship in simulation.ships.values()]
+            x, z = np.mean(places, axis=0) if places else fluid.patch_centre
         if len(self.columns):
             columns = self.columns + self.columns_ride * [x, z]
             heights, ground = fluid.elevations(columns), simulation.basin.ground

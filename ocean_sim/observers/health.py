@@ -135,7 +135,8 @@ class Health(OutcomeObserver):
             if sentence is not None:
                 raise Diverged(sentence)
         self.judge_hulls(simulation)
-        self.note_limit(simulation)
+        limit, step = simulation.time_step.limited_by, float(simulation.next_dt)
+        self.record_change("limit", limit, "limit", limited_by=limit, time_step_s=step)
         self.note_rim(simulation)
         self.note_ships(simulation)
         if self.n > 0:
@@ -187,11 +188,19 @@ class Health(OutcomeObserver):
         if not totals.finite:
             return
         snapshot = particles.snapshot()
-        self.note_particles(snapshot.id)
-        self.note_symmetry()
-        self.note_momentum(totals)
+        count, ids = len(snapshot.id), snapshot.id
+        there = np.bincount(ids[(ids >= 0) & (ids < count)], minlength=count)
+        if (there != 1).any():
+            lost, twice = int((there == 0).sum()), int((there > 1).sum())
+            self.record_once("particles from nowhere", lost=lost, twice=twice)
+        if self.symmetry is not None:  # judged once, before rounding can have grown
+            apart, self.symmetry = self.symmetry.largest_distance(self.simulation), None
+            self.report_excess("symmetry lost", "spacings", apart, MAX_IMAGE_DRIFT)
+        if self.momentum is not None:
+            share = self.momentum.unexplained_share(self.simulation, totals)
+            self.report_excess("momentum from nowhere", "over_all_impulses", share, MOMENTUM_REPORTED)
         self.note_work(totals)
-        self.note_swelling()
+        self.report_excess("volume from nowhere", "over_volume", fluid.status.swelling, SWELLING_REPORTED)
         if self.judges_level:
             level = level_ratio(snapshot.position, particles.spacing, basin, self.simulation.time)
             bound = self.config.max_level_ratio * max(self.first_level, 1.0)
@@ -242,35 +251,17 @@ class Health(OutcomeObserver):
             self.record_event(name, **facts)
             self.reported.append(name)
 
+    def report_excess(self, name: str, measure: str, value: float, bound: float) -> None:
+        """Record an event of this name, the first time only, if the size of a measured value exceeds its bound."""
+        if not abs(value) <= bound:
+            self.record_once(name, **{measure: float(f"{value:.3g}")}, bound=bound)
+
     def record_change(self, kind: str, value: object, name: str, **facts: object) -> None:
         """Record the event `name` if the `value` of a kind has changed, at most every EVENT_INTERVAL for each."""
         due = self.simulation.time >= self.event_times[kind] + EVENT_INTERVAL
         if due and value != self.recorded[kind]:
             self.record_event(name, **facts)
             self.event_times[kind], self.recorded[kind] = self.simulation.time, value
-
-    def note_particles(self, ids: np.ndarray) -> None:
-        """Record an event if, by the ids of all particles (n,), some are missing or there twice."""
-        count = len(ids)
-        there = np.bincount(ids[(ids >= 0) & (ids < count)], minlength=count)
-        if (there != 1).any():
-            lost, twice = int((there == 0).sum()), int((there > 1).sum())
-            self.record_once("particles from nowhere", lost=lost, twice=twice)
-
-    def note_symmetry(self) -> None:
-        """Record an event if the symmetry at the start is lost; judged once, before rounding can have grown."""
-        if self.symmetry is not None:
-            apart, self.symmetry = self.symmetry.largest_distance(self.simulation), None
-            if not apart <= MAX_IMAGE_DRIFT:
-                self.record_once("symmetry lost", spacings=float(f"{apart:.3g}"), bound=MAX_IMAGE_DRIFT)
-
-    def note_momentum(self, totals: Totals) -> None:
-        """Record an event if the water has momentum that no force has given."""
-        if self.momentum is not None:
-            share = self.momentum.unexplained_share(self.simulation, totals)
-            if not share <= MOMENTUM_REPORTED:
-                said = float(f"{share:.3g}")
-                self.record_once("momentum from nowhere", over_all_impulses=said, bound=MOMENTUM_REPORTED)
 
     def note_work(self, totals: Totals) -> None:
         """Record an event if the water has energy that no force has given: over its energy scale, the highest kinetic
@@ -281,15 +272,7 @@ class Health(OutcomeObserver):
             self.highest_motion = max(self.highest_motion, moving)
             driving = sum(abs(work[term]) for term in self.work_terms if term in DRIVING_TERMS)
             share = self.unexplained_energy(self.balance, totals) / (self.scale + self.highest_motion + driving)
-            if not share <= WORK_REPORTED:
-                said = float(f"{share:.3g}")
-                self.record_once("energy that no work has given", over_all_work=said, bound=WORK_REPORTED)
-
-    def note_swelling(self) -> None:
-        """Record an event if the water takes more or less room than the density that it carries says."""
-        swelling = self.simulation.fluid.status.swelling
-        if not abs(swelling) <= SWELLING_REPORTED:
-            self.record_once("volume from nowhere", over_volume=float(f"{swelling:.3g}"), bound=SWELLING_REPORTED)
+            self.report_excess("energy that no work has given", "over_all_work", share, WORK_REPORTED)
 
     def unexplained_energy(self, balance: Balance, totals: Totals) -> float:
         """Energy [J] that no force has given to the water since the first check, or since a change of stiffness."""
@@ -398,11 +381,6 @@ class Health(OutcomeObserver):
             self.recorded[grounding] = ship.groundings
             event, speed = f"the hull {'leaves' if ship.airborne else 'meets'} the water", round(self.flown[name], 3)
             self.record_change(flight, ship.airborne, event, **facts, speed_m_s=speed)
-
-    def note_limit(self, simulation: Simulation) -> None:
-        """Record an event if another limit determines the time step."""
-        limit, step = simulation.time_step.limited_by, float(simulation.next_dt)
-        self.record_change("limit", limit, "limit", limited_by=limit, time_step_s=step)
 
     def note_clipping(self, simulation: Simulation) -> None:
         """Record an event if `motion_limit` has held more particles back."""

@@ -9,7 +9,7 @@ import numpy as np
 from ocean_sim.columns import Columns
 from ocean_sim.conventions import Frame, Motions, to_frame
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, TakesMotion, heading, takers
+from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, TakesMotion, heading
 from ocean_sim.parts import ALONE, LedgerRow, Preflight, Problems, called
 from ocean_sim.ship import Ship
 from ocean_sim.ship.body.track import (
@@ -163,20 +163,15 @@ class Log:
         self.due += [(k * self.multiples.every, self.seen) for k in self.multiples.reached(time)]
         self.seen += 1
         if self.seen == 1:
-            self.set_first_velocity(body, 0.5 * (simulation.time - time))
+            dt = 0.5 * (simulation.time - time)
+            speeds = body.velocity + dt * ship.acceleration, body.angular_velocity + dt * ship.turning
+            self.velocity = first_derivative(*speeds, body.orientation)  # mean of this moment's and the next one's
             self.write(simulation)
             self.velocity = UNKNOWN_VELOCITY
-        elif self.seen == MOMENTS_PER_BATCH or (self.due and self.is_awaited(simulation)):
+        elif self.seen == MOMENTS_PER_BATCH or (
+            self.due and any(isinstance(each, TakesMotion) and each.at_once for each in simulation.observers)
+        ):
             self.write(simulation)
-
-    def is_awaited(self, simulation: Simulation) -> bool:
-        """True if an observer needs each row as soon as it is known."""
-        return any(taker.at_once for taker in takers(simulation, TakesMotion))
-
-    def set_first_velocity(self, body: "RigidBody", dt: float) -> None:
-        """Set the ship's velocity at the first moment: the mean of that now and that after a step of 2 `dt` [s]."""
-        gained = dt * self.ship.acceleration, dt * self.ship.turning
-        self.velocity = first_derivative(body.velocity + gained[0], body.angular_velocity + gained[1], body.orientation)
 
     def write(self, simulation: Simulation) -> None:
         """Write the due rows, interpolated between stored states of the ship; the last one begins the next batch."""
@@ -197,12 +192,8 @@ class Log:
                 rows.append(self.csv.row([t, self.number, *pose, *rest]))
                 self.number += 1
         self.moments[0], self.velocity, self.seen, self.due = moments[-1], track.velocity[:, -1], 1, []
-        if rows:
-            self.hand_rows_on(rows, simulation)
-
-    def hand_rows_on(self, rows: list[str], simulation: Simulation) -> None:
-        """Give the text of new rows to the observers that take them, as numbers rounded like those in the file."""
-        for observer in takers(simulation, TakesMotion):
+        takers = [each for each in simulation.observers if isinstance(each, TakesMotion)] if rows else []
+        for observer in takers:  # they get numbers rounded like those in the file
             cells = [row.split(",", self.motion_columns)[: self.motion_columns] for row in rows]
             table = np.array([[float(number) for number in row] for row in cells]).T
             observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)

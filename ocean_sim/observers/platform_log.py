@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ocean_sim.observers.shared.csv_rows import CsvFile, TakesCommands, TakesMotion, takers
+from ocean_sim.observers.shared.csv_rows import CsvFile, TakesCommands, TakesMotion
 from ocean_sim.platform import LIMIT_TEXTS, PLATFORM_COLUMNS, Platform
 from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, ride_of, round_interval
 from ocean_sim.simulation import Observer, ObserverConfig, Simulation
@@ -58,8 +58,9 @@ class PlatformLog(Observer, TakesMotion):
             commands = self.platform.follow(ride_of(rows, frame))
             for row in commands.rows():
                 self.csv.row(row)
-            for observer in takers(self.simulation, TakesCommands):
-                observer.take_commands(commands)
+            for observer in self.simulation.observers:
+                if isinstance(observer, TakesCommands):
+                    observer.take_commands(commands)
 
     def close(self) -> None:
         self.csv.close()

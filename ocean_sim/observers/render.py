@@ -16,7 +16,7 @@ import tempfile
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import ExitStack, suppress
+from contextlib import AbstractContextManager, ExitStack, suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import IO, Annotated, Any, ClassVar
@@ -358,7 +358,9 @@ def render_run(folder: Path, *, out: Path | None = None, progress: Progress | No
         raise RenderFailed(sentence)
     Path(order.out).mkdir(parents=True, exist_ok=True)
     draw_apart([order], progress)
-    return [Path(order.out, name) for name in order_files(order)]
+    names = ["preview.png"] * order.preview + [still_name(time) for time in order.stills]
+    names += ["strip.png"] * (order.strip > 0) + ["film.mp4", MOMENTS_FILE] * order.film
+    return [Path(order.out, name) for name in names]
 
 
 def order_of(folder: Path, *, out: Path | None = None, every: float = 0.033, **asked: Any) -> Order:
@@ -423,13 +425,6 @@ def variants(folder: Path, time: float, switched: Sequence[dict[str, Any]], **op
             Path(order.out).mkdir()
         draw_apart(orders)
         return np.stack([np.asarray(imageio.imread(Path(order.out, still_name(order.stills[0])))) for order in orders])
-
-
-def order_files(order: Order) -> list[str]:
-    """Names of the files that an order for pictures leaves in its folder."""
-    names = ["preview.png"] if order.preview else []
-    names += [still_name(time) for time in order.stills]
-    return names + ["strip.png"] * (order.strip > 0) + ["film.mp4", MOMENTS_FILE] * order.film
 
 
 def still_name(time: float) -> str:
@@ -516,7 +511,7 @@ class ComingFrames:
                 self.over.wait(LOOK_INTERVAL)
 
 
-class Painter:
+class Painter(AbstractContextManager["Painter"]):
     """Another process that draws a film by turns with this one, which reads the pictures from a pipe."""
 
     def __init__(self, order: Order, over: threading.Event, turn: int) -> None:
@@ -545,9 +540,6 @@ class Painter:
             self.child.wait()
             raise drawing_failure(self.child, self.errors)
         return np.frombuffer(pixels, np.uint8).reshape(self.shape)
-
-    def __enter__(self) -> "Painter":
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.child.kill()

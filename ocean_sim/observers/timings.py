@@ -87,6 +87,7 @@ class Timings(Observer):
         if self.folder is None or self.last is None or self.start is None or now.steps == self.last.steps:
             return
         if self.csv is None:
+            stages = [f"{name}_ms_per_step" for name in (*self.names, "other")]
             self.csv = CsvFile(
                 self.folder / "timings.csv",
                 heading(
@@ -95,19 +96,15 @@ class Timings(Observer):
                     first_step_s=f"{self.first_step_s:.3f} (compiles or loads kernels; in no mean)",
                     wall_s="since the end of the first step",
                 ),
-                ["time_s", "steps", "wall_s", "real_time_factor", *(f"{s}_ms_per_step" for s in self.stage_names)],
+                ["time_s", "steps", "wall_s", "real_time_factor", *stages],
             )
         factor, means = self.stage_means(self.last, now)
         self.csv.row([now.time, now.steps, now.wall - self.start.wall, factor, *means.values()])
         self.last = now
 
-    @property
-    def stage_names(self) -> list[str]:
-        """Names of the stages of a step, and `other`: choosing the time step, progress bars, the loop itself."""
-        return [*self.names, "other"]
-
     def stage_means(self, before: Mark, after: Mark) -> tuple[float, dict[str, float]]:
-        """Simulated over wall time between two marks, and mean wall time [ms/step] of each stage by name."""
+        """Simulated over wall time between two marks, and mean wall time [ms/step] of each stage by name; of `other`:
+        choosing the time step, progress bars, the loop itself."""
         wall, steps = after.wall - before.wall, after.steps - before.steps
         taken = {name: after.stages.get(name, 0.0) - before.stages.get(name, 0.0) for name in self.names}
         taken["other"] = max(0.0, wall - sum(taken.values()))

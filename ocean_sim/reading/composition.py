@@ -133,7 +133,10 @@ class Composition:
             self.problems.append(problem_at(value.location, key, f"there is a dot where a key should be{end}", meant))
             return
         if path == (SEVERAL,):
-            self.set_ships(value)
+            if value.data is None:
+                self.slots = {place: choice for place, choice in self.slots.items() if slot_of(place) == place}
+            for place, ship in self.named_ships(value):
+                self.set_part(place, (), ship)
         elif path[0] == SEVERAL:
             for place, _ in self.named_ships(value.with_data({path[1]: value})):
                 self.set_part(place, path[2:], value)
@@ -164,13 +167,6 @@ class Composition:
             self.problems.append(problem_at(node.key_location, key, f"there is no `{slot}` that it could belong to"))
         elif choice is not None:
             self.set_part(slot, (key,), node)
-
-    def set_ships(self, value: Node) -> None:
-        """Apply `--set ships=...`: null removes all ships, a mapping changes those that it names."""
-        if value.data is None:
-            self.slots = {place: choice for place, choice in self.slots.items() if slot_of(place) == place}
-        for place, ship in self.named_ships(value):
-            self.set_part(place, (), ship)
 
     def set_part(self, place: str, path: tuple[str, ...], value: Node) -> None:
         """Replace or change the part at a place (`wind`) by `value`, or set the key at `path` inside it."""

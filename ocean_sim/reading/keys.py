@@ -150,7 +150,8 @@ def kind_inside(path: str, node: dict[str, Any]) -> Iterator[Key]:
 def key_of_node(path: str, node: dict[str, Any], required: bool) -> Key:
     """The key at a path, with all facts from the schema `node` of its value."""
     default = "required" if required else in_yaml(node["default"]) if "default" in node else ""
-    meaning = " ".join(plain_meaning(node).split())
+    said = (definition(member["$ref"]).get("description", "") for member in union_members(node) if "$ref" in member)
+    meaning = " ".join((node.get("meaning") or node.get("description") or next(said, "")).split())
     takes = " or ".join(dict.fromkeys(kind_of(member) for member in union_members(node)))
     bounds = dict.fromkeys(bound for member in union_members(node) for bound in bounds_of(member))
     choices = tuple(dict.fromkeys(word for member in union_members(node) for word in words_of(member)))
@@ -159,12 +160,6 @@ def key_of_node(path: str, node: dict[str, Any], required: bool) -> Key:
         *(path, takes, node.get("unit", ""), default, ", ".join(bounds), meaning, example, choices),
         is_plain=bool(choices) or any(member.get("type") in PLAIN_TYPES for member in union_members(node)),
     )
-
-
-def plain_meaning(node: dict[str, Any]) -> str:
-    """Description of a key in its schema, else of its model, without the unit and default added for editors."""
-    text = node.get("meaning") or node.get("description")
-    return text or next((definition(m["$ref"]).get("description", "") for m in union_members(node) if "$ref" in m), "")
 
 
 def bounds_of(node: dict[str, Any]) -> Iterator[str]:

@@ -105,8 +105,8 @@ class SceneConfig(Heading):
 
     def ledger(self) -> list[LedgerRow]:
         """Rows with the memory and kernels that each part will need; nothing is allocated."""
-        preflight = self.preflight
-        return [row for key, part in self.parts().items() for row in of_place(key, part.ledger(preflight))]
+        rows = [(key, row) for key, part in self.parts().items() for row in part.ledger(self.preflight)]
+        return [row if slot_of(key) == key else row._replace(part=key) for key, row in rows]
 
     def inputs(self) -> dict[str, str]:
         """SHA-256 by name of each input file of the scene's numbers; raises Refused if one changed since loading."""
@@ -144,11 +144,6 @@ class SceneConfig(Heading):
         slots = {slot_of(place) for place in self.parts()}
         off = {name: None for name in on_unless_null(slots) if name not in observers}
         return data | {"resolution": 1.0} | off | observers
-
-
-def of_place(place: str, rows: list[LedgerRow]) -> list[LedgerRow]:
-    """Ledger rows (memory of fields) of the part at a place; one of several ships is named by place, `ships.tug`."""
-    return rows if slot_of(place) == place else [row._replace(part=place) for row in rows]
 
 
 def observer_names() -> tuple[str, ...]:
@@ -251,7 +246,8 @@ def _check_models(composition: Composition, problems: list[Problem], folder: Pat
     notes = [*composition.notes]
     if heading is not None and tank is not None:
         composition.root = _scale_spacings(composition.root, heading.resolution, tank.dimension, notes)
-    places = _part_places(data)
+    ships = [key_of(name) for name in data[SEVERAL].data] if SEVERAL in data else []
+    places = [place for slot in SLOTS for place in ((slot, *ships) if slot == ALONE else (slot,))]
     parts = {place: _part_model(place, None, composition, problems, folder) for place in places}
     for place, node in composition.meant.items():  # the other keys of a part whose kind is misspelled
         validated(config_of(slot_of(place), node.data["kind"].data), node, (place,), problems, folder)
@@ -288,12 +284,6 @@ def _check_models(composition: Composition, problems: list[Problem], folder: Pat
     config._preflight = preflight
     config._inputs = config.inputs()
     return config
-
-
-def _part_places(data: dict[str, Node]) -> list[str]:
-    """All places of parts (`wind`, `ships.tug`), filled or not, in the order of the slots."""
-    ships = [key_of(name) for name in data[SEVERAL].data] if SEVERAL in data else []
-    return [place for slot in SLOTS for place in ((slot, *ships) if slot == ALONE else (slot,))]
 
 
 def _place_node(data: dict[str, Node], place: str) -> Node | None:

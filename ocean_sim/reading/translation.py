@@ -300,16 +300,11 @@ def _union_problems(found: list[_Found], prefix: Path) -> list[Problem]:
     if fitting:
         best = min(fitting, key=len)
         return [_problem_of(f, prefix) for f in best if not _is_extra_item(f, best)]
-    wanted = list(dict.fromkeys(_expected_form(errors[0]) for errors in members.values()))
-    first = found[0]
-    hint = next(filter(None, (_number_hint(errors[0]) for errors in members.values())), "")
+    first, firsts = found[0], [errors[0] for errors in members.values()]
+    wanted = dict.fromkeys(SHAPE_WORDS.get(f.kind) or f"one of {f.context.get('expected', '')}" for f in firsts)
+    hint = next(filter(None, map(_number_hint, firsts)), "")
     message = f"expected {' or '.join(wanted)}, got {describe_value(first.node.plain())}{hint}"
     return [problem_at(first.node.location, dotted(prefix + first.path), message)]
-
-
-def _expected_form(found: _Found) -> str:
-    """Value that was expected, in words: `a number`, or `one of 'a', 'b'`."""
-    return SHAPE_WORDS.get(found.kind) or f"one of {found.context.get('expected', '')}"
 
 
 def _problem_of(found: _Found, prefix: Path) -> Problem:
@@ -335,7 +330,8 @@ def _problem_of(found: _Found, prefix: Path) -> Problem:
         word = "most" if found.kind == "too_long" else "least"
         message = f"expected at {word} {_entry_count(wanted)}, got {len(found.node.data)}"
     elif bound is not None:
-        message = f"{value} is not {BOUND_WORDS[bound]} {_bound_text(context[bound])}{found.unit}"
+        limit = f"{context[bound]:g}" if isinstance(context[bound], float) else context[bound]
+        message = f"{value} is not {BOUND_WORDS[bound]} {limit}{found.unit}"
     elif found.kind == "finite_number":
         message = f"{value} is not a finite number"
     elif found.kind == "literal_error":
@@ -390,7 +386,3 @@ def _value_form(place: dict[str, Any], definitions: dict[str, Any]) -> str:
 
 def _entry_count(count: int) -> str:
     return "1 entry" if count == 1 else f"{count} entries"
-
-
-def _bound_text(bound: Any) -> str:
-    return f"{bound:g}" if isinstance(bound, float) else str(bound)

@@ -88,21 +88,15 @@ def read_checkpoint(path: Path) -> Checkpoint:
         with h5py.File(BytesIO(data), "r") as file:
             most = max(input_file.MAX_FILE_BYTES, MAX_COMPRESSION_RATIO * len(data))
             texts = {key: bytes(read_data_set(file, key, "u", most)) for key in ("scene", "made", "tree")}
-            parts = {key: require_mapping(json.loads(text)) for key, text in texts.items()}
+            parts = {key: json.loads(text) for key, text in texts.items()}
             arrays = {f".{path}": read_data_set(file["arrays"], path, "biufc", most) for path in file["arrays"]}
             time, steps = float(file.attrs["time_s"]), int(file.attrs["steps"])
-            if not (isfinite(time) and time >= 0.0 and steps >= 0):
+            mappings = all(isinstance(part, dict) for part in parts.values())
+            if not (mappings and isfinite(time) and time >= 0.0 and steps >= 0):
                 raise ValueError
             return Checkpoint(time, steps, **parts, arrays=arrays)
     except Exception:  # HDF5 has errors of its own
         raise UnreadableCheckpoint(f"{path.name} is whole, but holds no state of a run") from None
-
-
-def require_mapping(value: Any) -> dict[str, Any]:
-    """The value itself if it is a dict; raises TypeError otherwise."""
-    if not isinstance(value, dict):
-        raise TypeError
-    return value
 
 
 def time_of(path: Path) -> float:

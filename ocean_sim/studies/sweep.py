@@ -78,11 +78,14 @@ def read_plan(path: Path, threads: int | None = None) -> list[Planned]:
     runs = []
     for settings in _grid_settings(node):
         try:
-            scene = load(plan.scene, _without_pictures({**shared, **settings}) | shared | settings, plan.profile)
+            laid = shared | settings
+            named = {key.split(".")[0] for key in laid}  # pictures are made only where the plan asks for them
+            quiet = {name: node_of(None, Location("sweep")) for name in PICTURE_OBSERVERS if name not in named}
+            scene = load(plan.scene, quiet | laid, plan.profile)
             plain = {key: value.plain() for key, value in settings.items()}
             runs.append(Planned(plain, scene, run_order(scene, threads)))
         except SceneError as error:
-            problems += [_locate_problem(node, shared | settings, found) for found in error.problems]
+            problems += [_locate_problem(node, laid, found) for found in error.problems]
     if problems:
         raise SceneError(problems)
     return runs
@@ -97,12 +100,6 @@ def _grid_settings(node: Node) -> Iterator[Settings]:
     again = [{"seed": seed} for seed in seeds.data] if seeds is not None else [{}]
     for group, combination, seed in product(groups, product(*values), again):
         yield {**group, **dict(zip(keys, combination)), **seed}
-
-
-def _without_pictures(settings: Settings) -> Settings:
-    """Settings that switch off all picture observers that `settings` do not name."""
-    named = {key.split(".")[0] for key in settings}
-    return {name: node_of(None, Location("sweep")) for name in PICTURE_OBSERVERS if name not in named}
 
 
 def _locate_problem(plan: Node, settings: Settings, found: Problem) -> Problem:

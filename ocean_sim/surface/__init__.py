@@ -1,5 +1,4 @@
-"""The drawn and felt surface of the water: every module of this folder is a kind that a scene may name, `shared` holds
-their common parts."""
+"""The drawn and felt surface of the water: every module of this folder is a kind that a scene may name."""
 
 from dataclasses import dataclass
 from functools import lru_cache

@@ -60,15 +60,10 @@ def problems(coarse: bool) -> list[Problem]:
     return [Problem(scene, PROMISES, measure, slow=not coarse)]
 
 
-def sensor_positions() -> np.ndarray:
-    """Positions (8, 3) [m] of the pressure sensors P1 to P8, in basin coordinates."""
-    front = [(FACE_DISTANCE, up, 0.0) for up in SENSOR_OFFSETS]
-    top = [(FACE_DISTANCE + behind, BOX_SIDE, 0.0) for behind in SENSOR_OFFSETS]
-    return np.array(front + top) - (LENGTH / 2, DEPTH, 0.0)
-
-
 def measure(simulation: Simulation) -> Finding:
-    fluid, sensors = simulation.fluid, sensor_positions()
+    fluid, front = simulation.fluid, [(FACE_DISTANCE, up, 0.0) for up in SENSOR_OFFSETS]
+    top = [(FACE_DISTANCE + behind, BOX_SIDE, 0.0) for behind in SENSOR_OFFSETS]
+    sensors = np.array(front + top) - (LENGTH / 2, DEPTH, 0.0)  # P1 to P8
     probes = np.array([(away - LENGTH / 2, 0.0) for away in HEIGHT_GAUGES.values()])
     channels = lambda _: [*(fluid.elevations(probes) + DEPTH), *fluid.pressures(sensors)]
     times, values = record_run(simulation, SAMPLE_INTERVAL, channels)

@@ -92,8 +92,7 @@ def first_harmonic(times: np.ndarray, signal: np.ndarray) -> complex:
 def compare_harmonics(
     times: np.ndarray, elevation: np.ndarray, theory: np.ndarray, stroke: float, away: tuple[int, int]
 ) -> Finding:
-    """Compare elevations (n, 2) [m] at times (n,) [s], `away` wavelengths from a piston of a `stroke` [m], with those
-    of linear `theory` (n, 2) [m]."""
+    """Compare elevations (n, 2) [m] at times (n,) [s], `away` wavelengths from a piston, with `theory` (n, 2) [m]."""
     late = times >= times[-1] - RECORD_LENGTH
     near, far = (first_harmonic(times[late], column[late]) for column in elevation.T)
     near_theory, far_theory = (first_harmonic(times[late], column[late]) for column in theory.T)

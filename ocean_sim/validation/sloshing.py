@@ -90,20 +90,10 @@ def compare_mode(times: np.ndarray, signal: np.ndarray) -> Finding:
 
 
 def measure_series(simulation: Simulation) -> Finding:
-    """Run the shallow tank, and compare the elevation near the left wall with the measurement."""
+    """Run the shallow tank, and compare crest and arrival near the left wall with those measured."""
     gauge = np.array([[simulation.basin.lower[0] + GAUGE_DISTANCE, 0.0]])
     times, elevation = gauge_records(simulation, gauge, SHALLOW_PERIOD / 100)
-    return compare_series(times / SHALLOW_PERIOD, elevation[:, 0])
-
-
-def arrival_time(times: np.ndarray, elevation: np.ndarray, level: float) -> float:
-    """Time, in the unit of `times`, at which an elevation (n,) first exceeds a level [m]; the last time if never."""
-    above = np.flatnonzero((elevation[1:] > level) & (elevation[:-1] <= level))
-    return float(times[1 + above[0]]) if above.size else float(times[-1])
-
-
-def compare_series(times: np.ndarray, elevation: np.ndarray) -> Finding:
-    """Compare an elevation (n,) [m] at times (n,) [periods of the sway] with the measured one: crest and arrival."""
+    times, elevation = times / SHALLOW_PERIOD, elevation[:, 0]
     data = table("sloshing_bouscasse2013_series5")
     order = np.argsort(data["t_s"], kind="stable")
     known_times, known = data["t_s"][order], data["eta_m"][order]
@@ -114,3 +104,9 @@ def compare_series(times: np.ndarray, elevation: np.ndarray) -> Finding:
     measured = [Curve("gauge", times, elevation)]
     expected = [Curve(SERIES_SOURCE, known_times, known, points=True)]
     return Finding(numbers, measured, expected, ("time [periods]", "elevation [m]"))
+
+
+def arrival_time(times: np.ndarray, elevation: np.ndarray, level: float) -> float:
+    """Time, in the unit of `times`, at which an elevation (n,) first exceeds a level [m]; the last time if never."""
+    above = np.flatnonzero((elevation[1:] > level) & (elevation[:-1] <= level))
+    return float(times[1 + above[0]]) if above.size else float(times[-1])

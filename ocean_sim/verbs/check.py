@@ -45,23 +45,18 @@ def check(
         console.must_compute_with(config.runtime.library)
         if not as_json:
             console.say(kernel_notice())
-        measure_step_time(config)
+        from ocean_sim.observers.timings import synchronization
+        from ocean_sim.verbs.bench import time_block
+
+        with Simulation(config) as simulation:
+            simulation.step()  # it compiles kernels
+            steps, wall, _, _ = time_block(simulation, synchronization(simulation.backend.arch))
+        keep_step_time(config, wall / steps)
     found = preflight(config)
     if as_json:
         console.answer(found | {"ledger": ledger_rows(found, config)})
     else:
         print_preflight(found, config)
-
-
-def measure_step_time(config: SceneConfig) -> None:
-    """Run a scene for half a second, and store the mean wall time of its steps for estimates."""
-    from ocean_sim.observers.timings import synchronization
-    from ocean_sim.verbs.bench import time_block
-
-    with Simulation(config) as simulation:
-        simulation.step()  # it compiles kernels
-        steps, wall, _, _ = time_block(simulation, synchronization(simulation.backend.arch))
-    keep_step_time(config, wall / steps)
 
 
 def preflight(config: SceneConfig) -> dict[str, Any]:

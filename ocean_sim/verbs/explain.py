@@ -37,7 +37,11 @@ def explain(
         named = group_alike(keys_at(f"{part[0]}.{kind_named(*part)}"))
         same = [(with_preset_value(each, *part), paths) for each, paths in named]
     if not same and part is None:
-        raise console.Refused(f"there is no key {key!r}{refusal_end(asked)}")
+        whole = {each.path for each in scene_keys()}
+        shorter = {path.partition(".")[0] for path in whole} | {path.rpartition(".")[2] for path in whole}
+        end = keys_elsewhere(asked.rpartition(".")[2]) or choice_sentence(asked, sorted(whole | shorter))[0]
+        end = likeliest_beside(asked) or end or "; `ocean-sim list` shows all there is to choose from"
+        raise console.Refused(f"there is no key {key!r}{end}")
     if as_json:
         told = lambda key: {name: getattr(key, name) for name in SHOWN}
         console.answer([{"key": paths[0], "keys": paths} | told(each) for each, paths in same])
@@ -71,14 +75,6 @@ def by_kind(word: str) -> str:
     if preset_choice(f"{slot}.{name}") is None:
         return word
     return f"{slot}.{kind_named(slot, name)}{dot}{below}"
-
-
-def refusal_end(word: str) -> str:
-    """End of the error message for an unknown word: the likeliest key or keys, else a hint at `ocean-sim list`."""
-    whole = {key.path for key in scene_keys()}
-    shorter = {path.partition(".")[0] for path in whole} | {path.rpartition(".")[2] for path in whole}
-    end = keys_elsewhere(word.rpartition(".")[2]) or choice_sentence(word, sorted(whole | shorter))[0]
-    return likeliest_beside(word) or end or "; `ocean-sim list` shows all there is to choose from"
 
 
 def likeliest_beside(word: str) -> str:

@@ -38,12 +38,9 @@ def figure_scripts() -> dict[str, Path]:
     """Path of each figure's script, in the order of the thesis: `6-3` is figures/fig6_3.py."""
     scripts = library("figures").glob("[!_]*.py")
     found = {re.sub(r"^fig(\d+)_(\d+)$", r"\1-\2", path.stem).replace("_", "-"): path for path in scripts}
-    return {name: found[name] for name in sorted(found, key=figure_order)}
-
-
-def figure_order(name: str) -> tuple[list[int], str]:
-    """Sort key of a figure's name: chapter and number, with names without numbers last."""
-    return [int(part) if part.isdigit() else 99 for part in name.split("-")], name
+    # By chapter and number; names without numbers come last.
+    order = lambda name: ([int(part) if part.isdigit() else 99 for part in name.split("-")], name)
+    return {name: found[name] for name in sorted(found, key=order)}
 
 
 def figure_sentence(path: Path) -> str:

@@ -1,5 +1,4 @@
-"""`ocean-sim gallery`: redraw the pictures of the README by their stated commands, and list those that are older than
-the code or laws they show."""
+"""`ocean-sim gallery`: redraw the README's pictures by their commands; list those older than the code they show."""
 
 import ast
 import hashlib
@@ -16,7 +15,8 @@ import typer
 
 from ocean_sim import pictures
 from ocean_sim.conventions import Failed
-from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.atomic_file import atomic_write, write_facts
+from ocean_sim.files.input_file import read_json_object
 from ocean_sim.files.yaml_file import read_mapping
 from ocean_sim.model import Model
 from ocean_sim.parts import PACKAGE, KindConfig, library, slot_of
@@ -92,13 +92,9 @@ def gallery_entries() -> list[Entry]:
 
 def stale_entries(folder: Path) -> list[Entry]:
     """Entries whose picture is missing from a folder, or whose stamp there differs from the present one."""
-    stamps = folder / STAMP_FILE
-    known = json.loads(stamps.read_text(encoding="utf-8")) if stamps.exists() else {}
-    return [
-        entry
-        for entry in gallery_entries()
-        if not (folder / entry.picture).exists() or known.get(entry.picture) != entry.stamp
-    ]
+    known = read_json_object(folder / STAMP_FILE)
+    old = lambda entry: not (folder / entry.picture).exists() or known.get(entry.picture) != entry.stamp
+    return [entry for entry in gallery_entries() if old(entry)]
 
 
 def gallery(
@@ -135,7 +131,8 @@ def gallery(
             drawn = Path(place, entry.picture)
             command_line([*draw, "--out", str(drawn)])
             keep_picture(drawn, folder / entry.picture)
-            write_stamp(folder, entry)
+            stamps = read_json_object(folder / STAMP_FILE) | {entry.picture: entry.stamp}
+            write_facts(folder / STAMP_FILE, dict(sorted(stamps.items())))
             made.append(folder / entry.picture)
             console.say(str(made[-1]))
     if as_json:
@@ -169,12 +166,3 @@ def keep_picture(drawn: Path, path: Path) -> None:
             image.convert("RGB").save(draft, "JPEG", quality=JPEG_QUALITY, optimize=True)
         else:
             image.save(draft, "PNG", optimize=True)
-
-
-def write_stamp(folder: Path, entry: Entry) -> None:
-    """Write the present stamp of an entry into the STAMP_FILE of a folder."""
-    path = folder / STAMP_FILE
-    known = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
-    with atomic_write(path) as draft:
-        words = json.dumps(known | {entry.picture: entry.stamp}, indent=1, sort_keys=True)
-        draft.write_text(words + "\n", encoding="utf-8")

@@ -1,5 +1,4 @@
-"""`ocean-sim hull`: properties of a hull: watertightness, volume, draught, stability, natural periods, and a
-picture."""
+"""`ocean-sim hull`: watertightness, volume, draught, stability and natural periods of a hull, and a picture."""
 
 from dataclasses import replace
 from math import asin, degrees, isinf, sqrt
@@ -12,7 +11,7 @@ import typer
 from ocean_sim.basin.solids.mesh import BadMesh
 from ocean_sim.basin.solids.voxels import MISSED_SHARE, voxels
 from ocean_sim.conventions import GRAVITY, WATER_DENSITY, AxisName, figures
-from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.atomic_file import save_figure
 from ocean_sim.files.yaml_file import read_mapping
 from ocean_sim.parts import library, named
 from ocean_sim.reading.scene import load, packaged_scenes
@@ -40,7 +39,7 @@ class Asked(NamedTuple):
     draught: float | None = None  # [m], in place of the mass
     kg: float | None = None  # [m] over the keel
     cg: tuple[float, float, float] | None = None  # [m] from the hull's origin
-    density: float | None = None  # of the water [kg/m3]
+    density: float = 0.0  # of the water [kg/m3]; 0 until the hull is found, with the water of its scene
     cells: float = 16.0  # cubes over the draught
     cross: bool = False  # cross curves, too
     bilge_keels: tuple[float, float] | None = None  # length and breadth of each [m]
@@ -103,7 +102,7 @@ def hull(
         raise console.Refused(f"--bilge-keels: {bilge_keels!r} is not like 12,0.3")
     centre = None if at is None else (at[0], at[1], at[2])
     plates = None if keels is None else (keels[0], keels[1])
-    asked = Asked(mass, draught, kg, centre, density, cells, cross, plates, depth, up, bow, scale)
+    asked = Asked(mass, draught, kg, centre, density or 0.0, cells, cross, plates, depth, up, bow, scale)
     asked.agree(loading)
     if out is not None and out.suffix.lower() not in PICTURE_SUFFIXES:
         raise console.Refused(
@@ -183,7 +182,7 @@ def load_ship(shape: Hull, asked: Asked, condition: Loading | None, notes: list[
         mass = mass_at(shape, asked)
         notes.append(f"at a draught of {asked.draught:g} m it carries {mass:.5g} kg")
     if mass is None:
-        mass = ASSUMED_DENSITY_RATIO * density_of(asked) * voxels(shape.shape, height / FIRST_GUESS_CUBES).volume
+        mass = ASSUMED_DENSITY_RATIO * asked.density * voxels(shape.shape, height / FIRST_GUESS_CUBES).volume
         assumed = f"{ASSUMED_DENSITY_RATIO:g} of the water's density"
         notes.append(f"no mass is given: taken as {assumed} (--mass sets another)")
     if asked.cg is not None:
@@ -196,11 +195,6 @@ def load_ship(shape: Hull, asked: Asked, condition: Loading | None, notes: list[
     return shape.model_copy(update={"mass": mass, "centre_of_mass": centre})
 
 
-def density_of(asked: Asked) -> float:
-    """Density of the water [kg/m3]: the option's, else WATER_DENSITY."""
-    return asked.density or WATER_DENSITY
-
-
 def mass_at(shape: Hull, asked: Asked) -> float:
     """Mass [kg] of the water that the hull displaces upright at the draught in the options; raises Refused."""
     assert asked.draught is not None
@@ -208,8 +202,8 @@ def mass_at(shape: Hull, asked: Asked) -> float:
     if not asked.draught < height:
         raise console.Refused(f"--draught: the hull is {height:g} m high, less than the draught")
     some = shape.model_copy(update={"mass": 1.0})
-    still = some.in_cubes(max(asked.draught / asked.cells, some.smallest_side), density_of(asked), GRAVITY, 1.0)
-    return density_of(asked) * float(still.wet_volumes(hydrostatics.UPRIGHT, still.keel + asked.draught).sum())
+    still = some.in_cubes(max(asked.draught / asked.cells, some.smallest_side), asked.density, GRAVITY, 1.0)
+    return asked.density * float(still.wet_volumes(hydrostatics.UPRIGHT, still.keel + asked.draught).sum())
 
 
 def hull_report(shape: Hull, asked: Asked, condition: Loading | None = None) -> tuple[dict[str, Any], list[str]]:
@@ -220,7 +214,7 @@ def hull_report(shape: Hull, asked: Asked, condition: Loading | None = None) -> 
     if solid is not None:
         notes += [solid.size_sentence(), *solid.remarks]
     whole = load_ship(shape, asked, condition, notes)
-    afloat = whole.in_still_water(asked.cells, density_of(asked), GRAVITY)
+    afloat = whole.in_still_water(asked.cells, asked.density, GRAVITY)
     notes += outlying_parts(shape, afloat, condition)
     cubes, weight = afloat.voxels, afloat.matter.mass
     if solid is not None:
@@ -362,7 +356,6 @@ def balance_at_rest(afloat: hydrostatics.Hydrostatics) -> dict[str, float | None
 
 
 def print_report(name: str, found: dict[str, Any], notes: list[str], picture: Path | None) -> None:
-
     console.say(name)
     for note in notes:
         console.say(note)
@@ -438,6 +431,4 @@ def draw_hull(path: Path, shape: Any, found: dict[str, Any]) -> None:
     axes.axhline(0.0, color="black", linewidth=0.6)
     axes.set(xlabel="heel [deg]", ylabel="GZ [m]")
     axes.grid(alpha=0.3)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with atomic_write(path) as draft:
-        figure.savefig(draft, dpi=100)
+    save_figure(figure, path)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import typer
 
-from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.atomic_file import write_file
 from ocean_sim.files.yaml_file import Node, in_yaml, read_mapping
 from ocean_sim.machine import cache_directory
 from ocean_sim.model import in_brackets
@@ -40,8 +40,7 @@ def new(
         raise console.Refused(f"{file}: this file is there already; name another one")
     load(source)  # what is wrong with it is reported first
     scene = read_mapping(scene_path(source))
-    with atomic_write(file) as draft:
-        draft.write_text("\n".join(scene_lines(scene, file)) + "\n", encoding="utf-8")
+    write_file(file, "\n".join(scene_lines(scene, file)) + "\n")
     load(file)
     console.reply(as_json, {"file": file}, f"{file}: try `ocean-sim check {file}`, then `ocean-sim run {file}`")
 
@@ -73,9 +72,7 @@ def schema_file() -> Path:
         return of_package
     kept, wanted = cache_directory() / "scene.schema.json", schema_text()
     if not kept.is_file() or kept.read_text(encoding="utf-8") != wanted:
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        with atomic_write(kept) as draft:
-            draft.write_text(wanted, encoding="utf-8")
+        write_file(kept, wanted)
     return kept
 
 
@@ -109,5 +106,4 @@ def print_schema(
             sys.stdout.write(schema_text())
             sys.stdout.flush()
     else:
-        with atomic_write(out) as draft:
-            draft.write_text(schema_text(), encoding="utf-8")
+        write_file(out, schema_text())

@@ -1,5 +1,4 @@
-"""`ocean-sim platform`: motion platform commands from a motion log, as in a run, with metrics, pictures, live
-replay."""
+"""`ocean-sim platform`: motion platform commands from a motion log, with metrics, pictures and live replay."""
 
 from collections.abc import Sequence
 from contextlib import closing
@@ -58,7 +57,9 @@ def platform(
         sender = open_sender(stream, packets, key) if stream is not None else None
         ride = read_motion_log(log, frame)
         machine = config.build(ride.every)
-        done = join_commands([machine.follow(rows) for rows in ride.ride.chunks()])
+        parts = [machine.follow(rows) for rows in ride.ride.chunks()]
+        cue = Cue(*map(np.concatenate, zip(*(part.cue for part in parts))))
+        done = Commands._make([*map(np.concatenate, list(zip(*parts))[:-1]), cue])
         found = ride_metrics(ride.ride, done, machine.hexapod, ride.every)
         files = write_commands(out, ride, done, found, config, machine, frame, film)
         warnings = config.cut_short(float(done.time[-1] - done.time[0]))
@@ -134,19 +135,6 @@ def read_motion_log(log: Path, frame: str | None) -> MotionLog:
         raise console.Refused(str(error)) from None
 
 
-def join_commands(parts: Sequence[Commands]) -> Commands:
-    """One table of platform commands from several, row after row."""
-    cues = [part.cue for part in parts]
-    cue = Cue(*(np.concatenate(column) for column in zip(*cues)))
-    return Commands._make([*(np.concatenate(column) for column in list(zip(*parts))[:-1]), cue])
-
-
-def to_log_frame(done: Commands, frame: str) -> Commands:
-    """Platform commands `done` with pose, forces and rates along the axes `frame` (`ship`, `ned` or `flu`)."""
-    force, rate = done.felt_force @ FRAME_AXES[frame].T, done.felt_rate @ FRAME_AXES[frame].T
-    return done._replace(pose=wire.turn_to_frame(done.pose, frame), felt_force=force, felt_rate=rate)
-
-
 def write_commands(
     out: Path,
     log: MotionLog,
@@ -161,8 +149,10 @@ def write_commands(
     with TemporaryDirectory(prefix=".platform-", dir=out) as name:
         folder = Path(name)
         seed = {"seed": log.table.head["seed"]} if "seed" in log.table.head else {}
-        head = heading(log.every, frame or "flu") | seed
-        commands_table(folder / "platform.csv", head, PLATFORM_COLUMNS, to_log_frame(done, frame or "flu").rows())
+        axes = frame or "flu"
+        force, rate = done.felt_force @ FRAME_AXES[axes].T, done.felt_rate @ FRAME_AXES[axes].T
+        turned = done._replace(pose=wire.turn_to_frame(done.pose, axes), felt_force=force, felt_rate=rate)
+        commands_table(folder / "platform.csv", heading(log.every, axes) | seed, PLATFORM_COLUMNS, turned.rows())
         rows = [[metric.quantity, metric.value, metric.unit] for metric in found]
         commands_table(folder / "metrics.csv", {}, ("quantity", "value", "unit"), rows)
         if frame is not None:

@@ -9,6 +9,7 @@ import typer
 
 from ocean_sim.files import input_file
 from ocean_sim.files.atomic_file import reserve_disk_space
+from ocean_sim.files.csv_file import split_lines
 from ocean_sim.files.input_file import display_path
 from ocean_sim.files.run_files import MANIFEST_FILE, Claim
 from ocean_sim.files.yaml_file import SceneError
@@ -51,7 +52,10 @@ def resume_claimed(folder: Path, until: float | None, anyway: bool, as_json: boo
         end = f"{folder}: this run is finished, at t = {manifest['simulated_s']:.3f} s; --until continues it"
         console.reply(as_json, facts, end)
         return
-    require_unchanged_inputs(folder, manifest, config)
+    now, then = config.inputs(), manifest.get("inputs")
+    if isinstance(then, dict) and (differing := [name for name in now if then.get(name) != now[name]]):
+        cure = "put back what it held, or `run` the scene again"
+        raise console.Refused(f"{folder}: {display_path(differing[0])} has changed since this run began; {cure}")
     console.must_compute_with(library_of(manifest, config), f"{folder}, by what its kernels were compiled with", "")
     if never_begun(folder, config):
         kept, changed = None, ""
@@ -128,15 +132,6 @@ def scene_of(folder: Path, manifest: dict[str, Any], until: float | None) -> Sce
         raise console.Refused(f"{folder}: its scene {why}: {error}") from None
 
 
-def require_unchanged_inputs(folder: Path, manifest: dict[str, Any], config: SceneConfig) -> None:
-    """Raise Refused if an input file of the scene has changed since the run began, by the hashes in its manifest."""
-    now, then = config.inputs(), manifest.get("inputs")
-    changed = [name for name in now if then.get(name) != now[name]] if isinstance(then, dict) else []
-    if changed:
-        cure = "put back what it held, or `run` the scene again"
-        raise console.Refused(f"{folder}: {display_path(changed[0])} has changed since this run began; {cure}")
-
-
 def library_of(manifest: dict[str, Any], config: SceneConfig) -> str | None:
     """Kernel library that a run needs, by its scene or the versions in its manifest; None where neither names one."""
     versions = manifest.get("versions")
@@ -148,13 +143,8 @@ def never_begun(folder: Path, config: SceneConfig) -> bool:
     """True if a run with checkpoints ended before the first, having written no more than its initial state."""
     if "checkpoint" not in config.observers or any(checkpoint_file.checkpoint_files(folder)):
         return False
-    empty = not any(len(recorded_rows(path)) > 1 for path in folder.glob("*.csv"))
-    return empty and len([*folder.glob("frames/frame_*")]) < 2
-
-
-def recorded_rows(path: Path) -> list[str]:
-    """Rows of a run's CSV file as text, without comments and heading."""
-    return [line for line in input_file.read_text(path).splitlines() if line and line[0] != "#"][1:]
+    tables = (split_lines(input_file.read_text(path)) for path in folder.glob("*.csv"))
+    return not any(len(table.rows) > 1 for table in tables) and len([*folder.glob("frames/frame_*")]) < 2
 
 
 def newest_checkpoint(folder: Path, config: SceneConfig) -> checkpoint_file.Checkpoint:

@@ -9,7 +9,7 @@ import typer
 
 from ocean_sim import wave_field
 from ocean_sim.conventions import Refused
-from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.atomic_file import save_figure, write_file
 from ocean_sim.reading.scene import load
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json, Sets, complete_scene, number_list
@@ -60,16 +60,13 @@ def sea(
     waves, files = field.sea, []
     title = " ".join((config.title or scene).split())  # one line of a file
     if swd is not None:
-        swd.parent.mkdir(parents=True, exist_ok=True)
-        with atomic_write(swd) as draft:
-            draft.write_bytes(exchange.to_swd(waves, title))
+        write_file(swd, exchange.to_swd(waves, title))
         files.append(swd)
     if openfast is not None:
         times = np.arange(0.0, (until or config.duration) + 0.5 * every, every)
         heights = np.concatenate([field.elevation(np.array([place]), t) for t in times.tolist()])
-        openfast.parent.mkdir(parents=True, exist_ok=True)
-        with atomic_write(openfast) as draft:
-            draft.write_text(exchange.to_openfast(times, heights, f"{title}, x = {place[0]:g} m, z = {place[1]:g} m"))
+        what = f"{title}, x = {place[0]:g} m, z = {place[1]:g} m"
+        write_file(openfast, exchange.to_openfast(times, heights, what))
         files.append(openfast)
     answer: dict[str, Any] = {
         "waves": len(waves.amplitude),
@@ -104,7 +101,6 @@ def describe_file(
         rows = [{"part": "whole"} | table.state()._asdict()]
         rows += [{"part": f"partition {k}"} | part.state()._asdict() for k, part in enumerate(parts, 1)]
         picture = (path.parent if out is None else out) / f"{path.stem}_spectrum.png"
-        picture.parent.mkdir(parents=True, exist_ok=True)
         files += [picture] if console.draw_if_able(draw_spectrum, picture, title, table, parts) else []
     if as_json:
         console.answer({"rows": rows, "files": files})
@@ -134,5 +130,4 @@ def draw_spectrum(path: Path, title: str, table: DirectionalSpectrum, parts: Seq
     axes.set(rlabel_position=np.degrees(np.angle(-table.moment.sum())))  # away from the waves
     axes.set_title(f"{title}\nwhere the waves come from, over frequency [Hz]", fontsize="medium")
     figure.colorbar(shades, label="density [m2/(Hz deg)]", shrink=0.8)
-    with atomic_write(path) as draft:
-        figure.savefig(draft, dpi=100)
+    save_figure(figure, path)

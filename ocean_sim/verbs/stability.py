@@ -5,12 +5,15 @@ from typing import Any
 
 import typer
 
+from ocean_sim.files.atomic_file import save_figure
 from ocean_sim.machine import available_cores
 from ocean_sim.studies.shared import maps
+from ocean_sim.studies.shared.pareto import PICTURE_DPI
 from ocean_sim.studies.shared.study import Study, write_table
 from ocean_sim.studies.stability import EXTREME_AXES, MAX_RUN_SECONDS, VERDICT_WORDS, grid_points, map_summary
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.bar import rows_of, text
+from ocean_sim.verbs.shared.bar import rows_of
+from ocean_sim.verbs.shared.console import cell
 from ocean_sim.verbs.shared.options import Json
 
 
@@ -37,7 +40,8 @@ def stability(
             here = [row for row in table if row["map"] == axis.name]
             if here:
                 picture = out / f"stability_{axis.name.replace(' ', '_')}.png"
-                console.draw_if_able(maps.draw_maps, picture, f"{axis.name} [{axis.unit}]", here)
+                draw = lambda: save_figure(maps.draw_map(f"{axis.name} [{axis.unit}]", here), picture, PICTURE_DPI)
+                console.draw_if_able(draw)
         if as_json:
             console.answer(table)
         else:
@@ -51,7 +55,7 @@ def print_map(lines: list[dict[str, Any]], table: list[dict[str, Any]], out: Pat
     title = (
         "steps over courant's own in still water; numbers: the longest stable step over h / c, h^2 / nu, sqrt(h / a)"
     )
-    console.table(title, names, [[text(line[name]) for name in names] for line in lines])
+    console.table(title, names, [[cell(line[name]) for name in names] for line in lines])
     for row in table:
         if row["verdict"] in ("degraded", "none"):
             where = f"{row['map']} {row['value']:g}, {row['scheme']}, {row['dt_over_courant']:g} x the step"

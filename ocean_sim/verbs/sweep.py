@@ -1,7 +1,6 @@
 """`ocean-sim sweep`: many runs from a plan, in a table that keeps failures, too."""
 
 from pathlib import Path
-from typing import Any
 
 import typer
 
@@ -10,7 +9,8 @@ from ocean_sim.studies.shared.runs import ADDRESS_PATTERN
 from ocean_sim.studies.shared.study import Study
 from ocean_sim.studies.sweep import read_plan
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.bar import rows_of, text
+from ocean_sim.verbs.shared.bar import rows_of
+from ocean_sim.verbs.shared.console import cell
 from ocean_sim.verbs.shared.options import Json
 
 FACT_COLUMNS = ("outcome", "simulated_s", "particles", "wall_s", "reason")
@@ -33,17 +33,13 @@ def sweep(
         table = rows_of(Study(runs, folder, at_once, folder / "results.csv", scheduler), as_json)
     if as_json:
         console.answer(table)
-    else:
-        names = ["run", *dict.fromkeys(key for run in runs for key in run.settings), *FACT_COLUMNS]
-        console.table("", names, [[text(row.get(name)) for name in names] for row in table])
-        console.say(sweep_summary(table, folder))
-
-
-def sweep_summary(rows: list[dict[str, Any]], folder: Path) -> str:
-    counts = {name: sum(row["outcome"] == name for row in rows) for name in ("done", "stopped", "failed")}
-    sentence = f"{counts['done']} of {len(rows)} runs done"
+        return
+    names = ["run", *dict.fromkeys(key for run in runs for key in run.settings), *FACT_COLUMNS]
+    console.table("", names, [[cell(row.get(name)) for name in names] for row in table])
+    counts = {name: sum(row["outcome"] == name for row in table) for name in ("done", "stopped", "failed")}
+    sentence = f"{counts['done']} of {len(table)} runs done"
     if counts["stopped"]:
         sentence += f", {counts['stopped']} stopped where they left the physical world"
     if counts["failed"]:
         sentence += f", {counts['failed']} failed (the same command tries them again)"
-    return f"{sentence}; {folder / 'results.csv'}"
+    console.say(f"{sentence}; {folder / 'results.csv'}")

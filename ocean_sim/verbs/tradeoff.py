@@ -27,7 +27,8 @@ from ocean_sim.studies.shared.scene_run import CLOCK_COLUMNS
 from ocean_sim.studies.shared.study import Study, write_table
 from ocean_sim.studies.tradeoff import TRIAL_CASES, clock_column, equal_cost_rows, pareto_front, study_points
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.bar import rows_of, text
+from ocean_sim.verbs.shared.bar import rows_of
+from ocean_sim.verbs.shared.console import cell
 from ocean_sim.verbs.shared.options import Json, Profile, Sets
 
 EVERY_PROFILE = f"profile={','.join(PROFILE_NAMES)}"
@@ -89,7 +90,7 @@ def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None
         console.answer(table)
         return
     keys = ("case", "at equal", "scheme", "error", "unit", speed, "changed")
-    lines = [[text(row[key]) for key in keys] for row in fair]
+    lines = [[cell(row[key]) for key in keys] for row in fair]
     console.table("\nat equal time, and at equal number", list(keys), lines)
     if speed != "wall_per_s":
         console.say("the cores were busy, so processor time is compared; run it again on an idle machine")
@@ -102,7 +103,7 @@ def print_settings(title: str, rows: list[dict[str, Any]], speed: str) -> None:
     best = {id(done[k]) for k in pareto_front([(row[speed], abs(row["error"])) for row in done])}
     lost = [row for row in rows if row.get("error") is None]
     lines = [
-        [*(text(row.get(key)) for key in CASE_COLUMNS[:-1]), "*" if id(row) in best else row.get("reason", "")[:60]]
+        [*(cell(row.get(key)) for key in CASE_COLUMNS[:-1]), "*" if id(row) in best else row.get("reason", "")[:60]]
         for row in [*sorted(done, key=lambda row: row[speed]), *lost]
     ]
     console.table(f"\n{title}", list(CASE_COLUMNS), lines)
@@ -148,7 +149,12 @@ def of_scene(
     if as_json:
         console.answer({"judged_by": judge, "rows": rows, "answer": best_row, "clocks": clock_note(rows)})
         return
-    show_settings(rows, known)
+    names = ["setting", *CLOCK_COLUMNS[:3], judge, f"{judge}_spread", *known[1:4]]
+    lines = [
+        [*(cell(row.get(name)) for name in names), "reference" if row["reference"] else row["reason"][:50]]
+        for row in sorted(rows, key=lambda row: row["wall_per_s"] or 0.0)
+    ]
+    console.table("", [*names, ""], lines)
     if limit is not None:
         console.say(budget_verdict(best_row, rows, judge, limit))
         if told := clock_note(rows):
@@ -190,19 +196,9 @@ def confirmed_setting(
         fits = spent is not None and spent <= limit.most
         if fits and error is not None and error <= bound * (1.0 + 1e-6):
             return {"setting": setting.line(), "spent": spent, "error": error, "bound": bound}
-        row["reason"] = f"run again it spent {text(spent)} and missed by {text(error)} (bound {bound:.4g})"
+        row["reason"] = f"run again it spent {cell(spent)} and missed by {cell(error)} (bound {bound:.4g})"
         left = [one for one in left if one is not row]
     return None
-
-
-def show_settings(rows: list[dict[str, Any]], known: list[str]) -> None:
-    """Print a table of all settings, the cheapest first; `known`: error columns, the deciding one first."""
-    names = ["setting", *CLOCK_COLUMNS[:3], known[0], f"{known[0]}_spread", *known[1:4]]
-    lines = [
-        [*(text(row.get(name)) for name in names), "reference" if row["reference"] else row["reason"][:50]]
-        for row in sorted(rows, key=lambda row: row["wall_per_s"] or 0.0)
-    ]
-    console.table("", [*names, ""], lines)
 
 
 def budget_verdict(found: dict[str, Any] | None, rows: list[dict[str, Any]], judge: str, limit: Budget) -> str:

@@ -172,14 +172,10 @@ def left_out(plan: dict[str, list[tuple[Problem, str]]], schemes: list[str], coa
 def row_line(row: dict[str, Any]) -> list[str]:
     unit = "" if row["unit"] == "1" else f" {row['unit']}"
     verdict = "reported" if row["tolerance"] is None else "ok" if row["ok"] else "MISSED"
-    error = f"{number_cell(row['error'])}{unit}" if row["error"] is not None else "-"
-    tolerance = number_cell(row["tolerance"]) if row["tolerance"] is not None else ""
-    numbers = [number_cell(row["value"]), number_cell(row["reference"]), error, tolerance]
+    value, reference, error = (console.cell(row[key], "-") for key in ("value", "reference", "error"))
+    error += "" if row["error"] is None else unit
+    numbers = [value, reference, error, console.cell(row["tolerance"])]
     return [row["scheme"], row["quantity"], *numbers, verdict, row["source"]]
-
-
-def number_cell(value: float | None) -> str:
-    return "-" if value is None else f"{value:.4g}"
 
 
 def write_junit(path: Path, rows: list[dict[str, Any]]) -> None:

@@ -1,6 +1,5 @@
 """`ocean-sim waves`: the records of a run's gauges, as waves."""
 
-from collections.abc import Mapping, Sequence
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -9,14 +8,14 @@ import numpy as np
 import typer
 
 from ocean_sim.files import csv_file, run_files
-from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.atomic_file import save_figure
 from ocean_sim.pictures.frame_files import Frame, frame_files, open_frame
 from ocean_sim.pictures.water.sea_state import run_scene
 from ocean_sim.verbs.render import warn_unless_ended
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json
 from ocean_sim.waves import record
-from ocean_sim.waves.orbits import BREAKING_ACCELERATION, Grid, Motion, SurfaceRecord, surface_record, tracer_motion
+from ocean_sim.waves.orbits import BREAKING_ACCELERATION, Grid, SurfaceRecord, surface_record, tracer_motion
 from ocean_sim.wind.shared.air_load import LAW, stated_speed
 
 WAVE_COLUMNS = {
@@ -49,16 +48,21 @@ def waves(
     path = read_record(run)
     try:
         time, heights = record.gauge_elevations(path, begin)
-        found = {name: wave_statistics(name, time, height, treatment) for name, height in heights.items()}
-    except record.Unmeasurable as why:
-        raise console.Refused(f"{path}: {why}") from None
     except ValueError as error:
         raise console.Refused(str(error)) from None
+    found = {}
+    for name, height in heights.items():
+        try:
+            found[name] = record.measure_record(time, height, treatment)
+        except record.Unmeasurable as why:
+            raise console.Refused(f"{path}: the record of gauge {name!r} {why}") from None
     warn_unless_ended(path.parent)
     folder = path.parent if out is None else out
     folder.mkdir(parents=True, exist_ok=True)
     files = [folder / "waves.csv", folder / "spectra.csv", folder / "waves.png"]
-    write_seas(files[0], found, treatment.notes())
+    numbers = {name: [getattr(sea, key) for key in WAVE_COLUMNS.values()] for name, sea in found.items()}
+    rows = [[name, *("" if value is None else f"{value:.9g}" for value in own)] for name, own in numbers.items()]
+    csv_file.write_table(files[0], ["gauge", *WAVE_COLUMNS.values()], rows, **treatment.notes())
     frequency, densities = record.record_spectra(time, heights, treatment)
     write_columns(files[1], {"frequency_Hz": frequency} | {f"{name}_m2_s": d for name, d in densities.items()})
     if not console.draw_if_able(draw_waves, files[2], time, heights, frequency, densities):
@@ -131,7 +135,10 @@ def particle_orbits(path: Path, folder: Path, begin: float, period: float | None
     except (OSError, ValueError, IndexError) as error:
         console.say(f"{path}: no orbits: {error}")
         return []
-    rows = orbit_rows(names, found)
+    rows = [
+        [f"{name}", *(f"{value:.6g}" for value in (level, o.along_m, o.up_m, o.ratio, o.drift_m_s))]
+        for name, level, o in sorted(zip(names, found.level_m, found.orbits), key=lambda row: -row[1])
+    ]
     csv_file.write_table(folder / "orbits.csv", ORBIT_COLUMNS, rows)
     some = rows[:: max(1, len(rows) // 10)]
     title = f"{path}: orbits under waves of {period:.4g} s (half length and height, and drift)"
@@ -159,14 +166,6 @@ def treatment_of(treatment: record.Treatment, time: np.ndarray, height: np.ndarr
     found: dict[str, Any] = {"trend_m_s": record.linear_trend(*even)} if treatment.detrended else {}
     found |= {"hysteresis_m": treatment.hysteresis} if treatment.hysteresis else {}
     return found | ({"warnings": warnings} if warnings else {})
-
-
-def wave_statistics(name: str, time: np.ndarray, height: np.ndarray, treatment: record.Treatment) -> record.Sea:
-    """Wave statistics of a gauge's heights (n,) [m] over time (n,) [s]; raises Unmeasurable with the gauge's name."""
-    try:
-        return record.measure_record(time, height, treatment)
-    except record.Unmeasurable as why:
-        raise record.Unmeasurable(f"the record of gauge {name!r} {why}") from None
 
 
 def wind_config(path: Path) -> dict[str, Any] | None:
@@ -201,7 +200,9 @@ def wind_of(path: Path) -> str | None:
 
 
 def print_waves(found: dict[str, record.Sea], path: Path, treatment: record.Treatment, time: np.ndarray) -> None:
-    rows = [[name, *(table_cell(getattr(sea, key)) for key in WAVE_COLUMNS.values())] for name, sea in found.items()]
+    rows = [
+        [name, *(console.cell(getattr(sea, key), "-") for key in WAVE_COLUMNS.values())] for name, sea in found.items()
+    ]
     heads = [f"{head} [{key.split('_')[-1]}]" if "_" in key else head for head, key in WAVE_COLUMNS.items()]
     console.table(f"{path}: {len(time)} samples from {time[0]:.12g} to {time[-1]:.12g} s", ["gauge", *heads], rows)
     for name, sea in found.items():
@@ -241,17 +242,6 @@ def record_shortcomings(sea: record.Sea, treatment: record.Treatment) -> list[st
     return found
 
 
-def table_cell(value: float | None) -> str:
-    return "-" if value is None else f"{value:d}" if isinstance(value, int) else f"{value:.4g}"
-
-
-def write_seas(path: Path, found: dict[str, record.Sea], notes: Mapping[str, str]) -> None:
-    """Write a CSV file with a row of wave statistics per gauge, and notes as comment lines."""
-    numbers = {name: [getattr(sea, key) for key in WAVE_COLUMNS.values()] for name, sea in found.items()}
-    rows = [[name, *("" if value is None else f"{value:.9g}" for value in own)] for name, own in numbers.items()]
-    csv_file.write_table(path, ["gauge", *WAVE_COLUMNS.values()], rows, **notes)
-
-
 def write_columns(path: Path, columns: dict[str, np.ndarray]) -> None:
     csv_file.write_table(path, columns, ([f"{value:.9g}" for value in row] for row in zip(*columns.values())))
 
@@ -279,13 +269,4 @@ def draw_waves(
     for axes in (above, below):
         axes.grid(alpha=0.3)
         axes.legend(fontsize="x-small")
-    with atomic_write(path) as draft:
-        figure.savefig(draft, dpi=100)
-
-
-def orbit_rows(names: Sequence[int], found: Motion) -> list[list[str]]:
-    """Table rows of particle orbits (ORBIT_COLUMNS), as text, the highest first; `names`: ids of the particles."""
-    return [
-        [f"{name}", *(f"{value:.6g}" for value in (level, o.along_m, o.up_m, o.ratio, o.drift_m_s))]
-        for name, level, o in sorted(zip(names, found.level_m, found.orbits), key=lambda row: -row[1])
-    ]
+    save_figure(figure, path)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ocean_sim.conventions import Refused
 from ocean_sim.files import csv_file
-from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.atomic_file import write_file
 from ocean_sim.files.input_file import read_json
 from ocean_sim.pictures.frame_files import Frame, frame_files, open_frame
 from ocean_sim.pictures.water.foam import cell_means
@@ -48,7 +48,8 @@ class Recorded:
             raise Refused(f"{folder}: this run kept no frames to replay; run it without frames=null")
         with open_frame(folder / "frames" / "grid.npz") as file:
             self.grid = {name: file[name] for name in file.files}
-        self.files = thin_frames(files, float(self.grid.get("every", 0.033)))
+        every = max(float(self.grid.get("every", 0.033)), 1e-9)
+        self.files = files[:: max(1, round(1.0 / (MAX_MOMENT_RATE * every)), -(-len(files) // MAX_MOMENTS))]
         self.title = self.scene.get("title") or folder.name
 
     @property
@@ -195,12 +196,6 @@ class Recorded:
         return np.array([np.interp(times, log["time_s"], log[name]) for name in names], np.float32).T
 
 
-def thin_frames(files: list[Path], every: float) -> list[Path]:
-    """Every n-th of these frame files, `every` [s] apart: at most MAX_MOMENT_RATE a second and MAX_MOMENTS in all."""
-    step = max(1, round(1.0 / (MAX_MOMENT_RATE * max(every, 1e-9))), -(-len(files) // MAX_MOMENTS))
-    return files[::step]
-
-
 def replay_file(folders: list[Path], path: Path) -> Path:
     """Write the replay of a run folder, or of two side by side, as one HTML file without others; returns its path."""
     runs = [Recorded(folder) for folder in folders]
@@ -209,6 +204,5 @@ def replay_file(folders: list[Path], path: Path) -> Path:
         data |= {f"still{k}": run.still(), f"replay{k}": run.stream()}
     title = " and ".join(run.title for run in runs)
     start = {"mode": "replay", "held": True, "runs": [{"title": run.title, "name": run.folder.name} for run in runs]}
-    with atomic_write(path) as draft:
-        draft.write_bytes(page_document(title, start, data))
+    write_file(path, page_document(title, start, data))
     return path

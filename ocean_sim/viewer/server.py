@@ -15,7 +15,7 @@ import socket
 import threading
 from collections import deque
 from collections.abc import Callable, Mapping
-from contextlib import AsyncExitStack, suppress
+from contextlib import AbstractContextManager, AsyncExitStack, suppress
 from time import monotonic
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -131,7 +131,7 @@ class Closing(asyncio.Protocol):
         transport.abort()
 
 
-class Server:
+class Server(AbstractContextManager["Server"]):
     """Web server that shows pages a simulation, by its `Watch`, and collects their commands; a context manager."""
 
     def __init__(
@@ -171,11 +171,6 @@ class Server:
             raise Refused(self.failure)
 
     @property
-    def is_local(self) -> bool:
-        """True if only this machine can reach the server."""
-        return self.host in LOCAL_HOSTS
-
-    @property
     def address(self) -> str:
         """URL of the page, with the token."""
         host = f"[{self.host}]" if ":" in self.host else self.host
@@ -205,9 +200,6 @@ class Server:
             with suppress(RuntimeError):
                 self.loop.call_soon_threadsafe(self.stopping.set)
             self.thread.join(5.0)
-
-    def __enter__(self) -> "Server":
-        return self
 
     def __exit__(self, *failure: object) -> None:
         self.close()

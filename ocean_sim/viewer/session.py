@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack, suppress
+from contextlib import AbstractContextManager, ExitStack, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from ocean_sim import machine
 from ocean_sim.conventions import Diverged, Failed, Refused, in_words
 from ocean_sim.files import input_file, run_files
-from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.atomic_file import write_file
 from ocean_sim.files.run_files import Claim
 from ocean_sim.files.yaml_file import MAX_TEXT_BYTES, Node, SceneError, parse_mapping, parse_setting
 from ocean_sim.parts import library, named
@@ -56,7 +56,7 @@ class Source(NamedTuple):
         return load_text(self.text, self.name, self.folder, dict(self.overrides), self.profile)
 
 
-class Session:
+class Session(AbstractContextManager["Session"]):
     """Plays one simulation after another, each with a `Watch` that shows it, and obeys the pages; a context manager."""
 
     simulation: Simulation
@@ -115,8 +115,7 @@ class Session:
             if claim is not None:
                 simulation.outcome = "done" if simulation.outcome == "running" else simulation.outcome
                 if touched:
-                    with atomic_write(claim.folder / "touched.txt") as draft:
-                        draft.write_text("\n".join([*touched, ""]), encoding="utf-8")
+                    write_file(claim.folder / "touched.txt", "\n".join([*touched, ""]))
                     run_files.add_to_manifest(claim.folder, [claim.folder / "touched.txt"])
 
     def play(self) -> None:
@@ -238,7 +237,9 @@ class Session:
                 return sailed
             case p.Route(ship=ship, points=points, speed=speed):
                 if points:
-                    self.sail_route(ship, points, speed)
+                    pilot = self.ship_named(ship).sail(points, speed)
+                    self.persons.pop(ship, None)
+                    self.pilots[ship], self.sailed[ship] = pilot, 0
                     self.note_setting(f"{ship}: route {points} at {speed:g} m/s")
                 else:
                     self.steer_amidships(ship)
@@ -280,12 +281,6 @@ class Session:
         """Steer a ship by hand, throttle as it is and rudder amidships; raises Failed if there is no such ship."""
         person = self.hand_steering(name)
         person.give(person.throttle, 0.0)
-
-    def sail_route(self, name: str, route: list[tuple[float, float]], speed: float) -> None:
-        """Let a pilot sail a ship along waypoints x, z [m] at a speed [m/s]; raises Failed if there is no such ship."""
-        ship = self.ship_named(name)
-        self.persons.pop(name, None)
-        self.pilots[name], self.sailed[name] = ship.sail(route, speed), 0
 
     def ship_named(self, name: str) -> "Ship":
         if name not in self.simulation.ships:
@@ -357,9 +352,7 @@ class Session:
         body = self.source.text
         if self.source.overrides or self.source.profile:
             body = "\n".join(f"{key}: {json.dumps(value)}" for key, value in self.config.resolved().items())
-        self.out.mkdir(parents=True, exist_ok=True)
-        with atomic_write(path) as draft:
-            draft.write_text("\n".join([*moved, body.rstrip(), ""]), encoding="utf-8")
+        write_file(path, "\n".join([*moved, body.rstrip(), ""]))
         self.say(f"saved: {path}")
 
     def tell_waves(self, watcher: int, asked: p.Waves) -> None:
@@ -381,8 +374,9 @@ class Session:
     def tell_panel(self) -> None:
         """Send the panel to all pages: settings and their values, sliders, and ships."""
         sliders = [{"label": s.label, "value": s.value, "low": s.low, "high": s.high} for s in self.sliders]
+        ahead = {name: pilot.ahead for name, pilot in self.pilots.items()}  # waypoints [m] of those who sail a route
         ships = [
-            {"name": name, "throttle": ship.orders[0], "rudder": ship.orders[1], "route": self.route_ahead(name)}
+            {"name": name, "throttle": ship.orders[0], "rudder": ship.orders[1], "route": ahead.get(name, [])}
             for name, ship in self.simulation.ships.items()
         ]
         self.server.tell(
@@ -399,13 +393,6 @@ class Session:
             scene=self.source.name,
             duration=self.config.duration,
         )
-
-    def route_ahead(self, name: str) -> list[tuple[float, float]]:
-        """Waypoints x, z [m] still ahead of the ship of this name; empty if she sails no route."""
-        return self.pilots[name].ahead if name in self.pilots else []
-
-    def __enter__(self) -> "Session":
-        return self
 
     def __exit__(self, *failure: object) -> None:
         with suppress(Failed):

@@ -115,7 +115,12 @@ class StaticScene:
             "gravity": GRAVITY,
             "speeds": json_numbers(SPEED_COLOURS),
             "light": {name: json_numbers(getattr(sky, name)) for name in LIGHT_NAMES},
-            "shaders": shader_sources(len(ships)),
+            "shaders": {  # in GLSL; a page adds the declarations of its version
+                "common": water_glsl.COMMON_FUNCTIONS,
+                "functions": water_glsl.WATER_FUNCTIONS,
+                "water": water_glsl.water_program(len(ships)),
+                "sky": water_glsl.SKY_PROGRAM,
+            },
             "uniforms": uniforms,
         }
         return zlib.compress(packet("still", arrays, boxes, **header), 6)
@@ -191,16 +196,6 @@ def synthetic_waves(angle: float, length: float, spacing: float) -> np.ndarray:
     k = 2.0 * pi / wavelength
     phase = 2.0 * pi * np.mod(0.754877666 * np.arange(SYNTHETIC_WAVES), 1.0)
     return np.column_stack([amplitude, k * np.cos(angle + turn), k * np.sin(angle + turn), np.sqrt(GRAVITY * k), phase])
-
-
-def shader_sources(ships: int) -> dict[str, str]:
-    """GLSL sources, by name, of the shaders for a number of ships; a page adds the declarations of its version."""
-    return {
-        "common": water_glsl.COMMON_FUNCTIONS,
-        "functions": water_glsl.WATER_FUNCTIONS,
-        "water": water_glsl.water_program(ships),
-        "sky": water_glsl.SKY_PROGRAM,
-    }
 
 
 @cache

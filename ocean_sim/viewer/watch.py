@@ -68,6 +68,8 @@ class Watch(Observer, TakesMotion):
         self.mark = (perf_counter(), simulation.time, simulation.steps)
         self.pace = 0.0
         self.measure_stages(simulation)
+        names = "name", "label", "unit", "group"
+        self.setting.scalars = [dict(zip(names, row[:-1])) for row in self.plotted_rows(np.zeros(1))]
         server.begin(self.setting.packet())
 
     def measure_stages(self, simulation: Simulation) -> None:
@@ -97,12 +99,6 @@ class Watch(Observer, TakesMotion):
     def show(self, now: float) -> None:
         """Send a frame of the present state to the server; `now`: wall time [s]."""
         self.last = now
-        self.update_pace(now)
-        self.server.show(self.frame())
-        self.seq += 1
-
-    def update_pace(self, now: float) -> None:
-        """Update simulated over real time, and the time of each stage, since the last frame; `now`: wall time [s]."""
         wall, time, steps = self.mark
         done = self.simulation.steps - steps
         if done:
@@ -110,6 +106,8 @@ class Watch(Observer, TakesMotion):
             self.stage_costs = {name: 1e3 * self.stage_times[name] / done for name in STAGE_NAMES}
         self.stage_times.clear()
         self.mark = (now, self.simulation.time, self.simulation.steps)
+        self.server.show(self.frame())
+        self.seq += 1
 
     def frame(self) -> bytes:
         """Packet of kind `frame` with the present state of the simulation."""
@@ -138,7 +136,7 @@ class Watch(Observer, TakesMotion):
             ends, hues = scene_lines(simulation, self.top)
             arrays["lines"] = ends.astype(np.float32)
             arrays["hues"] = np.rint(255.0 * hues).astype(np.uint8)
-        numbers = np.array(self.plotted_numbers(heights), np.float32)
+        numbers = np.array([row[-1] for row in self.plotted_rows(heights)], np.float32)
         arrays["scalars"] = np.nan_to_num(numbers, nan=np.nan, posinf=0.0, neginf=0.0)
         return packet(
             "frame",
@@ -172,43 +170,44 @@ class Watch(Observer, TakesMotion):
         pace = np.minimum(speed.dtype.type(255.0 / self.fastest) * speed, 255.0).astype(np.uint8)
         return {"particles": places, "speed": pace}
 
-    def plotted_numbers(self, heights: np.ndarray) -> list[float]:
-        """Present values of the plotted numbers, in the order of `setting.scalars`; `heights` (n,) [m] of the water."""
-        simulation = self.simulation
-        at_gauges = simulation.fluid.elevations(self.gauges) if len(self.gauges) else np.zeros(0)
-        if (ground := simulation.basin.ground) is not None:
-            at_gauges = ground.wet_heights(self.gauges, at_gauges)
-        values = [*at_gauges]
-        rise = heights - heights.mean()
-        values.append(4.0 * sqrt(np.einsum("i,i", rise, rise) / len(rise)))
-        for ship in [*simulation.ships.values()][:MAX_PLOTTED_SHIPS]:
+    def plotted_rows(self, heights: np.ndarray) -> list[tuple[str, str, str, str, float]]:
+        """Plotted numbers now: rows of name, label, unit, group and value; `heights` (n,) [m] of the water."""
+        simulation, fluid, ground = self.simulation, self.simulation.fluid, self.simulation.basin.ground
+        levels, rise = fluid.elevations(self.gauges), heights - heights.mean()
+        levels = levels if ground is None else ground.wet_heights(self.gauges, levels)
+        rows = [(f"eta_{name}", name, "m", "elevation", level) for name, level in zip(self.setting.gauges, levels)]
+        significant = 4.0 * sqrt(np.einsum("i,i", rise, rise) / len(rise))
+        rows.append(("height", "significant wave height", "m", "height", significant))
+        for name, ship in [*simulation.ships.items()][:MAX_PLOTTED_SHIPS]:
             body, (throttle, rudder) = ship.body, ship.orders
-            ahead = float(body.velocity @ body.matrix[:, 2])
+            whose = f" {name}" if len(simulation.ships) > 1 else ""
             pitch, yaw, roll = np.degrees(body.angles)
-            values += [body.position[1], roll, pitch, yaw, ahead, throttle, np.degrees(rudder)]
+            rows += [
+                (f"heave_{name}", f"heave{whose}", "m", "heave", body.position[1]),
+                (f"roll_{name}", f"roll{whose}", "deg", "angles", roll),
+                (f"pitch_{name}", f"pitch{whose}", "deg", "angles", pitch),
+                (f"yaw_{name}", f"heading{whose}", "deg", "yaw", yaw),
+                (f"speed_{name}", f"speed ahead{whose}", "m/s", "speed", float(body.velocity @ body.matrix[:, 2])),
+                (f"throttle_{name}", f"throttle{whose}", "1", "orders", throttle),
+                (f"rudder_{name}", f"rudder{whose}", "deg", "orders", np.degrees(rudder)),
+            ]
         if self.platform is not None:
-            values += [*self.commands[6:]]
-        if self.setting.particles:
-            fluid = simulation.fluid
-            values.append(100.0 * (fluid.status.max_density / fluid.rest_density - 1.0))
-        return [float(v) for v in values] + [self.pace, 1e3 * simulation.next_dt, *self.stage_costs.values()]
+            rows += [(f"leg{k}", f"leg {k}", "m", "legs", leg) for k, leg in enumerate(self.commands[6:], 1)]
+        if fluid.particles is not None:
+            excess = 100.0 * (fluid.status.max_density / fluid.rest_density - 1.0)
+            rows.append(("compression", "largest density error", "%", "compression", excess))
+        rows.append(("pace", "simulated over wall time", "x", "pace", self.pace))
+        rows.append(("dt", "time step", "ms", "dt", 1e3 * simulation.next_dt))
+        return rows + [(f"cost_{name}", name, "ms/step", "cost", self.stage_costs[name]) for name in STAGE_NAMES]
 
 
 def setting_of(simulation: Simulation) -> StaticScene:
-    """Static part of a simulation, for its pages: water, basin, ships, and the list of plotted numbers."""
+    """Static part of a simulation, for its pages: water, basin and ships."""
     scene, basin, fluid = simulation.scene, simulation.basin, simulation.fluid
     grid = grid_arrays(simulation, *height_grid(basin, fluid.spacing))
     surface = not basin.closed and (fluid.particles is None or fluid.sound_speed > 0.0)
     shown = 0 if fluid.particles is None else -(-fluid.particles.n // particle_stride(fluid.particles.n))
-    setting = StaticScene(grid, scene.resolved(), scene.title or "Untitled scene", fluid.plane_waves, surface, shown)
-    platform = scene.platform is not None and bool(simulation.ships) and "motion" in scene.observers
-    setting.scalars = [
-        *plotted_rows(setting.gauges, [*simulation.ships][:MAX_PLOTTED_SHIPS], platform, fluid.particles is not None),
-        {"name": "pace", "label": "simulated over wall time", "unit": "x", "group": "pace"},
-        {"name": "dt", "label": "time step", "unit": "ms", "group": "dt"},
-        *({"name": f"cost_{name}", "label": name, "unit": "ms/step", "group": "cost"} for name in STAGE_NAMES),
-    ]
-    return setting
+    return StaticScene(grid, scene.resolved(), scene.title or "Untitled scene", fluid.plane_waves, surface, shown)
 
 
 def particle_stride(n: int) -> int:
@@ -221,26 +220,3 @@ def height_grid(basin: "Basin", spacing: float) -> tuple[np.ndarray, np.ndarray]
     sides = ((float(basin.lower[k]), float(basin.upper[k])) for k in (0, 2))
     x, z = (middles(low, high, max(spacing, (high - low) / MAX_CELLS)) for low, high in sides)
     return x, np.zeros(1) if basin.dimension == 2 else z
-
-
-def plotted_rows(gauges: Any, ships: list[str], platform: bool, particles: bool) -> list[dict[str, str]]:
-    """Rows (name, label, unit, group) of the plotted numbers of gauges, ships, motion platform and particles."""
-
-    def row(name: str, label: str, unit: str, group: str) -> dict[str, str]:
-        return {"name": name, "label": label, "unit": unit, "group": group}
-
-    rows = [row(f"eta_{name}", name, "m", "elevation") for name in gauges]
-    rows.append(row("height", "significant wave height", "m", "height"))
-    for name in ships:
-        many = f" {name}" if len(ships) > 1 else ""
-        rows.append(row(f"heave_{name}", f"heave{many}", "m", "heave"))
-        rows += [row(f"{angle}_{name}", f"{angle}{many}", "deg", "angles") for angle in ("roll", "pitch")]
-        rows.append(row(f"yaw_{name}", f"heading{many}", "deg", "yaw"))
-        rows.append(row(f"speed_{name}", f"speed ahead{many}", "m/s", "speed"))
-        rows.append(row(f"throttle_{name}", f"throttle{many}", "1", "orders"))
-        rows.append(row(f"rudder_{name}", f"rudder{many}", "deg", "orders"))
-    if platform:
-        rows += [row(f"leg{k}", f"leg {k}", "m", "legs") for k in range(1, 7)]
-    if particles:
-        rows.append(row("compression", "largest density error", "%", "compression"))
-    return rows

@@ -126,8 +126,7 @@ class WaveField:
         return WaveField(waves.fit_periods(self.sea, 2 * [number("side", side, "m", MIN_SQUARE_SIDE)]))
 
     def field(self, cells: int, side: float, time: float) -> np.ndarray:
-        """Heights (cells, cells) [m], x by z, at a time [s] of a tile with sides `side` [m], one corner at the
-        origin."""
+        """Heights (cells, cells) [m], x by z, at a time [s] of a tile of `side` [m], one corner at the origin."""
         at = np.arange(whole_number("cells", cells)) * (number("side", side, "m", MIN_SQUARE_SIDE) / cells)
         x, z = np.meshgrid(at, at, indexing="ij")
         heights = self.periodic(side).elevation(np.stack([x.ravel(), z.ravel()], axis=1), time)

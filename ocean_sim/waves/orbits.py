@@ -92,18 +92,6 @@ class Motion:
     """Fall of the logarithm of the orbits' length per metre downwards; k on deep water. None: all at one level."""
 
 
-def fit_motion(time: np.ndarray, paths: np.ndarray, period: float, towards: tuple[float, float] = (1.0, 0.0)) -> Motion:
-    """Fit orbits to paths (n, m, 3) [m] of n particles at times (m,) [s] under waves of a period [s] along `towards`
-    (x, z), over whole periods; raises ValueError if the record is shorter than two periods."""
-    whole = time <= time[0] + period * np.floor((time[-1] - time[0]) / period + 1e-6)
-    level = paths[:, whole, 1].mean(axis=1)
-    found = [fit_orbit(time[whole], path[whole], period, towards) for path in paths]
-    decay = None
-    if np.ptp(level) > 1e-6:
-        decay = float(np.polyfit(level, np.log([each.along_m for each in found]), 1)[0])
-    return Motion(level, found, decay)
-
-
 def read_tracers(path: Path) -> tuple[list[int], np.ndarray, np.ndarray, np.ndarray]:
     """Numbers of the n particles of a tracers.csv, times (m,) [s], and their positions [m] and velocities [m/s], each
     (n, m, 3); raises OSError or ValueError if the file cannot be read or has no particles."""
@@ -128,12 +116,19 @@ def wave_direction(positions: np.ndarray, velocities: np.ndarray) -> tuple[float
 
 
 def tracer_motion(path: Path, begin: float, period: float) -> tuple[list[int], Motion]:
-    """Numbers of the particles of a tracers.csv and their fitted orbits from time `begin` [s] on, under waves of a
-    period [s]; raises OSError, ValueError or IndexError if the file or the record does not suffice."""
+    """Numbers of the particles of a tracers.csv and their orbits over whole periods [s] of the waves from time `begin`
+    [s] on; raises OSError, ValueError or IndexError if the file or the record (of two periods) does not suffice."""
     names, time, positions, velocities = read_tracers(path)
     kept = time >= begin
-    along = wave_direction(positions[:, kept], velocities[:, kept])
-    return names, fit_motion(time[kept], positions[:, kept], period, along)
+    time, paths = time[kept], positions[:, kept]
+    along = wave_direction(paths, velocities[:, kept])
+    whole = time <= time[0] + period * np.floor((time[-1] - time[0]) / period + 1e-6)
+    level = paths[:, whole, 1].mean(axis=1)
+    found = [fit_orbit(time[whole], path[whole], period, along) for path in paths]
+    decay = None
+    if np.ptp(level) > 1e-6:
+        decay = float(np.polyfit(level, np.log([each.along_m for each in found]), 1)[0])
+    return names, Motion(level, found, decay)
 
 
 class Frame(Protocol):
@@ -164,26 +159,9 @@ class Grid:
         return len(self.z) == 1
 
     @property
-    def intervals(self) -> tuple[float, float]:
-        """Intervals between points along x and z [m]; 1 where there is one point."""
-        dx, dz = (float(points[1] - points[0]) if len(points) > 1 else 1.0 for points in (self.x, self.z))
-        return dx, dz
-
-    @property
-    def shortest(self) -> float:
-        """Shortest wavelength [m] that the grid resolves; shorter waves are left out of the white-cap cover."""
-        dx, dz = self.intervals
-        return MIN_WAVE_POINTS * (dx if self.is_slice else max(dx, dz))
-
-    @property
     def radius(self) -> float:
         """Radius [m] of the circle of which circulation is taken: a quarter of the narrower side of the basin."""
         return 0.25 * float(min((self.upper - self.lower)[[0, 2]]))
-
-    @property
-    def middle(self) -> tuple[float, float]:
-        x, z = 0.5 * (self.upper + self.lower)[[0, 2]]
-        return float(x), float(z)
 
 
 @dataclass(frozen=True)
@@ -206,16 +184,18 @@ class SurfaceRecord:
 
 def surface_record(grid: Grid, frames: Iterable[Frame], begin: float) -> SurfaceRecord | None:
     """Circulation and white-cap cover of all frames from time `begin` [s] on; None if there are no such frames."""
+    dx, dz = (float(points[1] - points[0]) if len(points) > 1 else 1.0 for points in (grid.x, grid.z))
+    shortest = MIN_WAVE_POINTS * (dx if grid.is_slice else max(dx, dz))
     times, cover, turning = [], [], []
     for frame in frames:
         if frame.time >= begin:
             times.append(frame.time)
-            cover.append(breaking_cover(surface_fall(frame.elevation, *grid.intervals, grid.depth, grid.shortest)))
+            cover.append(breaking_cover(surface_fall(frame.elevation, dx, dz, grid.depth, shortest)))
             turning.append(frame_circulation(grid, frame))
     if not times:
         return None
     swirl = np.array(turning) if np.isfinite(turning).all() else None
-    return SurfaceRecord(np.array(times), grid.radius, swirl, np.array(cover), grid.shortest)
+    return SurfaceRecord(np.array(times), grid.radius, swirl, np.array(cover), shortest)
 
 
 def frame_circulation(grid: Grid, frame: Frame) -> float:
@@ -223,7 +203,7 @@ def frame_circulation(grid: Grid, frame: Frame) -> float:
     if grid.is_slice or frame.position is None or frame.velocity is None:
         return np.nan
     try:
-        x, z = np.array(grid.middle) + frame.origin
+        x, z = 0.5 * (grid.upper + grid.lower)[[0, 2]] + frame.origin
         return circulation(frame.position, frame.velocity, grid.radius, RING_SPACINGS * grid.spacing, (x, z))
     except ValueError:
         return np.nan

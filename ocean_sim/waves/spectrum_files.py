@@ -162,8 +162,7 @@ def of_model(path: str | Path, frequency: np.ndarray, towards: np.ndarray, densi
 
 
 def _ndbc_rows(lines: Lines) -> Iterable[tuple[datetime, np.ndarray]]:
-    """Time, and frequencies and values (2, n), of each row of one of NDBC's files, where a value stands before its
-    frequency in parentheses, or under it."""
+    """Time, and frequencies and values (2, n), of each row of NDBC's: a value before its (frequency) or under it."""
     heading = lines.words("#YY MM DD hh")
     paired, dated = "(" in lines.begin, 5 if "mm" in heading[:5] else 4
     while not lines.ended:
@@ -279,8 +278,7 @@ def _read_ww3(lines: Lines) -> Iterable[Record]:
 
 
 def _read_era5(path: str | Path) -> Iterable[Record]:
-    """Spectra of ERA5: log10 of the density [m2/(Hz rad)], missing where it is low, over time, frequency, direction and
-    places, each a point."""
+    """Spectra of ERA5: log10 of the density [m2/(Hz rad)], missing if low; over time, frequency, direction, places."""
     try:
         with open_netcdf(path) as file:
             variable = file.variables["d2fd"]

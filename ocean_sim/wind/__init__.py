@@ -133,9 +133,6 @@ class StillAir(Wind):
     def on(self, target: Target) -> Wind:
         return self
 
-    def strengthen(self, factor: float) -> None:
-        """Do nothing: still air has no strength to scale."""
-
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):
         return tm.vec3(0.0)

@@ -101,8 +101,7 @@ class Volume(Scheduled):
         return self.include[0].core.chord(self.velocity / speed) / speed if speed else inf
 
     def blows(self, time: float, dt: float = 0.0) -> tuple[float, float]:
-        """Factor on the wind's strength in a step of dt [s] that begins at a time [s], and the angle [rad] by which the
-        schedule turns acceleration and wind."""
+        """Factor on the wind's strength in a step of dt [s] from a time [s], and its turn [rad] by the schedule."""
         if self.course is None:
             return self.blowing(time, dt), 0.0
         speed, heading = self.course.at(time + 0.5 * dt)

@@ -204,8 +204,7 @@ def overdamped(wind: Config, u10: float, k: float, preflight: Preflight) -> list
 
 
 def unresolved(wind: Config, u10: float, preflight: Preflight) -> list[str]:
-    """Warn of reasons why this water cannot show the waves that a real wind u10 [m/s] raises: particles too coarse,
-    water too viscous, a basin too short."""
+    """Warn of reasons why this water cannot show the waves of a wind u10 [m/s]: coarse, too viscous, too short."""
     basin, pull, spacing = preflight.tank, hypot(*preflight.tank.gravity), preflight.spacing
     if u10 <= 0.0 or pull <= 0.0 or spacing is None:
         return []

@@ -20,8 +20,7 @@ def surely_inside(totals: Totals, basin: Basin) -> bool:
 
 
 def distance_outside(position: np.ndarray, basin: Basin, time: float, spacing: float) -> np.ndarray:
-    """(n,) distance [m] of particles a `spacing` [m] apart beyond walls or inside an obstacle, at a time [s]; 0 in the
-    water."""
+    """(n,) distance [m] of particles a `spacing` [m] apart beyond walls or inside an obstacle at a time [s], or 0."""
     low, up = (np.array(stop) for stop in basin.stops())
     distance = np.linalg.norm(position - np.clip(position, low, up), axis=1)
     for least, most in basin.obstacles_at(time):
@@ -67,7 +66,9 @@ class Symmetry:
         for axis in (0, 2)[: basin.dimension - 1]:
             if not is_symmetric(basin, axis):
                 continue
-            twin = image_ids(place / spacing, axis)
+            here, there = (np.lexsort((x / spacing).round(3).T + 0.0) for x in (place, mirrored(place, axis)))
+            twin = np.empty(len(place), dtype=int)
+            twin[here] = there
             apart = mirrored(place[twin], axis) - place, mirrored(velocity[twin], axis) - velocity
             scales = spacing, simulation.fluid.reference_speed
             if all(np.abs(way).max(initial=0.0) <= IMAGE_TOLERANCE * scale for way, scale in zip(apart, scales)):
@@ -92,14 +93,6 @@ def sorted_by_id(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
 def mirrored(vectors: np.ndarray, axis: int) -> np.ndarray:
     """(n, 3) vectors with the component along `axis` reversed."""
     return vectors * np.where(np.arange(3) == axis, -1.0, 1.0)
-
-
-def image_ids(place: np.ndarray, axis: int) -> np.ndarray:
-    """(n,) id of each particle's mirror image across `axis`, if each has one; `place`: positions (n, 3) [spacings]."""
-    here, there = (np.lexsort(x.round(3).T + 0.0) for x in (place, mirrored(place, axis)))
-    twin = np.empty(len(place), dtype=int)
-    twin[here] = there
-    return twin
 
 
 def is_symmetric(basin: Basin, axis: int) -> bool:

@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -31,14 +31,9 @@ def heading(simulation: "Simulation", rate: str, **more: object) -> dict[str, ob
     return {"frame": "world", "axes": axes, "rate": rate, "seed": simulation.scene.seed, **more}
 
 
-def cell_text(value: object) -> str:
-    """Text of a cell: a real number with nine significant digits, on every machine; anything else by `str`."""
-    return format(value, ".9g") if isinstance(value, REAL_TYPES) else str(value)
-
-
 @lru_cache(maxsize=1000)
 def row_format(kinds: tuple[type, ...]) -> str:
-    """Format string of a row of values of these types, each as by `cell_text`."""
+    """Format string of a row of values of these types: real numbers have nine significant digits on every machine."""
     return ",".join("%.9g" if issubclass(kind, REAL_TYPES) else "%s" for kind in kinds)
 
 
@@ -50,7 +45,8 @@ class CsvFile:
         self.columns = tuple(columns)
         self.file = path.open("w", encoding="utf-8", newline="\n")
         with file_named_in_errors(path):
-            self.file.writelines(f"# {key}: {' '.join(cell_text(value).split())}\n" for key, value in heading.items())
+            texts = {key: row_format((type(value),)) % (value,) for key, value in heading.items()}
+            self.file.writelines(f"# {key}: {' '.join(text.split())}\n" for key, text in texts.items())
         self.row(self.columns)
 
     def row(self, values: Iterable[object]) -> str:
@@ -140,11 +136,3 @@ class TakesCommands:
     def take_commands(self, rows: "Commands") -> None:
         """Receive new commands of the motion platform."""
         raise NotImplementedError
-
-
-Taker = TypeVar("Taker", TakesMotion, TakesCommands)
-
-
-def takers(simulation: "Simulation", kind: type[Taker]) -> list[Taker]:
-    """Observers of a run that are of this kind, `TakesMotion` or `TakesCommands`."""
-    return [observer for observer in simulation.observers if isinstance(observer, kind)]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.files import csv_file, input_file
-from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.atomic_file import write_file
 from ocean_sim.observers.shared.page import draw_curves, embedded_picture, html_page, html_table, scene_text
 
 MAX_STILLS = 6  # in a page
@@ -24,10 +24,8 @@ Table = Mapping[str, np.ndarray]
 
 def write_report(folder: Path) -> Path:
     """Write report.html of a run folder, however the run ended; returns its path."""
-    run = Run(folder)
-    path = folder / "report.html"
-    with atomic_write(path) as draft:
-        draft.write_text(html_page(run.title, run.parts()), encoding="utf-8")
+    run, path = Run(folder), folder / "report.html"
+    write_file(path, html_page(run.title, run.parts()))
     return path
 
 

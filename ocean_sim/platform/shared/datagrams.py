@@ -357,13 +357,6 @@ def print_some(packet: wire.Packet) -> None:
         print(f"{packet.time:8.2f} s  {packet.frame}  x y z roll pitch yaw: {pose}", flush=True)
 
 
-def stop_platform(url: str, key: bytes = b"") -> None:
-    """Send a stop packet, signed if there is a key, to an address. Raises OSError or ValueError for a bad address."""
-    host, port = parse_address(url)
-    with socket.socket(socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0][0], socket.SOCK_DGRAM) as sending:
-        sending.sendto(wire.stop_packet(key, time.time_ns()), (host, port))
-
-
 def print_stream(url: str, key: bytes = b"") -> None:
     """Receive a stream and print a summary of its packets. Raises OSError or ValueError for a bad address."""
     print(f"waiting for packets at {url}", flush=True)
@@ -386,7 +379,10 @@ def main(words: Sequence[str]) -> int:
     try:
         secret = read_key(rest[1]) if len(rest) > 1 else b""
         if stops:
-            stop_platform(url, secret)
+            host, port = parse_address(url)
+            family = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0][0]
+            with socket.socket(family, socket.SOCK_DGRAM) as sending:
+                sending.sendto(wire.stop_packet(secret, time.time_ns()), (host, port))
             print(f"stop sent to {url}")
         else:
             print_stream(url, secret)

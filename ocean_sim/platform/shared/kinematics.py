@@ -1,7 +1,6 @@
 """A hexapod: two bodies joined by six legs. X forward, Y left, Z up; a pose is x, y, z [m] from neutral, roll, pitch,
 yaw [rad], turned by Rz(yaw) Ry(pitch) Rx(roll)."""
 
-from collections.abc import Callable
 from typing import Annotated
 
 import numpy as np
@@ -85,7 +84,10 @@ class Hexapod:
         low, high = -float(offset[:, 2].min()), length + float(np.abs(offset[:, 2]).max()) + 1.0
         if not mean_length(low) < length:
             return float("nan")
-        return bisect_last(lambda z: mean_length(z) <= length, low, high)
+        for _ in range(BISECTION_STEPS):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if mean_length(middle) <= length else (low, middle)
+        return low
 
     def leg_vectors(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Legs from base to platform and joints from the platform's origin: vectors (n, 6, 3) [m] in floor axes."""
@@ -152,14 +154,6 @@ class Hexapod:
             holds = self.is_allowed(middle[:, None] * ways)
             low, high = np.where(holds, middle, low), np.where(holds, high, middle)
         return np.stack([-low[:6], low[6:]], axis=1)
-
-
-def bisect_last(holds: Callable[[float], bool], low: float, high: float) -> float:
-    """Largest argument from `low` to `high` for which `holds` is true, by bisection; it must be true at `low`."""
-    for _ in range(BISECTION_STEPS):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if holds(middle) else (low, middle)
-    return low
 
 
 def rotation_matrices(angles: np.ndarray) -> np.ndarray:

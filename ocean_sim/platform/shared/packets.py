@@ -86,19 +86,11 @@ def six_motions(packet: Packet) -> list[float]:
     return [*shift.tolist(), *np.degrees(packet.pose[3:]).tolist()]
 
 
-def pack_floats(packet: Packet) -> bytes:
-    return FLOATS_STRUCT.pack(packet.time, packet.seq, *six_motions(packet), packet.limited)
-
-
-def pack_text(packet: Packet) -> bytes:
-    return (",".join(f"{value:.3f}" for value in [packet.time, *six_motions(packet)]) + "\n").encode()
-
-
 PACKET_LAYOUTS: dict[str, Callable[[Packet], bytes]] = {
     "ocean_sim": pack_ocean_sim,
     "openmotionsim": pack_openmotionsim,
-    "floats": pack_floats,
-    "text": pack_text,
+    "floats": lambda packet: FLOATS_STRUCT.pack(packet.time, packet.seq, *six_motions(packet), packet.limited),
+    "text": lambda packet: ",".join(f"{value:.3f}" for value in [packet.time, *six_motions(packet)]).encode() + b"\n",
 }
 FORMAT_NAMES = tuple(PACKET_LAYOUTS)
 

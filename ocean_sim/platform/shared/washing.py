@@ -155,8 +155,7 @@ class Washing:
         return np.clip(wanted, -limit, limit)
 
     def lasting_force(self, ride: Ride) -> np.ndarray:
-        """Scaled specific force (n, 2) [m/s2] along x and y for the tilt, without the gravity component of angles that
-        the platform reproduces directly."""
+        """Scaled specific force (n, 2) [m/s2] along x and y for the tilt, without gravity by angles shown directly."""
         force, own = ride.specific_force[:, :2].copy(), rest_force(ride.attitude)
         if self.turns[1] is None:
             force[:, 0] -= own[:, 0]

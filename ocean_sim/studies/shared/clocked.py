@@ -18,9 +18,6 @@ class Clocked(Simulation):
         self.spent: list[tuple[float, float, float]] = []
         super().__init__(*given)
 
-    def __enter__(self) -> "Clocked":
-        return self
-
     def step(self) -> None:
         """Advance by one time step, and record its simulated, wall and processor time [s]."""
         dt, wall, cpu = float(self.next_dt), perf_counter(), process_time()

@@ -1,20 +1,12 @@
 """Pictures of stability: time step against another setting, a verdict at every point, and the theoretical limits."""
 
-from pathlib import Path
 from typing import Any
 
-from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.palette import BLUE, ORANGE, RED
 from ocean_sim.studies.shared.pareto import label_log_axis
 
 VERDICT_LOOKS = {"stable": (BLUE, "o"), "degraded": (ORANGE, "^"), "stopped": (RED, "X"), "none": ("black", "s")}
 LIMIT_LINES = {"acoustic": ("h / c", "-"), "viscous": ("h² / nu", "--"), "force": ("sqrt(h / a)", ":")}
-
-
-def draw_maps(path: Path, name: str, rows: list[dict[str, Any]]) -> None:
-    """Draw one stability map, from rows of the study's table, into a picture file; `name`: label of its setting."""
-    with atomic_write(path) as draft:
-        draw_map(name, rows).savefig(draft, dpi=110)
 
 
 def draw_map(name: str, rows: list[dict[str, Any]]) -> Any:

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.atomic_file import save_figure
 from ocean_sim.palette import SERIES
 from ocean_sim.studies.scene_tradeoff import Budget
 from ocean_sim.studies.tradeoff import Trial, pareto_front
@@ -37,8 +37,7 @@ def draw_pareto(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str
             axes.legend(fontsize="x-small", loc="best")
     figure.suptitle(f"{trial.case}: {trial.quantity}", fontsize="medium")
     shift_apart(figure)
-    with atomic_write(path) as draft:
-        figure.savefig(draft, dpi=PICTURE_DPI)
+    save_figure(figure, path, PICTURE_DPI)
 
 
 def draw_panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
@@ -174,5 +173,4 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
         axes.grid(alpha=0.3)
         label_log_axis(axes.xaxis)
     shift_apart(figure)
-    with atomic_write(path) as draft:
-        figure.savefig(draft, dpi=PICTURE_DPI)
+    save_figure(figure, path, PICTURE_DPI)

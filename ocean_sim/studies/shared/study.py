@@ -50,7 +50,8 @@ class Study:
 def write_table(path: Path, rows: list[dict[str, Any]]) -> None:
     """Write rows as a CSV file with their keys as columns; None is left empty, lists, mappings, booleans are JSON."""
     columns = list(dict.fromkeys(key for row in rows for key in row))
-    csv_file.write_table(path, columns, ([cell_text(row.get(name)) for name in columns] for row in rows))
+    in_json = lambda value: json.dumps(value) if isinstance(value, dict | list | tuple | bool) else value
+    csv_file.write_table(path, columns, ([in_json(row.get(name)) for name in columns] for row in rows))
 
 
 def read_table(path: Path) -> list[dict[str, Any]]:
@@ -67,8 +68,3 @@ def parse_cell(text: str) -> Any:
         return json.loads(text) if text else None
     except ValueError:
         return text
-
-
-def cell_text(value: Any) -> Any:
-    """Value for a CSV cell: JSON text of a list, mapping or boolean, else the value itself."""
-    return json.dumps(value) if isinstance(value, dict | list | tuple | bool) else value

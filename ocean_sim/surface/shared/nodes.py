@@ -1,5 +1,4 @@
-"""Nodes of a regular grid that fills a box, and the rows of them along x near water, for which the field of marching
-cubes is kept."""
+"""Nodes of a regular grid that fills a box, and the rows of them along x near water, where a field is kept."""
 
 from dataclasses import dataclass
 from functools import cached_property

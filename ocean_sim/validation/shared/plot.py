@@ -4,7 +4,7 @@ from math import ceil
 from pathlib import Path
 from typing import Any
 
-from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.atomic_file import save_figure
 from ocean_sim.validation.shared.case import Curve, Finding, Problem
 
 PANELS_IN_ROW = 4
@@ -38,8 +38,7 @@ def draw(path: Path, case: str, runs: list[tuple[Problem, str, Finding]]) -> Non
             axes.legend(fontsize="x-small")
         axes.set_title(f"{case}: {name}" if name else case)
         axes.grid(alpha=0.3)
-    with atomic_write(path) as draft:
-        figure.savefig(draft, dpi=100)
+    save_figure(figure, path)
 
 
 def plot_curve(axes: Any, curve: Curve, label: str, colour: str, n: int) -> None:

@@ -104,8 +104,3 @@ def rows_of(study: "Study", quiet: bool) -> list[dict[str, Any]]:
     finally:
         bar.close()
     return study.rows
-
-
-def text(value: Any) -> str:
-    """Text of a table cell: numbers to four digits, None as empty."""
-    return "" if value is None else f"{value:.4g}" if isinstance(value, float) else str(value)

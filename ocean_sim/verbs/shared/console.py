@@ -136,6 +136,11 @@ def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
         Console(width=width, markup=False, highlight=False).print(shown)
 
 
+def cell(value: Any, missing: str = "") -> str:
+    """Text of a table cell: numbers to four digits, None as `missing`."""
+    return missing if value is None else f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
 def problem_count(problems: list[Any]) -> str:
     """Sentence on the number of problems of a scene: `the scene has 2 problems`."""
     return "the scene has a problem" if len(problems) == 1 else f"the scene has {len(problems)} problems"

@@ -20,7 +20,7 @@ SPEED_KEY = "particle_steps_per_cpu_s"
 
 
 def bench_file() -> Path:
-    """Path of the JSON file with the last speeds that `bench` measured, by their conditions (`bench_conditions`)."""
+    """Path of the JSON file with the last speeds that `bench` measured, by their conditions (see `slowdown`)."""
     return machine.cache_directory() / "bench_speeds.json"
 
 
@@ -32,7 +32,6 @@ def rate_file() -> Path:
 def keep_measurement(path: Path, conditions: str, measured: float | list[float]) -> None:
     """Store a measurement in a JSON file under the key `conditions`; a file that cannot be written is ignored."""
     with suppress(OSError):
-        path.parent.mkdir(parents=True, exist_ok=True)
         write_facts(path, read_json_object(path) | {conditions: measured})
 
 
@@ -42,16 +41,11 @@ def processor_name() -> str:
     return f"{named}, {machine.available_cores()} cores"
 
 
-def bench_conditions(order: dict[str, Any], row: dict[str, Any]) -> str:
-    """Key of measurements that are comparable, as JSON: processor, library, particles, threads, scene, settings."""
-    of_row = [row[key] for key in ("library", "particles", "threads")]
-    return json.dumps([processor_name(), *of_row, *(order[key] for key in ("scene", "profile", "sets"))])
-
-
 def slowdown(order: dict[str, Any], row: dict[str, Any]) -> float | None:
     """Ratio of the processor time per step in `row`, measured by `order`, to the median of earlier ones under equal
-    conditions, None if there are too few; then store the new one."""
-    conditions = bench_conditions(order, row)
+    conditions (processor, library, scene ...), None if there are too few; then store the new one."""
+    of_row = [row[key] for key in ("library", "particles", "threads")]
+    conditions = json.dumps([processor_name(), *of_row, *(order[key] for key in ("scene", "profile", "sets"))])
     known = read_json_object(bench_file()).get(conditions)
     before = [speed for speed in known if isinstance(speed, float)] if isinstance(known, list) else []
     keep_measurement(bench_file(), conditions, [*before, row[SPEED_KEY]][-MAX_COMPARED:])

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.atomic_file import atomic_write, save_figure
 from ocean_sim.platform import Commands
 from ocean_sim.platform.hexapod import Config, HexapodPlatform
 from ocean_sim.platform.shared.kinematics import Hexapod
@@ -54,11 +54,6 @@ def new_figure(rows: int, columns: int, size: tuple[float, float], **more: Any) 
 
     picture = Figure(figsize=size, layout="tight")
     return picture, picture.subplots(rows, columns, squeeze=False, **more)
-
-
-def save_figure(picture: Any, path: Path) -> None:
-    with atomic_write(path) as draft:
-        picture.savefig(draft, dpi=100)
 
 
 def in_degrees(pose: np.ndarray) -> np.ndarray:
@@ -210,14 +205,10 @@ def write_film(path: Path, done: Commands, machine: HexapodPlatform) -> None:
             axis.clear()
             draw_stand(axis, machine.hexapod, done.pose[k])
             axis.set(xlim=(-reach, reach), ylim=(-0.5 * height, 1.5 * height), title=f"{done.time[k]:.1f} s")
-            axis.text(0.5, 0.0, pose_text(done.pose[k]), transform=axis.transAxes, ha="center", family="monospace")
+            x, y, z, roll, pitch, yaw = in_degrees(done.pose[[k]])[0]
+            place = f"x {x:+.2f} y {y:+.2f} z {z:+.2f} m\nroll {roll:+5.1f} pitch {pitch:+5.1f} yaw {yaw:+5.1f}°"
+            axis.text(0.5, 0.0, place, transform=axis.transAxes, ha="center", family="monospace")
             writer.grab_frame()
-
-
-def pose_text(pose: np.ndarray) -> str:
-    """Text that a film shows of a pose (6,): two lines, in m and degrees."""
-    x, y, z, roll, pitch, yaw = in_degrees(pose[None])[0]
-    return f"x {x:+.2f} y {y:+.2f} z {z:+.2f} m\nroll {roll:+5.1f} pitch {pitch:+5.1f} yaw {yaw:+5.1f}°"
 
 
 def film_rows(done: Commands, machine: HexapodPlatform) -> np.ndarray:

@@ -34,9 +34,10 @@ class Core:
         return turned(outline(self.half, self.radius), self.yaw) + self.centre
 
     def spread(self) -> np.ndarray:
-        """Points (n, 3) [m] spread over the shape at the height of its centre, as feet of arrows."""
+        """Points (n, 3) [m] at the height of its centre, as feet of arrows: 3 by 3, or 5 in a row on a long shape."""
         size = np.array(self.half)[[0, 2]] + self.radius
-        x, z = (np.linspace(-0.7, 0.7, n) * s if n > 1 else np.zeros(1) for n, s in zip(arrow_counts(*size), size))
+        counts = (3, 3) if size.max() < 2.0 * size.min() else (5, 1) if size[0] > size[1] else (1, 5)
+        x, z = (np.linspace(-0.7, 0.7, n) * s if n > 1 else np.zeros(1) for n, s in zip(counts, size))
         x, z = (a.ravel() for a in np.meshgrid(x, z))
         return turned(np.stack([x, np.zeros_like(x), z], axis=-1), self.yaw) + self.centre
 
@@ -73,11 +74,6 @@ def outline(half: tuple[float, float, float], radius: float) -> np.ndarray:
             ring[:, axis] = np.sign(np.round(wave, 9)) * half[axis] + radius * wave
         rings.append(np.stack([ring[:-1], ring[1:]], axis=1))
     return np.concatenate(rings)
-
-
-def arrow_counts(x: float, z: float) -> tuple[int, int]:
-    """Numbers of arrows along x and z for a shape of half sizes x and z [m]: 3 by 3, or 5 in a row on a long one."""
-    return (3, 3) if max(x, z) < 2.0 * min(x, z) else (5, 1) if x > z else (1, 5)
 
 
 class Box(Model):

@@ -216,9 +216,8 @@ class Frames(Observer):
         rate = 1.0 / max(simulation.time - self.spray.time, 1e-9)
         shares = [foam.cell_means(of, self.shape) for of in (rate * self.white.whitened, self.white.white)]
         surface = place.reshape(-1, 3), velocity.reshape(-1, 3), np.reshape(shares, (2, -1))
-        steep = surface_fall(place[..., 1], *self.cell).std() if self.white.whitened.any() else np.inf
-        crest_speed = float(np.sqrt(GRAVITY * place[..., 1].std() / max(steep, 1e-9)))
-        sources = spray.foam_sources(*surface, self.cell, crest_speed, ahead)
+        fast = float(np.sqrt(GRAVITY * place[..., 1].std() / max(surface_fall(place[..., 1], *self.cell).std(), 1e-9)))
+        sources = spray.foam_sources(*surface, self.cell, fast, ahead)
         if snapshot is not None and len(snapshot.position):
             basin, spacing = simulation.basin, simulation.fluid.spacing
             x, v = snapshot.position.astype(float), snapshot.velocity.astype(float)

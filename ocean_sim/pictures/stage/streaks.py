@@ -11,7 +11,7 @@ from ocean_sim.pictures.water.spray import cross_section
 
 EXPOSURE_SECONDS = 0.02  # [s] of a picture: half of a 24th, as in films
 MIN_WIDTH_PIXELS = 0.6  # half the width of the finest streak: finer drops are as wide, and fainter
-# Place in a streak and half its straight length, in half widths; optical depth, seed and size of its pattern of drops
+# Place in a streak, half its straight length, in half widths; optical depth, seed and evenness, size of its pattern
 STREAK_TRAITS = "uvl", "opa"
 PATTERN_RADII, PATTERN_PIXELS = 6.0, 2.5  # side of a cell of that pattern, in radii of a drop and, at least, in pixels
 FAR_SHARE = 0.25  # of the least side of a cell, below which the cells that drops call for fade into their mean
@@ -35,6 +35,7 @@ class Streaks:
 
     def show(self, parcels: np.ndarray) -> None:
         """Draw parcels (n, 9) of drops, as from `Spray`."""
+        parcels = parcels[(parcels[:, :3] - self.stage.camera.eye) @ self.stage.camera.forward > 0.0]
         self.shaded.actor.SetVisibility(len(parcels) > 0)
         if not len(parcels):
             return
@@ -49,13 +50,13 @@ class Streaks:
         fast = np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-9)
         straight, side = 0.5 * EXPOSURE_SECONDS * fast / wide, np.cross(across / fast, towards)
         depth = 2.0 * cross_section(parcels)[:, None] / ((np.pi + 4.0 * straight) * wide**2)
-        # Far away the pattern would be so much coarser than drops that their mean is drawn.
         seen = np.maximum(size, PATTERN_PIXELS * pixel)
-        pattern = np.maximum(seen / wide, 1.0 - size / (FAR_SHARE * seen))
+        even = np.clip(1.0 - size / (FAR_SHARE * seen), 0.0, 1.0)
         u, v = CORNERS[:, 0] * (1.0 + straight), CORNERS[:, 1] + 0.0 * straight
         aside = (u * wide)[..., None] * (across / fast)[:, None] + (v * wide)[..., None] * side[:, None]
-        points, drops = place[:, None] + aside, np.hstack([depth, np.mod(1e7 * radius, 97.0), pattern])
-        traits = np.stack([u, v, straight + 0.0 * v], axis=-1), np.repeat(drops, 4, axis=0)
+        points, seed = place[:, None] + aside, np.floor(np.mod(1e7 * radius, 97.0)) + 0.01
+        drops = np.repeat(np.hstack([depth, seed + 0.98 * even, seen / wide]), 4, axis=0)
+        traits = np.stack([u, v, straight + 0.0 * v], axis=-1), drops
         vectors = {name: of.reshape(-1, 3) for name, of in zip(STREAK_TRAITS, traits, strict=True)}
         faces = np.arange(4 * len(parcels)).reshape(-1, 4)
         self.shaded.mesh.DeepCopy(self.stage.mesh(points.reshape(-1, 3), faces, **vectors))

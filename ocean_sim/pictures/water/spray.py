@@ -40,9 +40,8 @@ NEIGHBOURHOOD, TEARING_NEIGHBOURS = 1.6, (12.0, 6.0)
 POOL_PARCELS, FLIGHT_SECONDS = 8192, 1.0  # parcels in the air at most, and [s] for which these are all that are thrown
 DIRECTION_SCATTER, MAX_SPEED_FACTOR = 0.6, 1.8  # of the direction of throwing; of the root mean square of its speed
 # Radius of a parcel as it is thrown over that at which its drops cover it; of its speed, at which the radius grows
-PARCEL_SPACING, PARCEL_WIDENING = 2.0, 0.06
-UP = np.array([0.0, 1.0, 0.0])
-KEYS_PER_PLACE, SPRAY_STREAM = 256, 0x5_0003  # of random numbers, which have four streams
+PARCEL_SPACING, PARCEL_WIDENING = 3.0, 0.06
+UP, KEYS_PER_PLACE, SPRAY_STREAM = np.array([0.0, 1.0, 0.0]), 256, 0x5_0003  # of random numbers, with four streams
 
 
 class Source(NamedTuple):

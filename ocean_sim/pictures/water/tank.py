@@ -38,8 +38,7 @@ class Shell(Content):
     def __init__(self, stage: Stage, grid: Any, upper: np.ndarray, white: bool) -> None:
         """`grid`: arrays that frames keep once; `upper`: top corner of the tank [m]; `white`: True to draw foam."""
         depth = self.depth = float(grid["depth"])
-        self.stage, self.white = stage, white
-        self.sides = grid["lower"][[0, 2]], grid["upper"][[0, 2]]
+        self.stage, self.white, self.sides = stage, white, (grid["lower"][[0, 2]], grid["upper"][[0, 2]])
         self.lower, self.upper, self.spacing = tuple(grid["lower"]), tuple(upper), float(grid["spacing"])
         tank_walls.add_tank(stage, grid["lower"], upper, depth)
         over = sky.clear_sky_image()

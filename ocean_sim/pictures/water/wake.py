@@ -43,8 +43,7 @@ def kelvin_pattern(speed: float, breadth: float, length: float) -> np.ndarray:
 
 
 def kelvin_height(vessel: Vessel, breadth: float, time: float, places: np.ndarray) -> np.ndarray:
-    """Height (n,) [m], at places x, z (n, 2) [m] at a time [s], of the Kelvin waves behind a ship of a breadth [m] and
-    of the hollow behind her transom; 0 if she is too slow for any."""
+    """Height (n,) [m] at places x, z (n, 2) [m] of a ship's Kelvin waves and transom hollow; 0 if she is too slow."""
     from scipy.ndimage import map_coordinates
 
     speed = round(vessel.speed(time), 1)

@@ -32,7 +32,7 @@ class World {
     this.balls = this.particles();
     this.lines = { count: 0, ends: gl.createBuffer(), hues: gl.createBuffer() };
     this.lines.vertices = array(gl, [[0, this.lines.ends, 3], [1, this.lines.hues, 3, gl.UNSIGNED_BYTE, true]]);
-    this.spray = { ends: gl.createBuffer() };
+    this.spray = { count: 0, ends: gl.createBuffer() };
     this.spray.vertices = array(gl, [[0, this.spray.ends, 3]]);
     this.trail = [];  // of the first ship
     this.route = [];
@@ -365,7 +365,8 @@ class World {
     gl.bindVertexArray(spray.vertices);
     gl.vertexAttrib3f(1, 0.95, 0.97, 1.0);
     painter.line.use({ view, alpha: 0.7 });
-    gl.drawArrays(gl.LINES, 0, ends.length / 3);
+    spray.count = ends.length / 6;
+    gl.drawArrays(gl.LINES, 0, 2 * spray.count);
     gl.disable(gl.BLEND);
   }
 

@@ -12,27 +12,35 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.basin import shifts
 from ocean_sim.basin.points import grid, grid_points, grid_size
+from ocean_sim.conventions import GRAVITY
 from ocean_sim.files.atomic_file import write_file
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
 from ocean_sim.parts import Preflight, Problems, key_of
 from ocean_sim.pictures.frame_files import grid_arrays, middle_cell
 from ocean_sim.pictures.live.scene_lines import surface_heights
-from ocean_sim.pictures.water import foam
+from ocean_sim.pictures.water import foam, spray
 from ocean_sim.pictures.water.far_sea import wind_speed_from_sea
+from ocean_sim.pictures.water.sea_state import gust_speed, wind_heading
+from ocean_sim.pictures.water.wake import STERN_DISTANCE
 from ocean_sim.pictures.water.waterline import ship_coordinates
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
+from ocean_sim.waves.orbits import surface_fall
 
 if TYPE_CHECKING:
     from ocean_sim.fluid import Snapshot
     from ocean_sim.surface import Mesh
 
 
-SURFACE_FIELDS = 6 + foam.FLECKS_PER_CELL**2  # elevation, displacement of foam, velocity; foam
+SURFACE_FIELDS = 6 + 2 * foam.FLECKS_PER_CELL**2  # elevation, displacement of foam, velocity; two kinds of foam
 BYTES_PER_PARTICLE = 32  # position, velocity, id and pressure
 FOAM_LEAD_SECONDS = 2.0 * foam.FADE_SECONDS  # of sea before a run begins, from which its first foam comes
 FOAM_LEAD_STEP = 0.25  # [s] between two moments of it
 FOAM_LAYER_DEPTH = 1.2  # [spacings] under the surface, of the particles that carry foam
+WAKE_SECONDS = 7.0  # [s] in which foam that ships and drops leave falls to a third
+WAKE_WHITENESS, WHITEST_SPEED = 0.8, 4.0  # of a wake at most, and the speed [m/s] of a ship from which it is so white
+WAKE_POINTS = 4, 12  # along and across the way of a stern between two frames, at which it whitens the water
+LANDING_CELLS = 5  # cells of heights, the lowest of which is that on which drops among particles fall
 MAX_POINTS = 20_000_000  # of a frame
 WARNING_BYTES = 2.0e9  # of all frames
 
@@ -88,11 +96,18 @@ class Frames(Observer):
         self.cell = np.array([x[1] - x[0], z[1] - z[0]]) if len(z) > 1 else np.zeros(2)  # [m]; 0 in 2-D
         arrays = grid_arrays(simulation, x, z)
         self.white = foam.FoamField(self.shape, self.cell) if arrays["has_surface"] else None
+        self.left = foam.FoamField(self.shape, self.cell, WAKE_SECONDS)  # by sterns of ships and by drops
+        self.spray = spray.Spray(simulation.scene.seed)
         self.wind_speed = simulation.scene.wind.strongest
+        stated = simulation.scene.resolved()
+        self.gust_speed, angle = gust_speed(stated), wind_heading(stated, fluid.plane_waves)
+        self.wind_ahead = np.array([np.cos(angle), np.sin(angle)])
         self.before = np.zeros(2)  # origin of the frame before [m]
         self.ships = [ship for name, ship in simulation.ships.items() if f"{key_of(name)}_vertices" in arrays]
         hulls = [arrays[f"{key_of(ship.name)}_vertices"] for ship in self.ships]
         self.sizes = [np.ptp(vertices, axis=0)[[0, 2]] for vertices in hulls]  # breadth and length [m]
+        ends = [of[of[:, 2] > of[:, 2].max() - 0.05 * np.ptp(of[:, 2])] for of in hulls]
+        self.stems = [of[of[:, 1].argmin()] * [0.0, 1.0, 1.0] for of in ends]  # feet, body axes [m]
         self.write("grid", every=config.every, **arrays)
 
     def observe(self, simulation: Simulation) -> None:
@@ -109,7 +124,7 @@ class Frames(Observer):
             known = waves.elevation(sea, points, simulation.time).reshape(self.shape)
             frame |= {"answer": frame["elevation"] - known, "origin": origin}
         if self.white is not None:
-            frame |= self.foam_arrays(simulation, points, frame["elevation"], origin, snapshot)
+            frame |= self.foam_arrays(simulation, points, frame["elevation"], snapshot)
         elif (foam_share := simulation.fluid.foam(points)) is not None:
             frame["foam"] = foam_share.reshape(self.shape)
         if simulation.surface is not None:
@@ -137,17 +152,14 @@ class Frames(Observer):
         self.count += 1
 
     def foam_arrays(
-        self,
-        simulation: Simulation,
-        points: np.ndarray,
-        elevation: np.ndarray,
-        origin: np.ndarray,
-        snapshot: "Snapshot | None",
+        self, simulation: Simulation, points: np.ndarray, elevation: np.ndarray, snapshot: "Snapshot | None"
     ) -> dict[str, np.ndarray]:
-        """Foam arrays of a frame at points x, z (n, 2) around `origin` with heights `elevation` (nx, nz) [m]: white
-        share, displacement of its texture [m], velocity [m/s]; white share of the sea unless the water models it."""
+        """Foam arrays of a frame at points x, z (n, 2) with heights `elevation` (nx, nz) [m]: white share, displacement
+        of its texture [m], velocity [m/s], drops; white share of the sea unless the water models it."""
         assert self.white is not None
-        self.white.shift(np.round((origin - self.before) / self.cell))
+        origin = points[0] - self.points[0]
+        for field in (self.white, self.left):
+            field.shift(np.round((origin - self.before) / self.cell))
         self.before = origin
         made = simulation.fluid.foam(points)
         if made is None and not self.white.started:
@@ -157,16 +169,70 @@ class Frames(Observer):
         else:
             top = elevation - FOAM_LAYER_DEPTH * simulation.fluid.spacing
             velocity = topmost_velocity(snapshot, points, top, simulation.basin.periods)
+        sea = simulation.fluid.plane_waves
+        wind = self.wind_speed or (0.0 if sea is None else wind_speed_from_sea(sea, simulation.time))
         if made is None:
-            sea = simulation.fluid.plane_waves
-            wind = self.wind_speed or (0.0 if sea is None else wind_speed_from_sea(sea, simulation.time))
             due = self.white.due(simulation.time)
             crests = self.breaking_heights(simulation, points, elevation, origin) if due else None
             self.advance_foam(simulation.time, crests, velocity, wind)
         else:
             self.white.advance(simulation.time, velocity[..., [0, 2]], made.reshape(self.shape))
-        shown = {"foam": self.white.white, "carried": self.white.carried, "surface_velocity": velocity}
-        return shown | ({"cover": np.array(self.white.cover)} if made is None else {})
+        self.leave_wakes(simulation.time, points[0], velocity[..., [0, 2]])
+        place = np.insert(points, 1, elevation.ravel(), axis=1).reshape(*self.shape, 3)
+        drops = self.fly_drops(simulation, place, velocity, snapshot, wind)
+        shown = {"drops": drops, "left": self.left.white, "foam": self.white.white, "carried": self.white.carried}
+        shown |= {"cover": np.array(self.white.cover)} if made is None else {}
+        return shown | {"surface_velocity": velocity}
+
+    def leave_wakes(self, time: float, low: np.ndarray, velocity: np.ndarray) -> None:
+        """Advance the foam of wakes to a time [s], carried with a velocity (nx, nz, 2) [m/s], and whiten the water over
+        which the sterns of ships have gone since; `low` (2,): first of the points x, z [m]."""
+        step = time - self.left.time
+        self.left.advance(time, velocity, None)
+        for ship, (breadth, length) in zip(self.ships, self.sizes, strict=True):
+            ahead, way = ship.body.matrix[[0, 2], 2], ship.body.velocity[[0, 2]] * step
+            share, sides = np.meshgrid(*[(np.arange(n) + 0.5) / n for n in WAKE_POINTS])
+            aside = np.outer(breadth * (sides.ravel() - 0.5), [ahead[1], -ahead[0]])
+            stern = ship.body.position[[0, 2]] - STERN_DISTANCE * length * ahead - np.outer(share, way) + aside
+            speed = float(np.linalg.norm(ship.body.velocity[[0, 2]]))
+            area = WAKE_WHITENESS * min(speed / WHITEST_SPEED, 1.0) * breadth * speed * step
+            self.left.receive((stern - low) / self.cell, np.full(share.size, area / share.size))
+
+    def fly_drops(
+        self, simulation: Simulation, place: np.ndarray, velocity: np.ndarray, snapshot: "Snapshot | None", wind: float
+    ) -> np.ndarray:
+        """Parcels (n, 9) of drops in the air (see `spray.Spray`), from the surface at points `place` (nx, nz, 3) [m]
+        with velocities (nx, nz, 3) [m/s], the particles and the `wind` at 10 m [m/s]."""
+        from scipy.ndimage import minimum_filter
+
+        assert self.white is not None
+        low, ahead = place[0, 0, [0, 2]], (wind or self.gust_speed) * self.wind_ahead
+        # Jets of particles have heights, too, but no water below them.
+        level = place[..., 1] if snapshot is None else minimum_filter(place[..., 1], LANDING_CELLS)
+
+        def heights_at(places: np.ndarray) -> np.ndarray:
+            return foam.read_ways(level[None], ((places - low) / self.cell).T)[0]
+
+        rate = 1.0 / max(simulation.time - self.spray.time, 1e-9)
+        shares = [foam.cell_means(of, self.shape) for of in (rate * self.white.whitened, self.white.white)]
+        surface = place.reshape(-1, 3), velocity.reshape(-1, 3), np.reshape(shares, (2, -1))
+        fast = float(np.sqrt(GRAVITY * place[..., 1].std() / max(surface_fall(place[..., 1], *self.cell).std(), 1e-9)))
+        sources = spray.foam_sources(*surface, self.cell, fast, ahead)
+        if snapshot is not None and len(snapshot.position):
+            basin, spacing = simulation.basin, simulation.fluid.spacing
+            x, v = snapshot.position.astype(float), snapshot.velocity.astype(float)
+            bed = basin.lower[1] if basin.ground is None else basin.ground.heights(x[:, [0, 2]])
+            floor = spray.floor_heights(x, bed, np.array(basin.fixed).reshape(-1, 2, 3))
+            sources.append(spray.airborne_source(x, v, floor, spacing))
+        for n, (ship, size, stem) in enumerate(zip(self.ships, self.sizes, self.stems, strict=True)):
+            foot, forward = ship.body.point(stem), ship.body.matrix[:, 2] * [1.0, 0.0, 1.0]
+            below = foam.read_ways(np.moveaxis(velocity, -1, 0), ((foot[None, [0, 2]] - low) / self.cell).T)[:, 0]
+            meets = ship.body.point_velocity(stem) - below
+            sources.append(spray.bow_source(n, size, foot, meets, forward / np.linalg.norm(forward), heights_at))
+        sides = low + self.cell * np.array([[-0.5, -0.5], np.array(self.shape) - 0.5])
+        landed = self.spray.advance(simulation.time, sources, ahead, heights_at, sides)
+        self.left.receive((landed[:, [0, 2]] - low) / self.cell, spray.cross_section(landed))
+        return self.spray.parcels
 
     def breaking_heights(
         self, simulation: Simulation, points: np.ndarray, elevation: np.ndarray, origin: np.ndarray
@@ -203,7 +269,7 @@ class Frames(Observer):
         assert self.white is not None
         source = None
         if elevation is not None and velocity.any():  # a column before its release does not break
-            source = foam.convergence(elevation, *self.cell)
+            source = surface_fall(elevation, *self.cell)
         wanted = None if source is None else foam.wanted_cover(source, wind)
         self.white.advance(time, velocity[..., [0, 2]], source, wanted)
 

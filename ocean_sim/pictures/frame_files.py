@@ -61,9 +61,12 @@ class Frame:
             self.time = float(file["time"])
             self.elevation = file["elevation"].astype(np.float64)
             self.answer = file["answer"].astype(np.float64) if "answer" in file else None  # beyond the plane waves [m]
-            self.foam = file["foam"].astype(np.float64) if "foam" in file else None  # share that is white, finer
+            self.left = file["left"].astype(np.float64) if "left" in file else None  # white by ships and drops
+            foam = [file[name].astype(np.float64) for name in ("foam", "left") if name in file]
+            self.foam = np.max(foam, axis=0) if foam else None  # share that is white, finer
             self.carried = file["carried"].astype(np.float64) if "carried" in file else None  # its grain, x, z [m]
             self.cover = float(file["cover"]) if "cover" in file else None  # share of the sea that is to be white
+            self.drops = file["drops"].astype(np.float64) if "drops" in file else np.zeros((0, 9))  # see `Spray`
             self.origin = file["origin"].astype(np.float64) if "origin" in file else np.zeros(2)  # of all these [m]
             self.position = file["position"] if "position" in file else None
             self.velocity = file["velocity"] if "velocity" in file else None

@@ -71,12 +71,8 @@ def closed_form_problem(scenario: str, coarse: bool = False) -> Problem:
 
     extra = {"radiation": str(table_path("section_radiation")), "damping": {"cross_flow": 0.0}}
     ship = section_keys(8 if coarse else 12) | extra | {"free": list(freed)}
-    if "sway" in freed:  # two lines act as a spring in sway, and are too long to hold heave
-        half = {"stiffness": SPRING_STIFFNESS / 2.0, "damping": SPRING_DAMPING / 2.0}
-        half |= {"slack_length": ANCHOR_DISTANCE - 1.0}
-        ends = [(side * BREADTH / 2.0, side * (BREADTH / 2.0 + ANCHOR_DISTANCE)) for side in (1.0, -1.0)]
-        lines: list[dict[str, Any]] = [{"from": [near, KG, 0.0], "to": [far, KG - DRAUGHT, 0.0]} for near, far in ends]
-        ship["moorings"] = [line | half for line in lines]
+    if "sway" in freed:
+        ship["moorings"] = sway_springs()
     scene = ships.at_sea(ship, 1.0, 0.01, heading_deg=90.0)
     scene["basin"]["depth"] = DEPTH
     return Problem(scene, tuple(promises), measure, f"closed form, {scenario}", slot="ship", schemes=("dynamic",))
@@ -88,6 +84,14 @@ def is_resonant(period: float) -> bool:
     names = ("heave_added_kg", "heave_damping_kg_s")
     added, damping = (float(np.interp(omega, table["omega_rad_s"], table[name])) for name in names)
     return omega * damping > abs(WATER_DENSITY * GRAVITY * BREADTH * LENGTH - omega**2 * (MASS + added))
+
+
+def sway_springs() -> list[dict[str, Any]]:
+    """Ship keys of two mooring lines that act as a spring in sway, and are too long to hold heave."""
+    half = {"stiffness": SPRING_STIFFNESS / 2.0, "damping": SPRING_DAMPING / 2.0}
+    half |= {"slack_length": ANCHOR_DISTANCE - 1.0}
+    ends = [(side * BREADTH / 2.0, side * (BREADTH / 2.0 + ANCHOR_DISTANCE)) for side in (1.0, -1.0)]
+    return [{"from": [near, KG, 0.0], "to": [far, KG - DRAUGHT, 0.0]} | half for near, far in ends]
 
 
 def particle_problem(period: float) -> Problem:

@@ -17,7 +17,7 @@ A frame has `time` [s], `seq`, `origin` (x and z of the middle of the heights [m
 scene calls for: `height` (nx, nz) [m], `foam` (nx, nz) share of white 0 to 255, `poses` (ships, 7) position of the
 centre of mass [m] and quaternion w, x, y, z, `particles` (n, 3) in the box, by id, `speed` (n,) 0 to 255 for 0 to
 `fastest` [m/s], `platform` (12,) pose [m, rad] and leg lengths [m], `lines` (m, 2, 3) [m] and `hues` (m, 3) of wind and
-basin, sent at intervals, and `scalars` (k,), named in the packet `still`.
+basin, sent at intervals, `drops` (m, 6) [m, m/s] from the origin, in a replay, and `scalars` (k,), see `still`.
 
 The server also sends text: JSON objects with `type`: `hello`, `panel` (settings and their values), `problems`, `scene`,
 `scenes`, `keys`, `said` (a sentence), and to the page that asked `waves`: `id`, `verb`, `time` [s] and `values`, or an

@@ -22,6 +22,7 @@ MAX_MOMENT_RATE = 20.0  # [1/s] of simulated time
 MAX_MOMENTS = 1600
 RESOLUTIONS = 0.001, 0.006  # [m] of heights, and of positions of particles
 MAX_STREAM_BYTES = 2_150_000  # of a larger stream, every second, third, ... particle is kept
+MAX_DROP_BYTES = 400_000  # bytes of all drops, of which every second, third, ... is kept likewise
 PARTICLE_INTERVAL = 2  # moments between two with particles
 PLOTTED_COLUMNS = {
     "heave_m": ("heave", "heave", "m", 1.0),
@@ -75,12 +76,13 @@ class Recorded:
         """Packet of kind `replay`: all frames of this run, deflated, with particles thinned to fit MAX_STREAM_BYTES."""
         setting, (i, j) = self.setting, self.strides
         low, high = setting.box
-        times, heights, foams, poses, origins, particles, speeds = [], [], [], [], [], [], []
+        times, heights, foams, poses, origins, particles, speeds, drops = [], [], [], [], [], [], [], []
         every = 1
         for k, path in enumerate(self.files):
             frame = Frame(path)
             times.append(frame.time)
             origins.append(frame.origin)
+            drops.append(frame.drops[:, :6] - [*frame.place, 0.0, 0.0, 0.0])
             heights.append(frame.elevation[::i, ::j].ravel())
             if frame.foam is not None:
                 foams.append(cell_means(frame.foam, frame.elevation.shape)[::i, ::j].ravel())
@@ -107,6 +109,12 @@ class Recorded:
         if foams:
             arrays["foam"] = moment_differences(np.rint(255.0 * np.clip(foams, 0.0, 1.0)).astype(np.int16))
             boxes["foam"] = {"delta": True}
+        if any(map(len, drops)):
+            most = MAX_DROP_BYTES // (12 * len(drops))
+            arrays["drops"] = np.full((len(drops), most, 6), np.nan, np.float16)
+            for kept, moment in zip(arrays["drops"], drops, strict=True):
+                some = moment[:: -(-len(moment) // most) or 1]
+                kept[: len(some)] = some
         header = {"times": [round(t, 6) for t in times], "fastest": 1.0}
         if particles:
             most = max(len(each) for each in particles)

@@ -23,9 +23,24 @@ from ocean_sim.pictures.water.foam import (
     PATCH_MEAN,
     WHOLE_SHARE,
 )
-from ocean_sim.pictures.water.ripples import (
+from ocean_sim.pictures.water.sea_state import Wind
+from ocean_sim.pictures.water.water_glsl import CONSTANT_REFLECTANCE, GLINTS
+from ocean_sim.pictures.water.water_shading import (
+    BLUR_LEVELS,
+    BODY_LIGHT,
+    BUBBLE_LIGHT,
+    CREST_LIGHT,
     CREST_STRETCH,
+    DEEP_LIGHT,
+    FOAM_REFLECTANCE,
+    FOG_DISTANCE,
+    FOG_END,
     GRADIENT_VARIANCE,
+    HDR_EXCESS,
+    HDR_FACTOR,
+    HDR_THRESHOLD,
+    MAX_BLUR_LEVEL,
+    MAX_MIRRORED,
     MIN_VIEW_COSINE,
     NOISE_SHIFT,
     NOISE_STRETCH,
@@ -34,32 +49,15 @@ from ocean_sim.pictures.water.ripples import (
     OCTAVE_RATIO,
     OCTAVE_SHIFT,
     PHASE_SPEED,
-    UNRESOLVED_SHARE,
-    Wind,
-    value_noise,
-)
-from ocean_sim.pictures.water.water_glsl import CONSTANT_REFLECTANCE, GLINTS
-from ocean_sim.pictures.water.water_shading import (
-    BLUR_LEVELS,
-    BODY_LIGHT,
-    BUBBLE_LIGHT,
-    CREST_LIGHT,
-    DEEP_LIGHT,
-    FOAM_REFLECTANCE,
-    FOG_DISTANCE,
-    FOG_END,
-    HDR_EXCESS,
-    HDR_FACTOR,
-    HDR_THRESHOLD,
-    MAX_BLUR_LEVEL,
-    MAX_MIRRORED,
     REFRACTIVE_INDEX,
     SUN_STRENGTH,
     THIN_FOAM_REFLECTANCE,
     THIN_LIGHT,
+    UNRESOLVED_SHARE,
     beckmann,
     fresnel,
     refracted_cosine,
+    value_noise,
 )
 
 SHININESS = 120.0

@@ -12,9 +12,9 @@ from ocean_sim import result, waves
 from ocean_sim.basin.points import grid, grid_points, middles
 from ocean_sim.fluid import spectral_sea
 from ocean_sim.pictures.water import far_sea, foam, sea_surface
-from ocean_sim.pictures.water.ripples import Wind
-from ocean_sim.pictures.water.sea_state import SeaNow
+from ocean_sim.pictures.water.sea_state import SeaNow, Wind
 from ocean_sim.reading.scene import load
+from ocean_sim.waves.orbits import surface_fall
 
 HERE = np.zeros(2)
 BEFORE, AFTER, TICK = (
@@ -148,7 +148,7 @@ def covers(name: str) -> tuple[float, float, float]:
         time = TICK * n
         elevation = waves.elevation(sea, points, time).reshape(shape)
         velocity = waves.surface_velocity(sea, points, time).reshape(*shape, 3)
-        field.advance(time, velocity[..., [0, 2]], foam.convergence(elevation, *cell), wanted)
+        field.advance(time, velocity[..., [0, 2]], surface_fall(elevation, *cell), wanted)
         if n >= 0 and n % 5 == 0:
             frame = SimpleNamespace(time=time, elevation=elevation, origin=HERE)
             now = SeaNow(0.0, sea.significant_height, beyond, Wind(5.0, 0.6))

@@ -9,55 +9,12 @@ import trimesh
 
 from ocean_sim.observers import frames, render
 from ocean_sim.pictures.stage import opengl, wind_marks
-from ocean_sim.pictures.stage.camera import Track, Vessel
-from ocean_sim.pictures.water import wake, water_shading
+from ocean_sim.pictures.water import water_shading
 from ocean_sim.wind import Drawing
 from ocean_sim.wind.gusts import joined
 from ocean_sim.wind.shared import shapes
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
-NODES = np.arange(-60.0, 60.1, 0.5)
-
-
-def steaming(speed: float) -> wake.Wake:
-    """A ship of 15 m that goes along +z for 12 s, at z = 0 at the end."""
-    time = np.linspace(0.0, 12.0, 25)
-    place = np.stack([0.0 * time, 0.0 * time, speed * (time - 12.0)], axis=1)
-    track = Track(time, place, np.tile(np.eye(3), (25, 1, 1)))
-    return wake.Wake(Vessel(15.0, np.zeros(3), track), 4.0, NODES, NODES)
-
-
-def test_a_wake_lies_where_the_stern_was_and_fades_with_age():
-    share = steaming(4.0).share(12.0, np.zeros(2))
-    middle, stern = np.abs(NODES).argmin(), -wake.STERN_DISTANCE * 15.0
-    on_track = share[middle]
-    assert not on_track[NODES > stern + 4.0].any()  # none before the stern
-    behind = on_track[(NODES < stern - 1.0) & (NODES > stern - 40.0)]
-    assert (np.diff(behind) > 0.0).all() and behind.max() <= wake.MAX_WHITENESS
-    ages = (stern - NODES[(NODES < stern - 1.0) & (NODES > stern - 40.0)]) / 4.0
-    step = 12.0 / (wake.TRACK_STEPS - 1)  # [s] between the places of the stern that are kept
-    wanted = (
-        wake.MAX_WHITENESS
-        * np.exp(-ages / wake.FADE_SECONDS)
-        * (1.0 - wake.SLICK_SHARE * (1.0 - np.exp(-ages / wake.SLICK_SECONDS)))
-    )
-    np.testing.assert_allclose(behind, wanted, rtol=np.expm1(step / wake.FADE_SECONDS + step / wake.SLICK_SECONDS))
-    np.testing.assert_allclose(share, share[::-1], atol=1e-9)  # the same on both sides
-    assert not share[np.abs(NODES) > 8.0].any()
-    old, fresh = (share[:, np.abs(NODES - z).argmin()] for z in (stern - 24.0, stern - 1.0))
-    assert old.max() > 1.5 * old[middle] and fresh.max() == pytest.approx(fresh[middle], rel=0.1)  # two lines of foam
-
-
-def test_a_wake_stays_where_it_is_while_the_nodes_follow_the_ship():
-    there, then = steaming(4.0).share(12.0, np.zeros(2)), steaming(4.0).share(12.0, np.array([0.0, -10.0]))
-    np.testing.assert_allclose(there[:, :-20], then[:, 20:], atol=1e-12)
-
-
-def test_a_ship_that_rests_leaves_no_wake():
-    assert not steaming(0.0).share(12.0, np.zeros(2)).any()
-    assert steaming(2.0).share(12.0, np.zeros(2)).max() == pytest.approx(
-        0.5 * steaming(4.0).share(12.0, np.zeros(2)).max(), rel=0.05
-    )
 
 
 def test_the_volumes_of_a_wind_are_told_apart_by_their_lines():

@@ -322,6 +322,9 @@ def test_a_surface_that_was_kept_as_triangles_has_the_foam_and_velocity_of_its_p
     assert list(scene_file.read_shot(tmp_path / "folded.npz", grid, RunWakes([], grid)).fields) == ["Normals"]
 
 
+DROPS = np.array([[3.0, 2.0, 1.0, 2.0, 5.0, 1e-3, 40.0, 0.05], [0.0, 3.0, 0.0, 0.0, 5.0, 2e-3, 1.0, 2e-3]], np.float32)
+
+
 def voyage(folder, answers):
     """A run folder of a ship that goes at 5 m/s along z: over a sea that `answers` to her, so that it sinks under her,
     or over long waves that know nothing of her, whose surface is kept as triangles, too."""
@@ -336,6 +339,7 @@ def voyage(folder, answers):
     for k in range(7):
         at = 5.0 * 0.5 * k
         sunk = -3.0 * np.exp(-((x[:, None] / 2.0) ** 2) - ((z - at) / 7.0) ** 2)
+        left = np.repeat(np.repeat(0.8 * (np.abs(x[:, None]) < 2.0) * (z < at - 7.0), 2, axis=0), 2, axis=1)
         long = 0.2 * np.cos(0.15 * x[:, None] + 0.1 * z - 0.3 * k)
         corners = np.insert(grid_points(x, z), 1, long.ravel(), axis=1)
         faces = water_mesh.grid_triangles(len(x), len(z))
@@ -344,9 +348,10 @@ def voyage(folder, answers):
             folder / "frames" / f"frame_{k:05d}.npz",
             time=0.5 * k,
             foam=np.zeros((2 * len(x), 2 * len(z))),
+            drops=np.insert(DROPS, 2, at, axis=1),
             ship_position=np.array([0.0, 0.5, at]),
             ship_turn=np.eye(3),
-            **({"elevation": sunk, "answer": sunk} if answers else {"elevation": long} | mesh),
+            **({"elevation": sunk, "answer": sunk, "left": left} if answers else {"elevation": long} | mesh),
         )
     return folder
 
@@ -433,6 +438,33 @@ def test_files_of_all_kinds_have_the_same_wave_and_white_at_a_ship(passing):
     mesh = UsdGeom.Mesh.Get(stage, "/sea/water")
     np.testing.assert_allclose(np.array(mesh.GetPointsAttr().Get(0.0)), points, atol=1e-5)
     np.testing.assert_allclose(np.array(UsdGeom.PrimvarsAPI(mesh).GetPrimvar("foam").Get(0.0)), foam, atol=1e-6)
+
+
+def test_files_have_drops_with_radius_and_velocity(passing):
+    """As PLY, VTK, VTKHDF and USD hold them, with z up: points, one for each parcel."""
+    import pyvista
+
+    drops = np.load(passing / "frames" / "frame_00002.npz")["drops"]
+    turned = [np.column_stack([of[:, 0], -of[:, 2], of[:, 1]]) for of in (drops[:, :3], drops[:, 3:6])]
+    for kind in ("ply", "vtp", "vtkhdf"):
+        export_run(passing, None, kind, passing / "export", z_up=True)
+    file = vertices_of(passing / "export" / "spray_00002.ply")
+    np.testing.assert_allclose(np.stack([file[f"velocity_{axis}"] for axis in "xyz"], axis=1), turned[1])
+    np.testing.assert_allclose([file["radius"], file["count"], file["spread"]], drops[:, 6:].T)
+    points = pyvista.read(passing / "export" / "spray_00002.vtp")
+    np.testing.assert_allclose(points.points, turned[0])
+    np.testing.assert_allclose(points["radius"], drops[:, 6])
+    series = pyvista.get_reader(passing / "export" / "spray.vtkhdf")
+    assert series.read().n_verts == 2
+    Usd = pytest.importorskip("pxr.Usd")
+    from pxr import UsdGeom
+
+    [made] = export_run(passing, None, None, passing / "export", scene="usd")
+    stage = Usd.Stage.Open(str(made))
+    dots, code = UsdGeom.Points.Get(stage, "/sea/spray"), 2.0 * 0.5 * stage.GetTimeCodesPerSecond()
+    np.testing.assert_allclose(np.array(dots.GetVelocitiesAttr().Get(code)), drops[:, 3:6])
+    np.testing.assert_allclose(np.array(dots.GetWidthsAttr().Get(code)), 2.0 * drops[:, 8])
+    np.testing.assert_allclose(np.array(UsdGeom.PrimvarsAPI(dots).GetPrimvar("radius").Get(code)), drops[:, 6])
 
 
 def test_files_show_the_wake_of_a_ship_and_her_water_no_deeper_than_pictures(sailing):

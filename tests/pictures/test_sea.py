@@ -17,8 +17,8 @@ from ocean_sim.observers import render
 from ocean_sim.pictures import frame_files
 from ocean_sim.pictures.stage import opengl, overlays
 from ocean_sim.pictures.stage.picture import Picture
-from ocean_sim.pictures.water import far_sea, foam, sea_state, sea_surface, splash, water_surface, waterline
-from ocean_sim.pictures.water import ripples as ripples_module
+from ocean_sim.pictures.water import far_sea, foam, sea_state, sea_surface, water_surface, waterline
+from ocean_sim.waves.orbits import surface_fall
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 LOWER, UPPER = np.array([-20.0, -7.5, -15.0]), np.array([20.0, 0.0, 15.0])
@@ -60,7 +60,7 @@ def modes() -> far_sea.Modes:
 
 def now(time: float, exact: waves.Components | None = None) -> sea_state.SeaNow:
     """As its state is at a time: of the standing sea that of all times."""
-    wind = ripples_module.Wind(5.0, 0.3)
+    wind = sea_state.Wind(5.0, 0.3)
     if exact is not None:
         return sea_state.SeaNow(
             0.0, exact.significant_height, far_sea.grown_waves(far_sea.strongest_waves(exact), time), wind
@@ -213,7 +213,7 @@ def test_crests_converge_by_their_wavenumber():
     for p, q in [(1, 0), (3, 2)]:
         shape = np.outer(np.cos(p * np.pi * (X + 20.0) / 40.0), np.cos(q * np.pi * (Z + 15.0) / 30.0))
         k = np.pi * np.hypot(p / 40.0, q / 30.0)
-        np.testing.assert_allclose(foam.convergence(0.3 * shape, 1.25, 1.25), k * 0.3 * shape, atol=1e-12)
+        np.testing.assert_allclose(surface_fall(0.3 * shape, 1.25, 1.25), k * 0.3 * shape, atol=1e-12)
 
 
 def test_white_crests_cover_what_steepness_calls_for():
@@ -234,14 +234,6 @@ def test_distance_to_the_waterline_of_a_box():
     points = np.array([[0.0, 0.0], [0.9, 0.0], [1.5, 0.0], [2.0, 4.0], [0.0, -5.0]])
     np.testing.assert_allclose(waterline.distance_to_line(points, line), [-1.0, -0.1, 0.5, 2.0**0.5, 2.0], atol=1e-9)
     assert not len(waterline.waterline_segments(vertices, ConvexHull(vertices).simplices, vertices[:, 1] + 9.0))
-
-
-def test_a_drop_is_isolated_and_water_is_not():
-    block = np.stack(np.meshgrid(*[np.arange(6) * 1.0] * 3), axis=-1).reshape(-1, 3)
-    drops = np.array([[2.0, 9.0, 2.0], [4.0, 12.0, 4.0]])
-    every = np.concatenate([block, drops])
-    found = splash.has_left_water(every, 1.0, every)
-    assert found.sum() == 2 and found[-2:].all()
 
 
 def test_a_tank_is_no_piece_of_sea(folder):
@@ -518,7 +510,7 @@ def whitened(
     for n, wanted in enumerate(covers):
         elevation = waves.elevation(sea, places.reshape(-1, 2), step * n).reshape(shape)
         ways.append(moves * waves.linear_velocity(sea, flat, step * n)[:, [0, 2]].reshape(*shape, 2))
-        field.advance(step * n, ways[-1], foam.convergence(elevation, 1.25, 1.25), float(wanted))
+        field.advance(step * n, ways[-1], surface_fall(elevation, 1.25, 1.25), float(wanted))
         kept.append(field.white.copy())
     return kept, [step / 1.25 * way for way in ways]
 
@@ -605,19 +597,6 @@ def test_between_ticks_foam_asks_for_no_crests():
     assert asked == 11 and due.white.any()
 
 
-def test_the_grain_of_foam_is_not_drawn_out_to_threads_behind_a_ship():
-    """Waves move it as they are; a narrow stream of 6 m beside still water does not tear it."""
-    cell = np.array([1.5, 1.5])
-    x, z = np.meshgrid(1.5 * np.arange(60), 1.5 * np.arange(50), indexing="ij")
-    waves_move = np.stack([2.0 * np.sin(0.15 * x), 1.5 * np.cos(0.1 * z)], axis=-1)
-    np.testing.assert_array_equal(foam.untorn_displacement(waves_move, cell), waves_move)
-    torn = waves_move + 6.0 * np.stack([np.abs(z - 36.0) < 4.0, 0.0 * z], axis=-1)
-    calm = foam.untorn_displacement(torn, cell)
-    before, after = (np.abs(np.gradient(way, 1.5, axis=1)).max() for way in (torn, calm))
-    assert before > 1.5 and after < 0.6 * before
-    np.testing.assert_array_equal(calm[:, :5], waves_move[:, :5])
-
-
 def test_what_the_wind_whitens_is_what_was_counted():
     """Monahan & O'Muircheartaigh (1980): about 1 % at 10 m/s, 4 % at 15 m/s."""
     np.testing.assert_allclose([foam.monahan_cover(10.0), foam.monahan_cover(15.0)], [0.0099, 0.0393], rtol=0.02)
@@ -671,7 +650,7 @@ def test_foam_is_thick_when_it_is_born_and_wholly_white_for_a_while():
 
 def test_crests_break_sooner_where_the_water_is_not_white_yet(monkeypatch):
     """Of two crests that are alike the one over clear water."""
-    monkeypatch.setattr(foam.FoamField, "gathering", lambda field, shape, time: np.ones(shape))
+    monkeypatch.setattr(foam, "gathering_noise", lambda places: np.ones(places.shape[1:]))
     field = foam.FoamField((40, 40), np.array([1.0, 1.0]))
     field.advance(0.0, np.zeros((40, 40, 2)), np.zeros((40, 40)), 0.0)
     half = 0.5 * (np.arange(80) < 40) * np.ones((80, 1))

@@ -30,11 +30,11 @@ def test_waves_are_behind_the_ship_and_none_where_she_lies_still():
     turn = np.broadcast_to(np.eye(3), (len(time), 3, 3))
     going = np.stack([0.0 * time, 0.0 * time, 4.0 * time], axis=1)
     places = np.array([[0.0, -20.0], [0.0, 30.0], [2.0, -15.0]])
-    moving = wake.Kelvin(Vessel(14.0, np.zeros(3), Track(time, going, turn)), 4.0)
-    seen = moving.height(4.0, places + [0.0, 16.0])
-    assert seen[0] != 0.0 and seen[1] == 0.0 and moving.vessel.speed(2.2) == pytest.approx(4.0)
-    still = wake.Kelvin(Vessel(14.0, np.zeros(3), Track(time, 0.0 * going, turn)), 4.0)
-    assert not still.height(4.0, places).any()
+    moving = Vessel(14.0, np.zeros(3), Track(time, going, turn))
+    seen = wake.kelvin_height(moving, 4.0, 4.0, places + [0.0, 16.0])
+    assert seen[0] != 0.0 and seen[1] == 0.0 and moving.speed(2.2) == pytest.approx(4.0)
+    still = Vessel(14.0, np.zeros(3), Track(time, 0.0 * going, turn))
+    assert not wake.kelvin_height(still, 4.0, 4.0, places).any()
 
 
 def test_a_bow_wave_has_the_height_and_place_of_a_wedge_s():
@@ -74,17 +74,6 @@ def test_the_bow_is_the_whiter_the_faster_she_goes_and_not_at_all_where_she_lies
     assert fast.white(np.array([fast.crest[1]]), np.zeros(1))[0] == pytest.approx(1.0)
     assert fast.white(np.array([1.0, -4.0]), np.array([6.0, 0.0])).max() < 0.02  # far off, and ahead of her
     assert Bow(14.0, 4.0, 0.0).height(abaft, gap).max() == 0.0
-
-
-def test_a_wake_is_behind_a_ship_that_has_gone_and_nowhere_when_a_run_begins():
-    time = np.arange(0.0, 5.0, 0.5)
-    turn = np.broadcast_to(np.eye(3), (len(time), 3, 3))
-    going = np.stack([0.0 * time, 0.0 * time, 4.0 * time], axis=1)
-    nodes = np.linspace(-20.0, 20.0, 41)
-    left = wake.Wake(Vessel(14.0, np.zeros(3), Track(time, going, turn)), 4.0, nodes, nodes)
-    assert not left.share(0.0, np.zeros(2)).any()
-    share = left.share(4.0, np.zeros(2))
-    assert share[20, 20:30].min() > 0.1 and not share[:, 33:].any() and not share[:10].any()
 
 
 def test_water_behind_a_transom_is_hollow_and_rises_again_half_a_wave_astern():

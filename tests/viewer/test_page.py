@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 
 from ocean_sim.parts import PACKAGE
-from ocean_sim.viewer.replay import replay_file
+from ocean_sim.viewer.replay import MAX_DROP_BYTES, Recorded, replay_file
 from ocean_sim.viewer.still import page_document
 from tests.viewer import _chromium
+from tests.viewer.page_packets import unpack
 
 pytest.importorskip("aiohttp", reason="the page needs aiohttp: pip install '.[browser]'")
 in_a_browser = pytest.mark.skipif(
@@ -47,6 +48,7 @@ def run(tmp_path_factory):
         np.savez(
             folder / "frames" / f"frame_{k:05d}.npz",
             **dict(time=time, elevation=wave.astype(np.float32), ship_position=[0.0, 0.2, time], ship_turn=np.eye(3)),
+            **dict(drops=np.random.default_rng(k).uniform(0.0, 9.0, (20 if k < 40 else 2000, 9))),
             **dict(position=moved.astype(np.float32), velocity=0.1 * places.astype(np.float32), id=np.arange(400)),
         )
     scene = {"title": "A barge on a running wave", "gauges": {"elevation": {"centre": [0.0, 0.0]}}}
@@ -93,6 +95,16 @@ def test_a_replay_has_a_title_whatever_its_folder_is_called(run, tmp_path):
     assert "<title>run ? &lt;b&gt;</title>" in document
 
 
+def test_a_replay_keeps_of_many_drops_every_second_or_third(run):
+    """All of few; places to a centimetre, with velocities."""
+    found = unpack(Recorded(run).stream())[1]["drops"].astype(float)
+    assert found.nbytes / 4 <= MAX_DROP_BYTES
+    few, many = (np.load(run / "frames" / f"frame_{k:05d}.npz")["drops"][:, :6] for k in (3, 40))
+    np.testing.assert_allclose(found[3, :20], few, atol=0.005)
+    assert np.isnan(found[3, 20:]).all()
+    np.testing.assert_allclose(found[40, : len(many[::3])], many[::3], atol=0.005)
+
+
 @pytest.mark.anchor
 @in_a_browser
 def test_a_replay_opens_from_a_file_and_scrubs(run, tmp_path):
@@ -108,7 +120,7 @@ def test_a_replay_opens_from_a_file_and_scrubs(run, tmp_path):
             assert np.abs(heights - frame["elevation"]).max() < 2e-3
         assert browser.js("oceanSim.state.worlds[0].poses[0].position[2]") == pytest.approx(1.0, abs=1e-5)
         balls = browser.js("oceanSim.state.worlds[0].balls.count")
-        assert balls == 400
+        assert balls == 400 and browser.js("oceanSim.state.worlds[0].spray.count") == 20
         before = browser.picture()
         browser.js("document.getElementById('scrub').value = 900; document.getElementById('scrub').oninput()")
         drawn = browser.js("oceanSim.state.drawn")

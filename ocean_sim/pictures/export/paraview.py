@@ -94,6 +94,10 @@ def export_surface(
         files["surface"].append((shot.time, shot.points, shot.faces, shot.fields))
         if len(shot.gates[0]) or "gates" in files:
             files.setdefault("gates", []).append((shot.time, *shot.gates, {}))
+        if len(shot.spray["position"]) or "spray" in files:
+            dots = np.arange(len(shot.spray["position"]))[:, None]
+            fields = without_key(shot.spray, "position")
+            files.setdefault("spray", []).append((shot.time, shot.spray["position"], dots, fields))
         for key, mesh in drawn.items():
             position, turn = shot.ships[key]
             corners = mesh.corners.reshape(-1, 3)
@@ -116,16 +120,17 @@ def export_surface(
 def save_moments(
     out: Path, name: str, kind: str, moments: list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]
 ) -> list[Path]:
-    """Write a mesh at several moments (time [s], points, triangles, fields) to `kind` files `name`; returns the
-    files."""
+    """Write a mesh at several moments (time [s], points, triangles or, of points alone, (n, 1) numbers, fields) to
+    `kind` files `name`; returns the files."""
+    solid = moments[0][2].shape[1] == 3
     if kind == "vtkhdf":
         path = out / f"{name}.vtkhdf"
-        with atomic_write(path) as draft, Series(draft, "Polygons") as series:
+        with atomic_write(path) as draft, Series(draft, "Polygons" if solid else "Vertices") as series:
             for time, points, faces, fields in moments:
                 series.add(time, points, faces, **fields)
         return [path]
     files = [
-        save_mesh(out / f"{name}_{k:05d}.{kind}", points, faces, fields)
+        save_mesh(out / f"{name}_{k:05d}.{kind}", points, faces if solid else None, fields)
         for k, (_, points, faces, fields) in enumerate(moments)
     ]
     if kind == "ply":

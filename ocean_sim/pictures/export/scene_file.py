@@ -14,11 +14,11 @@ from ocean_sim.conventions import Lacking
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.files.input_file import read_npz
 from ocean_sim.files.meshes import Glb
-from ocean_sim.pictures.export.wakes import RunWakes, read_cells
+from ocean_sim.pictures.export.wakes import RunWakes
 from ocean_sim.pictures.frame_files import frame_files, kept_ground, ship_keys
 from ocean_sim.pictures.ships.ship_model import ShipModel, kept_model
 from ocean_sim.pictures.stage.obstacles import SAND_COLOUR
-from ocean_sim.pictures.water.foam import cell_means
+from ocean_sim.pictures.water.foam import cell_means, read_cells
 from ocean_sim.pictures.water.water_mesh import grid_triangles
 
 # Linear RGB of water and of its foam
@@ -50,6 +50,7 @@ class ExportShot(NamedTuple):
     ships: dict[str, tuple[np.ndarray, np.ndarray]]  # position [m] and turn from body to world, by key
     particles: dict[str, np.ndarray]  # position [m], velocity [m/s], pressure [Pa]
     gates: tuple[np.ndarray, np.ndarray]  # corners [m] and triangles of obstacles that move or leave
+    spray: dict[str, np.ndarray]  # position [m], velocity [m/s] and spread [m] of parcels, radius and count of drops
 
 
 def read_shot(frame: Path, grid: dict[str, np.ndarray], wakes: RunWakes) -> ExportShot:
@@ -91,7 +92,10 @@ def read_shot(frame: Path, grid: dict[str, np.ndarray], wakes: RunWakes) -> Expo
     kept = "position", "velocity", "id", "pressure"
     particles = {str(name): data[name] for name in kept if name in data}
     gates = box_mesh(data["gates"] if "gates" in data else np.zeros((0, 2, 3)))
-    return ExportShot(float(data["time"]), points, faces, fields, ships, particles, gates)
+    drops = data["drops"] if "drops" in data else np.zeros((0, 9), np.float32)
+    spray = {"position": drops[:, :3], "velocity": drops[:, 3:6]}
+    spray |= dict(zip(("radius", "count", "spread"), drops[:, 6:].T, strict=True))
+    return ExportShot(float(data["time"]), points, faces, fields, ships, particles, gates, spray)
 
 
 def values_beside(points: np.ndarray, particles: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -149,7 +153,7 @@ def frame_rate(first: float, last: float, count: int, every: float) -> float:
 
 def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up: bool) -> Path:
     """Write USD with time samples (usdc): /sea/water, /sea/obstacles, /sea/ground, /sea/gates, /sea/NAME of each ship,
-    /sea/particles; in metres, at the run's frame rate. Returns the path; raises UsdMissing without the package."""
+    /sea/particles, /sea/spray; in metres, at the run's frame rate. Returns the path, or raises UsdMissing."""
     try:
         from pxr import Gf, Sdf, Tf, Usd, UsdGeom, Vt
     except ImportError:
@@ -186,7 +190,7 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
             hull.CreateDisplayColorPrimvar(UsdGeom.Tokens.uniform).Set(paint)
         water = UsdGeom.Mesh.Define(stage, "/sea/water")
         water.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*WATER_COLOUR.tolist())])
-        cloud = moving = None
+        moving, clouds = None, dict[str, Any]()
         numbers = Sdf.ValueTypeNames.FloatArray, UsdGeom.Tokens.vertex
         before: np.ndarray | None = None
         wakes = RunWakes(frame_files(frames[0].parent.parent), grid)
@@ -212,18 +216,22 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
                     matrix = np.eye(4)
                     matrix[:3, :3], matrix[3, :3] = turn.T, position  # USD's vectors are rows
                     bodies[key].Set(Gf.Matrix4d(*matrix.ravel().tolist()), code)
-            if "position" in kept.particles:
-                cloud = cloud or UsdGeom.Points.Define(stage, "/sea/particles")
-                position, velocity = (kept.particles[name].astype(np.float32) for name in ("position", "velocity"))
-                cloud.CreatePointsAttr().Set(Vt.Vec3fArray.FromNumpy(position), code)
-                cloud.CreateVelocitiesAttr().Set(Vt.Vec3fArray.FromNumpy(velocity), code)
-                cloud.CreateIdsAttr().Set(Vt.Int64Array.FromNumpy(kept.particles["id"].astype(np.int64)), code)
-                if "pressure" in kept.particles:
-                    pressure = UsdGeom.PrimvarsAPI(cloud).CreatePrimvar("pressure", *numbers)
-                    pressure.Set(Vt.FloatArray.FromNumpy(kept.particles["pressure"].astype(np.float32)), code)
-        if cloud is not None:
-            cloud.CreateWidthsAttr([float(grid["spacing"])])
-            cloud.SetWidthsInterpolation(UsdGeom.Tokens.constant)
+            for name, cloud in (("particles", kept.particles), ("spray", kept.spray)):
+                if name not in clouds and len(cloud.get("position", ())) == 0:
+                    continue
+                dots = clouds.setdefault(name, UsdGeom.Points.Define(stage, f"/sea/{name}"))
+                dots.CreatePointsAttr().Set(Vt.Vec3fArray.FromNumpy(cloud["position"].astype(np.float32)), code)
+                dots.CreateVelocitiesAttr().Set(Vt.Vec3fArray.FromNumpy(cloud["velocity"].astype(np.float32)), code)
+                if "id" in cloud:
+                    dots.CreateIdsAttr().Set(Vt.Int64Array.FromNumpy(cloud["id"].astype(np.int64)), code)
+                if "spread" in cloud:
+                    dots.CreateWidthsAttr().Set(Vt.FloatArray.FromNumpy(2.0 * cloud["spread"].astype(np.float32)), code)
+                for key in (name for name in ("pressure", "radius", "count") if name in cloud):
+                    value = UsdGeom.PrimvarsAPI(dots).CreatePrimvar(key, *numbers)
+                    value.Set(Vt.FloatArray.FromNumpy(cloud[key].astype(np.float32)), code)
+        if "particles" in clouds:
+            clouds["particles"].CreateWidthsAttr([float(grid["spacing"])])
+            clouds["particles"].SetWidthsInterpolation(UsdGeom.Tokens.constant)
         made = draft.with_suffix(".usdc")  # the writer knows formats by their endings
         try:
             stage.Export(str(made))
@@ -289,8 +297,10 @@ def upright_shots(meshes: Iterator[ExportShot], z_up: bool) -> Iterator[ExportSh
         if not z_up:
             yield kept
             continue
-        fields = {name: values @ Z_UP.T if values.ndim == 2 else values for name, values in kept.fields.items()}
-        particles = {name: values @ Z_UP.T if values.ndim == 2 else values for name, values in kept.particles.items()}
+        fields, particles, spray = (
+            {name: values @ Z_UP.T if values.ndim == 2 else values for name, values in of.items()}
+            for of in (kept.fields, kept.particles, kept.spray)
+        )
         ships = {key: (Z_UP @ position, Z_UP @ turn) for key, (position, turn) in kept.ships.items()}
         gates = kept.gates[0] @ Z_UP.T, kept.gates[1]
-        yield ExportShot(kept.time, kept.points @ Z_UP.T, kept.faces, fields, ships, particles, gates)
+        yield ExportShot(kept.time, kept.points @ Z_UP.T, kept.faces, fields, ships, particles, gates, spray)

@@ -7,8 +7,9 @@ import numpy as np
 from ocean_sim.basin.points import grid_points, middles_of
 from ocean_sim.pictures.frame_files import Frame, FrameLog, ship_keys
 from ocean_sim.pictures.stage.camera import Vessel
+from ocean_sim.pictures.water.foam import read_cells
 from ocean_sim.pictures.water.sea_state import is_open_sea, run_scene
-from ocean_sim.pictures.water.wake import Kelvin, Wake, limited_answer
+from ocean_sim.pictures.water.wake import kelvin_height, limited_answer
 from ocean_sim.pictures.water.waterline import Hull, WettedHull
 
 
@@ -25,7 +26,7 @@ class RunWakes:
 
     def shown(self, frame: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """Heights (nx, nz) [m] of a frame and shares of foam on its foam's grid, both with those of the ships added."""
-        height, white = frame["elevation"].astype(float), frame["foam"].astype(float)
+        height, white = frame["elevation"].astype(float), np.maximum(frame["foam"], frame.get("left", 0.0))
         if not self.vessels:
             return height, white
         time, origin = float(frame["time"]), frame.get("origin", np.zeros(2)).astype(float)
@@ -35,8 +36,6 @@ class RunWakes:
             for ship in self.wetted_hull(frame, height, origin):
                 height += ship.raised(points).reshape(height.shape)
         x, z = (middles_of(*self.sides(k), white.shape[k]) for k in range(2))
-        for key, vessel in self.vessels.items():
-            white = np.maximum(white, Wake(vessel, self.hulls[key].beam, x, z).share(time, origin))
         for ship in self.wetted_hull(frame, height, origin):
             low, high = (ends - origin for ends in ship.around())
             near = np.ix_((x > low[0]) & (x < high[0]), (z > low[1]) & (z < high[1]))
@@ -55,16 +54,10 @@ class RunWakes:
 
     def wetted_hull(self, frame: dict[str, np.ndarray], height: np.ndarray, origin: np.ndarray) -> list[WettedHull]:
         """Hulls of a frame that touch the water, whose heights (nx, nz) [m] lie around an origin x, z [m]."""
-        time = float(frame["time"])
-        ships = [
-            hull.wetted_hull(
-                frame[f"{key}_position"],
-                frame[f"{key}_turn"],
-                self.vessels[key].speed(time),
-                lambda at: read_cells(height, self.places(at, origin)),
-            )
-            for key, hull in self.hulls.items()
-        ]
+        time, ships = float(frame["time"]), []
+        for key, hull in self.hulls.items():
+            pose = frame[f"{key}_position"], frame[f"{key}_turn"], self.vessels[key].speed(time)
+            ships.append(hull.wetted_hull(*pose, lambda at: read_cells(height, self.places(at, origin))))
         return [ship for ship in ships if ship.wet]
 
     def behind(self, time: float, points: np.ndarray, answer: np.ndarray | None) -> np.ndarray:
@@ -80,7 +73,7 @@ class RunWakes:
             more += shown - answer
         if "sea_amplitude" in self.grid and not self.answers:
             for key, vessel in self.vessels.items():
-                more += Kelvin(vessel, self.hulls[key].beam).height(time, points).reshape(shape)
+                more += kelvin_height(vessel, self.hulls[key].beam, time, points).reshape(shape)
         return more
 
 
@@ -88,13 +81,3 @@ def shows_sea(files: list[Path], depth: float) -> bool:
     """True if pictures of a run show an open sea; False if they show a tank. `depth` of the water [m]."""
     first = Frame(files[0])
     return not first.folds and is_open_sea(run_scene(files[0].parent.parent), first, depth)
-
-
-def read_cells(values: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Values (n, ...) of a grid (nx, nz, ...) at positions (2, n), 0 to 1 across it, interpolated between cells."""
-    from scipy.ndimage import map_coordinates
-
-    cells = at * np.array(values.shape[:2])[:, None] - 0.5
-    channels = np.moveaxis(values.reshape(*values.shape[:2], -1), -1, 0).astype(float)
-    found = [map_coordinates(channel, cells, order=1, mode="nearest") for channel in channels]
-    return np.stack(found, axis=-1).reshape(at.shape[1], *values.shape[2:])

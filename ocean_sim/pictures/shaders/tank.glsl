@@ -7,14 +7,7 @@
   if (dot(n, e) < 0.0) n = -n;
   vec2 q = grainAt(wasW);
   float footprint = pixel * mix(dist, 1.0, parallel) / spacing;
-  float airy = clamp(airW.x, 0.0, 1.0), torn = clamp(airW.y, 0.0, 1.0), rough = clamp(airW.z, 0.0, 1.0);
-  if (torn > 0.02 && noise(0.8 * q + 3.0).x * 0.6 + noise(2.1 * q).x * 0.4 <
-      HOLE_SHARE * torn - 0.15) discard;
-  if (rough > 0.01) {
-    n = wrinkled(n, q, footprint, rough);
-    float turned = 0.03 - dot(n, e);
-    if (turned > 0.0) n = normalize(n + e * turned);
-  }
+  float airy = clamp(airW.x, 0.0, 1.0);
   vec4 exit = texelFetch(back, here, 0);
   float thick = exit.a > 0.5 ? max(measured(exit) * reach - dist, 0.0) : 0.0;
   vec3 down = refract(away, n, 1.0 / REFRACTIVE_INDEX);

@@ -83,6 +83,11 @@ class Vessel(NamedTuple):
     track: Track
     height: float = 0.0  # [m] of the top of her mast over the centre of mass, upright
 
+    def pose(self, time: float) -> tuple[np.ndarray, np.ndarray]:
+        """Position (3,) [m] and turn (3, 3), body to world, in the frame nearest to a time [s]."""
+        k = int(np.abs(self.track.time - time).argmin())
+        return self.track.position[k], self.track.turn[k]
+
     def speed(self, time: float) -> float:
         """Speed over the ground [m/s] at a time [s], from the positions in the frames before and after."""
         track = self.track

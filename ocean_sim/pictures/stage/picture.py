@@ -18,10 +18,11 @@ from ocean_sim.pictures.stage.obstacles import Obstacles, sand_mesh
 from ocean_sim.pictures.stage.particles import Particles
 from ocean_sim.pictures.stage.plotter import Content, Stage
 from ocean_sim.pictures.stage.render_order import Order, RenderFailed
+from ocean_sim.pictures.stage.streaks import Streaks
 from ocean_sim.pictures.stage.wind_marks import WindMarks, arrow_legend
 from ocean_sim.pictures.water import far_sea, sea_state, tank_walls
 from ocean_sim.pictures.water.sea import Sea
-from ocean_sim.pictures.water.water_shading import display_colours
+from ocean_sim.pictures.water.water_shading import TANK_EXPOSURE, display_colours
 from ocean_sim.pictures.water.water_surface import SURFACE_NODES, Water
 
 # Along each side of a pixel; where there is one, edges are smoothed afterwards
@@ -108,9 +109,13 @@ class Picture:
         elif first.folds:
             from ocean_sim.pictures.water import tank
 
-            self.content = tank.Shell(stage, grid, self.upper, first, order.foam)
+            self.content = tank.Shell(stage, grid, self.upper, order.foam)
         else:
             self.content = Water(stage, grid, SURFACE_NODES[order.quality])
+        over, exposure = (
+            (sky.clear_sky_image(), TANK_EXPOSURE) if not isinstance(self.content, Sea) else self.content.look
+        )
+        self.streaks = Streaks(stage, over, exposure) if order.foam and not order.particles else None
         if ground is not None:
             stage.add(*sand_mesh(ground, float(grid["spacing"])), culling="back")
         self.obstacles = Obstacles(stage, grid, self.lower, self.upper)
@@ -189,6 +194,8 @@ class Picture:
         for key, pose in frame.ships.items():
             self.ships[key].show(*pose, self.stage.camera.eye)
         self.obstacles.show(frame)
+        if self.streaks is not None:
+            self.streaks.show(frame.drops)
         self.content.show(frame)
         if self.caption is not None:
             self.caption.input = f"t = {frame.time:.2f} s"

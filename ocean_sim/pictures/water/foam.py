@@ -4,8 +4,7 @@ from itertools import product
 
 import numpy as np
 
-from ocean_sim.pictures.water.ripples import value_noise
-from ocean_sim.waves.orbits import surface_fall
+from ocean_sim.pictures.water.water_shading import value_noise
 
 # Convergence of a linear wave, its downward acceleration over gravity, at which crests turn white: ours; Snyder and
 # Kennedy (1983, J. Phys. Oceanogr. 13) take 0.4 for the points where breaking begins.
@@ -30,8 +29,6 @@ PATCH_MEAN, PATCH_DEVIATION = 0.550, 0.160  # mean and standard deviation of the
 GRAIN_SCALE = 1.6  # of the grain of foam [1/m]
 OCTAVE_TURN = (0.8253, 0.5646)  # cosine and sine by which each octave of the grain is turned against the one before
 GRAIN_BEND = 0.9  # by which the grain is bent, so that it follows no axis
-TEARING_STRAIN = (0.5, 1.0)  # of water, from which and at which wholly the grain moves as the mean around it
-TORN_MEAN_CELLS = 3.0  # cells of the waves over which that mean is
 EDGE_SOFTNESS = 0.40  # of a covered share: how far the edges of foam fade at most
 MIN_WHITENESS, WHOLE_SHARE = 0.40, 0.50  # of the thinnest foam, and the share from which foam is wholly white
 MIN_SHARE = 0.005  # share of white water below which none is drawn
@@ -40,12 +37,6 @@ HEAP_SCALES, HEAP_SLOPE = (1.9, 5.3, 14.0), 0.34  # [1/m] of heaps of thick foam
 HOLLOW_SHADES = (0.34, 0.24, 0.18)  # share of its light that a hollow between heaps loses against their tops
 STREAK_STRETCH, THREAD_STRETCH = 3.0, 1.5  # along the wind over across it: of bent edges, and of the grain
 EDGE_BENDS = (2.3, 1.3), (1.1, 0.8), (0.6, 0.35)  # cells of a wave that bends the edges of foam, and by how much
-
-
-def convergence(elevation: np.ndarray, spacing_x: float, spacing_z: float) -> np.ndarray:
-    """Horizontal convergence (nx, nz) of the water at the surface: minus the divergence of its horizontal displacement.
-    By linear theory it is the elevation times its wavenumber, on deep water. Waves stand level at the grid's sides."""
-    return surface_fall(elevation, spacing_x, spacing_z)
 
 
 def crest_cover(drawn_together: np.ndarray) -> float:
@@ -94,12 +85,13 @@ class FoamField:
     or wind. Foam consists of flecks, each born on one of FLECKS_PER_CELL cells along each cell of the waves' grid:
     shares on a grid would blur as they are carried."""
 
-    def __init__(self, shape: tuple[int, int], cell: np.ndarray) -> None:
-        """`shape`, `cell`: numbers and side lengths [m] of the cells of the waves' grid along x and z."""
-        self.cell, self.time = cell, 0.0
+    def __init__(self, shape: tuple[int, int], cell: np.ndarray, lasts: float = FADE_SECONDS) -> None:
+        """`shape`, `cell`: numbers and sides [m] of cells of the grid of waves along x, z; `lasts` [s]: to a third."""
+        self.cell, self.lasts, self.time = cell, lasts, 0.0
         self.origin = np.zeros(2)  # of the grid along x and z [cells of the waves]
         self.flecks = np.zeros((4, 0))  # places along x and z [cells of the waves], thickness, and what that rises to
         self.white = np.zeros((FLECKS_PER_CELL * shape[0], FLECKS_PER_CELL * shape[1]))  # share of each of its cells
+        self.whitened = np.zeros_like(self.white)  # share of each of its cells that has turned white in the last step
         self.ticked = 0.0  # time of the last tick [s]
         self.carried = np.zeros((*shape, 2))  # by which the grain has been moved along x and z [m]
         self.cover = 0.0  # that is called for, in the mean over the time that foam lasts, or since any was
@@ -126,6 +118,7 @@ class FoamField:
         if source is not None and wanted is None:
             made = refined_cells(source)
             fresh = np.where(made > self.white + MIN_SHARE, made, 0.0)
+            self.whitened = np.maximum(fresh - self.white, 0.0)
             self.add(fresh, fresh)
         elif source is not None and wanted is not None and self.due(time):
             since = time - self.ticked if self.started else 0.0
@@ -143,16 +136,6 @@ class FoamField:
         if self.called > 0.0:
             self.cover += (wanted - self.cover) * (1.0 - before / self.called)
 
-    def gathering(self, shape: tuple[int, ...], time: float) -> np.ndarray:
-        """Factor (nx, nz), 1 in the mean, on the convergence of crests at a time [s], that makes a crest break in
-        places and not all along in a line too thin to last; `shape` of the grid. The law is ours."""
-        cells = (FLECKS_PER_CELL * (np.arange(n) + first) for n, first in zip(shape, self.origin, strict=True))
-        x, z = (
-            (at + wanders * time) / (GATHERING_PATCHES * PATCH_CELLS)
-            for at, wanders in zip(cells, GATHERING_SPEED, strict=True)
-        )
-        return gathering_noise(*np.meshgrid(x, z, indexing="ij"))
-
     def broken(self, drawn_together: np.ndarray, time: float, step: float) -> np.ndarray:
         """Thickness of the new foam on the cells of white water, 0 for none, that brings the mean cover to its target;
         `drawn_together` (nx, nz): convergence; `step`: time since the last call [s]. White water counts as less steep
@@ -162,7 +145,11 @@ class FoamField:
         self.owed = float(np.clip(self.owed + lacks * step / FADE_SECONDS, -least, least))
         if max(lacks, self.owed) < 0.5 * least:
             return np.zeros_like(white)
-        gathered = refined_cells(drawn_together * self.gathering(drawn_together.shape, time))
+        # A crest breaks in places, not all along in a line too thin to last.
+        cells = FLECKS_PER_CELL * (np.indices(drawn_together.shape) + self.origin[:, None, None])
+        places = cells + np.multiply(GATHERING_SPEED, time)[:, None, None]
+        gathering = gathering_noise(places / (GATHERING_PATCHES * PATCH_CELLS))
+        gathered = refined_cells(drawn_together * gathering)
         fresh = smoothed_convergence(gathered) * (1.0 - SPENT_CONVERGENCE * white)
         spreads = FIRST_SPREAD_SHARE * float(np.clip(lacks / max(self.cover, 1e-9), 0.0, 1.0))
         born = new_foam(white, fresh, white.mean() + (1.0 - spreads) * max(lacks, least))
@@ -170,20 +157,34 @@ class FoamField:
 
     def add(self, rises_to: np.ndarray, thick: np.ndarray) -> None:
         """Add flecks, in place of others, where `rises_to` is not 0: of thickness `thick`, to grow to `rises_to`."""
-        cells = (np.floor(FLECKS_PER_CELL * (along + 0.5)).astype(int) for along in self.flecks[:2])
-        covered = rises_to[tuple(cells)] > 0.0
+        covered = rises_to[tuple(self.fleck_cells())] > 0.0
         i, k = np.nonzero(rises_to)
         x, z = ((cell + 0.5) / FLECKS_PER_CELL - 0.5 for cell in (i, k))
         fresh = np.stack([x, z, thick[i, k], rises_to[i, k]])
         self.flecks = np.concatenate([self.flecks[:, ~covered], fresh], axis=1)
         self.white = self.shown(self.flecks[2])
 
+    def fleck_cells(self) -> np.ndarray:
+        """Cells (2, n) of white water in which the flecks lie."""
+        return np.floor(FLECKS_PER_CELL * (self.flecks[:2] + 0.5)).astype(int)
+
+    def receive(self, places: np.ndarray, area: np.ndarray) -> None:
+        """Whiten areas (n,) [m2] at places x, z (n, 2) [cells of the waves], as drops do that fall there."""
+        cells = np.floor(FLECKS_PER_CELL * (places + 0.5)).astype(int)
+        inside = ((cells >= 0) & (cells < self.white.shape)).all(axis=1)
+        share, thick = np.zeros((2, *self.white.shape))
+        np.add.at(share, tuple(cells[inside].T), area[inside] * FLECKS_PER_CELL**2 / self.cell.prod())
+        np.maximum.at(thick, tuple(self.fleck_cells()), self.flecks[2])
+        whiter = np.where(share > MIN_SHARE, np.minimum(thick + share, FRESH_THICKNESS), 0.0)
+        self.add(whiter, whiter)
+
     def fade(self, step: float) -> None:
         """Let flecks rise or fade over a time `step` [s], and remove those too thin to be seen."""
         x, z, thick, rises_to = self.flecks
         rising = rises_to > thick
         risen = np.minimum(rises_to, thick + step / RISE_SECONDS)
-        thick = np.where(rising, risen, thick * np.exp(-step / FADE_SECONDS))
+        thick = np.where(rising, risen, thick * np.exp(-step / self.lasts))
+        self.whitened = self.shown(np.where(rising, thick - self.flecks[2], 0.0))
         rises_to = np.where(rising & (rises_to > thick), rises_to, 0.0)
         self.flecks = np.stack([x, z, thick, rises_to])[:, np.maximum(thick, rises_to) > MIN_SHARE]
 
@@ -213,12 +214,14 @@ class FoamField:
 
     def shift(self, cells: np.ndarray) -> None:
         """Move the grid by whole cells along x and z, while the foam stays in place; its new cells have no foam."""
+        from scipy.ndimage import shift
+
         self.origin += cells
         self.flecks[:2] -= cells[:, None]
         self.leave()
-        for axis, n in enumerate(int(k) for k in cells):
-            self.white = shifted_grid(self.white, FLECKS_PER_CELL * n, axis)
-            self.carried = shifted_grid(self.carried, n, axis)
+        if cells.any():
+            self.white = shift(self.white, -FLECKS_PER_CELL * cells, order=0)
+            self.carried = shift(self.carried, (*-cells, 0), order=0)
 
     def leave(self) -> None:
         """Remove flecks outside the grid."""
@@ -227,20 +230,9 @@ class FoamField:
         self.flecks = self.flecks[:, (x >= -0.5) & (x < nx - 0.5) & (z >= -0.5) & (z < nz - 0.5)]
 
 
-def gathering_noise(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Factor (n,), 1 in the mean, on convergence at x, z (n,), that makes foam patchy: noise of a period of about 1."""
-    return 0.5 + value_noise(x, z)[0]
-
-
-def shifted_grid(values: np.ndarray, n: int, axis: int) -> np.ndarray:
-    """Copy of values of a fixed field for a grid that has moved by n cells along an axis; its new cells are 0."""
-    if n == 0:
-        return values
-    shifted = np.roll(values, -n, axis)
-    new = [slice(None)] * values.ndim
-    new[axis] = slice(-n, None) if n > 0 else slice(None, -n)
-    shifted[tuple(new)] = 0.0
-    return shifted
+def gathering_noise(places: np.ndarray) -> np.ndarray:
+    """Factor (n,), 1 in the mean, on convergence at places (2, n), that makes foam patchy: noise of a period of 1."""
+    return 0.5 + value_noise(*places)[0]
 
 
 def refined_cells(values: np.ndarray) -> np.ndarray:
@@ -264,43 +256,33 @@ def cell_means(white: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     return white.reshape(nx, white.shape[0] // nx, nz, white.shape[1] // nz).mean(axis=(1, 3))
 
 
-def untorn_displacement(carried: np.ndarray, cell: np.ndarray) -> np.ndarray:
-    """Displacement (nx, nz, 2) [m] at which the fine pattern of foam is drawn, from `carried`, that of the water. It is
-    averaged where neighbouring water moves apart, as behind a ship, so that patches are not drawn out to threads."""
-    from scipy.ndimage import gaussian_filter
-
-    strain = np.abs([np.gradient(carried, along, axis=axis) for axis, along in enumerate(cell)]).max(axis=(0, 3))
-    torn = np.clip((strain - TEARING_STRAIN[0]) / (TEARING_STRAIN[1] - TEARING_STRAIN[0]), 0.0, 1.0)
-    if not torn.any():
-        return carried
-    share = np.minimum(2.0 * gaussian_filter(torn, TORN_MEAN_CELLS), 1.0)[..., None]
-    return carried + share * (gaussian_filter(carried, (TORN_MEAN_CELLS, TORN_MEAN_CELLS, 0.0)) - carried)
-
-
 def read_ways(ways: np.ndarray, places: np.ndarray, order: int = 1) -> np.ndarray:
-    """Displacements `ways` (2, nx, nz) at cell centres, interpolated by splines of an order to places (2, ...) [cells];
+    """Displacements `ways` (k, nx, nz) at cell centres, interpolated by splines of an order to places (2, ...) [cells];
     constant beyond the edge of the grid."""
     from scipy.ndimage import map_coordinates
 
     return np.stack([map_coordinates(way, places, order=order, mode="nearest") for way in ways])
 
 
+def read_cells(values: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Values (n, ...) of a grid (nx, nz, ...) at positions (2, n), 0 to 1 across it, interpolated between cells."""
+    channels = np.moveaxis(values.reshape(*values.shape[:2], -1), -1, 0).astype(float)
+    found = read_ways(channels, at * np.array(values.shape[:2])[:, None] - 0.5)
+    return found.T.reshape(at.shape[1], *values.shape[2:])
+
+
 def new_foam(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np.ndarray:
     """Thickness of new foam, where convergence is strongest, that with the old `white` covers the share `wanted`."""
+    born, (low, high) = np.zeros_like(white), (0.0, 1.0)
     if white.mean() >= wanted or np.ptp(drawn_together) == 0.0:
-        return np.zeros_like(white)
+        return born
     rank = np.empty_like(white)
     rank.flat[np.argsort(-drawn_together, axis=None)] = np.arange(white.size) / white.size
-    low, high = 0.0, 1.0
-
-    def born(area: float) -> np.ndarray:
-        return FRESH_THICKNESS * np.clip((area - rank) / (EDGE_SHARE * max(area, 1e-9)), 0.0, 1.0)
-
     for _ in range(24):
         area = 0.5 * (low + high)
-        covered = np.clip(born(area), white, 1.0).mean()
-        low, high = (area, high) if covered < wanted else (low, area)
-    return born(high)
+        born = FRESH_THICKNESS * np.clip((area - rank) / (EDGE_SHARE * max(area, 1e-9)), 0.0, 1.0)
+        low, high = (area, high) if np.clip(born, white, 1.0).mean() < wanted else (low, area)
+    return born
 
 
 def edge_bends(x: np.ndarray, z: np.ndarray, angle: float) -> np.ndarray:

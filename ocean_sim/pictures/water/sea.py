@@ -18,8 +18,7 @@ from ocean_sim.pictures.stage.render_order import Order
 from ocean_sim.pictures.water import far_sea, foam, water_glsl
 from ocean_sim.pictures.water.sea_state import SeaState
 from ocean_sim.pictures.water.sea_surface import SeaSurface
-from ocean_sim.pictures.water.splash import Spray
-from ocean_sim.pictures.water.wake import Kelvin, Wake, limited_answer
+from ocean_sim.pictures.water.wake import kelvin_height, limited_answer
 from ocean_sim.pictures.water.water_shading import SEA_EXPOSURE, slope_variance
 from ocean_sim.pictures.water.waterline import CONTACT_WIDTH, RESTING_FOAM, Hull, WettedHull
 
@@ -53,10 +52,10 @@ class Sea(Content):
         self.stage, self.order, self.state = stage, order, state
         self.surface = SeaSurface(grid, state, BASIN_NODES[order.quality])
         sky = self.sky = sky_module.cloudy_sky() if order.sky else sky_module.clear_sky_image()
-        self.above = water_glsl.sky_textures(sky)
+        self.above, self.look = water_glsl.sky_textures(sky), (sky, SEA_EXPOSURE)
         self.hulls = {key: Hull(grid, key) for key in ship_keys(grid, "_vertices")}
         rows, columns = HULL_PIXELS
-        self.vessels = vessels
+        self.vessels, self.points = vessels, (grid["x"], grid["z"])
         self.gap = np.zeros((max(len(self.hulls), 1), rows, columns, 3), np.float32)  # [m] and share, for each ship
         self.gaps = water_glsl.make_texture(self.gap.reshape(-1, columns, 3))
         self.mirrored = water_glsl.make_texture(np.zeros((2, 2, 4), np.uint8), smaller=True)
@@ -83,12 +82,7 @@ class Sea(Content):
         self.beyond = np.zeros(0, bool)  # triangles of the far sea that are not hidden in the basin
         self.ships: list[ShadedShip] = []
         self.mirror: Mirror | None = None
-        self.spray = Spray(stage, float(grid["spacing"])) if order.foam and state.exact is None else None
-        sides = self.surface.x, self.surface.z
-        self.wakes = [Wake(of, self.hulls[key].beam, *sides) for key, of in vessels.items()] if order.foam else []
-        alone = state.exact is not None and "sea_answers" not in grid  # the water of the run knows of no ship
-        self.raises = "sea_answers" not in grid  # likewise of a wave at her bow: particles are too wide for it
-        self.kelvins = [Kelvin(of, self.hulls[key].beam) for key, of in vessels.items()] if alone else []
+        self.raises = "sea_answers" not in grid  # the water of the run knows of no wave at a bow
 
     def mesh_of(self, nodes: np.ndarray, corners: np.ndarray) -> Any:
         """PyVista mesh at height 0 of nodes x, z (n, 2) [m] and triangles `corners` (m, 3), with zero NODE_TRAITS."""
@@ -125,7 +119,7 @@ class Sea(Content):
         self.mirror = Mirror(self.stage, [ship.shaded for ship in self.ships], self.mirrored)
 
     def show(self, frame: Frame) -> None:
-        """Update water, sky, shadows, mirror image and spray to a frame."""
+        """Update water, sky, shadows and mirror image to a frame."""
         self.now = self.state.at(frame.time)
         self.set(rippleVariance=slope_variance(self.now.wind.speed) if self.order.ripples else 0.0)
         self.show_basin(frame)
@@ -141,8 +135,6 @@ class Sea(Content):
         self.darken()
         if self.mirror is not None and levels:
             self.set(useMirror=1.0, mirrorView=self.mirror.show(float(np.mean(levels))))
-        if self.spray is not None and frame.position is not None:
-            self.spray.show(frame.position, self.heights_at(frame.position[:, [0, 2]]))
 
     def darken(self) -> None:
         """Update the maps of the shadows that ships cast on the water."""
@@ -168,17 +160,19 @@ class Sea(Content):
         """Update the water inside the basin: heights with ship waves, and foam."""
         surface, answer = self.surface, frame.answer
         if answer is not None:
-            x, z = surface.middles(frame.origin)
+            x, z = (points + start for points, start in zip(self.points, frame.origin, strict=True))
             for key, vessel in self.vessels.items():
                 answer = limited_answer(answer, vessel, self.hulls[key].beam, x, z, frame.time)
         now = surface.at(frame, self.now, answer)
-        for kelvin in self.kelvins:
-            waves_behind = kelvin.height(frame.time, surface.nodes + frame.origin).reshape(now.height.shape)
-            now = replace(now, height=now.height + surface.share * waves_behind)
+        for key, vessel in self.vessels.items() if self.raises and self.state.exact is not None else ():
+            behind = kelvin_height(vessel, self.hulls[key].beam, frame.time, surface.nodes + frame.origin)
+            now = replace(now, height=now.height + surface.share * behind.reshape(now.height.shape))
         self.frame, self.height = frame, now.height
         if self.raises:
-            now = replace(now, height=now.height + surface.share * self.bow_waves(frame))
-            self.height = now.height
+            ships = [self.wetted_hull(key, *frame.ships[key]) for key in self.vessels]
+            raised = sum(ship.raised(surface.nodes + frame.origin) for ship in ships if ship.wet)
+            self.height = now.height + surface.share * np.reshape(raised + np.zeros(now.height.size), now.height.shape)
+            now = replace(now, height=self.height)
         if not np.array_equal(frame.origin, self.origin):
             self.origin = frame.origin
             surface.grain = surface.grain_at(frame.origin)
@@ -189,15 +183,13 @@ class Sea(Content):
         nodes = surface.nodes + self.origin
         white, grain = fresh, nodes
         if frame.carried is not None:
-            ways = foam.untorn_displacement(frame.carried, (surface.upper - surface.lower) / frame.carried.shape[:2])
-            moved = [surface.carried(ways[..., k]).ravel() for k in range(2)]
+            moved = [surface.carried(frame.carried[..., k]).ravel() for k in range(2)]
             grain = nodes - np.stack(moved, axis=-1)
         if frame.foam is not None:
             white = surface.whole(fresh, frame.foam, grain)
             if asked is not None:
-                white = foam.white_shares(white + 1e-3 * fresh, asked)
-        for wake in self.wakes:
-            white = np.maximum(white, wake.share(frame.time, frame.origin))
+                left = 0.0 if frame.left is None else surface.laced(frame.left, grain)
+                white = np.maximum(foam.white_shares(white + 1e-3 * fresh, asked), left)
         white = np.where(white < foam.MIN_SHARE, 0.0, np.minimum(white, 1.0))
         traits = np.stack([white, self.crest(now.height), np.zeros_like(white)], axis=-1)
         points = np.insert(nodes, 1, now.height.ravel(), axis=1)
@@ -207,13 +199,6 @@ class Sea(Content):
         """Hull of a ship at a position (3,) [m], in the water as drawn now; `turn`: (3, 3) from body to world."""
         speed = self.vessels[key].speed(self.frame.time) if key in self.vessels else 0.0
         return self.hulls[key].wetted_hull(position, turn, speed, self.heights_at)
-
-    def bow_waves(self, frame: Frame) -> np.ndarray:
-        """Height (nx, nz) [m] that the bow waves of all ships add at the nodes of the basin."""
-        places = self.surface.nodes + frame.origin
-        ships = [self.wetted_hull(key, *frame.ships[key]) for key in self.vessels]
-        raised = sum((ship.raised(places) for ship in ships if ship.wet), np.zeros(len(places)))
-        return raised.reshape(self.height.shape)
 
     def show_beyond(self, frame: Frame) -> None:
         """Update the water outside the basin, on a fan of nodes around the eye."""

@@ -12,7 +12,6 @@ import numpy as np
 from ocean_sim.files import run_files
 from ocean_sim.pictures.frame_files import Frame, FrameLog, read_elevation
 from ocean_sim.pictures.water import far_sea
-from ocean_sim.pictures.water.ripples import Wind
 from ocean_sim.waves import Components
 from ocean_sim.wind.shared.air_load import stated_speed
 
@@ -23,6 +22,13 @@ MIN_LIT_HEIGHT = 0.25  # [m] over the resolved length: crests of a sea lower tha
 MIN_RIPPLE_WIND, MAX_RIPPLE_WIND = 2.0, 14.0  # [m/s] wind that ripples follow
 TANK_FITTINGS = ("motion", "wavemaker", "lid", "obstacles")  # of a basin that is a tank
 DRY_DEPTH_SHARE = 0.5  # share of the depth below which the water of a sea does not lie when a run begins
+
+
+class Wind(NamedTuple):
+    """Wind over the water that drives the ripples."""
+
+    speed: float  # [m/s]
+    angle: float  # [rad] where it goes to, from +x to +z
 
 
 class SeaNow(NamedTuple):
@@ -59,26 +65,25 @@ class SeaState:
 
     def at(self, time: float) -> SeaNow:
         """Sea at the time [s] of a frame, from that frame and earlier ones."""
-        sea = self.exact
-        if sea is not None:
-            height, raising = sea.significant_height, self.stated or far_sea.wind_speed_from_sea(sea, time)
-            return SeaNow(0.0, height, far_sea.grown_waves(self.beyond, time), self.wind(height), raising)
-        numbers, weights = recent_frames(self.log.times, time)
-        self.seen = {n: self.seen[n] if n in self.seen else self.look(n) for n in numbers}
-        level = float(sum(w * self.seen[n][0] for n, w in zip(numbers, weights, strict=True)))
-        variances = np.sum([w * self.seen[n][1] for n, w in zip(numbers, weights, strict=True)], axis=0)
-        height = 4.0 * float(np.sqrt(variances.sum()))
-        waves = replace(self.beyond, amplitude=np.sqrt(2.0 * variances))
-        return SeaNow(level, max(height, MIN_LIT_HEIGHT * self.resolved), waves, self.wind(height), self.stated)
+        if self.exact is not None:
+            level, height = 0.0, self.exact.significant_height
+            raising = self.stated or far_sea.wind_speed_from_sea(self.exact, time)
+            waves = far_sea.grown_waves(self.beyond, time)
+        else:
+            numbers, weights = recent_frames(self.log.times, time)
+            self.seen = {n: self.seen[n] if n in self.seen else self.look(n) for n in numbers}
+            level = float(sum(w * self.seen[n][0] for n, w in zip(numbers, weights, strict=True)))
+            variances = np.sum([w * self.seen[n][1] for n, w in zip(numbers, weights, strict=True)], axis=0)
+            height, raising = 4.0 * float(np.sqrt(variances.sum())), self.stated
+            waves = replace(self.beyond, amplitude=np.sqrt(2.0 * variances))
+        wind = Wind(ripple_wind_speed(self.scene, height), self.angle)
+        least = 0.0 if self.exact is not None else MIN_LIT_HEIGHT * self.resolved
+        return SeaNow(level, max(height, least), waves, wind, raising)
 
     def look(self, number: int) -> tuple[float, np.ndarray]:
         """Mean level [m] and variances (n,) [m2] of the plane waves, from the heights of frame `number`."""
         elevation = read_elevation(self.log.files[number])
         return float(elevation.mean()), self.modes.variances(elevation)
-
-    def wind(self, height: float) -> Wind:
-        """Wind that drives the ripples in a sea of a significant height [m]."""
-        return Wind(ripple_wind_speed(self.scene, height), self.angle)
 
 
 def recent_frames(times: np.ndarray, time: float) -> tuple[list[int], np.ndarray]:
@@ -130,6 +135,12 @@ def stated_wind_speed(scene: dict[str, Any]) -> float:
     """Speed [m/s] of the scene's wind; 0 if it states none."""
     wind = scene.get("wind") or {}
     return stated_speed(wind["u10"], wind.get("tau")) if "u10" in wind else 0.0
+
+
+def gust_speed(scene: dict[str, Any]) -> float:
+    """Speed [m/s] of the fastest of the scene's volumes of wind: of their air or of their drift; 0 for none."""
+    volumes = (scene.get("wind") or {}).get("volumes") or []
+    return max((max(float(np.linalg.norm(v["drift"])), v["wind_speed"]) for v in volumes), default=0.0)
 
 
 def wind_heading(scene: dict[str, Any], sea: Components | None) -> float:

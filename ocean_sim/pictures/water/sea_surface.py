@@ -10,6 +10,7 @@ from ocean_sim.pictures.frame_files import Frame
 from ocean_sim.pictures.water import far_sea, foam
 from ocean_sim.pictures.water.sea_state import SeaNow, SeaState
 from ocean_sim.pictures.water.water_mesh import grid_triangles, spline_matrix
+from ocean_sim.waves.orbits import surface_fall
 
 WHITE_REACH = 6  # cells from white water, of the grid that it is kept on, from which a spline through it shows none
 GATHERING_LENGTH = 7.0  # [m] apart at which white water gathers along a crest
@@ -39,18 +40,11 @@ class SeaSurface:
 
     def grain_at(self, origin: np.ndarray) -> np.ndarray:
         """Factor (nx, nz), 1 in the mean, that makes foam patchy, at the nodes around an origin x, z [m]."""
-        return foam_gathering(*(self.nodes + origin).T).reshape(len(self.x), len(self.z))
+        return foam.gathering_noise((self.nodes + origin).T / GATHERING_LENGTH).reshape(len(self.x), len(self.z))
 
     def blend_weight(self, k: int) -> np.ndarray:
         """Share, 0 to 1, of the basin's own waves in the surface at the nodes along x (k = 0) or z (k = 1)."""
         return far_sea.blend_weight((self.x, self.z)[k], self.lower[k], self.upper[k], self.margin)
-
-    def middles(self, origin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Coordinates x (nx,) and z (nz,) [m] of the heights in frames, for an origin x, z [m]."""
-        cells = [own.shape[1] for own in self.own]
-        step = (self.upper - self.lower) / cells
-        x, z = (self.lower[k] + origin[k] + (np.arange(cells[k]) + 0.5) * step[k] for k in range(2))
-        return x, z
 
     def at(self, frame: Frame, now: SeaNow, answer: np.ndarray | None = None) -> far_sea.SeaSample:
         """Heights [m] and convergence at all nodes (nx, nz) of the basin in a frame; `answer` [m]: response to ships,
@@ -64,7 +58,7 @@ class SeaSurface:
                 near = replace(near, height=near.height + x @ answer @ z.T)
             return far_sea.SeaSample(far.height + mine * (near.height - far.height), near.convergence)
         step = (self.upper - self.lower) / frame.elevation.shape
-        drawn_together = foam.convergence(frame.elevation, step[0], step[1])
+        drawn_together = surface_fall(frame.elevation, step[0], step[1])
         # Seas that know nothing of each other: weights whose squares add up to one keep the height of the waves.
         rest = (1.0 - mine) / np.hypot(mine, 1.0 - mine)
         mine = mine / np.hypot(mine, 1.0 - mine)
@@ -104,8 +98,9 @@ class SeaSurface:
         told = np.clip(drawn / whole, 1e-3, 1.0)
         gathered = found[..., 3] / (told * whole)[:, None]
         near = fan.nodes[fan.evenly] + eye[[0, 2]]
-        known = np.sort(gathered.flat[fan.evenly] * foam_gathering(*near.T))
-        here = np.take_along_axis(gathered, rings, axis=0) * foam_gathering(*nodes.T).reshape(rings.shape)
+        known = np.sort(gathered.flat[fan.evenly] * foam.gathering_noise(near.T / GATHERING_LENGTH))
+        gathering = foam.gathering_noise(nodes.T / GATHERING_LENGTH).reshape(rings.shape)
+        here = np.take_along_axis(gathered, rings, axis=0) * gathering
         white = foam.white_shares(here, self.wanted, known)
         return self.wanted + told[rings] * (white - self.wanted)
 
@@ -136,8 +131,3 @@ class SeaSurface:
         at += foam.edge_bends(of_x, of_z, self.state.angle)
         white[some] = map_coordinates(kept, at, order=3, mode="nearest")
         return self.share * np.clip(white, 0.0, 1.0)
-
-
-def foam_gathering(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Factor (n,), 1 in the mean, on the convergence of the sea at x, z (n,) [m], that makes its foam patchy."""
-    return foam.gathering_noise(x / GATHERING_LENGTH, z / GATHERING_LENGTH)

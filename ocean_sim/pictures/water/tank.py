@@ -1,4 +1,4 @@
-"""Water that folds over, in a tank of glass: clear, with splashes of its own.
+"""Water that folds over, in a tank of glass: clear, with air where it is stirred.
 
 Things behind clear water are seen bent and dimmed by the way of light through it. Two pictures come first: one of
 everything but the water, one of the distances of its back faces. The shader takes the difference of both faces as the
@@ -11,48 +11,37 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.pictures.frame_files import Frame, kept_ground
+from ocean_sim.pictures.frame_files import Frame
 from ocean_sim.pictures.stage import sky
 from ocean_sim.pictures.stage.plotter import Content, Stage
-from ocean_sim.pictures.water import splash as splashing
 from ocean_sim.pictures.water import tank_walls, water_glsl, water_shading
+from ocean_sim.pictures.water.foam import read_cells
 from ocean_sim.pictures.water.smoothed_mesh import points_on_sides, smooth_mesh
 from ocean_sim.surface import Mesh
 
-TANK_EXPOSURE = 1.15  # of water in a tank, as of what is drawn with plain colours
 MAX_SMOOTHING = 0.4  # [spacings] by which a folded surface is smoothed
-BEHIND_GLASS = np.array([0.0, 0.0, 0.0])  # air that is seen of it, holes, wrinkles: glass is smooth
-WATER_TRAITS = "nrm", "air", "was"  # normal; air, how torn, how rough; where its water was born
+WATER_TRAITS = "nrm", "air", "was"  # normal; share of air; where its water was born
 ABSORPTION = np.array([3.0, 0.85, 0.60])  # of light, in a way as long as the tank is deep
 # Light that comes back from water so thick that nothing shines through
 SCATTERED_LIGHT = np.array([0.016, 0.135, 0.170])
 SHINE_VARIANCE = 0.004  # variance of slopes that widen the sun's highlight
 RELIEF_FACTOR = 1.6  # by which slopes are steeper than they are in the light of a map
 GRAIN_LENGTH = 0.5  # of foam: how many of its metres on a sea a spacing of the particles is in a tank
-# [1/spacing] of two scales, and how far each tilts a skin that is stirred
-WRINKLE_SCALES, WRINKLE_SLOPES = (0.55, 1.5), (0.40, 0.30)
 HEIGHT_SKEW = (0.7, 0.4)  # of the height at which water was born, in the two coordinates of its grain
-HOLE_SHARE = 1.15  # share of a skin that is gone where it is wholly torn, over 1
 # Colour of water full of bubbles; its light from all sides, and the sun's
 FOAM_COLOUR, FOAM_LIGHTS = np.array([0.80, 0.83, 0.84]), (0.62, 0.38)
 
 
 class Shell(Content):
-    """Closed surface of the water in a glass tank, drawn smooth and clear, with drops."""
+    """Closed surface of the water in a glass tank, drawn smooth and clear."""
 
-    def __init__(self, stage: Stage, grid: Any, upper: np.ndarray, first: Frame, white: bool) -> None:
-        """`grid`: arrays that frames keep once; `upper`: top corner of the drawn tank [m]; `first`: first frame of the
-        run; `white`: True to draw splashes."""
+    def __init__(self, stage: Stage, grid: Any, upper: np.ndarray, white: bool) -> None:
+        """`grid`: arrays that frames keep once; `upper`: top corner of the tank [m]; `white`: True to draw foam."""
         depth = self.depth = float(grid["depth"])
-        self.stage, self.first, self.white = stage, first, white
+        self.stage, self.white, self.sides = stage, white, (grid["lower"][[0, 2]], grid["upper"][[0, 2]])
         self.lower, self.upper, self.spacing = tuple(grid["lower"]), tuple(upper), float(grid["spacing"])
-        self.sides = grid["lower"][[0, 2]], grid["upper"][[0, 2]]
-        self.boxes, self.ground = grid.get("obstacles", np.zeros((0, 2, 3))), kept_ground(grid)
         tank_walls.add_tank(stage, grid["lower"], upper, depth)
         over = sky.clear_sky_image()
-        ball = stage.pyvista.Icosphere(radius=1.0, nsub=1)
-        directions = np.asarray(ball.points, dtype=float)
-        self.ball = Mesh(directions, ball.regular_faces, directions)
         self.behind = water_glsl.make_texture(np.zeros((2, 2, 3), np.uint8))
         self.far, self.farther = (water_glsl.make_texture(np.zeros((2, 2, 4), np.uint8)) for _ in range(2))
         textures = water_glsl.sky_textures(over)
@@ -69,49 +58,26 @@ class Shell(Content):
         half, parallel = stage.camera.parallel_height, stage.camera.parallel_height is not None
         pixel = 2.0 * (half or float(np.tan(np.radians(stage.camera.angle) / 2.0))) / (stage.samples * stage.size[1])
         for part in (self.water, self.backs):
-            shown = {"exposure": TANK_EXPOSURE, "depth": depth, "reach": 1.0, "onMap": float(stage.camera.from_above)}
+            shown = {"exposure": water_shading.TANK_EXPOSURE, "depth": depth, "onMap": float(stage.camera.from_above)}
             shown |= {"spacing": self.spacing, "pixel": pixel, "behindOthers": 0.0, "parallel": float(parallel)}
             space = {"ahead": stage.camera.forward, "boxLow": np.array(self.lower), "boxHigh": np.array(self.upper)}
-            part.set(**plain | shown | space | {"view": np.eye(4), "screen": np.ones(3)})
+            part.set(**plain | shown | space | {"view": np.eye(4), "screen": np.ones(3), "reach": 1.0})
         stage.plotter.add_actor(self.water.actor, reset_camera=False, render=False)
         self.measure = stage.empty(stage.plotter.window_size)  # the picture of distances
         self.measure.set_background("black")
         self.measure.add_actor(self.backs.actor, reset_camera=False, render=False)
 
     def surface(self, frame: Frame) -> tuple[Mesh, np.ndarray, np.ndarray]:
-        """Surface mesh of a frame, and at its vertices traits (n, 3): shares of air, tearing and roughness; and the
-        places (n, 3) [m] at which their water was in the first frame (see WATER_TRAITS)."""
+        """Surface mesh of a frame, and at its vertices the share of air (n, 3), in the first column, and the places
+        (n, 3) [m] at which their water was in the first frame (see WATER_TRAITS)."""
         assert frame.mesh is not None
         skin = smooth_mesh(Mesh(*frame.mesh), self.lower, self.upper, MAX_SMOOTHING * self.spacing)
-        particles, start = (frame.position, frame.velocity, frame.id), (self.first.position, self.first.id)
-        if not self.white or any(each is None for each in (*particles, *start)) or not len(skin.vertices):
+        if not self.white or frame.left is None or frame.carried is None or not len(skin.vertices):
             return skin, np.zeros_like(skin.vertices), skin.vertices
-        position, velocity, number = (np.asarray(each) for each in particles)
-        position, velocity = position.astype(float), velocity.astype(float)
-        bed = self.lower[1] if self.ground is None else self.ground.heights(position[:, [0, 2]])
-        floor = splashing.floor_heights(position, bed, self.boxes)
-        low, cell = self.sides[0], (self.sides[1] - self.sides[0]) / frame.elevation.shape
-        risen = splashing.risen_share(position, frame.elevation, low, cell, self.spacing)
-        up = np.maximum(splashing.flying_share(position, floor, self.spacing), risen)
-        birth = splashing.birth_places(position, number, np.asarray(start[0], float), np.asarray(start[1]))
-        up *= splashing.travel_share(position, number, birth, np.asarray(start[1]), self.spacing)
-        beside = np.abs(position[:, None, [0, 2]] - np.stack(self.sides)) < self.spacing
-        found = splashing.particle_splash(position, velocity, up, beside.sum(axis=(1, 2)), self.spacing, self.depth)
-        known = np.column_stack([found.air, found.torn, found.rough, birth])
-        traits = splashing.values_at_vertices(skin.vertices, position, known, self.spacing)
-        on = points_on_sides(skin.vertices, self.lower, self.upper).any(axis=(0, 2))
-        traits[on, :3] *= BEHIND_GLASS
-        middles, radii = splashing.torn_drops(position, velocity, number, found.torn, self.spacing)
-        inside = np.all((middles > self.lower) & (middles < self.upper), axis=1)
-        balls = splashing.sphere_mesh(middles[inside], radii[inside], self.ball)
-        n = len(skin.vertices)
-        whole = Mesh(
-            np.concatenate([skin.vertices, balls.vertices]),
-            np.concatenate([skin.triangles, balls.triangles + n]),
-            np.concatenate([skin.normals, balls.normals]),
-        )
-        calm = np.zeros_like(balls.vertices)
-        return whole, np.concatenate([traits[:, :3], calm]), np.concatenate([traits[:, 3:], balls.vertices])
+        at = ((skin.vertices[:, [0, 2]] - self.sides[0]) / (self.sides[1] - self.sides[0])).T
+        free = ~points_on_sides(skin.vertices, self.lower, self.upper).any(axis=(0, 2))  # glass shows no air
+        air = np.outer(read_cells(frame.left, at) * free, [1.0, 0.0, 0.0])
+        return skin, air, skin.vertices - np.insert(read_cells(frame.carried, at), 1, 0.0, axis=1)
 
     def show(self, frame: Frame) -> None:
         """Update the surface to a frame, and render the pictures of distances and background that its shader needs."""

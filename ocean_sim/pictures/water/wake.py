@@ -1,5 +1,4 @@
-"""Wake of a ship in water that does not resolve it: foam along the track of its stern, and Kelvin's waves. Both are
-drawn without effect on the run."""
+"""Kelvin's waves behind a ship in water that does not resolve her, drawn without effect on the run."""
 
 from functools import lru_cache
 
@@ -9,11 +8,6 @@ from ocean_sim.conventions import GRAVITY
 from ocean_sim.pictures.stage.camera import Vessel
 from ocean_sim.pictures.water.waterline import ship_coordinates
 
-FADE_SECONDS = 7.0  # [s] in which it falls to a third
-MAX_AGE = 22.0  # [s] after which it is not drawn
-TRACK_STEPS = 48  # positions of the stern that are kept
-WHITEST_SPEED = 4.0  # [m/s] from which a wake is as white as it gets
-MAX_WHITENESS = 0.8
 KELVIN_HEIGHT = 0.13  # of V^2 / g: the greatest height of Kelvin's waves
 # Lengths of a ship that they are drawn behind her bow and aside; and fade in
 KELVIN_ASTERN, KELVIN_ABEAM, KELVIN_FADE_LENGTH = 9.0, 3.5, 5.0
@@ -23,61 +17,9 @@ PATTERN_STEP = 0.5  # lengths of a node of their pattern, over the beam
 MIN_SPEED = 1.0  # [m/s] under which there are none
 WAVE_ANGLES = 360  # of the waves that they are made of
 STERN_DISTANCE = 0.46  # lengths of a ship from its middle to its stern
-WAKE_SPREADING = 0.22  # [half breadths at s^-1/2] by which it widens
-# Share of the white in the middle that goes soonest, in so many seconds: a smooth path
-SLICK_SHARE, SLICK_SECONDS = 0.75, 2.0
-MAX_TRACK_DISTANCE = 2.0  # squared half widths from the track at which the white is gone
-SLICK_WIDTH = 0.6  # [half breadths] is left between two lines of foam
 MIN_ANSWER = 0.025  # lengths of a ship: the height to which the waves at a ship that lies still may rise
 # Lengths of a ship before and abaft her middle and breadths aside, within which they are limited
 LIMITED_REACH = (1.3, 1.2)
-
-
-class Wake:
-    """Wake of foam along the track of a ship's stern. The laws of its width and fading are ours."""
-
-    def __init__(self, vessel: Vessel, breadth: float, x: np.ndarray, z: np.ndarray) -> None:
-        """`breadth` of the ship [m]; `x`, `z`: coordinates [m] of the nodes of the grid."""
-        self.vessel, self.half, self.x, self.z = vessel, 0.5 * breadth, x, z
-
-    def share(self, time: float, origin: np.ndarray) -> np.ndarray:
-        """Share (nx, nz) of foam at a time [s], at the nodes of the grid around an origin x, z [m]."""
-        share = np.zeros((len(self.x), len(self.z)))
-        track = self.vessel.track
-        if time <= track.time[0]:
-            return share
-        stern = track.position - STERN_DISTANCE * self.vessel.length * track.turn[:, :, 2]
-        moments = np.linspace(max(track.time[0], time - MAX_AGE), time, TRACK_STEPS)
-        position = np.stack([np.interp(moments, track.time, stern[:, k]) for k in (0, 2)], axis=1) - origin
-        along = np.diff(position, axis=0)
-        length2 = np.maximum((along**2).sum(axis=1), 1e-9)
-        seconds = max(float(moments[-1] - moments[0]), 1e-9) / (TRACK_STEPS - 1)
-        speed = np.sqrt(length2) / seconds
-        reach = 4.0 * self.half
-        near = [
-            np.flatnonzero((nodes > position[:, k].min() - reach) & (nodes < position[:, k].max() + reach))
-            for k, nodes in enumerate((self.x, self.z))
-        ]
-        if not (len(near[0]) and len(near[1])):
-            return share
-        x, z = self.x[near[0]], self.z[near[1]]
-        found, nearest = np.zeros((len(x), len(z))), np.full((len(x), len(z)), np.inf)
-        for k in range(TRACK_STEPS - 1):
-            low, high = position[k : k + 2].min(axis=0) - reach, position[k : k + 2].max(axis=0) + reach
-            here = tuple(slice(*np.searchsorted(nodes, ends)) for nodes, ends in zip((x, z), zip(low, high)))
-            (to_x, to_z), (on_x, on_z) = (x[here[0], None] - position[k, 0], z[here[1]] - position[k, 1]), along[k]
-            part = np.clip((to_x * on_x + to_z * on_z) / length2[k], 0.0, 1.0)
-            age = np.maximum(time - moments[k] - part * seconds, 0.0)
-            width = self.half * (0.75 + WAKE_SPREADING * np.sqrt(age))
-            away2 = (np.square(to_x - part * on_x) + np.square(to_z - part * on_z)) / np.square(width)
-            nearer = (away2 < nearest[here]) & (away2 < MAX_TRACK_DISTANCE)
-            age, away2 = age[nearer], away2[nearer]
-            slick = SLICK_SHARE * (1.0 - np.exp(-age / SLICK_SECONDS)) * np.exp(-away2 / SLICK_WIDTH**2)
-            white = MAX_WHITENESS * min(speed[k] / WHITEST_SPEED, 1.0) * (1.0 - slick)
-            white *= np.exp(-age / FADE_SECONDS - away2**2)
-            found[here][nearer], nearest[here][nearer] = white, away2
-        share[np.ix_(*near)] = np.where(found > 0.02, found, 0.0)
-        return share
 
 
 @lru_cache(maxsize=64)
@@ -100,26 +42,18 @@ def kelvin_pattern(speed: float, breadth: float, length: float) -> np.ndarray:
     return KELVIN_HEIGHT * speed**2 / GRAVITY * height / max(float(np.abs(height).max()), 1e-12)
 
 
-class Kelvin:
-    """Kelvin wave pattern behind a ship, and the hollow behind her transom."""
+def kelvin_height(vessel: Vessel, breadth: float, time: float, places: np.ndarray) -> np.ndarray:
+    """Height (n,) [m] at places x, z (n, 2) [m] of a ship's Kelvin waves and transom hollow; 0 if she is too slow."""
+    from scipy.ndimage import map_coordinates
 
-    def __init__(self, vessel: Vessel, breadth: float) -> None:
-        self.vessel, self.breadth = vessel, breadth
-
-    def height(self, time: float, places: np.ndarray) -> np.ndarray:
-        """Height (n,) [m] of the waves at places x, z (n, 2) [m] at a time [s]; 0 if the ship is too slow for any."""
-        from scipy.ndimage import map_coordinates
-
-        track, length = self.vessel.track, self.vessel.length
-        k = int(np.abs(track.time - time).argmin())
-        speed = round(self.vessel.speed(time), 1)
-        if speed < MIN_SPEED:
-            return np.zeros(len(places))
-        along, aside = ship_coordinates(places[:, 0], places[:, 1], track.position[k], track.turn[k])
-        behind, aside = STERN_DISTANCE * length - along, np.abs(aside)
-        at = np.stack([behind, aside]) / (PATTERN_STEP * self.breadth)
-        waves = map_coordinates(kelvin_pattern(speed, self.breadth, length), at, order=1, mode="constant")
-        return waves - transom_hollow(behind - 2.0 * STERN_DISTANCE * length, aside, speed, self.breadth)
+    speed = round(vessel.speed(time), 1)
+    if speed < MIN_SPEED:
+        return np.zeros(len(places))
+    along, aside = ship_coordinates(places[:, 0], places[:, 1], *vessel.pose(time))
+    behind, aside = STERN_DISTANCE * vessel.length - along, np.abs(aside)
+    at = np.stack([behind, aside]) / (PATTERN_STEP * breadth)
+    waves = map_coordinates(kelvin_pattern(speed, breadth, vessel.length), at, order=1, mode="constant")
+    return waves - transom_hollow(behind - 2.0 * STERN_DISTANCE * vessel.length, aside, speed, breadth)
 
 
 def transom_hollow(astern: np.ndarray, aside: np.ndarray, speed: float, breadth: float) -> np.ndarray:
@@ -137,9 +71,7 @@ def limited_answer(
 ) -> np.ndarray:
     """Response `answer` (nx, nz) [m] of the water to a ship at nodes x, z [m], limited around her to the stagnation
     height V^2 / 2 g: linear waves do not break, and would leave a hole of the hull's shape."""
-    track = vessel.track
-    k = int(np.abs(track.time - time).argmin())
-    along, aside = ship_coordinates(x[:, None], z[None, :], track.position[k], track.turn[k])
+    along, aside = ship_coordinates(x[:, None], z[None, :], *vessel.pose(time))
     near = np.exp(-((along / (LIMITED_REACH[0] * vessel.length)) ** 4) - (aside / (LIMITED_REACH[1] * breadth)) ** 4)
     most = max(vessel.speed(time) ** 2 / (2.0 * GRAVITY), MIN_ANSWER * vessel.length)
     return answer + near * (most * np.tanh(answer / most) - answer)

@@ -1,4 +1,4 @@
-"""Formulas of `water_shading`, `ripples` and `foam` for a graphics processor, as replacements in VTK's shaders.
+"""Formulas of `water_shading` and `foam` for a graphics processor, as replacements in VTK's shaders.
 
 Numbers come from those files, so that each law is written once; the tests compare the colours. Traps of VTK: it
 declares uniforms and samplers itself; a mistake in a shader only logs and draws nothing (see `refusal`). Mesa's
@@ -17,7 +17,7 @@ import numpy as np
 
 from ocean_sim.pictures.stage import sky as sky_module
 from ocean_sim.pictures.stage.sky import Sky
-from ocean_sim.pictures.water import foam, ripples
+from ocean_sim.pictures.water import foam
 from ocean_sim.pictures.water import water_shading as w
 
 SHADER_FOLDER = Path(__file__).parents[1] / "shaders"
@@ -56,7 +56,7 @@ def shader(name: str, *modules: ModuleType, **parts: object) -> str:
 
 COMMON_FUNCTIONS = shader("common", sky_module, sys.modules[__name__])
 FOG_FUNCTIONS = shader("fog", sky_module, w)
-WATER_FUNCTIONS = FOG_FUNCTIONS + shader("water", w, ripples, foam)
+WATER_FUNCTIONS = FOG_FUNCTIONS + shader("water", w, foam)
 BEYOND_PROGRAM = """
   if (all(greaterThan(posW.xz, innerLow.xz)) && all(lessThan(posW.xz, innerHigh.xz))) discard;
 """  # of the far sea: the basin is drawn by its own surface
@@ -68,7 +68,7 @@ def water_program(ships: int, grain: str = "posW.xz", shadows: str = "") -> str:
     `shadows`: program that reduces `sunlit`."""
     hulls = "".join(shader("sea_hull", k=k, ships=ships) for k in range(ships))
     mirrors = "".join(shader("sea_mirror", k=k) for k in range(ships))
-    return shader("sea", w, ripples, hulls=hulls, mirrors=mirrors, grain=grain, shadows=shadows)
+    return shader("sea", w, hulls=hulls, mirrors=mirrors, grain=grain, shadows=shadows)
 
 
 def sky_textures(sky: Sky) -> dict[str, Any]:

@@ -42,12 +42,19 @@ class Bow(NamedTuple):
         return 0.5 * self.breadth / (ENTRANCE_LENGTH * self.length)
 
     @property
+    def slowed_head(self) -> float:
+        """V^2 / g [m] over one plus the Froude number of the draught, by which the crest scales."""
+        return float(self.speed**2 / GRAVITY / (1.0 + self.speed / np.sqrt(GRAVITY * DRAUGHT_SHARE * self.breadth)))
+
+    @property
+    def rise(self) -> float:
+        """Height [m] over the water around it to which the bow throws water: what is higher than the crest is spray."""
+        return float(CREST_RISE * self.wedge * np.hypot(1.0, self.wedge) * self.slowed_head)
+
+    @property
     def crest(self) -> tuple[float, float]:
         """Height of the crest over the water around it [m], and its distance abaft the stem [m]."""
-        head = self.speed**2 / GRAVITY
-        slowed = 1.0 + self.speed / np.sqrt(GRAVITY * DRAUGHT_SHARE * self.breadth)
-        rise = CREST_RISE / slowed * self.wedge * np.hypot(1.0, self.wedge) * head
-        return float(min(rise, MAX_CREST * self.breadth)), float(CREST_DISTANCE / slowed * head)
+        return min(self.rise, MAX_CREST * self.breadth), CREST_DISTANCE * self.slowed_head
 
     @property
     def breaks(self) -> float:

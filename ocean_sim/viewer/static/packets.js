@@ -82,6 +82,7 @@ class Replay {
     for (const name of ["poses", "platform", "scalars"]) {
       if (head.data[name] && head.data[name].length) data[name] = rows(name, head.about[name].shape[1]);
     }
+    if (head.data.drops) data.drops = rows("drops", 6 * head.about.drops.shape[1]);
     if (kept.particles) this.particles(k, data, about);
     const origin = [...rows("origins", 2)];
     const frame = { time: this.times[k], seq: k, origin, fastest: head.fastest, data, about };

@@ -32,6 +32,8 @@ class World {
     this.balls = this.particles();
     this.lines = { count: 0, ends: gl.createBuffer(), hues: gl.createBuffer() };
     this.lines.vertices = array(gl, [[0, this.lines.ends, 3], [1, this.lines.hues, 3, gl.UNSIGNED_BYTE, true]]);
+    this.spray = { count: 0, ends: gl.createBuffer() };
+    this.spray.vertices = array(gl, [[0, this.spray.ends, 3]]);
     this.trail = [];  // of the first ship
     this.route = [];
     this.before = this.after = null;
@@ -261,6 +263,7 @@ class World {
     for (const ship of this.ships) if (!options.hide || options.hide !== ship) this.drawShip(ship, view, lit, -1e9);
     if (water) this.drawWater(view, uniforms, content === "both", sea, mirrored, pixel);
     if (options.lines) this.drawLines(view);
+    if (water && this.before.data.drops) this.drawDrops(view);
     gl.bindVertexArray(null);
   }
 
@@ -347,6 +350,24 @@ class World {
     });
     gl.bindVertexArray(balls.vertices);
     gl.drawArrays(gl.POINTS, 0, balls.count);
+  }
+
+  // Drops of the moment before, each as far on as it flies since, and as long as its way in 1/50 s.
+  drawDrops(view) {
+    const { gl, painter, spray, before, after, share } = this, d = before.data.drops, ends = [], since = share * (after.time - before.time);
+    for (let k = 0; k < d.length && d[k] === d[k]; k += 6) for (const t of [since - 0.01, since + 0.01]) {
+      ends.push(before.origin[0] + d[k] + t * d[k + 3], d[k + 1] + t * d[k + 4] - 4.905 * since * since, before.origin[1] + d[k + 2] + t * d[k + 5]);
+    }
+    gl.bindBuffer(gl.ARRAY_BUFFER, spray.ends);
+    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(ends), gl.DYNAMIC_DRAW);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    gl.bindVertexArray(spray.vertices);
+    gl.vertexAttrib3f(1, 0.95, 0.97, 1.0);
+    painter.line.use({ view, alpha: 0.7 });
+    spray.count = ends.length / 6;
+    gl.drawArrays(gl.LINES, 0, 2 * spray.count);
+    gl.disable(gl.BLEND);
   }
 
   drawLines(view) {
@@ -436,6 +457,6 @@ class World {
   free() {
     const { gl } = this;
     for (const one of [this.tile, this.gaps, this.mirror]) gl.deleteTexture(one);
-    for (const one of [this.surfaces.tank.vertices, this.surfaces.sea?.vertices, this.wall, this.balls.vertices, this.lines.vertices, this.ground?.vertices, ...this.ships.map((s) => s.vertices)]) gl.deleteVertexArray(one || null);
+    for (const one of [this.surfaces.tank.vertices, this.surfaces.sea?.vertices, this.wall, this.balls.vertices, this.lines.vertices, this.spray.vertices, this.ground?.vertices, ...this.ships.map((s) => s.vertices)]) gl.deleteVertexArray(one || null);
   }
 }

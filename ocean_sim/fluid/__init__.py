@@ -112,16 +112,12 @@ class Displacing(Protocol):
     body: Any  # `position` (3,) of its centre of mass [m]
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
-        """x, z and depth below the surface (m, 3) [m] of the water that the body displaces, and volumes (m,) [m3]; m is
-        0 if the body's law of motion does not compute them."""
+        """Displaced water: x, z, depth below the surface (m, 3) [m], volumes (m,) [m3]; m is 0 if not computed."""
 
 
 class Fluid(Protocol):
-    """Interface of water. A Taichi kernel can call `elevation`; between steps all fields are current, and particles are
-    sorted by cell.
-
-    Kinds of water derive from this class. A default stands for a property that a kind lacks.
-    """
+    """Interface of water, with defaults of what a kind lacks. A Taichi kernel can call `elevation`; between steps all
+    fields are current, and particles are sorted by cell."""
 
     config: Any  # the kind's Config
     particles: Particles | None = None  # None in a closed form
@@ -176,11 +172,8 @@ class Fluid(Protocol):
 
     @property
     def work(self) -> dict[str, float]:
-        """Work [J] on the water since the start, by name of the force term; empty if not summed.
-
-        Gravity includes the body force. The work of diffusion is the energy of its compression; that of breaking is the
-        energy lost by a tile of nonlinear sea.
-        """
+        """Work [J] on the water since the start, by force term; empty if not summed. Gravity includes the body force;
+        the work of diffusion is the energy of its compression, that of breaking the energy lost by a tile of sea."""
         return {}
 
     @property
@@ -193,8 +186,7 @@ class Fluid(Protocol):
         return
 
     def add_ships(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
-        """Let these ships displace the water from now on. Return the water that each ship feels: this one for all,
-        unless a kind keeps the waves of each ship apart."""
+        """Let ships displace the water; return the water that each feels: this one, or one without her own waves."""
         return (self,) * len(ships)
 
     def advance(self, dt: float) -> None:
@@ -207,8 +199,7 @@ class Fluid(Protocol):
         """(m, 2) points x, z [m] -> (m,) heights [m] of the water, from Python."""
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray | None:
-        """(m,) heights [m] without the waves of ships, where the `elevation` with them is (m,) [m]; None where the
-        water does not keep these waves apart."""
+        """(m,) heights [m] without ships' waves, given those with them (m,) [m]; None if not kept apart."""
         return None
 
     def pressures(self, points: np.ndarray) -> np.ndarray:

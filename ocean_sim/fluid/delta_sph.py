@@ -143,8 +143,7 @@ class Config(SphConfig):
 
 
 def column_drop(top: np.ndarray | float, bottom: np.ndarray | float, pull: float, sound_speed: float) -> np.ndarray:
-    """Settlement [m] of water at p / rho = `top` [m2/s2] on a column down to p / rho = `bottom` under an acceleration
-    `pull` [m/s2]: the integral of p / (rho0 c^2)."""
+    """Settlement [m] from p / rho `top` to `bottom` [m2/s2] under `pull` [m/s2]: integral of p / (rho0 c^2)."""
     return np.maximum(np.square(bottom) - np.square(top), 0.0) / (2.0 * pull * sound_speed**2)
 
 
@@ -364,9 +363,8 @@ class Continuity(Law):
 
     @ti.func
     def grade_diffusion(self, i, filled):
-        """Store the share of the density diffusion that particle i takes: 1 if its kernel is filled, 0 next to a free
-        surface, unless the water is sheared (spin as great as strain) and not merely stretched, as by waves (a switch
-        as that of Balsara 1995, J. Comput. Phys. 121)."""
+        """Store the share of density diffusion: 1 in a filled kernel, 0 next to a free surface, unless the water is
+        sheared (spin as great as strain), not merely stretched (a switch as of Balsara 1995, J. Comput. Phys. 121)."""
         fluid, spin, strain = self.fluid, self.fluid.spin[i], self.fluid.strain[i]
         inside = tm.clamp((filled - CUT_SHARE) / (FILLED_SHARE - CUT_SHARE), 0.0, 1.0)
         beyond = spin / (strain + fluid.calm) - STRETCHED_RATIO
@@ -395,8 +393,7 @@ class Continuity(Law):
 
     @ti.func
     def leak(self, thinner, edge, deviation):
-        """Rate [1/s] at which pressure leaks that particles do not stand for: up to c / H where they are thinner than
-        the density says and it is above rest, or denser and it is below."""
+        """Rate [1/s] at which pressure leaks: up to c / H where it is above rest in thin water, below in dense."""
         beyond = (ti.abs(thinner) - PACKING_TOLERANCE - EDGE_TOLERANCE * edge) / PACKING_RANGE
         rate = self.fluid.sound_speed / self.fluid.smoothing.support * tm.clamp(beyond, 0.0, 1.0)
         return ti.select(thinner * deviation > 0.0, rate, 0.0)
@@ -457,8 +454,7 @@ class Continuity(Law):
 
 @in_kernels
 class Shear(Law):
-    """Pair law for the squared spin and strain rate of the water around each particle, averaged over past time;
-    evaluated seldom, since the sums are expensive."""
+    """Pair law for squared spin and strain rate around each particle, averaged over past time; evaluated seldom."""
 
     row, options = Columns(position=3, velocity=3), WalkOptions(padded=True)
 
@@ -623,8 +619,7 @@ class DeltaSph(Sph):
 
     @ti.kernel
     def drift_kick_drift(self, dt: float, speed: float, since: float):
-        """Move the particles by a step of dt [s]: drift half of it, sort, kick, drift to the end; `speed`: of the shift
-        [m/s]; `since`: the wind's clock [s]."""
+        """Move the particles by dt [s]: drift, sort, kick, drift; `speed` of the shift [m/s]; `since` as of `wind`."""
         self.dt[None] = dt
         self.wind.set_clock(since, dt)
         h = self.smoothing.length

@@ -48,8 +48,7 @@ class Lattice:
 
 
 def deepest_first(distance: np.ndarray, spacing: float) -> np.ndarray:
-    """Order of points at distances (n,) [m] from a body, negative inside: the deepest first, spread evenly along rows
-    of the same depth."""
+    """Order of points at distances (n,) [m] from a body, deepest inside first, spread along rows of equal depth."""
     rows = np.round(distance / (ROW_TOLERANCE * spacing))
     return np.lexsort((np.arange(len(distance)) * GOLDEN_RATIO % 1.0, rows))
 
@@ -85,8 +84,7 @@ def fit_particles(
 def kept_room(
     positions: np.ndarray, content: bytes, made: Callable[[], dict[str, np.ndarray]], *asked: type
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Room of a body in a lattice at `positions` (n, 3) [m], as `basin.Solid.make_room` returns it: from the user's
-    cache, or `made` as by `fit_particles`. `content` and `asked`: as of `cached_arrays`."""
+    """Room in a lattice at `positions` (n, 3) [m], as of `basin.Solid.make_room`, from the user's cache or `made`."""
     found = cached_arrays("rooms", content, made, *asked)
     gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()
     gone[found["gone"]], moved[found["near"]] = True, found["moved"]

@@ -58,8 +58,7 @@ class Relief:
 
 
 def highest_reached(heights: np.ndarray, steps: np.ndarray, ground: Ground, support: float) -> np.ndarray:
-    """Heights (n, m) [m], at nodes `steps` (2,) [m] apart with bed `heights` (n, m), below which samples of the bed may
-    lie within a `support` [m]."""
+    """Heights (n, m) [m] below which bed samples may lie within a `support` [m]; nodes are `steps` (2,) [m] apart."""
     from scipy.ndimage import grey_dilation
 
     across = [np.arange(-n, n + 1) for n in (ceil(SLACK_NODES + support / step) for step in steps)]

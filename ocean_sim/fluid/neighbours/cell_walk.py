@@ -66,8 +66,7 @@ class CellWalk:
 
     @ti.func
     def list_near(self, begin, end, code, shift, middle, half, first):
-        """List the particles `begin` to `end` - 1 that, shifted [m], are near a box, each with the code of the shift,
-        from index `first` on; return their number. First all are tested, several at a time, then they are listed."""
+        """List particles near a box, with the code of their `shift` [m], from index `first` on; return their number."""
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         for a in range(end - begin):
             at = begin + a
@@ -86,8 +85,7 @@ class CellWalk:
 
     @ti.func
     def find_candidates(self, c, code, middle, half, first, room):
-        """List the particles near a box around cell c, each with `code` (its periodic shift), from index `first` on;
-        return their number, or -1 if they are more than `room`."""
+        """List particles near a box around cell c from `first` on; return their number, -1 if more than `room`."""
         grid = self.grid
         m, full = 0, 0
         for dz in range(-1, 2):
@@ -249,8 +247,7 @@ class CellWalk:
 
     @ti.func
     def add_images(self, law: Template, find: Template, mirror, scratch, n, gap, m, first, run):
-        """Write the rows of `run` images in one side, listed from index `first` on, behind the m candidates in the
-        scratch, of which the first n lie before the gap."""
+        """Write rows of `run` images in a side, listed from `first` on, behind m candidates, n before the gap."""
         for b in range(run):
             a, to = self.candidate[first + b], scratch + gap + m + b
             a += scratch + ti.select(a < n, 0, gap)
@@ -289,8 +286,7 @@ class CellWalk:
 
     @ti.func
     def candidate_sums(self, law: Template, pair: Template, own, begin, middle, end, find: Template, to):
-        """Sums of `pair` over the scratch rows `begin` to `middle`, and over the images from there to `end`. If pairs
-        are kept, their gradient shapes are stored from index `to` on."""
+        """Sums of `pair` over scratch rows `begin` to `middle`, and over images to `end`; keeps shapes from `to` on."""
         total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
         for a in range(begin, middle):
             total += self.candidate_term(law, pair, own, a, find, to + a - begin)
@@ -309,8 +305,7 @@ class CellWalk:
 
     @ti.func
     def sum_up(self, k, law: Template, find: Template, group, n, m):
-        """Sum the law for every particle of occupied part k over the m candidates in the scratch, of which the first n
-        are particles and the others images, and call its `finish`."""
+        """Sum the law for each particle of part k over m candidates, the first n particles, and call its `finish`."""
         # Layout of the scratch: particles up to `images`, then their images up to `end`, each filled up if padded.
         scratch = group * self.width
         images, end = scratch + n + self.image_gap(law, n), scratch + self.padded_count(law, m)

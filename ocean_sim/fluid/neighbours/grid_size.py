@@ -28,10 +28,8 @@ def whole_vectors(count):
 
 @dataclass(frozen=True)
 class Plan:
-    """Division of particles into tasks, and the classes that sort them and walk over neighbours (`backend_plan.PLANS`).
-
-    This plan suits the threads of a processor: few long tasks, each with a list of candidates for its cells.
-    """
+    """Division of particles into tasks, and the classes that sort them and walk over neighbours (`backend_plan.PLANS`);
+    this one suits a processor's threads: few long tasks, each with a list of candidates for its cells."""
 
     grid: Any  # constructor of the cells
     accounts: Any  # constructor of the accounts of a step

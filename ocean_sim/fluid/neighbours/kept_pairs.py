@@ -71,8 +71,7 @@ class KeptPairs(ABC):
 
     @ti.func
     def image_velocity(self, v, name, away):
-        """Velocity [m/s] of the image of a particle with velocity v: components along the axes coded in `name` change
-        sign, and a piston beyond adds twice its own; `away` points from the image into the water."""
+        """Velocity [m/s] of an image: axes coded in `name` change sign, a piston adds twice its own towards `away`."""
         image, flips = v, name // MOST_PARTICLES
         for k in ti.static(range(3)):
             image[k] = ti.select(flips >> k & 1, -image[k], image[k])
@@ -160,8 +159,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def keep_part(self, k, group, names: Template, n, images, m, end):
-        """Store the m candidates of part k (n particles; images from scratch index `images` to `end`) and `names`.
-        Return the index of its first particle's shapes, the step to the next one's, and 1 if there is room, else 0."""
+        """Store m candidates of part k; return its first shapes' index, the step between, and 1 if there is room."""
         scratch, first, begun = group * self.width, self.next_first[group], self.next_begun[group]
         near, seen, room = images - scratch, end - scratch, 1
         if first + seen > (group + 1) * self.segment:

@@ -86,8 +86,7 @@ class Breaking:
             self.lost += before - sea.energy()
 
     def crest_state(self, sea: "HighOrder") -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Local wavenumber along the waves [rad/m], speed of crests [m/s], and the ratio u/C of water to crest speed (0
-        away from crests); (cells, rows) each."""
+        """Local wavenumber [rad/m], crest speed C [m/s], ratio u/C (0 away from crests); (cells, rows) each."""
         tile, (c, s) = self.tile, self.ahead
         e, p = tile.to_modes(sea.eta), tile.to_modes(sea.phi)
         now, (ex, ez) = sea.surface_state(e, p), tile.slopes(e)
@@ -113,8 +112,7 @@ class Breaking:
         self.left[at] = np.maximum(self.left[at], BREAKING_PERIODS * self.period)
 
     def diffusion(self, sea: "HighOrder", nu: np.ndarray, field: np.ndarray) -> np.ndarray:
-        """Rate of change (cells, rows) of a field by a viscosity nu (cells, rows) [m2/s]: div (2 nu grad field) in the
-        resolved modes; its mean is 0."""
+        """Rate of change (cells, rows) of a field by a viscosity nu (cells, rows) [m2/s]: div (2 nu grad field)."""
         tile = self.tile
         fluxes = [2.0 * nu * tile.to_values(slope) for slope in tile.slopes(tile.to_modes(field))]
         (xx, _), (_, zz) = (tile.slopes(tile.to_modes(flux)) for flux in fluxes)
@@ -240,8 +238,7 @@ def tile_step(tile: Tile) -> float:
 
 
 def nonlinear_sea(sea: waves.Components, tile: Tile, onset: float, breaking: bool, period: float) -> HighOrder:
-    """Make a nonlinear sea that starts from these waves, which must be periodic on the tile; `period` of the highest
-    waves [s], 0 if none may break; `onset` as for HighOrder."""
+    """Nonlinear sea from waves that are periodic on the tile; `period` of the highest [s], 0 if none may break."""
     of_tile = replace(tile, part=RESOLVED_SHARE)
     crests = Breaking(of_tile, mean_direction(sea), period) if breaking and period else None
     steep = HighOrder(of_tile, onset, crests)

@@ -112,8 +112,7 @@ class OpenWater(Fluid):
         return self.flow_velocities(at, np.zeros(len(at)))
 
     def flow_velocities(self, at: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Velocities (m, 3) [m/s] at points x, z (m, 2) [m] in axes that move with the current, and at heights y (m,)
-        [m] in the Wheeler-stretched column."""
+        """Velocities (m, 3) [m/s] at x, z (m, 2) [m] in the current's axes and Wheeler-stretched heights y (m,) [m]."""
         stretched = np.stack([at[:, 0], y, at[:, 1]], axis=1)
         v = waves.linear_velocity(self.waves.sea, stretched, self.time)
         v += [self.current[0], 0.0, self.current[1]]
@@ -132,8 +131,7 @@ class OpenWater(Fluid):
         return np.where(points[:, 1] < eta, self.rest_density * self.waves.sea.gravity * head, 0.0)
 
     def locate_points(self, points: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
-        """Points (m, 3) [m] as x, z (m, 2) [m] in axes that move with the current; elevation (m,) [m] there; and
-        heights (m,) [m] of the points in the Wheeler-stretched column."""
+        """Points (m, 3) [m] as x, z (m, 2) in the current's axes, elevation (m,), Wheeler-stretched height (m,) [m]."""
         points = np.asarray(points, dtype=float)
         at = points[:, [0, 2]] - self.drift
         eta = self.water_elevations(at)

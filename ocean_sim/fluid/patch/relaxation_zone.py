@@ -66,11 +66,8 @@ class RelaxationBand:
         return speed * abs(float(k[axis])) / float(np.hypot(*k)), self.sides[axis]
 
     def height_profile(self, with_waves: float) -> tuple[np.ndarray, np.ndarray] | None:
-        """Distances (n,) [m] from a ship along the highest waves, and their complex height there over that of the sea.
-
-        Solves the equation of this module; None where the scheme's loss is unknown. `with_waves`: the ship's speed
-        along the waves over their group speed.
-        """
+        """Distances (n,) [m] from a ship along the highest waves, and their complex height there over the sea's; None
+        if losses are unknown. `with_waves`: her speed along them over their group speed."""
         if self.sea is None or self.losses is None:
             return None
         loss, feed = (complex(of[self.sea.highest]) for of in (self.losses, self.feed))
@@ -218,8 +215,7 @@ class RelaxationBand:
 
 
 def rim_depth(away: np.ndarray, periods: np.ndarray, width: float) -> np.ndarray:
-    """Depth (n,) [m] in the relaxation zone of points at x, z (n, 2) [m] from the centre of a patch, or of their
-    periodic repeats; negative outside. `width` of the zone [m]."""
+    """Depth (n,) [m] in a zone of `width` [m] at x, z (n, 2) [m] from a patch's centre or repeat; negative outside."""
     depth = np.abs(away - whole_sides(away, periods)) - (0.5 * periods - width)
     return np.where(periods > 0.0, depth, -np.inf).max(axis=-1)
 

@@ -98,8 +98,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def row_of_terms(self, weight, push, rub, shear, x_ij):
-        """Terms of a pair as a vector in the order of `terms`: vectors `push` (pressure), `rub` (all dissipation) and
-        `shear` (friction alone, part of `rub`), each times `weight`."""
+        """Terms of a pair in order of `terms`: `push`, `rub` (all dissipation), `shear` (friction); times `weight`."""
         total = ti.Vector.zero(float, self.terms.size)
         if ti.static(self.fluid.rubs):
             total[self.terms.filled] = self.fluid.smoothing.pair_gradient(x_ij).dot(x_ij)
@@ -168,8 +167,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def constrain(self, i, x, v, dt):
-        """Position [m] of particle i after a step from x [m] at v [m/s], without and with walls; velocity [m/s] with
-        walls; and 1 if the motion limit slowed it, else 0."""
+        """Position [m] after a step without and with walls, velocity [m/s], and 1 if the motion limit slowed it."""
         fluid, walls = self.fluid, self.fluid.walls
         pushed, fast = walls.limit_motion(walls.relax(x, v, dt), dt)
         x_free = x + fluid.grid.whole_quanta(i, ti.static(1.0 - self.drifted) * dt * pushed)

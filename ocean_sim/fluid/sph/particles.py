@@ -166,8 +166,7 @@ class Particles:
             number[i], pressure[i] = self.id[i], self.pressure[i]
 
     def in_box(self, middle: np.ndarray, scale: np.ndarray, most: float, every: int) -> np.ndarray:
-        """Every `every`-th particle by id, as rows (m, 4): position relative to `middle` [m] times `scale` [1/m],
-        rounded and clamped to +-`most` along each axis, and speed [m/s]."""
+        """Every `every`-th particle, as (m, 4): (x - `middle`) * `scale`, rounded within +-`most`; speed [m/s]."""
         rows: np.ndarray = np.empty((-(-self.count.now // every), 4), self.position.precision)
         self.put_in_box(rows, self.count.now, tm.vec3(*middle), tm.vec3(*scale), most, every)
         return rows

@@ -94,8 +94,7 @@ class Compression(KeptLaw):
 
 @in_kernels
 class Push(KeptLaw):
-    """Pair law for the velocity under all pressures that a solver has added in a step; the adjoint of Compression. It
-    sums them anew in each iteration, so that rounding does not add up."""
+    """Pair law for the velocity under all pressures of a step, adjoint of Compression; summed anew against rounding."""
 
     row, terms = Columns(position=3, pressure=1), Columns(push=3)  # the row of what is summed over samples of bodies
 

@@ -226,8 +226,7 @@ class SphConfig(WaterConfig):
         return [f"{pulled} of the water and {squeezed}: levels and pressures are off by as much; {wanted}"]
 
     def list_size(self, lattice: Lattice, arch: str, reads: int, carried: int = 0) -> GridSize:
-        """Sizes of the grid and lists on a backend (`arch`), for pair laws that read at most `reads` fields and a sort
-        that moves `carried` further numbers."""
+        """Sizes of grid and lists on a backend: laws read at most `reads` fields, sorts move `carried` numbers more."""
         support = self.ratio(lattice.basin) * lattice.spacing
         carried += self.told_to_bodies if has_bodies(lattice.basin) else 0
         return GridSize(lattice, support, PLANS[arch], carried, reads)
@@ -307,8 +306,7 @@ class SphConfig(WaterConfig):
 
 
 def scheme_ledger(preflight: Preflight, sizes: GridSize, numbers: int, what: str, told: int = 0) -> list[LedgerRow]:
-    """Rows of the memory ledger of a scheme with `numbers` numbers a particle besides its id (described by `what`);
-    `told`: numbers that each particle carries for solid bodies."""
+    """Rows of a scheme's memory ledger: `numbers` (`what`) a particle besides its id, and `told` for solid bodies."""
     n, support, lattice, word = sizes.lattice.n, sizes.support, sizes.lattice, preflight.word
     lists = sizes.plan.list_bytes(sizes, word)
     return [
@@ -359,8 +357,7 @@ def _of_sea(lattice: Lattice, word: int) -> list[LedgerRow]:
 
 
 def _of_bodies(grid: GridSize, word: int, accounts: bool, told: int) -> list[LedgerRow]:
-    """Rows of the memory ledger for solid bodies; the first includes the cell starts of samples. `told`: numbers that
-    each particle carries for bodies; `accounts`: True if the work of moving bodies is summed."""
+    """Memory ledger of solid bodies; `told`: numbers a particle carries for them; `accounts`: True to sum work."""
     lattice, basin = grid.lattice, grid.lattice.basin
     rows: list[LedgerRow] = []
     if not has_bodies(basin):

@@ -62,8 +62,7 @@ def export_shots(frames: list[Path], grid: dict[str, np.ndarray], z_up: bool) ->
 def export_particles(
     frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
 ) -> list[Path]:
-    """Write particles with velocity, id and pressure to one file (vtkhdf) or one file a frame (ply); returns the files.
-    Raises NothingToExport if the frames hold none. `grid`: arrays that the run saves once."""
+    """Write particles to one file (vtkhdf) or one a frame (ply); returns the files, or raises NothingToExport."""
     if "position" not in read_npz(frames[0]):
         raise NothingToExport("these frames hold no particles; run with frames.particles: true")
     kept = ((shot.time, shot.particles["position"], shot.particles) for shot in export_shots(frames, grid, z_up))
@@ -86,8 +85,7 @@ def without_key(fields: dict[str, np.ndarray], name: str) -> dict[str, np.ndarra
 def export_surface(
     frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
 ) -> list[Path]:
-    """Write the water's surface with foam and velocity, ships at their poses, gates, and once fixed obstacles and bed;
-    returns the files: one per object and frame (ply, vtp) or per object (vtkhdf). `grid`: arrays kept once."""
+    """Write surface, ships, gates, and once obstacles and bed, an object (vtkhdf) or frame a file; returns files."""
     files: dict[str, list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]] = {"surface": []}
     drawn = {key: model.mesh for key, model in scene_file.ship_models(grid).items()}
     for shot in export_shots(frames, grid, z_up):
@@ -116,8 +114,7 @@ def export_surface(
 def save_moments(
     out: Path, name: str, kind: str, moments: list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]
 ) -> list[Path]:
-    """Write a mesh at several moments (time [s], points, triangles, fields) to `kind` files `name`; returns the
-    files."""
+    """Write a mesh at moments (time [s], points, triangles, fields) to `kind` files `name`; returns the files."""
     if kind == "vtkhdf":
         path = out / f"{name}.vtkhdf"
         with atomic_write(path) as draft, Series(draft, "Polygons") as series:

@@ -53,8 +53,7 @@ class ExportShot(NamedTuple):
 
 
 def read_shot(frame: Path, grid: dict[str, np.ndarray], wakes: RunWakes) -> ExportShot:
-    """Read the contents of a frame to export. The water is the run's surface mesh if it has one, else a mesh of the
-    heights; at sea it gets the wakes and foam that pictures show. `grid`: arrays that the run saves once."""
+    """Contents of a frame to export; at sea its water gets wakes and foam. `grid`: arrays that the run saves once."""
     data = read_npz(frame)
     raised = np.zeros(data["elevation"].shape)
     if "foam" in data and len(grid["z"]) > 1:
@@ -139,8 +138,7 @@ def file_name(key: str) -> str:
 
 
 def frame_rate(first: float, last: float, count: int, every: float) -> float:
-    """Frames per second of a film of `count` frames between a first and last time [s]; `every`: interval [s] at which
-    the run kept frames, of which the film may skip some."""
+    """Frames per second of `count` frames from `first` to `last` [s]; the run kept one `every` [s], a film may skip."""
     if count < 2:
         return 24.0
     apart = (last - first) / (count - 1)

@@ -68,8 +68,7 @@ class RunWakes:
         return [ship for ship in ships if ship.wet]
 
     def behind(self, time: float, points: np.ndarray, answer: np.ndarray | None) -> np.ndarray:
-        """Height (nx, nz) [m] of ship waves to add to the run's water, except bow waves, at points x, z (nx nz, 2) [m];
-        `answer`: response of the run's water to its ships [m], which is limited near them, or None."""
+        """Ship waves (nx, nz) [m] but bow waves at x, z (nx nz, 2) [m]; `answer`: what the run's water has [m]."""
         shape = len(self.x), len(self.z)
         more = np.zeros(shape)
         if answer is not None:

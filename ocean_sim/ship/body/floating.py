@@ -341,8 +341,7 @@ class FloatingConfig(VesselConfig):
 
 
 def afloat_pose(still: Hydrostatics) -> tuple[float, np.ndarray]:
-    """Height of the centre of mass over the still water [m], and quaternion (4,) of trim and heel, of a ship at rest;
-    upright if no balance is found. A ship that cannot float has her deck awash."""
+    """Height of the centre of mass [m] and quaternion (4,) of a ship at rest; upright without a balance, or awash."""
     if isinf(still.draught):
         return float(still.matter.centre[1] - still.voxels.centre[:, 1].max()), euler_quaternion(0.0, 0.0, 0.0)
     found = rest_angles(still)

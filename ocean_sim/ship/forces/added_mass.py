@@ -164,8 +164,7 @@ def water_momentum(water: list[float], between: np.ndarray | None, line: Vector,
 def joint_acceleration(
     mass: float, inertia: Rows, water: list[float], between: np.ndarray | None, push: Vector, twisting: Vector
 ) -> tuple[Vector, Vector]:
-    """Linear [m/s2] and angular acceleration [rad/s2] of a hull and its added mass `water` (6,), coupled by `between`,
-    under a force `push` [N] and a torque `twisting` [N m]."""
+    """Linear [m/s2], angular [rad/s2] acceleration of a hull with added mass under a `push` [N], `twisting` [N m]."""
     x, y, z = water[3:]
     (p, q, r), (s, t, u), (v, w, o) = inertia
     whole = (p + x, q, r), (s, t + y, u), (v, w, o + z)

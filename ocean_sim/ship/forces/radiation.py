@@ -235,8 +235,7 @@ class Scattering:
         return found
 
     def unit_wave_forces(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
-        """(6, n) complex forces per unit amplitude, by frequency and heading [deg] relative to the ship's; mirrored if
-        the table ends at 180 degrees, constant beyond its frequencies."""
+        """(6, n) complex forces per unit amplitude, by frequency and relative heading [deg]; mirrored beyond 180."""
         headings, force = self.scattered
         angle, turned = heading % 360.0, np.ones((6, len(heading)))
         if headings.max() <= 180.0:
@@ -342,8 +341,7 @@ class Radiation:
         return Response(times, kernels, whole - whole[:, :, -1:], added)
 
     def retardation_kernel(self, times: np.ndarray, damping: np.ndarray) -> np.ndarray:
-        """Kernel K (n,) at times (n,) [s] from damping at the table's frequencies; beyond these, damping falls on as at
-        their end, by a power of the frequency."""
+        """Kernel K (n,) at times (n,) [s]; beyond the table damping falls on by a power of the frequency."""
         from scipy.interpolate import PchipInterpolator
 
         omega = self.omega

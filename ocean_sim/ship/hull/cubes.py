@@ -46,8 +46,7 @@ FACE_COLUMNS = Columns(
 
 
 class Wetted(NamedTuple):
-    """Sums over all cubes of a hull: forces [N] and torques about the centre of mass [N m] by part, (2, 3) each, world
-    axes; their volume under water, and the motion of the water around them."""
+    """Sums over a hull's cubes: forces [N] and torques [N m] by part, world axes; wet volume, water's motion."""
 
     buoyancy: np.ndarray
     wave: np.ndarray
@@ -132,8 +131,7 @@ class Cubes:
     def displaced_water(
         self, body: RigidBody, around: SurroundingWater | SurroundingSea
     ) -> tuple[np.ndarray, np.ndarray]:
-        """x, z and depth below the surface (m, 3) [m] of the wet part of each cube at the pose of a body, and volumes
-        (m,) [m3]. The water surface is that `around` the hull at the last load, moved on by its current."""
+        """x, z, depth (m, 3) [m] and volumes (m,) [m3] of cubes' wet parts, in the last load's water, moved on."""
         write_pose(self.table[0], body)
         middle = around.middle_now()
         self.table[0, [pose.position, pose.position + 2]] -= middle
@@ -193,8 +191,7 @@ class Cubes:
         velocity,
         omega,
     ):
-        """Add loads of water and wind on cube k to its block's `total`: hull at `position` with matrix `turn`,
-        `velocity`, `omega`; cubes `tall` [m]; `middle` of the lattice, from which positions count."""
+        """Add loads of water and wind on cube k to its block's `total`; cubes `tall` [m]; `middle` of the lattice."""
         arm = turn @ self.arm[k]
         x, wet = position + arm, 0.0
         if x.y - 0.5 * tall < water.frame[HIGHEST_LEVEL]:
@@ -253,8 +250,7 @@ class Cubes:
 
     @ti.func
     def add_motion(self, total: Template, column: Template, own, face, moved):
-        """Add `moved`, velocity or acceleration of the water at a cube, times the cube's `face` (3,) areas to `total`,
-        and its moments for pitch, yaw and roll about the centre of mass, from which the cube lies at `own` (3,)."""
+        """Add the water's motion `moved` times a cube's `face` (3,) to `total`, and its moments about the centre."""
         for c in ti.static(range(3)):
             self.add_number(total, column + c, face[c] * moved[c])
         self.add_number(total, column + 3, -face.y * own.z * moved.y)
@@ -263,8 +259,7 @@ class Cubes:
 
 
 def as_one_body(moved: list[float], faces: list[float], size: list[float]) -> np.ndarray:
-    """(6,) rigid-body motion about the centre of mass that fits the water's motion at the cubes by least squares,
-    weighted by faces. `moved`: sums (6,) of `add_motion`; `faces`: sums by FACE_COLUMNS; `size`: of a cube (3,) [m]."""
+    """(6,) rigid-body motion by least squares of the water's `moved` (6,), weighted by `faces` (FACE_COLUMNS)."""
     x, y, z, turned_x, turned_y, turned_z = moved
     area_x, area_y, area_z = (max(area, 1e-12) for area in faces[:3])
     ahead, ahead_x, aside = faces[3] / area_y, faces[4] / area_x, faces[5] / area_y

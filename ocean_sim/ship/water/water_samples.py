@@ -115,8 +115,7 @@ class SampleLattice:
 
     @ti.func
     def surface_at(self, corner: Template):
-        """Elevation [m] in a cell (from `cell_at`), and the wave force over the weight of the displaced water, where
-        the surface alone is known: that of long waves, along its slope."""
+        """Elevation [m] in a cell, and force over displaced weight of long waves, where the surface alone is known."""
         i, k, a, b = corner
         here, left = self.level[i, k], self.level[i, k + 1]
         ahead, across = self.level[i + 1, k], self.level[i + 1, k + 1]
@@ -142,8 +141,7 @@ class SurroundingWater(SampleLattice):
         rim: float = 0.0,
         others: Sequence[Contact] = (),
     ) -> None:
-        """Sizes of the hull [m]; `hollow`: distances from the hull if it keeps particles out, as far as `rim` [m];
-        `others`: all hulls that do, this one with them."""
+        """Sizes [m]; `hollow`: distances from a hull that keeps particles out, to `rim` [m]; `others`: all such."""
         self.size_lattice(length, breadth, height, rim)
         self.hollow = hollow is not None
         if hollow is not None:
@@ -265,8 +263,7 @@ class SurroundingSea(SampleLattice):
 
     @ti.func
     def motion_at(self, corner: Template, eta, depth):
-        """(6,) velocity of the water [m/s], and its acceleration over gravity, the wave force over the weight of
-        displaced water, in a cell (from `cell_at`) at a depth [m] under an elevation `eta` [m]."""
+        """(6,) velocity [m/s] and acceleration over gravity of the water, in a cell at a depth [m] under `eta` [m]."""
         h = ti.static(self.window.depth)
         stretched = h * depth / ti.max(h + eta, 1e-6 * h)  # Wheeler's
         level = tm.clamp(stretched / self.layer, 0.0, DEPTH_LEVELS - 1.0)

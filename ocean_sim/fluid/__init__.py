@@ -25,11 +25,9 @@ if TYPE_CHECKING:  # other rooms know these by type alone; each is imported only
 
 @dataclass(frozen=True)
 class Limits:
-    """Time scales that a time step must stay a fraction of [s]; infinite where a limit does not exist.
-
-    With h the smoothing length: acoustic h / (c + |v|), viscous h^2 / nu, force sqrt(h / |a|)
-    (Monaghan 1992, Annu. Rev. Astron. Astrophys. 30; Morris, Fox & Zhu 1997, J. Comput. Phys. 136, eqs. 30-32).
-    """
+    """Time scales that a time step must stay a fraction of [s]; infinite where a limit does not exist: acoustic h / (c
+    + |v|), viscous h^2 / nu, force sqrt(h / |a|), h the smoothing length (Monaghan 1992, Annu. Rev. Astron. Astrophys.
+    30; Morris, Fox & Zhu 1997, J. Comput. Phys. 136, eqs. 30-32)."""
 
     acoustic: float = inf
     viscous: float = inf
@@ -251,8 +249,7 @@ class ClosedForm(Fluid, Protocol):
         """ti.func: elevation [m] at x, z [m] by all waves but the plane ones, when the last step began."""
 
     def moving(self, x: Any, z: Any, depth: Any) -> Any:
-        """ti.func: velocity [m/s] and acceleration [m/s2] of the current and of all waves but the plane ones, at x, z
-        [m] and a depth [m] of the Wheeler-stretched column, when the last step began."""
+        """ti.func: velocity [m/s], acceleration [m/s2] by current and all but plane waves, at a Wheeler `depth` [m]."""
 
     def window(self, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]) -> Window:
         """Make a lattice that tabulates the plane waves at `size` nodes, `step` [m] apart, and at `depths` [m]."""

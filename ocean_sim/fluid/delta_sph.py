@@ -263,11 +263,8 @@ class Momentum(MomentumLaw):
 @in_kernels
 class Continuity(Law):
     """Pair law for the rate of the density (Monaghan 1994, eq. 2.4) and its diffusion; in a closed basin also for the
-    shift of particles. Each term is times -m grad W / x_ij.
-
-    It reads positions and velocities at the end of the step, the density's deviation in its middle, and the share of
-    diffusion at the end of the last one.
-    """
+    shift of particles. Each term is times -m grad W / x_ij. It reads positions and velocities at the end of the step,
+    the density's deviation in its middle, and the share of diffusion at the end of the last one."""
 
     row = Columns(position=3, velocity=3, deviation=1, share=1)
     options = WalkOptions(padded=True)
@@ -504,12 +501,9 @@ class Shear(Law):
 
 @in_kernels
 class DeltaSph(Sph):
-    """Water by delta-SPH. Between steps positions, velocities, densities and pressures are all at one time, in the
-    order of the cells in which the particles were half a step ago.
-
-    In a basin without a free surface, particles are shifted along the gradient of their number, which keeps them from
-    lining up along streamlines (Lind et al. 2012, J. Comput. Phys. 231; Sun et al. 2017, CMAME 315, eq. 16).
-    """
+    """Water by delta-SPH. Between steps positions, velocities, densities and pressures are at one time, in the order of
+    the cells of half a step ago. Without a free surface, particles are shifted along the gradient of their number, lest
+    they line up along streamlines (Lind et al. 2012, J. Comput. Phys. 231; Sun et al. 2017, CMAME 315, eq. 16)."""
 
     config: Config
 

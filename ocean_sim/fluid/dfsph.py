@@ -443,16 +443,12 @@ class Dfsph(Sph):
             self.pairs.walk(self.incompressible.compression)
         else:
             for t in range(self.tasks.iterations):
-                if t % self.tasks.stride == 0:
-                    self.judge_group(t // self.tasks.stride)
+                if t % self.tasks.stride == 0:  # by the compression that the divergence solver has left
+                    group = t // self.tasks.stride
+                    self.incompressible.compression.begin(group)
+                    for i in range(self.tasks.first_particle(group), self.tasks.first_particle(group + 1)):
+                        self.incompressible.compression.judge_particle(i, self.rate[i], group)
         self.rows.sum_into(report)
-
-    @ti.func
-    def judge_group(self, group):
-        """Compute errors and next pressures of a group from the compression that the divergence solver has left."""
-        self.incompressible.compression.begin(group)
-        for i in range(self.tasks.first_particle(group), self.tasks.first_particle(group + 1)):
-            self.incompressible.compression.judge_particle(i, self.rate[i], group)
 
     @ti.kernel
     def displace_and_react(self):

@@ -333,11 +333,8 @@ def gauss_points(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def line_crossings(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Crossings of faces (m, 3, 3) with lines along y at ascending x and z, line by line and upwards: number of the
-    line (that of its x times len(z), plus that of its z), height, and winding number above.
-
-    Planes across z cut faces in segments, whose ends both faces of an edge share by the same numbers; lines cross
-    segments between their ends. So every line leaves a closed skin as often as it enters it, rounding or not.
-    """
+    line (that of its x times len(z), plus that of its z), height, and winding number above. Faces of an edge share the
+    ends of their cuts, so a line leaves a closed skin as often as it enters it, rounding or not."""
     face, k = pairs_within(triangles[..., 2].min(axis=1), triangles[..., 2].max(axis=1), z)
     a, b, c, ahead = lone_corner_first(triangles[face], triangles[face, :, 2] > z[k, None])
     p, q = (on_edge(a, end, z[k]) for end in (b, c))

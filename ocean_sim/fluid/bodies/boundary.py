@@ -352,14 +352,9 @@ class Boundary:
         return mirror_velocity(mirror, tm.vec3(self.velocity.x[s], self.velocity.y[s], self.velocity.z[s]))
 
     @ti.func
-    def opposed_velocity(self, v, s, mirror):
-        """Velocity [m/s] of a no-slip image for water of velocity v at sample s: twice the sample's velocity less v."""
-        return 2.0 * self.mirrored_velocity(s, mirror) - v
-
-    @ti.func
     def rubbing_velocity(self, v, s, mirror):
-        """Velocity [m/s] of sample s in friction with water of velocity v: v on a free-slip body, else opposed."""
-        return ti.select(self.free[s] == 1, v, self.opposed_velocity(v, s, mirror))
+        """Velocity [m/s] of sample s in friction with water of velocity v: v on a free-slip body, else an image's."""
+        return ti.select(self.free[s] == 1, v, 2.0 * self.mirrored_velocity(s, mirror) - v)
 
     @ti.func
     def react(self, law: Template, dt):
@@ -486,8 +481,7 @@ class Reaction:
     """Point sum over particles: force [N] on sample `own`, and its part booked under walls; images push sides."""
 
     def __init__(self, boundary: Boundary, law: Law, told: tuple[ti.Field, ...], forces: tuple[Any, ...]) -> None:
-        """Sum for a law. `told`: fields of a particle that a sample reads, the law's row first; `forces`: ti.funcs from
-        a sum to the particle's acceleration [m/s2], all of it and the part booked under walls."""
+        """`told`: fields of a particle that a sample reads; `forces`: ti.funcs from a sum to accelerations [m/s2]."""
         self.boundary, self.law, self.told, self.mass = boundary, law, told, boundary.mass
         self.forces = forces if boundary.working else forces[:1]
         self.sums = 3 * len(self.forces)

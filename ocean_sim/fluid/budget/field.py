@@ -52,8 +52,7 @@ class Spread:
 
 @in_kernels
 class DynamicPressure:
-    """Point sum over particles of the pressure p - rho0 g . x [Pa] without still water's weight. An image in a wall has
-    that of its particle, plus the pressure by which wall and moving tank accelerate the water."""
+    """Point sum over particles of p - rho0 g . x [Pa]; images add the pressure of wall and tank that move the water."""
 
     sums = 1
 

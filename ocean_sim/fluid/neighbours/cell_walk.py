@@ -144,11 +144,9 @@ class CellWalk:
 
     @ti.func
     def walk(self, law: Template, find: Template):
-        """Sum law.pair over the candidates of each particle i, then call law.finish. Call this at the top of a kernel.
-
-        `find`: True if the candidates are to be listed anew, by the positions that law.reads holds. Mirror images of
-        particles in walls join the same sum, or have one of their own if the law's options say `apart`.
-        """
+        """Sum law.pair over the candidates of each particle, then call law.finish; call it at the top of a kernel.
+        `find`: list the candidates anew, by positions that law.reads holds. Mirror images of particles join the same
+        sum, or have one of their own if the law's options say `apart`."""
         for g in range(self.groups * TASK_ITERATIONS):
             if g % TASK_ITERATIONS == 0:
                 self.walk_group(g // TASK_ITERATIONS, law, find)
@@ -218,12 +216,9 @@ class CellWalk:
 
     @ti.func
     def append_images(self, k, law: Template, find: Template, middle, half, group, n, entry, room):
-        """Append the images of the n candidates to the scratch, behind a gap; return the number of candidates with
-        images, and the index at which the list of the next part begins.
-
-        From index `entry` on, the list holds for each side next to the cell the number of its images, then their
-        candidates.
-        """
+        """Append images of the n candidates to the scratch, behind a gap; return the number of candidates with images,
+        and where the list of the next part begins. From `entry` on, the list holds for each side next to the cell the
+        number of its images, then their candidates."""
         scratch, last, m, gap = group * self.width, (group + 1) * self.segment, n, self.image_gap(law, n)
         if ti.static(self.images.sides > 0):
             indices = self.grid.indices_of(self.grid.occupied[k])

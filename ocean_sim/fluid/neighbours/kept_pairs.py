@@ -124,8 +124,7 @@ def flip_code(mirror):
 
 @in_kernels
 class PairBlocks(KeptPairs):
-    """Kept pairs by part of a cell: its candidates, particles before images, each filled up to whole vectors; and for
-    each of its particles and candidates the shape of grad W, which is grad W over its constant and x_ij."""
+    """Kept pairs by part of a cell: candidates in whole vectors, particles before images; and shapes of grad W."""
 
     def __init__(
         self, position: Components, grid: Grid, scratch: tuple[ti.Field, ...], smoothing: Smoothing, size: GridSize

@@ -76,7 +76,10 @@ class Breaking:
         reach = np.pi * 2.0 * BREAKING_REACH / k
         self.left = np.maximum(self.left - dt, 0.0)
         for i, j in np.argwhere(onset):
-            self.start_breaking(i, j, float(reach[i, j]))
+            n = max(1, round(float(reach[i, j]) / self.tile.cell))  # cells around the crest that break with it
+            rows = np.arange(-n, n + 1) if self.tile.rows > 1 else np.zeros(1, dtype=int)
+            at = np.ix_((i + np.arange(-n, n + 1)) % self.tile.cells, (j + rows) % self.tile.rows)
+            self.left[at] = np.maximum(self.left[at], BREAKING_PERIODS * self.period)
         breaks = self.left > 0.0
         self.white = np.where(breaks, 1.0, self.white * np.exp(-dt / FOAM_FADE_TIME))
         if breaks.any():
@@ -103,13 +106,6 @@ class Breaking:
         before = np.roll(sea.eta, (-step_x, -step_z), axis=(0, 1))
         crest = (sea.eta >= behind) & (sea.eta > before) & (sea.eta > CREST_SHARE * float(sea.eta.max()))
         return k, speed, np.where(crest, u / speed, 0.0)
-
-    def start_breaking(self, i: int, j: int, reach: float) -> None:
-        """Mark all cells within a reach [m] of cell i, j, a crest at its onset, as breaking for BREAKING_PERIODS."""
-        n = max(1, round(reach / self.tile.cell))
-        rows = np.arange(-n, n + 1) if self.tile.rows > 1 else np.zeros(1, dtype=int)
-        at = np.ix_((i + np.arange(-n, n + 1)) % self.tile.cells, (j + rows) % self.tile.rows)
-        self.left[at] = np.maximum(self.left[at], BREAKING_PERIODS * self.period)
 
     def diffusion(self, sea: "HighOrder", nu: np.ndarray, field: np.ndarray) -> np.ndarray:
         """Rate of change (cells, rows) of a field by a viscosity nu (cells, rows) [m2/s]: div (2 nu grad field)."""
@@ -199,8 +195,7 @@ class HighOrder:
     def higher_orders(
         self, eta: np.ndarray, p: np.ndarray, w1: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Higher orders of a harmonic function with modes p on the surface and vertical derivative w1 there to first
-        order: modes of its value at the still surface, and its derivative on the surface to second and third order."""
+        """Modes at the still surface, and vertical derivative on the surface to orders 2 and 3, of surface modes p."""
         tile, up = self.tile, self.vertical_factor
         k2 = self.resolved_modes * tile.k**2
         twice, thrice = tile.to_values(np.array([k2 * p, k2 * up * p]))
@@ -240,15 +235,12 @@ def tile_step(tile: Tile) -> float:
 def nonlinear_sea(sea: waves.Components, tile: Tile, onset: float, breaking: bool, period: float) -> HighOrder:
     """Nonlinear sea from waves that are periodic on the tile; `period` of the highest [s], 0 if none may break."""
     of_tile = replace(tile, part=RESOLVED_SHARE)
-    crests = Breaking(of_tile, mean_direction(sea), period) if breaking and period else None
+    # The mean direction of energy transport is that of the waves.
+    ahead = (sea.amplitude[:, None] ** 2 * sea.wavevector / sea.wavenumber[:, None]).sum(axis=0)
+    ahead /= max(float(np.linalg.norm(ahead)), 1e-30)
+    crests = Breaking(of_tile, ahead, period) if breaking and period else None
     steep = HighOrder(of_tile, onset, crests)
     points = np.stack([axis.ravel() for axis in np.meshgrid(*of_tile.nodes(), indexing="ij")], axis=1)
     late = replace(sea, amplitude=sea.amplitude * sea.gravity / sea.omega, phase=sea.phase - 0.5 * pi)
     steep.begin(*(waves.elevation(of, points).reshape(of_tile.shape) for of in (sea, late)))
     return steep
-
-
-def mean_direction(sea: waves.Components) -> np.ndarray:
-    """Unit vector (2,), along x and z, of the mean direction of energy transport in a sea."""
-    ahead = (sea.amplitude[:, None] ** 2 * sea.wavevector / sea.wavenumber[:, None]).sum(axis=0)
-    return ahead / max(float(np.linalg.norm(ahead)), 1e-30)

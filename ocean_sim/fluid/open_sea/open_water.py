@@ -21,16 +21,14 @@ SMOOTH_STEP_PERIODS = 0.04  # [periods] times a quarter (the force number of `co
 
 
 def status_of(sea: waves.Components, density: float) -> Status:
-    """Constant Status of a sea: root sum of squares of the waves' surface speeds and accelerations, which is sqrt 2
-    standard deviations of random waves."""
+    """Status of a sea: root sum of squares of surface speeds and accelerations, sqrt 2 deviations if random."""
     speed = sea.amplitude * sea.gravity * sea.wavenumber / sea.omega  # [m/s]
     fastest, hardest = np.linalg.norm(speed), np.linalg.norm(speed * sea.omega)
     return Status(float(fastest), float(hardest), density, density, 0, True)
 
 
 class OpenWater(Fluid):
-    """Base class of water as a sum of waves. Kernels read the plane waves and the `sheets`, Python reads the plane
-    waves and all `tiles`; by default plane waves alone, in water at rest."""
+    """Base of water as a sum of waves: kernels read plane waves and `sheets`, Python plane waves and `tiles`."""
 
     config: Any
     waves: PlaneWaves  # in closed form

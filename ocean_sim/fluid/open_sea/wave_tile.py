@@ -273,8 +273,14 @@ class Layer:
 
     @cached_property
     def damping_rate(self) -> np.ndarray:
-        """Decay rate (cells, rows) [1/s] of waves in the rim of the tile, for a centre at the origin."""
-        return rim_damping(self.tile)
+        """Decay rate (cells, rows) [1/s] in the rim: square of the distance into it, to RIM_DAMPING_RATIO omega."""
+        tile, (x, z) = self.tile, self.tile.nodes()
+        far = np.abs(x)[:, None] / (0.5 * tile.side) + 0.0 * z
+        if tile.rows > 1:
+            far = np.maximum(far, np.abs(z) / (0.5 * tile.width))
+        k = 2.0 * np.pi * PER_TILE / tile.side
+        omega = np.sqrt(tile.gravity * k * np.tanh(k * tile.depth))
+        return RIM_DAMPING_RATIO * omega * np.clip((far - (1.0 - 2.0 * RIM_SHARE)) / (2.0 * RIM_SHARE), 0.0, 1.0) ** 2
 
     @cached_property
     def damping_cache(self) -> dict[float, np.ndarray]:
@@ -314,14 +320,3 @@ class Layer:
         """Mask (m,) of the points x, z (m, 2) [m] on the tile around its centre."""
         half = 0.5 * np.array([self.tile.side, self.tile.width if self.tile.rows > 1 else np.inf])
         return np.all(np.abs(points - self.centre) < half, axis=1)
-
-
-def rim_damping(tile: Tile) -> np.ndarray:
-    """Decay rate (cells, rows) [1/s] in a tile's rim: square of the distance into it, up to RIM_DAMPING_RATIO omega."""
-    x, z = tile.nodes()
-    far = np.abs(x)[:, None] / (0.5 * tile.side) + 0.0 * z
-    if tile.rows > 1:
-        far = np.maximum(far, np.abs(z) / (0.5 * tile.width))
-    k = 2.0 * np.pi * PER_TILE / tile.side
-    omega = np.sqrt(tile.gravity * k * np.tanh(k * tile.depth))
-    return RIM_DAMPING_RATIO * omega * np.clip((far - (1.0 - 2.0 * RIM_SHARE)) / (2.0 * RIM_SHARE), 0.0, 1.0) ** 2

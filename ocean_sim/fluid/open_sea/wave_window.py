@@ -58,11 +58,6 @@ class Window:
         """Velocity of the water along x and z [m/s], which carries the waves."""
         return self.water.current
 
-    @property
-    def step_taken(self) -> float:
-        """Length of the water's last step [s]."""
-        return self.water.time - self.water.before
-
     def set_waves(self, sea: waves.Components) -> None:
         """Set the amplitudes of these waves at each level, and the span between the two stored times."""
         a, k, omega, g = sea.amplitude, sea.wavenumber, sea.omega, sea.gravity

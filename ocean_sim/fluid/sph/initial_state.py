@@ -297,8 +297,7 @@ def displaced_state(sea: waves.Components, positions: np.ndarray, basin: Basin, 
 
 
 def bearable_waves(sea: waves.Components, height: float, shortest: float = 0.0) -> waves.Components:
-    """Random waves of a significant height [m], without those shorter than `shortest` [m] or beyond k = 2 / Hs, which
-    ride on the others (Stansberg et al. 2008, Marine Structures 21); the rest carry their variance."""
+    """Random waves of a `height` [m], none below `shortest` [m] or k > 2 / Hs (Stansberg et al. 2008), rescaled."""
     k = sea.wavenumber
     found = sea.select((k < 2.0 / height) & (shortest * k < 2.0 * pi))
     share = np.linalg.norm(sea.amplitude) / np.linalg.norm(found.amplitude)

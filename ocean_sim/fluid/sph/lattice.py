@@ -144,14 +144,6 @@ class Lattice:
         """Height of the tallest box of water [m]."""
         return max((float((up - low)[1]) for low, up in self.boxes), default=self.basin.depth)
 
-    @property
-    def stacked_boxes(self) -> "Boxes":
-        """Corners of the boxes that begin or end at a height where another ends or begins, sorted by their foot."""
-        heights = np.array([(low[1], up[1]) for low, up in self.boxes]).reshape(-1, 2).round(9)
-        begins, ends = heights.T
-        touching = np.flatnonzero(np.isin(begins, ends) | np.isin(ends, begins))
-        return [self.boxes[k] for k in touching[begins[touching].argsort(kind="stable")]]
-
     @cached_property
     def deepest(self) -> float:
         """Height of the tallest column of water [m]; 0 without water."""
@@ -166,9 +158,11 @@ class Lattice:
         numbers = np.array([np.prod(count) for count in self.counts], dtype=int)
         ends = np.repeat(heights, numbers, axis=0)[self.wet_mask].T
         x, y, z = self.full_positions[self.wet_mask].T
+        feet, heads = heights.round(9).T
+        touching = np.flatnonzero(np.isin(feet, heads) | np.isin(heads, feet))  # one box begins where another ends
         stacked = [
             (low[1], up[1], (x >= low[0]) & (x <= up[0]) & (z >= low[2]) & (z <= up[2]))
-            for low, up in self.stacked_boxes
+            for low, up in (self.boxes[k] for k in touching[feet[touching].argsort(kind="stable")])
         ]
         for foot, head, along in stacked:
             ends[1, along & np.isclose(ends[1], foot)] = head

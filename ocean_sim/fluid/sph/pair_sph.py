@@ -81,11 +81,9 @@ class Force(Law):
 
 @in_kernels
 class MomentumLaw(Force):
-    """Momentum equation of a particle (2.25): neighbours, walls, wind, gravity, a hull, a bed, a sea.
-
-    A scheme adds the row that is read (position, velocity, a pressure in a form of its own), the terms of a pair
-    (`pair`, by way of `row_of_terms`), the prefactor of their sum, and how a pressure continues (`pressure_rise`).
-    """
+    """Momentum equation of a particle (2.25): neighbours, walls, wind, gravity, a hull, a bed, a sea. A scheme adds the
+    row that is read (position, velocity, a pressure in its own form), the terms of a pair (`pair`, by `row_of_terms`),
+    the prefactor of their sum, and how a pressure continues (`pressure_rise`)."""
 
     drifted: ClassVar[float] = 0.0
     """Part of a step that the particles have gone before they are pushed; with their new velocity they go the rest."""

@@ -32,8 +32,7 @@ if TYPE_CHECKING:  # it is imported only where a sea is around
 
 @in_kernels
 class ParticleWater(ParticleFluid):
-    """Base class of particle water. Between steps particles are sorted by cell and all fields are current. A kind adds
-    its motion (`step`) and the update of its fields (`arrive`)."""
+    """Base of particle water, sorted by cell between steps; a kind adds motion (`step`) and fields (`arrive`)."""
 
     particles: Particles
     around: PointSum

@@ -16,8 +16,7 @@ GAP_TYPE = ti.i32
 
 
 def staggered_field(dtype: Any, n: int) -> Any:
-    """Make a field of n numbers. A gap follows each field of a page or more, or all numbers of a particle would lie
-    equally far from the beginning of a page and compete for the same few cache lines."""
+    """Field of n numbers; a gap follows a page or more, lest numbers of a particle compete for a cache line."""
     field = ti.field(dtype, shape=n)
     size = n * np.dtype(to_numpy_type(field.dtype)).itemsize
     if size >= PAGE_BYTES and (gap := (CACHE_LINE_BYTES - size) % (2 * CACHE_LINE_BYTES)):

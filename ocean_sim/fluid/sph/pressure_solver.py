@@ -22,8 +22,7 @@ ERROR_REDUCTION = 0.5
 
 @in_kernels
 class Compression(KeptLaw):
-    """Pair law for the residual r (density error) of each particle under the pressures so far, and for its next
-    pressure; Bender & Koschier 2015, eqs. 6, 7, 12, 13."""
+    """Pair law for each particle's residual r and next pressure (Bender & Koschier 2015, eqs. 6, 7, 12, 13)."""
 
     row, terms = Columns(position=3, velocity=3), Columns(rate=1)  # the row of what is summed over samples of bodies
 

@@ -65,21 +65,14 @@ def export_particles(
     """Write particles to one file (vtkhdf) or one a frame (ply); returns the files, or raises NothingToExport."""
     if "position" not in read_npz(frames[0]):
         raise NothingToExport("these frames hold no particles; run with frames.particles: true")
-    kept = ((shot.time, shot.particles["position"], shot.particles) for shot in export_shots(frames, grid, z_up))
+    kept = ((shot.time, shot.particles.pop("position"), shot.particles) for shot in export_shots(frames, grid, z_up))
     if kind == "ply":
-        return [
-            save_mesh(out / f"particles_{k:05d}.ply", x, None, without_key(fields, "position"))
-            for k, (_, x, fields) in enumerate(kept)
-        ]
+        return [save_mesh(out / f"particles_{k:05d}.ply", x, None, fields) for k, (_, x, fields) in enumerate(kept)]
     path = out / "particles.vtkhdf"
     with atomic_write(path) as draft, Series(draft, "Vertices") as series:
         for time, x, fields in kept:
-            series.add(time, x, np.arange(len(x))[:, None], **without_key(fields, "position"))
+            series.add(time, x, np.arange(len(x))[:, None], **fields)
     return [path]
-
-
-def without_key(fields: dict[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
-    return {key: values for key, values in fields.items() if key != name}
 
 
 def export_surface(

@@ -265,7 +265,8 @@ def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> P
         poses = [kept.ships[key] for kept in shots]
         made.animate(node, "translation", np.array([position for position, _ in poses]))
         turns = Rotation.from_matrix([turn for _, turn in poses]).as_quat()
-        made.animate(node, "rotation", continuous_quaternions(turns))
+        back = (turns[1:] * turns[:-1]).sum(axis=1) < 0.0  # a ship turns the short way between two moments
+        made.animate(node, "rotation", turns * np.cumprod([1.0, *np.where(back, -1.0, 1.0)])[:, None])
     made.save(path)
     return path
 
@@ -273,12 +274,6 @@ def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> P
 def water_colours(kept: ExportShot) -> np.ndarray:
     """Linear RGB (n, 3) of the water of a frame at its points, whiter with more foam."""
     return WATER_COLOUR + kept.fields.get("foam", np.zeros(len(kept.points)))[:, None] * (FOAM_COLOUR - WATER_COLOUR)
-
-
-def continuous_quaternions(quaternions: np.ndarray) -> np.ndarray:
-    """Quaternions (k, 4) with signs chosen so that interpolation between neighbours turns a ship the short way."""
-    signs = np.cumprod([1.0, *np.where((quaternions[1:] * quaternions[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)])
-    return quaternions * signs[:, None]
 
 
 def upright_shots(meshes: Iterator[ExportShot], z_up: bool) -> Iterator[ExportShot]:

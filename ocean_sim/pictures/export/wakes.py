@@ -17,7 +17,9 @@ class RunWakes:
 
     def __init__(self, files: list[Path], grid: dict[str, np.ndarray]) -> None:
         keys = ship_keys(grid, "_vertices")
-        tracks = FrameLog(files).tracks if keys and shows_sea(files, float(grid["depth"])) else {}
+        drawn = keys and not (first := Frame(files[0])).folds
+        at_sea = drawn and is_open_sea(run_scene(files[0].parents[1]), first, float(grid["depth"]))
+        tracks = FrameLog(files).tracks if at_sea else {}
         self.grid, self.x, self.z = grid, grid["x"], grid["z"]
         self.hulls = {key: Hull(grid, key) for key in keys if key in tracks}
         self.vessels = {key: Vessel(hull.length, np.zeros(3), tracks[key]) for key, hull in self.hulls.items()}
@@ -81,12 +83,6 @@ class RunWakes:
             for key, vessel in self.vessels.items():
                 more += Kelvin(vessel, self.hulls[key].beam).height(time, points).reshape(shape)
         return more
-
-
-def shows_sea(files: list[Path], depth: float) -> bool:
-    """True if pictures of a run show an open sea; False if they show a tank. `depth` of the water [m]."""
-    first = Frame(files[0])
-    return not first.folds and is_open_sea(run_scene(files[0].parent.parent), first, depth)
 
 
 def read_cells(values: np.ndarray, at: np.ndarray) -> np.ndarray:

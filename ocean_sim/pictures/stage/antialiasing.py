@@ -68,8 +68,7 @@ def find_edges(bright: np.ndarray, flat: np.ndarray, first: int) -> tuple[np.nda
 def follow_edge(
     flat: np.ndarray, at: np.ndarray, across: np.ndarray, along: np.ndarray, edge: np.ndarray, most: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Distance (n,) [pixels] from pixels `at` along edges to their ends, and the brightness (n,) there less that of the
-    edge, `edge`. `along`, `across`: index steps in `flat`; `most`: difference at which an edge ends."""
+    """Distance (n,) [pixels] from pixels `at` to their edges' ends, and brightness (n,) there less the edge's."""
 
     def found(of: slice | np.ndarray, reach: float) -> np.ndarray:
         here = at[of] + int(reach) * along[of]

@@ -129,7 +129,11 @@ class Operator:
         position, turn = vessel.track.position[k], vessel.track.turn[k]
         if self.name == "third_person":
             top = position * [1.0, 0.0, 1.0] + [0.0, vessel.height + HEAVE_ROOM * vessel.length, 0.0]
-            return raised_camera(self.near_ship(position, vessel.length), top)
+            camera = self.near_ship(position, vessel.length)
+            away = top - camera.eye
+            seen = np.tan(np.radians(camera.angle / 2.0)) / FRAME_MARGIN * (away @ camera.forward)
+            over = float(away @ camera.up - seen)  # of her mast beyond the picture
+            return camera if over <= 0.0 else camera._replace(eye=camera.eye + over * camera.up)
         if self.name in ("follow", "side"):
             if len(self.trail[0]) < len(vessel.track.time):
                 self.trail = damped_track(vessel.track)
@@ -175,13 +179,6 @@ def camera_looking(eye: np.ndarray, target: np.ndarray) -> Camera:
     forward = unit_vector(target - eye)
     right = unit_vector(np.cross(forward, [0.0, 1.0, 0.0] if abs(forward[1]) < 0.999 else [0.0, 0.0, -1.0]))
     return Camera(eye, forward, np.cross(right, forward), None)
-
-
-def raised_camera(camera: Camera, top: np.ndarray) -> Camera:
-    """Camera raised until the point `top` [m], as of a mast, is in its picture; unchanged if the point already is."""
-    away = top - camera.eye
-    over = float(away @ camera.up - np.tan(np.radians(camera.angle / 2.0)) / FRAME_MARGIN * (away @ camera.forward))
-    return camera if over <= 0.0 else camera._replace(eye=camera.eye + over * camera.up)
 
 
 def camera_near_ship(eye: np.ndarray, target: np.ndarray, length: float) -> Camera:

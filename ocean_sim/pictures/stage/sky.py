@@ -69,12 +69,9 @@ def painted_light(normals: np.ndarray, paint: np.ndarray, gloss: np.ndarray | fl
 
 
 class Sky:
-    """Image (side, side, 3) of the sky's radiance, with its mipmaps, in stereographic projection from the nadir: a
-    direction's pixel takes one division, and angles are preserved.
-
-    Columns go along x, rows along z, the zenith is in the middle, and the horizon is the circle that touches the sides;
-    beyond it the image repeats the horizon. The side is a power of two, as the texture's smaller copies need.
-    """
+    """Image (side, side, 3) of the sky's radiance, with mipmaps, in stereographic projection from the nadir: a pixel
+    takes one division, and angles are preserved. Columns go along x, rows along z, the zenith is in the middle; the
+    horizon touches the sides and repeats beyond. The side is a power of two, as the texture's smaller copies need."""
 
     def __init__(
         self, image: np.ndarray, sun: np.ndarray = SUN_DIRECTION, sunlight: np.ndarray = SUNLIGHT_COLOUR

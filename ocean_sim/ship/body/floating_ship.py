@@ -114,7 +114,9 @@ class FloatingShip(Vessel):
 
     def forces(self, now: Immersion) -> dict[str, np.ndarray]:
         """(2, 3) force [N], torque [N m] of each part, world axes, without the reaction of added mass."""
-        wet, density = now.wet, self.hydrostatics.density
+        wet, density, damping = now.wet, self.hydrostatics.density, self.damping(now)
+        if self.slamming is not None:
+            damping = damping + self.slamming.heave_drag(self.wet, self.rising) * self.upwards
         driven = self.actuators.load(now.motion, density, now.share)
         return {
             "gravity": self.weight,
@@ -122,7 +124,7 @@ class FloatingShip(Vessel):
             "wave": wet.wave,
             "wind_drag": wet.wind_drag,
             "wind_lift": wet.wind_lift,
-            "damping": self.whole_damping(now),
+            "damping": damping,
             **({"mooring": self.moorings.load(now.body)} if self.moorings is not None else {}),
             **{part: to_world(force, now.body) for part, force in driven.items()},
         }
@@ -130,12 +132,6 @@ class FloatingShip(Vessel):
     def damping(self, now: Immersion) -> np.ndarray:
         """(2, 3) damping force [N] and torque [N m], world axes; zero unless a kind overrides it."""
         return np.zeros((2, 3))
-
-    def whole_damping(self, now: Immersion) -> np.ndarray:
-        """(2, 3) `damping`, plus drag in heave of a hull far from its draught [N], [N m], world axes."""
-        if self.slamming is None:
-            return self.damping(now)
-        return self.damping(now) + self.slamming.heave_drag(self.wet, self.rising) * self.upwards
 
     def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The `forces` by part, and the reaction of added mass to them; unchanged in kinds without added mass."""

@@ -147,13 +147,9 @@ def euler_angles(q: np.ndarray) -> np.ndarray:
 
 
 def with_spin(body: RigidBody, omega: np.ndarray) -> RigidBody:
-    """The body with another angular velocity, world axes [rad/s]."""
-    return replace(body, angular_momentum=momentum_of(body.matrix, body.inertia_body, omega))
-
-
-def momentum_of(turn: np.ndarray, inertia_body: np.ndarray, omega: np.ndarray) -> np.ndarray:
-    """(3,) angular momentum [kg m2/s] of an angular velocity [rad/s], world axes, by (4.19); `turn`: body to world."""
-    return turn @ inertia_body @ turn.T @ omega
+    """The body with another angular velocity, world axes [rad/s], and its angular momentum by (4.19)."""
+    turn = body.matrix
+    return replace(body, angular_momentum=turn @ body.inertia_body @ turn.T @ omega)
 
 
 def advance_body(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: float) -> RigidBody:

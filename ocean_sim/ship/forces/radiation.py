@@ -197,12 +197,9 @@ def in_axis_order(data: Any, name: str, axes: tuple[str, ...]) -> np.ndarray:
 
 
 class Scattering:
-    """Force on one hull by the waves that it scatters, as waves arrive.
-
-    A hull held against the water's own motion w feels X(omega) = (B - i omega A) w. A hull that goes through the water
-    meets the same w at another frequency, with A and B of that frequency; the momentum given to it turns it as it moves
-    on (table 2 of Salvesen, Tuck & Faltinsen).
-    """
+    """Force on one hull by the waves that it scatters, as waves arrive. Held against the water's own motion w, a hull
+    feels X(omega) = (B - i omega A) w. A hull under way meets the same w at another frequency, with A and B of that;
+    the momentum given to it turns it as it moves on (table 2 of Salvesen, Tuck & Faltinsen)."""
 
     def __init__(self, table: BemTable) -> None:
         assert table.scattered is not None

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ocean_sim.columns import Columns
+from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid import Fluid
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Array, Array2, Integers, Template, in_kernels, runs_alone
@@ -216,7 +216,7 @@ class Cubes:
             volume, pull = wet * self.volume[k], slope
             self.add_force(total, SUM_COLUMNS.buoyancy, arm, tm.vec3(0.0, self.weight * volume, 0.0))
             if ti.static(water.samples_depth):
-                pull = three_of(water.motion_at(corner, eta, depth), 3)
+                pull = vec3(water.motion_at(corner, eta, depth), 3)
             self.add_force(total, SUM_COLUMNS.wave, arm, self.weight * volume * pull)
             self.add_number(total, SUM_COLUMNS.volume, volume)
             if share < 1.0:
@@ -225,8 +225,8 @@ class Cubes:
                 own, face = self.arm[k], wet * abs(self.area[k])
                 under = depth + 0.5 * tall  # where its lower face is
                 moved = water.motion_at(corner, eta, under)
-                self.add_motion(total, SUM_COLUMNS.velocity, own, face, turn.transpose() @ three_of(moved, 0))
-                self.add_motion(total, SUM_COLUMNS.acceleration, own, face, turn.transpose() @ three_of(moved, 3))
+                self.add_motion(total, SUM_COLUMNS.velocity, own, face, turn.transpose() @ vec3(moved, 0))
+                self.add_motion(total, SUM_COLUMNS.acceleration, own, face, turn.transpose() @ vec3(moved, 3))
                 met, along = tm.vec3(face.y, face.x, face.y), tm.vec3(own.z, own.z, own.x)
                 for c in ti.static(range(3)):
                     self.add_number(total, SUM_COLUMNS.face + FACE_COLUMNS.area + c, face[c])
@@ -275,9 +275,3 @@ def as_one_body(moved: list[float], faces: list[float], size: list[float]) -> np
     roll = (turned_z * along + turned_x * skew) / both
     heave = y / area_y + pitch * ahead - roll * aside
     return np.array([x / area_x - yaw * ahead_x, heave, z / area_z, pitch, yaw, roll])
-
-
-@ti.func
-def three_of(six: Template, first: Template):
-    """Vector of three components of a vector of six, from component `first` on."""
-    return tm.vec3(six[first], six[first + 1], six[first + 2])

@@ -227,7 +227,8 @@ class SurroundingSea(SampleLattice):
 
     def middle_now(self) -> np.ndarray:
         """(2,) x, z [m] of the lattice's middle after the step, carried on by the current."""
-        return super().middle_now() + self.window.step_taken * np.array(self.window.current)
+        water = self.window.water
+        return super().middle_now() + (water.time - water.before) * np.array(water.current)
 
     def is_astray(self, x: float, z: float) -> bool:
         """True if a hull at x, z from the middle of the lattice [m] is too far away from it."""

@@ -534,20 +534,16 @@ class DeltaSph(Sph):
         self.momentum, self.continuity = Momentum(self), Continuity(self)
         if not self.shifting:
             self.shear = Shear(self)
-        self.lower_particles(sizes.lattice.column_ends()[0])
-        self.begin()
-
-    def lower_particles(self, bed: np.ndarray) -> None:
-        """Lower each particle by the settlement of its column down to the bed (n,) [m]: integral of p / (rho0 c^2)."""
-        pull = -self.pull.constant.y
-        if pull > 0.0 and not self.closed:
-            x, p = self.particles.position.to_numpy().astype(float), self.particles.pressure.to_numpy().astype(float)
-            rho_0 = self.particles.rest_density
+        pull, rho_0 = -self.pull.constant.y, particles.rest_density
+        if pull > 0.0 and not self.closed:  # each particle lies lower by the settlement of its column
+            x, p = particles.position.to_numpy().astype(float), particles.pressure.to_numpy().astype(float)
+            bed = sizes.lattice.column_ends()[0]
             bed = np.append(bed, x[len(bed) :, 1])  # what has left an emitter stays
             lower = column_drop(p / rho_0, p / rho_0 + pull * (x[:, 1] - bed), pull, self.sound_speed)
             self.surface_drop = float(lower.max())
             x[:, 1] -= lower
-            self.particles.position.from_numpy(x)
+            particles.position.from_numpy(x)
+        self.begin()
 
     @property
     def listed_positions(self) -> tuple[ti.Field, ...]:

@@ -10,7 +10,7 @@ from ocean_sim.columns import vec3
 from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES
 from ocean_sim.fluid.budget.momentum_budget import Accounts
 from ocean_sim.fluid.neighbours.grid import Grid
-from ocean_sim.fluid.neighbours.grid_size import FILLER_X, GridSize, whole_vectors
+from ocean_sim.fluid.neighbours.grid_size import FILLER_X, VECTOR_LENGTH, GridSize
 from ocean_sim.fluid.neighbours.images import mirror_position
 from ocean_sim.fluid.neighbours.kept_pairs import KeptPairs, PairBlocks, flip_code
 from ocean_sim.fluid.neighbours.thread_tasks import TASK_ITERATIONS, Tasks
@@ -257,7 +257,8 @@ class CellWalk:
     def padded_count(self, law: Template, count):
         """Number of terms in a sum over `count` candidates: whole vectors if the law is `padded`, since terms behind
         whole vectors are summed one by one, with four times the instructions each."""
-        return whole_vectors(count) if ti.static(law.options.padded) else count
+        whole = (count + VECTOR_LENGTH - 1) // VECTOR_LENGTH * VECTOR_LENGTH
+        return whole if ti.static(law.options.padded) else count
 
     @ti.func
     def image_gap(self, law: Template, n):

@@ -8,7 +8,7 @@ import numpy as np
 
 from ocean_sim.fluid.neighbours.thread_tasks import TASK_ITERATIONS
 from ocean_sim.fluid.sph.lattice import Lattice
-from ocean_sim.kernel_library import knows_processor, ti
+from ocean_sim.kernel_library import knows_processor
 
 # Candidates summed at once: eight lanes of f32 four times, or four lanes twice.
 VECTOR_LENGTH = 32 if knows_processor() else 8
@@ -18,12 +18,6 @@ MAX_SERIAL_PARTICLES = 20_000  # up to so many particles one thread sorts faster
 SORT_CHUNKS = 8
 MIN_PART_PARTICLES = 7.0  # in a part of a cell; a list of candidates would serve too few
 FEW_TASKS, MANY_TASKS = 16, 64  # groups of cells for few and many particles; each costs microseconds
-
-
-@ti.func
-def whole_vectors(count):
-    """Number of candidates rounded up to a multiple of VECTOR_LENGTH."""
-    return (count + VECTOR_LENGTH - 1) // VECTOR_LENGTH * VECTOR_LENGTH
 
 
 @dataclass(frozen=True)

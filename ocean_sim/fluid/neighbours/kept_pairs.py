@@ -29,11 +29,6 @@ def slot_count(neighbours: int) -> int:
     return max(MIN_SLOTS, int(SLOTS_PER_NEIGHBOUR * neighbours))
 
 
-def slot_bytes(n: int, neighbours: int, word: int) -> int:
-    """Bytes of the PairSlots of n particles; `neighbours`: of each on the lattice; `word`: bytes of a `float`."""
-    return n * (8 + slot_count(neighbours) * (4 + 3 * word))
-
-
 @in_kernels
 class KeptLaw(Law):
     """Pair law over kept pairs, whose gradients are stored: its row lacks the position."""

@@ -81,15 +81,11 @@ class OpenWater(Fluid):
         return Arriving(sea.ramp_share(self.before) * sea.amplitude, angle, sea.omega, heading, sea.wavenumber)
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
-        return self.water_elevations(np.asarray(points, dtype=float) - self.drift)
+        return self.sum_elevations(np.asarray(points, dtype=float) - self.drift, self.tiles)
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
         """Heights (m,) [m] without waves of ships: here `elevation` itself."""
         return elevation
-
-    def water_elevations(self, points: np.ndarray) -> np.ndarray:
-        """Heights (m,) [m] of the surface at points x, z (m, 2) [m] in axes that move with the current."""
-        return self.sum_elevations(points, self.tiles)
 
     def sum_elevations(self, points: np.ndarray, tiles: "Sequence[OnTile]") -> np.ndarray:
         """Heights (m,) [m] of plane waves plus `tiles` at x, z (m, 2) [m] in axes that move with the current."""
@@ -132,7 +128,7 @@ class OpenWater(Fluid):
         """Points (m, 3) [m] as x, z (m, 2) in the current's axes, elevation (m,), Wheeler-stretched height (m,) [m]."""
         points = np.asarray(points, dtype=float)
         at = points[:, [0, 2]] - self.drift
-        eta = self.water_elevations(at)
+        eta = self.sum_elevations(at, self.tiles)
         return at, (eta, waves.stretched_height(self.waves.sea, points, eta))
 
 

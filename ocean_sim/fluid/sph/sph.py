@@ -309,13 +309,15 @@ def scheme_ledger(preflight: Preflight, sizes: GridSize, numbers: int, what: str
     """Rows of a scheme's memory ledger: `numbers` (`what`) a particle besides its id, and `told` for solid bodies."""
     n, support, lattice, word = sizes.lattice.n, sizes.support, sizes.lattice, preflight.word
     lists = sizes.plan.list_bytes(sizes, word)
+    passed = sum(len(zone.given.amplitude) for zone in zones(lattice) if zone.given is not None)
+    size = PlaneWaves.bytes(passed, word)
     return [
         LedgerRow("fluid", f"{n} particles", (numbers * word + 4) * n, what),
         LedgerRow("fluid", f"grid of {sizes.cell_count} cells", sizes.bytes(word), f"support {support:g} m"),
         *([LedgerRow("fluid", "candidate lists", lists, "neighbours of every occupied cell")] if lists else []),
         *account_ledger(sizes, word, preflight.sums_impulses),
         *_of_areas(preflight, n),
-        *_of_targets(lattice, word),
+        *([LedgerRow("fluid", f"{passed} plane waves", size, "basin.walls: target of a side")] if passed else []),
         *_of_sea(lattice, word),
         *_of_bodies(sizes, word, preflight.sums_impulses, told),
         *mesh_ledger(sizes, word),
@@ -331,13 +333,6 @@ def _of_areas(preflight: Preflight, n: int) -> list[LedgerRow]:
     wind = preflight.wind
     what = "exposed areas, and how the surface bends" if wind.needs_bend else "exposed areas"
     return [LedgerRow("fluid", what, memory(n, preflight.word, wind.needs_bend), f"wind.kind is {wind.kind}")]
-
-
-def _of_targets(lattice: Lattice, word: int) -> list[LedgerRow]:
-    """Row of the memory ledger for the plane waves that absorbing sides let pass; empty without any."""
-    n = sum(len(zone.given.amplitude) for zone in zones(lattice) if zone.given is not None)
-    size = PlaneWaves.bytes(n, word)
-    return [LedgerRow("fluid", f"{n} plane waves", size, "basin.walls: target of a side")] if n else []
 
 
 def _of_sea(lattice: Lattice, word: int) -> list[LedgerRow]:

@@ -71,7 +71,13 @@ class FloatingShip(Vessel):
             if contact is not None and particles is not None:
                 hollow = (contact.hull.distance, contact.rim, particles.contacts)
             self.water = SurroundingWater(length, width, height, *hollow)
-        body = self.carried_along(config.settled_body(config.resting_body(still), fluid), fluid)
+        body = config.settled_body(config.resting_body(still), fluid)
+        if particles is None:  # it has the mean velocity of the water around it, too
+            turn = body.matrix
+            wet = still.wet_volumes(turn[1], -float(body.position[1] - turn[1] @ matter.centre))
+            moved = fluid.velocities((still.voxels.centre - matter.centre) @ turn.T + body.position)
+            flow = (wet[:, None] * moved).sum(axis=0) / max(float(wet.sum()), 1e-9)
+            body = replace(body, velocity=body.velocity + flow)
         self.first_body = body  # at the beginning
         if contact is not None and particles is not None:
             contact.hull.water = self.water
@@ -87,16 +93,6 @@ class FloatingShip(Vessel):
         # Of the last load: velocity relative to the water, volume under water [m3], and for slamming its speed upwards
         # relative to the water [m/s], and what a force upwards at its centre of buoyancy is as a load, (2, 3).
         self.relative, self.wet, self.rising, self.upwards = np.zeros(6), 0.0, 0.0, np.zeros((2, 3))
-
-    def carried_along(self, body: RigidBody, fluid: Fluid) -> RigidBody:
-        """The body with the mean velocity of closed-form water around it added; unchanged among particles."""
-        if fluid.of_particles is not None:
-            return body
-        still, turn = self.hydrostatics, body.matrix
-        wet = still.wet_volumes(turn[1], -float(body.position[1] - turn[1] @ still.matter.centre))
-        moved = fluid.velocities((still.voxels.centre - still.matter.centre) @ turn.T + body.position)
-        flow = (wet[:, None] * moved).sum(axis=0) / max(float(wet.sum()), 1e-9)
-        return replace(body, velocity=body.velocity + flow)
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
         body = self.centred_body if self.water.samples_depth else self.body

@@ -219,7 +219,13 @@ class SurroundingSea(SampleLattice):
         carried = late * self.window.span
         middle = (self.laid[0] + carried * flow[0], self.laid[1] + carried * flow[1])
         if not holds or self.is_astray(x - middle[0], z - middle[1]):
-            self.lay_lattice(body, x, z)
+            # Lay the lattice anew around the place of the hull half way through its time of use.
+            s, c = float(body.matrix[0, 2]), float(body.matrix[2, 2])
+            size, half = hypot(s, c), 0.5 * self.window.span
+            self.heading = (s / size, c / size) if size else (0.0, 1.0)
+            u, w = half * (body.velocity[0] - flow[0]), half * (body.velocity[2] - flow[1])
+            self.laid = (x, z) if self.is_astray(u, w) else (x + u, z + w)
+            self.window.lay(self.laid, self.heading)
             middle, late = self.laid, 0.0
         self.middle = middle
         row[pose.position], row[pose.position + 2] = x - middle[0], z - middle[1]
@@ -234,16 +240,6 @@ class SurroundingSea(SampleLattice):
         """True if a hull at x, z from the middle of the lattice [m] is too far away from it."""
         (s, c), (ahead, aside) = self.heading, self.half
         return abs(x * s + z * c) > LATTICE_SLACK * ahead or abs(x * c - z * s) > LATTICE_SLACK * aside
-
-    def lay_lattice(self, body: RigidBody, x: float, z: float) -> None:
-        """Lay the lattice anew around the place of a hull, now at x, z [m], half way through its time of use."""
-        s, c = float(body.matrix[0, 2]), float(body.matrix[2, 2])
-        size, window = hypot(s, c), self.window
-        self.heading = (s / size, c / size) if size else (0.0, 1.0)
-        flow_x, flow_z = window.current
-        u, w = 0.5 * window.span * (body.velocity[0] - flow_x), 0.5 * window.span * (body.velocity[2] - flow_z)
-        self.laid = (x, z) if self.is_astray(u, w) else (x + u, z + w)
-        window.lay(self.laid, self.heading)
 
     @ti.func
     def read_water(self, water: Template, table: Template):

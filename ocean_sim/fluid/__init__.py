@@ -25,11 +25,9 @@ if TYPE_CHECKING:  # other rooms know these by type alone; each is imported only
 
 @dataclass(frozen=True)
 class Limits:
-    """Time scales that a time step must stay a fraction of [s]; infinite where a limit does not exist.
-
-    With h the smoothing length: acoustic h / (c + |v|), viscous h^2 / nu, force sqrt(h / |a|)
-    (Monaghan 1992, Annu. Rev. Astron. Astrophys. 30; Morris, Fox & Zhu 1997, J. Comput. Phys. 136, eqs. 30-32).
-    """
+    """Time scales that a time step must stay a fraction of [s]; infinite where a limit does not exist: acoustic h / (c
+    + |v|), viscous h^2 / nu, force sqrt(h / |a|), h the smoothing length (Monaghan 1992, Annu. Rev. Astron. Astrophys.
+    30; Morris, Fox & Zhu 1997, J. Comput. Phys. 136, eqs. 30-32)."""
 
     acoustic: float = inf
     viscous: float = inf
@@ -112,16 +110,12 @@ class Displacing(Protocol):
     body: Any  # `position` (3,) of its centre of mass [m]
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
-        """x, z and depth below the surface (m, 3) [m] of the water that the body displaces, and volumes (m,) [m3]; m is
-        0 if the body's law of motion does not compute them."""
+        """Displaced water: x, z, depth below the surface (m, 3) [m], volumes (m,) [m3]; m is 0 if not computed."""
 
 
 class Fluid(Protocol):
-    """Interface of water. A Taichi kernel can call `elevation`; between steps all fields are current, and particles are
-    sorted by cell.
-
-    Kinds of water derive from this class. A default stands for a property that a kind lacks.
-    """
+    """Interface of water, with defaults of what a kind lacks. A Taichi kernel can call `elevation`; between steps all
+    fields are current, and particles are sorted by cell."""
 
     config: Any  # the kind's Config
     particles: Particles | None = None  # None in a closed form
@@ -176,11 +170,8 @@ class Fluid(Protocol):
 
     @property
     def work(self) -> dict[str, float]:
-        """Work [J] on the water since the start, by name of the force term; empty if not summed.
-
-        Gravity includes the body force. The work of diffusion is the energy of its compression; that of breaking is the
-        energy lost by a tile of nonlinear sea.
-        """
+        """Work [J] on the water since the start, by force term; empty if not summed. Gravity includes the body force;
+        the work of diffusion is the energy of its compression, that of breaking the energy lost by a tile of sea."""
         return {}
 
     @property
@@ -193,8 +184,7 @@ class Fluid(Protocol):
         return
 
     def add_ships(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
-        """Let these ships displace the water from now on. Return the water that each ship feels: this one for all,
-        unless a kind keeps the waves of each ship apart."""
+        """Let ships displace the water; return the water that each feels: this one, or one without her own waves."""
         return (self,) * len(ships)
 
     def advance(self, dt: float) -> None:
@@ -207,8 +197,7 @@ class Fluid(Protocol):
         """(m, 2) points x, z [m] -> (m,) heights [m] of the water, from Python."""
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray | None:
-        """(m,) heights [m] without the waves of ships, where the `elevation` with them is (m,) [m]; None where the
-        water does not keep these waves apart."""
+        """(m,) heights [m] without ships' waves, given those with them (m,) [m]; None if not kept apart."""
         return None
 
     def pressures(self, points: np.ndarray) -> np.ndarray:
@@ -261,8 +250,7 @@ class ClosedForm(Fluid, Protocol):
         """ti.func: elevation [m] at x, z [m] by all waves but the plane ones, when the last step began."""
 
     def moving(self, x: Any, z: Any, depth: Any) -> Any:
-        """ti.func: velocity [m/s] and acceleration [m/s2] of the current and of all waves but the plane ones, at x, z
-        [m] and a depth [m] of the Wheeler-stretched column, when the last step began."""
+        """ti.func: velocity [m/s], acceleration [m/s2] by current and all but plane waves, at a Wheeler `depth` [m]."""
 
     def window(self, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]) -> Window:
         """Make a lattice that tabulates the plane waves at `size` nodes, `step` [m] apart, and at `depths` [m]."""

@@ -143,8 +143,7 @@ class Config(SphConfig):
 
 
 def column_drop(top: np.ndarray | float, bottom: np.ndarray | float, pull: float, sound_speed: float) -> np.ndarray:
-    """Settlement [m] of water at p / rho = `top` [m2/s2] on a column down to p / rho = `bottom` under an acceleration
-    `pull` [m/s2]: the integral of p / (rho0 c^2)."""
+    """Settlement [m] from p / rho `top` to `bottom` [m2/s2] under `pull` [m/s2]: integral of p / (rho0 c^2)."""
     return np.maximum(np.square(bottom) - np.square(top), 0.0) / (2.0 * pull * sound_speed**2)
 
 
@@ -264,11 +263,8 @@ class Momentum(MomentumLaw):
 @in_kernels
 class Continuity(Law):
     """Pair law for the rate of the density (Monaghan 1994, eq. 2.4) and its diffusion; in a closed basin also for the
-    shift of particles. Each term is times -m grad W / x_ij.
-
-    It reads positions and velocities at the end of the step, the density's deviation in its middle, and the share of
-    diffusion at the end of the last one.
-    """
+    shift of particles. Each term is times -m grad W / x_ij. It reads positions and velocities at the end of the step,
+    the density's deviation in its middle, and the share of diffusion at the end of the last one."""
 
     row = Columns(position=3, velocity=3, deviation=1, share=1)
     options = WalkOptions(padded=True)
@@ -364,9 +360,8 @@ class Continuity(Law):
 
     @ti.func
     def grade_diffusion(self, i, filled):
-        """Store the share of the density diffusion that particle i takes: 1 if its kernel is filled, 0 next to a free
-        surface, unless the water is sheared (spin as great as strain) and not merely stretched, as by waves (a switch
-        as that of Balsara 1995, J. Comput. Phys. 121)."""
+        """Store the share of density diffusion: 1 in a filled kernel, 0 next to a free surface, unless the water is
+        sheared (spin as great as strain), not merely stretched (a switch as of Balsara 1995, J. Comput. Phys. 121)."""
         fluid, spin, strain = self.fluid, self.fluid.spin[i], self.fluid.strain[i]
         inside = tm.clamp((filled - CUT_SHARE) / (FILLED_SHARE - CUT_SHARE), 0.0, 1.0)
         beyond = spin / (strain + fluid.calm) - STRETCHED_RATIO
@@ -395,8 +390,7 @@ class Continuity(Law):
 
     @ti.func
     def leak(self, thinner, edge, deviation):
-        """Rate [1/s] at which pressure leaks that particles do not stand for: up to c / H where they are thinner than
-        the density says and it is above rest, or denser and it is below."""
+        """Rate [1/s] at which pressure leaks: up to c / H where it is above rest in thin water, below in dense."""
         beyond = (ti.abs(thinner) - PACKING_TOLERANCE - EDGE_TOLERANCE * edge) / PACKING_RANGE
         rate = self.fluid.sound_speed / self.fluid.smoothing.support * tm.clamp(beyond, 0.0, 1.0)
         return ti.select(thinner * deviation > 0.0, rate, 0.0)
@@ -457,8 +451,7 @@ class Continuity(Law):
 
 @in_kernels
 class Shear(Law):
-    """Pair law for the squared spin and strain rate of the water around each particle, averaged over past time;
-    evaluated seldom, since the sums are expensive."""
+    """Pair law for squared spin and strain rate around each particle, averaged over past time; evaluated seldom."""
 
     row, options = Columns(position=3, velocity=3), WalkOptions(padded=True)
 
@@ -508,12 +501,9 @@ class Shear(Law):
 
 @in_kernels
 class DeltaSph(Sph):
-    """Water by delta-SPH. Between steps positions, velocities, densities and pressures are all at one time, in the
-    order of the cells in which the particles were half a step ago.
-
-    In a basin without a free surface, particles are shifted along the gradient of their number, which keeps them from
-    lining up along streamlines (Lind et al. 2012, J. Comput. Phys. 231; Sun et al. 2017, CMAME 315, eq. 16).
-    """
+    """Water by delta-SPH. Between steps positions, velocities, densities and pressures are at one time, in the order of
+    the cells of half a step ago. Without a free surface, particles are shifted along the gradient of their number, lest
+    they line up along streamlines (Lind et al. 2012, J. Comput. Phys. 231; Sun et al. 2017, CMAME 315, eq. 16)."""
 
     config: Config
 
@@ -544,20 +534,16 @@ class DeltaSph(Sph):
         self.momentum, self.continuity = Momentum(self), Continuity(self)
         if not self.shifting:
             self.shear = Shear(self)
-        self.lower_particles(sizes.lattice.column_ends()[0])
-        self.begin()
-
-    def lower_particles(self, bed: np.ndarray) -> None:
-        """Lower each particle by the settlement of its column down to the bed (n,) [m]: integral of p / (rho0 c^2)."""
-        pull = -self.pull.constant.y
-        if pull > 0.0 and not self.closed:
-            x, p = self.particles.position.to_numpy().astype(float), self.particles.pressure.to_numpy().astype(float)
-            rho_0 = self.particles.rest_density
+        pull, rho_0 = -self.pull.constant.y, particles.rest_density
+        if pull > 0.0 and not self.closed:  # each particle lies lower by the settlement of its column
+            x, p = particles.position.to_numpy().astype(float), particles.pressure.to_numpy().astype(float)
+            bed = sizes.lattice.column_ends()[0]
             bed = np.append(bed, x[len(bed) :, 1])  # what has left an emitter stays
             lower = column_drop(p / rho_0, p / rho_0 + pull * (x[:, 1] - bed), pull, self.sound_speed)
             self.surface_drop = float(lower.max())
             x[:, 1] -= lower
-            self.particles.position.from_numpy(x)
+            particles.position.from_numpy(x)
+        self.begin()
 
     @property
     def listed_positions(self) -> tuple[ti.Field, ...]:
@@ -623,8 +609,7 @@ class DeltaSph(Sph):
 
     @ti.kernel
     def drift_kick_drift(self, dt: float, speed: float, since: float):
-        """Move the particles by a step of dt [s]: drift half of it, sort, kick, drift to the end; `speed`: of the shift
-        [m/s]; `since`: the wind's clock [s]."""
+        """Move the particles by dt [s]: drift, sort, kick, drift; `speed` of the shift [m/s]; `since` as of `wind`."""
         self.dt[None] = dt
         self.wind.set_clock(since, dt)
         h = self.smoothing.length

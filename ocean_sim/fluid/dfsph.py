@@ -98,9 +98,8 @@ class Config(SphConfig):
         return artificial + super().viscosity_added(preflight, length, height, standing)
 
     def limits_at(self, basin: Basin, speed: float, acceleration: float) -> Limits:
-        """Limits of the time step at this speed [m/s] and acceleration [m/s2]: none by sound, but neighbours under a
-        pressure p oscillate at sqrt(p / density) / spacing; pair friction relaxes at up to twice the rate of its
-        sum."""
+        """Limits of the time step at this speed [m/s] and acceleration [m/s2]: none by sound; neighbours under a
+        pressure p oscillate at sqrt(p / density) / spacing, pair friction relaxes at up to twice its sum's rate."""
         speed = max(speed, MIN_LIMIT_SPEED * self.speed(basin))
         return step_limits(self.smoothing(basin), 0.0, 2.0 * self.viscosity(basin), speed, acceleration)
 
@@ -304,10 +303,8 @@ class Forces(Force):
 
 @in_kernels
 class Dfsph(Sph):
-    """Incompressible water by DFSPH. Between steps particles are sorted, with density and pressure current.
-
-    `sound_speed` is that of weakly compressible water with the same `compression`; no step waits for it.
-    """
+    """Incompressible water by DFSPH. Between steps particles are sorted, with density and pressure current. No step
+    waits for `sound_speed`, that of weakly compressible water with the same `compression`."""
 
     config: Config
 
@@ -446,16 +443,12 @@ class Dfsph(Sph):
             self.pairs.walk(self.incompressible.compression)
         else:
             for t in range(self.tasks.iterations):
-                if t % self.tasks.stride == 0:
-                    self.judge_group(t // self.tasks.stride)
+                if t % self.tasks.stride == 0:  # by the compression that the divergence solver has left
+                    group = t // self.tasks.stride
+                    self.incompressible.compression.begin(group)
+                    for i in range(self.tasks.first_particle(group), self.tasks.first_particle(group + 1)):
+                        self.incompressible.compression.judge_particle(i, self.rate[i], group)
         self.rows.sum_into(report)
-
-    @ti.func
-    def judge_group(self, group):
-        """Compute errors and next pressures of a group from the compression that the divergence solver has left."""
-        self.incompressible.compression.begin(group)
-        for i in range(self.tasks.first_particle(group), self.tasks.first_particle(group + 1)):
-            self.incompressible.compression.judge_particle(i, self.rate[i], group)
 
     @ti.kernel
     def displace_and_react(self):

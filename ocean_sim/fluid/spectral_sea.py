@@ -471,8 +471,7 @@ def spacing(sea: waves.Components, tile: Tile) -> float:
 
 
 def snapped(sea: waves.Components, tile: Tile) -> waves.Components:
-    """Move waves to the nearest wavevectors that are periodic on a tile; waves on one wavevector are merged, with all
-    their energy and the phase of the highest. Waves that the tile does not resolve are dropped."""
+    """Waves moved to the nearest wavevectors periodic on a tile, and merged; those it does not resolve are lost."""
     unit = 2.0 * pi / np.array([tile.side, tile.width if tile.rows > 1 else np.inf])
     steps = np.round(np.divide(sea.wavevector, unit, out=np.zeros(sea.wavevector.shape), where=unit > 0.0)).astype(int)
     most = ceil(tile.cells / 4) - 1

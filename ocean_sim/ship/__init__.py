@@ -95,8 +95,7 @@ class Outline(NamedTuple):
         return max(least, 0.0)
 
     def images(self, other: "Outline", periods: Sequence[float]) -> list["Outline"]:
-        """Copies of this outline in a periodic basin: the one nearest to `other`, and its neighbours one period away on
-        every side. `periods` [m]: of the basin along x, y and z; 0: not periodic."""
+        """Copies of this outline in a basin of `periods` (3,) [m]: the nearest to `other`, and its neighbours."""
         apart = other.plan.mean(axis=0) - self.plan.mean(axis=0)
         sides = np.array(periods[::2])
         next_to = product(*([-side, 0.0, side] if side else [0.0] for side in sides))
@@ -139,8 +138,7 @@ class Ship(Protocol):
         """Replace the crew by a person and return the person, whose `give(throttle, rudder)` then sets the orders."""
 
     def sail(self, route: list[tuple[float, float]], speed: float) -> "Helmsman":
-        """Replace the crew by a pilot and return the pilot, who sails along waypoints x, z [m] at a speed [m/s]; a
-        waypoint counts as reached from a ship's length before it."""
+        """Replace the crew by the returned pilot along waypoints x, z [m], each reached a ship's length before it."""
 
     def drawn(self) -> tuple[np.ndarray, np.ndarray] | None:
         """Hull as drawn: vertices (n, 3) from the centre of mass, body axes [m], triangles (m, 3); None without one."""

@@ -203,8 +203,7 @@ class SeakeepingShip(FloatingShip):
         return now.share * to_world(resisted, now.axes)
 
     def drift_velocity(self, now: Immersion) -> np.ndarray:
-        """(6,) velocity of the water that added mass reacts to, body axes [m/s], [rad/s]: of the current alone in
-        motions whose wave force is in the table."""
+        """(6,) velocity [m/s], [rad/s] of water for added mass: the current's in motions with waves in the table."""
         if self.scattering is None:
             return now.wet.velocity
         stream = np.concatenate([now.body.matrix.T @ self.stream, np.zeros(3)])

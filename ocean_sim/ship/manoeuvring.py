@@ -227,8 +227,7 @@ class Manoeuvring(Vessel):
         return np.stack([force, torque - np.cross(self.arm, force)])
 
     def advance(self, load: Load, dt: float) -> None:
-        """Take a step of dt [s], second-order (leapfrog): velocities stay half a step behind the position, and the
-        propellers follow the mean of the orders before and after the step, with a delay."""
+        """Take a leapfrog step of dt [s]; propellers follow the mean of orders before and after it, with a delay."""
         body, before, (of, *gained) = self.body, self.model.ordered_revolutions(*self.orders), self.gained
         if of is not body or not np.any(gained):  # it begins: its velocities are still of the time of its place
             slower, less = load.force / body.mass * dt / 2.0, load.torque * dt / 2.0

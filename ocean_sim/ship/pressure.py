@@ -16,7 +16,7 @@ from ocean_sim.fluid import Fluid, with_particles
 from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.ship import Load, Ship
 from ocean_sim.ship.body.floating import FloatingConfig, afloat_pose
-from ocean_sim.ship.body.rigid_body import RigidBody, hold_motions, to_world
+from ocean_sim.ship.body.rigid_body import hold_motions, to_world
 from ocean_sim.ship.body.vessel import Actuators, Vessel
 from ocean_sim.ship.forces.added_mass import by_rule
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics, Matter
@@ -48,22 +48,17 @@ class Config(FloatingConfig):
         return False
 
     def solid(self, preflight: Preflight) -> Solid:
-        still = self.hydrostatics_of(preflight)
-        flat = preflight.tank.dimension == 2
-        body = self.above_unsettled_water(self.starting_body(still, flat), preflight)
+        still, flat = self.hydrostatics_of(preflight), preflight.tank.dimension == 2
+        matter = still.matter
+        if flat:  # a metre of the hull
+            share = 1.0 / float(np.ptp(self.whole_hull.shape.bounds(), axis=0)[2])
+            matter = Matter(share * matter.mass, matter.centre, share * matter.inertia)
+        body = self.above_unsettled_water(self.body_at_start(matter, *afloat_pose(still)), preflight)
         return Solid(self.whole_hull.shape, still.matter.centre, body.position, body.matrix, flat, body=body)
 
     def added_mass_diagonal(self, still: Hydrostatics) -> np.ndarray:
         """(6,) added mass [kg], inertia [kg m2] by rule, for natural periods alone; in a run the particles react."""
         return by_rule(still)
-
-    def starting_body(self, still: Hydrostatics, flat: bool) -> RigidBody:
-        """Rigid body at the start of a run; if `flat`, in 2-D, with mass and inertia of a metre of the hull."""
-        matter = still.matter
-        if flat:
-            share = 1.0 / float(np.ptp(self.whole_hull.shape.bounds(), axis=0)[2])
-            matter = Matter(share * matter.mass, matter.centre, share * matter.inertia)
-        return self.body_at_start(matter, *afloat_pose(still))
 
     def warnings(self, preflight: Preflight) -> list[str]:
         found, spacing = super().warnings(preflight), preflight.spacing

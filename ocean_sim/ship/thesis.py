@@ -20,8 +20,6 @@ from ocean_sim.ship.body.floating import FloatingConfig
 from ocean_sim.ship.body.floating_ship import FloatingShip, Immersion
 from ocean_sim.ship.body.rigid_body import RigidBody, thesis_advance
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
-from ocean_sim.ship.water.water_samples import SurroundingSea, SurroundingWater
-from ocean_sim.surface import Surface
 
 THESIS_NODES = 32  # along the basin, as `getWaveHeight` counts them
 
@@ -50,10 +48,9 @@ class Thesis(FloatingShip):
     def forces(self, now: Immersion) -> dict[str, np.ndarray]:
         """(2, 3) force [N] and torque [N m] by name of part: buoyancy by columns of water, no wave force."""
         surface = now.surface if self.contact is None else self.water
-        return super().forces(now) | {
-            "buoyancy": self.columns.buoyancy_load(surface, self.body),
-            "wave": np.zeros((2, 3)),
-        }
+        self.columns.sum_columns(surface, self.body.position, self.body.matrix)
+        carried = self.columns.out.to_numpy().sum(axis=0).reshape(2, 3)
+        return super().forces(now) | {"buoyancy": carried, "wave": np.zeros((2, 3))}
 
     def damping(self, now: Immersion) -> np.ndarray:
         body = self.body
@@ -89,13 +86,6 @@ class Columns:
         arms = np.stack([middle[:, 0], bottom, middle[:, 1]], axis=1) - still.matter.centre
         self.bottom.from_numpy(arms.astype(real))
         self.area.from_numpy((volume / self.height).astype(real))  # _segVolume / _shipSize.y
-
-    def buoyancy_load(
-        self, surface: Surface | Fluid | SurroundingWater | SurroundingSea, body: RigidBody
-    ) -> np.ndarray:
-        """(2, 3) buoyancy [N] and torque about the centre of mass [N m], summed over all columns."""
-        self.sum_columns(surface, body.position, body.matrix)
-        return self.out.to_numpy().sum(axis=0).reshape(2, 3)
 
     @ti.kernel
     def sum_columns(self, surface: Template, position: tm.vec3, turn: tm.mat3):

@@ -15,8 +15,7 @@ SMOOTHING_CUBES = 0.5  # [cubes] over which steps of cubes are smoothed
 
 
 def lattice_shape(shape: SolidShape, side: float, reach: float) -> tuple[float, np.ndarray, np.ndarray]:
-    """Lattice of cubes around a hull, of USUAL_CUBES at most: side of a cube [m], at least `side`; (3,) sides with
-    which cubes fill the hull's box [m]; (3,) numbers of cubes beyond the box on each side, to cover `reach` [m]."""
+    """Side of a cube [m], sides (3,) [m] of cubes that fill the hull's box, and cubes (3,) beyond it for `reach`."""
     lower, upper = shape.bounds()
     side = max(side, float((upper - lower + 2.0 * reach).prod() / USUAL_CUBES) ** (1.0 / 3.0))
     size = (upper - lower) / np.maximum(1, np.ceil((upper - lower) / side - 1e-6))
@@ -34,9 +33,8 @@ def lattice_memory(shape: SolidShape, side: float, reach: float, word: int) -> t
 def distance_lattice(
     shape: SolidShape, side: float, support: float, reach: float
 ) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
-    """Lattice around a hull: arrays `distance` [m] of nodes (i, j, k) from the hull, negative inside, and `share` of
-    the hull, smoothed by Wendland's kernel (C2) of this support [m]; position (3,) of the first node in the hull's
-    axes, and steps (3,) [m]. `side`: of a cube [m]; `reach`: of the lattice beyond the hull [m]."""
+    """Lattice around a hull: `distance` [m] of nodes (i, j, k) from it, negative inside, and `share` of the hull,
+    smoothed by Wendland's kernel (C2) of this support [m]; first node (3,) in the hull's axes, and steps (3,) [m]."""
     lower, upper = shape.bounds()
     side, size, margin = lattice_shape(shape, side, reach)
     cubes = voxels(shape, side, 1.0)
@@ -84,8 +82,7 @@ class Distance:
 
     @ti.func
     def at(self, position):
-        """Outward normal, distance [m] (beyond the lattice its reach), and minus the gradient of the share [1/m], which
-        is the integral of the kernel's gradient over the hull, at a position from the centre of mass [m]."""
+        """Outward normal, distance [m] (the reach beyond the lattice), -grad share [1/m] at a position [m]."""
         a = (position - self.first) * self.per_step
         c = tm.clamp(int(ti.floor(a)), 0, self.last)
         normal, distance, thinning = tm.vec3(0.0), self.far, tm.vec3(0.0)

@@ -245,8 +245,7 @@ def mesh_flaws(vertices: np.ndarray, faces: np.ndarray) -> list[str]:
 
 
 def edge_uses(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(e, 2) edges as pairs of corners in rising order, (e,) number of faces that use each, and (e,) how many more of
-    them pass it from the lower to the higher corner than back."""
+    """(e, 2) edges, corners in rising order; (e,) faces that use each; (e,) how many more pass it upwards than back."""
     directed = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     edges, which, count = np.unique(np.sort(directed, axis=1), axis=0, return_inverse=True, return_counts=True)
     way = np.where(directed[:, 0] < directed[:, 1], 1, -1)
@@ -305,8 +304,7 @@ def point_text(position: np.ndarray) -> str:
 
 
 def guess_axes(triangles: np.ndarray, scale: float | None, up: str | None, bow: str | None) -> tuple[float, str, str]:
-    """Metres per unit, up axis and bow axis; those not given are guessed: the longest axis is the ship's; of the other
-    two the one about whose plane the mesh is symmetric is athwart."""
+    """Metres per unit, up and bow axis; a guess takes the longest side as bow, and up in the plane of symmetry."""
     lower, upper = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
     extents, middle = upper - lower, 0.5 * (lower + upper)
     scale = scale or (1.0 / MAX_METRES if extents.max() > MAX_METRES else 1.0)
@@ -335,11 +333,8 @@ def gauss_points(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def line_crossings(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Crossings of faces (m, 3, 3) with lines along y at ascending x and z, line by line and upwards: number of the
-    line (that of its x times len(z), plus that of its z), height, and winding number above.
-
-    Planes across z cut faces in segments, whose ends both faces of an edge share by the same numbers; lines cross
-    segments between their ends. So every line leaves a closed skin as often as it enters it, rounding or not.
-    """
+    line (that of its x times len(z), plus that of its z), height, and winding number above. Faces of an edge share the
+    ends of their cuts, so a line leaves a closed skin as often as it enters it, rounding or not."""
     face, k = pairs_within(triangles[..., 2].min(axis=1), triangles[..., 2].max(axis=1), z)
     a, b, c, ahead = lone_corner_first(triangles[face], triangles[face, :, 2] > z[k, None])
     p, q = (on_edge(a, end, z[k]) for end in (b, c))
@@ -360,8 +355,7 @@ def pairs_within(low: np.ndarray, high: np.ndarray, values: np.ndarray) -> tuple
 
 
 def lone_corner_first(faces: np.ndarray, beyond: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Corners a, b, c, (n, 3) each, of faces (n, 3, 3) that a plane cuts: a is alone on its side, b and c follow in the
-    order of the face; and (n,) True if a is beyond the plane. `beyond`: (n, 3) True for corners beyond it."""
+    """Corners a (alone on its side), b, c of cut faces (n, 3, 3), and (n,) True if a is `beyond` (n, 3) the plane."""
     alone = np.count_nonzero(beyond, axis=1) == 1
     first = np.argmax(beyond == alone[:, None], axis=1)[:, None]
     a, b, c = np.moveaxis(np.take_along_axis(faces, ((first + range(3)) % 3)[..., None], axis=1), 1, 0)

@@ -48,8 +48,7 @@ class Lattice:
 
 
 def deepest_first(distance: np.ndarray, spacing: float) -> np.ndarray:
-    """Order of points at distances (n,) [m] from a body, negative inside: the deepest first, spread evenly along rows
-    of the same depth."""
+    """Order of points at distances (n,) [m] from a body, deepest inside first, spread along rows of equal depth."""
     rows = np.round(distance / (ROW_TOLERANCE * spacing))
     return np.lexsort((np.arange(len(distance)) * GOLDEN_RATIO % 1.0, rows))
 
@@ -64,13 +63,10 @@ def fit_particles(
     box: tuple[np.ndarray, np.ndarray] = EVERYWHERE,
     iterations: int = FIT_ITERATIONS,
 ) -> dict[str, np.ndarray]:
-    """Make room for a body among `points` (n, 3) [m]: indices of particles `gone` and `near` it, and positions [m] of
-    the latter, `moved` to minimise the kernel's sum over particles and samples.
-
-    `water`: (n,) True for particles, False for points that only continue their lattice; `gone`: (n,) True for points
-    that the body displaces; `samples`: positions (m, 3) [m] and volumes (m,) [m3] of those of the body; `box`: lowest
-    and highest corner (3,) [m], in which points stay that are inside; those outside do not move. `iterations`: at most.
-    """
+    """Make room for a body among `points` (n, 3) [m], True in `water` if particles: indices of particles `gone` and
+    `near`, and positions [m] of the latter, `moved` to minimise the kernel's sum. `gone`: points that the body
+    displaces; `samples`: positions (m, 3) [m], volumes (m,) [m3] of the body's; `box`: corners (3,) [m]; points outside
+    do not move."""
     at, weight, spacing = samples[0], samples[1] / lattice.volume, lattice.spacing
     near = near_to(points, at, FIT_REACH * spacing) & ((points >= box[0]) & (points <= box[1])).all(axis=1)
     free = near & ~gone
@@ -85,8 +81,7 @@ def fit_particles(
 def kept_room(
     positions: np.ndarray, content: bytes, made: Callable[[], dict[str, np.ndarray]], *asked: type
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Room of a body in a lattice at `positions` (n, 3) [m], as `basin.Solid.make_room` returns it: from the user's
-    cache, or `made` as by `fit_particles`. `content` and `asked`: as of `cached_arrays`."""
+    """Room in a lattice at `positions` (n, 3) [m], as of `basin.Solid.make_room`, from the user's cache or `made`."""
     found = cached_arrays("rooms", content, made, *asked)
     gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()
     gone[found["gone"]], moved[found["near"]] = True, found["moved"]
@@ -109,8 +104,7 @@ def even_out(
     box: tuple[np.ndarray, np.ndarray],
     iterations: int,
 ) -> np.ndarray:
-    """(n, 3) positions near `free` (n, 3) [m], in a `box`, for the smallest sum of the kernel over all pairs; `fixed`
-    (m, 3): positions [m] of points that stay, with `weights` (m,) in particles."""
+    """(n, 3) positions [m] near `free`, in a `box`, for the smallest kernel sum; `fixed` points (m, 3) [m] stay."""
     from scipy.optimize import minimize
     from scipy.spatial import cKDTree
 

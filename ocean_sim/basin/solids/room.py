@@ -44,9 +44,7 @@ class ShapedSolid:
     def make_room(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, lattice: Lattice
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Make room for the body in a lattice of particles at rest, as `basin.Solid` says: as many go as it displaces,
-        the deepest first, and those around move. Kept in the user's cache, as nothing else in preparing a run takes
-        longer."""
+        """Make room for the body as `basin.Solid` says; kept in the user's cache, as this takes longest."""
         poses = [self.centre, self.origin, self.turn, *(corner for box in boxes for corner in box)]
         numbers = repr([lattice, self.is_sampled, self.flat, *(array.tolist() for array in poses)]).encode()
         content = self.shape.content() + numbers + positions.tobytes() + beyond.tobytes()
@@ -59,9 +57,8 @@ class ShapedSolid:
     def room_arrays(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, lattice: Lattice
     ) -> dict[str, np.ndarray]:
-        """Room for a sampled body (arguments of `make_room`): indices of particles `gone` and `near`, and positions [m]
-        of the latter, `moved` to minimise a kernel's sum over particles and its samples, so that an even
-        pressure pushes none (particle packing, Colagrossi et al. 2012)."""
+        """Room for a sampled body: indices of particles `gone` and `near`, and positions [m] of the latter, `moved`
+        until an even pressure pushes none (particle packing, Colagrossi et al. 2012)."""
         points, spacing = np.concatenate([positions, beyond]), lattice.spacing
         water = np.arange(len(points)) < len(positions)
         # To a thousandth of a spacing, since minimisation would make rounding of a pose a hundred times as large.
@@ -75,8 +72,7 @@ class ShapedSolid:
         return fit_particles(points, water, gone, (at @ self.turn.T + origin, volumes), lattice, self.dimension)
 
     def deepest_first(self, own: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) distances from the body [m] of points `own` (n, 3) in its axes, and the order of the points, the deepest
-        in the body first, spread evenly along rows of the same depth."""
+        """(n,) distances [m] of points `own` (n, 3) from the body, and their order by `packing.deepest_first`."""
         distance = self.distances(own, spacing)
         return distance, deepest_first(distance, spacing)
 
@@ -159,8 +155,7 @@ class MeshSolid(ShapedSolid):
         return lattice_memory(self.shape, spacing / CUBES_A_SPACING, 2.0 * spacing, word)[1]
 
     def tops_below(self, points: np.ndarray) -> np.ndarray:
-        """(n,) heights [m] of the upper end of the highest stretch of the body that begins below each of `points`
-        (n, 3) [m], straight down; -inf where there is none."""
+        """(n,) tops [m] of the highest stretch of the body that begins below each of `points` (n, 3) [m]; else -inf."""
         (x, i), (z, k) = (np.unique(points[:, axis], return_inverse=True) for axis in (0, 2))
         line, foot, top = inside_stretches(self.mesh.triangles, x, z)
         low, up = (bound[1] for bound in self.mesh.bounds)
@@ -172,8 +167,7 @@ class MeshSolid(ShapedSolid):
 
 
 def face_normals(slopes: Sequence[np.ndarray], at: np.ndarray, turn: np.ndarray) -> np.ndarray:
-    """(n, 3) outward unit normals of the nearest face at positions `at` (n, 3) [nodes] of a lattice, by the distance's
-    `slopes` along x, y and z at its nodes; turned by the (3, 3) matrix `turn` from the right."""
+    """(n, 3) outward unit normals at `at` (n, 3) [nodes] by the distance's `slopes` at nodes, times a matrix `turn`."""
     from scipy.ndimage import map_coordinates
 
     found = np.stack([map_coordinates(slope, at.T, order=1, mode="nearest") for slope in slopes], axis=1) @ turn

@@ -53,8 +53,7 @@ class Voxels:
         return float(np.linalg.norm(self.size * up))
 
     def cut_offset(self, turn: Sequence[Sequence[float]], cut: float) -> tuple[float, float]:
-        """Moment [m4] along x and z of the world by which the wet part of the cut cubes of a turned hull lies to the
-        lower side of their centres; `cut`: volume of these cubes [m3]."""
+        """Moment [m4] along the world's x and z of the cut cubes' wet part about their centres; `cut`: volume [m3]."""
         a, b, c = (square * up for square, up in zip(self.size_squared, turn[1]))
         x, square_of_spread, z = (row[0] * a + row[1] * b + row[2] * c for row in turn)
         share = -cut / (12.0 * sqrt(square_of_spread))
@@ -108,8 +107,7 @@ def voxels(shape: SolidShape, side: float, flat: float = MAX_FLATNESS) -> Voxels
 def sample_cubes(
     shape: SolidShape, counts: np.ndarray, lower: np.ndarray, upper: np.ndarray, samples: int
 ) -> dict[str, np.ndarray]:
-    """Arrays `share`, `centre` [m], outward `area` [m2] of the cubes not empty among `counts` (3,) from `lower` to
-    `upper` [m], by `samples` columns along x and z in each."""
+    """Arrays `share`, `centre` [m], outward `area` [m2] of cubes not empty, by `samples` columns a side of each."""
     size = (upper - lower) / counts
     per_cube = (samples, EDGE_SAMPLES, samples)
     axes = [lower[a] + size[a] * (np.arange(counts[a] * per_cube[a]) + 0.5) / per_cube[a] for a in range(3)]

@@ -84,8 +84,7 @@ def plane_pressure(away: np.ndarray, smoothing: Smoothing, spacing: float) -> fl
 
 
 def fixed_bodies(lattice: Lattice, support: float) -> list[Body]:
-    """Sample the obstacles of the basin, and then its bed if that has a shape, at about the particle spacing, down to
-    one `support` [m] below their faces. What pushes the bed counts as a push on walls."""
+    """Sample obstacles, and a bed with a shape (which counts as a wall), to one `support` [m] below their faces."""
     basin, bodies = lattice.basin, []
     for k, obstacle in enumerate(basin.config.obstacles):
         if isinstance(obstacle, MeshObstacle):
@@ -131,8 +130,7 @@ def any_moves(bodies: Sequence[Body]) -> bool:
 
 
 def memory(samples: int, bodies: int, cells: int, word: int, working: bool) -> int:
-    """Bytes of the fields of a Boundary with so many samples, bodies and grid cells; `word`: size of a `float` [bytes];
-    `working`: True if the work of moving bodies is summed."""
+    """Bytes of a Boundary's fields; `word`: size of a `float`; `working`: True if work of moving bodies is summed."""
     return samples * (26 * word + 20 + 24 + 16 * working) + 6 * word * bodies + 4 * (cells + 1)
 
 
@@ -157,8 +155,7 @@ def body_vector(rows: Template, body, first: Template):
 
 @in_kernels
 class Boundary:
-    """All solid bodies in the water, as samples sorted by cell. A step calls `place`, `sort` and `react`; then `forces`
-    are those of the water on the bodies."""
+    """Solid bodies as samples sorted by cell. A step calls `place`, `sort` and `react`, then reads `forces`."""
 
     def __init__(
         self,
@@ -170,8 +167,7 @@ class Boundary:
         accounts: bool,
         relief: "Relief | None" = None,
     ) -> None:
-        """Make the fields of these bodies. `accounts`: True if the work of moving bodies is summed; `relief`: of the
-        body that is the bed."""
+        """`accounts`: True if the work of moving bodies is summed; `relief`: of the body that is the bed."""
         self.bodies, self.mass, self.grid, self.pull = bodies, particles.mass, grid, pull
         self.owners = np.repeat(np.arange(len(bodies)), [len(body.position) for body in bodies])
         self.n = n = len(self.owners)
@@ -245,8 +241,7 @@ class Boundary:
         acceleration: ArrayLike = ZERO_VECTOR,
         angular_acceleration: ArrayLike = ZERO_VECTOR,
     ) -> None:
-        """Set the motion of body number `body` at the end of the next step: origin at `position` (3,) [m], turned from
-        its axes to the tank's by `rotation` (3, 3), velocity [m/s], angular velocity [rad/s], both accelerations."""
+        """Set a body's origin [m], `rotation` (3, 3) to the tank, rates [m/s], [rad/s], accelerations after a step."""
         rates = (velocity, angular_velocity, acceleration, angular_acceleration)
         row = np.concatenate([position, np.ravel(rotation), *rates, [0.0]])  # as MOTION_COLUMNS has them
         self.moved = self.moved or bool((row != self.motion[body]).any())
@@ -357,14 +352,9 @@ class Boundary:
         return mirror_velocity(mirror, tm.vec3(self.velocity.x[s], self.velocity.y[s], self.velocity.z[s]))
 
     @ti.func
-    def opposed_velocity(self, v, s, mirror):
-        """Velocity [m/s] of a no-slip image for water of velocity v at sample s: twice the sample's velocity less v."""
-        return 2.0 * self.mirrored_velocity(s, mirror) - v
-
-    @ti.func
     def rubbing_velocity(self, v, s, mirror):
-        """Velocity [m/s] of sample s in friction with water of velocity v: v on a free-slip body, else opposed."""
-        return ti.select(self.free[s] == 1, v, self.opposed_velocity(v, s, mirror))
+        """Velocity [m/s] of sample s in friction with water of velocity v: v on a free-slip body, else an image's."""
+        return ti.select(self.free[s] == 1, v, 2.0 * self.mirrored_velocity(s, mirror) - v)
 
     @ti.func
     def react(self, law: Template, dt):
@@ -415,8 +405,7 @@ class Boundary:
         return SampleSum(self, law)
 
     def forces(self) -> tuple[np.ndarray, np.ndarray]:
-        """Force (k, 3) [N] of the water on each of k bodies in the last step and torque (k, 3) [N m] about its origin,
-        in the axes of the tank; in 2-D per metre."""
+        """Force (k, 3) [N] on k bodies in the last step, torque (k, 3) [N m] about their origins; 2-D: per metre."""
         borne = np.zeros((2, len(self.bodies), 3))
         self.sum_forces(borne)
         return borne[0], borne[1]
@@ -489,12 +478,10 @@ class SampleSum:
 
 @in_kernels
 class Reaction:
-    """Point sum over particles: force [N] on a sample, number `own`, by the law that pushes the water; where work is
-    summed, also the part of it whose work is booked under walls. Across a side, an image pushes the side instead."""
+    """Point sum over particles: force [N] on sample `own`, and its part booked under walls; images push sides."""
 
     def __init__(self, boundary: Boundary, law: Law, told: tuple[ti.Field, ...], forces: tuple[Any, ...]) -> None:
-        """Sum for a law. `told`: fields of a particle that a sample reads, the law's row first; `forces`: ti.funcs from
-        a sum to the particle's acceleration [m/s2], all of it and the part booked under walls."""
+        """`told`: fields of a particle that a sample reads; `forces`: ti.funcs from a sum to accelerations [m/s2]."""
         self.boundary, self.law, self.told, self.mass = boundary, law, told, boundary.mass
         self.forces = forces if boundary.working else forces[:1]
         self.sums = 3 * len(self.forces)

@@ -98,8 +98,7 @@ class Jet:
         return min(self.config.cap, self.first + layers * len(self.sites))
 
     def emitted_state(self, first: int, last: int, time: float, pull: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Positions (n, 3) [m] and velocities (n, 3) [m/s], at a time [s], of particles number `first` to `last` - 1 on
-        their parabolas, under a constant acceleration `pull` (3,) [m/s2] since they left."""
+        """Positions (n, 3) [m], velocities (n, 3) [m/s] of particles `first` to `last` - 1 under `pull` (3,) [m/s2]."""
         layer, site = np.divmod(np.arange(first, last) - self.first, len(self.sites))
         age = np.maximum(time - layer * self.interval, 0.0)[:, None]
         return self.sites[site] + age * self.velocity + 0.5 * age**2 * pull, self.velocity + age * pull

@@ -38,8 +38,7 @@ class Exposure(Law):
     terms = Columns(area=3)
 
     def __init__(self, water: Any, plan_area: float, bends: bool) -> None:
-        """Make the fields of an `Sph`. `plan_area` of the water [m2], 0 if unknown; `bends`: True if the bend of the
-        surface is computed, too."""
+        """Make the fields of an `Sph`. `plan_area` of the water [m2], 0 if unknown; `bends`: True to fit its bend."""
         particles, smoothing = water.particles, water.smoothing
         self.particles, self.smoothing, self.neighbours = particles, smoothing, water.neighbours
         self.plan_area, self.reads = plan_area, water.listed_positions
@@ -65,8 +64,7 @@ class Exposure(Law):
 
     @ti.kernel
     def find_areas(self):
-        """Compute all areas, scaled so that their horizontal projections sum to the plan area of the water, if it is
-        known: then a wind stress acts on the surface exactly once, however many particles count as exposed."""
+        """Compute all areas, scaled to the water's plan area if known, so that wind acts on the surface once."""
         self.neighbours.walk(self, False)
         if ti.static(self.bends):
             self.neighbours.walk(self.bending, False)
@@ -99,8 +97,7 @@ class Exposure(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Store the exposed area of particle i: twice its volume times the gradient [1/m] of the smoothed share of
-        water (1 inside, 1/2 on a surface), turned outwards. Walls are mirrors: water at them is not exposed."""
+        """Store the exposed area: twice the volume times grad share [1/m], outwards. Water at walls is not exposed."""
         area = self.prefactor(own) * self.with_bodies(total, own, own)
         if area.norm() < self.least:
             area = tm.vec3(0.0)
@@ -123,8 +120,7 @@ class Exposure(Law):
 
 @in_kernels
 class Bend(Law):
-    """Pair law for the second derivatives of the surface's height at exposed particles: fitted to the differences of
-    slopes to neighbours, each weighted by its plan area and the kernel's gradient."""
+    """Pair law for second derivatives of the surface's height, fitted to slope differences of exposed particles."""
 
     row = Columns(position=3, slope=2, area=1)
     terms = Columns(xx=1, xz=1, zz=1, x_along_x=1, cross=1, z_along_z=1)
@@ -157,8 +153,7 @@ class Bend(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Fit the symmetric Hessian H of the height: H M + M H = twice the sums of slope differences times distances, M
-        = sum of x x. Store its three components times `skin`."""
+        """Fit the Hessian H: H M + M H = 2 sum of slope differences times x, M = sum of x x; store H times `skin`."""
         xx, xz, zz = total[self.terms.xx], total[self.terms.xz], total[self.terms.zz]
         along_x, along_z = total[self.terms.x_along_x], total[self.terms.z_along_z]
         bend, narrow = tm.vec3(0.0), xx * zz - xz * xz < MIN_DETERMINANT * xx * zz

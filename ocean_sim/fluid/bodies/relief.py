@@ -18,13 +18,20 @@ class Relief:
 
     def __init__(self, ground: Ground, spacing: float, support: float) -> None:
         """`spacing`: of the particles [m]; `support`: reach of the samples [m]."""
+        from scipy.ndimage import grey_dilation
+
         size = np.array([ground.x[-1] - ground.x[0], ground.z[-1] - ground.z[0]])
         counts = np.maximum(1, np.ceil(NODES_A_SPACING * size / spacing)).astype(int)
         counts[1] = counts[1] if ground.dimension == 3 else 1
         nodes = [np.linspace(nodes[0], nodes[-1], n + 1) for nodes, n in zip((ground.x, ground.z), counts)]
         heights = ground.heights(np.stack(np.meshgrid(*nodes, indexing="ij"), axis=-1).reshape(-1, 2))
         heights = heights.reshape(counts + 1)
-        reached = highest_reached(heights, size / counts, ground, support)
+        steps = size / counts
+        across = [np.arange(-n, n + 1) for n in (ceil(SLACK_NODES + support / step) for step in steps)]
+        across[1] = across[1] if ground.dimension == 3 else np.zeros(1)
+        away = [step * np.maximum(np.abs(nodes) - SLACK_NODES, 0.0) for nodes, step in zip(across, steps)]
+        ball = np.sqrt(np.maximum(support**2 - np.add.outer(away[0] ** 2, away[1] ** 2), 0.0))
+        reached = grey_dilation(heights, structure=ball, mode="wrap" if any(ground.periodic) else "nearest")
         self.height, self.reach = ti.field(float, shape=counts + 1), ti.field(float, shape=counts + 1)  # [m]
         for field, values in ((self.height, heights), (self.reach, reached)):
             field.from_numpy(values.astype(to_numpy_type(field.dtype)))
@@ -55,15 +62,3 @@ class Relief:
             (here.x - here.y) * self.per_step.x, 1.0, tm.mix(low.x - high.x, low.y - high.y, f.x) * self.per_step.y
         ).normalized()
         return (x.y - tm.mix(here.x, here.y, f.x)) * normal.y, normal
-
-
-def highest_reached(heights: np.ndarray, steps: np.ndarray, ground: Ground, support: float) -> np.ndarray:
-    """Heights (n, m) [m], at nodes `steps` (2,) [m] apart with bed `heights` (n, m), below which samples of the bed may
-    lie within a `support` [m]."""
-    from scipy.ndimage import grey_dilation
-
-    across = [np.arange(-n, n + 1) for n in (ceil(SLACK_NODES + support / step) for step in steps)]
-    across[1] = across[1] if ground.dimension == 3 else np.zeros(1)
-    away = [step * np.maximum(np.abs(nodes) - SLACK_NODES, 0.0) for nodes, step in zip(across, steps)]
-    ball = np.sqrt(np.maximum(support**2 - np.add.outer(away[0] ** 2, away[1] ** 2), 0.0))
-    return grey_dilation(heights, structure=ball, mode="wrap" if any(ground.periodic) else "nearest")

@@ -107,8 +107,7 @@ def zones(lattice: Lattice) -> tuple[Zone, ...]:
 
 
 def zone(side: Side, basin: Basin, of_scene: waves.Components | None, absorbing: list[Side], spacing: float) -> Zone:
-    """Make the absorbing zone before a side for the waves that the side lets pass, else for `of_scene`. `absorbing`:
-    all absorbing sides, which share the basin; `spacing` of the particles [m]."""
+    """Make the absorbing zone before a side, for the waves that it lets pass, else `of_scene`; `spacing` [m]."""
     asked, axis = side.absorbing, side.axis
     assert asked is not None
     target, given = asked.target, None
@@ -223,8 +222,7 @@ class Walls:
 
     @ti.func
     def bounce(self, x, v):
-        """Position [m] and velocity [m/s] after collisions with walls, obstacles and bed: stopped there, the normal
-        velocity times minus the restitution, the tangential one reduced by Coulomb friction, at most to rest."""
+        """Position [m], velocity [m/s] after collisions with walls, obstacles, bed: restitution, Coulomb friction."""
         for k in ti.static(self.axes):
             low, up, wall, normal = self.low[k], self.up[k], tm.vec3(0.0), tm.vec3(0.0)
             for s, axis, upper in ti.static(self.pistons):

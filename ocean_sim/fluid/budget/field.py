@@ -52,8 +52,7 @@ class Spread:
 
 @in_kernels
 class DynamicPressure:
-    """Point sum over particles of the pressure p - rho0 g . x [Pa] without still water's weight. An image in a wall has
-    that of its particle, plus the pressure by which wall and moving tank accelerate the water."""
+    """Point sum over particles of p - rho0 g . x [Pa]; images add the pressure of wall and tank that move the water."""
 
     sums = 1
 
@@ -100,8 +99,7 @@ class Field:
         pull: Pull | None = None,
         boundary: "Boundary | None" = None,
     ) -> None:
-        """Interpolate these particles. `gravity`: all constant accelerations (3,) [m/s2]; `pull`: all accelerations, if
-        the tank moves; `boundary`: the solid bodies in the water."""
+        """`gravity`: all constant accelerations (3,) [m/s2]; `pull`: all, if the tank moves; `boundary`: bodies."""
         self.particles, self.smoothing = particles, smoothing
         self.moving, self.bodies = False, boundary is not None
         if pull is not None:
@@ -147,8 +145,7 @@ class Field:
 
     @ti.func
     def fit_plane(self, x):
-        """Smoothed share of water around x [m], and constant and slope of the weights' correction that makes sums exact
-        for fields linear in position; the slope is limited where x lies far outside the neighbours."""
+        """Share of water around x [m]; constant and slope that make sums exact for linear fields, limited far away."""
         m = self.around.total(x, self.spread, 0.0)
         share = tm.max(m[MOMENT_COLUMNS.share], 1.0e-12)
         mean = vec3(m, MOMENT_COLUMNS.first) / share
@@ -231,8 +228,7 @@ class FreeSurface:
 
     @ti.func
     def ceiling(self, x, z):
-        """Height [m] from which the search for the surface at x, z [m] starts: a support above the highest particle in
-        the columns of cells around it, at most the lid."""
+        """Height [m] from which to search at x, z [m]: a support above particles around it, at most the lid."""
         p, grid = self.particles.position, self.grid
         h = self.smoothing.support
         home = grid.indices_at(grid.wrap_position(tm.vec3(x, self.bed, z)))
@@ -251,8 +247,7 @@ class FreeSurface:
 
     @ti.func
     def elevation(self, x, z):
-        """Height [m] of the surface at x, z [m], the bed where it is dry: searched from above in steps, then by
-        bisection and interpolation, where the smoothed share of water is one half."""
+        """Height [m] of the surface at x, z [m], where half the space is water, by bisection; the bed if dry."""
         high = self.ceiling(x, z)
         low, share_low, share_high, halvings = high, 0.0, 0.0, 0
         while halvings <= SURFACE_HALVINGS and high > self.bed:

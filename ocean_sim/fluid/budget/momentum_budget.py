@@ -42,8 +42,7 @@ class Accounts:
     """Extremes, impulse and work of steps, a row for each group of cells: no result depends on the order of threads."""
 
     def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...], apart: int = ROW_PADDING) -> None:
-        """Make `groups` rows. `impulses`: sum impulse and work of each force term (f64); `absent`: numbers of terms
-        that the scene lacks; `apart`: numbers from row to row, ROW_PADDING where threads write to few of them."""
+        """Make `groups` rows, `apart` numbers apart. `impulses`: sum impulse, work of terms not `absent` (f64)."""
         self.groups, self.impulses = groups, impulses
         self.idle = absent  # terms that nothing in the scene gives
         self.overflow, self.clipped = (ti.field(int, shape=(groups, apart)) for _ in range(2))
@@ -91,8 +90,7 @@ class Accounts:
 
     @ti.func
     def count_impulse(self, group, term: Template, impulse, v):
-        """Add the impulse [N s] of a term on a particle to the sums of a group, and its work v . impulse [J]; v is the
-        particle's mean velocity in the step."""
+        """Add a term's impulse [N s] to a group, and its work v . impulse [J]; v [m/s]: mean velocity in the step."""
         if ti.static(term not in self.idle):  # as the kernel is compiled; sums of other terms stay zero
             four = ti.Vector([impulse.x, impulse.y, impulse.z, impulse.dot(v)])
             for k in ti.static(range(WORK_COLUMN + 1)):
@@ -100,8 +98,7 @@ class Accounts:
 
     @ti.func
     def count_impulses(self, group, terms: Template, kick, accelerations: Template, v):
-        """Add the impulses of several force terms to the sums of a group, each `kick` (mass times time [kg s]) times an
-        acceleration [m/s2]; v [m/s] is the particle's velocity, for the work."""
+        """Add terms' impulses, `kick` [kg s] times `accelerations` [m/s2], to a group; v [m/s] gives their work."""
         for term, a in ti.static(zip(terms, accelerations)):
             self.count_impulse(group, term, kick * a, v)
 
@@ -126,9 +123,8 @@ class Accounts:
 
     @ti.func
     def summarise(self, summary: Template):
-        """Fill `summary` with SUMMARY_SIZE numbers over all groups: largest squared speed and acceleration, least and
-        largest density, a sum that is not finite if any term is not, particles slowed by the motion limit, and cells
-        with more candidates than their list holds."""
+        """Fill `summary` over all groups: largest squared speed and acceleration, least and largest density, a sum that
+        is not finite if any term is not, particles slowed by the motion limit, cells whose list overflows."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             for k, number in ti.static(enumerate(self.block_extremes(0, self.groups))):
@@ -155,8 +151,7 @@ class Accounts:
             to[group, term, k] = self.given[group, term, k]
 
     def totals(self) -> dict[str, np.ndarray]:
-        """Impulse [N s] and work [J] of each force term since the start, (4,) each, by name; empty if not summed. The
-        work of diffusion, which has no impulse, is its addition to the internal energy."""
+        """Impulse [N s], work [J] of each term since the start, (4,) each, by name; diffusion: internal energy."""
         if not self.impulses:
             return {}
         self.copy_sums(self.sums_copy)

@@ -7,7 +7,7 @@ from ocean_sim.fluid.budget.momentum_budget import TERM_NAMES, Accounts
 from ocean_sim.fluid.neighbours.cell_walk import CellWalk
 from ocean_sim.fluid.neighbours.grid import Grid
 from ocean_sim.fluid.neighbours.grid_size import GridSize, Plan
-from ocean_sim.fluid.neighbours.kept_pairs import slot_bytes, slot_count
+from ocean_sim.fluid.neighbours.kept_pairs import slot_count
 from ocean_sim.fluid.neighbours.particle_walk import ParticleWalk, WideAccounts, WideGrid, level_sizes
 from ocean_sim.parts import LedgerRow
 from ocean_sim.runtime import GRAPHICS_BACKENDS, GRAPHICS_CARD_CHOICES
@@ -39,7 +39,7 @@ class ParticlePlan(Plan):
         return 0
 
     def pair_bytes(self, size: GridSize, neighbours: int, word: int) -> int:
-        return slot_bytes(size.lattice.n, neighbours, word)
+        return size.lattice.n * (8 + slot_count(neighbours) * (4 + 3 * word))  # of PairSlots
 
     def highest_index(self, size: GridSize, neighbours: int) -> int:
         return size.lattice.n * (slot_count(neighbours) if neighbours else 1)

@@ -10,7 +10,7 @@ from ocean_sim.columns import vec3
 from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES
 from ocean_sim.fluid.budget.momentum_budget import Accounts
 from ocean_sim.fluid.neighbours.grid import Grid
-from ocean_sim.fluid.neighbours.grid_size import FILLER_X, GridSize, whole_vectors
+from ocean_sim.fluid.neighbours.grid_size import FILLER_X, VECTOR_LENGTH, GridSize
 from ocean_sim.fluid.neighbours.images import mirror_position
 from ocean_sim.fluid.neighbours.kept_pairs import KeptPairs, PairBlocks, flip_code
 from ocean_sim.fluid.neighbours.thread_tasks import TASK_ITERATIONS, Tasks
@@ -66,8 +66,7 @@ class CellWalk:
 
     @ti.func
     def list_near(self, begin, end, code, shift, middle, half, first):
-        """List the particles `begin` to `end` - 1 that, shifted [m], are near a box, each with the code of the shift,
-        from index `first` on; return their number. First all are tested, several at a time, then they are listed."""
+        """List particles near a box, with the code of their `shift` [m], from index `first` on; return their number."""
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         for a in range(end - begin):
             at = begin + a
@@ -86,8 +85,7 @@ class CellWalk:
 
     @ti.func
     def find_candidates(self, c, code, middle, half, first, room):
-        """List the particles near a box around cell c, each with `code` (its periodic shift), from index `first` on;
-        return their number, or -1 if they are more than `room`."""
+        """List particles near a box around cell c from `first` on; return their number, -1 if more than `room`."""
         grid = self.grid
         m, full = 0, 0
         for dz in range(-1, 2):
@@ -146,11 +144,9 @@ class CellWalk:
 
     @ti.func
     def walk(self, law: Template, find: Template):
-        """Sum law.pair over the candidates of each particle i, then call law.finish. Call this at the top of a kernel.
-
-        `find`: True if the candidates are to be listed anew, by the positions that law.reads holds. Mirror images of
-        particles in walls join the same sum, or have one of their own if the law's options say `apart`.
-        """
+        """Sum law.pair over the candidates of each particle, then call law.finish; call it at the top of a kernel.
+        `find`: list the candidates anew, by positions that law.reads holds. Mirror images of particles join the same
+        sum, or have one of their own if the law's options say `apart`."""
         for g in range(self.groups * TASK_ITERATIONS):
             if g % TASK_ITERATIONS == 0:
                 self.walk_group(g // TASK_ITERATIONS, law, find)
@@ -220,12 +216,9 @@ class CellWalk:
 
     @ti.func
     def append_images(self, k, law: Template, find: Template, middle, half, group, n, entry, room):
-        """Append the images of the n candidates to the scratch, behind a gap; return the number of candidates with
-        images, and the index at which the list of the next part begins.
-
-        From index `entry` on, the list holds for each side next to the cell the number of its images, then their
-        candidates.
-        """
+        """Append images of the n candidates to the scratch, behind a gap; return the number of candidates with images,
+        and where the list of the next part begins. From `entry` on, the list holds for each side next to the cell the
+        number of its images, then their candidates."""
         scratch, last, m, gap = group * self.width, (group + 1) * self.segment, n, self.image_gap(law, n)
         if ti.static(self.images.sides > 0):
             indices = self.grid.indices_of(self.grid.occupied[k])
@@ -249,8 +242,7 @@ class CellWalk:
 
     @ti.func
     def add_images(self, law: Template, find: Template, mirror, scratch, n, gap, m, first, run):
-        """Write the rows of `run` images in one side, listed from index `first` on, behind the m candidates in the
-        scratch, of which the first n lie before the gap."""
+        """Write rows of `run` images in a side, listed from `first` on, behind m candidates, n before the gap."""
         for b in range(run):
             a, to = self.candidate[first + b], scratch + gap + m + b
             a += scratch + ti.select(a < n, 0, gap)
@@ -265,7 +257,8 @@ class CellWalk:
     def padded_count(self, law: Template, count):
         """Number of terms in a sum over `count` candidates: whole vectors if the law is `padded`, since terms behind
         whole vectors are summed one by one, with four times the instructions each."""
-        return whole_vectors(count) if ti.static(law.options.padded) else count
+        whole = (count + VECTOR_LENGTH - 1) // VECTOR_LENGTH * VECTOR_LENGTH
+        return whole if ti.static(law.options.padded) else count
 
     @ti.func
     def image_gap(self, law: Template, n):
@@ -289,8 +282,7 @@ class CellWalk:
 
     @ti.func
     def candidate_sums(self, law: Template, pair: Template, own, begin, middle, end, find: Template, to):
-        """Sums of `pair` over the scratch rows `begin` to `middle`, and over the images from there to `end`. If pairs
-        are kept, their gradient shapes are stored from index `to` on."""
+        """Sums of `pair` over scratch rows `begin` to `middle`, and over images to `end`; keeps shapes from `to` on."""
         total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
         for a in range(begin, middle):
             total += self.candidate_term(law, pair, own, a, find, to + a - begin)
@@ -309,8 +301,7 @@ class CellWalk:
 
     @ti.func
     def sum_up(self, k, law: Template, find: Template, group, n, m):
-        """Sum the law for every particle of occupied part k over the m candidates in the scratch, of which the first n
-        are particles and the others images, and call its `finish`."""
+        """Sum the law for each particle of part k over m candidates, the first n particles, and call its `finish`."""
         # Layout of the scratch: particles up to `images`, then their images up to `end`, each filled up if padded.
         scratch = group * self.width
         images, end = scratch + n + self.image_gap(law, n), scratch + self.padded_count(law, m)

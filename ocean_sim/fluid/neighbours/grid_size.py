@@ -8,7 +8,7 @@ import numpy as np
 
 from ocean_sim.fluid.neighbours.thread_tasks import TASK_ITERATIONS
 from ocean_sim.fluid.sph.lattice import Lattice
-from ocean_sim.kernel_library import knows_processor, ti
+from ocean_sim.kernel_library import knows_processor
 
 # Candidates summed at once: eight lanes of f32 four times, or four lanes twice.
 VECTOR_LENGTH = 32 if knows_processor() else 8
@@ -20,18 +20,10 @@ MIN_PART_PARTICLES = 7.0  # in a part of a cell; a list of candidates would serv
 FEW_TASKS, MANY_TASKS = 16, 64  # groups of cells for few and many particles; each costs microseconds
 
 
-@ti.func
-def whole_vectors(count):
-    """Number of candidates rounded up to a multiple of VECTOR_LENGTH."""
-    return (count + VECTOR_LENGTH - 1) // VECTOR_LENGTH * VECTOR_LENGTH
-
-
 @dataclass(frozen=True)
 class Plan:
-    """Division of particles into tasks, and the classes that sort them and walk over neighbours (`backend_plan.PLANS`).
-
-    This plan suits the threads of a processor: few long tasks, each with a list of candidates for its cells.
-    """
+    """Division of particles into tasks, and the classes that sort them and walk over neighbours (`backend_plan.PLANS`);
+    this one suits a processor's threads: few long tasks, each with a list of candidates for its cells."""
 
     grid: Any  # constructor of the cells
     accounts: Any  # constructor of the accounts of a step

@@ -103,8 +103,7 @@ def mirror_position(mirror, x):
 
 @ti.func
 def mirror_midpoint(mirror, x):
-    """Midpoint [m] between x and its image: an acceleration linear in position, as in a turning tank, has its mean over
-    the line between them there."""
+    """Midpoint [m] between x and its image, where an acceleration linear in position has its mean over that line."""
     return 0.5 * (x + mirror_position(mirror, x))
 
 

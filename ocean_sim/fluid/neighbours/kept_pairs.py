@@ -29,11 +29,6 @@ def slot_count(neighbours: int) -> int:
     return max(MIN_SLOTS, int(SLOTS_PER_NEIGHBOUR * neighbours))
 
 
-def slot_bytes(n: int, neighbours: int, word: int) -> int:
-    """Bytes of the PairSlots of n particles; `neighbours`: of each on the lattice; `word`: bytes of a `float`."""
-    return n * (8 + slot_count(neighbours) * (4 + 3 * word))
-
-
 @in_kernels
 class KeptLaw(Law):
     """Pair law over kept pairs, whose gradients are stored: its row lacks the position."""
@@ -71,8 +66,7 @@ class KeptPairs(ABC):
 
     @ti.func
     def image_velocity(self, v, name, away):
-        """Velocity [m/s] of the image of a particle with velocity v: components along the axes coded in `name` change
-        sign, and a piston beyond adds twice its own; `away` points from the image into the water."""
+        """Velocity [m/s] of an image: axes coded in `name` change sign, a piston adds twice its own towards `away`."""
         image, flips = v, name // MOST_PARTICLES
         for k in ti.static(range(3)):
             image[k] = ti.select(flips >> k & 1, -image[k], image[k])
@@ -125,8 +119,7 @@ def flip_code(mirror):
 
 @in_kernels
 class PairBlocks(KeptPairs):
-    """Kept pairs by part of a cell: its candidates, particles before images, each filled up to whole vectors; and for
-    each of its particles and candidates the shape of grad W, which is grad W over its constant and x_ij."""
+    """Kept pairs by part of a cell: candidates in whole vectors, particles before images; and shapes of grad W."""
 
     def __init__(
         self, position: Components, grid: Grid, scratch: tuple[ti.Field, ...], smoothing: Smoothing, size: GridSize
@@ -160,8 +153,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def keep_part(self, k, group, names: Template, n, images, m, end):
-        """Store the m candidates of part k (n particles; images from scratch index `images` to `end`) and `names`.
-        Return the index of its first particle's shapes, the step to the next one's, and 1 if there is room, else 0."""
+        """Store m candidates of part k; return its first shapes' index, the step between, and 1 if there is room."""
         scratch, first, begun = group * self.width, self.next_first[group], self.next_begun[group]
         near, seen, room = images - scratch, end - scratch, 1
         if first + seen > (group + 1) * self.segment:

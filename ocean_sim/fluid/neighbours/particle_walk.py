@@ -36,11 +36,8 @@ def level_sizes(cells: int) -> list[int]:
 
 @in_kernels
 class WideGrid(Grid):
-    """Grid for graphics cards, sorted by one thread a particle: a counting sort with a prefix sum over blocks of cells.
-
-    Threads store particles in their cells in any order; then each particle counts those of its cell that came before it
-    in the old order. So the sort is stable.
-    """
+    """Grid for graphics cards: a counting sort with a prefix sum over blocks of cells, one thread a particle. It is
+    stable, since each particle counts those of its cell that came before it in the old order."""
 
     def __init__(self, particles: Particles, size: GridSize, carried: tuple[ti.Field, ...] = ()) -> None:
         super().__init__(particles, size, carried)

@@ -26,8 +26,7 @@ class PointLaw(Protocol):
     sums: int  # numbers that a particle adds
 
     def term(self, own: Any, j: Any, d: Any, mirror: Any) -> Any:
-        """ti.func: term of particle j, whose image in `mirror` lies at d [m] from the point; `own`: an argument of the
-        caller, passed on by the sum."""
+        """ti.func: term of particle j, whose image in `mirror` lies d [m] from the point; `own`: the caller's."""
 
 
 @in_kernels

@@ -49,8 +49,7 @@ class AirPressure:
         self.slope.from_numpy(np.stack([along, across], axis=-1).astype(to_numpy_type(self.slope.dtype)))
 
     def collect_impulse(self, dt: float, drift: np.ndarray, centre: np.ndarray) -> None:
-        """Add the wind's impulse over dt [s] to each cell; `drift` of the water (2,) [m] by the current; `centre` of
-        the tile (2,) in axes that move with it [m]."""
+        """Add the wind's impulse over dt [s] to each cell; `drift` by the current and `centre` of the tile (2,) [m]."""
         first = [axis[0] for axis in self.tile.nodes()]
         self.add_impulses(self.wind.since, self.wind.step, dt, *(tm.vec2(*at) for at in (first, drift, centre)))
         self.gathered += dt
@@ -65,8 +64,7 @@ class AirPressure:
 
     @ti.kernel
     def add_impulses(self, since: float, step: float, dt: float, first: tm.vec2, drift: tm.vec2, centre: tm.vec2):
-        """Add the wind's upward impulse over dt [s] in each cell and slab; `since`, `step`: its clock [s]; x, z [m] of
-        the first cell from the tile's middle, and of drift and centre as in collect_impulse."""
+        """Add the wind's upward impulse over dt [s] by cell and slab; `since`, `step`: its clock [s]; places [m]."""
         self.wind.set_clock(since, step)
         for i, k in ti.ndrange(self.cells, self.rows):
             at, sides = first + self.cell * tm.vec2(i, k), self.cell * tm.vec2(self.cells, self.rows)

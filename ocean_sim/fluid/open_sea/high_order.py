@@ -76,7 +76,10 @@ class Breaking:
         reach = np.pi * 2.0 * BREAKING_REACH / k
         self.left = np.maximum(self.left - dt, 0.0)
         for i, j in np.argwhere(onset):
-            self.start_breaking(i, j, float(reach[i, j]))
+            n = max(1, round(float(reach[i, j]) / self.tile.cell))  # cells around the crest that break with it
+            rows = np.arange(-n, n + 1) if self.tile.rows > 1 else np.zeros(1, dtype=int)
+            at = np.ix_((i + np.arange(-n, n + 1)) % self.tile.cells, (j + rows) % self.tile.rows)
+            self.left[at] = np.maximum(self.left[at], BREAKING_PERIODS * self.period)
         breaks = self.left > 0.0
         self.white = np.where(breaks, 1.0, self.white * np.exp(-dt / FOAM_FADE_TIME))
         if breaks.any():
@@ -86,8 +89,7 @@ class Breaking:
             self.lost += before - sea.energy()
 
     def crest_state(self, sea: "HighOrder") -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Local wavenumber along the waves [rad/m], speed of crests [m/s], and the ratio u/C of water to crest speed (0
-        away from crests); (cells, rows) each."""
+        """Local wavenumber [rad/m], crest speed C [m/s], ratio u/C (0 away from crests); (cells, rows) each."""
         tile, (c, s) = self.tile, self.ahead
         e, p = tile.to_modes(sea.eta), tile.to_modes(sea.phi)
         now, (ex, ez) = sea.surface_state(e, p), tile.slopes(e)
@@ -105,16 +107,8 @@ class Breaking:
         crest = (sea.eta >= behind) & (sea.eta > before) & (sea.eta > CREST_SHARE * float(sea.eta.max()))
         return k, speed, np.where(crest, u / speed, 0.0)
 
-    def start_breaking(self, i: int, j: int, reach: float) -> None:
-        """Mark all cells within a reach [m] of cell i, j, a crest at its onset, as breaking for BREAKING_PERIODS."""
-        n = max(1, round(reach / self.tile.cell))
-        rows = np.arange(-n, n + 1) if self.tile.rows > 1 else np.zeros(1, dtype=int)
-        at = np.ix_((i + np.arange(-n, n + 1)) % self.tile.cells, (j + rows) % self.tile.rows)
-        self.left[at] = np.maximum(self.left[at], BREAKING_PERIODS * self.period)
-
     def diffusion(self, sea: "HighOrder", nu: np.ndarray, field: np.ndarray) -> np.ndarray:
-        """Rate of change (cells, rows) of a field by a viscosity nu (cells, rows) [m2/s]: div (2 nu grad field) in the
-        resolved modes; its mean is 0."""
+        """Rate of change (cells, rows) of a field by a viscosity nu (cells, rows) [m2/s]: div (2 nu grad field)."""
         tile = self.tile
         fluxes = [2.0 * nu * tile.to_values(slope) for slope in tile.slopes(tile.to_modes(field))]
         (xx, _), (_, zz) = (tile.slopes(tile.to_modes(flux)) for flux in fluxes)
@@ -201,8 +195,7 @@ class HighOrder:
     def higher_orders(
         self, eta: np.ndarray, p: np.ndarray, w1: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Higher orders of a harmonic function with modes p on the surface and vertical derivative w1 there to first
-        order: modes of its value at the still surface, and its derivative on the surface to second and third order."""
+        """Modes at the still surface, and vertical derivative on the surface to orders 2 and 3, of surface modes p."""
         tile, up = self.tile, self.vertical_factor
         k2 = self.resolved_modes * tile.k**2
         twice, thrice = tile.to_values(np.array([k2 * p, k2 * up * p]))
@@ -240,18 +233,14 @@ def tile_step(tile: Tile) -> float:
 
 
 def nonlinear_sea(sea: waves.Components, tile: Tile, onset: float, breaking: bool, period: float) -> HighOrder:
-    """Make a nonlinear sea that starts from these waves, which must be periodic on the tile; `period` of the highest
-    waves [s], 0 if none may break; `onset` as for HighOrder."""
+    """Nonlinear sea from waves that are periodic on the tile; `period` of the highest [s], 0 if none may break."""
     of_tile = replace(tile, part=RESOLVED_SHARE)
-    crests = Breaking(of_tile, mean_direction(sea), period) if breaking and period else None
+    # The mean direction of energy transport is that of the waves.
+    ahead = (sea.amplitude[:, None] ** 2 * sea.wavevector / sea.wavenumber[:, None]).sum(axis=0)
+    ahead /= max(float(np.linalg.norm(ahead)), 1e-30)
+    crests = Breaking(of_tile, ahead, period) if breaking and period else None
     steep = HighOrder(of_tile, onset, crests)
     points = np.stack([axis.ravel() for axis in np.meshgrid(*of_tile.nodes(), indexing="ij")], axis=1)
     late = replace(sea, amplitude=sea.amplitude * sea.gravity / sea.omega, phase=sea.phase - 0.5 * pi)
     steep.begin(*(waves.elevation(of, points).reshape(of_tile.shape) for of in (sea, late)))
     return steep
-
-
-def mean_direction(sea: waves.Components) -> np.ndarray:
-    """Unit vector (2,), along x and z, of the mean direction of energy transport in a sea."""
-    ahead = (sea.amplitude[:, None] ** 2 * sea.wavevector / sea.wavenumber[:, None]).sum(axis=0)
-    return ahead / max(float(np.linalg.norm(ahead)), 1e-30)

@@ -21,16 +21,14 @@ SMOOTH_STEP_PERIODS = 0.04  # [periods] times a quarter (the force number of `co
 
 
 def status_of(sea: waves.Components, density: float) -> Status:
-    """Constant Status of a sea: root sum of squares of the waves' surface speeds and accelerations, which is sqrt 2
-    standard deviations of random waves."""
+    """Status of a sea: root sum of squares of surface speeds and accelerations, sqrt 2 deviations if random."""
     speed = sea.amplitude * sea.gravity * sea.wavenumber / sea.omega  # [m/s]
     fastest, hardest = np.linalg.norm(speed), np.linalg.norm(speed * sea.omega)
     return Status(float(fastest), float(hardest), density, density, 0, True)
 
 
 class OpenWater(Fluid):
-    """Base class of water as a sum of waves. Kernels read the plane waves and the `sheets`, Python reads the plane
-    waves and all `tiles`; by default plane waves alone, in water at rest."""
+    """Base of water as a sum of waves: kernels read plane waves and `sheets`, Python plane waves and `tiles`."""
 
     config: Any
     waves: PlaneWaves  # in closed form
@@ -84,15 +82,11 @@ class OpenWater(Fluid):
         return Arriving(sea.ramp_share(self.before) * sea.amplitude, angle, sea.omega, heading, sea.wavenumber)
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
-        return self.water_elevations(np.asarray(points, dtype=float) - self.drift)
+        return self.sum_elevations(np.asarray(points, dtype=float) - self.drift, self.tiles)
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
         """Heights (m,) [m] without waves of ships: here `elevation` itself."""
         return elevation
-
-    def water_elevations(self, points: np.ndarray) -> np.ndarray:
-        """Heights (m,) [m] of the surface at points x, z (m, 2) [m] in axes that move with the current."""
-        return self.sum_elevations(points, self.tiles)
 
     def sum_elevations(self, points: np.ndarray, tiles: "Sequence[OnTile]") -> np.ndarray:
         """Heights (m,) [m] of plane waves plus `tiles` at x, z (m, 2) [m] in axes that move with the current."""
@@ -113,8 +107,7 @@ class OpenWater(Fluid):
         return self.flow_velocities(at, np.zeros(len(at)))
 
     def flow_velocities(self, at: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Velocities (m, 3) [m/s] at points x, z (m, 2) [m] in axes that move with the current, and at heights y (m,)
-        [m] in the Wheeler-stretched column."""
+        """Velocities (m, 3) [m/s] at x, z (m, 2) [m] in the current's axes and Wheeler-stretched heights y (m,) [m]."""
         stretched = np.stack([at[:, 0], y, at[:, 1]], axis=1)
         v = waves.linear_velocity(self.waves.sea, stretched, self.time)
         v += [self.current[0], 0.0, self.current[1]]
@@ -133,11 +126,10 @@ class OpenWater(Fluid):
         return np.where(points[:, 1] < eta, self.rest_density * self.waves.sea.gravity * head, 0.0)
 
     def locate_points(self, points: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
-        """Points (m, 3) [m] as x, z (m, 2) [m] in axes that move with the current; elevation (m,) [m] there; and
-        heights (m,) [m] of the points in the Wheeler-stretched column."""
+        """Points (m, 3) [m] as x, z (m, 2) in the current's axes, elevation (m,), Wheeler-stretched height (m,) [m]."""
         points = np.asarray(points, dtype=float)
         at = points[:, [0, 2]] - self.drift
-        eta = self.water_elevations(at)
+        eta = self.sum_elevations(at, self.tiles)
         return at, (eta, waves.stretched_height(self.waves.sea, points, eta))
 
 

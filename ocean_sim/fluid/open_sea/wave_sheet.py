@@ -21,8 +21,7 @@ CLOCK_COLUMNS = ("late", "first_x", "first_z", "centre_x", "centre_z")  # the la
 
 @ti.func
 def cubic_weights(s):
-    """Weights (4,) of cubic interpolation between four adjacent values, at a share s of the way from the second to the
-    third (Keys 1981, IEEE Trans. ASSP 29)."""
+    """Cubic weights (4,) of adjacent values, a share s from second to third (Keys 1981, IEEE Trans. ASSP 29)."""
     return tm.vec4(
         0.5 * s * (-1.0 + s * (2.0 - s)),
         0.5 * (2.0 + s * s * (3.0 * s - 5.0)),
@@ -53,8 +52,7 @@ class Sheet:
         self.profiles = [profiles(tile.k, -d, tile.depth) for d in self.depths]
 
     def write_modes(self, slot: int, e: np.ndarray, potential: np.ndarray, growth: np.ndarray) -> None:
-        """Write the waves at one of the two stored times (`slot` 0 or 1): Fourier modes of the elevation, of the
-        potential at the still surface, and of its rate of change."""
+        """Write Fourier modes of elevation, potential at the still surface and its rate of change to `slot` 0 or 1."""
         tile, modes = self.tile, [e]
         for c, s in self.profiles:
             for of in (potential, growth):
@@ -65,8 +63,7 @@ class Sheet:
         self.store_values(slot, values)
 
     def set_clock(self, shares: tuple[float, float], drifts: np.ndarray, centre: np.ndarray) -> None:
-        """Set the times `now` and `before` of kernels: `shares` of the way from the first slot's time to the second's,
-        `drifts` (2, 2) by the current [m]; and the tile's `centre` (2,) in axes that move with the current [m]."""
+        """Set `shares` of the way to slot 1, `drifts` (2, 2) [m] now and before, and the tile's `centre` (2,) [m]."""
         tile = self.tile
         size = np.array([tile.side, tile.width])
         first = np.array([axis[0] for axis in tile.nodes()]) + size * np.round(centre / size)

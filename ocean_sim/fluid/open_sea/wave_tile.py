@@ -152,9 +152,8 @@ class Tile:
         return self.smoothing / self.cell**2 * self.to_modes(total.reshape(self.shape))
 
     def displaced_modes(self, points: np.ndarray, volumes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Modes of the volume per area [m] of volumes (m,) [m3] at x, z and depth (m, 3) [m]: as it is, and as the
-        surface feels it, weighted by cosh k (h - depth) / cosh kh. The weight is linear between two depths, those of
-        Gauss's rule from the surface to the deepest point."""
+        """Modes of the volume per area [m] of volumes (m,) [m3] at x, z, depth (m, 3) [m]: as it is, and as the surface
+        feels it, weighted by cosh k (h - depth) / cosh kh, linear between two depths of Gauss's rule."""
         depth, deepest = points[:, 2], max(float(points[:, 2].max(initial=0.0)), 1e-9)
         low = (depth / deepest - UPPER_NODE) / (LOWER_NODE - UPPER_NODE)
         upper, lower = (self.spread_modes(points[:, :2], part * volumes) for part in (1.0 - low, low))
@@ -212,16 +211,14 @@ class OnTile:
         return self.tile.interpolate(self.tile.to_values(self.modes_at(time).e), points)
 
     def heads(self, points: np.ndarray, y: np.ndarray, time: float) -> np.ndarray:
-        """Dynamic pressure over rho g (m,) [m] at points x, z (m, 2) [m] and heights y (m,) [m] of the
-        Wheeler-stretched column; summed mode by mode, without interpolation."""
+        """Dynamic pressure head (m,) [m] at x, z (m, 2), Wheeler-stretched heights y (m,) [m], summed mode by mode."""
         growth, found = self.modes_at(time).growth, np.zeros(len(points))
         for n, level, _ in self.point_modes(points, y):
             found[n] = -(level * growth).real.sum() / self.tile.gravity
         return found
 
     def velocities(self, points: np.ndarray, y: np.ndarray, time: float) -> np.ndarray:
-        """Velocities (m, 3) [m/s] at points x, z (m, 2) [m] and heights y (m,) [m] of the Wheeler-stretched column;
-        interpolated between cells where there are many points, all on the surface."""
+        """Velocities (m, 3) [m/s] at x, z (m, 2), Wheeler heights y (m,) [m]; interpolated for many on the surface."""
         tile, potential, found = self.tile, self.modes_at(time).potential, np.zeros((len(points), 3))
         if len(points) >= MIN_LATTICE_POINTS and not y.any():
             rising = tile.omega**2 / tile.gravity * tile.directed_modes * potential
@@ -276,8 +273,14 @@ class Layer:
 
     @cached_property
     def damping_rate(self) -> np.ndarray:
-        """Decay rate (cells, rows) [1/s] of waves in the rim of the tile, for a centre at the origin."""
-        return rim_damping(self.tile)
+        """Decay rate (cells, rows) [1/s] in the rim: square of the distance into it, to RIM_DAMPING_RATIO omega."""
+        tile, (x, z) = self.tile, self.tile.nodes()
+        far = np.abs(x)[:, None] / (0.5 * tile.side) + 0.0 * z
+        if tile.rows > 1:
+            far = np.maximum(far, np.abs(z) / (0.5 * tile.width))
+        k = 2.0 * np.pi * PER_TILE / tile.side
+        omega = np.sqrt(tile.gravity * k * np.tanh(k * tile.depth))
+        return RIM_DAMPING_RATIO * omega * np.clip((far - (1.0 - 2.0 * RIM_SHARE)) / (2.0 * RIM_SHARE), 0.0, 1.0) ** 2
 
     @cached_property
     def damping_cache(self) -> dict[float, np.ndarray]:
@@ -285,8 +288,7 @@ class Layer:
         return {}
 
     def begin(self, pressure: np.ndarray, centre: np.ndarray, dt: float) -> None:
-        """Start at rest around `centre` under a pressure over the density (modes [m2/s2]): the surface lies lower by
-        its head, corrected so that steps of dt [s] keep it at rest."""
+        """Start at rest around `centre` under a pressure over the density (modes [m2/s2]), kept by steps of dt [s]."""
         tile, half = self.tile, 0.5 * dt * self.tile.omega
         rest = np.divide(half, np.tan(half), out=np.ones(half.shape), where=half > 0.0) / tile.gravity
         self.set_pressure(pressure)
@@ -294,8 +296,7 @@ class Layer:
         self.eta, self.phi = tile.to_values(-rest * self.pressure), np.zeros(tile.shape)
 
     def advance(self, dt: float, pressure: np.ndarray, centre: np.ndarray) -> None:
-        """Advance by dt [s], under the old pressure in the first half and the new `pressure` over the density (modes
-        [m2/s2]) in the second; damp the waves in the rim around the new `centre` (2,) [m]."""
+        """Advance by dt [s], half under the old and half under the new `pressure` (modes [m2/s2]); damp the rim."""
         tile = self.tile
         e, p = self.propagate(dt)
         self.set_pressure(pressure)
@@ -319,15 +320,3 @@ class Layer:
         """Mask (m,) of the points x, z (m, 2) [m] on the tile around its centre."""
         half = 0.5 * np.array([self.tile.side, self.tile.width if self.tile.rows > 1 else np.inf])
         return np.all(np.abs(points - self.centre) < half, axis=1)
-
-
-def rim_damping(tile: Tile) -> np.ndarray:
-    """Decay rate (cells, rows) [1/s] of waves in the rim of a tile around its centre: grows with the square of the
-    distance into the rim, up to RIM_DAMPING_RATIO times the frequency of waves of which PER_TILE fit on the tile."""
-    x, z = tile.nodes()
-    far = np.abs(x)[:, None] / (0.5 * tile.side) + 0.0 * z
-    if tile.rows > 1:
-        far = np.maximum(far, np.abs(z) / (0.5 * tile.width))
-    k = 2.0 * np.pi * PER_TILE / tile.side
-    omega = np.sqrt(tile.gravity * k * np.tanh(k * tile.depth))
-    return RIM_DAMPING_RATIO * omega * np.clip((far - (1.0 - 2.0 * RIM_SHARE)) / (2.0 * RIM_SHARE), 0.0, 1.0) ** 2

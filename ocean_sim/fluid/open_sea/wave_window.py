@@ -22,8 +22,7 @@ class Window:
     """Sums of a water's plane waves, without ramp, at lattice nodes and levels of the Wheeler-stretched column."""
 
     def __init__(self, water: Any, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]) -> None:
-        """Make the fields for an `OpenWater`; `size`: nodes along and across; `step` between them, and `depths` of
-        levels [m], first 0."""
+        """Make the fields for an `OpenWater`: `size` nodes, `step` [m] apart, at `depths` of levels [m], first 0."""
         self.water, self.size, self.step, self.depths = water, size, step, depths
         self.depth = water.waves.sea.depth  # of the water [m]
         self.n, self.sums = len(water.waves.sea.amplitude), 1 + 3 * len(depths)
@@ -45,8 +44,7 @@ class Window:
         return word * (waves * (2 * sums + 4 * size[0] + 2 * size[1]) + 4 * size[0] * size[1] * sums + 1)
 
     def now(self) -> tuple[float, float, bool]:
-        """Position of the bodies' time between the two stored times (0 to 1), height of the waves by their ramp (0 to
-        1), and True if the sums are still valid; takes over waves that the water has replaced."""
+        """Place of the bodies' time between both stored ones, wave height by the ramp, and True if sums are valid."""
         time, there = self.water.before, self.water.waves
         others = self.begun != there.begun
         if others:
@@ -59,11 +57,6 @@ class Window:
     def current(self) -> tuple[float, float]:
         """Velocity of the water along x and z [m/s], which carries the waves."""
         return self.water.current
-
-    @property
-    def step_taken(self) -> float:
-        """Length of the water's last step [s]."""
-        return self.water.time - self.water.before
 
     def set_waves(self, sea: waves.Components) -> None:
         """Set the amplitudes of these waves at each level, and the span between the two stored times."""
@@ -96,8 +89,7 @@ class Window:
 
     @ti.kernel
     def add_up(self, cosine: Doubles2, sine: Doubles2):
-        """Sum the n waves at each node for both times; `cosine`, `sine` (4, n): of their angles at the first node at
-        each time, and of the steps of these angles from node to node along and across."""
+        """Sum n waves at nodes; `cosine`, `sine` (4, n) of first angles at both times, of steps along and across."""
         # Cosines and sines along the first axis, at both times, and across it: one rotation a node.
         for n in range(self.n):
             along = tm.vec2(cosine[ANGLE_ALONG, n], sine[ANGLE_ALONG, n])

@@ -13,7 +13,6 @@ it.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from math import ceil, exp, pi
 
 import numpy as np
@@ -56,25 +55,16 @@ class RelaxationBand:
         """Lengths of the patch along x and z [m]."""
         return tuple(period for period in self.lattice.basin.periods if period)
 
-    @cached_property
-    def main_direction(self) -> tuple[float, float]:
-        """Group speed [m/s] of the highest waves along the patch side nearest to their way, and its length [m]."""
-        assert self.sea is not None
-        k = self.sea.wavevector[self.sea.highest]
-        axis = int(np.argmax(np.abs(k[: len(self.sides)])))
-        speed = float(waves.group_speed(float(np.hypot(*k)), self.sea.depth, self.sea.gravity))
-        return speed * abs(float(k[axis])) / float(np.hypot(*k)), self.sides[axis]
-
     def height_profile(self, with_waves: float) -> tuple[np.ndarray, np.ndarray] | None:
-        """Distances (n,) [m] from a ship along the highest waves, and their complex height there over that of the sea.
-
-        Solves the equation of this module; None where the scheme's loss is unknown. `with_waves`: the ship's speed
-        along the waves over their group speed.
-        """
+        """Distances (n,) [m] from a ship along the highest waves, and their complex height there over the sea's; None
+        if losses are unknown. `with_waves`: her speed along them over their group speed."""
         if self.sea is None or self.losses is None:
             return None
         loss, feed = (complex(of[self.sea.highest]) for of in (self.losses, self.feed))
-        group, side = self.main_direction
+        k = self.sea.wavevector[self.sea.highest]
+        axis, size = int(np.argmax(np.abs(k[: len(self.sides)]))), float(np.hypot(*k))
+        group = float(waves.group_speed(size, self.sea.depth, self.sea.gravity)) * abs(float(k[axis])) / size
+        side = self.sides[axis]  # of the patch, nearest to the way of the highest waves
         xi = (np.arange(PATCH_PIECES) + 0.5) / PATCH_PIECES * side - 0.5 * side
         inside = np.clip((np.abs(xi) - (0.5 * side - self.width)) / self.width, 0.0, 1.0)
         pull = 0.5 * self.rate * inside**DAMPING_POWER
@@ -218,8 +208,7 @@ class RelaxationBand:
 
 
 def rim_depth(away: np.ndarray, periods: np.ndarray, width: float) -> np.ndarray:
-    """Depth (n,) [m] in the relaxation zone of points at x, z (n, 2) [m] from the centre of a patch, or of their
-    periodic repeats; negative outside. `width` of the zone [m]."""
+    """Depth (n,) [m] in a zone of `width` [m] at x, z (n, 2) [m] from a patch's centre or repeat; negative outside."""
     depth = np.abs(away - whole_sides(away, periods)) - (0.5 * periods - width)
     return np.where(periods > 0.0, depth, -np.inf).max(axis=-1)
 

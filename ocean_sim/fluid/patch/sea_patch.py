@@ -157,8 +157,7 @@ class SeaTable:
 
 @in_kernels
 class SeaRim:
-    """Forcing of particles by the relaxation band and the feed. The band lies opposite the middle of the ships, or
-    opposite a point that moves steadily."""
+    """Forcing of particles by band and feed; the band lies opposite the ships' middle, or opposite a moving point."""
 
     left_out: ClassVar[tuple[str, ...]] = ("ships",)
 

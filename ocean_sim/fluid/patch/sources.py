@@ -60,12 +60,10 @@ class PlaneWaveSource:
 
 
 class SteepSource:
-    """Nonlinear sea that evolves on a tile over the patch, one cell a particle spacing, as source of a SeaTable.
-
-    The feed is the share f of the velocity of each wave. Of modes E of the elevation and P of the potential, waves
-    along the wavevector have the potential P / 2 - i g E / (2 omega) and take f, waves against it the conjugate of f;
-    the sum is Re f P + Im f g E / omega.
-    """
+    """Nonlinear sea on a tile over the patch, one cell a particle spacing, as source of a SeaTable. The feed is the
+    share f of the velocity of each wave. Of modes E of the elevation and P of the potential, waves along the wavevector
+    have the potential P / 2 - i g E / (2 omega) and take f, waves against it the conjugate of f; the sum is Re f P + Im
+    f g E / omega."""
 
     left_out: ClassVar[tuple[str, ...]] = ("shapes", "feed_factors", "origin_phase", "places")
 

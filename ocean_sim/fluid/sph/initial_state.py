@@ -252,8 +252,7 @@ Initial = Annotated[StandingWave | RegularWave | RandomWaves | TaylorGreen | Fro
 def start_state(
     initial: Initial | None, positions: np.ndarray, basin: Basin, density: float, surface: float | np.ndarray = 0.0
 ) -> State:
-    """Positions (n, 3) [m], velocities (n, 3) [m/s] and pressures (n,) [Pa] at which water on a lattice starts.
-    `surface`: height of still water [m], one number or one a particle."""
+    """Positions (n, 3) [m], velocities (n, 3) [m/s], pressures (n,) [Pa] at the start; `surface` of still water [m]."""
     if initial is not None:
         return initial.state(positions, basin, density)
     sea = patch_waves(basin, mean_spacing(positions, basin)) if basin.sea is not None else None
@@ -298,8 +297,7 @@ def displaced_state(sea: waves.Components, positions: np.ndarray, basin: Basin, 
 
 
 def bearable_waves(sea: waves.Components, height: float, shortest: float = 0.0) -> waves.Components:
-    """Random waves of a significant height [m], without those shorter than `shortest` [m] or beyond k = 2 / Hs, which
-    ride on the others (Stansberg et al. 2008, Marine Structures 21); the rest carry their variance."""
+    """Random waves of a `height` [m], none below `shortest` [m] or k > 2 / Hs (Stansberg et al. 2008), rescaled."""
     k = sea.wavenumber
     found = sea.select((k < 2.0 / height) & (shortest * k < 2.0 * pi))
     share = np.linalg.norm(sea.amplitude) / np.linalg.norm(found.amplitude)
@@ -312,8 +310,7 @@ def fitted_waves(sea: waves.Components, basin: Basin) -> waves.Components:
 
 
 def patch_waves(basin: Basin, spacing: float) -> waves.Components | None:
-    """Waves of the sea on a patch of particles `spacing` [m] apart, fitted to it; random waves too short for the
-    particles are left out with their variance. None in calm water."""
+    """Waves of the sea fitted to a patch, without random ones too short for a `spacing` [m]; None in calm water."""
     sea = basin.sea.plane_waves(basin) if basin.sea is not None else None
     if sea is None or basin.sea is None:
         return None

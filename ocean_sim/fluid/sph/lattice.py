@@ -144,14 +144,6 @@ class Lattice:
         """Height of the tallest box of water [m]."""
         return max((float((up - low)[1]) for low, up in self.boxes), default=self.basin.depth)
 
-    @property
-    def stacked_boxes(self) -> "Boxes":
-        """Corners of the boxes that begin or end at a height where another ends or begins, sorted by their foot."""
-        heights = np.array([(low[1], up[1]) for low, up in self.boxes]).reshape(-1, 2).round(9)
-        begins, ends = heights.T
-        touching = np.flatnonzero(np.isin(begins, ends) | np.isin(ends, begins))
-        return [self.boxes[k] for k in touching[begins[touching].argsort(kind="stable")]]
-
     @cached_property
     def deepest(self) -> float:
         """Height of the tallest column of water [m]; 0 without water."""
@@ -159,17 +151,18 @@ class Lattice:
         return float(np.max(surface - bed, initial=0.0))
 
     def column_ends(self) -> np.ndarray:
-        """Heights (2, n) [m] of the foot (bed or obstacle) and of the surface of each particle's column of water; boxes
-        stacked on one another are one column."""
+        """Heights (2, n) [m] of foot (bed, obstacle) and surface of each particle's column; stacked boxes are one."""
         if self.given is not None:
             return np.repeat([[self.basin.lower[1]], [0.0]], len(self.given), axis=1)
         heights = np.array([(low[1], up[1]) for low, up in self.boxes]).reshape(-1, 2)
         numbers = np.array([np.prod(count) for count in self.counts], dtype=int)
         ends = np.repeat(heights, numbers, axis=0)[self.wet_mask].T
         x, y, z = self.full_positions[self.wet_mask].T
+        feet, heads = heights.round(9).T
+        touching = np.flatnonzero(np.isin(feet, heads) | np.isin(heads, feet))  # one box begins where another ends
         stacked = [
             (low[1], up[1], (x >= low[0]) & (x <= up[0]) & (z >= low[2]) & (z <= up[2]))
-            for low, up in self.stacked_boxes
+            for low, up in (self.boxes[k] for k in touching[feet[touching].argsort(kind="stable")])
         ]
         for foot, head, along in stacked:
             ends[1, along & np.isclose(ends[1], foot)] = head
@@ -196,8 +189,7 @@ class Lattice:
 
     @cached_property
     def room_for_bodies(self) -> tuple[np.ndarray, np.ndarray]:
-        """Mask (m,) of the lattice points outside obstacles, bed and floating bodies, and positions (m, 3) [m] of all,
-        moved to make room for all but boxes."""
+        """Mask (m,) of lattice points outside bodies, and positions (m, 3) [m], moved off all bodies but boxes."""
         wet, positions = ~in_boxes(self.full_positions, self.basin), self.full_positions
         for solid in self.basin.solids:
             nearest = shifts(positions, solid.origin[[0, 2]], self.basin.periods)
@@ -222,8 +214,7 @@ class Lattice:
         return [(low + [x, 0.0, z], up + [x, 0.0, z]) for x, z in ways for low, up in self.boxes]
 
     def points_beyond(self, solid: Solid) -> np.ndarray:
-        """Points (m, 3) [m] outside all boxes of water, within MARGIN_SPACINGS of a solid, that continue the lattice of
-        the first box near it; none without such a box."""
+        """Points (m, 3) [m] outside all boxes, within MARGIN_SPACINGS of a solid, that continue the first near it."""
         d, found = self.basin.dimension, np.empty((0, 3))
         low_end, high_end = solid.extent + np.array([[-1.0], [1.0]]) * MARGIN_SPACINGS * self.spacing
         counts = self.counts * (len(self.repeated_boxes) // len(self.counts))

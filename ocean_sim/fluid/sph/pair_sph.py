@@ -81,11 +81,9 @@ class Force(Law):
 
 @in_kernels
 class MomentumLaw(Force):
-    """Momentum equation of a particle (2.25): neighbours, walls, wind, gravity, a hull, a bed, a sea.
-
-    A scheme adds the row that is read (position, velocity, a pressure in a form of its own), the terms of a pair
-    (`pair`, by way of `row_of_terms`), the prefactor of their sum, and how a pressure continues (`pressure_rise`).
-    """
+    """Momentum equation of a particle (2.25): neighbours, walls, wind, gravity, a hull, a bed, a sea. A scheme adds the
+    row that is read (position, velocity, a pressure in its own form), the terms of a pair (`pair`, by `row_of_terms`),
+    the prefactor of their sum, and how a pressure continues (`pressure_rise`)."""
 
     drifted: ClassVar[float] = 0.0
     """Part of a step that the particles have gone before they are pushed; with their new velocity they go the rest."""
@@ -98,8 +96,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def row_of_terms(self, weight, push, rub, shear, x_ij):
-        """Terms of a pair as a vector in the order of `terms`: vectors `push` (pressure), `rub` (all dissipation) and
-        `shear` (friction alone, part of `rub`), each times `weight`."""
+        """Terms of a pair in order of `terms`: `push`, `rub` (all dissipation), `shear` (friction); times `weight`."""
         total = ti.Vector.zero(float, self.terms.size)
         if ti.static(self.fluid.rubs):
             total[self.terms.filled] = self.fluid.smoothing.pair_gradient(x_ij).dot(x_ij)
@@ -168,8 +165,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def constrain(self, i, x, v, dt):
-        """Position [m] of particle i after a step from x [m] at v [m/s], without and with walls; velocity [m/s] with
-        walls; and 1 if the motion limit slowed it, else 0."""
+        """Position [m] after a step without and with walls, velocity [m/s], and 1 if the motion limit slowed it."""
         fluid, walls = self.fluid, self.fluid.walls
         pushed, fast = walls.limit_motion(walls.relax(x, v, dt), dt)
         x_free = x + fluid.grid.whole_quanta(i, ti.static(1.0 - self.drifted) * dt * pushed)

@@ -32,8 +32,7 @@ if TYPE_CHECKING:  # it is imported only where a sea is around
 
 @in_kernels
 class ParticleWater(ParticleFluid):
-    """Base class of particle water. Between steps particles are sorted by cell and all fields are current. A kind adds
-    its motion (`step`) and the update of its fields (`arrive`)."""
+    """Base of particle water, sorted by cell between steps; a kind adds motion (`step`) and fields (`arrive`)."""
 
     particles: Particles
     around: PointSum
@@ -210,8 +209,7 @@ class ParticleWater(ParticleFluid):
             self.grid.stage_state(i, tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(v.x[i], v.y[i], v.z[i]))
 
     def budget(self) -> dict[str, np.ndarray]:
-        """Impulse [N s] and work [J] of each force term since the start, (4,) each, by name; empty unless impulses are
-        summed. The work of an emitter is all energy that its water brings, kinetic and potential if it has any."""
+        """Impulse [N s], work [J] of each term, (4,) each, by name; an emitter's work is all energy of its water."""
         total = self.accounts.totals()
         if total and self.jet is not None:
             total["emitter"] = np.append(self.emitted_impulse, self.emitted_work)

@@ -16,8 +16,7 @@ GAP_TYPE = ti.i32
 
 
 def staggered_field(dtype: Any, n: int) -> Any:
-    """Make a field of n numbers. A gap follows each field of a page or more, or all numbers of a particle would lie
-    equally far from the beginning of a page and compete for the same few cache lines."""
+    """Field of n numbers; a gap follows a page or more, lest numbers of a particle compete for a cache line."""
     field = ti.field(dtype, shape=n)
     size = n * np.dtype(to_numpy_type(field.dtype)).itemsize
     if size >= PAGE_BYTES and (gap := (CACHE_LINE_BYTES - size) % (2 * CACHE_LINE_BYTES)):
@@ -166,8 +165,7 @@ class Particles:
             number[i], pressure[i] = self.id[i], self.pressure[i]
 
     def in_box(self, middle: np.ndarray, scale: np.ndarray, most: float, every: int) -> np.ndarray:
-        """Every `every`-th particle by id, as rows (m, 4): position relative to `middle` [m] times `scale` [1/m],
-        rounded and clamped to +-`most` along each axis, and speed [m/s]."""
+        """Every `every`-th particle, as (m, 4): (x - `middle`) * `scale`, rounded within +-`most`; speed [m/s]."""
         rows: np.ndarray = np.empty((-(-self.count.now // every), 4), self.position.precision)
         self.put_in_box(rows, self.count.now, tm.vec3(*middle), tm.vec3(*scale), most, every)
         return rows

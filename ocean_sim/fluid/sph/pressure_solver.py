@@ -22,8 +22,7 @@ ERROR_REDUCTION = 0.5
 
 @in_kernels
 class Compression(KeptLaw):
-    """Pair law for the residual r (density error) of each particle under the pressures so far, and for its next
-    pressure; Bender & Koschier 2015, eqs. 6, 7, 12, 13."""
+    """Pair law for each particle's residual r and next pressure (Bender & Koschier 2015, eqs. 6, 7, 12, 13)."""
 
     row, terms = Columns(position=3, velocity=3), Columns(rate=1)  # the row of what is summed over samples of bodies
 
@@ -94,8 +93,7 @@ class Compression(KeptLaw):
 
 @in_kernels
 class Push(KeptLaw):
-    """Pair law for the velocity under all pressures that a solver has added in a step; the adjoint of Compression. It
-    sums them anew in each iteration, so that rounding does not add up."""
+    """Pair law for the velocity under all pressures of a step, adjoint of Compression; summed anew against rounding."""
 
     row, terms = Columns(position=3, pressure=1), Columns(push=3)  # the row of what is summed over samples of bodies
 

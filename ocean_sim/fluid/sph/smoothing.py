@@ -276,13 +276,10 @@ class Stencil:
 
     @property
     def rigidity(self) -> float:
-        """Shear modulus of the lattice over its pressure, mean of shear along axes and along diagonals; 0 in water. It
-        shortens the period of small waves by about this share.
-
-        Under a uniform pressure pairs repel as by a potential W (Born & Huang 1954), and sum (W'' - W' / r) (a . x)^2
-        (b . x)^2 / r^2 + W' / r (b . x)^2 over the neighbours is the modulus of shear along a on planes across b, where
-        the sum of -W' / r (b . x)^2 is the pressure.
-        """
+        """Shear modulus of the lattice over its pressure, mean of shear along axes and diagonals; 0 in water. It
+        shortens the period of small waves by about this share. Under a uniform pressure pairs repel as by a potential W
+        (Born & Huang 1954), and sum (W'' - W' / r) (a . x)^2 (b . x)^2 / r^2 + W' / r (b . x)^2 over the neighbours is
+        the modulus of shear along a on planes across b, where the sum of -W' / r (b . x)^2 is the pressure."""
         x, along, across = self.lattice_bonds
         r2 = (x**2).sum(axis=1)
         pairs = (x[:, 0] ** 2, x[:, 1] ** 2), (0.5 * (x[:, 0] + x[:, 1]) ** 2, 0.5 * (x[:, 0] - x[:, 1]) ** 2)

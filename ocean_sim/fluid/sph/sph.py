@@ -226,8 +226,7 @@ class SphConfig(WaterConfig):
         return [f"{pulled} of the water and {squeezed}: levels and pressures are off by as much; {wanted}"]
 
     def list_size(self, lattice: Lattice, arch: str, reads: int, carried: int = 0) -> GridSize:
-        """Sizes of the grid and lists on a backend (`arch`), for pair laws that read at most `reads` fields and a sort
-        that moves `carried` further numbers."""
+        """Sizes of grid and lists on a backend: laws read at most `reads` fields, sorts move `carried` numbers more."""
         support = self.ratio(lattice.basin) * lattice.spacing
         carried += self.told_to_bodies if has_bodies(lattice.basin) else 0
         return GridSize(lattice, support, PLANS[arch], carried, reads)
@@ -307,17 +306,18 @@ class SphConfig(WaterConfig):
 
 
 def scheme_ledger(preflight: Preflight, sizes: GridSize, numbers: int, what: str, told: int = 0) -> list[LedgerRow]:
-    """Rows of the memory ledger of a scheme with `numbers` numbers a particle besides its id (described by `what`);
-    `told`: numbers that each particle carries for solid bodies."""
+    """Rows of a scheme's memory ledger: `numbers` (`what`) a particle besides its id, and `told` for solid bodies."""
     n, support, lattice, word = sizes.lattice.n, sizes.support, sizes.lattice, preflight.word
     lists = sizes.plan.list_bytes(sizes, word)
+    passed = sum(len(zone.given.amplitude) for zone in zones(lattice) if zone.given is not None)
+    size = PlaneWaves.bytes(passed, word)
     return [
         LedgerRow("fluid", f"{n} particles", (numbers * word + 4) * n, what),
         LedgerRow("fluid", f"grid of {sizes.cell_count} cells", sizes.bytes(word), f"support {support:g} m"),
         *([LedgerRow("fluid", "candidate lists", lists, "neighbours of every occupied cell")] if lists else []),
         *account_ledger(sizes, word, preflight.sums_impulses),
         *_of_areas(preflight, n),
-        *_of_targets(lattice, word),
+        *([LedgerRow("fluid", f"{passed} plane waves", size, "basin.walls: target of a side")] if passed else []),
         *_of_sea(lattice, word),
         *_of_bodies(sizes, word, preflight.sums_impulses, told),
         *mesh_ledger(sizes, word),
@@ -333,13 +333,6 @@ def _of_areas(preflight: Preflight, n: int) -> list[LedgerRow]:
     wind = preflight.wind
     what = "exposed areas, and how the surface bends" if wind.needs_bend else "exposed areas"
     return [LedgerRow("fluid", what, memory(n, preflight.word, wind.needs_bend), f"wind.kind is {wind.kind}")]
-
-
-def _of_targets(lattice: Lattice, word: int) -> list[LedgerRow]:
-    """Row of the memory ledger for the plane waves that absorbing sides let pass; empty without any."""
-    n = sum(len(zone.given.amplitude) for zone in zones(lattice) if zone.given is not None)
-    size = PlaneWaves.bytes(n, word)
-    return [LedgerRow("fluid", f"{n} plane waves", size, "basin.walls: target of a side")] if n else []
 
 
 def _of_sea(lattice: Lattice, word: int) -> list[LedgerRow]:
@@ -359,8 +352,7 @@ def _of_sea(lattice: Lattice, word: int) -> list[LedgerRow]:
 
 
 def _of_bodies(grid: GridSize, word: int, accounts: bool, told: int) -> list[LedgerRow]:
-    """Rows of the memory ledger for solid bodies; the first includes the cell starts of samples. `told`: numbers that
-    each particle carries for bodies; `accounts`: True if the work of moving bodies is summed."""
+    """Memory ledger of solid bodies; `told`: numbers a particle carries for them; `accounts`: True to sum work."""
     lattice, basin = grid.lattice, grid.lattice.basin
     rows: list[LedgerRow] = []
     if not has_bodies(basin):

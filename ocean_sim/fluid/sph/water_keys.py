@@ -1,6 +1,5 @@
 """Config keys of water made of particles, common to every scheme."""
 
-from collections.abc import Iterator
 from math import sqrt
 from typing import Annotated, Any, ClassVar
 
@@ -95,7 +94,18 @@ class WaterConfig(FluidConfig):
 
     def warnings(self, preflight: Preflight) -> list[str]:
         found, tank, spacing = super().warnings(preflight), preflight.tank, preflight.spacing
-        found += [*odd_gravity(tank.gravity), *falling_warnings(tank), *rounding_warnings(preflight)]
+        found += odd_gravity(tank.gravity)
+        if tank.gravity[1] > 0.0 and tank.walls.y != "periodic" and not tank.closed:
+            found.append(f"gravity points upwards, {list(tank.gravity)} m/s2: the water falls out of the basin")
+        elif tank.gravity[1] < 0.0 and tank.config.floor == "none" and tank.walls.y != "periodic":
+            found.append("the basin has no floor: the water falls out of it")
+        far = float(np.abs([*tank.lower, *tank.upper]).max())
+        step = far * float(np.finfo(np.float32).eps)
+        if spacing is not None and preflight.word == 4 and step > MAX_ROUNDING_SPACINGS * spacing:
+            found.append(
+                f"single precision places particles {far:g} m from the origin to {step:.2g} m, "
+                f"{step / spacing:.2g} spacings; take runtime.precision: f64, or a basin around its water"
+            )
         if tank.config.wavemaker is not None:
             found += tank.config.wavemaker.warnings(tank, preflight.duration)
         if tank.config.motion is not None:
@@ -189,26 +199,6 @@ class WaterConfig(FluidConfig):
             elif lattice.given is not None and in_obstacles(lattice.given, basin, lattice.spacing).any():
                 found.append((("initial", "path"), "some of these particles are inside an obstacle"))
         return found
-
-
-def falling_warnings(basin: Basin) -> Iterator[str]:
-    """Yield a warning if gravity lets the water fall out of its basin."""
-    if basin.gravity[1] > 0.0 and basin.walls.y != "periodic" and not basin.closed:
-        yield f"gravity points upwards, {list(basin.gravity)} m/s2: the water falls out of the basin"
-    elif basin.gravity[1] < 0.0 and basin.config.floor == "none" and basin.walls.y != "periodic":
-        yield "the basin has no floor: the water falls out of it"
-
-
-def rounding_warnings(preflight: Preflight) -> Iterator[str]:
-    """Yield a warning if positions are so far from the origin that single precision rounds them coarsely."""
-    basin, spacing = preflight.tank, preflight.spacing
-    far = float(np.abs([*basin.lower, *basin.upper]).max())
-    step = far * float(np.finfo(np.float32).eps)
-    if spacing is not None and preflight.word == 4 and step > MAX_ROUNDING_SPACINGS * spacing:
-        yield (
-            f"single precision places particles {far:g} m from the origin to {step:.2g} m, "
-            f"{step / spacing:.2g} spacings; take runtime.precision: f64, or a basin around its water"
-        )
 
 
 def free_fall_speed(basin: Basin) -> float:

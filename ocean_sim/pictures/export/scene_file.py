@@ -54,8 +54,7 @@ class ExportShot(NamedTuple):
 
 
 def read_shot(frame: Path, grid: dict[str, np.ndarray], wakes: RunWakes) -> ExportShot:
-    """Read the contents of a frame to export. The water is the run's surface mesh if it has one, else a mesh of the
-    heights; at sea it gets the wakes and foam that pictures show. `grid`: arrays that the run saves once."""
+    """Contents of a frame to export; at sea its water gets wakes and foam. `grid`: arrays that the run saves once."""
     data = read_npz(frame)
     raised = np.zeros(data["elevation"].shape)
     if "foam" in data and len(grid["z"]) > 1:
@@ -143,8 +142,7 @@ def file_name(key: str) -> str:
 
 
 def frame_rate(first: float, last: float, count: int, every: float) -> float:
-    """Frames per second of a film of `count` frames between a first and last time [s]; `every`: interval [s] at which
-    the run kept frames, of which the film may skip some."""
+    """Frames per second of `count` frames from `first` to `last` [s]; the run kept one `every` [s], a film may skip."""
     if count < 2:
         return 24.0
     apart = (last - first) / (count - 1)
@@ -275,7 +273,8 @@ def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> P
         poses = [kept.ships[key] for kept in shots]
         made.animate(node, "translation", np.array([position for position, _ in poses]))
         turns = Rotation.from_matrix([turn for _, turn in poses]).as_quat()
-        made.animate(node, "rotation", continuous_quaternions(turns))
+        back = (turns[1:] * turns[:-1]).sum(axis=1) < 0.0  # a ship turns the short way between two moments
+        made.animate(node, "rotation", turns * np.cumprod([1.0, *np.where(back, -1.0, 1.0)])[:, None])
     made.save(path)
     return path
 
@@ -283,12 +282,6 @@ def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> P
 def water_colours(kept: ExportShot) -> np.ndarray:
     """Linear RGB (n, 3) of the water of a frame at its points, whiter with more foam."""
     return WATER_COLOUR + kept.fields.get("foam", np.zeros(len(kept.points)))[:, None] * (FOAM_COLOUR - WATER_COLOUR)
-
-
-def continuous_quaternions(quaternions: np.ndarray) -> np.ndarray:
-    """Quaternions (k, 4) with signs chosen so that interpolation between neighbours turns a ship the short way."""
-    signs = np.cumprod([1.0, *np.where((quaternions[1:] * quaternions[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)])
-    return quaternions * signs[:, None]
 
 
 def upright_shots(meshes: Iterator[ExportShot], z_up: bool) -> Iterator[ExportShot]:

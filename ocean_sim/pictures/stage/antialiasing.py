@@ -34,9 +34,8 @@ def smooth_edges(image: np.ndarray) -> np.ndarray:
 
 
 def find_edges(bright: np.ndarray, flat: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Find pixels at edges in BATCH_ROWS rows, from `first` on, of a picture's brightness with a one-pixel margin:
-    their indices (n,) in `flat`, the brightness pixel after pixel; the index step (n,) to the neighbour across the
-    edge; and the share (n,) of the neighbour's colour that each pixel takes."""
+    """Indices (n,) in `flat` of pixels at edges, in BATCH_ROWS rows from `first` on, of a brightness with a one-pixel
+    margin; index step (n,) across the edge to the neighbour; share (n,) of its colour that each pixel takes."""
     rows, last = bright.shape[1], min(first + BATCH_ROWS, len(bright) - 2)
     north, south = bright[first:last, 1:-1], bright[first + 2 : last + 2, 1:-1]
     middle, west, east = (bright[first + 1 : last + 1, k : rows - 2 + k] for k in (1, 0, 2))
@@ -69,8 +68,7 @@ def find_edges(bright: np.ndarray, flat: np.ndarray, first: int) -> tuple[np.nda
 def follow_edge(
     flat: np.ndarray, at: np.ndarray, across: np.ndarray, along: np.ndarray, edge: np.ndarray, most: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Distance (n,) [pixels] from pixels `at` along edges to their ends, and the brightness (n,) there less that of the
-    edge, `edge`. `along`, `across`: index steps in `flat`; `most`: difference at which an edge ends."""
+    """Distance (n,) [pixels] from pixels `at` to their edges' ends, and brightness (n,) there less the edge's."""
 
     def found(of: slice | np.ndarray, reach: float) -> np.ndarray:
         here = at[of] + int(reach) * along[of]

@@ -110,8 +110,7 @@ class Operator:
         span: tuple[float, float],
         **given: Any,
     ) -> None:
-        """`span`: first and last time of the film [s]; `given`: `vessel`, the ship to follow; `away`, True if she may
-        leave the basin; `at_sea`, True for a piece of an open sea; `eye` and `target` of a fixed camera [m]."""
+        """`span` of the film [s]; `given`: `vessel` to follow, `away`: she may leave, `at_sea`, `eye`, `target` [m]."""
         self.name, self.lower, self.upper, self.aspect, self.span = name, lower, upper, aspect, span
         self.vessel: Vessel | None = given.get("vessel")
         self.away = bool(given.get("away"))
@@ -135,7 +134,11 @@ class Operator:
         position, turn = vessel.track.position[k], vessel.track.turn[k]
         if self.name == "third_person":
             top = position * [1.0, 0.0, 1.0] + [0.0, vessel.height + HEAVE_ROOM * vessel.length, 0.0]
-            return raised_camera(self.near_ship(position, vessel.length), top)
+            camera = self.near_ship(position, vessel.length)
+            away = top - camera.eye
+            seen = np.tan(np.radians(camera.angle / 2.0)) / FRAME_MARGIN * (away @ camera.forward)
+            over = float(away @ camera.up - seen)  # of her mast beyond the picture
+            return camera if over <= 0.0 else camera._replace(eye=camera.eye + over * camera.up)
         if self.name in ("follow", "side"):
             if len(self.trail[0]) < len(vessel.track.time):
                 self.trail = damped_track(vessel.track)
@@ -183,29 +186,20 @@ def camera_looking(eye: np.ndarray, target: np.ndarray) -> Camera:
     return Camera(eye, forward, np.cross(right, forward), None)
 
 
-def raised_camera(camera: Camera, top: np.ndarray) -> Camera:
-    """Camera raised until the point `top` [m], as of a mast, is in its picture; unchanged if the point already is."""
-    away = top - camera.eye
-    over = float(away @ camera.up - np.tan(np.radians(camera.angle / 2.0)) / FRAME_MARGIN * (away @ camera.forward))
-    return camera if over <= 0.0 else camera._replace(eye=camera.eye + over * camera.up)
-
-
 def camera_near_ship(eye: np.ndarray, target: np.ndarray, length: float) -> Camera:
     """Camera like that of `camera_looking` that also draws things close to the eye; `length`: of the ship [m]."""
     return camera_looking(eye, target)._replace(near=NEAR_SHARE * length)
 
 
 def helm_camera(position: np.ndarray, turn: np.ndarray, helm: np.ndarray, near: float) -> Camera:
-    """Camera at the helm (3,) [m] of a ship at a position, which looks ahead and a little down; `turn`: (3, 3) from
-    body to world; `near`: least distance that is drawn [m]."""
+    """Camera at a ship's helm (3,) [m], ahead and a little down; `turn`: body to world; `near`: least distance [m]."""
     angle = np.radians(HELM_PITCH)
     forward, up = np.array([0.0, -np.sin(angle), np.cos(angle)]), np.array([0.0, np.cos(angle), np.sin(angle)])
     return Camera(position + turn @ helm, turn @ forward, turn @ up, None, WIDE_ANGLE, near)
 
 
 def damped_track(track: Track) -> tuple[np.ndarray, np.ndarray]:
-    """Position (n, 3) [m] at still water level and heading (n,) [rad] that follow the ship's track with a first-order
-    lag, so that a camera on them moves smoothly."""
+    """Position (n, 3) [m] at still water and heading (n,) [rad] that follow a track with a first-order lag."""
     heading = np.unwrap(np.arctan2(track.turn[:, 0, 2], track.turn[:, 2, 2]))
     centre = track.position * [1.0, 0.0, 1.0]
     for k in range(1, len(track.time)):
@@ -246,8 +240,7 @@ def eye_before(
     tangents: tuple[float, float],
     aside: float = 0.0,
 ) -> np.ndarray:
-    """Foremost eye position (3,) [m] that sees all points (n, 3) [m] within angles of these tangents across and up.
-    `axes`: unit vectors right, up and forward; `aside`: tangent to the right at which the middle of the angles lies."""
+    """Foremost eye (3,) [m] that sees points (n, 3) [m] within `tangents`; `axes`: right, up, forward."""
     right, up, forward = axes
     x, y, away = corners @ right, corners @ up, corners @ forward
     # Planes through the eye bound the picture: each corner limits how far forward the eye may stand.

@@ -14,8 +14,7 @@ INSET_SHARE = 2.0e-3  # of the basin: a face that lies in a side of the basin is
 
 
 def sand_mesh(ground: Ground, breadth: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Vertices (n, 3) [m] of the bed, a little wider than the basin to hide the sides of the water below, its triangles
-    (m, 3), and colours (n, 3), 8-bit display RGB, in the light of sun and sky; `breadth`: that of a slice [m]."""
+    """Bed wider than the basin: vertices (n, 3) [m], triangles, lit 8-bit colours (n, 3); `breadth` of a slice [m]."""
     corners, normals = ground.body_mesh(breadth)
     middle = ground.extent.mean(axis=0) * [1.0, 0.0, 1.0]
     vertices = middle + (corners.reshape(-1, 3) - middle) * [1.0 + INSET_SHARE, 1.0, 1.0 + INSET_SHARE]

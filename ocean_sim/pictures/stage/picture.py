@@ -65,8 +65,7 @@ class Picture:
     """Plotter for all pictures of a run, built once; for each frame only its points and colours change."""
 
     def __init__(self, grid: Any, order: Order, first: Frame, fastest: float, log: FrameLog) -> None:
-        """`grid`: arrays that the run keeps once; `first`: first frame to draw; `fastest`: particle speed [m/s] of the
-        last colour; `log`: times and ship tracks of the run."""
+        """`grid`: what a run keeps once; `first` frame; `fastest`: speed [m/s] of the last colour; `log`: tracks."""
         self.order = order
         self.lower, self.upper = grid["lower"].copy(), grid["upper"].copy()
         self.sides = self.lower[[0, 2]].copy(), self.upper[[0, 2]].copy()

@@ -39,8 +39,7 @@ class Stage:
         return made
 
     def add(self, points: np.ndarray, faces: np.ndarray, colours: np.ndarray, **shown: Any) -> Any:
-        """Add faces (m, 3) or (m, 4) between points (n, 3) [m] with display colours (n, 3), 8-bit RGB, or (n, 4) with
-        opacity; `shown`: more options of PyVista's add_mesh. Returns the mesh, whose points and "colour" may change."""
+        """Add and return a mesh of faces between points (n, 3) [m], in 8-bit RGB or RGBA; `shown`: more options."""
         mesh = self.mesh(points, faces)
         mesh["colour"] = colours
         self.plotter.add_mesh(mesh, scalars="colour", rgb=True, lighting=False, **shown)

@@ -60,8 +60,7 @@ def sky_and_ground(direction: np.ndarray) -> np.ndarray:
 
 
 def painted_light(normals: np.ndarray, paint: np.ndarray, gloss: np.ndarray | float = 0.0) -> np.ndarray:
-    """Linear RGB (n, 3) of surfaces with normals (n, 3) in sun and sky; `paint`: linear RGB, (3,) or (n, 3); `gloss`
-    (n, 1): 1 for panes that mirror the sky, else 0."""
+    """Linear RGB (n, 3) of surfaces in sun and sky; `paint`: linear RGB; `gloss` (n, 1): 1 of panes that mirror."""
     sun = np.clip(normals @ SUN_DIRECTION, 0.0, 1.0)[:, None]
     above = 0.5 + 0.5 * normals[:, 1:2]
     ambient = FROM_BELOW + (FROM_ABOVE - FROM_BELOW) * above
@@ -70,12 +69,9 @@ def painted_light(normals: np.ndarray, paint: np.ndarray, gloss: np.ndarray | fl
 
 
 class Sky:
-    """Image (side, side, 3) of the sky's radiance, with its mipmaps, in stereographic projection from the nadir: a
-    direction's pixel takes one division, and angles are preserved.
-
-    Columns go along x, rows along z, the zenith is in the middle, and the horizon is the circle that touches the sides;
-    beyond it the image repeats the horizon. The side is a power of two, as the texture's smaller copies need.
-    """
+    """Image (side, side, 3) of the sky's radiance, with mipmaps, in stereographic projection from the nadir: a pixel
+    takes one division, and angles are preserved. Columns go along x, rows along z, the zenith is in the middle; the
+    horizon touches the sides and repeats beyond. The side is a power of two, as the texture's smaller copies need."""
 
     def __init__(
         self, image: np.ndarray, sun: np.ndarray = SUN_DIRECTION, sunlight: np.ndarray = SUNLIGHT_COLOUR
@@ -98,8 +94,7 @@ class Sky:
         self.haze = np.minimum(around, MAX_HAZE).astype(np.float32).reshape(*HAZE_SIZE, 3)
 
     def sample(self, direction: np.ndarray, level: np.ndarray | float = 0.0) -> np.ndarray:
-        """Radiance (n, 3) in unit directions (n, 3), interpolated between mipmap `level` and the next; directions at or
-        below the horizon get the value just above it."""
+        """Radiance (n, 3) in unit directions, between mipmap `level` and the next; below the horizon as just above."""
         d = unit_vector(np.maximum(direction, [-1.0, MIN_SKY_HEIGHT, -1.0]))
         at = 0.5 + 0.5 * d[:, [0, 2]] / (1.0 + d[:, 1:2])
         levels = np.clip(np.broadcast_to(level, len(d)), 0.0, len(self.levels) - 1.0)
@@ -115,8 +110,7 @@ class Sky:
 
 
 def bilinear_values(image: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Values (n, 3) of an image at positions (n, 2), 0 to 1 across its columns and rows, by bilinear interpolation;
-    constant beyond the outermost pixels."""
+    """Values (n, 3) of an image at (n, 2), 0 to 1 across it, by bilinear interpolation; constant beyond its pixels."""
     last = len(image) - 1
     x, y = np.clip(at.T * len(image) - 0.5, 0.0, last)
     i, j = np.floor(x).astype(int), np.floor(y).astype(int)
@@ -209,8 +203,7 @@ def distance_to_top(point: np.ndarray, d: np.ndarray) -> np.ndarray:
 
 
 def add_clouds(d: np.ndarray, clear: np.ndarray, sunlight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Sky radiance (..., 3) with a flat cloud layer in front of `clear`, and the share (..., 1) that clouds hide, in
-    unit directions d: fractal noise with a warped domain, brighter at thin edges and towards the sun."""
+    """Radiance (..., 3) with clouds (warped fractal noise) before `clear`, and the share (..., 1) that they hide."""
     cover, seed = CLOUD_COVER, CLOUD_SEED
     up = np.maximum(d[..., 1], 1e-3)
     layer = d[..., [0, 2]] / (up + 0.08)[..., None] * 1.15 + [3.1 * seed, 0.7]

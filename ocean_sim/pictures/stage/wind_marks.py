@@ -55,8 +55,7 @@ class WindMarks:
         self.stage.add(copies.points, copies.regular_faces, colours, **shown)
 
     def show_volumes(self, lines: np.ndarray, crest: float) -> None:
-        """Draw walls over the outlines of wind volumes, given by lines (n, 2, 3) [m]; on a map, where walls would hide
-        the heights, only outlines above the highest `crest` [m]."""
+        """Draw walls over outlines of wind volumes, lines (n, 2, 3) [m]; on a map only outlines above a `crest` [m]."""
         plotter, pyvista = self.stage.plotter, self.stage.pyvista
         on_map = self.stage.camera.from_above
         faces, ends = [], []

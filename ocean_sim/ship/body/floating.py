@@ -1,6 +1,5 @@
 """Keys of the kinds that float by their own volume, their checks, and the pose of a hull at rest."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property, lru_cache
 from math import cos, isinf, radians, sin, sqrt
@@ -388,8 +387,7 @@ class FloatingConfig(VesselConfig):
 
 
 def afloat_pose(still: Hydrostatics) -> tuple[float, np.ndarray]:
-    """Height of the centre of mass over the still water [m], and quaternion (4,) of trim and heel, of a ship at rest;
-    upright if no balance is found. A ship that cannot float has her deck awash."""
+    """Height of the centre of mass [m] and quaternion (4,) of a ship at rest; upright without a balance, or awash."""
     if isinf(still.draught):
         return float(still.matter.centre[1] - still.voxels.centre[:, 1].max()), euler_quaternion(0.0, 0.0, 0.0)
     found = rest_angles(still)
@@ -411,21 +409,15 @@ def rest_angles(still: Hydrostatics) -> np.ndarray | None:
     size = float(np.ptp(still.voxels.centre[:, 2]))
     if np.abs(levers(upright)).max() <= 1e-6 * size:
         return upright
-    found = newton_balance(levers, upright)
-    return found if np.abs(levers(found)).max() < 1e-3 * size and np.abs(found).max() < radians(MAX_LEAN) else None
-
-
-def newton_balance(levers: Callable[[np.ndarray], np.ndarray], angle: np.ndarray) -> np.ndarray:
-    """(2,) pitch and roll [rad] at which both `levers` [m] vanish, by at most 20 Newton steps from `angle`."""
-    small = 1e-4
-    for _ in range(20):
-        here = levers(angle)
-        slope = np.column_stack([(levers(angle + turn) - here) / small for turn in small * np.eye(2)])
+    found, small = upright, 1e-4
+    for _ in range(20):  # Newton's steps
+        here = levers(found)
+        slope = np.column_stack([(levers(found + turn) - here) / small for turn in small * np.eye(2)])
         step = np.clip(-np.linalg.lstsq(slope, here)[0], -0.1, 0.1)
-        angle = angle + step
+        found = found + step
         if np.abs(step).max() < 1e-10:
             break
-    return angle
+    return found if np.abs(levers(found)).max() < 1e-3 * size and np.abs(found).max() < radians(MAX_LEAN) else None
 
 
 def lean_matrix(angle: np.ndarray) -> np.ndarray:

@@ -81,7 +81,13 @@ class FloatingShip(Vessel):
             if contact is not None and particles is not None:
                 hollow = (contact.hull.distance, contact.rim, particles.contacts)
             self.water = SurroundingWater(length, width, height, *hollow)
-        body = self.carried_along(config.settled_body(config.resting_body(still), fluid), fluid)
+        body = config.settled_body(config.resting_body(still), fluid)
+        if particles is None:  # it has the mean velocity of the water around it, too
+            turn = body.matrix
+            wet = still.wet_volumes(turn[1], -float(body.position[1] - turn[1] @ matter.centre))
+            moved = fluid.velocities((still.voxels.centre - matter.centre) @ turn.T + body.position)
+            flow = (wet[:, None] * moved).sum(axis=0) / max(float(wet.sum()), 1e-9)
+            body = replace(body, velocity=body.velocity + flow)
         self.first_body = body  # at the beginning
         if contact is not None and particles is not None:
             contact.hull.water = self.water
@@ -101,16 +107,6 @@ class FloatingShip(Vessel):
         # Of the last load: velocity relative to the water, volume under water [m3], and for slamming its speed upwards
         # relative to the water [m/s], and what a force upwards at its centre of buoyancy is as a load, (2, 3).
         self.relative, self.wet, self.rising, self.upwards = np.zeros(6), 0.0, 0.0, np.zeros((2, 3))
-
-    def carried_along(self, body: RigidBody, fluid: Fluid) -> RigidBody:
-        """The body with the mean velocity of closed-form water around it added; unchanged among particles."""
-        if fluid.of_particles is not None:
-            return body
-        still, turn = self.hydrostatics, body.matrix
-        wet = still.wet_volumes(turn[1], -float(body.position[1] - turn[1] @ still.matter.centre))
-        moved = fluid.velocities((still.voxels.centre - still.matter.centre) @ turn.T + body.position)
-        flow = (wet[:, None] * moved).sum(axis=0) / max(float(wet.sum()), 1e-9)
-        return replace(body, velocity=body.velocity + flow)
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
         body = self.centred_body if self.water.samples_depth else self.body
@@ -138,7 +134,9 @@ class FloatingShip(Vessel):
 
     def forces(self, now: Immersion) -> dict[str, np.ndarray]:
         """(2, 3) force [N], torque [N m] of each part, world axes, without the reaction of added mass."""
-        wet, density = now.wet, self.hydrostatics.density
+        wet, density, damping = now.wet, self.hydrostatics.density, self.damping(now)
+        if self.slamming is not None:
+            damping = damping + self.slamming.heave_drag(self.wet, self.rising) * self.upwards
         driven = self.actuators.load(now.motion, density, now.share)
         return {
             "gravity": self.weight,
@@ -146,7 +144,7 @@ class FloatingShip(Vessel):
             "wave": wet.wave,
             "wind_drag": wet.wind_drag,
             "wind_lift": wet.wind_lift,
-            "damping": self.whole_damping(now),
+            "damping": damping,
             **({"mooring": self.moorings.load(now.body)} if self.moorings is not None else {}),
             **({"drift": now.share * self.drift.load(now.axes)} if self.drift is not None else {}),
             **{part: to_world(force, now.body) for part, force in driven.items()},
@@ -155,12 +153,6 @@ class FloatingShip(Vessel):
     def damping(self, now: Immersion) -> np.ndarray:
         """(2, 3) damping force [N] and torque [N m], world axes; zero unless a kind overrides it."""
         return np.zeros((2, 3))
-
-    def whole_damping(self, now: Immersion) -> np.ndarray:
-        """(2, 3) `damping`, plus drag in heave of a hull far from its draught [N], [N m], world axes."""
-        if self.slamming is None:
-            return self.damping(now)
-        return self.damping(now) + self.slamming.heave_drag(self.wet, self.rising) * self.upwards
 
     def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The `forces` by part, and the reaction of added mass to them; unchanged in kinds without added mass."""

@@ -147,21 +147,14 @@ def euler_angles(q: np.ndarray) -> np.ndarray:
 
 
 def with_spin(body: RigidBody, omega: np.ndarray) -> RigidBody:
-    """The body with another angular velocity, world axes [rad/s]."""
-    return replace(body, angular_momentum=momentum_of(body.matrix, body.inertia_body, omega))
-
-
-def momentum_of(turn: np.ndarray, inertia_body: np.ndarray, omega: np.ndarray) -> np.ndarray:
-    """(3,) angular momentum [kg m2/s] of an angular velocity [rad/s], world axes, by (4.19); `turn`: body to world."""
-    return turn @ inertia_body @ turn.T @ omega
+    """The body with another angular velocity, world axes [rad/s], and its angular momentum by (4.19)."""
+    turn = body.matrix
+    return replace(body, angular_momentum=turn @ body.inertia_body @ turn.T @ omega)
 
 
 def advance_body(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: float) -> RigidBody:
-    """The body one step of dt [s] later under a force [N] and a torque about the centre of mass [N m].
-
-    (4.22) with the new velocity in (4.23), which for an oscillator neither gains nor loses energy, and (4.25) at the
-    midpoint.
-    """
+    """The body dt [s] later under a force [N] and a torque about the centre of mass [N m]: (4.22), with the new
+    velocity in (4.23), which for an oscillator neither gains nor loses energy, and (4.25) at the midpoint."""
     inertia, start = body.inertia_body.tolist(), body.orientation.tolist()
     momentum = small_linalg.plus(body.angular_momentum.tolist(), small_linalg.times(dt, torque.tolist()))
     now = small_linalg.spin_of(body.rows, momentum, inertia)
@@ -175,11 +168,8 @@ def advance_body(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: flo
 
 
 def thesis_advance(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: float) -> RigidBody:
-    """The body one step of dt [s] later by (4.22), (4.23) and (4.25) of the thesis as printed: forward Euler, from the
-    velocities of the step's beginning.
-
-    Algorithm 7 prints v = a dt, x = v dt; the increments of (4.22) and (4.23) are meant.
-    """
+    """The body dt [s] later by (4.22), (4.23) and (4.25) of the thesis as printed: forward Euler, from the velocities
+    of the step's beginning. Algorithm 7 prints v = a dt, x = v dt; the increments of (4.22) and (4.23) are meant."""
     r, omega = body.matrix, body.angular_velocity
     inertia = r @ body.inertia_body @ r.T
     faster = omega + np.linalg.solve(inertia, torque - cross(omega, inertia @ omega)) * dt
@@ -195,10 +185,8 @@ def thesis_advance(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: f
 
 
 def hold_motions(body: RigidBody, free: np.ndarray) -> RigidBody:
-    """Copy of a body with zero velocity in the motions that are not `free`, (6,) booleans in the order of `Motions`.
-
-    Sway and surge are held along the ship's heading, heave along the vertical, turns about the body's axes.
-    """
+    """Copy of a body with zero velocity in motions not `free`, (6,) booleans by `Motions`: sway and surge along the
+    ship's heading, heave along the vertical, turns about the body's axes."""
     if False not in free.tolist():
         return body
     r, heading = body.matrix, axis_rotation(1, body.angles[1])

@@ -40,8 +40,7 @@ class Attitude(NamedTuple):
         return self.matrix[0] * vector[0] + self.matrix[1] * vector[1] + self.matrix[2] * vector[2]
 
     def point_acceleration(self, arm: np.ndarray, acceleration: np.ndarray, turning: np.ndarray) -> np.ndarray:
-        """(3, n) world acceleration [m/s2] of a point at `arm` from the centre of mass, body axes [m], by the
-        acceleration of the centre of mass and the angular acceleration `turning` [rad/s2], (3, n)."""
+        """(3, n) acceleration [m/s2] of a point at `arm` [m], body axes, by the centre's and `turning` [rad/s2]."""
         away = self.matrix[:, 0] * arm[0] + self.matrix[:, 1] * arm[1] + self.matrix[:, 2] * arm[2]
         return acceleration + cross(turning, away) + cross(self.spin, cross(self.spin, away))
 
@@ -96,8 +95,7 @@ class Between:
         self.part = np.maximum(0.0, (time - start) / self.step)  # of the step that is over
 
     def interpolated_track(self) -> Track:
-        """Track at these times: cubic Hermite interpolation, place and velocity continuous. With velocities that are
-        third-order in the step, those returned are third-order, and places fourth-order."""
+        """Track at these times by cubic Hermite interpolation; place and velocity continuous, of third order."""
         (before, after), s, step = self.ends, self.part, self.step
         moved = after.place - before.place
         start, end = step * before.velocity - moved, step * after.velocity - moved

@@ -137,8 +137,7 @@ class Actuators:
         return self.rudder_blade.limit if self.rudder_blade else radians(90.0)
 
     def steer(self, body: RigidBody, dt: float, ahead: float = 0.0) -> None:
-        """Move throttle and rudder over a step of `dt` [s] to the crew's orders at `ahead` [s] after its beginning, as
-        fast as propeller and rudder can; dt 0: at once."""
+        """Move throttle and rudder over dt [s] to the orders at `ahead` [s] after its start; dt 0: at once."""
         throttle, rudder = self.crew.order(self.time + ahead, body)
         blade, screw = self.rudder_blade, self.propeller
         self.throttle = rate_limited(self.throttle, throttle, screw.rate if screw and dt else None, dt, 1.0)
@@ -146,8 +145,7 @@ class Actuators:
         self.time += dt
 
     def load(self, motion: np.ndarray, density: float, wet: float) -> dict[str, np.ndarray]:
-        """(2, 3) force [N] and torque about the centre of mass [N m] of propeller and rudder, body axes, by name, at a
-        velocity `motion` (6,) relative to the water; times `wet`, the share under water, 0 to 1."""
+        """(2, 3) force [N], torque [N m] of propeller and rudder, body axes, at `motion` (6,) in water; times `wet`."""
         found, thrust = {}, 0.0
         velocity, rates = motion[:3].tolist(), motion[3:].tolist()
         if self.propeller is not None:

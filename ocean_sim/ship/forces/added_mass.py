@@ -117,15 +117,12 @@ def water_reaction(
     surge: np.ndarray,
     free: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Reactions of added mass, (2, 3) force [N] and torque [N m] each, world axes: to the hull's motion, and by the
-    water's own.
-
-    Kirchhoff's equations with the added mass (6,) of each motion in body axes and, if any, `between` them, (6, 6)
-    symmetric with a diagonal of 0; `force` [N], `torque` [N m]: the rest of the load, world axes; `drift`, `surge`: the
-    water's own velocity and acceleration (6,) in body axes. These turn with the hull, so the relative velocity of hull
-    and water also changes by omega x `drift` (Fossen 2021, 10.3). The equations are solved together with the hull's, so
-    a light body is no harder than a heavy one. Motions that are not `free` (6,) have no acceleration.
-    """
+    """Reactions of added mass, (2, 3) force [N] and torque [N m], world axes: to the hull's motion, and by the water's
+    own. By Kirchhoff's equations with the added mass (6,) of each motion in body axes and any `between` them, (6, 6)
+    symmetric, diagonal 0; `force`, `torque`: the rest of the load; `drift`, `surge`: the water's own velocity and
+    acceleration (6,). These turn with the hull, so the relative velocity also changes by omega x `drift` (Fossen 2021,
+    10.3). Solved with the hull's, lest a light body be harder than a heavy one. Motions that are not `free` (6,) have
+    no acceleration."""
     r, inertia, water = body.rows, body.inertia_body.tolist(), added.tolist()
     v, omega = body.own_velocity, body.own_spin
     (stream, swirl), (pull, pull_turn) = line_and_turn(drift), line_and_turn(surge)
@@ -164,8 +161,7 @@ def water_momentum(water: list[float], between: np.ndarray | None, line: Vector,
 def joint_acceleration(
     mass: float, inertia: Rows, water: list[float], between: np.ndarray | None, push: Vector, twisting: Vector
 ) -> tuple[Vector, Vector]:
-    """Linear [m/s2] and angular acceleration [rad/s2] of a hull and its added mass `water` (6,), coupled by `between`,
-    under a force `push` [N] and a torque `twisting` [N m]."""
+    """Linear [m/s2], angular [rad/s2] acceleration of a hull with added mass under a `push` [N], `twisting` [N m]."""
     x, y, z = water[3:]
     (p, q, r), (s, t, u), (v, w, o) = inertia
     whole = (p + x, q, r), (s, t + y, u), (v, w, o + z)

@@ -121,8 +121,7 @@ class Resistance:
 
 
 class CrossFlow:
-    """Cross-flow drag c |v + r z| (v + r z) of sections at z, summed along a hull. On either side of the point without
-    cross-flow the sum follows from the moments of c."""
+    """Cross-flow drag c |v + r z| (v + r z) of sections at z: on either side of zero flow a sum of moments of c."""
 
     def __init__(self, z: np.ndarray, c: np.ndarray) -> None:
         """`z`: positions (n,) of sections from stern to bow [m]; `c`: their drag coefficients (n,) [N s2/m2]."""

@@ -59,8 +59,7 @@ class Propeller(Model):
         return bare if throttle >= 0.0 else self.astern * bare
 
     def slipstream_speed(self, thrust: float, speed: float, density: float) -> float:
-        """Speed of the propeller's slipstream at the rudder [m/s], at a speed ahead [m/s]: SLIPSTREAM_SHARE of the
-        far-wake velocity increase of an actuator disc."""
+        """Speed at the rudder [m/s] at a speed ahead [m/s], by SLIPSTREAM_SHARE of an actuator disc's increase."""
         if self.diameter is None or thrust <= 0.0 or speed < 0.0:
             return speed
         far = sqrt(speed**2 + 8.0 * thrust / (pi * density * self.diameter**2))

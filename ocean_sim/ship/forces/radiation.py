@@ -197,12 +197,9 @@ def in_axis_order(data: Any, name: str, axes: tuple[str, ...]) -> np.ndarray:
 
 
 class Scattering:
-    """Force on one hull by the waves that it scatters, as waves arrive.
-
-    A hull held against the water's own motion w feels X(omega) = (B - i omega A) w. A hull that goes through the water
-    meets the same w at another frequency, with A and B of that frequency; the momentum given to it turns it as it moves
-    on (table 2 of Salvesen, Tuck & Faltinsen).
-    """
+    """Force on one hull by the waves that it scatters, as waves arrive. Held against the water's own motion w, a hull
+    feels X(omega) = (B - i omega A) w. A hull under way meets the same w at another frequency, with A and B of that;
+    the momentum given to it turns it as it moves on (table 2 of Salvesen, Tuck & Faltinsen)."""
 
     def __init__(self, table: BemTable) -> None:
         assert table.scattered is not None
@@ -235,8 +232,7 @@ class Scattering:
         return found
 
     def unit_wave_forces(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
-        """(6, n) complex forces per unit amplitude, by frequency and heading [deg] relative to the ship's; mirrored if
-        the table ends at 180 degrees, constant beyond its frequencies."""
+        """(6, n) complex forces per unit amplitude, by frequency and relative heading [deg]; mirrored beyond 180."""
         headings, force = self.scattered
         angle, turned = heading % 360.0, np.ones((6, len(heading)))
         if headings.max() <= 180.0:
@@ -342,8 +338,7 @@ class Radiation:
         return Response(times, kernels, whole - whole[:, :, -1:], added)
 
     def retardation_kernel(self, times: np.ndarray, damping: np.ndarray) -> np.ndarray:
-        """Kernel K (n,) at times (n,) [s] from damping at the table's frequencies; beyond these, damping falls on as at
-        their end, by a power of the frequency."""
+        """Kernel K (n,) at times (n,) [s]; beyond the table damping falls on by a power of the frequency."""
         from scipy.interpolate import PchipInterpolator
 
         omega = self.omega

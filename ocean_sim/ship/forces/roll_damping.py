@@ -166,8 +166,7 @@ def ratios_beyond(form: Form) -> list[str]:
 
 
 def damping_components(form: Form, amplitude: float, viscosity: float, gravity: float) -> Components:
-    """Components of roll damping at an amplitude [deg], kinematic viscosity [m2/s] and gravity [m/s2]; ratios beyond
-    REGRESSION_LIMITS count as those at the limit."""
+    """Roll damping at an amplitude [deg], viscosity [m2/s], gravity [m/s2]; ratios are held in REGRESSION_LIMITS."""
     held = {
         name: min(max(value, REGRESSION_LIMITS[name][0]), REGRESSION_LIMITS[name][1])
         for name, value in form.limited_ratios.items()
@@ -182,8 +181,7 @@ def damping_components(form: Form, amplitude: float, viscosity: float, gravity: 
 
 
 def skin_friction(form: Form, amplitude: float, viscosity: float, gravity: float) -> float:
-    """Roll damping by skin friction, in the units of `Components`, at an amplitude [deg] (Kato 1958): Blasius's
-    boundary layer on a cylinder of the hull's mean radius."""
+    """Damping by skin friction at an amplitude [deg] (Kato 1958): Blasius's boundary layer on a mean cylinder."""
     _, broad, deep, cb, _, og, frequency, _ = form
     phi, omega = radians(amplitude), frequency * sqrt(2.0 * gravity / broad)
     radius = deep * ((0.887 + 0.145 * cb) * (1.7 + cb * broad / deep) - 2.0 * og) / pi
@@ -210,8 +208,7 @@ def waves_made(cb: float, cm: float, bd: float, og: float, frequency: float) -> 
 
 
 def eddy_damping(cb: float, cm: float, bd: float, og: float, amplitude: float) -> float:
-    """Roll damping of the naked hull by eddies at an amplitude [deg], in the units of `Components` over the frequency;
-    cb to og as in `waves_made`. It is 0 where the regression, beyond a block coefficient of 0.84, is negative."""
+    """Eddy damping at an amplitude [deg] over the frequency; cb to og as in `waves_made`; 0 from cb 0.84 on."""
     form = max((-0.0182 * cb + 0.0155) * (bd - 1.8) ** 3 + polynomial_at(EDDIES_FORM, cb), 0.0)
     axis = (3.98 * cb - 5.1525) * (-0.2 * bd + 1.6) * og
     axis *= (0.9717 * cb**2 - 1.55 * cb + 0.723) * og + 0.04567 * cb + 0.9408
@@ -222,8 +219,7 @@ def eddy_damping(cb: float, cm: float, bd: float, og: float, amplitude: float) -
 
 
 def keel_damping(cb: float, cm: float, bd: float, og: float, amplitude: float, long: float, broad: float) -> float:
-    """Roll damping by bilge keels at an amplitude [deg], in the units of `Components` over the frequency; `long` and
-    `broad`: length and breadth of the keels over those of the hull; cb to og as in `waves_made`."""
+    """Bilge keels' damping at an amplitude [deg] over the frequency; `long`, `broad`: of the keels over the hull's."""
     form = (-0.3651 * cb + 0.3907) * (bd - 2.83) ** 2 - 2.21 * cb + 2.632
     swing = 0.00255 * amplitude**2 + 0.122 * amplitude + 0.4794
     size = (-0.8913 * broad**2 - 0.0733 * broad) * long**2

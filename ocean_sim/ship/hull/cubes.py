@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ocean_sim.columns import Columns
+from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid import Fluid
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Array, Array2, Integers, Template, in_kernels, runs_alone
@@ -46,8 +46,7 @@ FACE_COLUMNS = Columns(
 
 
 class Wetted(NamedTuple):
-    """Sums over all cubes of a hull: forces [N] and torques about the centre of mass [N m] by part, (2, 3) each, world
-    axes; their volume under water, and the motion of the water around them."""
+    """Sums over a hull's cubes: forces [N] and torques [N m] by part, world axes; wet volume, water's motion."""
 
     buoyancy: np.ndarray
     wave: np.ndarray
@@ -132,8 +131,7 @@ class Cubes:
     def displaced_water(
         self, body: RigidBody, around: SurroundingWater | SurroundingSea
     ) -> tuple[np.ndarray, np.ndarray]:
-        """x, z and depth below the surface (m, 3) [m] of the wet part of each cube at the pose of a body, and volumes
-        (m,) [m3]. The water surface is that `around` the hull at the last load, moved on by its current."""
+        """x, z, depth (m, 3) [m] and volumes (m,) [m3] of cubes' wet parts, in the last load's water, moved on."""
         write_pose(self.table[0], body)
         middle = around.middle_now()
         self.table[0, [pose.position, pose.position + 2]] -= middle
@@ -193,8 +191,7 @@ class Cubes:
         velocity,
         omega,
     ):
-        """Add loads of water and wind on cube k to its block's `total`: hull at `position` with matrix `turn`,
-        `velocity`, `omega`; cubes `tall` [m]; `middle` of the lattice, from which positions count."""
+        """Add loads of water and wind on cube k to its block's `total`; cubes `tall` [m]; `middle` of the lattice."""
         arm = turn @ self.arm[k]
         x, wet = position + arm, 0.0
         if x.y - 0.5 * tall < water.frame[HIGHEST_LEVEL]:
@@ -219,7 +216,7 @@ class Cubes:
             volume, pull = wet * self.volume[k], slope
             self.add_force(total, SUM_COLUMNS.buoyancy, arm, tm.vec3(0.0, self.weight * volume, 0.0))
             if ti.static(water.samples_depth):
-                pull = three_of(water.motion_at(corner, eta, depth), 3)
+                pull = vec3(water.motion_at(corner, eta, depth), 3)
             self.add_force(total, SUM_COLUMNS.wave, arm, self.weight * volume * pull)
             self.add_number(total, SUM_COLUMNS.volume, volume)
             if share < 1.0:
@@ -228,8 +225,8 @@ class Cubes:
                 own, face = self.arm[k], wet * abs(self.area[k])
                 under = depth + 0.5 * tall  # where its lower face is
                 moved = water.motion_at(corner, eta, under)
-                self.add_motion(total, SUM_COLUMNS.velocity, own, face, turn.transpose() @ three_of(moved, 0))
-                self.add_motion(total, SUM_COLUMNS.acceleration, own, face, turn.transpose() @ three_of(moved, 3))
+                self.add_motion(total, SUM_COLUMNS.velocity, own, face, turn.transpose() @ vec3(moved, 0))
+                self.add_motion(total, SUM_COLUMNS.acceleration, own, face, turn.transpose() @ vec3(moved, 3))
                 met, along = tm.vec3(face.y, face.x, face.y), tm.vec3(own.z, own.z, own.x)
                 for c in ti.static(range(3)):
                     self.add_number(total, SUM_COLUMNS.face + FACE_COLUMNS.area + c, face[c])
@@ -253,8 +250,7 @@ class Cubes:
 
     @ti.func
     def add_motion(self, total: Template, column: Template, own, face, moved):
-        """Add `moved`, velocity or acceleration of the water at a cube, times the cube's `face` (3,) areas to `total`,
-        and its moments for pitch, yaw and roll about the centre of mass, from which the cube lies at `own` (3,)."""
+        """Add the water's motion `moved` times a cube's `face` (3,) to `total`, and its moments about the centre."""
         for c in ti.static(range(3)):
             self.add_number(total, column + c, face[c] * moved[c])
         self.add_number(total, column + 3, -face.y * own.z * moved.y)
@@ -263,8 +259,7 @@ class Cubes:
 
 
 def as_one_body(moved: list[float], faces: list[float], size: list[float]) -> np.ndarray:
-    """(6,) rigid-body motion about the centre of mass that fits the water's motion at the cubes by least squares,
-    weighted by faces. `moved`: sums (6,) of `add_motion`; `faces`: sums by FACE_COLUMNS; `size`: of a cube (3,) [m]."""
+    """(6,) rigid-body motion by least squares of the water's `moved` (6,), weighted by `faces` (FACE_COLUMNS)."""
     x, y, z, turned_x, turned_y, turned_z = moved
     area_x, area_y, area_z = (max(area, 1e-12) for area in faces[:3])
     ahead, ahead_x, aside = faces[3] / area_y, faces[4] / area_x, faces[5] / area_y
@@ -280,9 +275,3 @@ def as_one_body(moved: list[float], faces: list[float], size: list[float]) -> np
     roll = (turned_z * along + turned_x * skew) / both
     heave = y / area_y + pitch * ahead - roll * aside
     return np.array([x / area_x - yaw * ahead_x, heave, z / area_z, pitch, yaw, roll])
-
-
-@ti.func
-def three_of(six: Template, first: Template):
-    """Vector of three components of a vector of six, from component `first` on."""
-    return tm.vec3(six[first], six[first + 1], six[first + 2])

@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import AfterValidator, ValidationError
 
-from ocean_sim.basin.solids.voxels import MAX_FLATNESS, Voxels, voxels
+from ocean_sim.basin.solids.voxels import MAX_FLATNESS, voxels
 from ocean_sim.conventions import AxisName
 from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.parts import named, preset
@@ -45,14 +45,6 @@ class Hull(Model):
     """Moments of inertia of pitch, yaw and roll (about x, y, z) about the centre of mass; null: those of uniform
     density."""
 
-    def matter_of(self, cubes: Voxels) -> Matter:
-        """Mass, centre of mass and inertia, given or of uniform density; raises ValueError without a mass."""
-        if self.mass is None:
-            raise ValueError("has no mass; give mass [kg]")
-        centre = cubes.centroid if self.centre_of_mass is None else np.array(self.centre_of_mass)
-        own = cubes.inertia(self.mass, centre) if self.inertia is None else np.diag(self.inertia)
-        return Matter(self.mass, centre, own)
-
     def in_still_water(self, cells: float, density: float, gravity: float) -> Hydrostatics:
         """Hydrostatics with `cells` cubes over the draught, by density and gravity; raises ValueError."""
         lower, upper = self.shape.bounds()
@@ -78,7 +70,11 @@ class Hull(Model):
     def in_cubes(self, side: float, density: float, gravity: float, flat: float = MAX_FLATNESS) -> Hydrostatics:
         """Hydrostatics in such water, by cubes `side` [m] high and up to `flat` times as long; raises ValueError."""
         cubes = voxels(self.shape, side, flat)
-        return Hydrostatics(cubes, self.matter_of(cubes), density, gravity)
+        if self.mass is None:
+            raise ValueError("has no mass; give mass [kg]")
+        centre = cubes.centroid if self.centre_of_mass is None else np.array(self.centre_of_mass)
+        own = cubes.inertia(self.mass, centre) if self.inertia is None else np.diag(self.inertia)
+        return Hydrostatics(cubes, Matter(self.mass, centre, own), density, gravity)
 
 
 def hull_of(name: str, up: AxisName | None = None, bow: AxisName | None = None, scale: float | None = None) -> Hull:

@@ -109,8 +109,7 @@ class Hydrostatics:
         return (turn @ (volume[:, None] * self.voxels.centre).sum(axis=0) + [dx, 0.0, dz]) / volume.sum()
 
     def buoyancy_offset(self, turn: np.ndarray) -> np.ndarray:
-        """(2,) horizontal offset from the centre of mass to the centre of buoyancy of a turned hull, to port and ahead
-        [m]; free surfaces move the centre of mass to the lower side."""
+        """(2,) offset [m], to port and ahead, from the centre of mass (with free surfaces) to that of buoyancy."""
         between = self.centre_of_buoyancy(turn) - turn @ self.matter.centre
         return between[[0, 2]] + self.free_surface_loss * turn[1, [0, 2]]
 
@@ -254,8 +253,7 @@ def metacentric_heights(shape: SolidShape, still: Hydrostatics) -> tuple[float, 
 
 
 def float_level(wet_under: Callable[[float], Wet], needed: float, low: float, high: float) -> tuple[float, Wet]:
-    """Level [m] between `low` and `high` under which the volume is that needed [m3], and the wet part: Newton's steps,
-    as a volume grows by its waterplane, and halves where they lead out of the bounds."""
+    """Level [m] from `low` to `high` [m] with the volume needed [m3] below, and its wet part: Newton, else halving."""
     level, last = 0.5 * (low + high), LEVEL_ROUNDING * (high - low)
     for _ in range(MAX_LEVEL_STEPS):
         wet = wet_under(level)
@@ -296,8 +294,7 @@ def columns_under(mesh: ClosedMesh, level: float) -> Wet:
 
 
 def faces_below(faces: np.ndarray) -> np.ndarray:
-    """(m, 3, 3) triangles that sum up to the part of faces (n, 3, 3) under y = 0: faces with most corners there, and
-    the tips that y = 0 cuts off, reversed if they are to be subtracted."""
+    """(m, 3, 3) triangles that sum to the part of faces (n, 3, 3) under y = 0; tips to subtract are reversed."""
     over = faces[..., 1] > 0.0
     number = np.count_nonzero(over, axis=1)
     cut = number % 3 > 0

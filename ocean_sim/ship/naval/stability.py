@@ -6,7 +6,7 @@ counts beyond the heel at which water comes in. A tank that is not full costs me
 its surface's second moment, and that times sin(heel) of every lever.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf, isinf, radians
@@ -91,7 +91,11 @@ class Loading(Model):
         """Sentences on points outside the hull's box, by its corners (3,) [m]; above the deck is allowed."""
         low, high = np.array(lower), np.array([upper[0], inf, upper[2]])
         found = []
-        for what, point in self.named_points.items():
+        parts = {"light": self.light} | {f"weights.{name}": each for name, each in self.weights.items()}
+        parts |= {f"tanks.{name}": each for name, each in self.tanks.items()}
+        points = {name: part.at for name, part in parts.items()}
+        points |= {f"openings.{name}": point for name, point in self.openings.items()}
+        for what, point in points.items():
             out = np.maximum(low - point, point - high)
             if out.max() > 1e-9:
                 found.append(f"{what} lies {out.max():.3g} m {BEYOND_SIDES[int(np.argmax(out))]}")
@@ -101,14 +105,6 @@ class Loading(Model):
                 if size > whole:
                     found.append(f"tanks.{name}.{side} is {size:g} m, more than the hull's {whole:g} m")
         return found
-
-    @property
-    def named_points(self) -> dict[str, np.ndarray]:
-        """Position of everything on board and of openings, from the hull's origin [m], by its key."""
-        parts = {"light": self.light} | {f"weights.{name}": each for name, each in self.weights.items()}
-        parts |= {f"tanks.{name}": each for name, each in self.tanks.items()}
-        points = {name: np.array(part.at) for name, part in parts.items()}
-        return points | {f"openings.{name}": np.array(point) for name, point in self.openings.items()}
 
 
 class Criterion(NamedTuple):
@@ -162,7 +158,8 @@ class Stability:
         found = (inf, "")
         for name, point in (self.openings or {}).items():
             for side in (1.0, -1.0):
-                clear = [self.clearance(point, side * heel) for heel in self.heels.tolist()]
+                levels = [self.water_levels[side * heel] for heel in self.heels.tolist()]
+                clear = [float(up @ np.array(point)) - level for up, level in levels]  # over the water [m]
                 under = next((k for k, height in enumerate(clear) if height <= 0.0), None)
                 if under is not None:
                     part = 0.0 if under == 0 else clear[under - 1] / (clear[under - 1] - clear[under])
@@ -175,11 +172,6 @@ class Stability:
         heels = [side * heel for heel in self.heels.tolist() for side in (1.0, -1.0)]
         ups = {heel: axis_rotation(2, radians(heel))[1] for heel in heels}
         return {heel: (up, self.still.water_level(up)) for heel, up in ups.items()}
-
-    def clearance(self, point: Sequence[float], heel: float) -> float:
-        """Height of a point of the ship over the water [m] at a heel [deg], one of those of `water_levels`."""
-        up, level = self.water_levels[heel]
-        return float(up @ np.array(point)) - level
 
     @cached_property
     def curve(self) -> tuple[np.ndarray, np.ndarray]:

@@ -31,8 +31,7 @@ class Solid(ShapedSolid):
         return self.carve_room(positions, boxes, lattice.spacing)
 
     def carve_room(self, positions: np.ndarray, boxes: Boxes, spacing: float) -> dict[str, np.ndarray]:
-        """Room for a hull without samples: indices of particles `gone` and of those `near` the hull, and positions [m]
-        of the latter, `moved` half a spacing off the hull and away from each other. Water fills `boxes`."""
+        """Room for a hull without samples: particles `gone` and `near`, and positions [m] of these, `moved` off."""
         values, first, step = self.lattice(spacing)
         distance, order = self.deepest_first((positions - self.origin) @ self.turn + self.centre, spacing)
         gone = np.zeros(len(positions), dtype=bool)

@@ -52,8 +52,7 @@ class Sides:
         return any(way * (position[axis] - side) < reach[axis] + along for axis, way, side in stops)
 
     def penetrations(self, body: RigidBody) -> list[tuple[int, float, np.ndarray]]:
-        """Axis, inward direction (1 or -1), and (n,) depths [m] along the axis of the hull's corners beyond each side,
-        a bed with a shape last."""
+        """Axis, inward direction (1 or -1), depths (n,) [m] of corners beyond each side; a shaped bed last."""
         positions = self.points @ body.matrix.T + body.position
         found = [(axis, way, way * (side - positions[:, axis])) for axis, way, side in self.stops]
         if self.ground is not None:
@@ -91,8 +90,7 @@ class Sides:
         return load.plus("wave", total / dt)
 
     def contact_impulses(self, body: RigidBody, normals: np.ndarray, arms: np.ndarray) -> np.ndarray:
-        """(2, 3) impulse [N s] and moment [N m s] that stop points at `arms` (n, 3) [m] from the centre of mass from
-        moving against the inward `normals` (n, 3): one after the other, in sweeps."""
+        """(2, 3) impulse [N s], moment [N m s] that stop points at `arms` (n, 3) [m] against `normals`, in sweeps."""
         turn = body.matrix
         inverse_inertia = turn @ np.linalg.inv(body.inertia_body) @ turn.T
         velocity, omega = body.velocity.copy(), body.angular_velocity.copy()
@@ -120,7 +118,6 @@ class Sides:
 
 
 def effective_mass(mass: float, inverse_inertia: np.ndarray, arm: np.ndarray, along: np.ndarray) -> float:
-    """Ratio [kg] of an impulse at `arm` [m] from the centre of mass, along the unit vector `along`, to the change of
-    speed there; `inverse_inertia`: (3, 3) [1/(kg m2)]; all in world axes."""
+    """Ratio [kg] of an impulse at `arm` [m] along a unit vector to the change of speed; world axes."""
     lever = cross(arm, along)
     return float(1.0 / (1.0 / mass + lever @ inverse_inertia @ lever))

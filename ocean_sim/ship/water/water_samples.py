@@ -115,8 +115,7 @@ class SampleLattice:
 
     @ti.func
     def surface_at(self, corner: Template):
-        """Elevation [m] in a cell (from `cell_at`), and the wave force over the weight of the displaced water, where
-        the surface alone is known: that of long waves, along its slope."""
+        """Elevation [m] in a cell, and force over displaced weight of long waves, where the surface alone is known."""
         i, k, a, b = corner
         here, left = self.level[i, k], self.level[i, k + 1]
         ahead, across = self.level[i + 1, k], self.level[i + 1, k + 1]
@@ -142,8 +141,7 @@ class SurroundingWater(SampleLattice):
         rim: float = 0.0,
         others: Sequence[Contact] = (),
     ) -> None:
-        """Sizes of the hull [m]; `hollow`: distances from the hull if it keeps particles out, as far as `rim` [m];
-        `others`: all hulls that do, this one with them."""
+        """Sizes [m]; `hollow`: distances from a hull that keeps particles out, to `rim` [m]; `others`: all such."""
         self.size_lattice(length, breadth, height, rim)
         self.hollow = hollow is not None
         if hollow is not None:
@@ -221,7 +219,13 @@ class SurroundingSea(SampleLattice):
         carried = late * self.window.span
         middle = (self.laid[0] + carried * flow[0], self.laid[1] + carried * flow[1])
         if not holds or self.is_astray(x - middle[0], z - middle[1]):
-            self.lay_lattice(body, x, z)
+            # Lay the lattice anew around the place of the hull half way through its time of use.
+            s, c = float(body.matrix[0, 2]), float(body.matrix[2, 2])
+            size, half = hypot(s, c), 0.5 * self.window.span
+            self.heading = (s / size, c / size) if size else (0.0, 1.0)
+            u, w = half * (body.velocity[0] - flow[0]), half * (body.velocity[2] - flow[1])
+            self.laid = (x, z) if self.is_astray(u, w) else (x + u, z + w)
+            self.window.lay(self.laid, self.heading)
             middle, late = self.laid, 0.0
         self.middle = middle
         row[pose.position], row[pose.position + 2] = x - middle[0], z - middle[1]
@@ -229,22 +233,13 @@ class SurroundingSea(SampleLattice):
 
     def middle_now(self) -> np.ndarray:
         """(2,) x, z [m] of the lattice's middle after the step, carried on by the current."""
-        return super().middle_now() + self.window.step_taken * np.array(self.window.current)
+        water = self.window.water
+        return super().middle_now() + (water.time - water.before) * np.array(water.current)
 
     def is_astray(self, x: float, z: float) -> bool:
         """True if a hull at x, z from the middle of the lattice [m] is too far away from it."""
         (s, c), (ahead, aside) = self.heading, self.half
         return abs(x * s + z * c) > LATTICE_SLACK * ahead or abs(x * c - z * s) > LATTICE_SLACK * aside
-
-    def lay_lattice(self, body: RigidBody, x: float, z: float) -> None:
-        """Lay the lattice anew around the place of a hull, now at x, z [m], half way through its time of use."""
-        s, c = float(body.matrix[0, 2]), float(body.matrix[2, 2])
-        size, window = hypot(s, c), self.window
-        self.heading = (s / size, c / size) if size else (0.0, 1.0)
-        flow_x, flow_z = window.current
-        u, w = 0.5 * window.span * (body.velocity[0] - flow_x), 0.5 * window.span * (body.velocity[2] - flow_z)
-        self.laid = (x, z) if self.is_astray(u, w) else (x + u, z + w)
-        window.lay(self.laid, self.heading)
 
     @ti.func
     def read_water(self, water: Template, table: Template):
@@ -265,8 +260,7 @@ class SurroundingSea(SampleLattice):
 
     @ti.func
     def motion_at(self, corner: Template, eta, depth):
-        """(6,) velocity of the water [m/s], and its acceleration over gravity, the wave force over the weight of
-        displaced water, in a cell (from `cell_at`) at a depth [m] under an elevation `eta` [m]."""
+        """(6,) velocity [m/s] and acceleration over gravity of the water, in a cell at a depth [m] under `eta` [m]."""
         h = ti.static(self.window.depth)
         stretched = h * depth / ti.max(h + eta, 1e-6 * h)  # Wheeler's
         level = tm.clamp(stretched / self.layer, 0.0, DEPTH_LEVELS - 1.0)

@@ -192,8 +192,12 @@ class Log:
                 rows.append(self.csv.row([t, self.number, *pose, *rest]))
                 self.number += 1
         self.moments[0], self.velocity, self.seen, self.due = moments[-1], track.velocity[:, -1], 1, []
-        takers = [each for each in simulation.observers if isinstance(each, TakesMotion)] if rows else []
-        for observer in takers:  # they get numbers rounded like those in the file
+        if rows:
+            self.hand_rows_on(rows, simulation)
+
+    def hand_rows_on(self, rows: list[str], simulation: Simulation) -> None:
+        """Give the text of new rows to the observers that take them, as numbers rounded like those in the file."""
+        for observer in (each for each in simulation.observers if isinstance(each, TakesMotion)):
             cells = [row.split(",", self.motion_columns)[: self.motion_columns] for row in rows]
             table = np.array([[float(number) for number in row] for row in cells]).T
             observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)

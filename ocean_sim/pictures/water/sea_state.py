@@ -13,7 +13,6 @@ from ocean_sim.files import run_files
 from ocean_sim.pictures.frame_files import Frame, FrameLog, read_elevation
 from ocean_sim.pictures.water import far_sea
 from ocean_sim.waves import Components
-from ocean_sim.wind.shared.air_load import stated_speed
 
 SWELL_SECONDS = 4.0  # [s] by which the far sea lags behind the basin's
 # [s] between the frames that it is taken from; and in lags, how far it looks back
@@ -134,7 +133,11 @@ def ripple_wind_speed(scene: dict[str, Any], height: float) -> float:
 def stated_wind_speed(scene: dict[str, Any]) -> float:
     """Speed [m/s] of the scene's wind; 0 if it states none."""
     wind = scene.get("wind") or {}
-    return stated_speed(wind["u10"], wind.get("tau")) if "u10" in wind else 0.0
+    if "u10" not in wind:
+        return 0.0
+    from ocean_sim.wind.shared.air_load import stated_speed
+
+    return stated_speed(wind["u10"], wind.get("tau"))
 
 
 def gust_speed(scene: dict[str, Any]) -> float:

@@ -11,7 +11,6 @@ from ocean_sim.conventions import AIR_DENSITY, GRAVITY, WATER_DENSITY
 from ocean_sim.pictures.water.foam import FADE_SECONDS
 from ocean_sim.pictures.water.waterline import CREST_WIDTH, ENTRANCE_LENGTH, Bow
 from ocean_sim.random_numbers import numpy_uniform, numpy_uniform3
-from ocean_sim.wind.shared.air_load import stress
 
 Heights = Callable[[np.ndarray], np.ndarray]  # of the water [m] at x, z (n, 2) [m]
 BREAKING_STRENGTH = 1.0e-3  # power of a metre of breaking crest over rho c^5 / g (Phillips et al. 2001, J. P. O. 31)
@@ -138,8 +137,13 @@ def foam_sources(
     """Crests of a sea of a phase speed [m/s] that turn cells white, and foam that a wind x, z [m/s] at 10 m tears by
     the work of its stress, at its friction velocity. `shares` (2, n): turned white [1/s], and white, of cells [m]."""
     slow, u10, ahead = BREAKER_SPEED_SHARE * crest_speed, float(np.hypot(*wind)), np.insert(wind, 1, np.hypot(*wind))
-    speeds = CREST_STEEPNESS * slow, (stress(u10) / AIR_DENSITY) ** 0.5
-    powers = BREAKING_STRENGTH * WATER_DENSITY * slow**4 / GRAVITY, stress(u10) * u10 * (u10 > SPINDRIFT_WIND)  # [W/m2]
+    drag = 0.0  # [Pa] of a wind that tears foam
+    if u10 > SPINDRIFT_WIND:
+        from ocean_sim.wind.shared.air_load import stress
+
+        drag = stress(u10)
+    speeds = CREST_STEEPNESS * slow, (drag / AIR_DENSITY) ** 0.5
+    powers = BREAKING_STRENGTH * WATER_DENSITY * slow**4 / GRAVITY, drag * u10  # [W/m2]
     sources = []
     for k, (share, speed, power) in enumerate(zip(shares, speeds, powers, strict=True)):
         some = np.flatnonzero(share * power)

@@ -91,7 +91,7 @@ class Ground:
         return np.where(over, water, np.nan)
 
     def touching(self, position: np.ndarray, spacing: float) -> np.ndarray:
-        """Those of the positions (n, 3) [m] of particles `spacing` [m] apart that touch the bed, as (m, 3)."""
+        """Positions (m, 3) [m], of those given (n, 3) of particles `spacing` [m] apart, that touch the bed."""
         return position[self.distances(position) <= TOUCH_DISTANCE * spacing]
 
     def runup(self, position: np.ndarray, spacing: float, axis: int = 0) -> float:

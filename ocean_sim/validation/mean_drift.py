@@ -20,8 +20,8 @@ from ocean_sim.validation.shared import ship as ships
 from ocean_sim.validation.shared.case import Finding, Problem, Promise, percent_error
 from ocean_sim.validation.shared.tables import table, table_path
 
-FREQUENCIES, JUDGED_FREQUENCY = (1.2, 1.5, 1.8, 2.1), 1.5  # [rad/s], and from which on errors count
-AMPLITUDE, STIFFNESS, LINE_DAMPING = 0.1, 4000.0, 3.0e4  # [m], [N/m], [N s/m]
+BARGE_FREQUENCIES, JUDGED_FREQUENCY = (1.2, 1.5, 1.8, 2.1), 1.5  # [rad/s], and from which on errors count
+WAVE_AMPLITUDE, LINE_STIFFNESS, LINE_DAMPING = 0.1, 4000.0, 3.0e4  # [m], [N/m], [N s/m]
 BARGE_TOLERANCE, SECTION_TOLERANCE, NATURAL_PERIOD = 10.0, 25.0, 7.5  # [%], [%], [s]
 BARGE_WAVES, SECTION_WAVES = 60, 120  # waves of a run: the lines swing no more
 SEAS = {"head": (180.0, 2, ["surge", "heave", "pitch"]), "beam": (90.0, 0, ["sway", "heave", "roll"])}
@@ -35,22 +35,23 @@ def problems(coarse: bool) -> list[Problem]:
 def barge_problem(sea: str) -> Problem:
     """Set-up of the barge in a `head` or `beam` sea."""
     heading, axis, free = SEAS[sea]
-    spring = {"stiffness": STIFFNESS / 2.0, "damping": LINE_DAMPING, "slack_length": 80.0, "from": [0.0, 2.5, 0.0]}
+    spring = {"stiffness": LINE_STIFFNESS / 2.0, "damping": LINE_DAMPING, "slack_length": 80.0, "from": [0.0, 2.5, 0.0]}
     ends = (np.roll([0.5, side, 0.0], axis - 1).tolist() for side in (100.0, -100.0))
     ship: dict[str, Any] = {"hull": "barge20", "cells_per_draught": 8, "free": free}
     ship |= {"moorings": [spring | {"to": end} for end in ends], "drift": {"table": str(table_path("barge20_drift"))}}
-    names = {omega: f"barge, {sea} sea, {omega:g} rad/s: mean force [N]" for omega in FREQUENCIES}
-    limits = {omega: {"dynamic": BARGE_TOLERANCE} if omega >= JUDGED_FREQUENCY else {} for omega in FREQUENCIES}
-    promises = tuple(Promise(names[omega], "%", "Capytaine, far field", limits[omega]) for omega in FREQUENCIES)
+    names = {omega: f"barge, {sea} sea, {omega:g} rad/s: mean force [N]" for omega in BARGE_FREQUENCIES}
+    limits = {omega: {"dynamic": BARGE_TOLERANCE} if omega >= JUDGED_FREQUENCY else {} for omega in BARGE_FREQUENCIES}
+    promises = tuple(Promise(names[omega], "%", "Capytaine, far field", limits[omega]) for omega in BARGE_FREQUENCIES)
 
     def measure(simulation: Simulation) -> Finding:
         data = table("barge20_drift")
         own, force = data["heading_deg"] == heading, data["surge_N_m2"] + data["sway_N_m2"]  # one of them is 0
-        exact = AMPLITUDE**2 * np.interp(FREQUENCIES, data["omega_rad_s"][own], force[own])
+        exact = WAVE_AMPLITUDE**2 * np.interp(BARGE_FREQUENCIES, data["omega_rad_s"][own], force[own])
         offsets = [
-            settled_offset(simulation, AMPLITUDE, 2.0 * pi / omega, heading, axis, BARGE_WAVES) for omega in FREQUENCIES
+            settled_offset(simulation, WAVE_AMPLITUDE, 2.0 * pi / omega, heading, axis, BARGE_WAVES)
+            for omega in BARGE_FREQUENCIES
         ]
-        return Finding([percent_error(STIFFNESS * x, float(f)) for x, f in zip(offsets, exact, strict=True)])
+        return Finding([percent_error(LINE_STIFFNESS * x, float(f)) for x, f in zip(offsets, exact, strict=True)])
 
     scene = ships.at_sea(ship, 20.0, 0.01, heading_deg=heading)
     return Problem(scene, promises, measure, f"barge, {sea} sea", slot="ship", schemes=("dynamic",))

@@ -12,7 +12,7 @@ from ocean_sim.files.input_file import Unreadable
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.reading.scene import load
 from ocean_sim.ship.body.rigid_body import RigidBody, euler_quaternion
-from ocean_sim.ship.forces.drift import COLUMNS, SLOW_SHARE, Drift, read_table, waterline_law
+from ocean_sim.ship.forces.drift import SLOW_SHARE, TABLE_COLUMNS, Drift, read_table, waterline_law
 from ocean_sim.ship.hull.hull import Hull, hull_of
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import load_without_observers
@@ -80,7 +80,7 @@ def test_a_table_is_linear_between_its_rows_and_mirrored_beyond_180_degrees(tmp_
     assert found(9.0, 90.0) == pytest.approx([0.0, 8.0, 6.0])
 
 
-def written(folder, *rows: str, heading: str = ",".join(COLUMNS)) -> str:
+def written(folder, *rows: str, heading: str = ",".join(TABLE_COLUMNS)) -> str:
     (folder / "drift.csv").write_text("\n".join([heading, *rows]) + "\n")
     return str(folder / "drift.csv")
 
@@ -98,7 +98,7 @@ def written(folder, *rows: str, heading: str = ",".join(COLUMNS)) -> str:
     ],
 )
 def test_a_faulty_table_is_named_with_its_row_and_what_was_expected(tmp_path, rows, names, wrong):
-    file = written(tmp_path, *rows, heading=names or ",".join(COLUMNS))
+    file = written(tmp_path, *rows, heading=names or ",".join(TABLE_COLUMNS))
     with pytest.raises(Unreadable, match=wrong) as error:
         read_table(file)
     assert "drift.csv" in str(error.value)

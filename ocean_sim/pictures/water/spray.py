@@ -35,7 +35,7 @@ SHEDDING_SECONDS, AIRBORNE_SCATTER = 0.8, 0.25  # [s] in which flying particles 
 # [spacings] breadth of a column, and of air in it below a particle that flies
 COLUMN_BREADTH, FLYING_GAPS = 2.0, (2.2, 3.5)
 # [spacings], and neighbours in it below which water comes apart, and wholly so
-NEIGHBOURHOOD, TEARING_NEIGHBOURS = 1.6, (12.0, 6.0)
+NEIGHBOUR_REACH, TEARING_NEIGHBOURS = 1.6, (12.0, 6.0)
 POOL_PARCELS, FLIGHT_SECONDS = 8192, 1.0  # parcels in the air at most, and [s] for which these are all that are thrown
 DIRECTION_SCATTER, MAX_SPEED_FACTOR = 0.6, 1.8  # of the direction of throwing; of the root mean square of its speed
 # Radius of a parcel as it is thrown over that at which its drops cover it; of its speed, at which the radius grows
@@ -161,7 +161,7 @@ def airborne_source(position: np.ndarray, velocity: np.ndarray, floor: np.ndarra
     up = flying_share(position, floor, spacing)
     some = np.flatnonzero(up)
     x, v = position[some], velocity[some]
-    near = cKDTree(x).query_ball_point(x, NEIGHBOURHOOD * spacing, return_length=True) if len(x) else up[some]
+    near = cKDTree(x).query_ball_point(x, NEIGHBOUR_REACH * spacing, return_length=True) if len(x) else up[some]
     speed, torn = np.linalg.norm(v, axis=1), up[some] * clipped_ramp(near - 1.0, TEARING_NEIGHBOURS)
     mass = (speed > MIN_MEETING_SPEED) * torn * WATER_DENSITY * spacing**3 / SHEDDING_SECONDS
     return Source(some, x, 0.5 * spacing, v, UP, AIRBORNE_SCATTER * speed, drop_radius(speed), mass)

@@ -23,7 +23,7 @@ from ocean_sim.ship.body.rigid_body import RigidBody
 from ocean_sim.ship.forces.radiation import HEADING_STEP, MIRROR_SIGNS, at_headings
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 
-COLUMNS = ("omega_rad_s", "heading_deg", "surge_N_m2", "sway_N_m2", "yaw_Nm_m2")
+TABLE_COLUMNS = ("omega_rad_s", "heading_deg", "surge_N_m2", "sway_N_m2", "yaw_Nm_m2")
 SIGNS = MIRROR_SIGNS[[Motions._fields.index(motion) for motion in ("surge", "sway", "yaw")]]
 GRID_RULE = Rule("a table of drift has one row for each frequency, above 0, with each heading, 0 to 360 degrees")
 CHECKS = (Checked("Drift forces, `ship.drift.table`", (GRID_RULE,)),)
@@ -52,8 +52,8 @@ class DriftTable(NamedTuple):
 
 
 def read_table(file: str) -> DriftTable:
-    """Read a table with COLUMNS from a CSV file; raises Unreadable if it breaks a rule of CHECKS."""
-    omega, heading, *force = csv_file.Table(file).finite(*COLUMNS)
+    """Read a table with TABLE_COLUMNS from a CSV file; raises Unreadable if it breaks a rule of CHECKS."""
+    omega, heading, *force = csv_file.Table(file).finite(*TABLE_COLUMNS)
     bad = np.flatnonzero((omega <= 0.0) | (heading < 0.0) | (heading > 360.0))
     if len(bad):
         k = bad[0]

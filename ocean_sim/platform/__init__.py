@@ -4,6 +4,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from ocean_sim.platform.shared.kinematics import Geometry
 from ocean_sim.platform.shared.motion_log import Ride
 
 LEG_NUMBERS = range(1, 7)
@@ -18,7 +19,7 @@ PLATFORM_COLUMNS = (
 
 # Bits of `limited`.
 STROKE_LIMIT, LEG_SPEED_LIMIT, LEG_ACCELERATION_LIMIT = 1, 2, 4
-TILT_RATE_LIMIT, INPUT_LIMIT, SINGULARITY_LIMIT = 8, 16, 32
+TILT_RATE_LIMIT, INPUT_LIMIT, SINGULARITY_LIMIT, LATE_LIMIT = 8, 16, 32, 64
 LIMIT_TEXTS = {
     STROKE_LIMIT: "scaled back near the end of a stroke, or from beyond it",
     LEG_SPEED_LIMIT: "held to the speed of a leg",
@@ -26,6 +27,7 @@ LIMIT_TEXTS = {
     TILT_RATE_LIMIT: "tilt held to its rate",
     INPUT_LIMIT: "input clipped, or cut at the end of the travel",
     SINGULARITY_LIMIT: "scaled back from a singular pose",
+    LATE_LIMIT: "led by the fallback of a predictive washout",
 }
 
 
@@ -67,8 +69,11 @@ class Commands(NamedTuple):
 class Washout(Protocol):
     """Interface of a washout: a filter from ship motion to platform motion, fed with successive chunks of rows."""
 
-    def follow(self, ride: Ride) -> Cue:
-        """Platform poses requested for the next rows of ship motion; the state of the filter is kept between calls."""
+    plans_legs: bool  # True if its poses keep the legs within their stroke
+
+    def follow(self, ride: Ride, ahead: Ride | None = None) -> Cue:
+        """Platform poses requested for the next rows of ship motion; the state of the filter is kept between calls.
+        `ahead`: rows after those, up to `look_ahead` of the Config."""
 
 
 class WashoutConfig(Protocol):
@@ -77,8 +82,12 @@ class WashoutConfig(Protocol):
     @property
     def kind(self) -> str: ...
 
-    def build(self, every: float, travel: np.ndarray) -> Washout:
-        """Washout for a time between rows [s] and a `travel` (3, 2): lowest and highest x, y, z of the platform [m]."""
+    @property
+    def look_ahead(self) -> float:
+        """Time [s] by which it must know the ship's motion beforehand."""
+
+    def build(self, every: float, geometry: Geometry, travel: np.ndarray) -> Washout:
+        """Washout for a time between rows [s], a platform, and its `travel` (3, 2): lowest and highest x, y, z [m]."""
 
 
 class Platform(Protocol):
@@ -88,8 +97,9 @@ class Platform(Protocol):
     def neutral_legs(self) -> np.ndarray:
         """Lengths (6,) of the legs in the neutral pose [m]."""
 
-    def follow(self, ride: Ride) -> Commands:
-        """Commands for the next rows of ship motion; the state of washout and legs is kept between calls."""
+    def follow(self, ride: Ride, ahead: Ride | None = None) -> Commands:
+        """Commands for the next rows of ship motion; the state of washout and legs is kept between calls. `ahead`: as
+        for `Washout.follow`."""
 
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
         """Commands back to neutral after the last poses `past` (2, 6); `time` [s] and `seq`: of the last one's row."""

@@ -10,8 +10,9 @@ import numpy as np
 from pydantic import Field, field_validator
 
 from ocean_sim.model import quantity
-from ocean_sim.parts import LedgerRow, PlatformConfig, Preflight, preset
+from ocean_sim.parts import LedgerRow, PlatformConfig, Preflight, Problems, preset
 from ocean_sim.platform import SINGULARITY_LIMIT, Commands, Cue, WashoutConfig
+from ocean_sim.platform.shared import leg_programme
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, felt_motion, smooth_step
 from ocean_sim.platform.shared.limits import LEG_MATCH, Governor, Legs, Workspace
 from ocean_sim.platform.shared.motion_log import Ride
@@ -43,6 +44,14 @@ class Config(PlatformConfig):
     def _preset_value(cls, value: Any, info: Any) -> Any:
         """Preset mapping that a name stands for; a value that is no name is returned unchanged."""
         return preset(info.field_name, value) if isinstance(value, str) else value
+
+    def mismatches(self, preflight: Preflight) -> Problems:
+        """A ship that is not there, or a washout that looks ahead of the run."""
+        found = super().mismatches(preflight)
+        if cast(WashoutConfig, self.washout).look_ahead > 0.0:
+            sentence = "it looks ahead, which takes a finished log; in a run take linear, and `platform RUN` after it"
+            found.append((("washout", "preview"), f"ghost: {sentence}"))
+        return found
 
     def warnings(self, preflight: Preflight) -> list[str]:
         if not preflight.ships:
@@ -82,7 +91,7 @@ class HexapodPlatform:
         self.every, self.ramp, self.geometry = every, config.ramp, geometry
         self.hexapod = Hexapod(geometry)
         self.workspace = Workspace(self.hexapod)
-        self.washout = washout.build(every, self.workspace.ends[:3])
+        self.washout = washout.build(every, geometry, self.workspace.ends[:3])
         self.governor = Governor(geometry, self.hexapod, every, config.catch_up)
         self.legs = Legs(geometry, every, self.hexapod.neutral_legs)
         self.start: float | None = None  # [s]
@@ -92,18 +101,35 @@ class HexapodPlatform:
     def neutral_legs(self) -> np.ndarray:
         return self.hexapod.neutral_legs
 
-    def follow(self, ride: Ride) -> Commands:
+    def follow(self, ride: Ride, ahead: Ride | None = None) -> Commands:
         """Commands for the next rows: washout, ramp, workspace, governor and legs are applied one after the other."""
         if self.start is None:
             self.start = float(ride.time[0])
-        cue = self.washout.follow(ride)
-        wanted = cue.pose * self.ramp_share(ride.time)[:, None]
-        within, limited = self.workspace.scale_back(wanted)
-        pose, slowed = self.governor.follow(within, wanted)
+        cue = self.washout.follow(ride, ahead)
+        if self.washout.plans_legs:
+            pose, limited = cue.pose.copy(), cue.limited
+        else:
+            wanted = cue.pose * self.ramp_share(ride.time)[:, None]
+            within, scaled = self.workspace.scale_back(wanted)
+            pose, slowed = self.governor.follow(within, wanted)
+            limited = cue.limited | scaled | slowed
         legs, velocity, held = self.move_legs(self.legs, pose)
-        limited |= cue.limited | slowed | held
+        limited = limited | held
         force, rate = self.felt_motion(pose)
         return Commands(ride.time, ride.seq, pose, legs, velocity, force, rate, limited, cue)
+
+    def best(self, done: Commands) -> Commands:
+        """Commands of the best ride for the motion that the washout of a ride `done` asked for; raises SolverMissing,
+        and ValueError where there is none."""
+        rows = np.column_stack([done.time, done.cue.force, done.cue.rate])
+        pose = leg_programme.best_poses(self.geometry, self.hexapod, rows)
+        legs, none = self.hexapod.legs(pose), np.zeros(len(pose), dtype=int)
+        velocity = np.diff(legs, axis=0, prepend=legs[:1]) / self.every
+        self.past = np.zeros((2, 6))
+        force, rate = self.felt_motion(pose)
+        return done._replace(
+            pose=pose, legs=legs, leg_velocity=velocity, felt_force=force, felt_rate=rate, limited=none
+        )
 
     def move_legs(self, legs: Legs, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Lengths (n, 6) [m], speeds (n, 6) [m/s] and limit bits (n,) of the legs for wanted poses (n, 6). Where legs

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from contextlib import closing
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import typer
@@ -15,11 +15,11 @@ from ocean_sim.files.yaml_file import Location, Node, merge_nodes, node_of, read
 from ocean_sim.observers.platform_log import heading
 from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.parts import library, named
-from ocean_sim.platform import LEG_NUMBERS, PLATFORM_COLUMNS, Commands, Cue
+from ocean_sim.platform import LEG_NUMBERS, PLATFORM_COLUMNS, Commands, Cue, WashoutConfig
 from ocean_sim.platform.hexapod import Config, HexapodPlatform
 from ocean_sim.platform.shared import datagrams, motion_log
 from ocean_sim.platform.shared import packets as wire
-from ocean_sim.platform.shared.metrics import Metric, ride_metrics
+from ocean_sim.platform.shared.metrics import Metric, possible_shares, ride_metrics
 from ocean_sim.platform.shared.motion_log import FRAME_AXES, MotionLog
 from ocean_sim.reading.translation import checked, choice_sentence
 from ocean_sim.verbs.shared import console
@@ -43,6 +43,9 @@ def platform(
     stream: str | None = typer.Option(None, help="Replay in real time to an address such as udp://127.0.0.1:5005."),
     packets: str = typer.Option("ocean_sim", help="ocean_sim, openmotionsim, floats or text."),
     key: Path | None = typer.Option(None, help="A file whose content signs every packet of ocean_sim."),
+    best: bool = typer.Option(
+        False, "--best", help="Also the best ride that the legs can give, knowing all of it beforehand."
+    ),
     film: bool = typer.Option(False, "--film", help="Also film.gif: the 10 s in which the hexapod moves most."),
     out: Path = typer.Option(Path("runs/platform"), help="Where platform.csv, metrics.csv and the pictures go."),
     as_json: Json = False,
@@ -57,11 +60,15 @@ def platform(
         sender = open_sender(stream, packets, key) if stream is not None else None
         ride = read_motion_log(log, frame)
         machine = config.build(ride.every)
-        parts = [machine.follow(rows) for rows in ride.ride.chunks()]
+        ahead = round(cast(WashoutConfig, config.washout).look_ahead / ride.every)
+        parts = [machine.follow(rows, later) for rows, later in ride.ride.chunks(ahead)]
         cue = Cue(*map(np.concatenate, zip(*(part.cue for part in parts))))
         done = Commands._make([*map(np.concatenate, list(zip(*parts))[:-1]), cue])
         found = ride_metrics(ride.ride, done, machine.hexapod, ride.every)
-        files = write_commands(out, ride, done, found, config, machine, frame, film)
+        possible = machine.best(done) if best else None
+        if possible is not None:
+            found += possible_shares(done, possible, ride.every)
+        files = write_commands(out, ride, done, possible, found, config, machine, frame, film)
         warnings = config.cut_short(float(done.time[-1] - done.time[0]))
         if not as_json:
             print_report(done, found, files)
@@ -139,27 +146,32 @@ def write_commands(
     out: Path,
     log: MotionLog,
     done: Commands,
+    best: Commands | None,
     found: list[Metric],
     config: Config,
     machine: HexapodPlatform,
     frame: str | None,
     film: bool,
 ) -> list[Path]:
-    """Write commands `done`, metrics `found` and pictures of a ride into `out`, at once when complete; return paths."""
-    with TemporaryDirectory(prefix=".platform-", dir=out) as name:
-        folder = Path(name)
+    """Write commands `done`, those of the `best` ride, metrics `found` and pictures of a ride into `out`, at once when
+    complete; return paths."""
+    with TemporaryDirectory(prefix=".platform-", dir=out) as draft:
+        folder = Path(draft)
         seed = {"seed": log.table.head["seed"]} if "seed" in log.table.head else {}
         axes = frame or "flu"
-        force, rate = done.felt_force @ FRAME_AXES[axes].T, done.felt_rate @ FRAME_AXES[axes].T
-        turned = done._replace(pose=wire.turn_to_frame(done.pose, axes), felt_force=force, felt_rate=rate)
-        commands_table(folder / "platform.csv", heading(log.every, axes) | seed, PLATFORM_COLUMNS, turned.rows())
+        for name, ride in (("platform", done), ("best", best)):
+            if ride is not None:
+                force, rate = ride.felt_force @ FRAME_AXES[axes].T, ride.felt_rate @ FRAME_AXES[axes].T
+                turned = ride._replace(pose=wire.turn_to_frame(ride.pose, axes), felt_force=force, felt_rate=rate)
+                head = heading(log.every, axes) | seed
+                commands_table(folder / f"{name}.csv", head, PLATFORM_COLUMNS, turned.rows())
         rows = [[metric.quantity, metric.value, metric.unit] for metric in found]
         commands_table(folder / "metrics.csv", {}, ("quantity", "value", "unit"), rows)
         if frame is not None:
             changed = log.table.head | {"frame": frame, "axes": motion_log.AXES_IN_WORDS[frame]}
             converted = motion_log.convert_rows(log, frame)
             commands_table(folder / f"motion_{frame}.csv", changed, log.table.names, converted)
-        console.draw_if_able(pictures.draw_pictures, folder, done, config, machine, film)
+        console.draw_if_able(pictures.draw_pictures, folder, done, best, config, machine, film)
         return [path.replace(out / path.name) for path in sorted(folder.iterdir())]
 
 
@@ -207,5 +219,10 @@ def print_report(done: Commands, found: list[Metric], files: list[Path]) -> None
     sick = (value["motion_sickness_dose_ship"], value["motion_sickness_dose_platform"])
     limited, stroke = 100.0 * value["share_limited"], 100.0 * value["stroke_used"]
     console.say(f"\n{len(done.time)} rows, {limited:.3g} % of them limited; {stroke:.3g} % of the stroke used")
+    if "share_of_possible_all" in value:
+        share, error, least = (value[k] for k in ("share_of_possible_all", "sensed_error", "sensed_error_best"))
+        console.say(
+            f"{100.0 * share:.3g} % of the possible: sensed error {error:.3g} thresholds, {least:.3g} on the best ride"
+        )
     console.say(f"motion sickness dose {sick[0]:.3g} m/s1.5 on the ship, {sick[1]:.3g} on the platform (ISO 2631-1)")
     console.say(f"{files[0].parent}: {', '.join(path.name for path in files)}")

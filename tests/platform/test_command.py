@@ -90,7 +90,7 @@ def test_a_long_ride_is_drawn_where_it_is_liveliest(drawn, tmp_path, monkeypatch
     monkeypatch.setattr(
         platform_pictures, "draw_legs", lambda some, *more: (spans.append(some.time), legs(some, *more))[1]
     )
-    platform_pictures.draw_pictures(tmp_path, done, Config(), machine, film=False)
+    platform_pictures.draw_pictures(tmp_path, done, None, Config(), machine, film=False)
     assert len(spans[0]) == 500 and spans[0][0] > 11.0 and {path.name for path in tmp_path.iterdir()} == PICTURES
 
 

@@ -286,7 +286,7 @@ def test_a_platform_keeps_up_with_time():
     """A minute at 100 Hz: an hour then takes 60 times as long, and has a minute."""
     rows = wave(7.0, 1.0, seconds=60.0, angles=0.05)
     machine, start = Config().build(DT), time.process_time()
-    for some in rows.chunks():
+    for some, _ in rows.chunks():
         machine.follow(some)
     assert time.process_time() - start < 1.0
 
@@ -429,6 +429,8 @@ def test_another_washout_needs_no_more_than_force_rates_and_time():
     """One that works row by row from specific force and rates alone, as adaptive and predictive ones do."""
 
     class Leaky:
+        plans_legs = False
+
         def __init__(self, every):
             self.every, self.pose = every, np.zeros(6)
 
@@ -436,7 +438,7 @@ def test_another_washout_needs_no_more_than_force_rates_and_time():
             self.pose = 0.999 * self.pose + self.every * np.hstack([0.1 * (force - [0.0, 0.0, G]), rate])
             return self.pose
 
-        def follow(self, ride):
+        def follow(self, ride, ahead=None):
             pose = np.array([self.row(force, rate) for force, rate in zip(ride.specific_force, ride.rate)])
             return Cue(pose, np.zeros(len(pose), dtype=int), ride.specific_force, ride.rate)
 

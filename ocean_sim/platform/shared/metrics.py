@@ -6,7 +6,7 @@ import numpy as np
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.platform import LIMIT_TEXTS, Commands
-from ocean_sim.platform.shared import kinematics
+from ocean_sim.platform.shared import kinematics, leg_programme
 from ocean_sim.platform.shared.kinematics import Hexapod
 from ocean_sim.platform.shared.motion_log import Ride, turn_to_level
 
@@ -43,6 +43,17 @@ def ride_metrics(ride: Ride, done: Commands, hexapod: Hexapod, every: float) -> 
     found.append(Metric("motion_sickness_dose_ship", sickness_dose(ship, every), "m/s1.5"))
     found.append(Metric("motion_sickness_dose_platform", sickness_dose(platform, every), "m/s1.5"))
     return found
+
+
+def possible_shares(done: Commands, best: Commands, every: float) -> list[Metric]:
+    """Sensed error of the best ride over that of the ride `done`, of all motion and by component: 1 is the best."""
+    scaled, sizes = np.hstack([done.cue.force, done.cue.rate]), []
+    for ride in (best, done):
+        sensed = leg_programme.sensed_error(felt_motions(ride.pose, every) - scaled, every)[0]
+        sizes.append([rms(sensed), *(rms(column) for column in sensed.T)])
+    names = ("all", *(f"force_{axis}" for axis in "xyz"), *(f"rate_{axis}" for axis in "xyz"))
+    found = [Metric(f"share_of_possible_{name}", b / d, "1") for name, b, d in zip(names, *sizes)]
+    return [Metric("sensed_error", sizes[1][0], "1"), Metric("sensed_error_best", sizes[0][0], "1"), *found]
 
 
 def felt_motions(pose: np.ndarray, every: float) -> np.ndarray:

@@ -73,10 +73,15 @@ class Ride(NamedTuple):
     rate: np.ndarray  # (n, 3) p, q, r [rad/s]
     attitude: np.ndarray  # (n, 3) roll, pitch, yaw [rad]: Rz(yaw) Ry(pitch) Rx(roll) turns body to world
 
-    def chunks(self) -> Iterator["Ride"]:
-        """Yield consecutive rides of at most CHUNK_ROWS rows that together hold all rows."""
+    def rows(self, first: int, last: int) -> "Ride":
+        """Part of the ride from row `first` to before row `last`."""
+        return Ride(*(column[first:last] for column in self))
+
+    def chunks(self, ahead: int = 0) -> Iterator[tuple["Ride", "Ride"]]:
+        """Yield consecutive rides of at most CHUNK_ROWS rows that together hold all rows, each with `ahead` rows after
+        it, fewer at the end."""
         for k in range(0, len(self.time), CHUNK_ROWS):
-            yield Ride(*(column[k : k + CHUNK_ROWS] for column in self))
+            yield self.rows(k, k + CHUNK_ROWS), self.rows(k + CHUNK_ROWS, k + CHUNK_ROWS + ahead)
 
 
 class MotionLog(NamedTuple):

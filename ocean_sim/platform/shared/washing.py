@@ -7,7 +7,7 @@ part of gravity.
 """
 
 from collections.abc import Sequence
-from typing import Annotated, Protocol
+from typing import Annotated, ClassVar, Protocol
 
 import numpy as np
 from pydantic import Field
@@ -26,7 +26,9 @@ Frequencies = Annotated[tuple[Positive | None, Positive | None, Positive], Field
 
 
 class WashingConfig(Model):
-    """Config keys that all kinds of washout have: scales, tilt, high-pass of angles, and input limits."""
+    """Config keys that washouts by filters have: scales, tilt, high-pass of angles, and input limits."""
+
+    look_ahead: ClassVar[float] = 0.0
 
     force_scale: Vector3 = quantity("1")
     """Scale of acceleration along x, y and z."""
@@ -116,6 +118,8 @@ class Tilt:
 class Washing:
     """Washout of one ride: scaling, tilt coordination and turns, with one filter of displacement for each axis."""
 
+    plans_legs = False
+
     def __init__(self, config: WashingConfig, every: float, travels: Sequence[Travelling]) -> None:
         """`every`: time between rows [s]; `travels`: filters of displacement along x, y and z."""
         self.config, self.travels = config, travels
@@ -126,7 +130,7 @@ class Washing:
             for omega in config.rotation_frequency
         ]
 
-    def follow(self, ride: Ride) -> Cue:
+    def follow(self, ride: Ride, ahead: Ride | None = None) -> Cue:
         """Requested poses for the next rows of ship motion: filtered displacements and turns, plus tilt angles."""
         config = self.config
         limited = np.zeros(len(ride.time), dtype=int)
@@ -145,9 +149,7 @@ class Washing:
             angle, held = self.tilts[k - 3].follow_force(push[:, axis])
             pose[:, k] += sign * angle
             limited[held] |= TILT_RATE_LIMIT
-        scaled_attitude = ride.attitude * config.rotation_scale
-        inertial = (ride.specific_force - rest_force(ride.attitude)) * config.force_scale
-        return Cue(pose, limited, inertial + rest_force(scaled_attitude), ride.rate * config.rotation_scale)
+        return Cue(pose, limited, *scaled_motion(ride, config))
 
     def clip_input(self, wanted: np.ndarray, limit: float, limited: np.ndarray) -> np.ndarray:
         """Copy of `wanted` (n, 3) clipped to +-`limit`; sets the bit INPUT_LIMIT in `limited` (n,) of clipped rows."""
@@ -163,6 +165,12 @@ class Washing:
             force[:, 1] -= own[:, 1]
         limit = self.config.acceleration_limit
         return np.clip(force * self.config.force_scale[:2], -limit, limit)
+
+
+def scaled_motion(ride: Ride, config: WashingConfig) -> tuple[np.ndarray, np.ndarray]:
+    """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] to be felt: the ship's by the scales of a washout."""
+    inertial = (ride.specific_force - rest_force(ride.attitude)) * config.force_scale
+    return inertial + rest_force(ride.attitude * config.rotation_scale), ride.rate * config.rotation_scale
 
 
 def rest_force(attitude: np.ndarray) -> np.ndarray:

@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 
 from ocean_sim.model import quantity
+from ocean_sim.platform.shared.kinematics import Geometry
 from ocean_sim.platform.shared.washing import NotNegative3, Positive3, Washing, WashingConfig
 
 
@@ -32,7 +33,7 @@ class Config(WashingConfig):
     memory: float = quantity("s", 10.0, gt=0.0)
     """Time over which the cost is averaged; it must be longer than the waves, or it distorts them."""
 
-    def build(self, every: float, travel: np.ndarray) -> Washing:
+    def build(self, every: float, geometry: Geometry, travel: np.ndarray) -> Washing:
         return Washing(self, every, [AdaptiveTravel(self, axis, every) for axis in range(3)])
 
 

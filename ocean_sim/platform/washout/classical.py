@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 
 from ocean_sim.model import quantity
+from ocean_sim.platform.shared.kinematics import Geometry
 from ocean_sim.platform.shared.washing import Filter, NotNegative3, Positive3, Washing, WashingConfig, second_order
 
 
@@ -26,7 +27,7 @@ class Config(WashingConfig):
     translation_return: NotNegative3 = quantity("rad/s")
     """Corner frequency of one more high-pass, which brings the platform back to neutral; 0 is none."""
 
-    def build(self, every: float, travel: np.ndarray) -> Washing:
+    def build(self, every: float, geometry: Geometry, travel: np.ndarray) -> Washing:
         back, frequency, damping = self.translation_return, self.translation_frequency, self.translation_damping
         travels = [Travel(frequency[k], damping, back[k], every, tuple(travel[k])) for k in range(3)]
         return Washing(self, every, travels)

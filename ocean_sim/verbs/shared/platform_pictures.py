@@ -24,10 +24,17 @@ WORKSPACE_POINTS = 121  # points along one of them
 PLATE_THICKNESS = 0.025  # of the drawn platform, as a part of its height
 
 
-def draw_pictures(folder: Path, done: Commands, config: Config, machine: HexapodPlatform, film: bool) -> None:
-    """Draw motion.png, legs.png, workspace.png, strips.png, and film.gif if `film`, of a ride to a folder."""
-    shown = done.select(liveliest_span(done, machine, MAX_CURVE_SECONDS))
-    for picture, name in ((draw_motion(shown), "motion.png"), (draw_legs(shown, config.geometry), "legs.png")):
+def draw_pictures(
+    folder: Path, done: Commands, best: Commands | None, config: Config, machine: HexapodPlatform, film: bool
+) -> None:
+    """Draw motion.png, legs.png, workspace.png, strips.png, best.png if there is a `best` ride, and film.gif if `film`,
+    of a ride to a folder."""
+    span = liveliest_span(done, machine, MAX_CURVE_SECONDS)
+    shown = done.select(span)
+    curves = [(draw_motion(shown), "motion.png"), (draw_legs(shown, config.geometry), "legs.png")]
+    if best is not None:
+        curves.append((draw_best(shown, best.select(span), machine.hexapod), "best.png"))
+    for picture, name in curves:
         if len(shown.time) < len(done.time):
             picture.suptitle(f"the liveliest {MAX_CURVE_SECONDS:g} s of {np.ptp(done.time):.4g} s", fontsize=10)
         save_figure(picture, folder / name)
@@ -80,6 +87,25 @@ def draw_motion(done: Commands) -> Any:
         axis.fill_between(done.time, low, high, where=done.limited > 0, color="#d1601f", alpha=0.15, lw=0)
         axis.set_ylim(low, high)
         label_axes(axis, title, 3)
+    axes[3, 0].set_xlabel("time [s]")
+    return picture
+
+
+def draw_best(done: Commands, best: Commands, hexapod: Hexapod) -> Any:
+    """Matplotlib figure of felt against asked specific force and turns, and of the stroke used, of both rides."""
+    picture, axes = new_figure(4, 1, (10, 11.5), sharex=True)
+    shown = (("of the washout", done, "#d1601f"), ("of the best ride", best, "#0b6e8a"))
+    for axis, k, label in ((axes[0, 0], 0, FORCE_LABELS[0]), (axes[1, 0], 2, "specific force, z, less g")):
+        axis.plot(done.time, done.cue.force[:, k] - [0.0, 0.0, GRAVITY][k], "k--", lw=0.8, label="asked for")
+        for name, ride, colour in shown:
+            axis.plot(ride.time, ride.felt_force[:, k] - [0.0, 0.0, GRAVITY][k], lw=1.2, color=colour, label=name)
+        label_axes(axis, f"{label} [m/s²]", 3)
+    axes[2, 0].plot(done.time, np.degrees(done.cue.rate[:, 1]), "k--", lw=0.8, label="asked for")
+    for name, ride, colour in shown:
+        axes[2, 0].plot(ride.time, np.degrees(ride.felt_rate[:, 1]), lw=1.2, color=colour, label=name)
+        axes[3, 0].plot(ride.time, 100.0 * hexapod.usage(ride.pose), lw=1.2, color=colour, label=name)
+    label_axes(axes[2, 0], "angular rate, y [deg/s]", 3)
+    label_axes(axes[3, 0], "stroke used [%]", 3)
     axes[3, 0].set_xlabel("time [s]")
     return picture
 

@@ -1,0 +1,249 @@
+"""The quadratic programme of the legs: the motion that people feel least apart from the one that was asked for.
+
+The unknowns are control points of cubic B-splines of the six leg lengths, KNOT_INTERVAL apart. A spline stays between
+its control points, its slope between their differences and its second derivative between their second differences (de
+Boor 1978, A practical guide to splines, IX and X), so bounds on those keep strokes, speeds and accelerations of the
+legs at all times. The programme minimises the square of the error of specific force and angular rate as the organs of
+balance sense it, over their thresholds. Motion is linear in the legs about a former solution (sequential quadratic
+programming; Nocedal & Wright 2006, Numerical optimization, 18). Turns that nobody asked for stay below what people
+notice. The ride begins and ends at rest.
+
+Otoliths sense a specific force by 0.4 (10 s + 1) / ((5 s + 1) (0.016 s + 1)), semicircular canals a rate by
+5.73 80 s^2 / ((5.73 s + 1) (80 s + 1)) (Telban & Cardullo 2005, NASA/CR-2005-213747). Thresholds: 0.17, 0.17 and
+0.28 m/s2, and 3.0, 3.6 and 2.6 deg/s about roll, pitch and yaw (Reid & Nahon 1985, UTIAS Report 296).
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ocean_sim.conventions import Lacking
+from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, felt_motion
+
+KNOT_INTERVAL = 0.04  # [s]
+WINDOW_TIME, KEPT_TIME = 60.0, 40.0  # [s] solved at a time, and kept of it if the ride goes on
+PASS_TOLERANCES = (1e-3, 1e-3, 1e-5)  # of passes over a window, each about the solution of the one before
+OTOLITH_FILTER = ([4.0, 0.4], [0.08, 5.016, 1.0])  # numerator and denominator, powers of s downwards
+CANAL_FILTER = ([458.4, 0.0, 0.0], [458.4, 85.73, 1.0])
+SENSED_THRESHOLDS = np.concatenate([(0.17, 0.17, 0.28), np.radians([3.0, 3.6, 2.6])])  # [m/s2], [rad/s]
+NOTICED_TURN_RATE = np.radians(3.0)  # [rad/s] about roll and pitch
+NEUTRAL_COST = 1e-5  # of a leg 1 m from neutral at a knot, where a sensed error at its threshold costs 1
+SHAKING_COST = 1e-4  # of a leg's acceleration of 1 m/s2 at a knot: of two rides that feel the same, the smoother one
+DERIVATIVE_STEP = 1e-5  # [m], [rad], [1/s] and [1/s2] of both, of central differences
+END_POINTS = 3  # control points that fix value, slope and second derivative at an end
+SOLVED_STATES = ("Solved", "AlmostSolved", "NumericalError", "InsufficientProgress")  # NumericalError: no nearer
+
+
+class Asked(NamedTuple):
+    """Motion that is asked for."""
+
+    motion: np.ndarray  # (n, 6) specific force [m/s2] and rate [rad/s] at the knots
+    trust: float = np.inf  # [s] in which the weight of an error falls by a factor e
+    neutral_cost: float = NEUTRAL_COST  # of a leg 1 m from neutral at a knot
+
+
+class SolverMissing(Lacking):
+    """Raised if the solver of quadratic programmes is not installed."""
+
+
+class LegTrack(NamedTuple):
+    """Motion of a platform whose legs follow splines, at their knots."""
+
+    motion: np.ndarray  # (n, 18) pose [m, rad], its rate and its second derivative in time
+    by_legs: list[np.ndarray]  # derivatives (n, 6, 6) of the pose by leg lengths, and their first and second in time
+
+
+def sensed_modes(every: float) -> list[tuple[np.ndarray, np.ndarray, float]]:
+    """Residues (2,), poles (2,) and direct share of the six digital filters for rows `every` [s], between which the
+    error is linear: from an error of specific force [m/s2] or rate [rad/s] to its sensed size over the threshold."""
+    from scipy.signal import cont2discrete, residuez
+
+    sampled = [cont2discrete(organ, every, method="foh") for organ in (OTOLITH_FILTER, CANAL_FILTER)]
+    organs = [residuez(np.ravel(numerator), denominator) for numerator, denominator, _ in sampled]
+    parts = [(*organs[k // 3], threshold) for k, threshold in enumerate(SENSED_THRESHOLDS)]
+    return [(r.real / scale, poles.real, float(np.sum(direct)) / scale) for r, poles, direct, scale in parts]
+
+
+def sensed_error(error: np.ndarray, every: float, state: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Sensed sizes (n, 6), over their thresholds, of errors (n, 6) of specific force [m/s2] and rate [rad/s] in rows
+    `every` [s], and the last values (6, 2) of the modes, which begin at `state`."""
+    from scipy.signal import lfilter
+
+    sizes, last = np.zeros(error.shape), np.zeros((6, 2)) if state is None else state.copy()
+    for k, (residues, poles, direct) in enumerate(sensed_modes(every)):
+        sizes[:, k] = direct * error[:, k]
+        for m, (r, p) in enumerate(zip(residues, poles)):
+            mode = lfilter([r], [1.0, -p], error[:, k], zi=[p * last[k, m]])[0]
+            sizes[:, k] += mode
+            last[k, m] = mode[-1]
+    return sizes, last
+
+
+def motion_at(rows: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """Motion (k, 6) at times (k,) [s], linear between rows (n, 7) of time and motion."""
+    return np.column_stack([np.interp(times, rows[:, 0], column) for column in rows[:, 1:].T])
+
+
+def felt_at(motion: np.ndarray) -> np.ndarray:
+    """Specific force [m/s2] and angular rate [rad/s] (n, 6) for motions (n, 18), as in LegTrack."""
+    return np.hstack(felt_motion(motion[:, :6], motion[:, 12:15], motion[:, 9:12]))
+
+
+def derivatives(law: Callable[[np.ndarray], np.ndarray], at: np.ndarray) -> np.ndarray:
+    """Derivatives (n, k, m) of a law from (n, m) to (n, k) by central differences."""
+    steps = DERIVATIVE_STEP * np.eye(at.shape[1])
+    return np.stack([(law(at + step) - law(at - step)) / (2.0 * DERIVATIVE_STEP) for step in steps], axis=2)
+
+
+def spline_matrices(n: int) -> list[Any]:
+    """Three sparse (n, n + 2) matrices from control points to value, slope and second derivative at n knots."""
+    from scipy.sparse import diags_array
+
+    h = KNOT_INTERVAL
+    stencils = np.array([1.0, 4.0, 1.0]) / 6.0, np.array([-0.5, 0.0, 0.5]) / h, np.array([1.0, -2.0, 1.0]) / h**2
+    return [diags_array(stencil, offsets=[0, 1, 2], shape=(n, n + 2), format="csr") for stencil in stencils]
+
+
+def spline_values(points: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Values (k, 6) of splines with control points (n + 2, 6) at places `at` (k,), in knots from the first."""
+    knot = np.clip(at.astype(int), 0, len(points) - 4)
+    u = (at - knot)[:, None]
+    weights = (1.0 - u) ** 3, 3.0 * u**3 - 6.0 * u**2 + 4.0, -3.0 * u**3 + 3.0 * u**2 + 3.0 * u + 1.0, u**3
+    return sum(weight * points[knot + k] for k, weight in enumerate(weights)) / 6.0
+
+
+def leg_track(hexapod: Hexapod, points: np.ndarray, guess: np.ndarray) -> LegTrack:
+    """Motion at the knots of leg splines with control points (n + 2, 6) [m]; `guess` (n, 6): poses near theirs."""
+    lengths, speeds, accelerations = (matrix @ points for matrix in spline_matrices(len(points) - 2))
+    pose = hexapod.pose(lengths, guess)
+    by_length = np.linalg.inv(derivatives(hexapod.legs, pose))
+    drift = np.gradient(by_length, KNOT_INTERVAL, axis=0)
+    velocity = (by_length @ speeds[:, :, None])[:, :, 0]
+    acceleration = (by_length @ accelerations[:, :, None] + drift @ speeds[:, :, None])[:, :, 0]
+    return LegTrack(
+        np.hstack([pose, velocity, acceleration]), [by_length, drift, np.gradient(drift, KNOT_INTERVAL, axis=0)]
+    )
+
+
+def felt_by_points(track: LegTrack) -> list[Any]:
+    """Sparse (n, 6 n + 12) derivatives of the six components of felt motion by control points, leg after leg."""
+    from scipy.sparse import diags_array, hstack
+
+    of_pose, of_rate, of_second = np.split(derivatives(felt_at, track.motion), 3, axis=2)
+    pose, drift, bend = track.by_legs
+    shares = (
+        of_pose @ pose + of_rate @ drift + of_second @ bend,
+        of_rate @ pose + 2.0 * of_second @ drift,
+        of_second @ pose,
+    )  # of lengths, speeds and accelerations of the legs
+    parts = list(zip(shares, spline_matrices(len(pose))))
+    return [hstack([sum(diags_array(s[:, k, j]) @ m for s, m in parts) for j in range(6)]) for k in range(6)]
+
+
+def load_solver() -> Any:
+    """Module of the solver; raises SolverMissing where it is not installed."""
+    try:
+        import clarabel
+    except ImportError:
+        raise SolverMissing("planned rides need Clarabel: pip install 'ocean-sim[ride]'") from None
+    return clarabel
+
+
+def solve_programme(
+    geometry: Geometry,
+    hexapod: Hexapod,
+    wish: Asked,
+    past: np.ndarray,
+    guess: np.ndarray,
+    state: np.ndarray,
+    tolerance: float,
+    time_limit: float | None = None,
+) -> np.ndarray | None:
+    """Control points (n + 2, 6) [m] that meet a wish best and end at rest, or None without any in `time_limit` [s].
+
+    Motion is linear about the `past` (n + 2, 6), whose first END_POINTS stay; `guess` (n, 6): poses near its; `state`
+    (6, 2) of the organs before the first knot.
+    """
+    clarabel = load_solver()
+    from scipy.sparse import block_array, block_diag, csr_array, diags_array, eye_array, kron
+
+    asked, n = wish.motion, len(wish.motion)
+    m, one, zero = n + 2, eye_array(n), np.zeros(n)
+    track = leg_track(hexapod, past, guess)
+    felt_by, neutral = felt_by_points(track), hexapod.neutral_legs
+    past_error = felt_at(track.motion) - asked
+    offset = past_error - np.column_stack([by @ (past - neutral).T.ravel() for by in felt_by])
+    # Blocks of unknowns: 0 control points from neutral; per component its error, its two modes and its sensed size.
+    rows: list[tuple[dict[int, Any], np.ndarray]] = []
+    for k, (residues, poles, direct) in enumerate(sensed_modes(KNOT_INTERVAL)):
+        error, slow, fast, size = range(1 + 4 * k, 5 + 4 * k)
+        rows.append(({0: -felt_by[k], error: one}, offset[:, k]))
+        for mode, r, p, begin in zip((slow, fast), residues, poles, state[k]):
+            decay = diags_array([1.0, -p], offsets=[0, -1], shape=(n, n))
+            rows.append(({error: -r * one, mode: decay}, np.pad([p * begin], (0, n - 1))))
+        rows.append(({error: -direct * one, slow: -one, fast: -one, size: one}, zero))
+    legs, last = eye_array(6), csr_array(np.eye(m)[-END_POINTS:])
+    rows.append(({0: kron(legs, np.eye(m)[:END_POINTS])}, (past - neutral)[:END_POINTS].T.ravel()))
+    ends = last[1:] - last[:-1]
+    rows.append(({0: kron(legs, ends)}, np.zeros(6 * ends.shape[0])))
+    equal = sum(len(right) for _, right in rows)
+    free = kron(legs, np.eye(m)[END_POINTS:])
+    room = np.column_stack([hexapod.high - neutral, neutral - hexapod.low])
+    step = kron(legs, diags_array([-1.0, 1.0], offsets=[0, 1], shape=(m - 1, m)) / KNOT_INTERVAL)
+    turn = kron(legs, diags_array([1.0, -2.0, 1.0], offsets=[0, 1, 2], shape=(m - 2, m)) / KNOT_INTERVAL**2)
+    for sign in (1.0, -1.0):
+        rows.append(({0: sign * free}, np.repeat(room[:, 0 if sign > 0.0 else 1], m - END_POINTS)))
+        rows.append(({0: sign * step}, np.full(step.shape[0], geometry.leg_speed)))
+        rows.append(({0: sign * turn}, np.full(turn.shape[0], geometry.leg_acceleration)))
+        for k in (3, 4):  # what the past does is allowed, so that there always is a solution
+            most = np.maximum(np.abs(asked[:, k]), np.abs(past_error[:, k]))
+            rows.append(({1 + 4 * k: sign * one}, np.maximum(NOTICED_TURN_RATE, most)))
+    matrix = block_array([[blocks.get(k) for k in range(25)] for blocks, _ in rows], format="csc")
+    calm = wish.neutral_cost * eye_array(6 * m) + SHAKING_COST * (turn.T @ turn)
+    weight = np.exp(-np.arange(n) * KNOT_INTERVAL / wish.trust)
+    costs = [calm, *6 * [diags_array(np.concatenate([np.zeros(3 * n), weight]))]]
+    settings = clarabel.DefaultSettings()
+    settings.verbose, settings.direct_solve_method = False, "qdldl"  # which is one thread, and the faster here
+    settings.tol_feas = settings.tol_gap_abs = settings.tol_gap_rel = tolerance
+    if time_limit is not None:
+        settings.time_limit = time_limit
+    right = np.concatenate([right for _, right in rows])
+    cones = [clarabel.ZeroConeT(equal), clarabel.NonnegativeConeT(len(right) - equal)]
+    cost = block_diag(costs, format="csc")
+    answer = clarabel.DefaultSolver(cost, np.zeros(cost.shape[0]), matrix, right, cones, settings).solve()
+    found = np.array(answer.x[: 6 * m]).reshape(6, m).T + neutral
+    return found if str(answer.status) in SOLVED_STATES else None
+
+
+def best_poses(geometry: Geometry, hexapod: Hexapod, rows: np.ndarray) -> np.ndarray:
+    """Poses (n, 6) of the best ride from neutral to rest for rows (n, 7): time [s], specific force [m/s2] and rate
+    [rad/s] asked for. Raises SolverMissing, and ValueError where there is none."""
+    at = (rows[:, 0] - rows[0, 0]) / KNOT_INTERVAL
+    asked = motion_at(rows, rows[0, 0] + KNOT_INTERVAL * np.arange(int(at[-1]) + 2))
+    points, poses = best_track(geometry, hexapod, asked)
+    return hexapod.pose(spline_values(points, at), poses[at.astype(int)])
+
+
+def best_track(geometry: Geometry, hexapod: Hexapod, asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Control points (n + 2, 6) [m] of the best ride for motion asked for at knots (n, 6), and its poses (n, 6) there.
+    Raises ValueError where there is none."""
+    window, kept = round(WINDOW_TIME / KNOT_INTERVAL), round(KEPT_TIME / KNOT_INTERVAL)
+    points, poses = np.tile(hexapod.neutral_legs, (len(asked) + 2, 1)), np.zeros((len(asked), 6))
+    state, first = np.zeros((6, 2)), 0
+    while True:
+        part = asked[first : first + window]
+        last = first + window >= len(asked)
+        here, there = slice(first, first + len(part) + 2), slice(first, first + len(part))
+        for tolerance in PASS_TOLERANCES:
+            found = solve_programme(geometry, hexapod, Asked(part), points[here], poses[there], state, tolerance)
+            if found is None:
+                raise ValueError("there is no motion of the platform within its limits")
+            points[here] = found
+            track = leg_track(hexapod, found, poses[there])
+            poses[there] = track.motion[:, :6]
+        if last:
+            return points, poses
+        points[here.stop :], poses[there.stop :] = points[here.stop - 1], poses[there.stop - 1]
+        state = sensed_error(felt_at(track.motion[:kept]) - part[:kept], KNOT_INTERVAL, state)[1]
+        first += kept

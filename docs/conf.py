@@ -30,7 +30,7 @@ autodoc_typehints = "description"
 html_math_renderer = "mathml"
 exclude_patterns = ["tutorials/*.py", "_build"]
 suppress_warnings = ["myst.header"]
-CONTENTS = yaml.safe_load((Path(__file__).parent / "contents.yaml").read_text(encoding="utf-8"))
+contents = yaml.safe_load((Path(__file__).parent / "contents.yaml").read_text(encoding="utf-8"))
 
 
 def inline_math(self: Any, node: nodes.math) -> None:
@@ -49,13 +49,14 @@ def add_contents(app: Any, page: str, source: list[str]) -> None:
     On the web's view of files the page so shows no directive, and its links open the scripts.
     """
     source[0] = re.sub(r"\]\(tutorials/(\w+)\.py\)", r"](generated/tutorial_\1.md)", source[0])
-    for caption, names in CONTENTS.get(page, {}).items():
+    for caption, names in app.config.contents.get(page, {}).items():
         shown = ":reversed:" if "*" in names[0] else ":hidden:"
         source[0] += "\n".join(["\n```{toctree}", f":caption: {caption}", ":glob:", shown, "", *names, "```\n"])
 
 
 def setup(app: Any) -> None:
     """Browsers draw MathML by themselves, so that no script is fetched for formulas."""
+    app.add_config_value("contents", {}, "env")  # another tree builds all pages anew
     app.add_html_math_renderer("mathml", (inline_math, None), (block_math, None))
     app.connect("source-read", add_contents)
     app.connect("builder-inited", lambda app: generate.pages(Path(app.srcdir) / "generated"))

@@ -7,6 +7,7 @@ import ast
 import csv
 import re
 import shutil
+import textwrap
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from importlib import import_module
@@ -317,13 +318,24 @@ def all_kinds() -> str:
         "Taken from the source: what a module computes, after whom, and what it is known to do badly.\n",
     ]
     for slot in SLOTS:
-        modules = [*sorted((PACKAGE / slot).glob("[!_]*.py")), *sorted((PACKAGE / slot).glob("*/[!_]*.py"))]
         text.append(f"## {slot}\n")
-        for path in modules:
-            words = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))
-            name = path.relative_to(PACKAGE).as_posix()
-            text.append(f"### {name}\n\n```{{code-block}} text\n{words}\n```\n")
+        for path in [*sorted((PACKAGE / slot).glob("[!_]*.py")), *sorted((PACKAGE / slot).glob("*/[!_]*.py"))]:
+            words = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+            name = path.relative_to(PACKAGE / slot).with_suffix("").as_posix()
+            text.append(f"### {slot}: {name.replace('/', ', ')}\n\n{prose(words)}\n")
     return "\n".join(text)
+
+
+def prose(docstring: str) -> str:
+    """Markdown of a docstring: its paragraphs, with code and what is indented as they stand."""
+    shown = []
+    for paragraph in docstring.split("\n\n"):
+        if paragraph.startswith(" "):
+            shown.append(f"```{{code-block}} text\n{textwrap.dedent(paragraph)}\n```")
+        else:
+            pieces = re.split(r"(`[^`]*`)", paragraph)
+            shown.append("".join(p if p.startswith("`") else re.sub(r"([*_|$<\[\]#\\])", r"\\\1", p) for p in pieces))
+    return "\n\n".join(shown)
 
 
 # --- results

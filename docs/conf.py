@@ -48,7 +48,7 @@ def add_contents(app: Any, page: str, source: list[str]) -> None:
 
     On the web's view of files the page so shows no directive, and its links open the scripts.
     """
-    source[0] = re.sub(r"\]\(tutorials/(\w+)\.py\)", r"](generated/tutorial_\1.md)", source[0])
+    source[0] = re.sub(r"\]\(((?:\.\./)?)tutorials/(\w+)\.py\)", r"](\1generated/tutorial_\2.md)", source[0])
     for caption, names in app.config.contents.get(page, {}).items():
         shown = ":reversed:" if "*" in names[0] else ":hidden:"
         source[0] += "\n".join(["\n```{toctree}", f":caption: {caption}", ":glob:", shown, "", *names, "```\n"])

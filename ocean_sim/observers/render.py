@@ -443,7 +443,7 @@ def draw_order(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]
     coming.wait()
     log = coming.log
     if order.preview:
-        save_png(out / "preview.png", picture.draw(survey_run(sample_files(log.files))[0]))
+        save_png(out / "preview.png", picture.draw(survey_run(sample_files(log.files), picture.grid)[0]))
     missing = times_without_frame(log.files, order.stills)
     for time in (time for time in order.stills if time not in missing):
         save_png(out / still_name(time), picture.draw(Frame(log.nearest(time))))
@@ -462,7 +462,7 @@ def begin_picture(order: Order, over: threading.Event) -> tuple[Picture, "Coming
     if not is_foreseeable(grid, order):
         over.wait()
     coming = ComingFrames(folder, over)
-    fastest = 0.1 if is_foreseeable(grid, order) else survey_run(sample_files(coming.log.files))[1]
+    fastest = 0.1 if is_foreseeable(grid, order) else survey_run(sample_files(coming.log.files), grid)[1]
     return Picture(grid, order, Frame(coming.log.files[0]), fastest, coming.log), coming
 
 

@@ -66,7 +66,7 @@ class Picture:
 
     def __init__(self, grid: Any, order: Order, first: Frame, fastest: float, log: FrameLog) -> None:
         """`grid`: what a run keeps once; `first` frame; `fastest`: speed [m/s] of the last colour; `log`: tracks."""
-        self.order = order
+        self.order, self.grid = order, grid
         self.lower, self.upper = grid["lower"].copy(), grid["upper"].copy()
         self.sides = self.lower[[0, 2]].copy(), self.upper[[0, 2]].copy()
         self.upper[1] = max(0.12 * float(grid["depth"]), float(first.elevation.max()))

@@ -85,8 +85,8 @@ class Config(PeriodicConfig):
     every: float = quantity("s", 0.033, gt=0.0)
     """Simulated time between pictures of the film, which runs in real time; there are no more than frames."""
     camera: CameraName = "third_person"
-    """`third_person` sees the whole basin, in a long one the ship; `follow` is behind the ship, `first_person` at its
-    helm; `orbit` goes around in a film; `fixed` is at `eye`; `top`, `side`."""
+    """`third_person` sees the whole basin, in a long one of open sea the ship; `follow` is behind the ship,
+    `first_person` at its helm; `orbit` goes around in a film; `fixed` is at `eye`; `top`, `side`."""
     eye: Vector3 | None = quantity("m", None)
     """Position of the fixed camera."""
     target: Vector3 | None = quantity("m", None)

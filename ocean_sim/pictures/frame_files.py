@@ -17,12 +17,14 @@ from ocean_sim.pictures.stage.camera import Track
 from ocean_sim.pictures.water.foam import read_cells
 
 if TYPE_CHECKING:
+    from ocean_sim.basin import Basin
     from ocean_sim.basin.ground import Ground
     from ocean_sim.fluid import Fluid
     from ocean_sim.pictures.live.scene_lines import LiveSimulation
     from ocean_sim.ship import Ship
 
 MAX_FRAME_BYTES = 4_000_000_000  # of a file of frames/, and of what it unpacks to
+PLATE_THICKNESS = 0.01  # of a wavemaker, over the length of the basin
 STILL_SHARE = 0.1  # share of the frames, those with ships most nearly at their mean immersion, for a still picture
 MALFORMED_ERRORS = (EOFError, LookupError, ValueError, TypeError, AttributeError, BadZipFile, BadStream)
 
@@ -75,6 +77,7 @@ class Frame:
             self.id = file["id"] if "id" in file else None  # of the particles
             self.ships = {key: (file[f"{key}_position"], file[f"{key}_turn"]) for key in ship_keys(file, "_turn")}
             self.gates = file["gates"].astype(np.float64) if "gates" in file else np.zeros((0, 2, 3))
+            self.plate_way = file["plate_way"] if "plate_way" in file else np.zeros(3)  # of a wavemaker [m]
             self.moving_meshes = file["moving_meshes"] if "moving_meshes" in file else np.zeros((0, 3, 3))
             empty = (("lines", (0, 2, 3)), ("tails", (0, 3)), ("arrows", (0, 3)))
             self.wind_lines, self.wind_tails, self.wind_arrows = (  # as in `wind.Drawing`
@@ -189,8 +192,16 @@ def middle_cell(ships: Collection["Ship"], cell: np.ndarray) -> np.ndarray:
     return cell * np.round(middle / cell)
 
 
+def basin_slab(basin: "Basin", axis: int, *ends: float) -> np.ndarray:
+    """Corners (2, 3) [m] of the part of a basin between two ends [m] along an axis."""
+    corners = np.array([basin.lower, basin.upper], dtype=float)
+    corners[:, axis] = sorted(ends)
+    return corners
+
+
 def grid_arrays(simulation: "LiveSimulation", x: np.ndarray, z: np.ndarray) -> dict[str, Any]:
-    """Arrays that a run saves once: basin, plane waves, hulls of ships, and coordinates x and z [m] of the heights."""
+    """Arrays that a run saves once: basin, its absorbing zones and wavemaker, plane waves, hulls of ships, and
+    coordinates x and z [m] of the heights."""
     basin, fluid = simulation.basin, simulation.fluid
     arrays: dict[str, Any] = {
         "x": x,
@@ -201,6 +212,12 @@ def grid_arrays(simulation: "LiveSimulation", x: np.ndarray, z: np.ndarray) -> d
         "spacing": fluid.spacing,
         "obstacles": np.array(basin.fixed).reshape(-1, 2, 3),
     }
+    water = fluid.of_particles if any(side.absorbing for side in basin.sides) else None
+    zones = [] if water is None else [basin_slab(basin, *zone[:3]) for zone in water.walls.zones]
+    thick = PLATE_THICKNESS * (basin.upper[0] - basin.lower[0])
+    makers = [(side.axis, side.position, thick if side.upper else -thick) for side in basin.sides if side.piston]
+    plates = [basin_slab(basin, axis, at, at + out) for axis, at, out in makers]
+    arrays |= {"zones": np.reshape(zones, (-1, 2, 3)), "plates": np.reshape(plates, (-1, 2, 3))}
     if (ground := basin.ground) is not None:
         arrays |= {"ground_x": ground.x, "ground_z": ground.z, "ground_y": ground.y}
     if basin.meshes:

@@ -14,7 +14,7 @@ from ocean_sim.pictures.ships.ship_model import kept_model
 from ocean_sim.pictures.stage import overlays, sky
 from ocean_sim.pictures.stage.antialiasing import sample_means, smooth_edges
 from ocean_sim.pictures.stage.camera import Camera, Operator, Vessel
-from ocean_sim.pictures.stage.obstacles import Obstacles, sand_mesh
+from ocean_sim.pictures.stage.obstacles import NO_BOXES, Obstacles, sand_mesh
 from ocean_sim.pictures.stage.particles import Particles
 from ocean_sim.pictures.stage.plotter import Content, Stage
 from ocean_sim.pictures.stage.render_order import Order, RenderFailed
@@ -84,27 +84,28 @@ class Picture:
             if key in log.tracks
         }
         vessel = next(iter(vessels.values()), None) if order.ship is None else vessels.get(key_of(order.ship))
-        bare = flat or order.particles or not bool(grid["has_surface"]) or first.folds or ground is not None
         scene = sea_state.run_scene(Path(order.folder))
-        state = None if bare or not order.far_sea else sea_state.SeaState(scene, grid, log)
-        open_sea = state is not None and state.open
-        given = {"vessel": vessel, "eye": order.eye, "target": order.target, "away": away, "at_sea": open_sea}
+        open_sea = sea_state.is_open_sea(scene, first, float(grid["depth"])) and bool(grid["has_surface"])
+        in_tank = flat or first.folds or ground is not None or not open_sea
+        at_sea = order.far_sea and not (in_tank or order.particles)
+        aim = {"eye": order.eye, "target": order.target}
+        given = {"vessel": vessel, "away": away, "at_sea": at_sea, "whole": in_tank}
         camera, aspect = "side" if flat else order.camera, order.size[0] / order.size[1]
-        self.operator = Operator(camera, self.lower, self.upper, aspect, log.span, **given)
+        self.operator = Operator(camera, self.lower, self.upper, aspect, log.span, **aim, **given)
         stage = self.stage = Stage(order.size, self.operator.at(first.time), PIXEL_SAMPLES[order.quality])
         self.plotter = stage.plotter
         middle, size = 0.5 * (self.lower + self.upper), self.upper - self.lower
         self.reach = float(max(np.linalg.norm(stage.camera.eye - middle), np.linalg.norm(size)))  # [m]
         from_above = order.camera == "top"  # a map
-        self.at_sea = open_sea and not from_above and stage.camera.parallel_height is None
+        self.at_sea = at_sea and not from_above and stage.camera.parallel_height is None
         if not self.at_sea:
             self.backdrop()
         if order.particles or not bool(grid["has_surface"]):
             if first.position is None:
                 raise RenderFailed("these frames hold no particles to draw; run with frames.particles: true")
             self.content: Content = Particles(stage, first, float(grid["spacing"]), fastest)
-        elif self.at_sea and state is not None:
-            self.content = Sea(stage, order, vessels, grid, state)
+        elif self.at_sea:
+            self.content = Sea(stage, order, vessels, grid, sea_state.SeaState(scene, grid, log))
         elif first.folds:
             from ocean_sim.pictures.water import tank
 
@@ -117,6 +118,8 @@ class Picture:
         self.streaks = Streaks(stage, over, exposure) if order.foam and not order.particles else None
         if ground is not None:
             stage.add(*sand_mesh(ground, float(grid["spacing"])), culling="back")
+        if in_tank:
+            tank_walls.add_fittings(stage, self.lower, self.upper, grid.get("zones", NO_BOXES))
         self.obstacles = Obstacles(stage, grid, self.lower, self.upper)
         self.ships: dict[str, DrawnShip | ShadedShip] = {}
         if isinstance(self.content, Sea):

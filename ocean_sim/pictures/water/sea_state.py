@@ -52,7 +52,6 @@ class SeaState:
         self.angle = wind_heading(scene, self.exact)  # [rad] where the wind goes to, from +x to +z
         towards = np.array([np.cos(self.angle), np.sin(self.angle)])
         first = Frame(log.files[0])
-        self.open = is_open_sea(scene, first, float(grid["depth"]))  # a piece of sea, not a tank
         if self.exact is not None:
             self.resolved = np.pi / float(self.exact.wavenumber.max())
             self.beyond = far_sea.strongest_waves(self.exact)

@@ -580,7 +580,7 @@ def draw_turns(
 def write_film(
     path: Path, order: Order, picture: Picture, coming: ComingFrames, others: Sequence[Painter]
 ) -> Iterator[tuple[int, int]]:
-    """Write a film in real time (H.264), and a row of small pictures from it; yields progress as `draw_order`."""
+    """Write a film in real time (H.264), and a sheet of small pictures from it; yields progress as `draw_order`."""
     with atomic_write(path) as draft:
         moments, image = Moments(), np.zeros(0)
         with film_writer(draft, order.every) as writer:
@@ -594,7 +594,7 @@ def write_film(
                 moments.see(image)
 
             yield from draw_turns(order, picture, coming, 0, put)
-    save_png(path.with_name(MOMENTS_FILE), moments.row())
+    save_png(path.with_name(MOMENTS_FILE), moments.sheet())
 
 
 def hand_over(order: Order, over: threading.Event, turn: int) -> None:

@@ -27,8 +27,8 @@ from ocean_sim.pictures.water.water_surface import SURFACE_NODES, Water
 
 # Along each side of a pixel; where there is one, edges are smoothed afterwards
 PIXEL_SAMPLES = {"draft": 1, "final": 2}
-STRIP_PICTURES, STRIP_SHRINKING = 8, 4  # pictures in a row of moments, and pixels along a side of one of its
-MOMENT_GAP = 3  # [pixels] between them
+SHEET_PICTURES, SHEET_SHRINKING = 6, 2  # pictures in a sheet of moments, and pixels along a side of one of its
+SHEET_COLUMNS, SHEET_GAP = 3, 6  # of a sheet, and [pixels] between its pictures
 MAP_CAMERAS = "top", "side"  # cameras that see the whole way of a ship that leaves the basin
 
 
@@ -240,7 +240,7 @@ class Picture:
 
 
 class Moments:
-    """Collector of evenly spaced pictures of a film of unknown length, for a strip; keeps at most twice those shown."""
+    """Collector of evenly spaced pictures of a film of unknown length, for a sheet; keeps at most twice those shown."""
 
     def __init__(self) -> None:
         self.kept: list[np.ndarray] = []
@@ -249,17 +249,19 @@ class Moments:
     def see(self, image: np.ndarray) -> None:
         """Take the next picture (height, width, 3) of the film; every n-th is stored, made smaller; n grows."""
         if self.seen % self.every == 0:
-            if len(self.kept) == 2 * STRIP_PICTURES:
+            if len(self.kept) == 2 * SHEET_PICTURES:
                 self.kept, self.every = self.kept[::2], 2 * self.every
             if self.seen % self.every == 0:
-                self.kept.append(sample_means(image, STRIP_SHRINKING))
+                self.kept.append(sample_means(image, SHEET_SHRINKING))
         self.seen += 1
 
-    def row(self) -> np.ndarray:
-        """Strip (height, width, 3) of small pictures side by side, evenly spaced over the film so far."""
-        even = np.linspace(0, len(self.kept) - 1, min(STRIP_PICTURES, len(self.kept)))
-        chosen = np.unique(np.round(even).astype(int))
-        return picture_row([self.kept[k] for k in chosen], MOMENT_GAP)
+    def sheet(self) -> np.ndarray:
+        """Sheet (height, width, 3) of small pictures in full rows, evenly spaced over the film so far."""
+        number = len(self.kept)
+        shown = SHEET_PICTURES if number >= SHEET_PICTURES else min(number, SHEET_COLUMNS)
+        chosen = [self.kept[round(k)] for k in np.linspace(0, number - 1, shown)]
+        rows = [picture_row(chosen[k : k + SHEET_COLUMNS], SHEET_GAP) for k in range(0, shown, SHEET_COLUMNS)]
+        return picture_row([row.swapaxes(0, 1) for row in rows], SHEET_GAP).swapaxes(0, 1)
 
 
 def picture_row(pictures: Sequence[np.ndarray], gap: int) -> np.ndarray:

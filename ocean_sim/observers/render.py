@@ -52,7 +52,7 @@ from ocean_sim.pictures.stage.picture import (
     picture_row,
 )
 from ocean_sim.pictures.stage.render_order import Order, Quality, RenderFailed
-from ocean_sim.pictures.water.sea_state import DRY_DEPTH_SHARE, TANK_FITTINGS, run_scene
+from ocean_sim.pictures.water.sea_state import DRY_DEPTH_SHARE, is_tank, run_scene
 from ocean_sim.simulation import OutcomeObserver, PeriodicConfig, Progress, Simulation
 
 PICTURE_SECONDS = {  # processor time [s] of a picture of 1280 x 720 without a graphics card, by dimensions and quality
@@ -101,8 +101,8 @@ class Config(PeriodicConfig):
     """`draft`: quick; `final`: a finer mesh and four samples of each pixel."""
     far_sea: bool = True
     """Draw the sea around the basin out to the horizon; without it, a block of water with cut sides. A basin that
-    moves, has a wavemaker, a lid or obstacles, or runs dry somewhere is a tank: it stays a block, and so does a surface
-    that folds."""
+    moves, has a wavemaker, a lid or obstacles, runs dry somewhere or is up to 12 m long is a tank: it stays a block,
+    and so does a surface that folds."""
     ripples: bool = True
     """Draw waves finer than the particles, of the wind's strength and heading."""
     foam: bool = True
@@ -182,11 +182,10 @@ class Config(PeriodicConfig):
         tank, water = preflight.tank, preflight.untouched
         if self.particles or tank.dimension == 2:
             return "particles"
-        fitted = any(getattr(tank.config, key) for key in TANK_FITTINGS)
         area = (tank.upper[0] - tank.lower[0]) * (tank.upper[2] - tank.lower[2])
         mean = tank.depth if water is None else water.n * water.spacing**3 / area
-        at_sea = self.far_sea and self.camera not in MAP_CAMERAS and not fitted and mean > DRY_DEPTH_SHARE * tank.depth
-        return "sea" if at_sea else "tank"
+        at_sea = self.far_sea and self.camera not in MAP_CAMERAS and not is_tank(dict(tank.config))
+        return "sea" if at_sea and mean > DRY_DEPTH_SHARE * tank.depth else "tank"
 
     def bytes_a_particle(self, preflight: Preflight) -> int:
         pictures = self.pictures(preflight)

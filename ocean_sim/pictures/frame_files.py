@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from ocean_sim.ship import Ship
 
 MAX_FRAME_BYTES = 4_000_000_000  # of a file of frames/, and of what it unpacks to
-PLATE_THICKNESS = 0.01  # of a wavemaker, over the length of the basin
+FREEBOARD_SHARE = 0.12  # height of the drawn walls of a tank over still water, over its depth
+PLATE_THICKNESS = 0.02  # of a wavemaker, over half the length of the basin
 STILL_SHARE = 0.1  # share of the frames, those with ships most nearly at their mean immersion, for a still picture
 MALFORMED_ERRORS = (EOFError, LookupError, ValueError, TypeError, AttributeError, BadZipFile, BadStream)
 
@@ -193,15 +194,14 @@ def middle_cell(ships: Collection["Ship"], cell: np.ndarray) -> np.ndarray:
 
 
 def basin_slab(basin: "Basin", axis: int, *ends: float) -> np.ndarray:
-    """Corners (2, 3) [m] of the part of a basin between two ends [m] along an axis."""
+    """Corners (2, 3) [m] of a tank between two ends [m] along an axis, from its bed to the top of its walls."""
     corners = np.array([basin.lower, basin.upper], dtype=float)
-    corners[:, axis] = sorted(ends)
+    corners[1, 1], corners[:, axis] = FREEBOARD_SHARE * basin.depth, sorted(ends)
     return corners
 
 
 def grid_arrays(simulation: "LiveSimulation", x: np.ndarray, z: np.ndarray) -> dict[str, Any]:
-    """Arrays that a run saves once: basin, its absorbing zones and wavemaker, plane waves, hulls of ships, and
-    coordinates x and z [m] of the heights."""
+    """Arrays that a run saves once: basin and fittings, plane waves, hulls, and coordinates x, z [m] of the heights."""
     basin, fluid = simulation.basin, simulation.fluid
     arrays: dict[str, Any] = {
         "x": x,
@@ -214,9 +214,8 @@ def grid_arrays(simulation: "LiveSimulation", x: np.ndarray, z: np.ndarray) -> d
     }
     water = fluid.of_particles if any(side.absorbing for side in basin.sides) else None
     zones = [] if water is None else [basin_slab(basin, *zone[:3]) for zone in water.walls.zones]
-    thick = PLATE_THICKNESS * (basin.upper[0] - basin.lower[0])
-    makers = [(side.axis, side.position, thick if side.upper else -thick) for side in basin.sides if side.piston]
-    plates = [basin_slab(basin, axis, at, at + out) for axis, at, out in makers]
+    makers = [(side.axis, side.position) for side in basin.sides if side.piston]
+    plates = [basin_slab(basin, axis, at, at + PLATE_THICKNESS * at) for axis, at in makers]
     arrays |= {"zones": np.reshape(zones, (-1, 2, 3)), "plates": np.reshape(plates, (-1, 2, 3))}
     if (ground := basin.ground) is not None:
         arrays |= {"ground_x": ground.x, "ground_z": ground.z, "ground_y": ground.y}

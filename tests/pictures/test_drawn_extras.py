@@ -115,7 +115,7 @@ def test_an_obstacle_is_drawn_as_grey_concrete_in_blue_water(tank, body, tmp_pat
 @with_opengl
 def test_a_wavemaker_and_an_absorbing_zone_are_seen_at_their_ends_of_a_tank(tank, tmp_path):
     """Of a plate at -x that has gone 0.2 m into the basin, and a zone of 2 m before +x."""
-    zone, plate = [[[2.0, -2.0, -4.0], [4.0, 0.0, 4.0]]], [[[-4.1, -2.0, -4.0], [-4.0, 0.5, 4.0]]]
+    zone, plate = [[[2.0, -2.0, -4.0], [4.0, 0.24, 4.0]]], [[[-4.1, -2.0, -4.0], [-4.0, 0.24, 4.0]]]
     folders = {"none": {}, "zone": {"zones": np.array(zone)}, "plate": {"plates": np.array(plate)}}
     for name, more in folders.items():
         shutil.copytree(tank, tmp_path / name)

@@ -110,8 +110,7 @@ class Operator:
         span: tuple[float, float],
         **given: Any,
     ) -> None:
-        """`span` of the film [s]; `given`: `vessel` to follow, `away`: she may leave, `at_sea`, `whole`: the whole
-        basin is to be seen, `eye`, `target` [m]."""
+        """`span` of the film [s]; `given`: `vessel` to follow, if `away`, `at_sea` or `whole`; `eye`, `target` [m]."""
         self.name, self.lower, self.upper, self.aspect, self.span = name, lower, upper, aspect, span
         self.vessel: Vessel | None = given.get("vessel")
         self.away, self.whole = bool(given.get("away")), bool(given.get("whole"))

@@ -25,30 +25,26 @@ def sand_mesh(ground: Ground, breadth: float) -> tuple[np.ndarray, np.ndarray, n
 
 
 class Obstacles:
-    """Obstacles of a basin in a picture, boxes and meshes: fixed ones are drawn once, gates and a wavemaker anew in
-    every picture."""
+    """Obstacles of a basin in a picture, boxes and meshes: fixed ones are drawn once, others anew in every picture."""
 
     def __init__(self, stage: Stage, grid: dict[str, np.ndarray], lower: np.ndarray, upper: np.ndarray) -> None:
-        """`grid`: arrays that a run saves once, with the fixed ones; in a basin from `lower` to `upper` [m]."""
+        """`grid`: arrays that a run saves once, with the fixed ones; between walls at `lower` and `upper` [m]."""
         inset = INSET_SHARE * (upper - lower)
         self.stage, self.lower = stage, lower + inset
         self.upper = np.array([upper[0] - inset[0], np.inf, upper[2] - inset[2]])  # it may stand out of the water
-        self.plates = np.minimum(grid.get("plates", NO_BOXES), [np.inf, upper[1], np.inf])
-        self.add("obstacles", self.within(grid.get("obstacles", NO_BOXES)), grid.get("meshes", np.zeros((0, 3, 3))))
-
-    def within(self, boxes: np.ndarray) -> np.ndarray:
-        """Boxes (n, 2, 3) [m] cut off at the sides of the basin."""
-        return np.stack([np.maximum(boxes[:, 0], self.lower), np.minimum(boxes[:, 1], self.upper)], axis=1)
+        self.plates = grid.get("plates", NO_BOXES)
+        self.add("obstacles", grid.get("obstacles", NO_BOXES), grid.get("meshes", np.zeros((0, 3, 3))))
 
     def show(self, frame: Frame) -> None:
-        self.add("gates", self.within(frame.gates), frame.moving_meshes)
+        self.add("gates", frame.gates, frame.moving_meshes)
         self.add("plates", self.plates + frame.plate_way, frame.moving_meshes[:0], PLATE_COLOUR)
 
     def add(self, name: str, boxes: np.ndarray, triangles: np.ndarray, paint: np.ndarray = CONCRETE_COLOUR) -> None:
         """Draw boxes (n, 2, 3) and triangles (m, 3, 3) [m] under a name, in place of those drawn under it before."""
         plotter, pyvista = self.stage.plotter, self.stage.pyvista
         plotter.remove_actor(name, render=False)
-        shapes = [pyvista.Box(box.T.ravel()) for box in boxes]
+        ends = [np.stack([np.maximum(low, self.lower), np.minimum(up, self.upper)], axis=1) for low, up in boxes]
+        shapes = [pyvista.Box(each.ravel()) for each in ends]
         if len(triangles):
             points = np.clip(triangles, self.lower, self.upper).reshape(-1, 3)
             shapes.append(pyvista.PolyData.from_regular_faces(points, np.arange(len(points)).reshape(-1, 3)))

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ocean_sim.parts import key_of
-from ocean_sim.pictures.frame_files import Frame, FrameLog, kept_ground, ship_keys
+from ocean_sim.pictures.frame_files import FREEBOARD_SHARE, Frame, FrameLog, kept_ground, ship_keys
 from ocean_sim.pictures.ships.ship import DrawnShip, ShadedShip
 from ocean_sim.pictures.ships.ship_model import kept_model
 from ocean_sim.pictures.stage import overlays, sky
@@ -69,9 +69,11 @@ class Picture:
         self.order, self.grid = order, grid
         self.lower, self.upper = grid["lower"].copy(), grid["upper"].copy()
         self.sides = self.lower[[0, 2]].copy(), self.upper[[0, 2]].copy()
-        self.upper[1] = max(0.12 * float(grid["depth"]), float(first.elevation.max()))
+        self.upper[1] = max(FREEBOARD_SHARE * float(grid["depth"]), float(first.elevation.max()))
         if (ground := kept_ground(grid)) is not None:
             self.upper[1] = max(self.upper[1], float(ground.y.max()))
+        plates = grid.get("plates", NO_BOXES)  # of wavemakers, behind which the walls stand
+        walls = np.min([self.lower, *plates[:, 0]], axis=0), np.max([self.upper, *plates[:, 1]], axis=0)
         flat = bool(self.lower[2] == self.upper[2])
         away = "sea_answers" in grid  # ships are free to leave the basin
         if away and order.camera in MAP_CAMERAS and log.tracks:
@@ -109,6 +111,7 @@ class Picture:
         elif first.folds:
             from ocean_sim.pictures.water import tank
 
+            tank_walls.add_panels(stage, *walls, float(grid["depth"]))
             self.content = tank.Shell(stage, grid, self.upper, order.foam)
         else:
             self.content = Water(stage, grid, SURFACE_NODES[order.quality])
@@ -119,8 +122,8 @@ class Picture:
         if ground is not None:
             stage.add(*sand_mesh(ground, float(grid["spacing"])), culling="back")
         if in_tank:
-            tank_walls.add_fittings(stage, self.lower, self.upper, grid.get("zones", NO_BOXES))
-        self.obstacles = Obstacles(stage, grid, self.lower, self.upper)
+            tank_walls.add_edges(stage, *walls, grid.get("zones", NO_BOXES))
+        self.obstacles = Obstacles(stage, grid, *walls)
         self.ships: dict[str, DrawnShip | ShadedShip] = {}
         if isinstance(self.content, Sea):
             shaded = {key: self.content.ship(model) for key, model in models.items()}
@@ -256,11 +259,9 @@ class Moments:
         self.seen += 1
 
     def sheet(self) -> np.ndarray:
-        """Sheet (height, width, 3) of small pictures in full rows, evenly spaced over the film so far."""
-        number = len(self.kept)
-        shown = SHEET_PICTURES if number >= SHEET_PICTURES else min(number, SHEET_COLUMNS)
-        chosen = [self.kept[round(k)] for k in np.linspace(0, number - 1, shown)]
-        rows = [picture_row(chosen[k : k + SHEET_COLUMNS], SHEET_GAP) for k in range(0, shown, SHEET_COLUMNS)]
+        """Sheet (height, width, 3) of small pictures, evenly spaced over the film so far; a short one repeats some."""
+        chosen = [self.kept[round(k)] for k in np.linspace(0, len(self.kept) - 1, SHEET_PICTURES)]
+        rows = [picture_row(chosen[k : k + SHEET_COLUMNS], SHEET_GAP) for k in range(0, SHEET_PICTURES, SHEET_COLUMNS)]
         return picture_row([row.swapaxes(0, 1) for row in rows], SHEET_GAP).swapaxes(0, 1)
 
 

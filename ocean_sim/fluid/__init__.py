@@ -73,8 +73,9 @@ class Totals(NamedTuple):
 
 
 class Stops(Protocol):
-    """Planes at which walls, floor and lid stop the centres of particles."""
+    """Planes at which walls, floor and lid stop the centres of particles, and absorbing zones."""
 
+    zones: tuple[tuple[Any, ...], ...]  # axis, begin and end along it [m], and how they absorb
     axes: range  # axes with walls
     low: tuple[float, ...]  # [m]
     up: tuple[float, ...]  # [m]

@@ -136,6 +136,8 @@ class Frames(Observer):
         if len(wind.tails):
             frame |= {"wind_lines": wind.lines, "wind_tails": wind.tails, "wind_arrows": wind.arrows}
             frame |= {"wind_strongest": np.array(wind.strongest), "wind_unit": np.array(wind.unit)}
+        if (piston := simulation.basin.piston) is not None:
+            frame["plate_way"] = piston.at(simulation.time)[0] * np.eye(3)["xyz".index(piston.maker.wall[0])]
         if simulation.basin.gates:
             frame["gates"] = np.array(simulation.basin.gates_at(simulation.time)).reshape(-1, 2, 3)
             if simulation.basin.meshes:

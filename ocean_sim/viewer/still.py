@@ -21,8 +21,9 @@ from ocean_sim.pictures.frame_files import kept_ground, ship_keys
 from ocean_sim.pictures.live.preview_scene import SPEED_COLOURS
 from ocean_sim.pictures.ships.ship_model import ShipModel, kept_model
 from ocean_sim.pictures.stage import sky
+from ocean_sim.pictures.stage.obstacles import NO_BOXES
 from ocean_sim.pictures.water import water_glsl, water_shading, waterline
-from ocean_sim.pictures.water.sea_state import ripple_wind
+from ocean_sim.pictures.water.sea_state import is_tank, ripple_wind
 from ocean_sim.viewer.protocol import PROTOCOL_VERSION, box_positions, packet
 from ocean_sim.waves import Components
 
@@ -53,8 +54,9 @@ class StaticScene:
         names = "lower", "upper", "x", "z"  # corners of the basin; of the heights, from their origin [m]
         self.lower, self.upper, self.x, self.z = (np.asarray(grid[name], dtype=float) for name in names)
         self.spacing = float(grid["spacing"])  # [m]
-        self.obstacles = np.asarray(grid["obstacles"], dtype=float).reshape(-1, 2, 3)  # [m]
+        self.obstacles = np.concatenate([grid["obstacles"], grid.get("plates", NO_BOXES)])  # (n, 2, 3) [m]
         self.ground = kept_ground(grid)
+        self.tank = bool(self.flat or self.ground or is_tank(scene.get("basin") or {}))  # without ripples and foam
         self.ship_keys = ship_keys(grid, "_look")
         self.models = {key.partition(".")[2] or key: kept_model(grid, key) for key in self.ship_keys}  # by ship
         named = (scene.get("gauges") or {}).get("elevation") or {}
@@ -108,7 +110,7 @@ class StaticScene:
             "gauges": {name: [float(v) for v in place] for name, place in self.gauges.items()},
             "scalars": list(self.scalars),
             "sea": sea,
-            "tank": bool(self.flat or self.ground or any((self.scene.get("basin") or {}).get(k) for k in TANK_KEYS)),
+            "tank": self.tank,
             "platform": platform.get("geometry") if isinstance(platform.get("geometry"), dict) else None,
             "wind": (self.scene.get("wind") or {}).get("kind", "still"),
             "fluid": (self.scene.get("fluid") or {}).get("kind", ""),
@@ -170,7 +172,7 @@ class StaticScene:
         uniforms = water_glsl.neutral_uniforms(len(self.models)) | {
             "hullFoam": np.array([0.75, 0.55, 0.0]),
             "windAngle": wind.angle,
-            "rippleVariance": water_shading.slope_variance(wind.speed),
+            "rippleVariance": 0.0 if self.tank else water_shading.slope_variance(wind.speed),
             "rippleLongest": float(np.clip(2.0 * resolved, *RIPPLE_LENGTHS)),
         }
         known = {
@@ -182,7 +184,6 @@ class StaticScene:
 
 
 LIGHT_NAMES = ("SUNSHINE", "FROM_ABOVE", "FROM_BELOW", "MIRRORED")
-TANK_KEYS = ("motion", "wavemaker", "lid", "obstacles")  # of a basin that is a tank, not a piece of sea
 
 
 def synthetic_waves(angle: float, length: float, spacing: float) -> np.ndarray:

@@ -35,7 +35,7 @@ def test_code_that_a_picture_shows_makes_it_old(monkeypatch, tmp_path):
     shown = {
         "platform/washout/classical.py": {"platform.png"},
         "platform/shared/limits.py": {"platform.png"},
-        "fluid/delta_sph.py": {"dam_break_on_a_box.jpg", "reef.jpg"},
+        "fluid/delta_sph.py": {"box_in_wave_tank.jpg", "dam_break_on_a_box.jpg", "reef.jpg"},
         "fluid/mueller.py": {"showcase.jpg", "wind_wide.jpg", "wind_vortex.jpg"},
         "wind/vortex.py": {"wind_vortex.jpg"},
     }

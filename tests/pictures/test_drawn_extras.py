@@ -112,6 +112,23 @@ def test_an_obstacle_is_drawn_as_grey_concrete_in_blue_water(tank, body, tmp_pat
     assert red < 0.8 * blue  # water beside it
 
 
+@with_opengl
+def test_a_wavemaker_and_an_absorbing_zone_are_seen_at_their_ends_of_a_tank(tank, tmp_path):
+    """Of a plate at -x that has gone 0.2 m into the basin, and a zone of 2 m before +x."""
+    zone, plate = [[[2.0, -2.0, -4.0], [4.0, 0.24, 4.0]]], [[[-4.1, -2.0, -4.0], [-4.0, 0.24, 4.0]]]
+    folders = {"none": {}, "zone": {"zones": np.array(zone)}, "plate": {"plates": np.array(plate)}}
+    for name, more in folders.items():
+        shutil.copytree(tank, tmp_path / name)
+        for file, kept in (("grid", {"obstacles": np.zeros((0, 2, 3))} | more), ("frame_00000", {})):
+            path = tmp_path / name / "frames" / f"{file}.npz"
+            np.savez(path, **dict(np.load(path)) | kept | {"plate_way": np.array([0.2, 0.0, 0.0])})
+    shots = [{"folder": str(tmp_path / name)} for name in folders]
+    bare, *fitted = render.variants(tmp_path / "none", 0.0, shots, size=(320, 180), caption=False).astype(int)
+    columns = [np.nonzero((np.abs(one - bare).max(axis=2) > 8).any(axis=0))[0] for one in fitted]
+    assert columns[0].min() > 150 and len(columns[0]) > 20  # the zone: right
+    assert columns[1].max() < 170 and len(columns[1]) > 10
+
+
 def test_a_set_of_pictures_at_a_time_without_frames_is_refused(tank):
     with pytest.raises(render.RenderFailed, match="reach from 0 to 0 s"):
         render.variants(tank, 3.0, [{}], size=(160, 120))

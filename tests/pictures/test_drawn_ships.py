@@ -152,6 +152,15 @@ def test_smooth_shading_stops_at_a_crease():
     assert np.percentile(cosine, 1) > np.cos(np.radians(10.0))
 
 
+@pytest.mark.parametrize("name", ["box", "cylinder"])
+def test_a_body_is_drawn_plain(name):
+    """A box and a cylinder of a laboratory have neither a boot top nor a mast nor cargo."""
+    vertices, triangles, share, helm = placed("barge20" if name == "box" else name)
+    mesh = build_model(vertices, triangles, share, f" {name}", helm).mesh
+    assert len(np.unique(mesh.colour, axis=0)) == 1
+    np.testing.assert_allclose(np.ptp(mesh.corners.reshape(-1, 3), axis=0), np.ptp(vertices, axis=0))
+
+
 def test_a_hull_without_a_deck_to_stand_on_is_a_test_body():
     vertices, triangles, share, _ = placed("sphere")
     round_yacht = build_model(vertices, triangles, share, "yacht", NOWHERE)

@@ -14,7 +14,7 @@ import numpy as np
 from ocean_sim.pictures.frame_files import Frame
 from ocean_sim.pictures.stage import sky
 from ocean_sim.pictures.stage.plotter import Content, Stage
-from ocean_sim.pictures.water import tank_walls, water_glsl, water_shading
+from ocean_sim.pictures.water import water_glsl, water_shading
 from ocean_sim.pictures.water.foam import read_cells
 from ocean_sim.pictures.water.smoothed_mesh import points_on_sides, smooth_mesh
 from ocean_sim.surface import Mesh
@@ -40,7 +40,6 @@ class Shell(Content):
         depth = self.depth = float(grid["depth"])
         self.stage, self.white, self.sides = stage, white, (grid["lower"][[0, 2]], grid["upper"][[0, 2]])
         self.lower, self.upper, self.spacing = tuple(grid["lower"]), tuple(upper), float(grid["spacing"])
-        tank_walls.add_tank(stage, grid["lower"], upper, depth)
         over = sky.clear_sky_image()
         self.behind = water_glsl.make_texture(np.zeros((2, 2, 3), np.uint8))
         self.far, self.farther = (water_glsl.make_texture(np.zeros((2, 2, 4), np.uint8)) for _ in range(2))

@@ -170,7 +170,7 @@ class World {
     const mean = sum / h.length, now = 4 * Math.sqrt(Math.max(squares / h.length - mean * mean, 0));
     this.level = this.still.sea.exact ? 0 : mean;
     this.height += (now - this.height) * (this.before ? 0.08 : 1);
-    if (flat) { foam.fill(0); return; }
+    if (flat || this.still.tank) { foam.fill(0); return; }
     const dx = 1 / this.step[0] ** 2, dz = 1 / this.step[1] ** 2;
     for (let i = 0; i < nx; i++) for (let j = 0; j < nz; j++) {
       const k = i * nz + j;

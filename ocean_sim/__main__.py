@@ -44,6 +44,7 @@ VERBS_BY_SECTION = {  # of `--help`, in its order, with the line of each verb th
     "Analyse": {
         "waves": "Heights, periods and spectra at the gauges of a run.",
         "sea": "Spectra of a measured sea; a sea for other programs.",
+        "rao": "Response of a ship to waves: six motions over frequency.",
         "platform": "Turn a motion log into commands of a motion platform.",
     },
     "Trust": {

@@ -74,12 +74,15 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
     dt = time_step.next(still)
     stable, limit = Courant().longest_step(still)
     longest, ruling = Courant(courant_number=STABLE_COURANT).longest_step(still)
+    room = particle_room(config, rows, particles)
     if dt > 1.05 * longest:
         over = f"{dt / longest:.2g} times the {longest:.3g} s that stayed stable in still water ({ruling} limit)"
         urgent.append(f"the time step of {dt:.3g} s is {over}")
     if memory > 0.9 * machine.memory_limit():
-        has = f"this machine has {machine.memory_limit() / 1e9:.1f} GB"
-        urgent.append(f"needs {memory / 1e9:.1f} GB of memory; {has}")
+        urgent.append(f"needs {memory / 1e9:.1f} GB of memory; this machine has {machine.memory_limit() / 1e9:.1f} GB")
+        if most := room["most_particles"]:
+            fits = 1.01 * (known.spacing or 0.0) * (particles / most) ** (1.0 / known.tank.dimension)
+            urgent[-1] += f"; fluid.spacing from {fits:.3g} m on fits"
     (each, is_measured), pictures = step_time(config), picture_time(config)
     steps = each * config.duration / dt
     return {
@@ -92,7 +95,7 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         "particles": particles,
         "memory_mb": memory / 1e6,
         "pictures_mb": sum(row.bytes for row in rows if row.part in config.observers) / 1e6,
-        **particle_room(config, rows, particles),
+        **room,
         "time_step": dt,
         "limited_by": time_step.limited_by,
         "stable_time_step": stable,

@@ -20,7 +20,6 @@ from ocean_sim.verbs.shared.progress import kernel_notice
 WATER_FACTS = ("particles", "memory_mb", "pictures_mb", "bytes_a_particle", "most_particles", "time_step", "limited_by")
 UNKNOWN_FACTS = dict.fromkeys((*WATER_FACTS, "estimated_wall_s"))
 CARD_BYTES = 16e9  # memory of a graphics card, which cannot be asked for its own before it is started
-FEW_PARTICLES = 20_000  # below which most memory of the water does not go with their number
 STABLE_COURANT = 0.8  # the courant number of the profiles `ci` and `interactive`, up to which steps were found stable
 
 
@@ -184,19 +183,6 @@ def memory_taken(found: dict[str, Any]) -> str:
     return f"{found['memory_mb']:.0f} MB{pictures}"
 
 
-def room_sentence(found: dict[str, Any], config: SceneConfig) -> str:
-    """Memory per particle and the number of particles that fits, in words, from the facts `found` of `preflight`."""
-    if found["bytes_a_particle"] is None:
-        return "no particles"
-    where = f"the {machine.memory_limit() / 1e9:.1f} GB of this machine"
-    if config.runtime.arch in runtime.GRAPHICS_CARD_CHOICES:
-        where = f"{CARD_BYTES / 1e9:.0f} GB of a graphics card"
-    fit = f"{found['most_particles'] / 1e6:.2g} million particles fit into {where}"
-    if found["particles"] < FEW_PARTICLES:
-        return f"at least {fit}"
-    return f"{found['bytes_a_particle']} bytes a particle: {fit}"
-
-
 def preflight_lines(found: dict[str, Any], config: SceneConfig) -> str:
     """Answer of `check` on the facts `found` of `preflight`, as text: verdict, wall time, memory, steps and files."""
     count = len(found["warnings"])
@@ -238,7 +224,10 @@ def ship_lines(found: dict[str, Any]) -> list[str]:
 def print_ledger(found: dict[str, Any], config: SceneConfig) -> None:
     """Print the memory, kernels and stable time step of `preflight` (`found`), part by part."""
     stable = f"{found['stable_time_step']:.4g} s in still water, limited by: {found['stable_limited_by']}"
-    console.say(f"\nroom for particles: {room_sentence(found, config)}\nstable time step: {stable}")
+    on_card = config.runtime.arch in runtime.GRAPHICS_CARD_CHOICES
+    room = f"{(CARD_BYTES if on_card else machine.memory_limit()) / 1e9:.1f} GB of {'a card' if on_card else 'memory'}"
+    most, each = found["most_particles"] or 0, found["bytes_a_particle"] or 0
+    console.say(f"\nroom for {most / 1e6:.2g} million particles of {each} bytes in {room}\nstable time step: {stable}")
     rows = []
     for row in ledger_rows(found, config):
         kernels = "" if row["kernels"] is None else f"{len(row['kernels'])}"

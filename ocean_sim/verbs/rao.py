@@ -8,6 +8,7 @@ import typer
 
 from ocean_sim.files import csv_file, run_files
 from ocean_sim.files.atomic_file import save_figure
+from ocean_sim.observers.motion import log_name
 from ocean_sim.platform.shared import motion_log
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.result import simulate, wave_field
@@ -45,16 +46,18 @@ def rao(
     as_json: Json = False,
 ) -> None:
     """Write the response of six motions per wave amplitude and slope over the frequency, with phase and coherence."""
-    run = Path(target) if Path(target).is_dir() else run_without_pictures(target, profile, sets, as_json)
+    run = Path(target)
+    if not run.is_dir():
+        asked = load(target, console.set_values([*WITHOUT_PICTURES, *(sets or [])]), profile)
+        console.must_compute_with(asked.runtime.library)
+        with run_folder(f"{scene_path(target).stem}-rao", None, False, asked.files()) as folder:
+            run = simulate(asked, folder, (Progress(asked.duration, as_json),)).folder
     warn_unless_ended(run)
     config = scene_of(run, manifest_of(run), None)
     name = ship or next(iter(config.ships), "")
     if name not in config.ships or (ship is None and len(config.ships) > 1):
         raise console.Refused(f"{run}: name a ship by --ship; there are {', '.join(config.ships) or 'none'}")
-    try:
-        found, closed, facts = measured_response(run, config, name, begin)
-    except ValueError as error:
-        raise console.Refused(f"{run}: no response: {error}") from None
+    found, closed, facts = measured_response(run, config, name, begin)
     folder = out or run
     folder.mkdir(parents=True, exist_ok=True)
     files = [folder / "rao.csv", folder / "rao.png"]
@@ -74,38 +77,30 @@ def rao(
         files.pop()
     run_files.add_to_manifest(run, files)
     if as_json:
-        whole = {"run": run, "ship": name} | facts | {"files": files, "rows": [dict(zip(COLUMNS, row)) for row in rows]}
-        console.answer(whole)
+        facts |= {"files": files, "rows": [dict(zip(COLUMNS, row)) for row in rows]}
+        console.answer({"run": run, "ship": name} | facts)
         return
     console.say(f"{run}, {name}: {notes['frequency']}; {notes['responses']}, with phases [deg]")
-    print_response(found)
-    console.say("\n".join([*(f"warning: {each}" for each in facts["warnings"]), *map(str, files)]))
-
-
-def run_without_pictures(scene: str, profile: str | None, sets: list[str] | None, silent: bool) -> Path:
-    """Run a scene without pictures into the first unused folder runs/SCENE-rao, and return it."""
-    config = load(scene, console.set_values([*WITHOUT_PICTURES, *(sets or [])]), profile)
-    console.must_compute_with(config.runtime.library)
-    with run_folder(f"{scene_path(scene).stem}-rao", None, False, config.files()) as folder:
-        return simulate(config, folder, (Progress(config.duration, silent),)).folder
+    console.table("", ["omega [rad/s]", "T [s]", *MOTIONS], response_lines(found))
+    told = [f"in brackets: coherence below {TRUSTED_COHERENCE:g}", *(f"warning: {each}" for each in facts["warnings"])]
+    console.say("\n".join([*told, *map(str, files)]))
 
 
 def measured_response(
     run: Path, config: SceneConfig, ship: str, begin: float
 ) -> tuple[Response, np.ndarray, dict[str, Any]]:
     """Response of a ship in a run from `begin` [s] on; its closed form (m, 2), NaN without one; and direction of the
-    waves from her bow [deg], her speed [m/s] and warnings. Raises ValueError where there are no waves, or too few."""
-    log = motion_log.read_log(run / (f"motion_{ship}.csv" if len(config.ships) > 1 else "motion.csv"))
+    waves from her bow [deg], her speed [m/s] and warnings. Raises Refused where there are no waves, or too few."""
+    log = motion_log.read_log(run / log_name(ship))
     sea, time, warnings = wave_field(config).sea, log.ride.time, []
     if not sea.amplitude.any():
-        raise ValueError("its water is still")
+        raise console.Refused(f"{run}: no response, as its water is still")
     settled = max(begin, sea.ramp, 0.0 if sea.random else 0.5 * time[-1])  # a regular wave needs but a few periods
-    rows = slice(
-        int(np.searchsorted(time, settled)), None, max(1, int(sea.period / response.ROWS_PER_PERIOD / log.every))
-    )
+    step = max(1, int(sea.period / response.ROWS_PER_PERIOD / log.every))
+    rows = slice(int(np.searchsorted(time, settled)), None, step)
     time, position, angles = time[rows], motion_log.log_positions(log)[rows], log.ride.attitude[rows]
     if len(time) < response.ROWS_PER_PERIOD:
-        raise ValueError(f"it has {len(time)} rows after {settled:.3g} s, when the waves have grown")
+        raise console.Refused(f"{run}: {len(time)} rows after {settled:.3g} s, when the waves have grown, are too few")
     motions = response.ship_motions(position, angles)
     place, velocity = response.mean_path(time, position[:, [1, 0]], sea.period)
     waves, heading = response.waves_at(sea, time, place), motions[:, 5].mean()
@@ -127,17 +122,15 @@ def measured_response(
     return found, closed, {"wave_direction_deg": float(way), "speed_m_s": float(speed), "warnings": warnings}
 
 
-def print_response(found: Response) -> None:
-    """Print ratio and phase at some frequencies, in brackets where the coherence is low, - where nothing moves."""
-    rows = []
+def response_lines(found: Response) -> list[list[str]]:
+    """Cells with ratio and phase at some frequencies, in brackets where the coherence is low, - where nothing moves."""
+    lines = []
     for k in range(0, len(found.omega), -(-len(found.omega) // MAX_ROWS)):
-        row = [f"{found.omega[k]:.3f}", f"{2.0 * np.pi / found.omega[k]:.3g}"]
-        for ratio, alike in zip(found.ratio[k], found.coherence[k]):
-            text = f"{abs(ratio):.3f} {np.degrees(np.angle(ratio)):+.0f}"
-            row.append(text if alike >= TRUSTED_COHERENCE else f"({text})" if alike else "-")
-        rows.append(row)
-    console.table("", ["omega [rad/s]", "T [s]", *MOTIONS], rows)
-    console.say(f"in brackets: coherence below {TRUSTED_COHERENCE:g}")
+        cells = [f"{abs(ratio):.3f} {np.degrees(np.angle(ratio)):+.0f}" for ratio in found.ratio[k]]
+        alike = found.coherence[k]
+        cells = [text if c >= TRUSTED_COHERENCE else f"({text})" if c else "-" for text, c in zip(cells, alike)]
+        lines.append([f"{found.omega[k]:.3f}", f"{2.0 * np.pi / found.omega[k]:.3g}", *cells])
+    return lines
 
 
 def draw_response(path: Path, found: Response, closed: np.ndarray) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import waves
+from ocean_sim.conventions import Refused
 from ocean_sim.reading.scene import load
 from ocean_sim.ship.naval import response
 from ocean_sim.validation.shared.tables import table
@@ -83,7 +84,7 @@ def test_one_regular_wave_gives_one_point():
 
 
 def test_a_record_that_is_too_short_is_refused():
-    with pytest.raises(ValueError, match=r"cross spectra of waves of 8 s need 160 s, not 100 s"):
+    with pytest.raises(Refused, match=r"cross spectra of waves of 8 s need 160 s, not 100 s"):
         response.irregular_response(np.zeros((1000, 2)), np.zeros((1000, 6)), 0.1, 8.0)
 
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ocean_sim.conventions import GRAVITY
+from ocean_sim.conventions import GRAVITY, Refused
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 from ocean_sim.waves import Components
 
@@ -66,24 +66,23 @@ def waves_at(sea: Components, time: np.ndarray, place: np.ndarray) -> np.ndarray
 
 def irregular_response(waves: np.ndarray, motions: np.ndarray, every: float, period: float) -> Response:
     """Response by cross spectra of waves (n, 2), elevation [m] and slope, and motions (n, 6) in rows `every` [s];
-    `period` [s]: of the spectral peak. Raises ValueError for a record that is too short."""
+    `period` [s]: of the spectral peak. Raises Refused for a record that is too short."""
     from scipy.signal import csd, detrend
 
     longest = 2.0 * len(waves) * every / (MIN_SEGMENTS + 1)
     if longest < MIN_SEGMENT_PERIODS * period:
         least = 0.5 * (MIN_SEGMENTS + 1) * MIN_SEGMENT_PERIODS * period
-        raise ValueError(f"cross spectra of waves of {period:.3g} s need {least:.3g} s, not {len(waves) * every:.3g} s")
+        raise Refused(f"cross spectra of waves of {period:.3g} s need {least:.3g} s, not {len(waves) * every:.3g} s")
     segment = int(min(longest, MAX_SEGMENT_PERIODS * period) / every)
     reference, moved = detrend(waves, axis=0)[:, [0, 0, 0, 1, 1, 1]], detrend(motions, axis=0)
     pairs = (reference, moved), (reference, reference), (moved, moved)
     found = [csd(one, other, 1.0 / every, nperseg=segment, axis=0) for one, other in pairs]
-    frequency, (cross, own, motion) = found[0][0], (density for _, density in found)
-    own, motion = own.real, motion.real
-    there = own[:, 0] >= MIN_WAVE_SHARE * own[:, 0].max()
-    there[0] = False
-    cross, own, motion = cross[there], own[there], motion[there]
-    coherence = np.abs(cross) ** 2 / np.maximum(own * motion, 1e-300)
-    return Response(2.0 * np.pi * frequency[there], own[:, 0], cross / own, coherence)
+    waved = found[1][1][:, 0].real
+    there = np.flatnonzero(waved >= MIN_WAVE_SHARE * waved[1:].max())
+    there = there[there > 0]  # frequency 0 is the mean
+    cross, own, motion = (density[there] for _, density in found)
+    coherence = np.abs(cross) ** 2 / np.maximum((own * motion).real, 1e-300)
+    return Response(2.0 * np.pi * found[0][0][there], waved[there], cross / own.real, coherence)
 
 
 def regular_response(waves: np.ndarray, motions: np.ndarray, time: np.ndarray, omega: float) -> Response:

@@ -62,5 +62,6 @@ assert abs(ratios[8.0] - 1.0) < 0.1
 assert ratios[2.2] < 0.5
 
 # %%
+# `ocean-sim rao SCENE` gives all six motions from one run in an irregular sea, with their coherence.
 # `ocean-sim validate ship_rao` compares such ratios with linear potential flow, for a barge and for Wigley's hull. For
 # a hull of your own, begin with `ocean-sim hull FILE`.

@@ -183,24 +183,19 @@ def memory_taken(found: dict[str, Any]) -> str:
     return f"{found['memory_mb']:.0f} MB{pictures}"
 
 
-def preflight_lines(found: dict[str, Any], config: SceneConfig) -> str:
-    """Answer of `check` on the facts `found` of `preflight`, as text: verdict, wall time, memory, steps and files."""
+def preflight_lines(found: dict[str, Any], config: SceneConfig, listed: str = "") -> str:
+    """Answer of `check` on the facts `found` of `preflight`, as text: verdict, wall time, memory, steps and files.
+    `listed`: where the warnings are."""
     count = len(found["warnings"])
     steps = f"{found['particles']} particles in steps of {found['time_step']:.3g} s in still water"
     lines = [
         config.title or "untitled",
-        "valid" + (f"; {count} warning{'s' if count > 1 else ''}" if count else ""),
+        "valid" + (f"; {count} warning{'s' if count > 1 else ''}{listed}" if count else ""),
         f"takes {wall_time(found, config)}",
         f"needs {memory_taken(found)} of memory: {steps} (limit: {found['limited_by']})",
         f"writes {' '.join(config.files())}",
     ]
     return "\n".join(lines)
-
-
-def reading_notes(found: dict[str, Any]) -> str:
-    """Notes and warnings of `preflight` (`found`), as the text that ends a run; empty without any."""
-    told = [f"- {each}" for each in (*found["notes"], *found["warnings"])]
-    return "\n".join(["\nwhat to know when you read these numbers:", *told] if told else [])
 
 
 def ship_lines(found: dict[str, Any]) -> list[str]:
@@ -226,8 +221,9 @@ def print_ledger(found: dict[str, Any], config: SceneConfig) -> None:
     stable = f"{found['stable_time_step']:.4g} s in still water, limited by: {found['stable_limited_by']}"
     on_card = config.runtime.arch in runtime.GRAPHICS_CARD_CHOICES
     room = f"{(CARD_BYTES if on_card else machine.memory_limit()) / 1e9:.1f} GB of {'a card' if on_card else 'memory'}"
-    most, each = found["most_particles"] or 0, found["bytes_a_particle"] or 0
-    console.say(f"\nroom for {most / 1e6:.2g} million particles of {each} bytes in {room}\nstable time step: {stable}")
+    if each := found["bytes_a_particle"]:
+        console.say(f"room for {found['most_particles'] / 1e6:.2g} million particles of {each} bytes in {room}")
+    console.say(f"stable time step: {stable}")
     rows = []
     for row in ledger_rows(found, config):
         kernels = "" if row["kernels"] is None else f"{len(row['kernels'])}"

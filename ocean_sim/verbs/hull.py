@@ -1,6 +1,7 @@
 """`ocean-sim hull`: watertightness, volume, draught, stability and natural periods of a hull, and a picture."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import replace
 from math import asin, degrees, isinf, sqrt
 from pathlib import Path
@@ -41,11 +42,11 @@ class Asked(NamedTuple):
     mass: float | None = None  # [kg]
     draught: float | None = None  # [m], in place of the mass
     kg: float | None = None  # [m] over the keel
-    cg: tuple[float, float, float] | None = None  # [m] from the hull's origin
+    cg: Sequence[float] | None = None  # (3,) [m] from the hull's origin
     density: float = 0.0  # of the water [kg/m3]; 0 until the hull is found, with the water of its scene
     cells: float = 16.0  # cubes over the draught
     cross: bool = False  # cross curves, too
-    bilge_keels: tuple[float, float] | None = None  # length and breadth of each [m]
+    bilge_keels: Sequence[float] | None = None  # length and breadth of each [m]
     depth: float | None = None  # of the water, for squat [m]
     up: AxisName | None = None  # axis of a mesh file that points up
     bow: AxisName | None = None  # axis of a mesh file that points to the bow
@@ -97,15 +98,10 @@ def hull(
     as_json: Json = False,
 ) -> int:
     """Describe a hull; the exit code is 2 where it is not one."""
-    at = number_list("--cg", cg)
-    if at is not None and len(at) != 3:
-        raise console.Refused(f"--cg: {cg!r} is not like 0,1.2,-0.3")
-    keels = number_list("--bilge-keels", bilge_keels)
-    if keels is not None and (len(keels) != 2 or min(keels) <= 0.0):
+    at, keels = number_list("--cg", cg, "0,1.2,-0.3"), number_list("--bilge-keels", bilge_keels, "12,0.3")
+    if keels is not None and min(keels) <= 0.0:
         raise console.Refused(f"--bilge-keels: {bilge_keels!r} is not like 12,0.3")
-    centre = None if at is None else (at[0], at[1], at[2])
-    plates = None if keels is None else (keels[0], keels[1])
-    asked = Asked(mass, draught, kg, centre, density or 0.0, cells, cross, plates, depth, up, bow, scale)
+    asked = Asked(mass, draught, kg, at, density or 0.0, cells, cross, keels, depth, up, bow, scale)
     asked.agree(loading)
     if out is not None and out.suffix.lower() not in PICTURE_SUFFIXES:
         raise console.Refused(
@@ -189,7 +185,7 @@ def load_ship(shape: Hull, asked: Asked, condition: Loading | None, notes: list[
         assumed = f"{ASSUMED_DENSITY_RATIO:g} of the water's density"
         notes.append(f"no mass is given: taken as {assumed} (--mass sets another)")
     if asked.cg is not None:
-        centre = asked.cg
+        centre = asked.cg[0], asked.cg[1], asked.cg[2]
     if asked.kg is not None:
         x, _, z = centre or voxels(shape.shape, height / 24.0).centroid.tolist()
         centre = (x, keel + asked.kg, z)
@@ -392,17 +388,16 @@ def print_report(name: str, found: dict[str, Any], notes: list[str], picture: Pa
     console.say(name)
     for note in notes:
         console.say(note)
-    units = {"m3": "m3", "kg": "kg", "m2": "m2", "m": "m", "deg": "deg"}
     sides = {"trim_deg": ("by the stern", "by the bow"), "heel_deg": ("to port", "to starboard")}
     rows = []
     for key, value in found.items():
         stem, _, unit = key.rpartition("_")
-        if isinstance(value, float) and unit in units:
+        if isinstance(value, float) and unit in ("m3", "kg", "m2", "m", "deg"):
             where = f", {found['flooding_at']}" if key == "flooding_deg" else ""
             where += " or more" if key == "vanishing_deg" and value == LAST_HEEL else ""
             if key in sides and value != 0.0:
                 where, value = f" {sides[key][value > 0.0]}", abs(value)
-            rows.append([stem.replace("_", " "), f"{figures(value)} {units[unit]}{where}"])
+            rows.append([stem.replace("_", " "), f"{figures(value)} {unit}{where}"])
     for motion, period in found["periods_s"].items():
         shown = "none" if period is None else f"{period:.3g} s ({found['dry_periods_s'][motion]:.3g} s without water)"
         rows.append([f"{motion} period", shown])

@@ -13,7 +13,7 @@ from ocean_sim.files.yaml_file import Location, Node, node_of
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.result import FIRST_FILE, Result, claim_run_folder, simulate
 from ocean_sim.state import checkpoint_file
-from ocean_sim.verbs.check import preflight, preflight_lines, reading_notes
+from ocean_sim.verbs.check import preflight, preflight_lines
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.history import keep_step_time
 from ocean_sim.verbs.shared.options import Json, Out, Profile, Quiet, Scene, Sets
@@ -48,13 +48,15 @@ def run(
         progress = Progress(config.duration, silent)
         if not silent:
             found = preflight(config)
-            console.say("\n".join([preflight_lines(found, config), *(f"warning: {told}" for told in found["urgent"])]))
+            lines = [preflight_lines(found, config, ", listed at the end")]
+            console.say("\n".join([*lines, *(f"warning: {told}" for told in found["urgent"])]))
             console.say(f"writing {folder}\n{kernel_notice()}")
         try:
             report_run(lambda: simulate(config, folder, (progress,)), progress, config, folder, as_json, quiet)
         finally:
-            if not silent and (notes := reading_notes(found)):
-                console.say(notes)
+            told = [] if silent else [f"- {each}" for each in (*found["notes"], *found["warnings"])]
+            if told:
+                console.say("\n".join(["\nwhat to know when you read these numbers:", *told]))
 
 
 def report_run(

@@ -39,9 +39,8 @@ def read_own_log(
     for name in known.keys() & {*ANGLE_COLUMNS}:
         known[name] = np.unwrap(known[name])
         if name != "yaw_rad" and (most := np.abs(known[name]).max()) > MAX_TILT:
-            raise motion_log.POSSIBLE_RULE.broken(
-                path, f"{name} reaches {most:.3g} rad; is it in degrees (--units deg)?"
-            )
+            found = f"{name} reaches {most:.3g} rad; is it in degrees (--units deg)?"
+            raise motion_log.POSSIBLE_RULE.broken(path, found)
     said = even_times(table, known)
     absent = [name for name in POSE_COLUMNS if name not in known]
     known = dict.fromkeys(absent, 0.0 * known[TIME_COLUMN]) | known

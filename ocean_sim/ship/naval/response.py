@@ -57,7 +57,7 @@ def mean_path(time: np.ndarray, place: np.ndarray, period: float) -> tuple[np.nd
 
 def waves_at(sea: Components, time: np.ndarray, place: np.ndarray) -> np.ndarray:
     """Elevation [m] and wave slope (n, 2) of a sea past its ramp, at places (n, 2) x, z [m] and times (n,) [s]; the
-    slope is that of all crests, as if each wave were a quarter of its length further."""
+    slope, wavenumber times amplitude, is in phase with the crests."""
     found = np.zeros((2, len(time)))
     for a, k, omega, phase, size in zip(sea.amplitude, sea.wavevector, sea.omega, sea.phase, sea.wavenumber):
         found += np.outer([a, a * size], np.cos(place @ k - omega * time + phase))

@@ -74,5 +74,6 @@ operator.set(xlabel="period of regular waves [s]", ylabel="heave over wave")
 figure.savefig("runs/yacht_in_waves.png", dpi=150)
 
 # %%
+# `ocean-sim rao SCENE` gives all six motions from one run in an irregular sea, with their coherence.
 # `ocean-sim validate ship_rao` compares such ratios with linear potential flow, for a barge and for Wigley's hull. For
 # a hull of your own, begin with `ocean-sim hull FILE`.

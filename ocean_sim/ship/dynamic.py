@@ -101,7 +101,7 @@ class SeakeepingConfig(FloatingConfig):
         return found
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        deep = "a hull that feels only the surface of the water is lifted too much by short waves"
+        deep = "waves shorter than her hull lift her too much: she feels their height, not how they fade with depth"
         found = super().warnings(preflight) + ([deep] if preflight.surface is not None else [])
         still = self.hydrostatics_of(preflight)
         if self.table is None or isinf(still.draught):

@@ -13,7 +13,7 @@ from ocean_sim.files.yaml_file import Location, Node, node_of
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.result import FIRST_FILE, Result, claim_run_folder, simulate
 from ocean_sim.state import checkpoint_file
-from ocean_sim.verbs.check import picture_time, preflight, preflight_lines
+from ocean_sim.verbs.check import preflight, preflight_lines
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.history import keep_step_time
 from ocean_sim.verbs.shared.options import Json, Out, Profile, Quiet, Scene, Sets
@@ -47,19 +47,16 @@ def run(
         silent = as_json or quiet
         progress = Progress(config.duration, silent)
         if not silent:
-            console.say(preflight_lines(preflight(config), config))
-            console.say(f"writing {folder}")
-            console.say(kernel_notice())
-            announce_pictures(config)
-        report_run(lambda: simulate(config, folder, (progress,)), progress, config, folder, as_json, quiet)
-
-
-def announce_pictures(config: SceneConfig) -> None:
-    """Print the estimated time to draw the pictures of a run, and how to leave them out."""
-    seconds = picture_time(config)
-    if seconds:
-        time = f"about {console.duration(seconds)} on an idle machine"
-        console.say(f"its pictures, drawn during the run or after it, take {time}; --set render=null leaves them out")
+            found = preflight(config)
+            lines = [preflight_lines(found, config, ", listed at the end")]
+            console.say("\n".join([*lines, *(f"warning: {told}" for told in found["urgent"])]))
+            console.say(f"writing {folder}\n{kernel_notice()}")
+        try:
+            report_run(lambda: simulate(config, folder, (progress,)), progress, config, folder, as_json, quiet)
+        finally:
+            told = [] if silent else [f"- {each}" for each in (*found["notes"], *found["warnings"])]
+            if told:
+                console.say("\n".join(["\nwhat to know when you read these numbers:", *told]))
 
 
 def report_run(

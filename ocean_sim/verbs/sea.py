@@ -52,9 +52,7 @@ def sea(
         raise Refused("--time and --out are for a file of spectra, not for a scene")
     if swd is None and openfast is None:
         raise Refused("name a file to write: --swd FILE, --openfast FILE")
-    place = number_list("--at", at)
-    if place is None or len(place) != 2:
-        raise Refused("--at is not like 0,0: x and z [m]")
+    place = number_list("--at", at, "0,0") or [0.0, 0.0]
     config = load(scene, console.set_values(sets))
     field = wave_field(config)
     waves, files = field.sea, []

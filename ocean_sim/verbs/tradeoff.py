@@ -17,6 +17,7 @@ from ocean_sim.studies.scene_tradeoff import (
     best_setting,
     clock_note,
     errors_against,
+    measure_label,
     measure_names,
     setting_grid,
     tradeoff_summary,
@@ -44,7 +45,7 @@ def tradeoff(
     budget: str | None = typer.Option(
         None, help="16ms: wall time per 1/60 s simulated; realtime; 30s: wall time of the whole run."
     ),
-    by: str | None = typer.Option(None, help="The error that decides: a column of the table."),
+    by: str | None = typer.Option(None, help="The error that decides: a column of tradeoff.csv, as heave_rms_m."),
     quick: bool = typer.Option(False, "--quick", help="Fewer runs and seeds: minutes instead of hours."),
     profile: Profile = None,
     sets: Sets = None,
@@ -154,11 +155,12 @@ def of_scene(
         [*(cell(row.get(name)) for name in names), "reference" if row["reference"] else row["reason"][:50]]
         for row in sorted(rows, key=lambda row: row["wall_per_s"] or 0.0)
     ]
-    console.table("", [*names, ""], lines)
+    heads = ["setting", *CLOCK_COLUMNS[:3], measure_label(judge), "its spread", *map(measure_label, known[1:4]), ""]
+    console.table("", heads, lines)
+    if told := clock_note(rows):
+        console.say(f"warning: {told}")
     if limit is not None:
         console.say(budget_verdict(best_row, rows, judge, limit))
-        if told := clock_note(rows):
-            console.say(told)
     console.say(f"{out / 'tradeoff.csv'}, seeds.csv and tradeoff.png")
 
 
@@ -205,7 +207,7 @@ def budget_verdict(found: dict[str, Any] | None, rows: list[dict[str, Any]], jud
     """Text with the best setting within the budget, or the reason why there is none."""
     if found is not None:
         return (
-            f"most accurate within {limit.name}, by {judge}: {found['setting']}\n"
+            f"most accurate within {limit.name}, by the {measure_label(judge)}: {found['setting']}\n"
             f"  run again with another seed: {found['spent']:.3g} of {limit.most:g}, "
             f"error {found['error']:.3g} (at most {found['bound']:.3g} expected)"
         )

@@ -137,7 +137,7 @@ class SphConfig(WaterConfig):
         if grid.lattice.n > most:
             yield (
                 f"makes {grid.lattice.n} particles; at a support of {self.ratio(preflight.tank):g} spacings the "
-                f"neighbours of about {most} at most can be counted in 32 bits"
+                f"neighbours of about {most} at most can be counted in 32 bits; {self.fitting_spacing(preflight)}"
             )
         if grid.count_numbers > MAX_COUNT:
             yield (

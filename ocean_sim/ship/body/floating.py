@@ -313,11 +313,11 @@ class FloatingConfig(VesselConfig):
             return []
         than = f"GM of the ship's cubes is {gm:.3g} m, that of her hull {own:.3g} m"
         rows = f"{still.draught / float(still.voxels.size[1]):.2f} rows of cubes are under water"
-        cure = f"{rows}: cells_per_draught that leave half a row dry may bring them together"
+        cure = f"{rows}: try another cells_per_draught; half a row dry suits best"
         if min(gm, own) <= 0.0:
             return [f"{than}; {cure}"]
         slower = sqrt(gm / own) - 1.0
-        rolls = f"she rolls {abs(slower):.1%} {'faster' if slower > 0.0 else 'slower'} than it would"
+        rolls = f"she rolls {abs(slower):.1%} {'faster' if slower > 0.0 else 'slower'} than her hull would"
         return [f"{than}: {rolls}; {cure}"]
 
     def warnings(self, preflight: Preflight) -> list[str]:

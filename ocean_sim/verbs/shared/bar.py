@@ -38,15 +38,16 @@ class Bar:
             self.shown = now
             self.rich = self.rich or self.begun()
             self.rich.update(self.rich.task_ids[0], completed=done, text=text)
-        elif share >= self.next_line and now - self.shown >= MIN_LINE_SECONDS:
+        elif done == 0.0 or (share >= self.next_line and now - self.shown >= MIN_LINE_SECONDS):
             self.shown, self.next_line = now, share + LINE_SHARE
             console.say(f"{share:4.0%}  {text}")
 
     def begun(self) -> Any:
-        from rich.progress import BarColumn, TextColumn
+        from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
         from rich.progress import Progress as RichProgress
 
-        bar = RichProgress(BarColumn(), TextColumn("{task.percentage:3.0f} %  {task.fields[text]}"))
+        done = TextColumn("{task.percentage:3.0f} %  {task.fields[text]}")
+        bar = RichProgress(BarColumn(), TimeElapsedColumn(), done)  # its clock ticks between two calls of `show`
         bar.add_task("", total=self.total, text="")
         bar.start()
         return bar
@@ -96,6 +97,7 @@ def rows_of(study: "Study", quiet: bool) -> list[dict[str, Any]]:
     total, began = len(study.points), perf_counter()
     bar = Bar(max(1.0, total), quiet)
     try:
+        bar.show(0.0, f"0 of {total} runs; the first compiles its kernels")
         for done in study.run():
             bar.show(done, f"{done} of {total} runs, {console.duration(perf_counter() - began)}")
     except KeyboardInterrupt:

@@ -132,7 +132,7 @@ class WideAccounts(Accounts):
 
 @in_kernels
 class RowLaw:
-    """PointLaw made from a pair law: its terms with the particles around a particle, or with their images."""
+    """Law of a `PointSum` made from a pair law: its terms with particles around a particle, or with their images."""
 
     def __init__(self, law: Law, grid: Grid, reflected: bool) -> None:
         """Adapt a law; `reflected`: True for a sum over images, whose `own_and_sides` ends in their set of sides."""
@@ -157,7 +157,7 @@ class RowLaw:
 
 @in_kernels
 class PairCollector:
-    """PointLaw that, instead of summing, stores the kept pairs of the particle with index `own`."""
+    """Law of a `PointSum` that, instead of summing, stores the kept pairs of the particle with index `own`."""
 
     sums = 1
 

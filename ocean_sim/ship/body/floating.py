@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import ValidationInfo, field_validator
 
 from ocean_sim.basin import Basin
-from ocean_sim.basin.solids.distance import MAX_LATTICE_NODES, lattice_memory
+from ocean_sim.basin.solids.voxels import MAX_LATTICE_NODES, lattice_memory
 from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.files.input_file import FileName, relative_to_scene
 from ocean_sim.fluid import ClosedForm

@@ -11,7 +11,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from ocean_sim.basin import Basin
-from ocean_sim.basin.solids.distance import Distance
+from ocean_sim.basin.solids.voxels import Distance
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Contact, Fluid, Limits
 from ocean_sim.parts import called

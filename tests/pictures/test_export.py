@@ -15,7 +15,7 @@ from ocean_sim.files.meshes import Series
 from ocean_sim.observers import frames
 from ocean_sim.pictures.export import scene_file
 from ocean_sim.pictures.export.paraview import NothingToExport, export_run, save_mesh
-from ocean_sim.pictures.export.wakes import RunWakes
+from ocean_sim.pictures.export.scene_file import RunWakes
 from ocean_sim.pictures.frame_files import Frame, FrameLog, frame_files
 from ocean_sim.pictures.stage import opengl
 from ocean_sim.pictures.stage.picture import Picture

@@ -7,10 +7,9 @@ import typer
 
 from ocean_sim.files.atomic_file import save_figure
 from ocean_sim.machine import available_cores
-from ocean_sim.studies.shared import maps
 from ocean_sim.studies.shared.pareto import PICTURE_DPI
 from ocean_sim.studies.shared.study import Study, write_table
-from ocean_sim.studies.stability import EXTREME_AXES, MAX_RUN_SECONDS, VERDICT_WORDS, grid_points, map_summary
+from ocean_sim.studies.stability import EXTREME_AXES, MAX_RUN_SECONDS, VERDICT_WORDS, draw_map, grid_points, map_summary
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import rows_of
 from ocean_sim.verbs.shared.console import cell
@@ -40,7 +39,7 @@ def stability(
             here = [row for row in table if row["map"] == axis.name]
             if here:
                 picture = out / f"stability_{axis.name.replace(' ', '_')}.png"
-                draw = lambda: save_figure(maps.draw_map(f"{axis.name} [{axis.unit}]", here), picture, PICTURE_DPI)
+                draw = lambda: save_figure(draw_map(f"{axis.name} [{axis.unit}]", here), picture, PICTURE_DPI)
                 console.draw_if_able(draw)
         if as_json:
             console.answer(table)

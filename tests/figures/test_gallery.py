@@ -79,4 +79,4 @@ def test_the_guide_prints_the_commands_of_every_picture():
 @pytest.mark.parametrize("name", ["showcas", "nothing"])
 def test_a_name_that_is_not_there_is_refused(name):
     with pytest.raises(gallery.console.Refused, match="there is no picture"):
-        gallery.gallery([name], False, False, None, False)
+        gallery.gallery([name], False, False, None)

@@ -73,6 +73,7 @@ class FloatingConfig(VesselConfig):
     """Base config of ships that float by the volume of a hull: keys, checks, and data of the hull at rest."""
 
     example: ClassVar[dict[str, Any]] = {"hull": "wigley"}
+    feels_wind: ClassVar[bool] = True
 
     hull: str | Hull
     """A name in configs/hull/, a mesh file (STL, OBJ, PLY), or a mapping with `shape`."""
@@ -170,10 +171,6 @@ class FloatingConfig(VesselConfig):
     def resting_body(self, still: Hydrostatics) -> RigidBody:
         """Rigid body at the start; afloat at rest where the config gives no height or attitude."""
         return self.body_at_start(still.matter, *afloat_pose(still))
-
-    @property
-    def feels_wind(self) -> bool:
-        return True
 
     @property
     def drift_law(self) -> str:

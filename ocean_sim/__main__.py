@@ -71,13 +71,22 @@ FUNCTIONS = {  # of verbs that do not share its name with their module
 }
 
 
+def common_options(
+    as_json: bool = typer.Option(False, "--json", help="Print the answer as JSON.", expose_value=False),
+) -> None:
+    """Options of every verb, which no verb receives: `run_command_line` reads them."""
+
+
 def command_of(name: str) -> Any:
     """Typer command of a verb (a subcommand such as `run`) with its options; imports the module of the verb."""
     module, _, function = FUNCTIONS.get(name, f"{name}:{name}").partition(":")
     called = getattr(import_module(f"ocean_sim.verbs.{module}"), function)
-    alone = typer.Typer(add_completion=False, rich_markup_mode=None)
+    alone, common = (typer.Typer(add_completion=False, rich_markup_mode=None) for _ in range(2))
     alone.command(name, help=VERBS[name], hidden=name in HIDDEN_VERBS)(called)
-    return typer.main.get_command(alone)
+    common.command()(common_options)
+    command = typer.main.get_command(alone)
+    command.params += typer.main.get_command(common).params
+    return command
 
 
 class Verbs(TyperGroup):
@@ -150,7 +159,7 @@ def main(arguments: list[str] | None = None) -> None:
 
 def run_command_line(arguments: list[str]) -> int:
     """Run a command line and return its exit code; an error is printed as a sentence, with `--debug` its traceback."""
-    debug, as_json = "--debug" in arguments, "--json" in arguments
+    console.json_asked = "--json" in arguments
     try:
         try:
             os.getcwd()
@@ -161,17 +170,19 @@ def run_command_line(arguments: list[str]) -> int:
             raise KeyboardInterrupt
         return code if isinstance(code, int) else 0
     except (Exception, KeyboardInterrupt) as error:
-        if debug:
+        if "--debug" in arguments:
             import traceback
 
             traceback.print_exc()
-        return print_error(error, as_json)
+        return print_error(error)
+    finally:
+        console.json_asked = False
 
 
-def print_error(error: BaseException, as_json: bool) -> int:
-    """Print an error to standard error, or with `as_json` as JSON to standard output; returns the exit code."""
+def print_error(error: BaseException) -> int:
+    """Print an error to standard error, or if JSON is asked for to standard output; returns the exit code."""
     code, sentence, problems = describe_error(error)
-    if as_json:
+    if console.json_asked:
         sentence = console.problem_count(problems) if problems else sentence
         try:
             console.answer({"error": sentence, "problems": [problem._asdict() for problem in problems]})

@@ -16,7 +16,7 @@ if TYPE_CHECKING:  # other rooms know these by type alone; each is imported only
     from ocean_sim.fluid.bodies.boundary import Boundary
     from ocean_sim.fluid.neighbours.grid import Grid
     from ocean_sim.fluid.neighbours.point_sum import PointSum
-    from ocean_sim.fluid.open_sea.wave_window import Window
+    from ocean_sim.fluid.open_sea.plane_waves import Window
     from ocean_sim.fluid.sph.lattice import Lattice as Lattice
     from ocean_sim.fluid.sph.particles import Particles
     from ocean_sim.fluid.sph.particles import Snapshot as Snapshot

@@ -9,8 +9,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.conventions import LEAST_DENSITY, WATER_DENSITY
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.open_sea.open_water import POINTS_PER_WAVE, SMOOTH_STEP_PERIODS, OpenWater, status_of
-from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves
-from ocean_sim.fluid.open_sea.wave_window import Window
+from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves, Window
 from ocean_sim.model import quantity
 from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems, forces_in_waves
 from ocean_sim.runtime import in_kernels

@@ -76,11 +76,8 @@ class Config(PeriodicConfig):
         cure = "; frames.particles: false keeps only the surface" if kept else ""
         return [f"frames: about {size / 1e9:.1f} GB on disk at one frame every {self.every:g} s{cure}"]
 
-    def build(self, folder: Path, simulation: Simulation) -> "Frames":
-        return Frames(self, folder, simulation)
 
-
-class Frames(Observer):
+class Frames(Observer, of=Config):
     """Writes frames/grid.npz once, then frames/frame_00000.npz and so on, at intervals, each by an atomic write."""
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:

@@ -203,9 +203,6 @@ class Config(PeriodicConfig):
             taken, why = taken + ENCODER_BYTES[0] + ENCODER_BYTES[1] * pixels, f"{why}, and the encoder of the film"
         return [row._replace(bytes=int(taken), why=why)]
 
-    def build(self, folder: Path, simulation: Simulation) -> "Render":
-        return Render(self, folder, simulation)
-
 
 def config_options(config: Config, folder: Path) -> dict[str, Any]:
     """Options of `render_run` from a config; `every` is at least the interval between the frames in the folder."""
@@ -213,7 +210,7 @@ def config_options(config: Config, folder: Path) -> dict[str, Any]:
         return config.model_dump() | {"every": max(config.every, float(grid["every"]))}
 
 
-class Render(OutcomeObserver):
+class Render(OutcomeObserver, of=Config):
     """Draws film.mp4 while the run goes on, and all other pictures when it is over; then writes report.html again."""
 
     left_out = ("drawer", "progress", "every")  # of the process that goes on

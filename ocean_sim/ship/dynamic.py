@@ -20,8 +20,7 @@ from ocean_sim.files.input_file import FileName
 from ocean_sim.fluid import ClosedForm, Fluid
 from ocean_sim.parts import Preflight, Problems
 from ocean_sim.ship import Load
-from ocean_sim.ship.body.floating import FloatingConfig
-from ocean_sim.ship.body.floating_ship import FloatingShip, Immersion
+from ocean_sim.ship.body.floating import FloatingConfig, FloatingShip, Immersion
 from ocean_sim.ship.body.rigid_body import to_world
 from ocean_sim.ship.forces.added_mass import AddedMass, Slamming, water_reaction
 from ocean_sim.ship.forces.damping import Damping, Resistance

@@ -14,7 +14,7 @@ from ocean_sim.simulation import Simulation
 from ocean_sim.time_step.courant import Config as Courant
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.history import keep_step_time, step_time
-from ocean_sim.verbs.shared.options import Json, Profile, Scene, Sets
+from ocean_sim.verbs.shared.options import Profile, Scene, Sets
 from ocean_sim.verbs.shared.progress import kernel_notice
 
 WATER_FACTS = ("particles", "memory_mb", "pictures_mb", "bytes_a_particle", "most_particles", "time_step", "limited_by")
@@ -29,13 +29,12 @@ def check(
     sets: Sets = None,
     time: bool = typer.Option(False, "--time", help="Take some steps first, to estimate the wall time."),
     ledger: bool = typer.Option(False, "--ledger", help="Also print the table of memory and kernels, part by part."),
-    as_json: Json = False,
 ) -> None:
     """Report the memory, time step and wall time that a scene needs, and its problems."""
     try:
         config = load(scene, console.set_values(sets), profile)
     except SceneError as error:
-        if not as_json:
+        if not console.json_asked:
             raise
         problems = [problem._asdict() for problem in error.problems]
         wrong = {"ok": False, "error": console.problem_count(problems), "problems": problems, "warnings": []}
@@ -43,8 +42,7 @@ def check(
         raise typer.Exit(2) from None
     if time:
         console.must_compute_with(config.runtime.library)
-        if not as_json:
-            console.say(kernel_notice())
+        console.say(kernel_notice())
         from ocean_sim.observers.timings import synchronization
         from ocean_sim.verbs.bench import time_block
 
@@ -53,9 +51,7 @@ def check(
             steps, wall, _, _ = time_block(simulation, synchronization(simulation.backend.arch))
         keep_step_time(config, wall / steps)
     found = preflight(config)
-    if as_json:
-        console.answer(found | {"ledger": ledger_rows(found, config)})
-        return
+    console.answer(found | {"ledger": ledger_rows(found, config)})
     told = [*(f"warning: {each}" for each in found["warnings"]), *(f"note: {each}" for each in found["notes"])]
     console.say("\n".join([preflight_lines(found, config), *told, *ship_lines(found), *found["statements"]]))
     if ledger:

@@ -26,7 +26,7 @@ from ocean_sim.ship.hull.shapes import MeshFile, drawn_mesh
 from ocean_sim.ship.naval import hydrostatics
 from ocean_sim.ship.naval.stability import CROSS_HEELS, LAST_HEEL, Loading, Stability
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.options import Json, number_list
+from ocean_sim.verbs.shared.options import number_list
 
 ASSUMED_DENSITY_RATIO = 0.5  # of the water's density: what a hull without a mass is taken to weigh
 ROLL_AMPLITUDES_DEG = (5.0, 10.0, 20.0)  # [deg] amplitudes of roll
@@ -95,7 +95,6 @@ def hull(
         None, min=1e-9, help="Metres per unit of a mesh file: 0.001 for millimetres; else guessed."
     ),
     out: Path | None = typer.Option(None, help="The picture; by default runs/hull/<name>.png, with --json none."),
-    as_json: Json = False,
 ) -> int:
     """Describe a hull; the exit code is 2 where it is not one."""
     at, keels = number_list("--cg", cg, "0,1.2,-0.3"), number_list("--bilge-keels", bilge_keels, "12,0.3")
@@ -116,17 +115,15 @@ def hull(
         if isinstance(error, console.Refused):
             raise
         problems = error.problems if isinstance(error, BadMesh) else [f"{name}: {error_sentence(error)}"]
-        if not as_json:
+        if not console.json_asked:
             raise console.Refused("\n".join(problems)) from None
         console.answer({"error": problems[0], **EMPTY_ANSWER, "gz": [], "periods_s": {}, "problems": problems})
         return 2
-    picture = out or Path("runs/hull") / f"{Path(name).stem}.png" if out or not as_json else None
+    picture = out or Path("runs/hull") / f"{Path(name).stem}.png" if out or not console.json_asked else None
     if picture is not None:
         picture = picture if console.draw_if_able(draw_hull, picture, shape, found) else None
-    if as_json:
-        console.answer(found)
-    else:
-        print_report(name, found, notes, picture)
+    console.answer(found)
+    print_report(name, found, notes, picture)
     return 0
 
 

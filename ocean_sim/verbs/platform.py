@@ -25,7 +25,6 @@ from ocean_sim.platform.shared.own_log import COLUMN_KEYS, read_own_log
 from ocean_sim.reading.translation import checked, choice_sentence
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared import platform_pictures as pictures
-from ocean_sim.verbs.shared.options import Json
 
 FELT_COLUMNS = ("force_x", "force_y", "force_z", "rate_x", "rate_y", "rate_z")
 
@@ -51,7 +50,6 @@ def platform(
     key: Path | None = typer.Option(None, help="A file whose content signs every packet of ocean_sim."),
     film: bool = typer.Option(False, "--film", help="Also film.gif: the 10 s in which the hexapod moves most."),
     out: Path = typer.Option(Path("runs/platform"), help="Where platform.csv, metrics.csv and the pictures go."),
-    as_json: Json = False,
 ) -> None:
     """Turn a motion log into commands of a motion platform; all is computed before anything is written."""
     with console.claim(out, "platform.csv", ".platform-*"):
@@ -71,26 +69,23 @@ def platform(
         files = write_commands(out, ride, done, found, config, machine, frame, film)
         seconds = float(done.time[-1] - done.time[0])
         warnings = config.cut_short(seconds)
-        if not as_json:
-            for each in said:
-                console.say(f"{log}: {each}")
-            print_report(done, found, files)
-            for sentence in warnings:
-                console.say(f"warning: {sentence}")
+        for each in said:
+            console.say(f"{log}: {each}")
+        print_report(done, found, files)
+        for sentence in warnings:
+            console.say(f"warning: {sentence}")
         jitter = latency = None
         if sender is not None:
-            if not as_json:
-                console.say(f"streaming {seconds:.0f} s to {':'.join(map(str, sender.address[:2]))}")
+            console.say(f"streaming {seconds:.0f} s to {':'.join(map(str, sender.address[:2]))}")
             jitter, latency = stream_ride(sender, done, machine, frame or "flu"), sender.latency()
             files += write_leg_reports(out, sender)
-        if as_json:
-            answer: dict[str, Any] = {"log": log, "rows": len(done.time), "every_s": ride.every, "files": files}
-            answer["metrics"] = [metric._asdict() for metric in found]
-            answer |= {"warnings": warnings, "derived": said}
-            answer["stream"] = jitter._asdict() if jitter is not None else None
-            answer["latency"] = latency._asdict() if latency is not None else None
-            console.answer(answer)
-        elif jitter is not None:
+        answer: dict[str, Any] = {"log": log, "rows": len(done.time), "every_s": ride.every, "files": files}
+        answer["metrics"] = [metric._asdict() for metric in found]
+        answer |= {"warnings": warnings, "derived": said}
+        answer["stream"] = jitter._asdict() if jitter is not None else None
+        answer["latency"] = latency._asdict() if latency is not None else None
+        console.answer(answer)
+        if jitter is not None:
             console.say(f"{stream}: {jitter}")
             for told in (latency, sender.stop_report() if sender is not None else ""):
                 if told:

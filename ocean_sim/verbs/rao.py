@@ -19,7 +19,7 @@ from ocean_sim.verbs.render import warn_unless_ended
 from ocean_sim.verbs.resume import manifest_of, scene_of
 from ocean_sim.verbs.run import run_folder
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.options import Json, Profile, Sets
+from ocean_sim.verbs.shared.options import Profile, Sets
 from ocean_sim.verbs.shared.progress import Progress
 
 WITHOUT_PICTURES = ("frames=null", "render=null", "report=null")  # settings of a run for responses
@@ -43,7 +43,6 @@ def rao(
     ship: str | None = typer.Option(None, help="Which ship, where a scene has several."),
     begin: float = typer.Option(0.0, min=0.0, help="Ignore what is before this time [s], and before the waves' ramp."),
     out: Path | None = typer.Option(None, help="Where rao.csv and rao.png go; by default the folder of the run."),
-    as_json: Json = False,
 ) -> None:
     """Write the response of six motions per wave amplitude and slope over the frequency, with phase and coherence."""
     run = Path(target)
@@ -51,7 +50,7 @@ def rao(
         asked = load(target, console.set_values([*WITHOUT_PICTURES, *(sets or [])]), profile)
         console.must_compute_with(asked.runtime.library)
         with run_folder(f"{scene_path(target).stem}-rao", None, False, asked.files()) as folder:
-            run = simulate(asked, folder, (Progress(asked.duration, as_json),)).folder
+            run = simulate(asked, folder, (Progress(asked.duration, False),)).folder
     warn_unless_ended(run)
     config = scene_of(run, manifest_of(run), None)
     name = ship or next(iter(config.ships), "")
@@ -76,10 +75,8 @@ def rao(
     if not console.draw_if_able(draw_response, files[1], found, closed):
         files.pop()
     run_files.add_to_manifest(run, files)
-    if as_json:
-        facts |= {"files": files, "rows": [dict(zip(COLUMNS, row)) for row in rows]}
-        console.answer({"run": run, "ship": name} | facts)
-        return
+    facts |= {"files": files, "rows": [dict(zip(COLUMNS, row)) for row in rows]}
+    console.answer({"run": run, "ship": name} | facts)
     console.say(f"{run}, {name}: {notes['frequency']}; {notes['responses']}, with phases [deg]")
     console.table("", ["omega [rad/s]", "T [s]", *MOTIONS], response_lines(found))
     told = [f"in brackets: coherence below {TRUSTED_COHERENCE:g}", *(f"warning: {each}" for each in facts["warnings"])]

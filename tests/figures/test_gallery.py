@@ -81,4 +81,4 @@ def test_the_docs_show_every_picture_with_its_commands(monkeypatch):
 @pytest.mark.parametrize("name", ["showcas", "nothing"])
 def test_a_name_that_is_not_there_is_refused(name):
     with pytest.raises(gallery.console.Refused, match="there is no picture"):
-        gallery.gallery([name], False, False, None, False)
+        gallery.gallery([name], False, False, None)

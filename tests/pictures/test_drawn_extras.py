@@ -12,13 +12,13 @@ from ocean_sim.pictures.stage import opengl, wind_marks
 from ocean_sim.pictures.water import water_shading
 from ocean_sim.wind import Drawing
 from ocean_sim.wind.gusts import joined
-from ocean_sim.wind.shared import shapes
+from ocean_sim.wind.shared import place
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 
 
 def test_the_volumes_of_a_wind_are_told_apart_by_their_lines():
-    box = shapes.Core(half=(1.0, 2.0, 3.0), radius=0.0, yaw=0.3, centre=np.zeros(3)).edges()
+    box = place.Core(half=(1.0, 2.0, 3.0), radius=0.0, yaw=0.3, centre=np.zeros(3)).edges()
     lines = np.concatenate([box, box + [20.0, 0.0, 0.0]])[np.random.default_rng(1).permutation(24)]
     found = wind_marks.connected_parts(lines)
     assert sorted(len(part) for part in found) == [12, 12] and wind_marks.connected_parts(lines[:0]) == []
@@ -59,7 +59,7 @@ def test_no_slope_of_a_map_is_so_steep_that_it_is_black():
 def test_a_wind_is_drawn_where_it_blows(tmp_path, watched):
     simulation = watched((0.02,))
     simulation.fluid.rise = 0.0
-    corners = shapes.Core(half=(1.0, 1.5, 1.0), radius=0.0, yaw=0.0, centre=np.zeros(3)).edges()
+    corners = place.Core(half=(1.0, 1.5, 1.0), radius=0.0, yaw=0.0, centre=np.zeros(3)).edges()
     tails = np.array([[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]])
     blowing = Drawing(corners, tails, np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]))  # an arrow and a cross
     simulation.wind.drawing = lambda: blowing

@@ -26,8 +26,7 @@ from ocean_sim.studies.scene_tradeoff import (
 )
 from ocean_sim.studies.shared import pareto, runs
 from ocean_sim.studies.shared import study as table
-from ocean_sim.studies.shared.clocked import Clocked
-from ocean_sim.studies.shared.scene_run import run_measures
+from ocean_sim.studies.shared.scene_run import Clocked, run_measures
 from ocean_sim.studies.tradeoff import TRIAL_CASES, clock_column, equal_cost_rows, pareto_front, study_points
 from ocean_sim.validation import problems
 from ocean_sim.verbs import tradeoff as verb

@@ -11,8 +11,16 @@ import numpy as np
 
 from ocean_sim.files.yaml_file import read_mapping
 from ocean_sim.parts import library
-from ocean_sim.pictures.ships.ship_hull import Hull, Sheer
-from ocean_sim.pictures.ships.ship_parts import Block, Mesh, level_outline, merge_meshes, mirrored_pair, tube_mesh
+from ocean_sim.pictures.ships.ship_parts import (
+    Block,
+    Hull,
+    Mesh,
+    Sheer,
+    level_outline,
+    merge_meshes,
+    mirrored_pair,
+    tube_mesh,
+)
 from ocean_sim.pictures.stage.render_order import RenderFailed
 from ocean_sim.pictures.stage.sky import painted_light
 from ocean_sim.pictures.water import water_shading

@@ -19,8 +19,8 @@ FILM_CURE = "; Ctrl-C leaves it out, and so does --set render=null from the star
 class Bar:
     """Progress of work from 0 to `total`, as a bar on a terminal, else in lines; nothing is shown if `quiet`."""
 
-    def __init__(self, total: float, quiet: bool) -> None:
-        self.total, self.quiet = total, quiet
+    def __init__(self, total: float, quiet: bool = False) -> None:
+        self.total, self.quiet = total, quiet or console.json_asked
         self.shown = perf_counter()
         self.next_line = LINE_SHARE
         self.rich: Any = None
@@ -62,11 +62,11 @@ class Bar:
 class Drawing:
     """Progress bar for the pictures of a film; it once prints an estimate of the time left, after the first ones."""
 
-    def __init__(self, quiet: bool, cure: str = "") -> None:
+    def __init__(self, quiet: bool = False, cure: str = "") -> None:
         """`cure`: hint printed after the estimate on how to leave the film out."""
         self.bar, self.cure = Bar(1.0, quiet), cure
         self.first: tuple[float, int] | None = None  # wall time [s], and pictures that were drawn by then
-        self.estimated = quiet
+        self.estimated = self.bar.quiet
 
     def __call__(self, done: int, total: int) -> None:
         """Show that `done` of `total` pictures are drawn; the callback of a film."""
@@ -92,10 +92,10 @@ class Drawing:
         self.bar.close()
 
 
-def rows_of(study: "Study", quiet: bool) -> list[dict[str, Any]]:
+def rows_of(study: "Study") -> list[dict[str, Any]]:
     """Run all points of a study under a progress bar and return its table rows; raises Stopped on Ctrl-C."""
     total, began = len(study.points), perf_counter()
-    bar = Bar(max(1.0, total), quiet)
+    bar = Bar(max(1.0, total))
     try:
         bar.show(0.0, f"0 of {total} runs; the first compiles its kernels")
         for done in study.run():

@@ -47,7 +47,6 @@ Sets = Annotated[
     typer.Option("--set", help="key=value, laid over the scene, as fluid.spacing=0.8; may be given several times."),
 ]
 Out = Annotated[Path | None, typer.Option(help="The run folder; by default runs/<scene>.")]
-Json = Annotated[bool, typer.Option("--json", help="Print the answer as JSON.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print only the run folder, and errors.")]
 
 

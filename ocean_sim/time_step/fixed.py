@@ -35,7 +35,7 @@ class Fixed:
 
     @property
     def adjustable(self) -> dict[str, Setting]:
-        return {"dt": Setting(self.config.dt, "s")}
+        return {"dt": Setting(self.config.dt, "s", (0.2 * self.config.dt, 1.6 * self.config.dt))}
 
     def adjust(self, **values: float) -> None:
         self.config = self.config.model_copy(update=values)

@@ -50,8 +50,7 @@ class Courant:
 
     @property
     def adjustable(self) -> dict[str, Setting]:
-        now = self.config.courant_number
-        return {"courant_number": Setting(now, "1", (0.2 * now, 1.6 * now))}
+        return {"courant_number": Setting(now := self.config.courant_number, "1", (0.2 * now, 1.6 * now))}
 
     def adjust(self, **values: float) -> None:
         self.config = self.config.model_copy(update=values)

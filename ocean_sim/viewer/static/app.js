@@ -24,7 +24,6 @@ const state = {
   panel: null, paused: true, connected: false, scale: 1, replays: [], time: 0, speed: 1, drawn: 0, frames: 0,
   throttle: 0, rudder: 0, steered: -1e9, picking: false, dirty: true, back: false, begin: 0, end: 0,
 };
-window.oceanSim = { state, camera, painter, plots, XR, M, History };  // for those who look into the page, tests among them
 
 // --- what comes in ------------------------------------------------------------------------------------------------------
 
@@ -32,6 +31,7 @@ function begin(stills) {
   for (const world of state.worlds) world.free();
   state.worlds = stills.map((still) => new World(gl, painter, still));
   const first = state.worlds[0], still = first.still;
+  if (state.panel) still.sea = state.panel.sea;  // as sliders have set it
   $("title").textContent = state.worlds.length > 1 ? START.runs.map((run) => run.name).join("  |  ") : still.title;
   $("title").title = stills.map((one) => one.title).join(" | ");
   $("count").hidden = !still.particles && still.fluid === "";
@@ -47,6 +47,7 @@ function begin(stills) {
   const modes = camera.modes(first);
   if (!modes.includes(camera.mode)) camera.mode = modes[0];
   segments($("cameras"), modes, () => camera.mode, (name) => { camera.mode = name; camera.turn = camera.tilt = 0; state.dirty = true; });
+  if (camera.home !== first.sea) { camera.home = first.sea; camera.reset(); }
   camera.ship = Math.min(camera.ship, Math.max(first.ships.length - 1, 0));
   $("whichShip").hidden = first.ships.length < 2;
   $("whichShip").innerHTML = first.ships.map((ship, k) => `<option value="${k}">${escaped(ship.name)}</option>`).join("");
@@ -258,8 +259,8 @@ function instruments() {
     document.querySelector("#legend b").innerHTML = [0, 0.5 * top, top].map((v) => `<span>${+v.toPrecision(2)}</span>`).join("") + "<span>m/s</span>";
   }
   $("scrubBar").hidden = LIVE && !(live.history.end - live.history.times[0] > 0.2);
-  if (!LIVE) return;
   $("toLive").hidden = !state.back;
+  if (!LIVE) return;
   if (state.back) span(); else $("scrub").value = 1000;
   $("ago").textContent = state.back ? `−${(state.end - state.time).toFixed(1)} s` : `${short(live.history.end - live.history.times[0])} s`;
 }
@@ -268,6 +269,7 @@ function instruments() {
 function greet() {
   if (store("greeted")) return;
   $("first").hidden = false;
+  if (!LIVE) $("first").querySelector("ul").innerHTML = "<li><b>Space</b> pauses; the bar goes to any time</li><li><b>Drag</b> to look around, 1 to 5 choose a camera</li><li><b>?</b> lists all keys</li>";
   const done = () => { $("first").hidden = true; store("greeted", "1"); removeEventListener("keydown", done); };
   $("firstDone").onclick = done;
   addEventListener("keydown", done);
@@ -398,9 +400,9 @@ function steer(throttle, rudder) {
   steer.timer ||= setTimeout(() => { steer.timer = 0; send({ do: "steer", ship: ship.name, throttle: state.throttle, rudder: state.rudder }); }, 30);
 }
 
-// Packaged scenes: those with pictures first, then the gallery's, and none of a benchmark.
+// Packaged scenes: the gallery first, those with pictures before others, and none of a benchmark.
 function scenes(rows) {
-  const plain = (text) => escaped(text.replaceAll("`", "")), order = (r) => (r.picture ? 0 : r.name.startsWith("gallery/") ? 1 : 2);
+  const plain = (text) => escaped(text.replaceAll("`", "")), order = (r) => 2 * !/^(gallery\/|showcase)/.test(r.name) + !r.picture;
   rows = rows.filter((r) => !r.name.startsWith("bench/")).sort((a, b) => order(a) - order(b));
   const draw = () => {
     const find = $("sceneFilter").value.toLowerCase();
@@ -766,6 +768,7 @@ async function replay() {
   pausedIs(false);
 }
 
+window.oceanSim = { state, camera, painter, plots, XR, M, History, live };  // for those who look into the page, tests among them
 const [seenFrom, seenAs] = location.hash.slice(1).split(",");  // as `Copy link` leaves them
 if (seenFrom) Object.assign(camera, { mode: seenFrom });
 if (seenAs) state.content = seenAs;

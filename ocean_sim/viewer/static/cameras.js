@@ -8,8 +8,9 @@ class Camera {
     this.reset();
   }
 
+  // Over a sea the sun is abeam, so that its glint does not hide the water.
   reset() {
-    Object.assign(this, { azimuth: 0.66, height: 0.34, distance: 1, shift: [0, 0, 0], turn: 0, tilt: 0 });
+    Object.assign(this, { azimuth: this.home ? -0.6 : 0.66, height: 0.34, distance: 1, shift: [0, 0, 0], turn: 0, tilt: 0 });
   }
 
   drag(right, up) {

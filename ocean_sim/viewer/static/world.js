@@ -465,11 +465,12 @@ class World {
     const path = [...(this.route.length && this.poses[0] ? [this.poses[0].position] : []), ...this.route.map(([x, z]) => [x, this.level, z])];
     if (path.length > 1) {
       const ends = new Float32Array(path.flatMap((p) => [p[0], p[1] + 0.4, p[2]])), hues = new Float32Array(path.flatMap(() => [1, 0.82, 0.25]));
-      const made = array(gl, [[0, buffer(gl, ends), 3], [1, buffer(gl, hues), 3]]);
+      const kept = [buffer(gl, ends), buffer(gl, hues)], made = array(gl, [[0, kept[0], 3], [1, kept[1], 3]]);
       painter.line.use({ view, alpha: 1 });
       gl.bindVertexArray(made);
       gl.drawArrays(gl.LINE_STRIP, 0, path.length);
       gl.deleteVertexArray(made);
+      for (const one of kept) gl.deleteBuffer(one);
     }
     gl.disable(gl.BLEND);
   }

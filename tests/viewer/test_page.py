@@ -130,8 +130,8 @@ def test_a_replay_opens_from_a_file_and_scrubs(run, tmp_path):
         balls = browser.js("oceanSim.state.worlds[0].balls.count")
         assert balls == 400 and browser.js("oceanSim.state.worlds[0].spray.count") == 20
         before = browser.picture()
-        browser.js("document.getElementById('scrub').value = 900; document.getElementById('scrub').oninput()")
         drawn = browser.js("oceanSim.state.drawn")
+        browser.js("document.getElementById('scrub').value = 900; document.getElementById('scrub').oninput()")
         browser.wait(f"oceanSim.state.drawn > {drawn}")
         assert browser.picture() != before
         # Of a live page, the last minute: at most so many moments, and so many bytes.

@@ -31,7 +31,7 @@ function begin(stills) {
   for (const world of state.worlds) world.free();
   state.worlds = stills.map((still) => new World(gl, painter, still));
   const first = state.worlds[0], still = first.still;
-  if (state.panel) still.sea = state.panel.sea;  // as sliders have set it
+  if (state.panel?.sea) still.sea = state.panel.sea;  // as sliders have set it
   $("title").textContent = state.worlds.length > 1 ? START.runs.map((run) => run.name).join("  |  ") : still.title;
   $("title").title = stills.map((one) => one.title).join(" | ");
   $("count").hidden = !still.particles && still.fluid === "";
@@ -270,7 +270,12 @@ function greet() {
   if (store("greeted")) return;
   $("first").hidden = false;
   if (!LIVE) $("first").querySelector("ul").innerHTML = "<li><b>Space</b> pauses; the bar goes to any time</li><li><b>Drag</b> to look around, 1 to 5 choose a camera</li><li><b>?</b> lists all keys</li>";
-  const done = () => { $("first").hidden = true; store("greeted", "1"); removeEventListener("keydown", done); };
+  const done = (event) => {
+    if (event.key === "Tab") return;
+    $("first").hidden = true;
+    store("greeted", "1");
+    removeEventListener("keydown", done);
+  };
   $("firstDone").onclick = done;
   addEventListener("keydown", done);
 }
@@ -359,7 +364,7 @@ function panel(now) {
   const ship = now.ships[camera.ship];
   const world = state.worlds[0];
   if (ship && world) world.route = ship.route;
-  if (world) world.still.sea = now.sea;
+  if (world && now.sea) world.still.sea = now.sea;
   helmBar();
   state.dirty = true;
 }

@@ -47,7 +47,6 @@ function begin(stills) {
   const modes = camera.modes(first);
   if (!modes.includes(camera.mode)) camera.mode = modes[0];
   segments($("cameras"), modes, () => camera.mode, (name) => { camera.mode = name; camera.turn = camera.tilt = 0; state.dirty = true; });
-  if (camera.home !== first.sea) { camera.home = first.sea; camera.reset(); }
   camera.ship = Math.min(camera.ship, Math.max(first.ships.length - 1, 0));
   $("whichShip").hidden = first.ships.length < 2;
   $("whichShip").innerHTML = first.ships.map((ship, k) => `<option value="${k}">${escaped(ship.name)}</option>`).join("");
@@ -647,6 +646,8 @@ function draw() {
   const ratio = Math.min(devicePixelRatio || 1, 2) * state.scale;
   const width = Math.max(Math.round(canvas.clientWidth * ratio), 2), height = Math.max(Math.round(canvas.clientHeight * ratio), 2);
   if (canvas.width !== width || canvas.height !== height) { canvas.width = width; canvas.height = height; }
+  const seen = state.worlds[0];
+  if (seen.after && camera.of !== seen.still.title) { camera.of = seen.still.title; camera.face(seen, painter.sky.lit.sunDir); }
   const n = state.worlds.length, free = freeBox(n), options = { lines: state.lines, mirror: state.mirror, light: root.dataset.theme === "light" };
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   gl.enable(gl.SCISSOR_TEST);

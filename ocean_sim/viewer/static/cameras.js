@@ -8,9 +8,16 @@ class Camera {
     this.reset();
   }
 
-  // Over a sea the sun is abeam, so that its glint does not hide the water.
+  // Look at another world: over a sea off a bow of its ship, on the side where the sun's glint hides less of the water.
+  face(world, sun) {
+    const m = world.ships[0]?.pose, heading = m ? Math.atan2(m[8], m[10]) : 0, bright = Math.atan2(sun[0], sun[2]);
+    const sides = [heading + 0.75, heading - 0.75].sort((a, b) => Math.cos(b - bright) - Math.cos(a - bright));
+    this.home = world.sea ? sides[0] : 0.66;
+    this.reset();
+  }
+
   reset() {
-    Object.assign(this, { azimuth: this.home ? -0.6 : 0.66, height: 0.34, distance: 1, shift: [0, 0, 0], turn: 0, tilt: 0 });
+    Object.assign(this, { azimuth: this.home ?? 0.66, height: 0.34, distance: 1, shift: [0, 0, 0], turn: 0, tilt: 0 });
   }
 
   drag(right, up) {

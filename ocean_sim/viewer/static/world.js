@@ -165,7 +165,7 @@ class World {
       const half = 0.46 * this.ships[k].length, here = { time, x: x - (half * m[8]) / n, z: z - (half * m[10]) / n, speed: 0 }, last = trail[trail.length - 1];
       const way = last ? Math.hypot(here.x - last.x, here.z - last.z) : 0;
       if (last && way < 0.2 * this.ships[k].beam) return;
-      if (last) here.speed = way / Math.max(time - last.time, 1e-6);
+      if (last) here.speed = ((here.x - last.x) * m[8] + (here.z - last.z) * m[10]) / n / Math.max(time - last.time, 1e-6);  // ahead
       trail.push(here);
       while (trail[0].time < time - keep) trail.shift();
     });

@@ -14,6 +14,7 @@ import typer
 from ocean_sim.files import run_files
 from ocean_sim.files.run_files import MANIFEST_FILE
 from ocean_sim.machine import stoppable
+from ocean_sim.parts import library
 from ocean_sim.verbs.list import section_rows
 from ocean_sim.verbs.render import require_frames
 from ocean_sim.verbs.shared import console
@@ -64,12 +65,19 @@ def serve_play(
     source = Source.of(scene, profile, console.set_values(sets))
     console.must_compute_with(source.load().runtime.library)  # what is wrong is told before anything is opened
     with stoppable(), Server(live_files(source.name), host, port, access_token(host), {"drives": True}) as server:
-        announce_page(server, show, "building; the page shows the water as soon as it is there")
+        announce_page(server, show, "the scene starts when a page is opened")
         with suppress(KeyboardInterrupt):
-            folder = out or Path("runs") / f"{source.name}-browser"
-            with Session(source, server, folder, lambda: section_rows("scenes")) as session:
+            with Session(source, server, out or Path("runs") / f"{source.name}-browser", scene_rows) as session:
                 session.play()
     console.say("stopped")
+
+
+def scene_rows() -> list[dict[str, str]]:
+    """Packaged scenes as in `section_rows`, each with the file of the gallery's `picture` of it, or an empty name."""
+    from ocean_sim.verbs.gallery import gallery_entries
+
+    shown = {entry.scene: entry.picture for entry in reversed(gallery_entries())}  # the first of each
+    return [row | {"picture": shown.get(row["name"], "")} for row in section_rows("scenes")]
 
 
 def live_files(title: str) -> dict[str, Any]:
@@ -81,6 +89,7 @@ def live_files(title: str) -> dict[str, Any]:
         "/": (HTML_TYPE, lambda: page_document(f"{title} · Ocean Sim", {"mode": "live"})),
         "/sky": (BYTES_TYPE, sky_packet),
         "/schema": (JSON_TYPE, lambda: json.dumps(scene_schema()).encode()),
+        **{f"/{path.name}": ("image/jpeg", path.read_bytes) for path in (library("figures") / "gallery").glob("*.jpg")},
     }
 
 

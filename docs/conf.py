@@ -1,9 +1,11 @@
 """Configuration of Sphinx for these pages: `./sandbox docs`. Nothing is fetched; a warning is an error."""
 
+import re
 import sys
 from pathlib import Path
 from typing import Any
 
+import yaml
 from docutils import nodes
 from latex2mathml.converter import convert
 
@@ -13,18 +15,22 @@ import generate  # noqa: E402
 
 project = "Ocean Sim"
 copyright = "Ocean Sim contributors"
-extensions = ["myst_parser", "sphinx.ext.autodoc"]
-myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.githubpages"]  # the last: hosts keep _static/
+myst_enable_extensions = ["dollarmath", "deflist", "colon_fence", "attrs_inline"]
 myst_heading_anchors = 3
 html_theme = "furo"
 html_title = "Ocean Sim"
 html_show_sphinx = False
-html_static_path: list[str] = []
+html_show_search_summary = False  # it would fetch pages, which browsers refuse on file://
+html_copy_source = False
+html_static_path = ["static"]
+html_css_files = ["pages.css"]
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
 html_math_renderer = "mathml"
 exclude_patterns = ["tutorials/*.py", "_build"]
 suppress_warnings = ["myst.header"]
+contents = yaml.safe_load((Path(__file__).parent / "contents.yaml").read_text(encoding="utf-8"))
 
 
 def inline_math(self: Any, node: nodes.math) -> None:
@@ -37,7 +43,20 @@ def block_math(self: Any, node: nodes.math_block) -> None:
     raise nodes.SkipNode
 
 
+def add_contents(app: Any, page: str, source: list[str]) -> None:
+    """Add the tree of pages to its roots, and lead links to tutorials to their pages.
+
+    On the web's view of files the page so shows no directive, and its links open the scripts.
+    """
+    source[0] = re.sub(r"\]\(((?:\.\./)?)tutorials/(\w+)\.py\)", r"](\1generated/tutorial_\2.md)", source[0])
+    for caption, names in app.config.contents.get(page, {}).items():
+        shown = ":reversed:" if "*" in names[0] else ":hidden:"
+        source[0] += "\n".join(["\n```{toctree}", f":caption: {caption}", ":glob:", shown, "", *names, "```\n"])
+
+
 def setup(app: Any) -> None:
     """Browsers draw MathML by themselves, so that no script is fetched for formulas."""
+    app.add_config_value("contents", {}, "env")  # another tree builds all pages anew
     app.add_html_math_renderer("mathml", (inline_math, None), (block_math, None))
+    app.connect("source-read", add_contents)
     app.connect("builder-inited", lambda app: generate.pages(Path(app.srcdir) / "generated"))

@@ -7,6 +7,8 @@ import ast
 import csv
 import re
 import shutil
+import textwrap
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from importlib import import_module
 from pathlib import Path
@@ -41,6 +43,16 @@ NO_FIGURE = {
 }
 
 
+GUIDES = {  # of each slot, the page that helps to choose
+    "sea": "[A patch of open sea](../guide/patch.md)",
+    "wind": "[Which wind](../guide/wind.md)",
+    "fluid": "[Which water](../guide/water.md)",
+    "surface": "[Which surface](../guide/surface.md)",
+    "ship": "[Ships](../guide/ships.md)",
+    "platform": "[Platforms](../guide/platforms.md)",
+    "time_step": "[Water, by equation](../theory/sph.md)",
+}
+
 ELSEWHERE = {
     "slice, two-dimensional": "2-D: a basin without a `width`, a vertical slice",
     "in space, three-dimensional": "3-D: a basin with a `width`",
@@ -72,6 +84,7 @@ def pages(folder: Path) -> None:
         "figures": figures(),
         "errata": errata(),
         "glossary": glossary(),
+        "gallery": gallery(),
         "files": checked_files(),
         "terms": terms(),
         "changes": (DOCS.parent / "CHANGELOG.md").read_text(encoding="utf-8"),
@@ -194,25 +207,30 @@ def on(name: str) -> bool:
 
 
 def slot_sentence(slot: str) -> str:
-    return module_sentence(PACKAGE / slot / "__init__.py")
+    """What a slot holds: the opening of its docstring, up to what it says of its modules."""
+    return module_sentence(PACKAGE / slot / "__init__.py").partition(":")[0].rstrip(".") + "."
 
 
 def choices(slot: str) -> str:
     return ", ".join(code(name) for name in dict.fromkeys((*kinds(slot), *named(slot))))
 
 
-def key_table(rows: Sequence[Key]) -> str:
-    cells = [
-        [
-            code(key.path),
-            key.takes + (f" [{key.unit}]" if key.unit not in ("", "1") else ""),
-            code(key.default),
-            key.range,
-        ]
-        + [key.meaning]
-        for key in rows
-    ]
-    return table(["key", "takes", "default", "range", "meaning"], cells)
+def key_table(rows: Sequence[Key], prefix: str = "") -> str:
+    """Keys without their common prefix, the values that each takes, and its meaning; fits a page 1280 px wide."""
+    cells = [[code(key.path.removeprefix(prefix)), ", ".join(filter(None, values(key))), key.meaning] for key in rows]
+    return framed(table(["key", "takes", "meaning"], cells), "keys")
+
+
+def values(key: Key) -> Iterator[str]:
+    """Type with its unit, range and default of a key."""
+    yield key.takes + (f" [{key.unit}]" if key.unit not in ("", "1") else "")
+    yield key.range
+    yield "required" if key.default == "required" else f"default `{key.default}`" if key.default else ""
+
+
+def framed(rows: str, name: str) -> str:
+    """A table with a class for its style in `static/pages.css`."""
+    return f":::{{table}}\n:class: {name}\n\n{rows}:::\n"
 
 
 def sections() -> dict[str, str]:
@@ -221,11 +239,13 @@ def sections() -> dict[str, str]:
     found["runtime"] = page("The machine", "runtime", own_keys("runtime"))
     for slot in SLOTS:
         parts = [[code(name), part_sentence(slot, name)] for name in (*kinds(slot), *named(slot))]
-        text = [f"# {slot}\n", slot_sentence(slot) + "\n", table(["kind or preset", ""], parts)]
+        choose = f"{slot_sentence(slot)} Choose a kind or a preset; {GUIDES[slot]} helps. Signs: [axes](../axes.md).\n"
+        text = [f"# {slot}\n", choose, framed(table(["kind or preset", ""], parts), "words")]
         for kind in kinds(slot):
             own = [key for key in scene_keys() if key.section == f"{slot}.{kind}"]
             example = next((key.example for key in own), "")
-            text += [f"## {slot}: {kind}\n", part_sentence(slot, kind) + "\n", key_table(own)]
+            begin = f" Its keys begin with `{slot}.{kind}.`:" if own else ""
+            text += [f"## {slot}: {kind}\n", f"{part_sentence(slot, kind)}{begin}\n", key_table(own, f"{slot}.{kind}.")]
             text += [f"As `--set` takes it: `{example}`.\n"] if example and "..." not in example else []
         found[slot] = "\n".join(text)
     text = ["# Observers\n", "Who watches a run and writes files.\n"]
@@ -298,13 +318,24 @@ def all_kinds() -> str:
         "Taken from the source: what a module computes, after whom, and what it is known to do badly.\n",
     ]
     for slot in SLOTS:
-        modules = [*sorted((PACKAGE / slot).glob("[!_]*.py")), *sorted((PACKAGE / slot).glob("*/[!_]*.py"))]
         text.append(f"## {slot}\n")
-        for path in modules:
-            words = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))
-            name = path.relative_to(PACKAGE).as_posix()
-            text.append(f"### {name}\n\n```{{code-block}} text\n{words}\n```\n")
+        for path in [*sorted((PACKAGE / slot).glob("[!_]*.py")), *sorted((PACKAGE / slot).glob("*/[!_]*.py"))]:
+            words = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+            name = path.relative_to(PACKAGE / slot).with_suffix("").as_posix()
+            text.append(f"### {slot}: {name.replace('/', ', ')}\n\n{prose(words)}\n")
     return "\n".join(text)
+
+
+def prose(docstring: str) -> str:
+    """Markdown of a docstring: its paragraphs, with code and what is indented as they stand."""
+    shown = []
+    for paragraph in docstring.split("\n\n"):
+        if paragraph.startswith(" "):
+            shown.append(f"```{{code-block}} text\n{textwrap.dedent(paragraph)}\n```")
+        else:
+            pieces = re.split(r"(`[^`]*`)", paragraph)
+            shown.append("".join(p if p.startswith("`") else re.sub(r"([*_|$<\[\]#\\])", r"\\\1", p) for p in pieces))
+    return "\n\n".join(shown)
 
 
 # --- results
@@ -323,56 +354,117 @@ def number(text: str) -> str:
 
 
 def validation() -> str:
-    """Every case with its table and its picture, from the results that are kept in docs/results."""
+    """Misses, a line a case with its worst row, and each case with its picture, from the results in docs/results."""
     rows = rows_of("validate")
-    cases = dict.fromkeys(row["case"] for row in rows)
+    cases: dict[str, list[dict[str, str]]] = {}
+    for row in rows:
+        cases.setdefault(row["case"], []).append(row)
     promised = [row for row in rows if row["tolerance"]]
-    kept = sum(row["ok"] == "True" for row in promised)
-    text = [
-        "# Validation\n",
-        (DOCS / "validation.md.in").read_text(encoding="utf-8"),
-        f"{len(cases)} cases, {len(rows)} rows; {kept} of {len(promised)} tolerances kept.\n",
-    ]
-    for case in cases:
-        words = ast.get_docstring(ast.parse((PACKAGE / "validation" / f"{case}.py").read_text(encoding="utf-8"))) or ""
-        text += [f"## {case}\n", words.split("\n\n")[0].replace("\n", " ") + "\n"]
-        own = [row for row in rows if row["case"] == case]
-        cells = [
-            [r["scheme"], r["quantity"], number(r["value"]), number(r["reference"])]
-            + [number(r["error"]) + (f" {r['unit']}" if r["unit"] != "1" else ""), number(r["tolerance"])]
-            + ["reported" if not r["tolerance"] else "kept" if r["ok"] == "True" else "**missed**", r["source"]]
-            for r in own
+    missed = [row for row in promised if row["ok"] != "True"]
+    misses = "".join(f"- {row['case']}, `{row['scheme']}`: {row['quantity']}: {judged(row)}\n" for row in missed)
+    first = [f"[{case}](#{case}) {count}" for case, count in Counter(row["case"] for row in missed).items()]
+    lines = [line_of(case, own) for case, own in cases.items()]
+    return "\n".join(
+        [
+            "# Validation\n",
+            f"{len(cases)} cases, {len(rows)} rows; {len(promised) - len(missed)} of {len(promised)} tolerances kept. "
+            f"Missed: {', '.join(first)}.\n",
+            f"<details><summary>The {len(missed)} misses</summary>\n\n{misses}\n</details>\n",
+            framed(table(["case", "kept", "its worst row"], lines), "cases"),
+            (DOCS / "validation.md.in").read_text(encoding="utf-8"),
+            *(case_section(case, own) for case, own in cases.items()),
         ]
-        heads = ["scheme", "quantity", "value", "reference", "error", "tolerance", "", "source"]
-        text.append(table(heads, cells))
-        if (RESULTS / f"{case}.png").is_file():
-            text.append(f"![{case}](../results/{case}.png)\n")
-    return "\n".join(text)
+    )
+
+
+def judged(row: dict[str, str]) -> str:
+    """Error and tolerance of a row, with their unit."""
+    unit = "" if row["unit"] == "1" else f" {row['unit']}"
+    return f"error {number(row['error'])}{unit}, tolerance {number(row['tolerance'])}{unit}"
+
+
+def share_of_tolerance(row: dict[str, str]) -> float:
+    """Size of the error over the tolerance; 0 where none at all is allowed."""
+    allowed = float(row["tolerance"])
+    return abs(float(row["error"])) / allowed if allowed else 0.0
+
+
+def line_of(case: str, rows: Sequence[dict[str, str]]) -> list[str]:
+    """A case in a line: its name, the tolerances kept, and the row whose error is the largest part of its tolerance."""
+    promised = [row for row in rows if row["tolerance"]]
+    worst = max(promised, key=lambda row: (row["ok"] != "True", share_of_tolerance(row)), default=None)
+    kept = f"{sum(row['ok'] == 'True' for row in promised)} of {len(promised)}"
+    words = f"{worst['quantity']} (`{worst['scheme']}`): {judged(worst)}" if worst else "only reported"
+    return [f"[{case}](#{case})", kept, words]
+
+
+def case_section(case: str, rows: Sequence[dict[str, str]]) -> str:
+    """A case: its sentence and picture, and its rows and their sources, folded."""
+    words = ast.get_docstring(ast.parse((PACKAGE / "validation" / f"{case}.py").read_text(encoding="utf-8"))) or ""
+    cells = [
+        [row["scheme"], row["quantity"], number(row["value"]), number(row["reference"])]
+        + [number(row["error"]) + (f" {row['unit']}" if row["unit"] != "1" else ""), number(row["tolerance"])]
+        + ["reported" if not row["tolerance"] else "kept" if row["ok"] == "True" else "**missed**"]
+        for row in rows
+    ]
+    heads = ["scheme", "quantity", "value", "reference", "error", "tolerance", ""]
+    sources = "".join(f"- {source}\n" for source in dict.fromkeys(row["source"] for row in rows))
+    return "\n".join(
+        [
+            f"({case})=\n## {case}\n\n{' '.join(words.split(chr(10) * 2)[0].split())}\n",
+            f"![{case}](../results/{case}.png){{.case}}\n" if (RESULTS / f"{case}.png").is_file() else "",
+            f"<details><summary>All {len(rows)} rows, and their sources</summary>\n",
+            table(heads, cells),
+            f"{sources}\n</details>\n",
+        ]
+    )
 
 
 def figures() -> str:
-    """Figures of the thesis: contents, our command and its processor time."""
+    """Figures of the thesis: ours, its command, the processor time, and what the thesis says of it in numbers."""
     from ocean_sim.verbs.figure import figure_scripts
     from ocean_sim.verbs.figure import figure_sentence as shows
 
     took = {row["figure"]: [row["full_s"], row["fast_s"]] for row in rows_of("figures")}
-    heads = ["processor time", "with `--fast`"]
     cells = []
     for name, path in figure_scripts().items():
         if name[0].isdigit():
-            what = shows(path).partition(": ")[2] or shows(path)
-            times = [f"{float(seconds):.0f} s" if seconds else "" for seconds in took.get(name, ["", ""])]
-            cells.append([name, what, f"`ocean-sim figure {name}`", NUMBERS.get(name, "none"), *times])
+            what = (shows(path).partition(": ")[2] or shows(path)).removesuffix(": CSV and PNG.").rstrip(".")
+            full, fast = (f"{float(seconds):.0f} s" if seconds else "" for seconds in took.get(name, ["", ""]))
+            thesis = f" In the thesis: {NUMBERS[name]}." if name in NUMBERS else ""
+            picture = (
+                f"![Figure {name}](../results/figures/{name}.jpg)"
+                if (RESULTS / "figures" / f"{name}.jpg").is_file()
+                else ""
+            )
+            time = f" {full} of processor time, {fast} with `--fast`." if full else ""
+            cells.append([picture, f"**{name}** {what[0].upper()}{what[1:]}. `ocean-sim figure {name}`:{time}{thesis}"])
     left = [[name, why] for name, why in NO_FIGURE.items()]
     return "\n".join(
         [
             "# The thesis, figure by figure\n",
             (DOCS / "figures.md.in").read_text(encoding="utf-8"),
-            table(["figure", "ours", "command", "its number, and ours", *heads], cells),
+            framed(table(["made with `--fast`", "figure"], cells), "pictures"),
             "## Not drawn\n",
             table(["figure", "is"], left),
         ]
     )
+
+
+def gallery() -> str:
+    """Pictures of the gallery, each with the commands that make it."""
+    from ocean_sim.verbs.gallery import gallery_entries, show_entry
+
+    text = [
+        "# Gallery\n",
+        "`./sandbox gallery` makes the pictures of `figures/gallery` that are older than what draws them, or than the",
+        "laws of the water, wind, surface and ships that they show; `--all` makes all, a name one, and `--check` lists",
+        "the old ones.\n",
+    ]
+    for entry in gallery_entries():
+        picture = f"![{entry.about}](../../figures/gallery/{entry.picture})\n"
+        text += [f"## {entry.about}\n", picture, "```text", *show_entry(entry), "```\n"]
+    return "\n".join(text)
 
 
 def errata() -> str:
@@ -398,20 +490,25 @@ def short(text: str) -> str:
 
 
 def glossary() -> str:
-    """One word for one thing, from `ocean_sim/conventions.py`."""
+    """Words of the field, those of others, and one word for one thing from `ocean_sim/conventions.py`."""
     whole = conventions.__doc__ or ""
     axes, _, words = whole.partition("One word for one thing, in names, messages and docs:")
     lines = [line for line in words.strip().splitlines() if line.strip()]
     split = [re.split(r" {2,}", line, maxsplit=1) for line in lines]
     cells = [[pair[0], pair[1] if len(pair) > 1 else ""] for pair in split]
-    elsewhere = [[theirs, ours] for theirs, ours in ELSEWHERE.items()]
+    elsewhere = list(ELSEWHERE.items())
     return "\n".join(
         [
-            "# Glossary, units and axes\n",
-            axes,
-            table(["word", "is"], cells),
+            "# Glossary\n",
+            "## Words of the field\n",
+            "[One sketch](../axes.md) shows axes, headings and signs.\n",
+            framed((DOCS / "field_words.md.in").read_text(encoding="utf-8"), "words"),
             "## What others call it\n",
-            table(["in papers and other programs", "here"], elsewhere),
+            framed(table(["in papers and other programs", "here"], elsewhere), "words"),
+            "## Words of this program\n",
+            axes,
+            "One word for one thing, in names, messages and docs:\n",
+            framed(table(["word", "is"], cells), "words"),
         ]
     )
 
@@ -420,8 +517,11 @@ def glossary() -> str:
 
 
 def literate(path: Path) -> str:
-    """Page of a script: comments after a line `# %%` become text, the rest code."""
-    return "\n".join(f"```python\n{text}\n```\n" if is_code else f"{text}\n" for is_code, text in blocks(path))
+    """Page of a script: comments after a line `# %%` become text, the rest code; the picture that it draws ends it."""
+    picture = RESULTS / "tutorials" / f"{path.stem}.png"
+    drawn = [f"## What it draws\n\n![{path.stem}](../results/tutorials/{picture.name})\n"] if picture.is_file() else []
+    pages = (f"```python\n{text}\n```\n" if is_code else f"{text}\n" for is_code, text in blocks(path))
+    return "\n".join([*pages, *drawn])
 
 
 def blocks(path: Path) -> Iterator[tuple[bool, str]]:

@@ -52,6 +52,13 @@ def keep(figure: Any, path: Path, found: str = "") -> None:
     figure.savefig(path, dpi=DPI, metadata={"Software": None})
 
 
+def set_plan(axes: Any, **words: Any) -> None:
+    """Draw places x, z as seen from above, as maps of `render --camera top`: x to the right and z down. Axes in space
+    whose third direction is up are then right-handed, too. `words` set other properties of the axes."""
+    axes.set(xlabel="x [m]", ylabel="z [m]", **words)
+    axes.yaxis.set_inverted(True)
+
+
 def lit(points: np.ndarray, triangles: np.ndarray, colours: np.ndarray) -> np.ndarray:
     """(m, 3) colours of the triangles of a surface with points (n, 3) of x, y up and z, in the light of a low sun:
     level ones as they are."""

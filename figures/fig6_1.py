@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from _options import options
-from _paper import INK, keep, lit, paper, table
+from _paper import INK, keep, lit, paper, set_plan, table
 
 from ocean_sim.fluid import with_particles
 from ocean_sim.observers.accuracy import highest_particles, surface_fit
@@ -36,7 +36,7 @@ def drawn(position: np.ndarray, mesh: Mesh, rows: np.ndarray, spacing: float, rm
             skin.set_facecolor(np.insert(lit(high, mesh.triangles, np.array(CLOTH)), 3, 0.85, axis=1))
         axes.set_box_aspect((size[0], size[2], 2.0 * size[1]), zoom=1.1)  # heights twice as large
         axes.set_title(title, y=0.97)
-        axes.set(xlabel="x [m]", ylabel="z [m]", zlabel="y [m]", zticks=(-6, -3, 0, 3))
+        set_plan(axes, zlabel="y [m]", zticks=(-6, -3, 0, 3))
         axes.set(xticks=(-20, -10, 0, 10, 20), yticks=(-20, -10, 0, 10, 20))
         axes.view_init(elev=18.0, azim=-60.0)
     figure.colorbar(dots, ax=solid, label="y [m]", shrink=0.4, aspect=30.0, pad=0.06, orientation="horizontal")
@@ -44,7 +44,7 @@ def drawn(position: np.ndarray, mesh: Mesh, rows: np.ndarray, spacing: float, rm
     off = (rows[:, 2] - rows[:, 3]) / spacing
     most = float(np.percentile(np.abs(off), 98))
     shown = chart.scatter(rows[:, 0], rows[:, 1], c=off, s=22.0, marker="s", cmap="PuOr", vmin=-most, vmax=most)
-    chart.set(aspect="equal", xlabel="x [m]", ylabel="z [m]", title="cloth minus particles")
+    set_plan(chart, aspect="equal", title="cloth minus particles")
     figure.colorbar(shown, ax=chart, label="[spacings]", shrink=0.7, extend="both")
     keep(figure, path, found)
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 from _options import options
-from _paper import INK, keep, lit, paper, table
+from _paper import INK, keep, lit, paper, set_plan, table
 
 from ocean_sim.fluid import with_particles
 from ocean_sim.observers.accuracy import highest_particles, surface_fit
@@ -68,7 +68,7 @@ def drawn(meshes: dict[str, Mesh], captions: dict[str, str], off: np.ndarray, fo
     chart = figure.add_subplot(1, 3, 3)
     most = float(np.percentile(np.abs(off[:, 2]), 98))
     shown = chart.scatter(*off[:, :2].T, c=off[:, 2], s=22.0, marker="s", cmap="PuOr", vmin=-most, vmax=most)
-    chart.set(aspect="equal", xlabel="x [m]", ylabel="z [m]", title="cloth minus marching cubes")
+    set_plan(chart, aspect="equal", title="cloth minus marching cubes")
     figure.colorbar(shown, ax=chart, label="[spacings]", shrink=0.7, extend="both")
     for k, (name, mesh) in enumerate(meshes.items()):
         axes = figure.add_subplot(1, 3, k + 1, projection="3d")
@@ -79,7 +79,7 @@ def drawn(meshes: dict[str, Mesh], captions: dict[str, str], off: np.ndarray, fo
         skin.set_facecolor(lit(mesh.vertices * [1.0, TALLER, 1.0], mesh.triangles, colours))
         axes.set_box_aspect((np.ptp(x), np.ptp(z), 8.0 * TALLER), zoom=1.15)
         axes.set_title(f"{name.replace('_', ' ')}: {captions[name]}", y=0.97)
-        axes.set(xlabel="x [m]", ylabel="z [m]", zlabel="y [m]", zlim=(-4.0, 4.0), zticks=(-4, -2, 0, 2, 4))
+        set_plan(axes, zlabel="y [m]", zlim=(-4.0, 4.0), zticks=(-4, -2, 0, 2, 4))
         axes.set(xticks=(-20, -10, 0, 10, 20), yticks=(-20, -10, 0, 10, 20))
         axes.view_init(elev=24.0, azim=-60.0)
     bar = {"shrink": 0.4, "aspect": 30.0, "pad": 0.06, "orientation": "horizontal", "extend": "both"}

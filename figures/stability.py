@@ -11,9 +11,8 @@ from _options import options, progress
 from _paper import keep
 
 from ocean_sim.machine import available_cores
-from ocean_sim.studies.shared import maps
 from ocean_sim.studies.shared.study import Study, read_table, write_table
-from ocean_sim.studies.stability import EXTREME_AXES, MAX_RUN_SECONDS, grid_points
+from ocean_sim.studies.stability import EXTREME_AXES, MAX_RUN_SECONDS, draw_map, grid_points
 
 FAST, STEPS = ("compression", 0.04), (1.0, 4.0)  # in haste: the map, its row, and the steps over courant's own
 
@@ -42,7 +41,7 @@ def main() -> None:
         if here:
             name = f"{axis.name} [{axis.unit}]"
             path = asked.out / f"stability_{axis.name.replace(' ', '_')}.png"
-            keep(maps.draw_map(name, here), path, f"Here: {name} over the time step, in {len(here)} runs")
+            keep(draw_map(name, here), path, f"Here: {name} over the time step, in {len(here)} runs")
 
 
 if __name__ == "__main__":

@@ -20,37 +20,47 @@ except KeyboardInterrupt:  # these take as long as it takes to press Ctrl-C
     sys.exit("stopped")
 
 
-VERBS = {  # by name, in the order of `--help`, with their lines there
-    "run": "Simulate a scene and write its run folder.",
-    "resume": "Go on with a run from its last checkpoint.",
-    "check": "What a scene needs, and what is wrong with it, without running it.",
-    "explain": "One key of a scene: meaning, unit, default, range, example.",
-    "new": "A scene of your own to start from, every key with a comment.",
-    "list": "Scenes, parts, kinds and profiles, each with one sentence.",
-    "schema": "The JSON Schema of a scene, for editors.",
-    "doctor": "What this machine can do: backends, Vulkan, OpenGL, video; each probed in a child process that "
-    "may crash.",
-    "bench": "Speed alone: milliseconds a step, particle-steps per second, time to the first step, peak memory.",
-    "validate": "Problems with known answers: value, reference, error, tolerance, and where the tolerance comes from.",
-    "hull": "Is this a ship: watertight, volume, draught, trim, stability and its criteria, natural periods, picture.",
-    "bench-one": "One scene of `bench`, measured in this process.",
-    "render": "Pictures and a film from a finished run, without simulating again.",
-    "export": "Files for ParaView and Blender.",
-    "preview": "A window to look and steer in, or the same pictures without a window; `--browser` has sliders "
-    "and plots, too.",
-    "serve": "A page in the browser: play with a scene, or look at a finished run; prints its address.",
-    "report": "A page with the replay of a run, or of two side by side: one file that opens without a server.",
-    "waves": "Waves from the gauges of a run: heights, periods, spectrum, zero crossings.",
-    "sea": "The waves of a scene as files for other programs (spectral-wave-data, OpenFAST), or the spectra of a file.",
-    "figure": "The figures of the thesis, drawn anew: data and picture of each.",
-    "gallery": "The pictures of the README, made again by the commands that it prints.",
-    "platform": "Motion log, washout, hexapod: poses and leg lengths, how good they are, and a replay in real time.",
-    "sweep": "Many runs from a plan, each in a process of its own; what is finished is not run again, "
-    "failures are rows.",
-    "tradeoff": "Speed against accuracy, measured: over the validation cases, or over settings of a scene "
-    "within a budget.",
-    "stability": "Where it breaks: time steps and other settings at their extremes, each with a verdict.",
+VERBS_BY_SECTION = {  # of `--help`, in its order, with the line of each verb there
+    "Scenes": {
+        "new": "Write a scene of your own to start from, with comments.",
+        "list": "List scenes, parts, kinds and profiles, a sentence each.",
+        "explain": "Explain a key of a scene: unit, default, range, example.",
+        "check": "Is a scene valid, how long will it take, what does it need?",
+        "hull": "Is a mesh a ship: draught, GZ curve, stability criteria?",
+        "schema": "Print the JSON Schema of a scene, for editors.",
+    },
+    "Run": {
+        "run": "Simulate a scene and write its run folder.",
+        "resume": "Go on with a run from its last checkpoint.",
+        "sweep": "Run many scenes from a plan; failures are rows of a table.",
+    },
+    "Look": {
+        "serve": "Open a page in the browser: a live scene, or replays of runs.",
+        "preview": "Open a window (--browser: the page of `serve`); or pictures.",
+        "render": "Draw pictures and a film of a finished run.",
+        "report": "Write replay.html, a page of one run or two (not report.html).",
+        "export": "Write files for ParaView and Blender.",
+    },
+    "Analyse": {
+        "waves": "Heights, periods and spectra at the gauges of a run.",
+        "sea": "Spectra of a measured sea; a sea for other programs.",
+        "rao": "Response of a ship to waves: six motions over frequency.",
+        "platform": "Turn a motion log into commands of a motion platform.",
+    },
+    "Trust": {
+        "validate": "Compare with known answers: error and tolerance of each.",
+        "figure": "Draw the figures of the thesis anew: data and picture.",
+        "tradeoff": "Measure speed against accuracy over settings or cases.",
+        "stability": "Find where it breaks: settings at their extremes.",
+        "bench": "Measure speed alone: time per step, memory, start.",
+        "bench-one": "Measure one scene of `bench` in this process.",
+    },
+    "Maintain": {
+        "doctor": "What this machine can do: backends, OpenGL, video.",
+        "gallery": "Make the pictures of the README again.",
+    },
 }
+VERBS = {name: line for section in VERBS_BY_SECTION.values() for name, line in section.items()}
 HIDDEN_VERBS = ("bench-one",)  # verbs that only other verbs call
 FUNCTIONS = {  # of verbs that do not share its name with their module
     "list": "list:list_choices",
@@ -61,13 +71,22 @@ FUNCTIONS = {  # of verbs that do not share its name with their module
 }
 
 
+def common_options(
+    as_json: bool = typer.Option(False, "--json", help="Print the answer as JSON.", expose_value=False),
+) -> None:
+    """Options of every verb, which no verb receives: `run_command_line` reads them."""
+
+
 def command_of(name: str) -> Any:
     """Typer command of a verb (a subcommand such as `run`) with its options; imports the module of the verb."""
     module, _, function = FUNCTIONS.get(name, f"{name}:{name}").partition(":")
     called = getattr(import_module(f"ocean_sim.verbs.{module}"), function)
-    alone = typer.Typer(add_completion=False, rich_markup_mode=None)
+    alone, common = (typer.Typer(add_completion=False, rich_markup_mode=None) for _ in range(2))
     alone.command(name, help=VERBS[name], hidden=name in HIDDEN_VERBS)(called)
-    return typer.main.get_command(alone)
+    common.command()(common_options)
+    command = typer.main.get_command(alone)
+    command.params += typer.main.get_command(common).params
+    return command
 
 
 class Verbs(TyperGroup):
@@ -78,6 +97,12 @@ class Verbs(TyperGroup):
         super().__init__(**given)
         for name, line in VERBS.items():
             self.add_command(TyperCommand(name, help=line, hidden=name in HIDDEN_VERBS))
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the verbs to the text of `--help` section by section, with aligned lines."""
+        for section, lines in VERBS_BY_SECTION.items():
+            with formatter.section(section):
+                formatter.write_dl([(f"{name:<9}", line) for name, line in lines.items() if name not in HIDDEN_VERBS])
 
     def resolve_command(self, ctx: Any, args: list[str]) -> tuple[str | None, Any, list[str]]:
         """Name of the verb that is called, its Typer command with all options, and its remaining arguments."""
@@ -134,7 +159,7 @@ def main(arguments: list[str] | None = None) -> None:
 
 def run_command_line(arguments: list[str]) -> int:
     """Run a command line and return its exit code; an error is printed as a sentence, with `--debug` its traceback."""
-    debug, as_json = "--debug" in arguments, "--json" in arguments
+    console.json_asked = "--json" in arguments
     try:
         try:
             os.getcwd()
@@ -145,17 +170,19 @@ def run_command_line(arguments: list[str]) -> int:
             raise KeyboardInterrupt
         return code if isinstance(code, int) else 0
     except (Exception, KeyboardInterrupt) as error:
-        if debug:
+        if "--debug" in arguments:
             import traceback
 
             traceback.print_exc()
-        return print_error(error, as_json)
+        return print_error(error)
+    finally:
+        console.json_asked = False
 
 
-def print_error(error: BaseException, as_json: bool) -> int:
-    """Print an error to standard error, or with `as_json` as JSON to standard output; returns the exit code."""
+def print_error(error: BaseException) -> int:
+    """Print an error to standard error, or if JSON is asked for to standard output; returns the exit code."""
     code, sentence, problems = describe_error(error)
-    if as_json:
+    if console.json_asked:
         sentence = console.problem_count(problems) if problems else sentence
         try:
             console.answer({"error": sentence, "problems": [problem._asdict() for problem in problems]})

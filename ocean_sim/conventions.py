@@ -66,6 +66,7 @@ class Setting(NamedTuple):
 
     now: float
     unit: str
+    ends: tuple[float, float] | None = None  # of its slider; None: 0 and four times the value, or 1
 
 
 Frame = Literal["ship", "ned", "flu"]

@@ -182,6 +182,9 @@ class SeaConfig(KindConfig):
 class WindConfig(KindConfig):
     """Base of the keys of all kinds of wind."""
 
+    still: ClassVar[bool] = False
+    """True if there is no wind."""
+
     @property
     def stylised(self) -> bool:
         """True if the wind is a stylised force field, not a physical stress."""
@@ -200,11 +203,6 @@ class WindConfig(KindConfig):
     @property
     def needs_bend(self) -> bool:
         """True if the wind's force on the water also needs the change of slope of the surface, which is else zero."""
-        return False
-
-    @property
-    def still(self) -> bool:
-        """True if there is no wind."""
         return False
 
     @property

@@ -1,7 +1,6 @@
 """The simulation: one step of Algorithm 8, and the loop around it that calls the observers."""
 
 import re
-from abc import abstractmethod
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext, suppress
 from math import floor
@@ -26,6 +25,11 @@ class Observer:
     """Simulated time between calls [s]; 0 is after every step."""
     left_out: ClassVar[tuple[str, ...]] = ()
     """Attributes that a checkpoint of it does not hold."""
+
+    def __init_subclass__(cls, of: "type[ObserverConfig] | None" = None) -> None:
+        """`of`: the Config whose `build` makes this observer, with itself, the run folder and the simulation."""
+        if of is not None:
+            of.observer = cls
 
     def observe(self, simulation: "Simulation") -> None:
         """Observe the present state; called at time 0 and after the steps that `every` selects."""
@@ -58,6 +62,8 @@ class ObserverConfig(PartConfig):
     """True if it needs a run folder; the others also observe a Simulation without one."""
     leaves: ClassVar[str] = ""
     """The files it leaves, as the ledger states them: by name, in which * stands for digits and dots."""
+    observer: ClassVar[Callable[..., Observer]] = Observer
+    """Class of the observer, which names this Config in `of`; a Config without one has a `build` of its own."""
 
     @classmethod
     def name(cls) -> str:
@@ -85,9 +91,9 @@ class ObserverConfig(PartConfig):
         """Memory [bytes] for each particle that is part of the ledger of this observer."""
         return 0
 
-    @abstractmethod
     def build(self, folder: Path, simulation: "Simulation") -> Observer:
         """Build the observer. `folder`: the run folder, which observers that write nothing leave alone."""
+        return self.observer(self, folder, simulation)
 
 
 class PeriodicConfig(ObserverConfig):

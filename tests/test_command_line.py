@@ -40,7 +40,8 @@ def folder(tmp_path, monkeypatch):
 def test_a_run_leaves_its_folder_and_says_what_it_was(ask):
     code, out, _ = ask("run", "small.yaml", "--out", "there")
     assert code == 0
-    assert "A small tank: 256 particles" in out and "256 particles, " in out and "time step limited by" in out
+    assert "A small tank\nvalid\n" in out and "256 particles in steps of " in out
+    assert "256 particles, " in out and "time step limited by" in out
     assert {"manifest.json", "events.jsonl", "accuracy.csv"} <= {path.name for path in Path("there").iterdir()}
 
 
@@ -169,11 +170,19 @@ def test_every_verb_has_help(ask):
         assert code == 0 and f"Usage: ocean-sim {verb}" in out
 
 
+def test_help_groups_the_verbs_and_cuts_no_line(ask):
+    out = ask("--help")[1]
+    sections = re.findall(r"^(\w+):$", out, re.MULTILINE)
+    assert sections == ["Options", "Scenes", "Run", "Look", "Analyse", "Trust", "Maintain"]
+    assert "..." not in out.partition("\n")[2] and max(map(len, out.splitlines())) < 80
+    assert all(f"{line}\n" in out for verb, line in VERBS.items() if verb not in HIDDEN_VERBS)
+
+
 def test_a_list_of_verbs_imports_none_of_them():
     script = "import sys; from ocean_sim import __main__ as m; m.run_command_line(['--help']); print(*sys.modules)"
     child = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    listed, imported = child.stdout.split("\n  run ")[1], child.stdout.splitlines()[-1].split()
-    assert all(f"\n  {verb} " in listed for verb in set(VERBS) - {"run", *HIDDEN_VERBS})
+    imported = child.stdout.splitlines()[-1].split()
+    assert all(f"\n  {verb} " in child.stdout for verb in set(VERBS) - {*HIDDEN_VERBS})
     assert not {"taichi", "ocean_sim.reading.scene", "ocean_sim.verbs.run"} & set(imported)
 
 
@@ -223,9 +232,10 @@ def test_check_says_what_a_scene_takes_before_anything_is_allocated(ask):
     assert 10.0 < answer["memory_mb"] < 2000.0 and "estimated_wall_s" in answer
     assert {"part", "what", "bytes", "why", "kernels"} == set(answer["ledger"][0])
     code, out, _ = ask("check", "small.yaml", "--set", "time_step={kind: fixed, dt: 0.1}")
-    assert "warning: the time step of 0.1 s is " in out
+    assert "\nvalid; 1 warning\n" in out and "warning: the time step of 0.1 s is " in out
     code, out, _ = ask("check", "small.yaml", "--set", "fluid.kind=ballistic")
-    assert code == 0 and "the scene is in order" in out
+    assert code == 0 and "\nvalid\n" in out and "what is allocated" not in out
+    assert "what is allocated" in ask("check", "small.yaml", "--ledger")[1]
     code, out, _ = ask("check", "small.yaml")
     assert "pressures below 0 Pa are set to 0 (minimum_pressure)" in out and "= 1.00%" in out
 

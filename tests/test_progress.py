@@ -10,7 +10,7 @@ from ocean_sim.observers.render import PICTURE_SECONDS, START_SECONDS
 from ocean_sim.reading.scene import load
 from ocean_sim.state import checkpoint_file
 from ocean_sim.verbs import run as run_verb
-from ocean_sim.verbs.check import picture_time
+from ocean_sim.verbs.check import picture_time, preflight, wall_time
 from ocean_sim.verbs.shared import bar as bar_module
 from ocean_sim.verbs.shared import progress as progress_module
 from ocean_sim.verbs.shared.bar import FILM_CURE, MIN_TIMED_PICTURES, Drawing
@@ -104,20 +104,17 @@ def test_a_film_is_estimated_once_from_its_first_pictures(clock, capsys):
 
 
 @pytest.mark.parametrize("film, drafts", [(True, 10), (False, 0)])
-def test_a_run_with_pictures_says_so_and_how_to_leave_them_out(film, drafts, capsys):
+def test_an_estimate_says_what_pictures_take_and_how_to_leave_them_out(film, drafts):
     config = load(SEA, {"render.film": film})
-    run_verb.announce_pictures(config)
     wall, alone = picture_time(config), START_SECONDS[3] + drafts * PICTURE_SECONDS[3]["draft"]  # on one core
     assert alone / available_cores() <= wall <= alone
-    time = f"about {wall:.1f} s on an idle machine"
-    cure = "--set render=null leaves them out"
-    assert capsys.readouterr().out == f"its pictures, drawn during the run or after it, take {time}; {cure}\n"
+    assert f"pictures {wall:.1f} s, which --set render=null saves" in wall_time(preflight(config), config)
 
 
 @pytest.mark.parametrize("absent", ["render", "frames"])
-def test_a_run_without_pictures_says_nothing_of_them(absent, capsys):
-    run_verb.announce_pictures(load(SEA, {absent: None}))
-    assert capsys.readouterr().out == ""
+def test_an_estimate_without_pictures_says_nothing_of_them(absent):
+    config = load(SEA, {absent: None})
+    assert "pictures" not in wall_time(preflight(config), config)
 
 
 @pytest.mark.parametrize(

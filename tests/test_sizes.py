@@ -2,6 +2,7 @@
 
 import io
 import os
+import re
 import time
 import zipfile
 from pathlib import Path
@@ -160,3 +161,37 @@ def test_a_frame_of_billions_of_points_is_refused_before_one_is_made(ask):
     )
     code, printed, seconds = ask("check", "s.yaml")
     assert code == 2 and "frames.spacing: a frame would keep 2.08e+10 heights" in printed and seconds < SOON
+
+
+@pytest.mark.parametrize("kind", ["mueller", "delta_sph", "dfsph"])
+def test_too_fine_a_spacing_is_refused_with_the_one_that_fits(kind, ask, monkeypatch):
+    """The count of particles, and the least spacing by memory and by what can be counted: that one is accepted."""
+    monkeypatch.setattr("ocean_sim.machine.memory_limit", lambda: 4_000_000_000)
+    Path("s.yaml").write_text(f"{WIDE}{{kind: {kind}, spacing: 0.0001}}\n")
+    code, said, took = ask("check", "s.yaml")
+    assert code == 2 and took < SOON and "would make 4e+17 particles" in said, said
+    fits = re.search(r"fluid\.spacing from (\S+) m on fits this machine", said)[1]
+    assert ask("check", "s.yaml", "--set", f"fluid.spacing={fits}")[0] == 0
+
+
+def test_a_scene_too_large_for_memory_names_the_spacing_that_fits(ask, monkeypatch):
+    monkeypatch.setattr("ocean_sim.machine.memory_limit", lambda: 1_500_000_000)
+    Path("s.yaml").write_text(f"{WIDE}{{kind: mueller, spacing: 0.4}}\nrender: null\nframes: null\n")
+    code, said, _ = ask("check", "s.yaml")
+    fits = re.search(r"this machine has 1.5 GB; fluid\.spacing from (\S+) m on fits", said)[1]
+    assert code == 0 and " of memory; " not in ask("check", "s.yaml", "--set", f"fluid.spacing={fits}")[1]
+
+
+@pytest.mark.parametrize(
+    "text, sentence",
+    [
+        ("fluid:\n\tkind: mueller\n", "s.yaml:2:1: not valid YAML: a tab stands where only spaces may; indent with"),
+        ("fluid: {kind: mueller, spacing: 0,1}\n", "is it a decimal comma? Write a point, as in 0.1"),
+        ("fluid: {kind: mueller, spacing: 1.0}\nwind: {kind: stress, schedule: {file: gust.csv}}\n", "'gusts.csv'?"),
+    ],
+)
+def test_a_slip_is_answered_by_what_was_meant(text, sentence, ask):
+    Path("gusts.csv").write_text("time_s,u10_m_s\n0,5\n1,6\n")
+    Path("s.yaml").write_text(text + ("basin: {length: 20.0, depth: 10.0}\n" if "\t" not in text else ""))
+    code, said, _ = ask("check", "s.yaml")
+    assert code == 2 and sentence in said

@@ -66,7 +66,7 @@ beach.plot(time, shore)
 beach.axhline(highest, linestyle=":", label=f"run-up {highest:.3f} m")
 beach.set(xlabel="time [s]", ylabel="water's edge [m]")
 beach.legend()
-figure.savefig("runs/run_up.png", dpi=150)
+figure.savefig("runs/a_wave_on_your_beach.png", dpi=150)
 assert abs(crest - height) < 0.1 * height
 assert 0.3 * depth < highest < 0.7 * depth
 

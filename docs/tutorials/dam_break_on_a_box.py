@@ -38,6 +38,18 @@ print(f"highest pressure on the box {1e-3 * front.max():.1f} kPa")
 assert column[-1] < column[0] - 0.05
 assert 0.3 < arrival < 0.7
 
+from matplotlib.figure import Figure
+
+figure = Figure(figsize=(7.0, 4.0), layout="constrained")
+level, push = figure.subplots(2, sharex=True)
+level.plot(time, column)
+level.set_ylabel("level of the column [m]")
+push.plot(time, 1e-3 * front)
+push.axvline(arrival, linestyle=":", label=f"arrival, {arrival:.2f} s")
+push.set(xlabel="time [s]", ylabel="pressure on the box [kPa]")
+push.legend()
+figure.savefig("runs/dam_break_on_a_box.png", dpi=150)
+
 # %%
 # Is the water still water? `accuracy.csv` says how far it was compressed, and whether mass and momentum were kept.
 

@@ -34,13 +34,25 @@ assert not any("stylised" in warning for warning in real.warnings())
 # every term.
 
 given = {}
+levels = {}
 for name, scene in (("gust", gust), ("real", real)):
     result = ocean_sim.run(scene, out=f"runs/{name}", overwrite=True)
     impulse = np.stack([result.accuracy[f"impulse_wind_{axis}_Ns"] for axis in "xz"])
     given[name] = float(np.hypot(*impulse[:, -1]))
+    levels[name] = result.gauges["time_s"], result.gauges["lee_m"]
     swing = float(np.ptp(result.gauges["lee_m"]))
     print(f"{name}: {given[name]:.3g} N s from the wind, the level at the lee gauge varies by {1e3 * swing:.1f} mm")
 assert given["gust"] > 100.0 * given["real"] > 0.0
+
+from matplotlib.figure import Figure
+
+figure = Figure(figsize=(7.0, 3.0), layout="constrained")
+axes = figure.subplots()
+for name, (time, level) in levels.items():
+    axes.plot(time, level, label=name)
+axes.set(xlabel="time [s]", ylabel="level at the lee gauge [m]")
+axes.legend()
+figure.savefig("runs/gust_and_real_wind.png", dpi=150)
 
 # %%
 # Both are useful. The gust shows in seconds what a wind does in hours, but it is not a wind: no claim about real waves

@@ -32,6 +32,16 @@ lengths = np.stack([legs[f"leg{k}_m"] for k in range(1, 7)])
 print(f"{lengths.shape[1]} commands; legs from {lengths.min():.2f} to {lengths.max():.2f} m")
 assert np.isfinite(lengths).all()
 
+from matplotlib.figure import Figure
+
+figure = Figure(figsize=(7.0, 4.0), layout="constrained")
+ride, commands = figure.subplots(2, sharex=True)
+ride.plot(result.motion["time_s"], result.motion["heave_m"] - result.motion["heave_m"].mean())
+ride.set_ylabel("heave of the ship [m]")
+commands.plot(legs["time_s"], lengths.T)
+commands.set(xlabel="time [s]", ylabel="legs of the platform [m]")
+figure.savefig("runs/platform_and_rig.png", dpi=150)
+
 # %%
 # The same from any log, by hand: another washout, another geometry. The folder then also holds `metrics.csv`: what is
 # felt, what was limited, how many people would be sick.

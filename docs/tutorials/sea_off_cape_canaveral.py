@@ -48,6 +48,19 @@ print(f"the level at the centre varies by {np.ptp(result.gauges['centre_m'][grow
 print(f"she heaves by {np.ptp(result.motion['heave_m'][result.motion['time_s'] > 20.0]):.1f} m")
 assert 1.0 < np.ptp(result.gauges["centre_m"][grown]) < 2.0 * 2.744
 
+from matplotlib.figure import Figure
+
+figure = Figure(figsize=(7.0, 4.5), layout="constrained")
+waves, ride = figure.subplots(2)
+origin = np.degrees(np.arctan2(from_east, from_north)) % 360.0
+waves.scatter(2.0 * np.pi / sea.omega, origin, s=60.0 * energy / energy.max(), alpha=0.5)
+waves.set(xlabel="period [s]", ylabel="comes from [degrees]", title="plane waves of the buoy, by energy")
+ride.plot(result.gauges["time_s"], result.gauges["centre_m"], label="level at the centre")
+ride.plot(result.motion["time_s"], result.motion["heave_m"] - result.motion["heave_m"].mean(), label="her heave")
+ride.set(xlabel="time [s]", ylabel="[m]")
+ride.legend()
+figure.savefig("runs/sea_off_cape_canaveral.png", dpi=150)
+
 # %%
 # The same keys take files of CDIP, Spotter, SWAN, WAVEWATCH III and ERA5, and they go into `spectral_sea` and into the
 # sea around particles, too.

@@ -61,6 +61,19 @@ for period, ratio in ratios.items():
 assert abs(ratios[8.0] - 1.0) < 0.1
 assert ratios[2.2] < 0.5
 
+from matplotlib.figure import Figure
+
+figure = Figure(figsize=(7.0, 4.5), layout="constrained")
+ride, operator = figure.subplots(2)
+ride.plot(result.gauges["time_s"], result.gauges["here_m"], label="the sea where she starts")
+ride.plot(result.motion["time_s"], result.motion["heave_m"] - result.motion["heave_m"][later].mean(), label="her heave")
+ride.set(xlabel="time [s]", ylabel="[m]")
+ride.legend(loc="upper left", ncols=2)
+operator.plot(ratios.keys(), ratios.values(), "o-")
+operator.set(xlabel="period of regular waves [s]", ylabel="heave over wave")
+figure.savefig("runs/yacht_in_waves.png", dpi=150)
+
 # %%
+# `ocean-sim rao SCENE` gives all six motions from one run in an irregular sea, with their coherence.
 # `ocean-sim validate ship_rao` compares such ratios with linear potential flow, for a barge and for Wigley's hull. For
 # a hull of your own, begin with `ocean-sim hull FILE`.

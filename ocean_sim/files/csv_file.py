@@ -78,7 +78,8 @@ class Table(dict[str, np.ndarray]):
     __eq__ = object.__eq__  # a scene that keeps its table is compared by what is written, not by arrays
     __hash__ = object.__hash__  # type: ignore[assignment]
 
-    def __init__(self, path: str | Path) -> None:
+    def __init__(self, path: str | Path, renamed: dict[str, str] | None = None) -> None:
+        """`renamed`: names that columns get, by their names in the file, which has to have them."""
         self.path = path
         self.head, names, self.rows = split_lines(input_file.read_text(path))
         if names.lower().startswith("sep=") and self.rows:  # as spreadsheets begin a file
@@ -88,6 +89,8 @@ class Table(dict[str, np.ndarray]):
         self.separator = find_separator(names, self.rows[0])
         self.comma = False  # as the decimal sign
         self.names = [name.strip() for name in self.cells(names)]
+        self.require(*(renamed or ()))
+        self.names = [(renamed or {}).get(name, name) for name in self.names]
         if self.separator != "," or any('"' in row for row in self.rows):
             self.comma = self.has_decimal_commas()
         super().__init__(build_columns(path, self.names, self.rows, self.cells, numeric_column))
@@ -113,11 +116,7 @@ class Table(dict[str, np.ndarray]):
 
     def finite(self, *wanted: str, since: int = 0) -> list[np.ndarray]:
         """The wanted columns (n,), in order; raises Unreadable if one is missing, or not finite from row `since` on."""
-        missing = [name for name in wanted if name not in self]
-        if missing:
-            there = quoted_piece(", ".join(self.names), 80)
-            lacks = f"it has no column {' and no column '.join(missing)}"
-            raise NAMED_COLUMNS_RULE.broken(self.path, f"{lacks}, but {there}")
+        self.require(*wanted)
         wrong = np.argwhere(~np.isfinite([self[name][since:] for name in wanted]).T)
         if len(wrong):
             row, name = since + int(wrong[0, 0]), wanted[wrong[0, 1]]
@@ -125,6 +124,20 @@ class Table(dict[str, np.ndarray]):
             found = quoted_piece(cell) if cell else "empty"
             raise FINITE_NUMBERS_RULE.broken(self.path, f"{name} is {found} in row {row + 1}")
         return [self[name] for name in wanted]
+
+    def require(self, *wanted: str) -> None:
+        """Raise Unreadable, with all that are missing, unless the table has columns of these names."""
+        if missing := [name for name in wanted if name not in self.names]:
+            there = quoted_piece(", ".join(self.names), 80)
+            lacks = f"it has no column {' and no column '.join(missing)}"
+            raise NAMED_COLUMNS_RULE.broken(self.path, f"{lacks}, but {there}")
+
+    def replace_columns(self, columns: dict[str, np.ndarray]) -> None:
+        """Hold these columns (n,) alone, and rows of their numbers."""
+        self.clear()
+        self.update(columns)
+        self.names, self.separator, self.comma = [*columns], ",", False
+        self.rows = [",".join(f"{value:.12g}" for value in row) for row in zip(*columns.values())]
 
     def resolution(self, name: str) -> float:
         """Step to which a column's numbers are rounded, in its unit, by their written digits and double precision."""

@@ -10,6 +10,7 @@ import json
 import os
 from collections.abc import Iterator
 from contextlib import suppress
+from difflib import get_close_matches
 from io import BytesIO
 from math import prod
 from pathlib import Path
@@ -96,11 +97,19 @@ def read_bytes(path: str | Path, most: int = MAX_FILE_BYTES) -> bytes:
         with Path(path).open("rb") as file:
             return file.read(size)
     except FileNotFoundError:
-        raise Unreadable(path, "there is no such file") from None
+        raise Unreadable(path, f"there is no such file{near_name(path)}") from None
     except (OSError, ValueError) as error:
         if isinstance(error, Unreadable):
             raise
         raise Unreadable(path, f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
+
+
+def near_name(path: str | Path) -> str:
+    """End of a message on a missing file: the file in its folder that is named nearly alike, or nothing."""
+    with suppress(OSError):
+        near = get_close_matches(Path(path).name, os.listdir(Path(path).parent), n=1, cutoff=0.8)
+        return f"; did you mean {near[0]!r}?" if near else ""
+    return ""
 
 
 def marked_codec(data: bytes) -> str | None:

@@ -184,6 +184,7 @@ def parse_yaml(text: str, start: Location) -> Node:
         tree = composed_tree(text, start, yaml_loaders())
     except yaml.MarkedYAMLError as error:
         sentence = " ".join(filter(None, [error.context, error.problem])) or "this is not YAML"
+        sentence = "a tab stands where only spaces may; indent with spaces" if "'\\t'" in sentence else sentence
         location = mark_location(start, error.problem_mark or error.context_mark)
         raise SceneError([problem_at(location, "", f"not valid YAML: {sentence}")]) from None
     except yaml.reader.ReaderError as error:

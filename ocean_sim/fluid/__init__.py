@@ -16,7 +16,7 @@ if TYPE_CHECKING:  # other rooms know these by type alone; each is imported only
     from ocean_sim.fluid.bodies.boundary import Boundary
     from ocean_sim.fluid.neighbours.grid import Grid
     from ocean_sim.fluid.neighbours.point_sum import PointSum
-    from ocean_sim.fluid.open_sea.wave_window import Window
+    from ocean_sim.fluid.open_sea.plane_waves import Window
     from ocean_sim.fluid.sph.lattice import Lattice as Lattice
     from ocean_sim.fluid.sph.particles import Particles
     from ocean_sim.fluid.sph.particles import Snapshot as Snapshot
@@ -73,8 +73,9 @@ class Totals(NamedTuple):
 
 
 class Stops(Protocol):
-    """Planes at which walls, floor and lid stop the centres of particles."""
+    """Planes at which walls, floor and lid stop the centres of particles, and absorbing zones."""
 
+    zones: tuple[tuple[Any, ...], ...]  # axis, begin and end along it [m], and how they absorb
     axes: range  # axes with walls
     low: tuple[float, ...]  # [m]
     up: tuple[float, ...]  # [m]

@@ -9,8 +9,8 @@ from ocean_sim.conventions import GRAVITY as EARTH_GRAVITY
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.budget.field import Field
 from ocean_sim.fluid.budget.momentum_budget import GRAVITY, SHIP, WALLS, WIND
-from ocean_sim.fluid.neighbours.backend_plan import PLANS, account_ledger, mesh_ledger
 from ocean_sim.fluid.neighbours.grid_size import GridSize
+from ocean_sim.fluid.neighbours.particle_walk import PLANS, account_ledger, mesh_ledger
 from ocean_sim.fluid.sph.particle_water import ParticleWater
 from ocean_sim.fluid.sph.water_keys import WaterConfig, free_fall_speed
 from ocean_sim.kernel_library import ti, tm

@@ -1,16 +1,16 @@
 """A sea in closed form, without particles: the linear waves of `ocean_sim.waves`, for ships and platforms alone."""
 
+from dataclasses import replace
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.basin import Basin
-from ocean_sim.conventions import LEAST_DENSITY, WATER_DENSITY
+from ocean_sim.conventions import LEAST_DENSITY, WATER_DENSITY, Setting
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.open_sea.open_water import POINTS_PER_WAVE, SMOOTH_STEP_PERIODS, OpenWater, status_of
-from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves
-from ocean_sim.fluid.open_sea.wave_window import Window
+from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves, Window
 from ocean_sim.model import quantity
 from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems, forces_in_waves
 from ocean_sim.runtime import in_kernels
@@ -85,6 +85,10 @@ class LinearWaves(OpenWater):
 
     def __init__(self, config: Config, basin: Basin) -> None:
         self.config, sea = config, config.with_ramp(config.sea(basin))
+        self.given = sea  # waves of the scene
+        self.heading = float(np.degrees(np.arctan2(*(sea.amplitude**2 @ sea.wavevector)))) % 360.0  # [deg] their mean
+        names = ("wave_height", "wave_period", "wave_heading")[: basin.dimension]
+        self.train = dict(zip(names, (*config.scale, self.heading)))  # as sliders set it
         self.spacing = config.apart(basin)  # [m]
         self.still = config.smooth
         self.reference_speed = (sea.gravity * basin.depth) ** 0.5
@@ -101,6 +105,27 @@ class LinearWaves(OpenWater):
         """Restart at time 0 with other waves, of the same number and depth; they grow by the ramp of the config."""
         self.time = self.before = 0.0
         self.waves.begin(self.config.with_ramp(sea))
+
+    @property
+    def adjustable(self) -> dict[str, Setting]:
+        """Height [m], period [s] and, in 3-D, heading [deg] of the waves; of random ones Hs, Tp and mean heading."""
+        (height, period), sea = self.config.scale, self.given
+        highest = min(4.0 * height, waves.breaking_height(period, sea.depth, sea.gravity))
+        rows = zip(self.train.items(), "m s deg".split(), ((0.0, highest), (0.5 * period, 2.0 * period), (0.0, 360.0)))
+        return {name: Setting(now, unit, ends) for (name, now), unit, ends in rows if height > 0.0}
+
+    def adjust(self, **values: float) -> None:
+        """Change the waves during a run, to at most their breaking height; their phases at the origin go on."""
+        past, sea, self.train = self.waves.sea, self.given, self.train | values
+        height, period, *heading = self.train.values()
+        turn = np.radians(heading[0] - self.heading) if heading else 0.0
+        share = min(height, waves.breaking_height(period, sea.depth, sea.gravity)) / self.config.scale[0]
+        k = waves.wavenumber(sea.omega * (self.config.scale[1] / period), sea.depth, sea.gravity) / sea.wavenumber
+        vectors = k[:, None] * sea.wavevector @ [[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]
+        sea = replace(sea, amplitude=share * sea.amplitude, wavevector=vectors)
+        self.waves.begin(replace(sea, phase=past.phase + (sea.omega - past.omega) * self.time))
+        self.waves.set_time(self.time)
+        self.still = Limits(force=SMOOTH_STEP_PERIODS * period)
 
     def advance(self, dt: float) -> None:
         self.before, self.time = self.time, self.time + dt

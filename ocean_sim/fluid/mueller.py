@@ -205,7 +205,7 @@ class Mueller(PairSph):
     @property
     def adjustable(self) -> dict[str, Setting]:
         """Settings that `adjust` takes, by name; viscosity only if the scene has it, else its term is not compiled."""
-        found = {"stiffness": Setting(self.stiffness, "m2/s2")}
+        found = {"stiffness": Setting(self.stiffness, "m2/s2", (0.25 * self.stiffness, 4.0 * self.stiffness))}
         if self.viscous:
             found["kinematic_viscosity"] = Setting(self.kinematic_viscosity, "m2/s")
         return found

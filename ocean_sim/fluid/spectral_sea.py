@@ -25,10 +25,9 @@ from ocean_sim.fluid import Displacing, Fluid, Limits
 from ocean_sim.fluid.open_sea.air_pressure import AirPressure
 from ocean_sim.fluid.open_sea.high_order import STEPS_PER_WAVE, Breaking, HighOrder, nonlinear_sea, tile_step
 from ocean_sim.fluid.open_sea.open_water import POINTS_PER_WAVE, SMOOTH_STEP_PERIODS, OpenWater, WaterForShip, status_of
-from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves
+from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves, Window
 from ocean_sim.fluid.open_sea.wave_sheet import WORDS_PER_CELL, Sheet
 from ocean_sim.fluid.open_sea.wave_tile import PER_TILE, RIM_SHARE, Layer, OnTile, Tile, TileModes
-from ocean_sim.fluid.open_sea.wave_window import Window
 from ocean_sim.model import Vector2, quantity
 from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems, called, forces_in_waves
 from ocean_sim.runtime import in_kernels

@@ -51,11 +51,8 @@ class Config(PeriodicConfig):
             return []
         return [((), "reads impulses, and the water sums none; set fluid.impulses: true, or accuracy: null")]
 
-    def build(self, folder: Path, simulation: Simulation) -> "Accuracy":
-        return Accuracy(self, folder, simulation)
 
-
-class Accuracy(Observer):
+class Accuracy(Observer, of=Config):
     """Writes accuracy.csv: errors and balances of all water in float64; without particles, work and the time step."""
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:

@@ -28,11 +28,8 @@ class Config(PeriodicConfig):
     wall_every: float | None = quantity("s", None, gt=0.0)
     """Wall-clock time between checkpoints, too; null: none."""
 
-    def build(self, folder: Path, simulation: Simulation) -> "Checkpoint":
-        return Checkpoint(self, folder, simulation)
 
-
-class Checkpoint(Observer):
+class Checkpoint(Observer, of=Config):
     """Writes checkpoint_<time>.h5 and keeps the newest two; also at the first Ctrl-C or SIGTERM, which ends the run."""
 
     left_out = ("contents", "last_write", "stop_requested", "handlers")

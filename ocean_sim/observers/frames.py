@@ -76,11 +76,8 @@ class Config(PeriodicConfig):
         cure = "; frames.particles: false keeps only the surface" if kept else ""
         return [f"frames: about {size / 1e9:.1f} GB on disk at one frame every {self.every:g} s{cure}"]
 
-    def build(self, folder: Path, simulation: Simulation) -> "Frames":
-        return Frames(self, folder, simulation)
 
-
-class Frames(Observer):
+class Frames(Observer, of=Config):
     """Writes frames/grid.npz once, then frames/frame_00000.npz and so on, at intervals, each by an atomic write."""
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
@@ -136,6 +133,8 @@ class Frames(Observer):
         if len(wind.tails):
             frame |= {"wind_lines": wind.lines, "wind_tails": wind.tails, "wind_arrows": wind.arrows}
             frame |= {"wind_strongest": np.array(wind.strongest), "wind_unit": np.array(wind.unit)}
+        if (piston := simulation.basin.piston) is not None:
+            frame["plate_way"] = piston.at(simulation.time)[0] * np.eye(3)["xyz".index(piston.maker.wall[0])]
         if simulation.basin.gates:
             frame["gates"] = np.array(simulation.basin.gates_at(simulation.time)).reshape(-1, 2, 3)
             if simulation.basin.meshes:

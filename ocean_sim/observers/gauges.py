@@ -196,9 +196,6 @@ class Config(PeriodicConfig):
         """Pressure sensors by name; a point in the scene becomes a sensor there without a face."""
         return {n: s if isinstance(s, Sensor) else Sensor(at=s) for n, s in self.pressure.items()}
 
-    def build(self, folder: Path, simulation: Simulation) -> "Gauges":
-        return Gauges(self, folder, simulation)
-
 
 def riding_problem(preflight: Preflight) -> str | None:
     """Reason that no gauge can move with ships or a patch of open sea in this scene; None if one can."""
@@ -268,7 +265,7 @@ def dry_tops(obstacles: Sequence[Corners], columns: np.ndarray, heights: np.ndar
     return heights
 
 
-class Gauges(Observer):
+class Gauges(Observer, of=Config):
     """Writes gauges.csv: one column of elevation [m], run-up [m] or pressure [Pa] for each gauge."""
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:

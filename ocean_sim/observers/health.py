@@ -61,15 +61,13 @@ class Config(PeriodicConfig):
     """Energy that water driven by nothing but gravity may gain, over its mass times the square of the fluid's
     reference speed: of motion, height and compression together, and of motion and height alone."""
 
-    def build(self, folder: Path, simulation: Simulation) -> "Health":
-        return Health(self, None if folder is NO_FOLDER else folder, simulation)
 
-
-class Health(OutcomeObserver):
+class Health(OutcomeObserver, of=Config):
     """Checks the water after every step and raises Diverged; logs start, limits, clipping and end in events.jsonl."""
 
-    def __init__(self, config: Config, folder: Path | None, simulation: Simulation) -> None:
-        self.config, self.every, self.folder, self.simulation = config, config.every, folder, simulation
+    def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
+        self.config, self.every, self.simulation = config, config.every, simulation
+        self.folder = None if folder is NO_FOLDER else folder
         basin, fluid = simulation.basin, simulation.fluid
         self.lower, self.upper = np.array(basin.lower), np.array(basin.upper)
         self.n = 0 if fluid.particles is None else fluid.particles.n
@@ -92,7 +90,7 @@ class Health(OutcomeObserver):
         self.scale = self.highest_motion = 0.0  # [J] of `balance`: fixed, and of motion so far
         self.stiffness = 0.0  # speed of sound [m/s] of the balance
         self.reported: list[str] = []  # events that are recorded once
-        self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
+        self.events = None if self.folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
         self.recorded: dict[str, Any] = {"limit": "", "clipped": 0}  # value of a kind at its last event
         self.recorded |= {f"grounding of {name}": 0 for name in simulation.ships}
         self.recorded |= {f"flight of {name}": False for name in simulation.ships}

@@ -95,11 +95,8 @@ class Config(PeriodicConfig):
         logs, [row] = self.files_of(preflight), super().ledger(preflight)
         return [row._replace(what=", ".join(logs) or row.what)]
 
-    def build(self, folder: Path, simulation: Simulation) -> "Motion":
-        return Motion(self, folder, simulation)
 
-
-class Motion(Observer):
+class Motion(Observer, of=Config):
     """Writes the motion log of each ship, by one `Log` each."""
 
     every = 0.0  # the load at one time is known a step later

@@ -60,11 +60,8 @@ class Config(PeriodicConfig):
         """Panel with the camera, content and ship of these keys."""
         return Panel(self.camera, self.content, self.ship or "", hidden=not self.panel)
 
-    def build(self, folder: Path, simulation: Simulation) -> "Preview":
-        return Preview(self, folder, simulation)
 
-
-class Preview(Observer):
+class Preview(Observer, of=Config):
     """Writes numbered pictures into the folder preview/ of a run, drawn as in the window of `ocean-sim preview`."""
 
     left_out = ("screen",)  # of its checkpoints

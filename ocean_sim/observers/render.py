@@ -52,7 +52,7 @@ from ocean_sim.pictures.stage.picture import (
     picture_row,
 )
 from ocean_sim.pictures.stage.render_order import Order, Quality, RenderFailed
-from ocean_sim.pictures.water.sea_state import DRY_DEPTH_SHARE, TANK_FITTINGS, run_scene
+from ocean_sim.pictures.water.sea_state import DRY_DEPTH_SHARE, is_tank, run_scene
 from ocean_sim.simulation import OutcomeObserver, PeriodicConfig, Progress, Simulation
 
 PICTURE_SECONDS = {  # processor time [s] of a picture of 1280 x 720 without a graphics card, by dimensions and quality
@@ -85,8 +85,8 @@ class Config(PeriodicConfig):
     every: float = quantity("s", 0.033, gt=0.0)
     """Simulated time between pictures of the film, which runs in real time; there are no more than frames."""
     camera: CameraName = "third_person"
-    """`third_person` sees the whole basin, in a long one the ship; `follow` is behind the ship, `first_person` at its
-    helm; `orbit` goes around in a film; `fixed` is at `eye`; `top`, `side`."""
+    """`third_person` sees the whole basin, in a long one of open sea the ship; `follow` is behind the ship,
+    `first_person` at its helm; `orbit` goes around in a film; `fixed` is at `eye`; `top`, `side`."""
     eye: Vector3 | None = quantity("m", None)
     """Position of the fixed camera."""
     target: Vector3 | None = quantity("m", None)
@@ -101,8 +101,8 @@ class Config(PeriodicConfig):
     """`draft`: quick; `final`: a finer mesh and four samples of each pixel."""
     far_sea: bool = True
     """Draw the sea around the basin out to the horizon; without it, a block of water with cut sides. A basin that
-    moves, has a wavemaker, a lid or obstacles, or runs dry somewhere is a tank: it stays a block, and so does a surface
-    that folds."""
+    moves, has a wavemaker, a lid or obstacles, runs dry somewhere or is up to 12 m long is a tank: it stays a block,
+    and so does a surface that folds."""
     ripples: bool = True
     """Draw waves finer than the particles, of the wind's strength and heading."""
     foam: bool = True
@@ -182,11 +182,10 @@ class Config(PeriodicConfig):
         tank, water = preflight.tank, preflight.untouched
         if self.particles or tank.dimension == 2:
             return "particles"
-        fitted = any(getattr(tank.config, key) for key in TANK_FITTINGS)
         area = (tank.upper[0] - tank.lower[0]) * (tank.upper[2] - tank.lower[2])
         mean = tank.depth if water is None else water.n * water.spacing**3 / area
-        at_sea = self.far_sea and self.camera not in MAP_CAMERAS and not fitted and mean > DRY_DEPTH_SHARE * tank.depth
-        return "sea" if at_sea else "tank"
+        at_sea = self.far_sea and self.camera not in MAP_CAMERAS and not is_tank(dict(tank.config))
+        return "sea" if at_sea and mean > DRY_DEPTH_SHARE * tank.depth else "tank"
 
     def bytes_a_particle(self, preflight: Preflight) -> int:
         pictures = self.pictures(preflight)
@@ -204,9 +203,6 @@ class Config(PeriodicConfig):
             taken, why = taken + ENCODER_BYTES[0] + ENCODER_BYTES[1] * pixels, f"{why}, and the encoder of the film"
         return [row._replace(bytes=int(taken), why=why)]
 
-    def build(self, folder: Path, simulation: Simulation) -> "Render":
-        return Render(self, folder, simulation)
-
 
 def config_options(config: Config, folder: Path) -> dict[str, Any]:
     """Options of `render_run` from a config; `every` is at least the interval between the frames in the folder."""
@@ -214,7 +210,7 @@ def config_options(config: Config, folder: Path) -> dict[str, Any]:
         return config.model_dump() | {"every": max(config.every, float(grid["every"]))}
 
 
-class Render(OutcomeObserver):
+class Render(OutcomeObserver, of=Config):
     """Draws film.mp4 while the run goes on, and all other pictures when it is over; then writes report.html again."""
 
     left_out = ("drawer", "progress", "every")  # of the process that goes on
@@ -443,7 +439,7 @@ def draw_order(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]
     coming.wait()
     log = coming.log
     if order.preview:
-        save_png(out / "preview.png", picture.draw(survey_run(sample_files(log.files))[0]))
+        save_png(out / "preview.png", picture.draw(survey_run(sample_files(log.files), picture.grid)[0]))
     missing = times_without_frame(log.files, order.stills)
     for time in (time for time in order.stills if time not in missing):
         save_png(out / still_name(time), picture.draw(Frame(log.nearest(time))))
@@ -462,7 +458,7 @@ def begin_picture(order: Order, over: threading.Event) -> tuple[Picture, "Coming
     if not is_foreseeable(grid, order):
         over.wait()
     coming = ComingFrames(folder, over)
-    fastest = 0.1 if is_foreseeable(grid, order) else survey_run(sample_files(coming.log.files))[1]
+    fastest = 0.1 if is_foreseeable(grid, order) else survey_run(sample_files(coming.log.files), grid)[1]
     return Picture(grid, order, Frame(coming.log.files[0]), fastest, coming.log), coming
 
 
@@ -580,7 +576,7 @@ def draw_turns(
 def write_film(
     path: Path, order: Order, picture: Picture, coming: ComingFrames, others: Sequence[Painter]
 ) -> Iterator[tuple[int, int]]:
-    """Write a film in real time (H.264), and a row of small pictures from it; yields progress as `draw_order`."""
+    """Write a film in real time (H.264), and a sheet of small pictures from it; yields progress as `draw_order`."""
     with atomic_write(path) as draft:
         moments, image = Moments(), np.zeros(0)
         with film_writer(draft, order.every) as writer:
@@ -594,7 +590,7 @@ def write_film(
                 moments.see(image)
 
             yield from draw_turns(order, picture, coming, 0, put)
-    save_png(path.with_name(MOMENTS_FILE), moments.row())
+    save_png(path.with_name(MOMENTS_FILE), moments.sheet())
 
 
 def hand_over(order: Order, over: threading.Event, turn: int) -> None:

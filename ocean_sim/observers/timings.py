@@ -20,9 +20,6 @@ class Config(PeriodicConfig):
     every: float = quantity("s", 0.5, gt=0.0)
     """Simulated time between rows."""
 
-    def build(self, folder: Path, simulation: Simulation) -> "Timings":
-        return Timings(self, None if folder is NO_FOLDER else folder, simulation)
-
 
 class Mark(NamedTuple):
     """Clock values at one moment: wall and simulated time, steps, and the wall time of each stage so far [s]."""
@@ -33,14 +30,15 @@ class Mark(NamedTuple):
     stages: dict[str, float]
 
 
-class Timings(Observer):
+class Timings(Observer, of=Config):
     """Measures the wall time of the stages of every step; timings.csv has their means since the row before. The first
     step compiles kernels: its time stands apart, as `first_step_s`, and no mean contains it."""
 
     left_out = ("stage_times", "began", "first_step", "first_step_s", "start", "last")  # values of a clock
 
-    def __init__(self, config: Config, folder: Path | None, simulation: Simulation) -> None:
-        self.every, self.folder, self.simulation = config.every, folder, simulation
+    def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
+        self.every, self.simulation = config.every, simulation
+        self.folder = None if folder is NO_FOLDER else folder
         self.multiples = Multiples(config.every)
         parts = {"surface": simulation.surface is not None, "ship": bool(simulation.ships)}
         self.names = ["wind", "fluid", *(name for name, there in parts.items() if there), "observers"]

@@ -50,11 +50,8 @@ class Config(PeriodicConfig):
                 found.append((("boxes", k), "holds no water"))
         return found
 
-    def build(self, folder: Path, simulation: Simulation) -> "Tracers":
-        return Tracers(self, folder, simulation)
 
-
-class Tracers(Observer):
+class Tracers(Observer, of=Config):
     """Writes tracers.csv: position and velocity of each tagged particle, paths unwrapped across periodic sides."""
 
     last: np.ndarray | None

@@ -14,14 +14,19 @@ from numpy.lib.npyio import NpzFile
 from ocean_sim.files.input_file import Unreadable, size_of
 from ocean_sim.parts import key_of
 from ocean_sim.pictures.stage.camera import Track
+from ocean_sim.pictures.water.foam import read_cells
 
 if TYPE_CHECKING:
+    from ocean_sim.basin import Basin
     from ocean_sim.basin.ground import Ground
     from ocean_sim.fluid import Fluid
     from ocean_sim.pictures.live.scene_lines import LiveSimulation
     from ocean_sim.ship import Ship
 
 MAX_FRAME_BYTES = 4_000_000_000  # of a file of frames/, and of what it unpacks to
+FREEBOARD_SHARE = 0.12  # height of the drawn walls of a tank over still water, over its depth
+PLATE_THICKNESS = 0.02  # of a wavemaker, over half the length of the basin
+STILL_SHARE = 0.1  # share of the frames, those with ships most nearly at their mean immersion, for a still picture
 MALFORMED_ERRORS = (EOFError, LookupError, ValueError, TypeError, AttributeError, BadZipFile, BadStream)
 
 
@@ -73,6 +78,7 @@ class Frame:
             self.id = file["id"] if "id" in file else None  # of the particles
             self.ships = {key: (file[f"{key}_position"], file[f"{key}_turn"]) for key in ship_keys(file, "_turn")}
             self.gates = file["gates"].astype(np.float64) if "gates" in file else np.zeros((0, 2, 3))
+            self.plate_way = file["plate_way"] if "plate_way" in file else np.zeros(3)  # of a wavemaker [m]
             self.moving_meshes = file["moving_meshes"] if "moving_meshes" in file else np.zeros((0, 3, 3))
             empty = (("lines", (0, 2, 3)), ("tails", (0, 3)), ("arrows", (0, 3)))
             self.wind_lines, self.wind_tails, self.wind_arrows = (  # as in `wind.Drawing`
@@ -151,16 +157,34 @@ def known_film_frames(times: np.ndarray, every: float) -> list[int]:
     return film_frames(times, every)[: int((moments <= times[-1]).sum())]
 
 
-def survey_run(files: list[Path]) -> tuple[Frame, float]:
-    """Frame with the highest waves in a run's second half; highest 99th percentile of particle speeds [m/s] in a
-    frame."""
-    height, speed = [], [0.1]
+def ends_afloat(frame: Frame, grid: Any) -> np.ndarray:
+    """Water height [m] and immersion of the centre line [m] at both ends of each ship (ends, 2) in a frame; `grid`:
+    arrays that a run saves once."""
+    ends = [np.zeros((0, 3))]
+    for key, (position, turn) in frame.ships.items():
+        ends.append(position + np.outer([-0.5, 0.5], np.ptp(grid[f"{key}_vertices"][:, 2]) * turn[:, 2]))
+    points, size = np.concatenate(ends), np.maximum(grid["upper"] - grid["lower"], 1e-9)
+    level = read_cells(frame.elevation, ((points - frame.place - grid["lower"]) / size)[:, [0, 2]].T)
+    return np.stack([level, level - points[:, 1]], axis=1)
+
+
+def survey_run(files: list[Path], grid: Any) -> tuple[Frame, float]:
+    """Frame for a still picture, and highest 99th percentile of particle speeds [m/s] in a frame. The still has the
+    highest waves of those frames of a run's second half, a STILL_SHARE, in which the water at the ships rises and their
+    ends are immersed most nearly as in the mean; `grid`: arrays that a run saves once."""
+    waves, speed, ends = [], [0.1], []
     for frame in map(Frame, files):  # one at a time: a frame of a large run is large
-        height.append(float(frame.elevation.std()))
+        waves.append(float(frame.elevation.std()))
+        ends.append(ends_afloat(frame, grid))
         if frame.velocity is not None:
             speed.append(float(np.percentile(np.linalg.norm(frame.velocity, axis=1), 99)))
-    half = len(files) // 2
-    return Frame(files[half + int(np.argmax(height[half:]))]), max(speed)
+    half, (level, depth) = len(files) // 2, np.moveaxis(np.array(ends), -1, 0)
+    chosen = np.arange(half, len(files))
+    if depth.size:
+        away = np.abs(depth - depth[half:].mean(axis=0)).max(axis=1)
+        falls = np.diff(level.mean(axis=1), prepend=-np.inf) <= 0.0
+        chosen = chosen[np.lexsort((away[half:], falls[half:]))][: int(np.ceil(STILL_SHARE * len(chosen)))]
+    return Frame(files[chosen[np.array(waves)[chosen].argmax()]]), max(speed)
 
 
 def middle_cell(ships: Collection["Ship"], cell: np.ndarray) -> np.ndarray:
@@ -169,8 +193,15 @@ def middle_cell(ships: Collection["Ship"], cell: np.ndarray) -> np.ndarray:
     return cell * np.round(middle / cell)
 
 
+def basin_slab(basin: "Basin", axis: int, *ends: float) -> np.ndarray:
+    """Corners (2, 3) [m] of a tank between two ends [m] along an axis, from its bed to the top of its walls."""
+    corners = np.array([basin.lower, basin.upper], dtype=float)
+    corners[1, 1], corners[:, axis] = FREEBOARD_SHARE * basin.depth, sorted(ends)
+    return corners
+
+
 def grid_arrays(simulation: "LiveSimulation", x: np.ndarray, z: np.ndarray) -> dict[str, Any]:
-    """Arrays that a run saves once: basin, plane waves, hulls of ships, and coordinates x and z [m] of the heights."""
+    """Arrays that a run saves once: basin and fittings, plane waves, hulls, and coordinates x, z [m] of the heights."""
     basin, fluid = simulation.basin, simulation.fluid
     arrays: dict[str, Any] = {
         "x": x,
@@ -181,6 +212,11 @@ def grid_arrays(simulation: "LiveSimulation", x: np.ndarray, z: np.ndarray) -> d
         "spacing": fluid.spacing,
         "obstacles": np.array(basin.fixed).reshape(-1, 2, 3),
     }
+    water = fluid.of_particles if any(side.absorbing for side in basin.sides) else None
+    zones = [] if water is None else [basin_slab(basin, *zone[:3]) for zone in water.walls.zones]
+    makers = [(side.axis, side.position) for side in basin.sides if side.piston]
+    plates = [basin_slab(basin, axis, at, at + PLATE_THICKNESS * at) for axis, at in makers]
+    arrays |= {"zones": np.reshape(zones, (-1, 2, 3)), "plates": np.reshape(plates, (-1, 2, 3))}
     if (ground := basin.ground) is not None:
         arrays |= {"ground_x": ground.x, "ground_z": ground.z, "ground_y": ground.y}
     if basin.meshes:

@@ -200,7 +200,8 @@ def scene_path(source: str | Path) -> Path:
     if path.suffix not in (".yaml", ".yml") and not path.is_file() and packaged.is_file():
         return packaged
     if not path.exists():
-        end, suggestion = choice_sentence(str(source), packaged_scenes())
+        there = [str(each) for each in path.parent.glob("*.y*ml")] if path.suffix in (".yaml", ".yml") else []
+        end, suggestion = choice_sentence(str(source), [*there, *packaged_scenes()])
         location = Location(display_path(path))
         raise SceneError([problem_at(location, "", f"there is no such file or scene{end}", suggestion)])
     return path

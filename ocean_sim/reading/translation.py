@@ -179,6 +179,11 @@ def choice_sentence(word: str, choices: Any) -> tuple[str, str | None]:
 
 def key_sentence(word: str, choices: Any) -> tuple[str, str | None]:
     """End of an error message for an unknown key, and the suggestion or None; a dotted key is shown as a mapping."""
+    if word.isdigit():
+        return (
+            f"; in {{...}} and [...] a comma ends a value: is it a decimal comma? Write a point, as in 0.{word}",
+            None,
+        )
     first, *inner = word.split(".")
     if inner and first in choices:
         return f"; in a scene it is written {first}: {{{': {'.join(inner)}: ...{'}' * len(inner)}", None

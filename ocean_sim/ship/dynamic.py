@@ -20,8 +20,7 @@ from ocean_sim.files.input_file import FileName
 from ocean_sim.fluid import ClosedForm, Fluid
 from ocean_sim.parts import Preflight, Problems
 from ocean_sim.ship import Load
-from ocean_sim.ship.body.floating import FloatingConfig
-from ocean_sim.ship.body.floating_ship import FloatingShip, Immersion
+from ocean_sim.ship.body.floating import FloatingConfig, FloatingShip, Immersion
 from ocean_sim.ship.body.rigid_body import to_world
 from ocean_sim.ship.forces.added_mass import AddedMass, Slamming, water_reaction
 from ocean_sim.ship.forces.damping import Damping, Resistance
@@ -101,7 +100,7 @@ class SeakeepingConfig(FloatingConfig):
         return found
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        deep = "a hull that feels only the surface of the water is lifted too much by short waves"
+        deep = "waves shorter than her hull lift her too much: she feels their height, not how they fade with depth"
         found = super().warnings(preflight) + ([deep] if preflight.surface is not None else [])
         still = self.hydrostatics_of(preflight)
         if self.table is None or isinf(still.draught):

@@ -13,8 +13,7 @@ import numpy as np
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Fluid
 from ocean_sim.ship import Ship
-from ocean_sim.ship.body.floating import FloatingConfig
-from ocean_sim.ship.body.floating_ship import FloatingShip, Immersion
+from ocean_sim.ship.body.floating import FloatingConfig, FloatingShip, Immersion
 from ocean_sim.ship.body.rigid_body import to_world
 from ocean_sim.ship.forces.added_mass import Slamming, by_rule
 from ocean_sim.ship.forces.damping import Damping, Resistance

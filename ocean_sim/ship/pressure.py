@@ -37,15 +37,12 @@ class Config(FloatingConfig):
     slices: ClassVar[bool] = True
     carried_as_body: ClassVar[bool] = True
     fineness: ClassVar[int] = 3
+    feels_wind: ClassVar[bool] = False
     kind: Literal["pressure"] = "pressure"
     contact: None = None
     """The laws of the water itself act between particles and this hull."""
     drift: None = None
     """The waves that particles carry drift this hull themselves."""
-
-    @property
-    def feels_wind(self) -> bool:
-        return False
 
     def solid(self, preflight: Preflight) -> Solid:
         still, flat = self.hydrostatics_of(preflight), preflight.tank.dimension == 2

@@ -16,8 +16,7 @@ from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.ship import Load, Ship
-from ocean_sim.ship.body.floating import FloatingConfig
-from ocean_sim.ship.body.floating_ship import FloatingShip, Immersion
+from ocean_sim.ship.body.floating import FloatingConfig, FloatingShip, Immersion
 from ocean_sim.ship.body.rigid_body import RigidBody, thesis_advance
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 

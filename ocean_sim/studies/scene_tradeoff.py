@@ -34,6 +34,12 @@ FROM_COARSE = {  # what can be named, from the coarsest to the finest
     "profile": PROFILE_NAMES,
     "runtime.precision": ("f32", "f64"),
 }
+ERROR_WORDS = {  # by the end of a name
+    "rms": "rms error",
+    "hs": "error of H1/3",
+    "hm0": "error of 4 sqrt m0",
+    "tz": "error of the mean period",
+}
 Varied = dict[str, list[Node]]
 
 
@@ -231,6 +237,14 @@ def measure_names(rows: list[dict[str, Any]]) -> list[str]:
     motions = [f"{name}_rms" for name in ("heave", "pitch", "roll", "surge", "sway", "yaw")]
     order = ["legs_rms", *motions, "_rms_", "_hs_", "_hm0_", "_tz_"]
     return sorted(dict.fromkeys(names), key=lambda name: next((k for k, word in enumerate(order) if word in name), 99))
+
+
+def measure_label(name: str) -> str:
+    """Words on an error that `errors_against` names: `rms error of gauge `end` [m]` of `end_rms_m`."""
+    stem, unit = name.rsplit("_", 1)
+    of, _, kind = stem.rpartition("_")
+    moves = of.rpartition("_")[2] in (*Motions._fields, "legs")
+    return f"{ERROR_WORDS[kind]} of {of.replace('_', ' ') if moves else f'gauge `{of}`'} [{unit}]"
 
 
 def best_setting(rows: list[dict[str, Any]], by: str, budget: Budget) -> dict[str, Any] | None:

@@ -4,6 +4,8 @@ stopped: `health`, or the scheme itself, ended the run with a reason. degraded: 
 than 1 % of its mass times the square of its reference speed from nowhere (under a wind: beyond what the wind gave it),
 or its mean density rose too far above that at rest: 5 %, or three times the compression that the scene allows. stable:
 neither. A run whose process gave no answer has no verdict, which is a bug.
+
+A map is a picture: time step against another setting, the verdict at every point, and the theoretical limits.
 """
 
 from collections.abc import Iterator
@@ -13,10 +15,12 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.palette import BLUE, ORANGE, RED
 from ocean_sim.parts import compared
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result
 from ocean_sim.studies import reads_key
+from ocean_sim.studies.shared.pareto import label_log_axis
 from ocean_sim.studies.shared.scene_run import PICTURE_OBSERVERS, run_order, unwrapped_table
 
 COLUMN_SCENE: dict[str, Any] = {
@@ -41,6 +45,8 @@ MIN_STEPS, MAX_STEPS = 20, {True: 4000, False: 20_000}  # steps of a run
 MAX_ENERGY_GAIN, MAX_COMPRESSION, MAX_OVER_ALLOWED = 0.01, 0.05, 3.0
 MAX_RUN_SECONDS = {True: 300.0, False: 3600.0}  # wall time [s] of a run
 VERDICT_WORDS = ("stable", "degraded", "stopped", "none")
+VERDICT_LOOKS = {"stable": (BLUE, "o"), "degraded": (ORANGE, "^"), "stopped": (RED, "X"), "none": ("black", "s")}
+LIMIT_LINES = {"acoustic": ("h / c", "-"), "viscous": ("h² / nu", "--"), "force": ("sqrt(h / a)", ":")}
 
 
 @dataclass(frozen=True)
@@ -188,3 +194,39 @@ def map_summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
             line[f"{name}_number"] = longest * step / limit if limit and longest else None
         found.append(line)
     return found
+
+
+def draw_map(name: str, rows: list[dict[str, Any]]) -> Any:
+    """Matplotlib figure of one stability map: time step against setting `name`, a panel for each scheme."""
+    from matplotlib.figure import Figure
+
+    schemes = list(dict.fromkeys(row["scheme"] for row in rows))
+    values = sorted({row["value"] for row in rows})
+    figure = Figure(figsize=(5.0 * len(schemes) + 1.2, 1.6 + 0.6 * len(values) + 1.2), layout="constrained")
+    axes = None
+    for k, scheme in enumerate(schemes):
+        axes = figure.add_subplot(1, len(schemes), k + 1, sharey=axes)
+        here = [row for row in rows if row["scheme"] == scheme]
+        axes.set_xscale("log")
+        low, high = min(row["dt_s"] for row in here) / 2.0, max(row["dt_s"] for row in here) * 3.0
+        for limit, (label, style) in LIMIT_LINES.items():
+            ends = {values.index(row["value"]): row[f"{limit}_s"] for row in here if row.get(f"{limit}_s")}
+            at = sorted(ends) if any(low < end < high for end in ends.values()) else []
+            axes.plot([ends[n] for n in at], at, ls=style, marker="|", color="0.45", lw=1.1, label=label)
+        for verdict, (colour, mark) in VERDICT_LOOKS.items():
+            own = [row for row in here if row["verdict"] == verdict]
+            if own or verdict != "none":
+                at = [values.index(row["value"]) for row in own]
+                axes.plot([row["dt_s"] for row in own], at, mark, color=colour, ms=9, label=verdict)
+        axes.set_xlim(low, high)
+        label_log_axis(axes.xaxis)
+        axes.set_yticks(range(len(values)), [f"{value:g}" for value in values])
+        axes.set_ylim(-0.6, len(values) - 0.4)
+        axes.set_xlabel("time step [s]")
+        axes.set_title(scheme, fontsize="medium")
+        axes.grid(alpha=0.25)
+        if k == 0:
+            axes.set_ylabel(name)
+    handles, labels = axes.get_legend_handles_labels() if axes is not None else ([], [])
+    figure.legend(handles, labels, loc="outside upper center", ncols=7, fontsize="small")
+    return figure

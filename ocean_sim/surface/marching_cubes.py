@@ -22,8 +22,7 @@ from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.surface import AREA_AND_VOLUME, Mesh, Surface
 from ocean_sim.surface.shared.heights import Heights
-from ocean_sim.surface.shared.isosurface import TASK_ITERATIONS, Counts, Isosurface
-from ocean_sim.surface.shared.nodes import MAX_NODES, Nodes
+from ocean_sim.surface.shared.isosurface import MAX_NODES, TASK_ITERATIONS, Counts, Isosurface, Nodes
 
 if TYPE_CHECKING:
     from ocean_sim.fluid import Particles

@@ -50,7 +50,7 @@ class Courant:
 
     @property
     def adjustable(self) -> dict[str, Setting]:
-        return {"courant_number": Setting(self.config.courant_number, "1")}
+        return {"courant_number": Setting(now := self.config.courant_number, "1", (0.2 * now, 1.6 * now))}
 
     def adjust(self, **values: float) -> None:
         self.config = self.config.model_copy(update=values)

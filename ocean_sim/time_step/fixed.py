@@ -35,7 +35,7 @@ class Fixed:
 
     @property
     def adjustable(self) -> dict[str, Setting]:
-        return {"dt": Setting(self.config.dt, "s")}
+        return {"dt": Setting(now := self.config.dt, "s", (0.2 * now, 1.6 * now))}
 
     def adjust(self, **values: float) -> None:
         self.config = self.config.model_copy(update=values)

@@ -47,21 +47,15 @@ def disc_rows(spacing: float) -> list[dict]:
 
 def exact_ellipse(end: float, steps: int = 2000) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Times A0 t, minor and major semi-axes [m], each (steps + 1,), up to A0 t = `end`, by Runge-Kutta."""
+    from scipy.integrate import solve_ivp
 
-    def change(y: np.ndarray) -> np.ndarray:
+    def change(_: float, y: np.ndarray) -> tuple[float, float]:
         rate, minor = y
-        return np.array([rate**2 * (minor**4 - 1.0) / (minor**4 + 1.0), -minor * rate])
+        return rate**2 * (minor**4 - 1.0) / (minor**4 + 1.0), -minor * rate
 
-    h, y = end / steps, np.array([1.0, 1.0])
-    minor = [1.0]
-    for _ in range(steps):
-        k1 = change(y)
-        k2 = change(y + 0.5 * h * k1)
-        k3 = change(y + 0.5 * h * k2)
-        k4 = change(y + h * k3)
-        y = y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-        minor.append(y[1])
-    return np.linspace(0.0, end, steps + 1), np.array(minor), 1.0 / np.array(minor)
+    tau = np.linspace(0.0, end, steps + 1)
+    minor = solve_ivp(change, (0.0, end), (1.0, 1.0), "DOP853", tau, rtol=1e-12, atol=1e-12).y[1]
+    return tau, minor, 1.0 / minor
 
 
 def measure(simulation: Simulation) -> Finding:

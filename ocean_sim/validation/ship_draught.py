@@ -46,13 +46,11 @@ def submerged_volume(shape: str, draught: float) -> float:
 
 
 def exact_draught(shape: str, density: float) -> float:
-    """Draught [m] of a shape of SHAPES at a density relative to water, by bisection."""
-    low, high = 0.0, HEIGHT
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        sinks = submerged_volume(shape, middle) < density * submerged_volume(shape, HEIGHT)
-        low, high = (middle, high) if sinks else (low, middle)
-    return low
+    """Draught [m] of a shape of SHAPES at a density relative to water."""
+    from scipy.optimize import brentq
+
+    displaced = density * submerged_volume(shape, HEIGHT)
+    return brentq(lambda draught: submerged_volume(shape, draught) - displaced, 0.0, HEIGHT, xtol=1e-15)
 
 
 def shape_problem(shape: str, density: float) -> Problem:

@@ -19,7 +19,7 @@ import typer
 from ocean_sim.files.yaml_file import Problem, SceneError
 from ocean_sim.parts import PACKAGE
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.options import Json, Profile, Sets
+from ocean_sim.verbs.shared.options import Profile, Sets
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -44,7 +44,6 @@ def bench(
         help="With --peers: the Python of an environment that has pysplishsplash, pysph or both, for dam breaks; "
         "may be given several times.",
     ),
-    as_json: Json = False,
 ) -> None:
     """Measure the speed of scenes one after the other; with --peers and no scene, time other programs alone."""
     from ocean_sim.verbs.shared import history
@@ -63,17 +62,14 @@ def bench(
         times = history.slowdown(order, row)
         rows.append(row | {"times_before": times})
         slower = history.slowdown_warning(scene, times) if times is not None else None
-        if not as_json:
-            console.say(measurement_lines(row))
+        console.say(measurement_lines(row))
         if slower is not None:
             console.complain(slower)
     if others is not None:
         for row in others.peers(pythons, threads):
             rows.append(row)
-            if not as_json:
-                console.say(others.sentence(row))
-    if as_json:
-        console.answer(rows)
+            console.say(others.sentence(row))
+    console.answer(rows)
     if any(row.get("failed") for row in rows):
         raise typer.Exit(console.Lacking.exit_code)
 
@@ -107,7 +103,7 @@ def measure_in_child(order: dict[str, Any], cold: bool) -> dict[str, Any]:
     raise kind(f"{order['scene']}: {failure['error']}")
 
 
-def bench_one(order: str, as_json: Json = False) -> None:
+def bench_one(order: str) -> None:
     """Measure one scene in this process, and answer in JSON."""
     from ocean_sim import kernel_library
     from ocean_sim.observers.timings import Timings

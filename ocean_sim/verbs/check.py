@@ -1,4 +1,4 @@
-"""`ocean-sim check`: memory, time step and time of a scene, before anything is allocated."""
+"""`ocean-sim check`: validity, wall time, memory and warnings of a scene, before anything is allocated."""
 
 from math import isinf
 from typing import Any
@@ -14,13 +14,12 @@ from ocean_sim.simulation import Simulation
 from ocean_sim.time_step.courant import Config as Courant
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.history import keep_step_time, step_time
-from ocean_sim.verbs.shared.options import Json, Profile, Scene, Sets
+from ocean_sim.verbs.shared.options import Profile, Scene, Sets
 from ocean_sim.verbs.shared.progress import kernel_notice
 
 WATER_FACTS = ("particles", "memory_mb", "pictures_mb", "bytes_a_particle", "most_particles", "time_step", "limited_by")
 UNKNOWN_FACTS = dict.fromkeys((*WATER_FACTS, "estimated_wall_s"))
 CARD_BYTES = 16e9  # memory of a graphics card, which cannot be asked for its own before it is started
-FEW_PARTICLES = 20_000  # below which most memory of the water does not go with their number
 STABLE_COURANT = 0.8  # the courant number of the profiles `ci` and `interactive`, up to which steps were found stable
 
 
@@ -29,13 +28,13 @@ def check(
     profile: Profile = None,
     sets: Sets = None,
     time: bool = typer.Option(False, "--time", help="Take some steps first, to estimate the wall time."),
-    as_json: Json = False,
+    ledger: bool = typer.Option(False, "--ledger", help="Also print the table of memory and kernels, part by part."),
 ) -> None:
     """Report the memory, time step and wall time that a scene needs, and its problems."""
     try:
         config = load(scene, console.set_values(sets), profile)
     except SceneError as error:
-        if not as_json:
+        if not console.json_asked:
             raise
         problems = [problem._asdict() for problem in error.problems]
         wrong = {"ok": False, "error": console.problem_count(problems), "problems": problems, "warnings": []}
@@ -43,8 +42,7 @@ def check(
         raise typer.Exit(2) from None
     if time:
         console.must_compute_with(config.runtime.library)
-        if not as_json:
-            console.say(kernel_notice())
+        console.say(kernel_notice())
         from ocean_sim.observers.timings import synchronization
         from ocean_sim.verbs.bench import time_block
 
@@ -53,15 +51,17 @@ def check(
             steps, wall, _, _ = time_block(simulation, synchronization(simulation.backend.arch))
         keep_step_time(config, wall / steps)
     found = preflight(config)
-    if as_json:
-        console.answer(found | {"ledger": ledger_rows(found, config)})
-    else:
-        print_preflight(found, config)
+    console.answer(found | {"ledger": ledger_rows(found, config)})
+    told = [*(f"warning: {each}" for each in found["warnings"]), *(f"note: {each}" for each in found["notes"])]
+    console.say("\n".join([preflight_lines(found, config), *told, *ship_lines(found), *found["statements"]]))
+    if ledger:
+        print_ledger(found, config)
 
 
 def preflight(config: SceneConfig) -> dict[str, Any]:
-    """Facts of a scene as JSON data: particles, memory, time step, wall time, ships, warnings."""
-    known, rows, warnings = config.preflight, config.ledger(), config.warnings()
+    """Facts of a scene as JSON data: particles, memory, time step, wall time, ships, warnings; `urgent` are those that
+    may end a run."""
+    known, rows, urgent = config.preflight, config.ledger(), []
     particles = known.particles
     memory = runtime.base_memory(particles) + sum(row.bytes for row in rows)
     time_step = config.time_step.build()
@@ -69,24 +69,28 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
     dt = time_step.next(still)
     stable, limit = Courant().longest_step(still)
     longest, ruling = Courant(courant_number=STABLE_COURANT).longest_step(still)
+    room = particle_room(config, rows, particles)
     if dt > 1.05 * longest:
         over = f"{dt / longest:.2g} times the {longest:.3g} s that stayed stable in still water ({ruling} limit)"
-        warnings.append(f"the time step of {dt:.3g} s is {over}")
+        urgent.append(f"the time step of {dt:.3g} s is {over}")
     if memory > 0.9 * machine.memory_limit():
-        has = f"this machine has {machine.memory_limit() / 1e9:.1f} GB"
-        warnings.append(f"needs {memory / 1e9:.1f} GB of memory; {has}")
+        urgent.append(f"needs {memory / 1e9:.1f} GB of memory; this machine has {machine.memory_limit() / 1e9:.1f} GB")
+        if most := room["most_particles"]:
+            fits = 1.01 * (known.spacing or 0.0) * (particles / most) ** (1.0 / known.tank.dimension)
+            urgent[-1] += f"; fluid.spacing from {fits:.3g} m on fits"
     (each, is_measured), pictures = step_time(config), picture_time(config)
     steps = each * config.duration / dt
     return {
         "ok": True,
         "problems": [],
-        "warnings": warnings,
+        "warnings": [*urgent, *config.warnings()],
+        "urgent": urgent,
         "notes": config.notes,
         "statements": config.fluid.statements(known),
         "particles": particles,
         "memory_mb": memory / 1e6,
         "pictures_mb": sum(row.bytes for row in rows if row.part in config.observers) / 1e6,
-        **particle_room(config, rows, particles),
+        **room,
         "time_step": dt,
         "limited_by": time_step.limited_by,
         "stable_time_step": stable,
@@ -160,8 +164,8 @@ def ledger_rows(found: dict[str, Any], config: SceneConfig) -> list[dict[str, An
 def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
     """Estimated wall time of a run in words, and its basis: a guess, or the last run of such water on this machine."""
     parts = found["estimated_by_part"]
-    shown = {"steps": parts["steps_s"], "pictures": parts["pictures_s"]}
-    terms = ", ".join(f"{name} {console.duration(seconds)}" for name, seconds in shown.items() if seconds)
+    terms = ", ".join(f"{name[:-2]} {console.duration(seconds)}" for name, seconds in parts.items() if seconds)
+    terms += ", which --set render=null saves" if parts["pictures_s"] else ""
     about = f"about {console.duration(found['estimated_wall_s'])} for {config.duration:g} s ({terms})"
     water = f"{config.fluid.kind} in {config.preflight.tank.dimension}-D"
     if not found["estimate_is_measured"]:
@@ -175,69 +179,50 @@ def memory_taken(found: dict[str, Any]) -> str:
     return f"{found['memory_mb']:.0f} MB{pictures}"
 
 
-def room_sentence(found: dict[str, Any], config: SceneConfig) -> str:
-    """Memory per particle and the number of particles that fits, in words, from the facts `found` of `preflight`."""
-    if found["bytes_a_particle"] is None:
-        return "no particles"
-    where = f"the {machine.memory_limit() / 1e9:.1f} GB of this machine"
-    if config.runtime.arch in runtime.GRAPHICS_CARD_CHOICES:
-        where = f"{CARD_BYTES / 1e9:.0f} GB of a graphics card"
-    fit = f"{found['most_particles'] / 1e6:.2g} million particles fit into {where}"
-    if found["particles"] < FEW_PARTICLES:
-        return f"at least {fit}"
-    return f"{found['bytes_a_particle']} bytes a particle: {fit}"
-
-
-def preflight_lines(found: dict[str, Any], config: SceneConfig) -> str:
-    """Main facts, notes and warnings of `preflight` (`found`), as the text that `run` prints first."""
+def preflight_lines(found: dict[str, Any], config: SceneConfig, listed: str = "") -> str:
+    """Answer of `check` on the facts `found` of `preflight`, as text: verdict, wall time, memory, steps and files.
+    `listed`: where the warnings are."""
+    count = len(found["warnings"])
+    steps = f"{found['particles']} particles in steps of {found['time_step']:.3g} s in still water"
     lines = [
-        f"{config.title or 'untitled'}: {found['particles']} particles, {memory_taken(found)}, "
-        f"time step {found['time_step']:.3g} s in still water ({found['limited_by']}), "
-        f"wall time {wall_time(found, config)}"
+        config.title or "untitled",
+        "valid" + (f"; {count} warning{'s' if count > 1 else ''}{listed}" if count else ""),
+        f"takes {wall_time(found, config)}",
+        f"needs {memory_taken(found)} of memory: {steps} (limit: {found['limited_by']})",
+        f"writes {' '.join(config.files())}",
     ]
-    lines += [f"note: {note}" for note in found["notes"]]
-    return "\n".join([*lines, *(f"warning: {warning}" for warning in found["warnings"])])
+    return "\n".join(lines)
 
 
-def print_preflight(found: dict[str, Any], config: SceneConfig) -> None:
-    console.say(config.title or "untitled")
-    console.table(
-        "",
-        ["", ""],
-        [
-            ["particles", f"{found['particles']}"],
-            ["memory", f"about {memory_taken(found)} at the peak"],
-            ["room", room_sentence(found, config)],
-            ["time step", f"{found['time_step']:.4g} s in still water, limited by: {found['limited_by']}"],
-            ["stable", f"{found['stable_time_step']:.4g} s in still water, limited by: {found['stable_limited_by']}"],
-            ["wall time", wall_time(found, config)],
-        ],
-    )
+def ship_lines(found: dict[str, Any]) -> list[str]:
+    """Lines on displacement, draught, metacentric heights and periods of each ship, by `preflight` (`found`)."""
+    lines = []
+    for name, ship in found["ships"].items():
+        if ship["draught_m"] is None:
+            continue
+        periods = ", ".join(f"{motion} {t:.3g} s" for motion, t in ship["periods_s"].items() if t is not None)
+        own, across = ship["gm_of_faces_m"], ship["draught_spacings"]
+        faces = "" if own is None else f" (by the faces of her hull {own:.3g} m)"
+        resolved = "" if across is None else f" ({across:.3g} spacings: {resolves(across)})"
+        lines.append(
+            f"{called(name)}: {figures(ship['displacement_kg'])} kg, draught {ship['draught_m']:.3g} m{resolved}, "
+            f"GM {ship['gm_m']:.3g} m{faces}, longitudinal GM {ship['gm_longitudinal_m']:.3g} m; "
+            f"natural periods: {periods}"
+        )
+    return lines
+
+
+def print_ledger(found: dict[str, Any], config: SceneConfig) -> None:
+    """Print the memory, kernels and stable time step of `preflight` (`found`), part by part."""
+    stable = f"{found['stable_time_step']:.4g} s in still water, limited by: {found['stable_limited_by']}"
+    on_card = config.runtime.arch in runtime.GRAPHICS_CARD_CHOICES
+    room = f"{(CARD_BYTES if on_card else machine.memory_limit()) / 1e9:.1f} GB of {'a card' if on_card else 'memory'}"
+    if each := found["bytes_a_particle"]:
+        console.say(f"room for {found['most_particles'] / 1e6:.2g} million particles of {each} bytes in {room}")
+    console.say(f"stable time step: {stable}")
     rows = []
     for row in ledger_rows(found, config):
         kernels = "" if row["kernels"] is None else f"{len(row['kernels'])}"
         rows.append([row["part"], row["what"], f"{row['bytes'] / 1e6:.2f}", kernels, row["why"]])
     heads = ["part", "fields", "MB", "kernels", "why"]
     console.table("\nwhat is allocated and compiled (kernels: at most), and why", heads, rows)
-    console.say()
-    for name, ship in found["ships"].items():
-        if ship["draught_m"] is not None:
-            periods = ", ".join(f"{motion} {t:.3g} s" for motion, t in ship["periods_s"].items() if t is not None)
-            own = ship["gm_of_faces_m"]
-            faces = "" if own is None else f" (by the faces of her hull {own:.3g} m)"
-            across = ship["draught_spacings"]
-            draught = f"draught {ship['draught_m']:.3g} m"
-            if across is not None:
-                draught += f" ({across:.3g} spacings: {resolves(across)})"
-            console.say(
-                f"{called(name)}: {figures(ship['displacement_kg'])} kg, {draught}, "
-                f"GM {ship['gm_m']:.3g} m{faces}, longitudinal GM {ship['gm_longitudinal_m']:.3g} m; "
-                f"natural periods: {periods}"
-            )
-    for sentence in found["statements"]:
-        console.say(sentence)
-    for note in found["notes"]:
-        console.say(f"note: {note}")
-    for warning in found["warnings"]:
-        console.say(f"warning: {warning}")
-    console.say("the scene is in order")

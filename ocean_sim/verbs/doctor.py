@@ -10,7 +10,6 @@ from typing import Any
 
 from ocean_sim import machine
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.options import Json
 
 PACKAGE_NAMES = ("ocean-sim", "taichi", "quadrants", "numpy", "pydantic", "pyvista", "vtk", "h5py", "imageio-ffmpeg")
 BACKEND_NAMES = ("cpu", "cuda", "vulkan", "metal")
@@ -35,12 +34,10 @@ USUAL_VECTOR_WIDTH = 8  # numbers at once that suffice: many processors are no f
 PROBE_SECONDS = 90.0  # [s] for one probe
 
 
-def doctor(as_json: Json = False) -> None:
+def doctor() -> None:
     """Report the abilities of the machine; a missing one is not an error."""
     found = examine_machine()
-    if as_json:
-        console.answer(found)
-        return
+    console.answer(found)
     backends = [[f"backend {name}", *_row(fact)] for name, fact in found["backends"].items()]
     names = {"vectors": "vectors", "preview": "ggui", "pictures": "opengl", "film": "video"}
     others = [[name, *_row(found[key])] for name, key in names.items()]

@@ -14,7 +14,7 @@ from ocean_sim.reading.sentences import part_sentence
 from ocean_sim.reading.translation import choice_sentence, likeliest
 from ocean_sim.verbs.list import list_choices
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.options import Json, completion
+from ocean_sim.verbs.shared.options import completion
 
 SHOWN = ("meaning", "takes", "unit", "default", "range", "example")
 MAX_AT_LENGTH = 12  # keys that are explained at length; of more only their meanings are listed
@@ -24,12 +24,11 @@ def explain(
     key: str = typer.Argument(
         help="A key such as wind.stress.u10, or without the kind: wind.u10.", autocompletion=completion(by_path)
     ),
-    as_json: Json = False,
 ) -> None:
     """Explain a key, or the keys of a preset or a kind; another word is refused, with the likeliest key."""
     asked = key.partition("=")[0].strip().lower()
     if asked in (*SLOTS, SEVERAL):
-        list_choices(ALONE if asked == SEVERAL else asked, as_json)
+        list_choices(ALONE if asked == SEVERAL else asked)
         return
     same = group_alike(keys_at(by_kind(asked)) or [each for each in scene_keys() if each.path.split(".")[-1] == asked])
     part = None if same and "." not in asked else preset_choice(asked)
@@ -42,10 +41,8 @@ def explain(
         end = keys_elsewhere(asked.rpartition(".")[2]) or choice_sentence(asked, sorted(whole | shorter))[0]
         end = likeliest_beside(asked) or end or "; `ocean-sim list` shows all there is to choose from"
         raise console.Refused(f"there is no key {key!r}{end}")
-    if as_json:
-        told = lambda key: {name: getattr(key, name) for name in SHOWN}
-        console.answer([{"key": paths[0], "keys": paths} | told(each) for each, paths in same])
-        return
+    told = lambda key: {name: getattr(key, name) for name in SHOWN}
+    console.answer([{"key": paths[0], "keys": paths} | told(each) for each, paths in same])
     if part is not None:
         console.say(f"{'.'.join(part)}: {part_sentence(*part)}\n")
     if len(same) <= MAX_AT_LENGTH:

@@ -18,7 +18,7 @@ from ocean_sim.parts import PACKAGE, library
 from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import Bar
-from ocean_sim.verbs.shared.options import Json, completion
+from ocean_sim.verbs.shared.options import completion
 
 PROGRESS_LINE = re.compile(r" *(\d+)%  (.*)")  # how a script reports its progress
 ALL_FIGURES = "all"  # of the thesis, and its errata; our own studies are drawn by their names
@@ -56,7 +56,6 @@ def figure(
     ),
     fast: bool = typer.Option(False, "--fast", help="Coarse and short, for a quick look."),
     out: Path = typer.Option(Path("runs/figures"), help="Where data (CSV) and pictures (PNG) go."),
-    as_json: Json = False,
 ) -> int:
     """Draw figures one after the other and report; the exit code is 1 where one failed, and the others are there."""
     with console.claim(out):
@@ -68,23 +67,20 @@ def figure(
                 raise console.Refused(f"there is no figure {name!r}{choice_sentence(name, [*known, ALL_FIGURES])[0]}")
         theirs = [name for name in known if name[0].isdigit() or name == "errata"] if ALL_FIGURES in names else []
         wanted = list(dict.fromkeys([*theirs, *(name for name in names if name != ALL_FIGURES)]))
-        bar = Bar(len(wanted), as_json)
+        bar = Bar(len(wanted))
         done: list[Outcome] = []
         try:
             for name in wanted:
-                if not as_json:
-                    console.say(f"[{len(done) + 1}/{len(wanted)}] {figure_sentence(known[name])}")
+                console.say(f"[{len(done) + 1}/{len(wanted)}] {figure_sentence(known[name])}")
                 show = lambda share, text: bar.show(len(done) + share, text)
                 done.append(draw_figure(name, known[name], fast, out, show))
-                if not as_json:
-                    what = ", ".join(map(str, done[-1].files)) if done[-1].ok else f"FAILED: {done[-1].error}"
-                    console.say(f"      {console.duration(done[-1].wall_s)}  {what}")
+                what = ", ".join(map(str, done[-1].files)) if done[-1].ok else f"FAILED: {done[-1].error}"
+                console.say(f"      {console.duration(done[-1].wall_s)}  {what}")
         finally:
             bar.close()
         failed = [outcome.figure for outcome in done if not outcome.ok]
-        if as_json:
-            console.answer([outcome._asdict() for outcome in done])
-        elif failed:
+        console.answer([outcome._asdict() for outcome in done])
+        if failed and not console.json_asked:
             console.complain(f"{len(failed)} of {len(done)} figures failed: {', '.join(failed)}")
         return 1 if failed else 0
 

@@ -23,7 +23,6 @@ from ocean_sim.parts import PACKAGE, KindConfig, library, slot_of
 from ocean_sim.reading.scene import load
 from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.options import Json
 
 LIST_FILE, STAMP_FILE = "gallery.yaml", "stamps.json"
 PICTURE_SIZE, JPEG_QUALITY = "1280x720", 88  # of a picture, and as a JPEG
@@ -102,7 +101,6 @@ def gallery(
     check: bool = typer.Option(False, "--check", help="Only list those that are out of date, with their commands."),
     every: bool = typer.Option(False, "--all", help="Make all of them."),
     out: Path | None = typer.Option(None, help="Where to write; by default figures/gallery of this checkout."),
-    as_json: Json = False,
 ) -> int:
     """Make pictures that are old, or those named; `check`: only list them. The exit code is 1 where some are old."""
     folder = out or library("figures") / "gallery"
@@ -113,9 +111,8 @@ def gallery(
             raise console.Refused(f"there is no picture {name!r}{choice_sentence(name, list(known))[0]}")
     if check:
         old = stale_entries(folder)
-        if as_json:
-            console.answer([{"picture": entry.picture, "commands": show_entry(entry)} for entry in old])
-        for entry in [] if as_json else old:
+        console.answer([{"picture": entry.picture, "commands": show_entry(entry)} for entry in old])
+        for entry in old:
             console.say("\n  ".join([f"{entry.picture} is older than what draws it", *show_entry(entry)]))
         return int(bool(old))
     folder.mkdir(parents=True, exist_ok=True)
@@ -135,8 +132,7 @@ def gallery(
             write_facts(folder / STAMP_FILE, dict(sorted(stamps.items())))
             made.append(folder / entry.picture)
             console.say(str(made[-1]))
-    if as_json:
-        console.answer({"files": made})
+    console.answer({"files": made})
     return 0
 
 

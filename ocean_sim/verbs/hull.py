@@ -1,5 +1,7 @@
 """`ocean-sim hull`: watertightness, volume, draught, stability and natural periods of a hull, and a picture."""
 
+import json
+from collections.abc import Sequence
 from dataclasses import replace
 from math import asin, degrees, isinf, sqrt
 from pathlib import Path
@@ -20,15 +22,17 @@ from ocean_sim.ship.body.floating import MAX_LEAN, FloatingConfig, lean_matrix, 
 from ocean_sim.ship.forces.added_mass import by_rule
 from ocean_sim.ship.forces.roll_damping import BilgeKeels, Ikeda, RollDamping
 from ocean_sim.ship.hull.hull import CUBE_BUDGET, FIRST_GUESS_CUBES, MESH_ENDINGS, Hull, error_sentence, hull_of
+from ocean_sim.ship.hull.shapes import MeshFile, drawn_mesh
 from ocean_sim.ship.naval import hydrostatics
 from ocean_sim.ship.naval.stability import CROSS_HEELS, LAST_HEEL, Loading, Stability
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.options import Json, number_list
+from ocean_sim.verbs.shared.options import number_list
 
 ASSUMED_DENSITY_RATIO = 0.5  # of the water's density: what a hull without a mass is taken to weigh
 ROLL_AMPLITUDES_DEG = (5.0, 10.0, 20.0)  # [deg] amplitudes of roll
 PICTURE_SUFFIXES = (".png", ".svg", ".pdf")  # as what a picture is written
 SQUAT_FROUDE_NUMBERS = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7)  # speeds over that of the fastest wave, for squat
+BLOCK_FROUDE = 0.3  # speed over sqrt(g L) at full throttle of a ship to paste
 EMPTY_ANSWER = dict.fromkeys(("volume_m3", "displacement_kg", "draught_m", "kb_m", "bm_m", "gm_m"))
 
 
@@ -38,11 +42,11 @@ class Asked(NamedTuple):
     mass: float | None = None  # [kg]
     draught: float | None = None  # [m], in place of the mass
     kg: float | None = None  # [m] over the keel
-    cg: tuple[float, float, float] | None = None  # [m] from the hull's origin
+    cg: Sequence[float] | None = None  # (3,) [m] from the hull's origin
     density: float = 0.0  # of the water [kg/m3]; 0 until the hull is found, with the water of its scene
     cells: float = 16.0  # cubes over the draught
     cross: bool = False  # cross curves, too
-    bilge_keels: tuple[float, float] | None = None  # length and breadth of each [m]
+    bilge_keels: Sequence[float] | None = None  # length and breadth of each [m]
     depth: float | None = None  # of the water, for squat [m]
     up: AxisName | None = None  # axis of a mesh file that points up
     bow: AxisName | None = None  # axis of a mesh file that points to the bow
@@ -91,18 +95,12 @@ def hull(
         None, min=1e-9, help="Metres per unit of a mesh file: 0.001 for millimetres; else guessed."
     ),
     out: Path | None = typer.Option(None, help="The picture; by default runs/hull/<name>.png, with --json none."),
-    as_json: Json = False,
 ) -> int:
     """Describe a hull; the exit code is 2 where it is not one."""
-    at = number_list("--cg", cg)
-    if at is not None and len(at) != 3:
-        raise console.Refused(f"--cg: {cg!r} is not like 0,1.2,-0.3")
-    keels = number_list("--bilge-keels", bilge_keels)
-    if keels is not None and (len(keels) != 2 or min(keels) <= 0.0):
+    at, keels = number_list("--cg", cg, "0,1.2,-0.3"), number_list("--bilge-keels", bilge_keels, "12,0.3")
+    if keels is not None and min(keels) <= 0.0:
         raise console.Refused(f"--bilge-keels: {bilge_keels!r} is not like 12,0.3")
-    centre = None if at is None else (at[0], at[1], at[2])
-    plates = None if keels is None else (keels[0], keels[1])
-    asked = Asked(mass, draught, kg, centre, density or 0.0, cells, cross, plates, depth, up, bow, scale)
+    asked = Asked(mass, draught, kg, at, density or 0.0, cells, cross, keels, depth, up, bow, scale)
     asked.agree(loading)
     if out is not None and out.suffix.lower() not in PICTURE_SUFFIXES:
         raise console.Refused(
@@ -112,22 +110,20 @@ def hull(
     try:
         shape, of_water, fitted = found_hull(name, ship, asked)
         asked = asked._replace(density=asked.density or of_water, bilge_keels=asked.bilge_keels or fitted)
-        found, notes = hull_report(shape, asked, condition)
+        found, notes = hull_report(shape, asked, condition, name)
     except ValueError as error:
         if isinstance(error, console.Refused):
             raise
         problems = error.problems if isinstance(error, BadMesh) else [f"{name}: {error_sentence(error)}"]
-        if not as_json:
+        if not console.json_asked:
             raise console.Refused("\n".join(problems)) from None
         console.answer({"error": problems[0], **EMPTY_ANSWER, "gz": [], "periods_s": {}, "problems": problems})
         return 2
-    picture = out or Path("runs/hull") / f"{Path(name).stem}.png" if out or not as_json else None
+    picture = out or Path("runs/hull") / f"{Path(name).stem}.png" if out or not console.json_asked else None
     if picture is not None:
         picture = picture if console.draw_if_able(draw_hull, picture, shape, found) else None
-    if as_json:
-        console.answer(found)
-    else:
-        print_report(name, found, notes, picture)
+    console.answer(found)
+    print_report(name, found, notes, picture)
     return 0
 
 
@@ -186,7 +182,7 @@ def load_ship(shape: Hull, asked: Asked, condition: Loading | None, notes: list[
         assumed = f"{ASSUMED_DENSITY_RATIO:g} of the water's density"
         notes.append(f"no mass is given: taken as {assumed} (--mass sets another)")
     if asked.cg is not None:
-        centre = asked.cg
+        centre = asked.cg[0], asked.cg[1], asked.cg[2]
     if asked.kg is not None:
         x, _, z = centre or voxels(shape.shape, height / 24.0).centroid.tolist()
         centre = (x, keel + asked.kg, z)
@@ -206,7 +202,7 @@ def mass_at(shape: Hull, asked: Asked) -> float:
     return asked.density * float(still.wet_volumes(hydrostatics.UPRIGHT, still.keel + asked.draught).sum())
 
 
-def hull_report(shape: Hull, asked: Asked, condition: Loading | None = None) -> tuple[dict[str, Any], list[str]]:
+def hull_report(shape: Hull, asked: Asked, condition: Loading | None, name: str) -> tuple[dict[str, Any], list[str]]:
     """Facts of a hull in its loading condition as JSON data, with notes and problems; and the notes, as sentences."""
     notes: list[str] = []
     problems: list[str] = []
@@ -243,7 +239,37 @@ def hull_report(shape: Hull, asked: Asked, condition: Loading | None = None) -> 
     notes += [*beyond, *blunt]
     found = stated_balance(afloat, stability, asked.cross) | {"roll_damping": damped, "squat": sunk}
     facts["gm_of_faces_m"] = None if heights is None else heights[0]
+    found["scene"] = ship_block(name, shape, afloat, asked)
     return facts | found | {"notes": notes, "problems": problems}, notes
+
+
+def ship_block(name: str, shape: Hull, afloat: hydrostatics.Hydrostatics, asked: Asked) -> str:
+    """YAML of a ship with this hull for a scene; propeller and rudder by rule. Empty for one that a scene has already.
+
+    Full throttle is for a Froude number of BLOCK_FROUDE against the resistance by rule, the rudder half as large again
+    as the least of DNV (1975), T L / 100 (1 + 25 (B / L)^2).
+    """
+    solid = shape.shape
+    if not isinstance(solid, MeshFile) and name not in named("hull"):
+        return ""
+    length, draught, (stern, _) = afloat.length, afloat.draught, afloat.waterline_ends
+    speed, breadth = BLOCK_FROUDE * sqrt(GRAVITY * length), afloat.waterplane / length
+    thrust = 0.05 * afloat.density * float(afloat.section_areas.max()) * speed**2
+    area = 0.015 * draught * length * (1.0 + 25.0 * (breadth / length) ** 2)
+    keels = asked.bilge_keels
+    ikeda = "{}" if keels is None else f"{{bilge_keels: {{length: {keels[0]:g}, breadth: {keels[1]:g}}}}}"
+    read = solid.model_dump(exclude_none=True) if isinstance(solid, MeshFile) else {}
+    mesh = ", ".join(f"{key}: {json.dumps(value)}" for key, value in read.items())
+    centre = ", ".join(f"{round(value, 4) + 0.0:g}" for value in afloat.matter.centre.tolist())
+    return f"""ship:
+  kind: dynamic
+  hull: {f"{{shape: {{{mesh}}}}}" if mesh else name}
+  mass: {afloat.matter.mass:.6g}  # [kg]
+  centre_of_mass: [{centre}]  # [m] from the keel amidships: to port, up, forward
+  damping: {{ikeda: {ikeda}}}  # roll by the form of her hull; heave and pitch by rule
+  propeller: {{thrust: {thrust:.4g}, diameter: {0.6 * draught:.3g}}}  # by rule, for {speed:.3g} m/s at full throttle
+  rudder: {{area: {area:.3g}, position: [0.0, {0.4 * draught:.3g}, {stern:.3g}]}}  # by rule
+  controls: [{{time: 0.0, throttle: 0.6}}]"""
 
 
 def outlying_parts(shape: Hull, afloat: hydrostatics.Hydrostatics, condition: Loading | None) -> list[str]:
@@ -359,17 +385,16 @@ def print_report(name: str, found: dict[str, Any], notes: list[str], picture: Pa
     console.say(name)
     for note in notes:
         console.say(note)
-    units = {"m3": "m3", "kg": "kg", "m2": "m2", "m": "m", "deg": "deg"}
     sides = {"trim_deg": ("by the stern", "by the bow"), "heel_deg": ("to port", "to starboard")}
     rows = []
     for key, value in found.items():
         stem, _, unit = key.rpartition("_")
-        if isinstance(value, float) and unit in units:
+        if isinstance(value, float) and unit in ("m3", "kg", "m2", "m", "deg"):
             where = f", {found['flooding_at']}" if key == "flooding_deg" else ""
             where += " or more" if key == "vanishing_deg" and value == LAST_HEEL else ""
             if key in sides and value != 0.0:
                 where, value = f" {sides[key][value > 0.0]}", abs(value)
-            rows.append([stem.replace("_", " "), f"{figures(value)} {units[unit]}{where}"])
+            rows.append([stem.replace("_", " "), f"{figures(value)} {unit}{where}"])
     for motion, period in found["periods_s"].items():
         shown = "none" if period is None else f"{period:.3g} s ({found['dry_periods_s'][motion]:.3g} s without water)"
         rows.append([f"{motion} period", shown])
@@ -402,33 +427,55 @@ def print_report(name: str, found: dict[str, Any], notes: list[str], picture: Pa
         console.table("\ncross curves KN [m]", heads, rows)
     for problem in found["problems"]:
         console.say(f"problem: {problem}")
+    if found.get("scene"):
+        console.say(f"\nto paste into a scene:\n\n{found['scene']}\n")
     if picture is not None:
         console.say(str(picture))
 
 
-def draw_hull(path: Path, shape: Any, found: dict[str, Any]) -> None:
-    """Draw three views of the hull with its waterline, and righting levers from `found`, its facts, into a PNG file."""
+def draw_hull(path: Path, shape: Hull, found: dict[str, Any]) -> None:
+    """Draw righting levers from `found`, the facts of a hull, and her lines with the waterline, into a picture file."""
+    from matplotlib.collections import LineCollection
     from matplotlib.figure import Figure
+    from trimesh import Trimesh
+    from trimesh.intersections import mesh_plane
 
-    lower, upper = shape.shape.bounds()
-    cubes = voxels(shape.shape, float((upper - lower)[1]) / 24.0)
-    figure = Figure(figsize=(11.0, 6.5), layout="constrained")
+    (lower, upper), solid = shape.shape.bounds(), Trimesh(*drawn_mesh(shape.shape), process=False)
+    figure = Figure(figsize=(11.7, 7.6), layout="constrained")
+    grid = figure.add_gridspec(2, 2, width_ratios=(3, 2), height_ratios=(5, 2))
+    curve, body, profile, plan = (figure.add_subplot(grid[place]) for place in np.ndindex(2, 2))
+    heels, levers = ([row[key] for row in found["gz"]] for key in ("heel_deg", "gz_m"))
+    curve.plot(heels, levers, ".-", linewidth=1.8, label="GZ on even keel")
+    top = 1.15 * max([*levers, 0.01])
+    if heels:
+        curve.plot([0.0, degrees(1.0)], [0.0, found["gm_m"]], "--", linewidth=0.9, label=f"GM {found['gm_m']:.3g} m")
+        top = max(top, min(1.05 * found["gm_m"], 1.5 * top))
+        curve.legend()
+    curve.axhline(0.0, color="black", linewidth=0.6)
+    at = f"draught {found['draught_m']:.3g} m, KG {found['kg_m']:.3g} m" if heels else "she sinks"
+    curve.set(xlabel=f"heel to {found.get('gz_to', 'a side')} [deg]", ylabel="GZ [m]")
+    curve.set(
+        title=f"{figures(found['displacement_kg'])} kg, {at}", xlim=(0.0, LAST_HEEL), ylim=(min([*levers, 0.0]), top)
+    )
+    curve.grid(alpha=0.3)
     names = ("x to port [m]", "y up [m]", "z to the bow [m]")
-    for number, (across, up) in enumerate(((2, 1), (0, 1), (2, 0))):
-        axes = figure.add_subplot(2, 2, number + 1)
-        size, whole = cubes.size, upper - lower
-        edges = [lower[a] + size[a] * np.arange(-1, whole[a] / size[a] + 1.5) for a in (across, up)]
-        positions = cubes.centre[:, across], cubes.centre[:, up]
-        image, *_ = np.histogram2d(*positions, bins=edges, weights=cubes.share)
-        shown = np.where(image.T > 0.0, image.T, np.nan)
-        extent = (*edges[0][[0, -1]], *edges[1][[0, -1]])
-        axes.imshow(shown, origin="lower", extent=extent, cmap="Greys", aspect="equal")
+    views = (plan, "waterlines", 1, 7), (body, "body plan: bow right, stern left", 2, 21), (profile, "buttocks", 0, 6)
+    for axes, title, normal, count in views:
+        across, up = (2, 0) if normal == 1 else (0, 1) if normal == 2 else (2, 1)
+        first = 0.0 if normal == 0 else lower[normal]
+        cuts = first + (upper[normal] - first) * np.arange(1e-3 if normal else 0.0, 1.0, 1.0 / (count - 1))
+        for cut in cuts:
+            lines = mesh_plane(solid, np.eye(3)[normal], cut * np.eye(3)[normal])[:, :, [across, up]]
+            if normal == 2:  # half of each section
+                lines = lines[(lines[:, :, 0].mean(axis=1) >= 0.0)] * [
+                    -1.0 if cut < 0.5 * (lower + upper)[2] else 1.0,
+                    1.0,
+                ]
+            axes.add_collection(LineCollection(list(lines), colors="0.35", linewidths=0.7))
         if up == 1 and found["draught_m"] is not None:
             axes.axhline(lower[1] + found["draught_m"], color="C0", linewidth=1.0)
-        axes.set(xlabel=names[across], ylabel=names[up])
-    axes = figure.add_subplot(2, 2, 4)
-    axes.plot([row["heel_deg"] for row in found["gz"]], [row["gz_m"] for row in found["gz"]], ".-")
-    axes.axhline(0.0, color="black", linewidth=0.6)
-    axes.set(xlabel="heel [deg]", ylabel="GZ [m]")
-    axes.grid(alpha=0.3)
+        axes.set(
+            title=title, xlabel=names[across] if normal != 2 else "half breadth [m]", ylabel=names[up], aspect="equal"
+        )
+        axes.autoscale_view()
     save_figure(figure, path)

@@ -8,7 +8,7 @@ from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.validation import case_names
 from ocean_sim.verbs import figure
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.options import Json, completion
+from ocean_sim.verbs.shared.options import completion
 
 SECTION_NAMES = ("scenes", *SLOTS, "hull", "geometry", "washout", "observers", "profiles", "cases", "figures")
 
@@ -19,15 +19,12 @@ def list_choices(
         help="scenes, observers, cases, figures, or a slot such as wind.",
         autocompletion=completion(lambda: SECTION_NAMES),
     ),
-    as_json: Json = False,
 ) -> None:
     """Print the names of every section, or of one (`slot`), each with a sentence."""
     if slot is not None and slot not in SECTION_NAMES:
         raise console.Refused(f"there is nothing called {slot!r} to list{choice_sentence(slot, SECTION_NAMES)[0]}")
     rows = [row for name in ([slot] if slot else SECTION_NAMES) for row in section_rows(name)]
-    if as_json:
-        console.answer(rows)
-        return
+    console.answer(rows)
     for name in dict.fromkeys(row["slot"] for row in rows):
         shown = [[row["name"], row["what"], row["sentence"]] for row in rows if row["slot"] == name]
         console.table(f"\n{name}", ["name", "", ""], shown)

@@ -18,7 +18,7 @@ from ocean_sim.reading.scene import load, scene_path
 from ocean_sim.reading.schema import schema_text
 from ocean_sim.reading.sentences import part_sentence
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.options import Json, complete_scene
+from ocean_sim.verbs.shared.options import complete_scene
 
 COMMENT_COLUMN = 44  # at which comments begin
 MAX_NAMES = 6  # names of what else a slot may hold
@@ -29,7 +29,6 @@ def new(
     source: str = typer.Option(
         "showcase", "--from", help="The scene to start from: a name or a file.", autocompletion=complete_scene
     ),
-    as_json: Json = False,
 ) -> None:
     """Write a scene like another one; never over a file that is there."""
     if file.suffix not in (".yaml", ".yml"):
@@ -42,7 +41,7 @@ def new(
     scene = read_mapping(scene_path(source))
     write_file(file, "\n".join(scene_lines(scene, file)) + "\n")
     load(file)
-    console.reply(as_json, {"file": file}, f"{file}: try `ocean-sim check {file}`, then `ocean-sim run {file}`")
+    console.reply({"file": file}, f"{file}: try `ocean-sim check {file}`, then `ocean-sim run {file}`")
 
 
 def scene_lines(scene: Node, file: Path) -> Iterator[str]:
@@ -98,7 +97,6 @@ def with_comment(text: str, comment: str) -> str:
 
 def print_schema(
     out: Path | None = typer.Option(None, help="A file to write instead of standard output."),
-    as_json: bool = typer.Option(True, "--json", help="The output is always JSON."),
 ) -> None:
     """Print the schema, or write it into a file."""
     if out is None:

@@ -15,16 +15,16 @@ from ocean_sim.files.yaml_file import Location, Node, merge_nodes, node_of, read
 from ocean_sim.observers.platform_log import heading
 from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.parts import library, named
-from ocean_sim.platform import LEG_NUMBERS, PLATFORM_COLUMNS, Commands, Cue, WashoutConfig
+from ocean_sim.platform import LEG_NUMBERS, LIMIT_TEXTS, PLATFORM_COLUMNS, Commands, Cue, WashoutConfig
 from ocean_sim.platform.hexapod import Config, HexapodPlatform
 from ocean_sim.platform.shared import datagrams, motion_log
 from ocean_sim.platform.shared import packets as wire
 from ocean_sim.platform.shared.metrics import Metric, possible_shares, ride_metrics
 from ocean_sim.platform.shared.motion_log import FRAME_AXES, MotionLog
+from ocean_sim.platform.shared.own_log import COLUMN_KEYS, read_own_log
 from ocean_sim.reading.translation import checked, choice_sentence
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared import platform_pictures as pictures
-from ocean_sim.verbs.shared.options import Json
 
 FELT_COLUMNS = ("force_x", "force_y", "force_z", "rate_x", "rate_y", "rate_z")
 
@@ -37,6 +37,11 @@ def platform(
     sets: list[str] | None = typer.Option(
         None, "--set", help="key=value over platform, washout and geometry: washout.tilt_rate_deg=2."
     ),
+    columns: str | None = typer.Option(
+        None, help="Your names of a log's columns, as time=t,heave=z,roll=phi; rates and forces may be missing."
+    ),
+    units: str = typer.Option("rad", help="rad or deg: of the angles and rates of a log read by --columns."),
+    axes: str = typer.Option("ship", help="ship, ned or flu: the axes of a log read by --columns."),
     frame: str | None = typer.Option(
         None, help="ship, ned or flu: the axes written; the motion log is written in them, too."
     ),
@@ -48,17 +53,17 @@ def platform(
     ),
     film: bool = typer.Option(False, "--film", help="Also film.gif: the 10 s in which the hexapod moves most."),
     out: Path = typer.Option(Path("runs/platform"), help="Where platform.csv, metrics.csv and the pictures go."),
-    as_json: Json = False,
 ) -> None:
     """Turn a motion log into commands of a motion platform; all is computed before anything is written."""
     with console.claim(out, "platform.csv", ".platform-*"):
-        for what, name, known in (("frame", frame or "flu", FRAME_AXES), ("packets", packets, wire.FORMAT_NAMES)):
+        choices = {"frame": (frame or "flu", FRAME_AXES), "axes": (axes, FRAME_AXES), "units": (units, ("rad", "deg"))}
+        for what, (name, known) in (choices | {"packets": (packets, wire.FORMAT_NAMES)}).items():
             if name not in known:
                 raise console.Refused(f"--{what}: there is no {name!r}{choice_sentence(name, known)[0]}")
         laid = [*(sets or []), *([] if ramp is None else [f"ramp={ramp!r}"])]
         config = platform_config(geometry, washout, laid)
         sender = open_sender(stream, packets, key) if stream is not None else None
-        ride = read_motion_log(log, frame)
+        ride, said = read_motion_log(log, frame, own_columns(columns), units == "deg", axes)
         machine = config.build(ride.every)
         ahead = round(cast(WashoutConfig, config.washout).look_ahead / ride.every)
         parts = [machine.follow(rows, later) for rows, later in ride.ride.chunks(ahead)]
@@ -69,23 +74,25 @@ def platform(
         if possible is not None:
             found += possible_shares(done, possible, ride.every)
         files = write_commands(out, ride, done, possible, found, config, machine, frame, film)
-        warnings = config.cut_short(float(done.time[-1] - done.time[0]))
-        if not as_json:
-            print_report(done, found, files)
-            for sentence in warnings:
-                console.say(f"warning: {sentence}")
+        seconds = float(done.time[-1] - done.time[0])
+        warnings = config.cut_short(seconds)
+        for each in said:
+            console.say(f"{log}: {each}")
+        print_report(done, found, files)
+        for sentence in warnings:
+            console.say(f"warning: {sentence}")
         jitter = latency = None
         if sender is not None:
+            console.say(f"streaming {seconds:.0f} s to {':'.join(map(str, sender.address[:2]))}")
             jitter, latency = stream_ride(sender, done, machine, frame or "flu"), sender.latency()
             files += write_leg_reports(out, sender)
-        if as_json:
-            answer: dict[str, Any] = {"log": log, "rows": len(done.time), "every_s": ride.every, "files": files}
-            answer["metrics"] = [metric._asdict() for metric in found]
-            answer["warnings"] = warnings
-            answer["stream"] = jitter._asdict() if jitter is not None else None
-            answer["latency"] = latency._asdict() if latency is not None else None
-            console.answer(answer)
-        elif jitter is not None:
+        answer: dict[str, Any] = {"log": log, "rows": len(done.time), "every_s": ride.every, "files": files}
+        answer["metrics"] = [metric._asdict() for metric in found]
+        answer |= {"warnings": warnings, "derived": said}
+        answer["stream"] = jitter._asdict() if jitter is not None else None
+        answer["latency"] = latency._asdict() if latency is not None else None
+        console.answer(answer)
+        if jitter is not None:
             console.say(f"{stream}: {jitter}")
             for told in (latency, sender.stop_report() if sender is not None else ""):
                 if told:
@@ -125,8 +132,23 @@ def open_sender(stream: str, packets: str, key: Path | None) -> datagrams.Sender
         raise console.Refused(f"--stream: {stream}: {error.strerror}") from None
 
 
-def read_motion_log(log: Path, frame: str | None) -> MotionLog:
-    """The motion log in a CSV file or run folder, checked to be convertible to axes `frame`; raises Refused."""
+def own_columns(text: str | None) -> dict[str, str] | None:
+    """Names of a log's columns by key, from the option --columns such as `time=t,heave=z`; raises Refused."""
+    if text is None:
+        return None
+    pairs = [word.partition("=")[::2] for word in text.split(",")]
+    for key, own in pairs:
+        if key.strip() not in COLUMN_KEYS or not own.strip():
+            ends = choice_sentence(key.strip(), COLUMN_KEYS)[0] if own.strip() else ""
+            raise console.Refused(f"--columns: {key}={own} is not like heave=NAME, roll=NAME{ends}")
+    return {key.strip(): own.strip() for key, own in pairs}
+
+
+def read_motion_log(
+    log: Path, frame: str | None, columns: dict[str, str] | None = None, degrees: bool = False, axes: str = "ship"
+) -> tuple[MotionLog, list[str]]:
+    """The motion log in a CSV file or run folder, checked to be convertible to axes `frame`, with sentences on what was
+    derived; the others are for a log of a person, by COLUMN_KEYS. Raises Refused."""
     path = log / "motion.csv" if log.is_dir() else log
     if log.is_dir() and (log / "manifest.json").is_file() and not any(log.glob("motion*.csv")):
         raise console.Refused(f"{log}: this run has no motion log: its scene has no ship, or motion: null")
@@ -134,9 +156,9 @@ def read_motion_log(log: Path, frame: str | None) -> MotionLog:
     if several:
         raise console.Refused(f"{log} holds the logs of several ships; name one of {', '.join(several)}")
     try:
-        found = motion_log.read_log(path)
+        found = (motion_log.read_log(path), []) if columns is None else read_own_log(path, columns, degrees, axes)
         if frame is not None:
-            motion_log.check_convertible(found)
+            motion_log.check_convertible(found[0])
         return found
     except ValueError as error:
         raise console.Refused(str(error)) from None
@@ -214,11 +236,14 @@ def print_report(done: Commands, found: list[Metric], files: list[Path]) -> None
     kinds = ("scaled_rms", "felt_rms", "error_rms", "correlation", "delay", "false_cue")
     numbers = [[value[f"{name}_{kind}"] for kind in kinds] for name in FELT_COLUMNS]
     rows = [[name, *("-" if np.isnan(n) else f"{n:.4g}" for n in row)] for name, row in zip(FELT_COLUMNS, numbers)]
-    title = "specific force [m/s2] and rates [rad/s]: scaled, and felt on the platform"
-    console.table(title, ["", *(kind.replace("_", " ") for kind in kinds)], rows)
+    title = "specific force [m/s2] and rates [rad/s]: scaled, and felt on the platform (late by < 0: early)"
+    console.table(title, ["", "scaled rms", "felt rms", "error rms", "correlation", "late by [s]", "false cue"], rows)
     sick = (value["motion_sickness_dose_ship"], value["motion_sickness_dose_platform"])
     limited, stroke = 100.0 * value["share_limited"], 100.0 * value["stroke_used"]
     console.say(f"\n{len(done.time)} rows, {limited:.3g} % of them limited; {stroke:.3g} % of the stroke used")
+    for bit, why in LIMIT_TEXTS.items():
+        if len(held := done.time[done.limited & bit > 0]):
+            console.say(f"  {len(held)} rows between {held[0]:.2f} and {held[-1]:.2f} s: {why}")
     if "share_of_possible_all" in value:
         share, error, least = (value[k] for k in ("share_of_possible_all", "sensed_error", "sensed_error_best"))
         console.say(

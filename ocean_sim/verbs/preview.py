@@ -17,7 +17,7 @@ from ocean_sim.simulation import Simulation
 from ocean_sim.verbs.serve import LOCAL_HOST, serve
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import Bar
-from ocean_sim.verbs.shared.options import Json, Profile, Scene, Sets
+from ocean_sim.verbs.shared.options import Profile, Scene, Sets
 
 RIG_OBSERVERS = ("motion", "platform_log", "stream")  # observers that play along where a scene names `stream`
 STEP_SECONDS = 0.1  # wall time for steps between two pictures of a window
@@ -35,13 +35,12 @@ def preview(
     camera: str | None = typer.Option(None, help="third_person, helm, top or side."),
     content: str | None = typer.Option(None, help="surface, particles or both."),
     browser: bool = typer.Option(False, "--browser", help="Use the browser instead, as `serve` does."),
-    as_json: Json = False,
 ) -> None:
     """Open a window, or write `frames` pictures into a folder."""
     if browser:
         if frames is not None or camera is not None or content is not None:
             raise typer.BadParameter("--browser takes neither --frames nor --camera nor --content")
-        serve([scene], profile, sets, LOCAL_HOST, None, True, out, as_json)
+        serve([scene], profile, sets, LOCAL_HOST, None, True, out)
         return
     overrides: dict[str, Any] = dict(console.set_values(sets))
     overrides |= {f"preview.{key}": value for key, value in (("camera", camera), ("content", content)) if value}
@@ -57,10 +56,10 @@ def preview(
             if frames is None:
                 session.play()
             else:
-                session.film(frames, as_json)
+                session.film(frames)
         finally:
             session.close()
-    console.reply(as_json, session.facts(), session.summary())
+    console.reply(session.facts(), session.summary())
 
 
 def picture_name(number: int) -> str:
@@ -87,11 +86,11 @@ class Session:
         self.screen = Screen(self.look, show)
         self.screen.watch(self.simulation, self.panel)
 
-    def film(self, frames: int, quiet: bool) -> None:
+    def film(self, frames: int) -> None:
         """Write `frames` numbered pictures, `preview.every` s of simulated time apart, and join them to a film."""
         self.open(show=False)
         self.folder.mkdir(parents=True, exist_ok=True)
-        bar = Bar(frames, quiet)
+        bar = Bar(frames)
         for number in range(frames):
             until = number * self.look.every
             if self.simulation.time < until * (1.0 - 1e-12):

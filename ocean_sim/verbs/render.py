@@ -10,7 +10,7 @@ from ocean_sim.files.run_files import MANIFEST_FILE
 from ocean_sim.files.yaml_file import Location, Node, node_of
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import Drawing
-from ocean_sim.verbs.shared.options import Json, number_list
+from ocean_sim.verbs.shared.options import number_list
 
 MAX_FILE_LINES = 8  # that name written files
 EXPORT_KINDS = {"particles": ("vtkhdf", "ply"), "surface": ("ply", "vtp", "vtkhdf"), "scene": ("usd", "glb")}
@@ -36,7 +36,6 @@ def render(
     ),
     wind: bool = typer.Option(False, "--wind", help="Draw where the wind blows, and in which direction."),
     out: Path | None = typer.Option(None, help="Where to write; by default the run folder."),
-    as_json: Json = False,
 ) -> None:
     """Draw pictures and a film from the frames of a run."""
     from ocean_sim.observers import render as drawing
@@ -69,7 +68,7 @@ def render(
     if sentence is not None:
         raise console.Refused(sentence)
     options = drawing.config_options(config, run) | ({} if fps is None else {"every": 1.0 / fps})
-    progress = Drawing(quiet=as_json)
+    progress = Drawing()
     before = {*(out or run).glob("*")}
     with console.claim(out or run):
         try:
@@ -81,7 +80,7 @@ def render(
 
             files = [*files, run_report.write_report(run)]  # with the new pictures
         run_files.add_to_manifest(run, files)
-    list_files(files, as_json)
+    list_files(files)
     replaced = [file.name for file in files if file in before]
     if replaced:
         console.complain(f"replaced in {out or run}: {', '.join(replaced)}")
@@ -107,7 +106,6 @@ def export(
     z_up: bool = typer.Option(False, "--z-up", help="Write files in which z, not y, points up."),
     every: int = typer.Option(1, min=1, help="Export every Nth frame."),
     out: Path | None = typer.Option(None, help="Where to write; by default the folder export/ of the run."),
-    as_json: Json = False,
 ) -> None:
     """Write files for ParaView, Blender and others from the frames of a run."""
     if particles is None and surface is None and scene is None:
@@ -124,7 +122,7 @@ def export(
     with console.claim(out or run / "export") as written:
         files = export_run(run, out=written, **asked)
         run_files.add_to_manifest(run, files)
-    list_files(files, as_json)
+    list_files(files)
 
 
 def require_frames(folder: Path) -> None:
@@ -142,11 +140,9 @@ def warn_unless_ended(folder: Path) -> None:
         console.complain(f"{folder}: this run is still running, or was killed: what it has written so far is used")
 
 
-def list_files(files: list[Path], as_json: bool) -> None:
+def list_files(files: list[Path]) -> None:
     """Print file names, if more than MAX_FILE_LINES only some; as JSON all of them."""
-    if as_json:
-        console.answer({"files": files})
-        return
+    console.answer({"files": files})
     shown = [str(file) for file in files]
     if len(shown) > MAX_FILE_LINES:
         shown = [*shown[: MAX_FILE_LINES - 2], f"... {len(shown) - MAX_FILE_LINES + 1} more ...", shown[-1]]

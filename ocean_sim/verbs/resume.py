@@ -21,7 +21,7 @@ from ocean_sim.simulation import Simulation
 from ocean_sim.state import checkpoint_file
 from ocean_sim.verbs.run import report_run, until_node
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.options import Json, Quiet
+from ocean_sim.verbs.shared.options import Quiet
 from ocean_sim.verbs.shared.progress import Progress, kernel_notice
 
 MAX_SHOWN_DIFFERENCES = 3  # differences that are named
@@ -32,7 +32,6 @@ def resume(
     until: float | None = typer.Option(None, help="Simulated time [s], instead of the scene's duration."),
     anyway: bool = typer.Option(False, "--anyway", help="Go on even if the program has changed since."),
     quiet: Quiet = False,
-    as_json: Json = False,
 ) -> None:
     """Go on with a run."""
     if not (run / MANIFEST_FILE).is_file():
@@ -40,17 +39,17 @@ def resume(
             raise console.Refused(f"{run}: this run ended before its first step; `run --overwrite` starts it again")
         raise console.Refused(f"{run}: this is not a run folder (there is no {MANIFEST_FILE})")
     with Claim(run):
-        resume_claimed(run, until, anyway, as_json, quiet)
+        resume_claimed(run, until, anyway, quiet)
 
 
-def resume_claimed(folder: Path, until: float | None, anyway: bool, as_json: bool, quiet: bool) -> None:
+def resume_claimed(folder: Path, until: float | None, anyway: bool, quiet: bool) -> None:
     """Resume the run in a folder that this process has claimed; raises Refused if that is not possible."""
     manifest = manifest_of(folder)
     config = scene_of(folder, manifest, until)
     if manifest.get("outcome") == "done" and (until is None or until <= manifest["simulated_s"] * (1.0 + 1e-12)):
         facts = {key: manifest.get(key) for key in ("outcome", "steps", "simulated_s")} | {"folder": str(folder)}
         end = f"{folder}: this run is finished, at t = {manifest['simulated_s']:.3f} s; --until continues it"
-        console.reply(as_json, facts, end)
+        console.reply(facts, end)
         return
     now, then = config.inputs(), manifest.get("inputs")
     if isinstance(then, dict) and (differing := [name for name in now if then.get(name) != now[name]]):
@@ -62,8 +61,8 @@ def resume_claimed(folder: Path, until: float | None, anyway: bool, as_json: boo
     else:
         kept = newest_checkpoint(folder, config)
         changed = check_checkpoint(folder, kept, manifest["scene"], until, anyway)
-    progress = Progress(config.duration, as_json or quiet, 0.0 if kept is None else kept.time)
-    if not (as_json or quiet):
+    progress = Progress(config.duration, quiet, 0.0 if kept is None else kept.time)
+    if not quiet:
         nothing = "it ended before its first checkpoint: it starts at t = 0"
         start = nothing if kept is None else f"going on from t = {kept.time:.3f} s"
         console.say(f"{folder}: {start}\n{kernel_notice()}")
@@ -73,7 +72,7 @@ def resume_claimed(folder: Path, until: float | None, anyway: bool, as_json: boo
             return simulate(config, folder, (progress,))
         return continue_run(config, kept, folder, progress, changed)
 
-    report_run(made, progress, config, folder, as_json, quiet)
+    report_run(made, progress, config, folder, quiet)
 
 
 def continue_run(

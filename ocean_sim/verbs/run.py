@@ -13,10 +13,10 @@ from ocean_sim.files.yaml_file import Location, Node, node_of
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.result import FIRST_FILE, Result, claim_run_folder, simulate
 from ocean_sim.state import checkpoint_file
-from ocean_sim.verbs.check import picture_time, preflight, preflight_lines
+from ocean_sim.verbs.check import preflight, preflight_lines
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.history import keep_step_time
-from ocean_sim.verbs.shared.options import Json, Out, Profile, Quiet, Scene, Sets
+from ocean_sim.verbs.shared.options import Out, Profile, Quiet, Scene, Sets
 from ocean_sim.verbs.shared.progress import Progress, kernel_notice
 
 OFFSET_STATED = 0.1  # [spacings] by which a surface has left the highest particles, from which on it is said
@@ -34,7 +34,6 @@ def run(
     overwrite: bool = typer.Option(False, help="Replace a run that is already in --out."),
     frame: str | None = typer.Option(None, help="Axes of motion.csv: ship, ned or flu."),
     quiet: Quiet = False,
-    as_json: Json = False,
 ) -> None:
     """Simulate a scene and write its run folder."""
     axes = [] if frame is None else [f"motion.frame={frame}"]
@@ -44,22 +43,18 @@ def run(
     config = load(scene, overrides, profile)
     console.must_compute_with(config.runtime.library)
     with run_folder(scene_path(scene).stem, out, overwrite, config.files()) as folder:
-        silent = as_json or quiet
-        progress = Progress(config.duration, silent)
-        if not silent:
-            console.say(preflight_lines(preflight(config), config))
-            console.say(f"writing {folder}")
-            console.say(kernel_notice())
-            announce_pictures(config)
-        report_run(lambda: simulate(config, folder, (progress,)), progress, config, folder, as_json, quiet)
-
-
-def announce_pictures(config: SceneConfig) -> None:
-    """Print the estimated time to draw the pictures of a run, and how to leave them out."""
-    seconds = picture_time(config)
-    if seconds:
-        time = f"about {console.duration(seconds)} on an idle machine"
-        console.say(f"its pictures, drawn during the run or after it, take {time}; --set render=null leaves them out")
+        progress = Progress(config.duration, quiet)
+        if not quiet:
+            found = preflight(config)
+            lines = [preflight_lines(found, config, ", listed at the end")]
+            console.say("\n".join([*lines, *(f"warning: {told}" for told in found["urgent"])]))
+            console.say(f"writing {folder}\n{kernel_notice()}")
+        try:
+            report_run(lambda: simulate(config, folder, (progress,)), progress, config, folder, quiet)
+        finally:
+            told = [] if quiet else [f"- {each}" for each in (*found["notes"], *found["warnings"])]
+            if told:
+                console.say("\n".join(["\nwhat to know when you read these numbers:", *told]))
 
 
 def report_run(
@@ -67,7 +62,6 @@ def report_run(
     progress: Progress,
     config: SceneConfig,
     folder: Path,
-    as_json: bool,
     quiet: bool = False,
 ) -> None:
     """Carry out a run by `made()`, store its time per step and print its results; raises Stopped if interrupted."""
@@ -79,7 +73,7 @@ def report_run(
         keep_step_time(config, progress.step_time)
     facts = progress.summary() | {"outcome": result.manifest.get("outcome"), "warnings": config.warnings()}
     facts |= run_facts(result, config)
-    console.reply(as_json, facts, str(folder) if quiet else run_summary(facts))
+    console.reply(facts, str(folder) if quiet else run_summary(facts))
 
 
 def stopped_run(progress: Progress, folder: Path) -> console.Stopped:

@@ -12,7 +12,7 @@ from ocean_sim.conventions import Refused
 from ocean_sim.files.atomic_file import save_figure, write_file
 from ocean_sim.reading.scene import load
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.options import Json, Sets, complete_scene, number_list
+from ocean_sim.verbs.shared.options import Sets, complete_scene, number_list
 from ocean_sim.waves import exchange
 from ocean_sim.waves.directional import DirectionalSpectrum, Spreading
 from ocean_sim.waves.spectrum_files import TIME_FORM, read_spectra, read_spectrum
@@ -39,22 +39,19 @@ def sea(
     point: int = typer.Option(1, min=1, help="Number of the point in such a file."),
     spreading: Spreading = typer.Option("mem", help="How moments of a buoy become directions."),
     out: Path | None = typer.Option(None, help="Where its picture goes; by default next to the file."),
-    as_json: Json = False,
 ) -> None:
     """Write the waves of a scene as files, or describe and draw the spectrum in a file."""
     suffix = Path(scene).suffix
     if suffix not in (".yaml", ".yml") and (suffix or Path(scene).is_file()):
         if sets or swd or openfast:
             raise Refused(f"{scene}: is no scene; --set, --swd and --openfast are for scenes")
-        describe_file(Path(scene), time, point, spreading, out, as_json)
+        describe_file(Path(scene), time, point, spreading, out)
         return
     if time is not None or out is not None:
         raise Refused("--time and --out are for a file of spectra, not for a scene")
     if swd is None and openfast is None:
         raise Refused("name a file to write: --swd FILE, --openfast FILE")
-    place = number_list("--at", at)
-    if place is None or len(place) != 2:
-        raise Refused("--at is not like 0,0: x and z [m]")
+    place = number_list("--at", at, "0,0") or [0.0, 0.0]
     config = load(scene, console.set_values(sets))
     field = wave_field(config)
     waves, files = field.sea, []
@@ -68,23 +65,14 @@ def sea(
         what = f"{title}, x = {place[0]:g} m, z = {place[1]:g} m"
         write_file(openfast, exchange.to_openfast(times, heights, what))
         files.append(openfast)
-    answer: dict[str, Any] = {
-        "waves": len(waves.amplitude),
-        "significant_height_m": waves.significant_height,
-        "depth_m": waves.depth,
-        "files": files,
-    }
-    if as_json:
-        console.answer(answer)
-        return
-    console.say(f"{title}: {answer['waves']} plane waves, significant height {waves.significant_height:.3g} m")
+    count, height = len(waves.amplitude), waves.significant_height
+    console.answer({"waves": count, "significant_height_m": height, "depth_m": waves.depth, "files": files})
+    console.say(f"{title}: {count} plane waves, significant height {height:.3g} m")
     for file in files:
         console.say(str(file))
 
 
-def describe_file(
-    path: Path, time: str | None, point: int, spreading: Spreading, out: Path | None, as_json: bool
-) -> None:
+def describe_file(path: Path, time: str | None, point: int, spreading: Spreading, out: Path | None) -> None:
     """Describe and draw the spectrum of a point at a time in a file, or list all times of the file."""
     records, rows, files = read_spectra(path) if time is None else [], list[dict[str, Any]](), list[Path]()
     if len(records) > 1:
@@ -102,9 +90,7 @@ def describe_file(
         rows += [{"part": f"partition {k}"} | part.state()._asdict() for k, part in enumerate(parts, 1)]
         picture = (path.parent if out is None else out) / f"{path.stem}_spectrum.png"
         files += [picture] if console.draw_if_able(draw_spectrum, picture, title, table, parts) else []
-    if as_json:
-        console.answer({"rows": rows, "files": files})
-        return
+    console.answer({"rows": rows, "files": files})
     cells = [[f"{cell:.3g}" if isinstance(cell, float) else f"{cell}" for cell in row.values()] for row in rows]
     console.table(title, [*rows[0]], cells)
     console.say("\n".join(map(str, files)))

@@ -14,10 +14,11 @@ import typer
 from ocean_sim.files import run_files
 from ocean_sim.files.run_files import MANIFEST_FILE
 from ocean_sim.machine import stoppable
+from ocean_sim.parts import library
 from ocean_sim.verbs.list import section_rows
 from ocean_sim.verbs.render import require_frames
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.options import Json, Profile, Sets
+from ocean_sim.verbs.shared.options import Profile, Sets
 
 HTML_TYPE, BYTES_TYPE, JSON_TYPE = "text/html; charset=utf-8", "application/octet-stream", "application/json"
 LOCAL_HOST = "127.0.0.1"  # where a page is served to this machine alone
@@ -35,16 +36,15 @@ def serve(
     port: int | None = typer.Option(None, min=1, max=65535, help="The port; by default 8765, or any free one."),
     show: bool = typer.Option(True, "--open/--no-open", help="Open the page in the browser, where there is one."),
     out: Path | None = typer.Option(None, help="Where records and saved scenes go; by default runs/<scene>-browser."),
-    as_json: Json = False,
 ) -> None:
     """Serve a page with a scene or with finished runs until Ctrl-C."""
     runs = [Path(target) for target in targets if (Path(target) / MANIFEST_FILE).exists()]
     if len(runs) == len(targets) and len(runs) <= 2:
         if profile or sets:
             raise console.Refused("a finished run is only shown: --profile and --set are for scenes")
-        watch_runs(runs, host, port, show, as_json)
+        watch_runs(runs, host, port, show)
     elif len(targets) == 1:
-        serve_play(targets[0], profile, sets, host, port, show, out, as_json)
+        serve_play(targets[0], profile, sets, host, port, show, out)
     else:
         raise console.Refused("give one scene, or one or two run folders")
 
@@ -57,7 +57,6 @@ def serve_play(
     port: int | None,
     show: bool,
     out: Path | None,
-    as_json: bool,
 ) -> None:
     """Simulate a scene and serve its page until Ctrl-C."""
     from ocean_sim.viewer.server import Server
@@ -66,13 +65,19 @@ def serve_play(
     source = Source.of(scene, profile, console.set_values(sets))
     console.must_compute_with(source.load().runtime.library)  # what is wrong is told before anything is opened
     with stoppable(), Server(live_files(source.name), host, port, access_token(host), {"drives": True}) as server:
-        announce_page(server, as_json, show, "building; the page shows the water as soon as it is there")
+        announce_page(server, show, "the scene starts when a page is opened")
         with suppress(KeyboardInterrupt):
-            folder = out or Path("runs") / f"{source.name}-browser"
-            with Session(source, server, folder, lambda: section_rows("scenes")) as session:
+            with Session(source, server, out or Path("runs") / f"{source.name}-browser", scene_rows) as session:
                 session.play()
-    if not as_json:
-        console.say("stopped")
+    console.say("stopped")
+
+
+def scene_rows() -> list[dict[str, str]]:
+    """Packaged scenes as in `section_rows`, each with the file of the gallery's `picture` of it, or an empty name."""
+    from ocean_sim.verbs.gallery import gallery_entries
+
+    shown = {entry.scene: entry.picture for entry in reversed(gallery_entries())}  # the first of each
+    return [row | {"picture": shown.get(row["name"], "")} for row in section_rows("scenes")]
 
 
 def live_files(title: str) -> dict[str, Any]:
@@ -84,10 +89,11 @@ def live_files(title: str) -> dict[str, Any]:
         "/": (HTML_TYPE, lambda: page_document(f"{title} · Ocean Sim", {"mode": "live"})),
         "/sky": (BYTES_TYPE, sky_packet),
         "/schema": (JSON_TYPE, lambda: json.dumps(scene_schema()).encode()),
+        **{f"/{path.name}": ("image/jpeg", path.read_bytes) for path in (library("figures") / "gallery").glob("*.jpg")},
     }
 
 
-def watch_runs(runs: list[Path], host: str, port: int | None, show: bool, as_json: bool) -> None:
+def watch_runs(runs: list[Path], host: str, port: int | None, show: bool) -> None:
     """Serve the replay of one finished run, or of two side by side, until Ctrl-C."""
     from ocean_sim.viewer.replay import Recorded
     from ocean_sim.viewer.server import Server
@@ -102,7 +108,7 @@ def watch_runs(runs: list[Path], host: str, port: int | None, show: bool, as_jso
     for k, run in enumerate(found):
         files |= {f"/still/{k}": (BYTES_TYPE, run.still), f"/replay/{k}": (BYTES_TYPE, run.stream)}
     with stoppable(), Server(files, host, port, access_token(host), {"drives": False}) as server:
-        announce_page(server, as_json, show, "")
+        announce_page(server, show, "")
         with suppress(KeyboardInterrupt):
             Event().wait()
 
@@ -114,12 +120,12 @@ def access_token(host: str) -> str:
     return "" if host in LOCAL_HOSTS else secrets.token_urlsafe(24)
 
 
-def announce_page(server: Any, as_json: bool, show: bool, more: str) -> None:
+def announce_page(server: Any, show: bool, more: str) -> None:
     """Print a page's address and the hint `more`, and open it in a browser if `show` and there is a screen."""
     stops = "Ctrl-C stops" + (f"; {more}" if more else "")
-    console.reply(as_json, {"address": server.address}, f"{server.address}\n{stops}")
+    console.reply({"address": server.address}, f"{server.address}\n{stops}")
     has_screen = sys.platform == "darwin" or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
-    if show and not as_json and has_screen:
+    if show and not console.json_asked and has_screen:
         import webbrowser
 
         webbrowser.open(server.address)
@@ -128,7 +134,6 @@ def announce_page(server: Any, as_json: bool, show: bool, more: str) -> None:
 def report(
     runs: list[Path] = typer.Argument(metavar="RUN [RUN]", help="A run folder, or two to compare."),
     out: Path | None = typer.Option(None, help="The page; by default replay.html in the run folder."),
-    as_json: Json = False,
 ) -> None:
     """Write one page with the replay of a run, or of two, that needs no server; and write report.html anew."""
     from ocean_sim.observers.shared import run_report
@@ -148,4 +153,4 @@ def report(
             files.append(run_report.write_report(runs[0]))
         run_files.add_to_manifest(runs[0], files)
     size = path.stat().st_size
-    console.reply(as_json, {"files": files, "bytes": size}, f"{path} ({size / 1e6:.2f} MB)")
+    console.reply({"files": files, "bytes": size}, f"{path} ({size / 1e6:.2f} MB)")

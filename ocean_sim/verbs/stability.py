@@ -7,14 +7,12 @@ import typer
 
 from ocean_sim.files.atomic_file import save_figure
 from ocean_sim.machine import available_cores
-from ocean_sim.studies.shared import maps
 from ocean_sim.studies.shared.pareto import PICTURE_DPI
 from ocean_sim.studies.shared.study import Study, write_table
-from ocean_sim.studies.stability import EXTREME_AXES, MAX_RUN_SECONDS, VERDICT_WORDS, grid_points, map_summary
+from ocean_sim.studies.stability import EXTREME_AXES, MAX_RUN_SECONDS, VERDICT_WORDS, draw_map, grid_points, map_summary
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import rows_of
 from ocean_sim.verbs.shared.console import cell
-from ocean_sim.verbs.shared.options import Json
 
 
 def stability(
@@ -22,30 +20,26 @@ def stability(
     quick: bool = typer.Option(False, "--quick", help="Fewer points: minutes instead of hours."),
     workers: int | None = typer.Option(None, min=1, help="Runs at a time; by default one per core."),
     out: Path = typer.Option(Path("runs/stability"), help="Where tables, pictures and runs go."),
-    as_json: Json = False,
 ) -> int:
     """Map stability over all settings; writes stability.csv, limits.csv, pictures; 1 where a point has no verdict."""
     with console.claim(out, "stability.csv", "runs"):
         plan = grid_points(quick, scene)
         if not plan:
             raise console.Refused(f"{scene}: this scene has no setting to take to an extreme")
-        if not as_json:
-            console.say(f"{len(plan)} runs, each on one thread")
+        console.say(f"{len(plan)} runs, each on one thread")
         runs, table_file = workers or available_cores(), out / "stability.csv"
         study = Study(plan, out / "runs", runs, table_file, limit=MAX_RUN_SECONDS[quick])
-        table = rows_of(study, as_json)
+        table = rows_of(study)
         lines = map_summary(table)
         write_table(out / "limits.csv", lines)
         for axis in EXTREME_AXES:
             here = [row for row in table if row["map"] == axis.name]
             if here:
                 picture = out / f"stability_{axis.name.replace(' ', '_')}.png"
-                draw = lambda: save_figure(maps.draw_map(f"{axis.name} [{axis.unit}]", here), picture, PICTURE_DPI)
+                draw = lambda: save_figure(draw_map(f"{axis.name} [{axis.unit}]", here), picture, PICTURE_DPI)
                 console.draw_if_able(draw)
-        if as_json:
-            console.answer(table)
-        else:
-            print_map(lines, table, out)
+        console.answer(table)
+        print_map(lines, table, out)
         return 1 if any(row["verdict"] == "none" for row in table) else 0
 
 

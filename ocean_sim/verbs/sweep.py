@@ -11,7 +11,6 @@ from ocean_sim.studies.sweep import read_plan
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import rows_of
 from ocean_sim.verbs.shared.console import cell
-from ocean_sim.verbs.shared.options import Json
 
 FACT_COLUMNS = ("outcome", "simulated_s", "particles", "wall_s", "reason")
 
@@ -23,17 +22,14 @@ def sweep(
     ),
     workers: int | None = typer.Option(None, min=1, help="Runs at a time on this machine; by default one per core."),
     out: Path | None = typer.Option(None, help="Where run folders and results.csv go; by default runs/<plan>."),
-    as_json: Json = False,
 ) -> None:
     """Run all runs of a plan that have not been run yet; the table is complete after every run."""
     at_once = workers or available_cores()
     runs = read_plan(plan, max(1, available_cores() // at_once))
     folder = Path("runs") / plan.stem if out is None else out
     with console.claim(folder, "results.csv", ADDRESS_PATTERN):
-        table = rows_of(Study(runs, folder, at_once, folder / "results.csv", scheduler), as_json)
-    if as_json:
-        console.answer(table)
-        return
+        table = rows_of(Study(runs, folder, at_once, folder / "results.csv", scheduler))
+    console.answer(table)
     names = ["run", *dict.fromkeys(key for run in runs for key in run.settings), *FACT_COLUMNS]
     console.table("", names, [[cell(row.get(name)) for name in names] for row in table])
     counts = {name: sum(row["outcome"] == name for row in table) for name in ("done", "stopped", "failed")}

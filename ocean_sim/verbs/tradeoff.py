@@ -17,6 +17,7 @@ from ocean_sim.studies.scene_tradeoff import (
     best_setting,
     clock_note,
     errors_against,
+    measure_label,
     measure_names,
     setting_grid,
     tradeoff_summary,
@@ -29,7 +30,7 @@ from ocean_sim.studies.tradeoff import TRIAL_CASES, clock_column, equal_cost_row
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import rows_of
 from ocean_sim.verbs.shared.console import cell
-from ocean_sim.verbs.shared.options import Json, Profile, Sets
+from ocean_sim.verbs.shared.options import Profile, Sets
 
 EVERY_PROFILE = f"profile={','.join(PROFILE_NAMES)}"
 STUDY_FILES = ("tradeoff.csv", "runs")  # in its folder; tables and pictures come later
@@ -44,35 +45,33 @@ def tradeoff(
     budget: str | None = typer.Option(
         None, help="16ms: wall time per 1/60 s simulated; realtime; 30s: wall time of the whole run."
     ),
-    by: str | None = typer.Option(None, help="The error that decides: a column of the table."),
+    by: str | None = typer.Option(None, help="The error that decides: a column of tradeoff.csv, as heave_rms_m."),
     quick: bool = typer.Option(False, "--quick", help="Fewer runs and seeds: minutes instead of hours."),
     profile: Profile = None,
     sets: Sets = None,
     workers: int | None = typer.Option(None, min=1, help="Cases at a time; by default one per core."),
     out: Path | None = typer.Option(None, help="Where tables, pictures and runs go."),
-    as_json: Json = False,
 ) -> None:
     """Study cost and accuracy of the validation cases, or of a scene."""
     vary, sets = vary or [], sets or []
     if scene is not None:
         folder = out or Path("runs") / "tradeoff" / Path(scene).stem
         with console.claim(folder, *STUDY_FILES):
-            of_scene(scene, profile, sets, vary, budget, by, quick, folder, as_json)
+            of_scene(scene, profile, sets, vary, budget, by, quick, folder)
         return
     for name, given in (("vary", vary), ("budget", budget), ("by", by), ("profile", profile), ("set", sets)):
         if given:
             raise console.Refused(f"--{name} needs a scene, as in ocean-sim tradeoff SCENE --{name} ...")
     beside = () if out else ("*",)  # studies of scenes
     with console.claim(out or Path("runs/tradeoff"), *STUDY_FILES, *beside) as folder:
-        of_cases(quick, workers, folder, as_json)
+        of_cases(quick, workers, folder)
 
 
-def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None:
+def of_cases(quick: bool, workers: int | None, out: Path) -> None:
     """Measure cost and accuracy of the validation cases; write tradeoff.csv, equal.csv and a picture per case."""
     plan = study_points(quick)
-    if not as_json:
-        console.say(f"{len(plan)} runs of {len({point.trial.case for point in plan})} cases, each on one thread")
-    table = rows_of(Study(plan, out / "runs", workers or available_cores(), out / "tradeoff.csv"), as_json)
+    console.say(f"{len(plan)} runs of {len({point.trial.case for point in plan})} cases, each on one thread")
+    table = rows_of(Study(plan, out / "runs", workers or available_cores(), out / "tradeoff.csv"))
     drawn = {
         trial.case: [row for row in table if (row["case"], row["quantity"]) == (trial.case, trial.quantity)]
         for trial in TRIAL_CASES
@@ -84,11 +83,8 @@ def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None
         if drawn[trial.case]:
             picture = out / f"tradeoff_{trial.case}.png"
             console.draw_if_able(pareto.draw_pareto, picture, trial, drawn[trial.case], speed)
-            if not as_json:
-                print_settings(f"{trial.case}: {trial.quantity}", drawn[trial.case], speed)
-    if as_json:
-        console.answer(table)
-        return
+            print_settings(f"{trial.case}: {trial.quantity}", drawn[trial.case], speed)
+    console.answer(table)
     keys = ("case", "at equal", "scheme", "error", "unit", speed, "changed")
     lines = [[cell(row[key]) for key in keys] for row in fair]
     console.table("\nat equal time, and at equal number", list(keys), lines)
@@ -118,7 +114,6 @@ def of_scene(
     by: str | None,
     quick: bool,
     out: Path,
-    as_json: bool,
 ) -> None:
     """Run a scene with every setting and seed, one run at a time; write tradeoff.csv, seeds.csv and a picture."""
     try:
@@ -127,12 +122,12 @@ def of_scene(
         raise console.Refused(str(why)) from None
     plan = setting_grid(scene, profile, console.set_values(sets), vary_setting(vary or [EVERY_PROFILE]), quick)
     seeds = SEED_COUNTS[quick] if any(setting.scenes[0].wind.is_random for setting in plan) else 1
-    if not as_json:
+    if not console.json_asked:
         finest = next(setting for setting in plan if setting.finest).line()
         each = f"{seeds} seeds each" if seeds > 1 else "one seed each, as nothing is drawn from it"
         console.say(f"{len(plan)} settings with {each}, one run at a time; the reference is {finest}")
     repeats = [Repeat(scene) for setting in plan for scene in setting.scenes[:seeds]]
-    found = rows_of(Study(repeats, out / "runs", 1), as_json)  # one at a time, for their time is measured
+    found = rows_of(Study(repeats, out / "runs", 1))  # one at a time, for their time is measured
     rows, single = compare_with_finest(plan, seeds, found)
     write_table(out / "seeds.csv", single)
     write_table(out / "tradeoff.csv", rows)
@@ -145,20 +140,19 @@ def of_scene(
     judge = by or known[0]
     known = [judge, *(name for name in known if name != judge)]
     console.draw_if_able(pareto.draw_scene, out / "tradeoff.png", rows, known[:6], limit)
-    best_row = None if limit is None else confirmed_setting(plan, rows, judge, limit, seeds, out, as_json)
-    if as_json:
-        console.answer({"judged_by": judge, "rows": rows, "answer": best_row, "clocks": clock_note(rows)})
-        return
+    best_row = None if limit is None else confirmed_setting(plan, rows, judge, limit, seeds, out)
+    console.answer({"judged_by": judge, "rows": rows, "answer": best_row, "clocks": clock_note(rows)})
     names = ["setting", *CLOCK_COLUMNS[:3], judge, f"{judge}_spread", *known[1:4]]
     lines = [
         [*(cell(row.get(name)) for name in names), "reference" if row["reference"] else row["reason"][:50]]
         for row in sorted(rows, key=lambda row: row["wall_per_s"] or 0.0)
     ]
-    console.table("", [*names, ""], lines)
+    heads = ["setting", *CLOCK_COLUMNS[:3], measure_label(judge), "its spread", *map(measure_label, known[1:4]), ""]
+    console.table("", heads, lines)
+    if told := clock_note(rows):
+        console.say(f"warning: {told}")
     if limit is not None:
         console.say(budget_verdict(best_row, rows, judge, limit))
-        if told := clock_note(rows):
-            console.say(told)
     console.say(f"{out / 'tradeoff.csv'}, seeds.csv and tradeoff.png")
 
 
@@ -180,7 +174,7 @@ def compare_with_finest(plan: list[Setting], seeds: int, runs: list[dict[str, An
 
 
 def confirmed_setting(
-    plan: list[Setting], rows: list[dict[str, Any]], judge: str, limit: Budget, seeds: int, out: Path, quiet: bool
+    plan: list[Setting], rows: list[dict[str, Any]], judge: str, limit: Budget, seeds: int, out: Path
 ) -> dict[str, Any] | None:
     """The best setting within the budget, by the error `judge`, that stays so in a run with a new seed; else None."""
     left, again = list(rows), out / "runs" / "again"
@@ -189,7 +183,7 @@ def confirmed_setting(
     while (row := best_setting(left, judge, limit)) is not None:
         setting = plan[next(n for n, one in enumerate(rows) if one is row)]
         points = [Repeat(one.scenes[seeds]) for one in (setting, reference)]
-        own, finest = rows_of(Study(points, again, 1), quiet)
+        own, finest = rows_of(Study(points, again, 1))
         done = own["outcome"] == finest["outcome"] == "done"
         spent, error = limit.spent(own), errors_against(own["run"], finest["run"]).get(judge) if done else None
         bound = row[judge] + 3.0 * (row[f"{judge}_spread"] or 0.0)
@@ -205,7 +199,7 @@ def budget_verdict(found: dict[str, Any] | None, rows: list[dict[str, Any]], jud
     """Text with the best setting within the budget, or the reason why there is none."""
     if found is not None:
         return (
-            f"most accurate within {limit.name}, by {judge}: {found['setting']}\n"
+            f"most accurate within {limit.name}, by the {measure_label(judge)}: {found['setting']}\n"
             f"  run again with another seed: {found['spent']:.3g} of {limit.most:g}, "
             f"error {found['error']:.3g} (at most {found['bound']:.3g} expected)"
         )

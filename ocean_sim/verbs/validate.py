@@ -20,7 +20,7 @@ from ocean_sim.validation import case_names, problems
 from ocean_sim.validation.shared.case import ROW_KEYS, Problem
 from ocean_sim.validation.shared.plot import draw
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.options import Json, Sets, completion
+from ocean_sim.verbs.shared.options import Sets, completion
 
 TOO_LONG, NOT_COARSE = "takes too long for a gate", "has no coarse set-up"
 
@@ -44,7 +44,6 @@ def validate(
     out: Path = typer.Option(Path("runs/validate"), help="Where validate.csv and the pictures go."),
     junit: Path | None = typer.Option(None, help="Also write a report in JUnit's XML, which CI services read."),
     workers: int | None = typer.Option(None, min=1, help="Cases at a time; by default one per core."),
-    as_json: Json = False,
 ) -> int:
     """Run cases under schemes and report; the exit code is 1 where a promise was missed."""
     with console.claim(out, "validate.csv", "*.png"):
@@ -71,23 +70,20 @@ def validate(
         orders = [(case, schemes, slow, coarse, sets, out) for case, pairs in plan.items() if pairs]
         for found in case_answers(orders, workers or available_cores()):
             rows += found
-            if not as_json:
-                columns = ["scheme", "quantity", "value", "reference", "error", "tolerance", "", "source"]
-                console.table(f"\n{found[0]['case']}", columns, [row_line(row) for row in found])
+            columns = ["scheme", "quantity", "value", "reference", "error", "tolerance", "", "source"]
+            console.table(f"\n{found[0]['case']}", columns, [row_line(row) for row in found])
         write_table(out / "validate.csv", ROW_KEYS, ([row[key] for key in ROW_KEYS] for row in rows))
         if junit is not None:
             write_junit(junit, rows)
         missed = [row for row in rows if not row["ok"]]
-        if as_json:
-            console.answer(rows)
-        else:
-            for sentence in left_out(plan, schemes, coarse):
-                console.say(f"\n{sentence}")
-            promised = sum(row["tolerance"] is not None for row in rows)
-            kept = f"{promised - len(missed)} of {promised} tolerances kept"
-            console.say(f"\n{kept}; {out / 'validate.csv'} and pictures")
-            if junit is not None:
-                console.say(str(junit))
+        console.answer(rows)
+        for sentence in left_out(plan, schemes, coarse):
+            console.say(f"\n{sentence}")
+        promised = sum(row["tolerance"] is not None for row in rows)
+        kept = f"{promised - len(missed)} of {promised} tolerances kept"
+        console.say(f"\n{kept}; {out / 'validate.csv'} and pictures")
+        if junit is not None:
+            console.say(str(junit))
         return 1 if missed else 0
 
 

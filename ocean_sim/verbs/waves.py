@@ -13,7 +13,6 @@ from ocean_sim.pictures.frame_files import Frame, frame_files, open_frame
 from ocean_sim.pictures.water.sea_state import run_scene
 from ocean_sim.verbs.render import warn_unless_ended
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.options import Json
 from ocean_sim.waves import record
 from ocean_sim.waves.orbits import BREAKING_ACCELERATION, Grid, SurfaceRecord, surface_record, tracer_motion
 from ocean_sim.wind.shared.air_load import LAW, stated_speed
@@ -39,7 +38,6 @@ def waves(
         0.0, min=0.0, help="Count a wave only if it goes this far below and above zero [m]."
     ),
     out: Path | None = typer.Option(None, help="Where the plot and the spectra go; by default next to the record."),
-    as_json: Json = False,
 ) -> None:
     """Measure every gauge; writes waves.csv, spectra.csv, waves.png, of frames surface.csv, of tracers orbits.csv."""
     treatment = record.Treatment(detrend, hysteresis)
@@ -67,17 +65,15 @@ def waves(
     write_columns(files[1], {"frequency_Hz": frequency} | {f"{name}_m2_s": d for name, d in densities.items()})
     if not console.draw_if_able(draw_waves, files[2], time, heights, frequency, densities):
         files.pop()
-    surface = surface_of(path.parent, begin, quiet=as_json)
+    surface = surface_of(path.parent, begin)
     if surface is not None:
         files.append(folder / "surface.csv")
         columns = {"time_s": surface.time, "circulation_m2_s": surface.circulation, "white_cap_cover": surface.cover}
         write_columns(files[-1], {name: values for name, values in columns.items() if values is not None})
     run_files.add_to_manifest(path.parent, files)
     treated = {name: treatment_of(treatment, time, height) for name, height in heights.items()}
-    if as_json:
-        whole_run = ({} if surface is None else surface.means()) | pressure_gain(path)
-        console.answer({name: sea.numbers() | treated[name] | whole_run for name, sea in found.items()})
-        return
+    whole_run = ({} if surface is None else surface.means()) | pressure_gain(path)
+    console.answer({name: sea.numbers() | treated[name] | whole_run for name, sea in found.items()})
     print_waves(found, path, treatment, time)
     steady = [height for name, height in heights.items() if found[name].waves >= record.MIN_IRREGULAR_WAVES]
     errors = [record.sampling_error(treatment.deviation(record.even_samples(time, h)[1])) for h in steady]
@@ -97,7 +93,7 @@ def waves(
     console.say("\n".join(str(file) for file in files))
 
 
-def surface_of(folder: Path, begin: float, quiet: bool) -> SurfaceRecord | None:
+def surface_of(folder: Path, begin: float) -> SurfaceRecord | None:
     """Circulation and white-cap cover in a run's frames from `begin` [s] on; None if it has none that can be read."""
     if not (folder / "frames" / "grid.npz").is_file():
         return None
@@ -107,8 +103,7 @@ def surface_of(folder: Path, begin: float, quiet: bool) -> SurfaceRecord | None:
             grid = Grid(x, z, lower, upper, float(file["depth"]), float(file["spacing"]))
         return surface_record(grid, map(Frame, frame_files(folder)), begin)  # one at a time: frames are large
     except ValueError:
-        if not quiet:
-            console.say(f"{folder / 'frames'}: cannot be read, so circulation and white caps are left out")
+        console.say(f"{folder / 'frames'}: cannot be read, so circulation and white caps are left out")
         return None
 
 

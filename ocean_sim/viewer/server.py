@@ -39,7 +39,7 @@ MAX_SEND_SECONDS = 30.0  # [s] for one message to a watcher, or for some progres
 REASON_BYTES = 120  # of the reason of a close; its frame holds 123
 HELM_IDLE_SECONDS = 60.0  # [s] without a command, until another page may take the helm
 SECURITY_POLICY = (
-    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src 'self' data: blob:; "
     "connect-src 'self' {socket}; base-uri 'none'; form-action 'none'"
 )
 NO_FRAMES = "; frame-ancestors 'none'"
@@ -359,7 +359,7 @@ class Server(AbstractContextManager["Server"]):
             self.helm = 0 if self.helm == watcher.number else self.helm
             self.tell_helm()
         elif order.do not in protocol.QUERY_NAMES and not self.take_helm(watcher.number):
-            self.refuse_command(watcher, "Another page has the helm.")
+            self.refuse_command(watcher, "The helm is at another page.")
         elif len(self.inbox) >= QUEUE_LENGTH:
             self.refuse_command(watcher, "The simulation is busy; your command was not taken.")
         else:

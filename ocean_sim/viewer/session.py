@@ -21,7 +21,7 @@ from ocean_sim.simulation import Simulation
 from ocean_sim.viewer import protocol as p
 from ocean_sim.viewer.answers import answer_waves, key_table
 from ocean_sim.viewer.server import Order, Server
-from ocean_sim.viewer.sliders import Slider, restore_sliders, sliders_of
+from ocean_sim.viewer.sliders import Slider, sliders_of
 from ocean_sim.viewer.watch import Watch
 
 if TYPE_CHECKING:
@@ -94,7 +94,9 @@ class Session(AbstractContextManager["Session"]):
         self.watch = Watch(self.simulation, self.server)
         self.simulation.observers.append(self.watch)
         self.wind = wind_name(self.source)
-        self.sliders = restore_sliders(sliders_of(self.simulation), self.sliders)
+        self.sliders = sliders_of(self.simulation)
+        for slider in self.sliders:
+            slider.move(self.moved.get(slider.label, slider.value))
         self.message, self.persons, self.pilots, self.due = "", {}, {}, 0.0
         self.tell_panel()
         self.watch.show(perf_counter())
@@ -131,7 +133,7 @@ class Session(AbstractContextManager["Session"]):
     def advance(self, wall: float) -> None:
         """Step, for at most STEP_BUDGET, to keep up with the wall time `wall` [s] since the last call, or wait."""
         begin = perf_counter()
-        if self.paused:
+        if self.paused or not (self.simulation.steps or self.server.watchers):  # the first step waits for a page
             if self.server.fresh and self.server.watchers:
                 self.watch.show(perf_counter())
             self.server.arrived.wait(IDLE_WAIT)
@@ -145,8 +147,8 @@ class Session(AbstractContextManager["Session"]):
             self.server.arrived.wait(min(-self.due / self.speed, IDLE_WAIT))
 
     def step(self) -> None:
-        """Take one time step; pause if it diverges, and end a record that is complete or cannot be written."""
-        simulation = self.simulation
+        """Take one time step; pause if it diverges, or ends the scene; end a complete record, or one not written."""
+        simulation, ending = self.simulation, self.simulation.time < self.config.duration
         try:
             simulation.run(simulation.time + 0.5 * simulation.next_dt)
             self.follow_routes()
@@ -160,9 +162,13 @@ class Session(AbstractContextManager["Session"]):
             self.paused = True
             self.rebuild(self.source)
             self.say(f"the record ends: {in_words(failure)}", bad=True)
-        if self.claim is not None and simulation.time >= self.config.duration:
+        if ending and simulation.time >= self.config.duration:
             self.paused = True
-            self.rebuild(self.source)
+            if self.claim is not None:
+                self.rebuild(self.source)
+            else:
+                self.say(f"The scene ends at {self.config.duration:g} s; play goes on beyond it.")
+            self.tell_panel()
 
     def follow_routes(self) -> None:
         """Tell the pages when a ship begins another leg of her route; at its end put the rudder amidships."""
@@ -197,6 +203,8 @@ class Session(AbstractContextManager["Session"]):
                 self.say(in_words(error), order.watcher, bad=True)
         if changed:
             self.tell_panel()
+            if self.paused:
+                self.watch.show(perf_counter())
 
     def execute(self, order: Order) -> bool:
         """Execute a command; True if the pages have to be sent the panel. Raises Failed if it cannot be executed."""
@@ -204,11 +212,9 @@ class Session(AbstractContextManager["Session"]):
         match command:
             case p.Act(do="pause" | "play"):
                 self.paused = command.do == "pause"
-                self.watch.show(perf_counter())
             case p.Act(do="step"):
                 self.paused = True
                 self.step()
-                self.watch.show(perf_counter())
             case p.Act(do="reset" | "stop"):
                 self.rebuild(self.source)
             case p.Act(do="record"):
@@ -262,7 +268,7 @@ class Session(AbstractContextManager["Session"]):
                     raise Failed(f"there is no scene {name!r}")
                 source = Source.of(library("scenes") / f"{name}.yaml", self.source.profile)
                 load_within_memory(source)
-                self.moved, self.sliders = {}, []
+                self.moved = {}
                 self.rebuild(source)
                 self.tell_scene(None)
             case p.Save(name=name):
@@ -375,6 +381,8 @@ class Session(AbstractContextManager["Session"]):
         """Send the panel to all pages: settings and their values, sliders, and ships."""
         sliders = [{"label": s.label, "value": s.value, "low": s.low, "high": s.high} for s in self.sliders]
         ahead = {name: pilot.ahead for name, pilot in self.pilots.items()}  # waypoints [m] of those who sail a route
+        setting = self.watch.setting
+        setting.waves = self.simulation.fluid.plane_waves  # sliders change them
         ships = [
             {"name": name, "throttle": ship.orders[0], "rudder": ship.orders[1], "route": ahead.get(name, [])}
             for name, ship in self.simulation.ships.items()
@@ -388,6 +396,7 @@ class Session(AbstractContextManager["Session"]):
             winds=[*([self.wind] if self.wind == SCENE_WIND else []), *self.winds],
             sliders=sliders,
             ships=ships,
+            sea=setting.sea_header()[0],
             message=self.message,
             recording=str(self.claim.folder) if self.claim is not None else "",
             scene=self.source.name,

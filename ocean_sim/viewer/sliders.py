@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ocean_sim.fluid import Fluid
 from ocean_sim.simulation import Simulation
-
-STEP_LABELS = {"courant_number": ("Courant number", 1.0), "dt": ("time step [ms]", 1e-3)}  # label and unit of a step
+from ocean_sim.time_step import TimeStep
 
 
 @dataclass
@@ -32,33 +32,16 @@ class Slider:
 
 def sliders_of(simulation: Simulation) -> list[Slider]:
     """Sliders for all numbers of a simulation that may change while it runs: wind, water, time step."""
-    found = []
-    fluid, time_step = simulation.fluid, simulation.time_step
+    found, fluid, time_step = [], simulation.fluid, simulation.time_step
     if not simulation.scene.wind.still:
         found.append(Slider("wind strength, x the preset", 1.0, 0.0, 3.0, simulation.wind.strengthen))
-    for name, (now, unit) in fluid.adjustable.items():
-        ends = (0.25 * now, 4.0 * now) if name == "stiffness" else (0.0, max(4.0 * now, 1.0))
+    for part in (fluid, time_step):
+        for name, (now, unit, ends) in part.adjustable.items():
 
-        def adjust_fluid(value: float, name: str = name) -> None:
-            fluid.adjust(**{name: value})
-            simulation.next_dt = time_step.next(simulation.limits())
+            def adjust(value: float, part: Fluid | TimeStep = part, name: str = name) -> None:
+                part.adjust(**{name: value})
+                simulation.next_dt = time_step.next(simulation.limits())
 
-        found.append(Slider(f"{name.replace('_', ' ')} [{unit}]", now, *ends, adjust_fluid))
-    for name, (now, _) in time_step.adjustable.items():
-        label, shown = STEP_LABELS[name]
-
-        def adjust_time_step(value: float, name: str = name, shown: float = shown) -> None:
-            time_step.adjust(**{name: value * shown})
-            simulation.next_dt = time_step.next(simulation.limits())
-
-        given = now / shown
-        found.append(Slider(label, given, 0.2 * given, 1.6 * given, adjust_time_step))
+            label, (low, high) = name.replace("_", " "), ends or (0.0, max(4.0 * now, 1.0))
+            found.append(Slider(label if unit == "1" else f"{label} [{unit}]", now, low, high, adjust))
     return found
-
-
-def restore_sliders(sliders: list[Slider], before: list[Slider]) -> list[Slider]:
-    """Move the sliders of a new simulation to the values of those `before` with equal labels; returns the new ones."""
-    values = {slider.label: slider.value for slider in before}
-    for slider in sliders:
-        slider.move(values.get(slider.label, slider.value))
-    return sliders

@@ -21,8 +21,8 @@ from ocean_sim.pictures.frame_files import kept_ground, ship_keys
 from ocean_sim.pictures.live.preview_scene import SPEED_COLOURS
 from ocean_sim.pictures.ships.ship_model import ShipModel, kept_model
 from ocean_sim.pictures.stage import sky
-from ocean_sim.pictures.water import water_glsl, water_shading, waterline
-from ocean_sim.pictures.water.sea_state import ripple_wind
+from ocean_sim.pictures.stage.obstacles import NO_BOXES
+from ocean_sim.pictures.water import sea_state, water_glsl, water_shading, waterline
 from ocean_sim.viewer.protocol import PROTOCOL_VERSION, box_positions, packet
 from ocean_sim.waves import Components
 
@@ -41,7 +41,7 @@ class StaticScene:
     def __init__(
         self,
         grid: Mapping[str, Any],
-        scene: Mapping[str, Any],
+        scene: dict[str, Any],
         title: str,
         waves: Components | None,
         surface: bool,
@@ -53,8 +53,11 @@ class StaticScene:
         names = "lower", "upper", "x", "z"  # corners of the basin; of the heights, from their origin [m]
         self.lower, self.upper, self.x, self.z = (np.asarray(grid[name], dtype=float) for name in names)
         self.spacing = float(grid["spacing"])  # [m]
-        self.obstacles = np.asarray(grid["obstacles"], dtype=float).reshape(-1, 2, 3)  # [m]
+        self.obstacles = np.concatenate([grid["obstacles"], grid.get("plates", NO_BOXES)])  # (n, 2, 3) [m]
         self.ground = kept_ground(grid)
+        self.tank = bool(
+            self.flat or self.ground or sea_state.is_tank(scene.get("basin") or {})
+        )  # without ripples and foam
         self.ship_keys = ship_keys(grid, "_look")
         self.models = {key.partition(".")[2] or key: kept_model(grid, key) for key in self.ship_keys}  # by ship
         named = (scene.get("gauges") or {}).get("elevation") or {}
@@ -88,7 +91,8 @@ class StaticScene:
             arrays["ground_normals"] = np.repeat(normals, 3, axis=0).astype(np.float32)
         low, high = self.box
         sea, uniforms = self.sea_header()
-        platform = self.scene.get("platform") or {}
+        platform, wind, basin = (self.scene.get(name) or {} for name in ("platform", "wind", "basin"))
+        train = self.scene.get("sea") or basin.get("wavemaker") or self.scene.get("fluid") or {}
         header = {
             "protocol": PROTOCOL_VERSION,
             "title": self.title,
@@ -108,9 +112,11 @@ class StaticScene:
             "gauges": {name: [float(v) for v in place] for name, place in self.gauges.items()},
             "scalars": list(self.scalars),
             "sea": sea,
-            "tank": bool(self.flat or self.ground or any((self.scene.get("basin") or {}).get(k) for k in TANK_KEYS)),
+            "tank": self.tank,
             "platform": platform.get("geometry") if isinstance(platform.get("geometry"), dict) else None,
-            "wind": (self.scene.get("wind") or {}).get("kind", "still"),
+            "waves": {key: (train | (train.get("spectrum") or {})).get(key) for key in WAVE_KEYS},
+            "windAngle": sea_state.scene_wind_heading(wind),
+            "windSpeed": sea_state.stated_wind_speed(self.scene) or sea_state.gust_speed(self.scene),
             "fluid": (self.scene.get("fluid") or {}).get("kind", ""),
             "gravity": GRAVITY,
             "speeds": json_numbers(SPEED_COLOURS),
@@ -157,7 +163,7 @@ class StaticScene:
     def sea_header(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """Header entries on the plane waves of the sea around the basin, and on the uniforms of the water shader."""
         height = self.waves.significant_height if self.waves is not None else 0.5
-        wind = ripple_wind(dict(self.scene), self.waves, height)
+        wind = sea_state.ripple_wind(self.scene, self.waves, height)
         if self.waves is not None:
             most = np.argsort(self.waves.amplitude)[::-1][:MAX_FAR_WAVES]
             energy, kept = self.waves.amplitude**2, self.waves.amplitude[most]
@@ -170,7 +176,7 @@ class StaticScene:
         uniforms = water_glsl.neutral_uniforms(len(self.models)) | {
             "hullFoam": np.array([0.75, 0.55, 0.0]),
             "windAngle": wind.angle,
-            "rippleVariance": water_shading.slope_variance(wind.speed),
+            "rippleVariance": 0.0 if self.tank else water_shading.slope_variance(wind.speed),
             "rippleLongest": float(np.clip(2.0 * resolved, *RIPPLE_LENGTHS)),
         }
         known = {
@@ -182,7 +188,7 @@ class StaticScene:
 
 
 LIGHT_NAMES = ("SUNSHINE", "FROM_ABOVE", "FROM_BELOW", "MIRRORED")
-TANK_KEYS = ("motion", "wavemaker", "lid", "obstacles")  # of a basin that is a tank, not a piece of sea
+WAVE_KEYS = ("kind", "height", "period", "significant_wave_height", "peak_period")  # of a train or a spectrum
 
 
 def synthetic_waves(angle: float, length: float, spacing: float) -> np.ndarray:

@@ -21,9 +21,8 @@ from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import DeviceRow, Drawing, StillAir, Target, Wind
 from ocean_sim.wind.shared.air_load import drag, lift
 from ocean_sim.wind.shared.noise import DRAW_INTERVAL, DRAWS, Noise, NoiseSize
-from ocean_sim.wind.shared.place import Passages, Patch, Placed
+from ocean_sim.wind.shared.place import Passages, Patch, Placed, Shape, turned, turned_back, within
 from ocean_sim.wind.shared.schedule import Scheduled
-from ocean_sim.wind.shared.shapes import Shape, turned, turned_back, within
 from ocean_sim.wind.shared.warnings import ship_drag_warnings, stylised, velocity_change
 
 NOISE_STREAM = 0x1_0000  # stream of random numbers; the volume's number is added

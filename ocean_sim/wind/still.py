@@ -1,6 +1,6 @@
 """No wind: its term compiles to nothing."""
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from ocean_sim.basin import Basin
 from ocean_sim.parts import LedgerRow, Preflight, WindConfig
@@ -10,15 +10,9 @@ from ocean_sim.wind import StillAir, Target, Wind
 class Config(WindConfig):
     """Air at rest that does nothing."""
 
+    still: ClassVar[bool] = True
+    acts_on: ClassVar[tuple[Target, ...]] = ()
     kind: Literal["still"] = "still"
-
-    @property
-    def still(self) -> bool:
-        return True
-
-    @property
-    def acts_on(self) -> tuple[Target, ...]:
-        return ()
 
     def warnings(self, preflight: Preflight) -> list[str]:
         return []

@@ -5,7 +5,7 @@ vortex, growing like r in the core and falling like 1/r outside, and fades from 
 """
 
 from math import hypot, inf, pi
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -34,6 +34,8 @@ ROW = Columns(
 class Config(Timed, Placed, WindConfig):
     """A column of air that turns about the vertical."""
 
+    stylised: ClassVar[bool] = True
+    needs_area: ClassVar[bool] = False
     kind: Literal["vortex"] = "vortex"
     centre: Vector2 = quantity("m", (0.0, 0.0))
     """x and z of the axis at the beginning."""
@@ -56,14 +58,6 @@ class Config(Timed, Placed, WindConfig):
     """Velocity of the axis along x and z; where it leaves the basin it comes in again upwind."""
     targets: list[Target] = ["fluid", "ship"]
     """Targets of the wind."""
-
-    @property
-    def stylised(self) -> bool:
-        return True
-
-    @property
-    def needs_area(self) -> bool:
-        return False
 
     @property
     def acts_on(self) -> list[Target]:

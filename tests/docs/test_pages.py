@@ -277,3 +277,12 @@ def test_every_term_of_a_scheme_stands_by_its_equation_and_links_to_its_code(mon
     terms = [(scheme, name) for scheme in generate.SCHEMES for name in generate.terms_of(scheme)]
     assert sorted((scheme, name) for _, scheme, name in linked) == sorted(terms)
     assert all(f"({scheme}.{name})=" in generate.terms() for scheme, name in terms)
+
+
+@pytest.mark.parametrize("page", sorted((ROOT / "docs" / "guide").glob("*.md")), ids=lambda page: page.stem)
+def test_a_guide_is_a_how_to_of_at_most_500_words(page):
+    assert len(page.read_text(encoding="utf-8").split()) <= 500, "move what was measured to docs/measurements"
+
+
+def test_pages_that_are_read_as_files_show_no_tree_of_pages():
+    assert [page.name for page in PAGES if "{toctree}" in page.read_text(encoding="utf-8")] == []

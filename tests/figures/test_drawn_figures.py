@@ -84,6 +84,28 @@ for whole, width, found in ((False, 6.0, "12 cells"), (True, 6.0, "12 cells"), (
     assert done.returncode == 0, done.stderr
 
 
+def test_maps_of_figures_and_of_the_camera_from_above_turn_alike():
+    """A turn from x to z is seen the same way round, on paper and in pictures."""
+    code = """
+import sys
+sys.path.insert(0, sys.argv[1])
+import numpy as np
+from _paper import paper, set_plan
+from ocean_sim.pictures.stage.camera import camera_on_box
+axes = paper(4.0, 4.0).subplots()
+set_plan(axes, xlim=(-20.0, 20.0), ylim=(-20.0, 20.0))
+origin, x, z = axes.transData.transform([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])
+seen = camera_on_box("top", np.array([-20.0, -5.0, -20.0]), np.array([20.0, 2.0, 20.0]), 16 / 9)
+across = np.cross(seen.forward, seen.up)
+for drawn, axis in ((x - origin, [1.0, 0.0, 0.0]), (z - origin, [0.0, 0.0, 1.0])):
+    assert np.allclose(np.sign(np.round(drawn, 6)), [np.round(across @ axis), np.round(seen.up @ axis)]), drawn
+"""
+    here = os.environ | {"PYTHONPATH": str(PACKAGE.parent)}
+    command = [sys.executable, "-c", code, str(library("figures"))]
+    done = subprocess.run(command, capture_output=True, text=True, env=here)
+    assert done.returncode == 0, done.stderr
+
+
 def test_a_map_of_stability_carries_its_caption_and_says_that_it_is_coarse(tmp_path):
     row = {"map": "spacing", "scheme": "mueller", "value": 0.1, "dt_s": 1e-3, "verdict": "stable", "acoustic_s": 2e-3}
     table.write_table(tmp_path / "study.csv", [row])

@@ -34,8 +34,9 @@ def test_figure_2_2_grid_and_particles_tell_of_the_same_wave(tmp_path):
 @pytest.mark.slow
 def test_figure_6_3_only_the_vortex_turns_the_water_and_fetch_raises_waves(tmp_path):
     rows = drawn("fig6_3", tmp_path)
-    short, long = (float(row["hm0_m"]) for row in rows if row["what"] == "fetch [m]")
+    short, _, long = (float(row["hm0_m"]) for row in rows if row["what"] == "fetch [m]")
     assert long > 1.2 * short
+    assert all(row["hm0_sd_m"] == "" for row in rows)  # of one seed
     assert all(float(row["still_over_hm0"]) < 0.05 for row in rows if row["what"] != "preset")
     table = {row["value"]: row for row in rows if row["what"] == "preset"}
     assert all((tmp_path / f"fig6_3_{name}.png").stat().st_size > 10_000 for name in table)

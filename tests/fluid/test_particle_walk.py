@@ -5,8 +5,7 @@ import pytest
 
 import ocean_sim
 from ocean_sim.conventions import Lacking
-from ocean_sim.fluid.neighbours.backend_plan import PARTICLE_PLAN, PLANS
-from ocean_sim.fluid.neighbours.particle_walk import SUM_BLOCK_CELLS, level_sizes
+from ocean_sim.fluid.neighbours.particle_walk import PARTICLE_PLAN, PLANS, SUM_BLOCK_CELLS, level_sizes
 from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import allocated_bytes
 from tests.fluid.conftest import by_id, put

@@ -227,16 +227,16 @@ def test_limits_of_the_legs_are_drawn(tmp_path, ran):
     assert '<th scope="row">' in page and "Contents" in page and "<td class" not in page
 
 
-def test_a_film_leaves_a_row_of_small_pictures_however_long_it_is():
+def test_a_film_leaves_a_sheet_of_half_its_size_however_long_it_is():
     for length in (1, 7, 16, 17, 100, 1000):
         moments = Moments()
         for k in range(length):
             moments.see(np.full((8, 16, 3), k * 255 // max(length - 1, 1), np.uint8))
-            assert len(moments.kept) <= 16
-        row = moments.row()
-        tones = row[0, :: 4 + 3, 0].astype(int)
-        assert row.shape == (2, len(tones) * 7 - 3, 3) and len(tones) <= 8 and len(tones) >= min(length, 4)
-        assert tones[0] == 0 and (np.diff(tones) > 0).all() and tones[-1] >= 255 * 0.85 * (length > 1)
+            assert len(moments.kept) <= 12
+        sheet = moments.sheet()
+        tones = sheet[:: 4 + 6, :: 8 + 6, 0].astype(int).ravel()
+        assert sheet.shape == (2 * 4 + 6, 3 * 8 + 2 * 6, 3) and len(tones) == 6
+        assert tones[0] == 0 and (np.diff(tones) > 0).all() == (length > 1) and tones[-1] >= 255 * 0.85 * (length > 1)
 
 
 def test_a_scene_is_told_as_yaml(tmp_path):

@@ -108,6 +108,22 @@ def test_the_mast_is_in_the_picture_wherever_she_is(side):
             assert sign * (away @ camera.up) / (away @ camera.forward) < np.tan(np.radians(camera.angle / 2.0))
 
 
+@pytest.mark.parametrize("width", [1.0, 4.0])
+def test_the_frame_of_a_tank_holds_all_its_walls_and_a_tenth_more(width):
+    """Whatever floats in it, in a tank that is long for it."""
+    lower, upper = np.array([-3.0, -1.0, -0.5 * width]), np.array([3.0, 0.12, 0.5 * width])
+    track = Track(np.arange(2.0), np.array([[-2.0, 0.0, 0.0], [2.0, 0.0, 0.0]]), np.repeat(np.eye(3)[None], 2, axis=0))
+    vessel = Vessel(0.5, np.zeros(3), track, 0.3)
+    tank = Operator("third_person", lower, upper, 16 / 9, (0.0, 1.0), vessel=vessel, whole=True)
+    corners = np.array([[(lower, upper)[b][a] for a, b in enumerate(k)] for k in np.ndindex(2, 2, 2)])
+    for camera in (tank.at(0.0), tank.at(1.0)):
+        away = corners - camera.eye
+        half = np.tan(np.radians(camera.angle / 2.0)) * (away @ camera.forward)
+        across = np.abs(away @ np.cross(camera.forward, camera.up)) / half / (16 / 9)
+        high = np.abs(away @ camera.up) / half
+        assert 0.8 < max(across.max(), high.max()) < 1.0001 / 1.1
+
+
 def test_cameras_without_a_ship_stand_still_or_go_around_the_basin():
     still = Operator("third_person", LOWER, UPPER, 16 / 9, (0.0, 10.0), vessel=None)
     assert still.at(1.0) is still.at(9.0)

@@ -12,13 +12,13 @@ from ocean_sim.pictures.stage import opengl, wind_marks
 from ocean_sim.pictures.water import water_shading
 from ocean_sim.wind import Drawing
 from ocean_sim.wind.gusts import joined
-from ocean_sim.wind.shared import shapes
+from ocean_sim.wind.shared import place
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 
 
 def test_the_volumes_of_a_wind_are_told_apart_by_their_lines():
-    box = shapes.Core(half=(1.0, 2.0, 3.0), radius=0.0, yaw=0.3, centre=np.zeros(3)).edges()
+    box = place.Core(half=(1.0, 2.0, 3.0), radius=0.0, yaw=0.3, centre=np.zeros(3)).edges()
     lines = np.concatenate([box, box + [20.0, 0.0, 0.0]])[np.random.default_rng(1).permutation(24)]
     found = wind_marks.connected_parts(lines)
     assert sorted(len(part) for part in found) == [12, 12] and wind_marks.connected_parts(lines[:0]) == []
@@ -59,7 +59,7 @@ def test_no_slope_of_a_map_is_so_steep_that_it_is_black():
 def test_a_wind_is_drawn_where_it_blows(tmp_path, watched):
     simulation = watched((0.02,))
     simulation.fluid.rise = 0.0
-    corners = shapes.Core(half=(1.0, 1.5, 1.0), radius=0.0, yaw=0.0, centre=np.zeros(3)).edges()
+    corners = place.Core(half=(1.0, 1.5, 1.0), radius=0.0, yaw=0.0, centre=np.zeros(3)).edges()
     tails = np.array([[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]])
     blowing = Drawing(corners, tails, np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]))  # an arrow and a cross
     simulation.wind.drawing = lambda: blowing
@@ -110,6 +110,23 @@ def test_an_obstacle_is_drawn_as_grey_concrete_in_blue_water(tank, body, tmp_pat
     assert red > 0.9 * blue  # concrete in the middle
     red, _, blue = top[55:65, 110:115].mean(axis=(0, 1))
     assert red < 0.8 * blue  # water beside it
+
+
+@with_opengl
+def test_a_wavemaker_and_an_absorbing_zone_are_seen_at_their_ends_of_a_tank(tank, tmp_path):
+    """Of a plate at -x that has gone 0.2 m into the basin, and a zone of 2 m before +x."""
+    zone, plate = [[[2.0, -2.0, -4.0], [4.0, 0.24, 4.0]]], [[[-4.1, -2.0, -4.0], [-4.0, 0.24, 4.0]]]
+    folders = {"none": {}, "zone": {"zones": np.array(zone)}, "plate": {"plates": np.array(plate)}}
+    for name, more in folders.items():
+        shutil.copytree(tank, tmp_path / name)
+        for file, kept in (("grid", {"obstacles": np.zeros((0, 2, 3))} | more), ("frame_00000", {})):
+            path = tmp_path / name / "frames" / f"{file}.npz"
+            np.savez(path, **dict(np.load(path)) | kept | {"plate_way": np.array([0.2, 0.0, 0.0])})
+    shots = [{"folder": str(tmp_path / name)} for name in folders]
+    bare, *fitted = render.variants(tmp_path / "none", 0.0, shots, size=(320, 180), caption=False).astype(int)
+    columns = [np.nonzero((np.abs(one - bare).max(axis=2) > 8).any(axis=0))[0] for one in fitted]
+    assert columns[0].min() > 150 and len(columns[0]) > 20  # the zone: right
+    assert columns[1].max() < 170 and len(columns[1]) > 10
 
 
 def test_a_set_of_pictures_at_a_time_without_frames_is_refused(tank):

@@ -6,7 +6,7 @@ import pyvista
 from scipy.optimize import brentq
 
 from ocean_sim.pictures.ships import ship as ship_module
-from ocean_sim.pictures.ships import ship_hull, ship_parts
+from ocean_sim.pictures.ships import ship_parts
 from ocean_sim.pictures.ships.ship_model import PAINTS, build_model
 from ocean_sim.pictures.stage import sky
 from ocean_sim.ship.hull.hull import hull_of
@@ -38,7 +38,7 @@ def placed(name):
 def ship(request):
     vertices, triangles, share, helm = placed(request.param)
     made = build_model(vertices, triangles, share, request.param, helm)
-    return request.param, made, ship_hull.Hull(vertices, triangles, share)
+    return request.param, made, ship_parts.Hull(vertices, triangles, share)
 
 
 def area(corners):
@@ -82,7 +82,7 @@ def test_colours_end_exactly_at_their_heights(ship):
 @pytest.mark.parametrize("name, level", [("barge20", 2.0), ("sphere", 5.0), ("cylinder", 1.0)])
 def test_the_waterline_is_where_archimedes_has_it(name, level):
     vertices, triangles, share, _ = placed(name)
-    hull = ship_hull.Hull(vertices, triangles, share)
+    hull = ship_parts.Hull(vertices, triangles, share)
     keel = hull.over_water(np.array([0.0, vertices[:, 1].min(), 0.0]))
     assert -keel == pytest.approx(level, abs=2e-3 * np.ptp(vertices[:, 1]))
     np.testing.assert_allclose(hull.up, [0.0, 1.0, 0.0], atol=1e-9)
@@ -97,18 +97,18 @@ def test_a_box_that_is_loaded_off_its_middle_trims_as_a_wall_sided_ship():
         z, y = length**2 / (12.0 * draught) * t, draught / 2.0 + length**2 / (24.0 * draught) * t**2
         return (z - off) + (y - high) * t
 
-    up, level = ship_hull.rest_plane(corners, 0.5)
+    up, level = ship_parts.rest_plane(corners, 0.5)
     assert abs(up[2] / up[1]) == pytest.approx(brentq(lever, 0.0, 0.3), rel=1e-6)
-    volume, *moment = ship_hull.submerged_moments(corners, up, level)
+    volume, *moment = ship_parts.submerged_moments(corners, up, level)
     arm = np.array(moment) / volume
     assert volume == pytest.approx(320.0) and np.linalg.norm(arm - (arm @ up) * up) < 1e-6
-    upright = np.array(ship_hull.submerged_moments(corners, np.array([0.0, 1.0, 0.0]), high - draught)[1:]) / volume
+    upright = np.array(ship_parts.submerged_moments(corners, np.array([0.0, 1.0, 0.0]), high - draught)[1:]) / volume
     assert abs(upright[2]) == pytest.approx(off)  # upright it is not at rest
 
 
 def test_a_ship_heavier_than_its_hull_can_carry_is_awash():
     corners = box_corners(np.full(3, -1.0), np.ones(3))
-    up, level = ship_hull.rest_plane(corners, 1.0)
+    up, level = ship_parts.rest_plane(corners, 1.0)
     assert (corners @ up + level).max() == pytest.approx(0.0)
 
 
@@ -150,6 +150,15 @@ def test_smooth_shading_stops_at_a_crease():
     radial = (vertices - [0.0, 5.0, 0.0])[triangles].reshape(-1, 3)
     cosine = (normals * radial).sum(axis=1) / np.linalg.norm(radial, axis=1)
     assert np.percentile(cosine, 1) > np.cos(np.radians(10.0))
+
+
+@pytest.mark.parametrize("name", ["box", "cylinder"])
+def test_a_body_is_drawn_plain(name):
+    """A box and a cylinder of a laboratory have neither a boot top nor a mast nor cargo."""
+    vertices, triangles, share, helm = placed("barge20" if name == "box" else name)
+    mesh = build_model(vertices, triangles, share, f" {name}", helm).mesh
+    assert len(np.unique(mesh.colour, axis=0)) == 1
+    np.testing.assert_allclose(np.ptp(mesh.corners.reshape(-1, 3), axis=0), np.ptp(vertices, axis=0))
 
 
 def test_a_hull_without_a_deck_to_stand_on_is_a_test_body():

@@ -15,7 +15,7 @@ from ocean_sim.files.meshes import Series
 from ocean_sim.observers import frames
 from ocean_sim.pictures.export import scene_file
 from ocean_sim.pictures.export.paraview import NothingToExport, export_run, save_mesh
-from ocean_sim.pictures.export.wakes import RunWakes
+from ocean_sim.pictures.export.scene_file import RunWakes
 from ocean_sim.pictures.frame_files import Frame, FrameLog, frame_files
 from ocean_sim.pictures.stage import opengl
 from ocean_sim.pictures.stage.picture import Picture
@@ -600,8 +600,8 @@ def test_a_ply_file_holds_what_is_known_of_its_points(folded, manned):
 
 
 def test_many_files_are_not_named_one_by_one(capsys):
-    list_files([Path(f"surface_{k:05d}.vtp") for k in range(31)], as_json=False)
+    list_files([Path(f"surface_{k:05d}.vtp") for k in range(31)])
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) == 8 and lines[5:] == ["surface_00005.vtp", "... 24 more ...", "surface_00030.vtp"]
-    list_files([Path("a.ply"), Path("b.ply")], as_json=False)
+    list_files([Path("a.ply"), Path("b.ply")])
     assert capsys.readouterr().out.splitlines() == ["a.ply", "b.ply"]

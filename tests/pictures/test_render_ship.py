@@ -61,6 +61,24 @@ def ask(capsys, *words):
     return code, capsys.readouterr().err
 
 
+def test_the_still_shows_a_ship_at_her_mean_immersion_on_a_rising_sea(tmp_path):
+    """She bobs by 0.6 m with a period of 1.1 s, in water that rises and falls by 0.3 m within 3.9 s."""
+    run = voyage(tmp_path / "run", 60)
+    for k, path in enumerate(frame_files.frame_files(run)):
+        kept = dict(np.load(path))
+        kept["ship_position"] = kept["ship_position"] * [1.0, 0.0, 0.0] + [0.0, 0.6 * np.sin(0.57 * k), -5.0]
+        kept["elevation"] = kept["elevation"] + 0.3 * np.sin(0.16 * k)
+        np.savez(path, **kept)
+    files, grid = frame_files.frame_files(run), np.load(run / "frames" / "grid.npz")
+    still, _ = frame_files.survey_run(files, grid)
+    ends = np.array([frame_files.ends_afloat(frame, grid) for frame in map(frame_files.Frame, files)])
+    level, depth = np.moveaxis(ends, -1, 0)
+    k = round(still.time / 0.1)
+    away = depth - depth[30:].mean(axis=0)
+    assert k >= 30 and level[k].mean() > level[k - 1].mean()
+    assert np.abs(away[k]).max() < 0.2 < 0.6 < np.abs(away[30:]).max()
+
+
 @pytest.mark.parametrize(
     "words, said",
     [

@@ -239,7 +239,8 @@ def test_distance_to_the_waterline_of_a_box():
 def test_a_tank_is_no_piece_of_sea(folder):
     first = frame_files.Frame(frame_files.frame_path(folder, 0))
     for basin, piece in ({"motion": None}, True), ({"motion": {"surge": 0.1}}, False), ({"obstacles": []}, True):
-        assert sea_state.is_open_sea({"basin": basin}, first, 7.5) == piece
+        assert sea_state.is_open_sea({"basin": {"length": 40.0} | basin}, first, 7.5) == piece
+        assert not sea_state.is_open_sea({"basin": {"length": 6.0} | basin}, first, 7.5)
     first.elevation[3, 4] = -7.5
     assert not sea_state.is_open_sea({}, first, 7.5)
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from ocean_sim.pictures.water import tank_walls
-from ocean_sim.pictures.water.smoothed_mesh import low_pass_weights, smooth_mesh
 from ocean_sim.pictures.water.spray import floor_heights, flying_share
+from ocean_sim.pictures.water.tank import low_pass_weights, smooth_mesh
 from ocean_sim.pictures.water.water_mesh import grid_triangles
 from ocean_sim.surface import Mesh
 

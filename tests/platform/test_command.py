@@ -173,3 +173,75 @@ def test_a_log_that_is_none_is_refused_and_nothing_is_written(ask, tmp_path):
         code, out, _ = ask(path, "--out", "there", "--json")
         assert code == 2 and json.loads(out)["error"]
     assert not (tmp_path / "there").exists()
+
+
+def own_log(path, table, **renamed):
+    """Write some columns of a log under a person's own names: angles in degrees, others as they are."""
+    own = {renamed[name]: np.degrees(table[name]) if name.endswith("_rad") else table[name] for name in renamed}
+    lines = [",".join(own), *(",".join(format(value, ".9g") for value in row) for row in zip(*own.values()))]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+OWN = {"time_s": "t", "heave_m": "Hub", "roll_rad": "Roll", "surge_m": "weg"}
+COLUMNS = ["--columns", "time=t,heave=Hub,roll=Roll,surge=weg", "--units", "deg"]
+
+
+def test_an_own_log_of_three_motions_is_the_ride_of_the_whole_log(ask, draw_nothing, tmp_path):
+    draw_nothing()
+    table = columns(20.0, dt=0.02)
+    code, _, err = ask(write(tmp_path / "whole.csv", table), "--out", "whole")
+    assert (code, err) == (0, "")
+    code, out, err = ask(own_log(tmp_path / "own.csv", table, **OWN), *COLUMNS, "--out", "own", "--frame", "ned")
+    assert (code, err) == (0, "") and "own.csv: taken as 0: sway_m, pitch_rad, yaw_rad" in out
+    assert "rates derived from angles" in out and "specific force derived from positions, angles and gravity" in out
+    whole, own = (read_columns(tmp_path / name / "platform.csv") for name in ("whole", "own"))
+    for k in range(1, 7):
+        np.testing.assert_allclose(own[f"leg{k}_m"], whole[f"leg{k}_m"], atol=2e-4)
+    turned = read_columns(tmp_path / "own" / "motion_ned.csv")
+    np.testing.assert_allclose(turned["heave_m"], -table["heave_m"], atol=1e-8)
+    np.testing.assert_allclose(turned["roll_rad"], table["roll_rad"], atol=1e-8)
+    np.testing.assert_allclose(turned["specific_force_y_m_s2"], -table["specific_force_x_m_s2"], atol=2e-3)
+
+
+@pytest.mark.parametrize("form", ["iso", "epoch", "uneven"])
+def test_times_are_dates_milliseconds_or_a_little_uneven(form, ask, draw_nothing, tmp_path):
+    draw_nothing()
+    table = columns(20.0, dt=0.02)
+    path = own_log(tmp_path / "own.csv", table, **OWN)
+    ask(path, *COLUMNS, "--out", "even")
+    off = 0.004 * np.sin(np.pi * 0.137 * np.arange(1001)) if form == "uneven" else np.zeros(1001)  # 0 in the last row
+    time = table["time_s"] + off
+    moved = {name: np.interp(time, table["time_s"], values) for name, values in table.items()} | {"time_s": time}
+    lines = own_log(path, moved, **OWN).read_text().splitlines()
+    begin = np.datetime64("2026-11-29T05:40:00.000")
+    stamp = {
+        "iso": lambda cell: f"{begin + np.timedelta64(round(1e3 * float(cell)), 'ms')}+01:00",
+        "epoch": lambda cell: f"{1764394800123 + round(1e3 * float(cell))}",
+        "uneven": str,
+    }[form]
+    rest = [row.partition(",") for row in lines[1:]]
+    path.write_text("\n".join([lines[0], *(f"{stamp(cell)},{others}" for cell, _, others in rest)]) + "\n")
+    code, out, err = ask(path, *COLUMNS, "--out", form)
+    assert (code, err) == (0, "") and ("interpolated to rows every 0.02 s" in out) == (form == "uneven")
+    even, other = (read_columns(tmp_path / name / "platform.csv") for name in ("even", form))
+    np.testing.assert_allclose(other["leg1_m"], even["leg1_m"], atol=2e-3 if form == "uneven" else 1e-6)
+
+
+def test_what_an_own_log_lacks_is_said_at_once(ask, tmp_path):
+    path = own_log(tmp_path / "own.csv", columns(1.0), **OWN)
+    code, _, err = ask(path)
+    assert code == 2 and "has no column time_s, sway_m, heave_m" in err and "--columns" in err and err.count("\n") == 1
+    code, _, err = ask(path, "--columns", "time=t,heave=up,roll=phi")
+    assert code == 2 and "has no column up and no column phi, but 't, Hub, Roll, weg'" in err
+    assert "did you mean 'heave'?" in ask(path, "--columns", "time=t,heav=Hub")[2]
+    assert "has no column for any of sway_m" in ask(path, "--columns", "time=t")[2]
+    steep = own_log(path, columns(10.0, roll=0.2), **OWN)
+    code, _, err = ask(steep, *COLUMNS[:2])
+    assert code == 2 and "roll_rad reaches 11.5 rad; is it in degrees (--units deg)?" in err
+
+
+def test_limited_rows_are_counted_by_reason(ask, draw_nothing, tmp_path):
+    draw_nothing()
+    code, out, _ = ask(write(tmp_path / "steep.csv", columns(20.0, heave=6.0)))
+    assert code == 0 and " rows between " in out and " s: scaled back near the end of a stroke" in out

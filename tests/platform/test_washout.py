@@ -14,10 +14,11 @@ from ocean_sim.platform.washout.classical import Config, Travel
 from tests.platform.conftest import DATA, ride
 
 FREE = np.array([[-np.inf, np.inf]] * 3)
+HEXAPOD = preset_geometry("hexapod_a")
 
 
 def washout(name, every, travel=FREE):
-    return Config.model_validate(preset("washout", name)).build(every, preset_geometry("hexapod_a"), travel)
+    return Config.model_validate(preset("washout", name)).build(every, HEXAPOD, travel)
 
 
 def steps():
@@ -137,7 +138,7 @@ def test_an_angle_that_is_followed_is_not_told_to_be_limited_by_its_rate():
     for name, cut in (("ship", False), ("srs", True)):
         given = preset("washout", name)
         free, tight = (
-            Config.model_validate(given | {"rate_limit_deg": limit}).build(0.01, preset_geometry("hexapod_a"), FREE).follow(rows)
+            Config.model_validate(given | {"rate_limit_deg": limit}).build(0.01, HEXAPOD, FREE).follow(rows)
             for limit in (60.0, 2.0)
         )
         assert not (free.limited & INPUT_LIMIT).any() and (tight.limited & INPUT_LIMIT).any() == cut
@@ -164,7 +165,7 @@ def test_an_adaptive_share_is_that_of_the_least_cost_in_high_waves_and_recovers(
     weights = {"position_weight": [0.0, 0.0, 2.0], "velocity_weight": [0.0] * 3, "return_frequency": [0.05] * 3}
     every, omega = 0.01, 1.2
     t = np.arange(20000) * every
-    heave = Adaptive.model_validate(preset("washout", "ship_adaptive") | weights).build(every, preset_geometry("hexapod_a"), FREE).travels[2]
+    heave = Adaptive.model_validate(preset("washout", "ship_adaptive") | weights).build(every, HEXAPOD, FREE).travels[2]
     small, _ = heave.displace(0.01 * np.cos(omega * t))
     assert np.ptp(small[-1000:]) == pytest.approx(0.02 / omega**2, rel=0.01) and heave.share > 0.99
     high, _ = heave.displace(2.0 * np.cos(omega * t))

@@ -4,13 +4,15 @@ import json
 
 import numpy as np
 import pytest
+import trimesh
 
 from ocean_sim.__main__ import run_command_line
 from ocean_sim.basin.solids.mesh import BadMesh
 from ocean_sim.basin.solids.packing import Lattice
 from ocean_sim.basin.solids.voxels import voxels
 from ocean_sim.fluid.sph.smoothing import WENDLAND
-from ocean_sim.parts import named
+from ocean_sim.parts import ALONE, named
+from ocean_sim.reading.scene import load
 from ocean_sim.ship.body.rigid_body import RigidBody, axis_rotation
 from ocean_sim.ship.forces.added_mass import by_rule, pabst_factor
 from ocean_sim.ship.hull.hull import Hull, hull_of
@@ -197,6 +199,29 @@ def test_the_command_answers_with_the_agreed_keys_and_a_picture(capsys, tmp_path
     assert {row["heel_deg"]: row["gz_m"] for row in answer["gz"]}[30.0] == pytest.approx(0.76036, rel=0.01)
     assert answer["periods_s"]["heave"] == pytest.approx(4.348, rel=0.1)
     assert (tmp_path / "barge.png").stat().st_size > 10_000
+
+
+SEA = """
+basin: {length: 400.0, width: 400.0, depth: 50.0, walls: none}
+fluid: {kind: linear_waves, height: 0.2, period: 4.0}
+"""
+
+
+@pytest.mark.parametrize(
+    "words", [["barge20", "--bilge-keels", "8,0.3"], ["my boat.stl", "--up", "y", "--draught", "1"]]
+)
+def test_a_hull_ends_with_a_ship_to_paste_that_check_accepts(words, ask, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    trimesh.creation.box((3.0, 2.0, 12.0)).export("my boat.stl")
+    code, out, _ = ask("hull", *words)
+    block = out.split("to paste into a scene:\n\n")[1].split("\n\n")[0]
+    (tmp_path / "mine.yaml").write_text(f"{SEA}{block}\n")
+    code, said, _ = ask("check", "mine.yaml", "--json")
+    (ship,) = json.loads(said)["ships"].values()
+    assert code == 0 and ship["draught_m"] == pytest.approx(2.0 if words[0] == "barge20" else 1.0, rel=0.01)
+    assert load("mine.yaml").ships[ALONE].propeller.thrust > 0.0
+    code, out, _ = ask("hull", "showcase", "--json")
+    assert json.loads(out)["scene"] == ""  # a ship of a scene is there already
 
 
 def test_what_is_known_of_a_hull_beforehand_comes_from_the_cache_unchanged(tmp_path, monkeypatch):

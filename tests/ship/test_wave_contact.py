@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import runtime
-from ocean_sim.basin.solids.distance import distance_lattice
+from ocean_sim.basin.solids.voxels import distance_lattice
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.observers.shared.energy import total_energy

@@ -19,14 +19,14 @@ from ocean_sim.studies.scene_tradeoff import (
     clock_note,
     errors_against,
     finest_setting,
+    measure_label,
     setting_grid,
     tradeoff_summary,
     vary_setting,
 )
 from ocean_sim.studies.shared import pareto, runs
 from ocean_sim.studies.shared import study as table
-from ocean_sim.studies.shared.clocked import Clocked
-from ocean_sim.studies.shared.scene_run import run_measures
+from ocean_sim.studies.shared.scene_run import Clocked, run_measures
 from ocean_sim.studies.tradeoff import TRIAL_CASES, clock_column, equal_cost_rows, pareto_front, study_points
 from ocean_sim.validation import problems
 from ocean_sim.verbs import tradeoff as verb
@@ -336,11 +336,25 @@ def test_the_study_of_a_scene_answers_with_a_line_to_paste_and_proves_it(capsys,
     assert run_command_line([*asked, "--budget", "600s"]) == 0
     said = capsys.readouterr().out
     assert "the reference is --set fluid.height=0.1" in said
-    assert "most accurate within 600s, by centre_rms_m: --set fluid.height=0.1" in said and "run again" in said
+    assert "most accurate within 600s, by the rms error of gauge `centre` [m]: --set fluid.height=0.1" in said
+    assert "run again" in said and "  0%  0 of 2 runs; the first compiles its kernels\n" in said
     assert {"tradeoff.csv", "seeds.csv", "tradeoff.png"} <= {path.name for path in Path("out").iterdir()}
     assert run_command_line([*asked, "--budget", "0.001ms"]) == 0  # the runs are there already
     assert "nothing fits 0.001ms: the cheapest takes" in capsys.readouterr().out
     assert run_command_line([*asked, "--by", "centre_hz_m"]) == 2
+
+
+@pytest.mark.parametrize(
+    "name, words",
+    [
+        ("end_rms_m", "rms error of gauge `end` [m]"),
+        ("at_the_bow_tz_s", "error of the mean period of gauge `at_the_bow` [s]"),
+        ("tug_heave_rms_m", "rms error of tug heave [m]"),
+        ("legs_rms_m", "rms error of legs [m]"),
+    ],
+)
+def test_an_error_is_named_in_words(name, words):
+    assert measure_label(name) == words
 
 
 def test_options_of_a_scene_need_a_scene(capsys):

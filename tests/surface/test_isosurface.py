@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.surface import Mesh
-from ocean_sim.surface.shared.isosurface import Isosurface
-from ocean_sim.surface.shared.nodes import Nodes
+from ocean_sim.surface.shared.isosurface import Isosurface, Nodes
 
 TORUS, TUBE = 0.9, 0.35  # [m] radii
 

@@ -16,7 +16,7 @@ from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid.sph.particles import Components, Count
 from ocean_sim.kernel_library import ti
 from ocean_sim.parts import Preflight
-from ocean_sim.pictures.water.smoothed_mesh import smooth_mesh
+from ocean_sim.pictures.water.tank import smooth_mesh
 from ocean_sim.surface.marching_cubes import Config, MarchingCubes, flat_share
 from tests.surface.spray import spray
 from tests.surface.test_isosurface import topology

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.parts import PACKAGE
+from ocean_sim.verbs.serve import live_files, scene_rows
 from ocean_sim.viewer.replay import MAX_DROP_BYTES, Recorded, replay_file
 from ocean_sim.viewer.still import page_document
 from tests.viewer import _chromium
@@ -56,6 +57,13 @@ def run(tmp_path_factory):
     rows = "\n".join(f"{0.05 * k:.3f},{0.5 * np.sin(-0.12 * k):.6f}" for k in range(41))
     (folder / "gauges.csv").write_text(f"# seed: 1\ntime_s,centre_m\n{rows}\n")
     return folder
+
+
+def test_scenes_of_the_gallery_are_listed_with_their_pictures():
+    rows, files = {row["name"]: row for row in scene_rows()}, live_files("")
+    assert rows["showcase"]["picture"] == "showcase.jpg" and rows["thesis/long_hour"]["picture"] == ""
+    kind, content = files["/" + rows["gallery/two_ships"]["picture"]]
+    assert kind == "image/jpeg" and content()[:3] == b"\xff\xd8\xff"
 
 
 def test_the_page_is_small_and_calls_nobody():
@@ -122,10 +130,18 @@ def test_a_replay_opens_from_a_file_and_scrubs(run, tmp_path):
         balls = browser.js("oceanSim.state.worlds[0].balls.count")
         assert balls == 400 and browser.js("oceanSim.state.worlds[0].spray.count") == 20
         before = browser.picture()
-        browser.js("document.getElementById('scrub').value = 900; document.getElementById('scrub').oninput()")
         drawn = browser.js("oceanSim.state.drawn")
+        browser.js("document.getElementById('scrub').value = 900; document.getElementById('scrub').oninput()")
         browser.wait(f"oceanSim.state.drawn > {drawn}")
         assert browser.picture() != before
+        # Of a live page, the last minute: at most so many moments, and so many bytes.
+        kept = browser.js(
+            "(() => { const kept = new oceanSim.History(); "
+            "for (let k = 0; k < 3000; k++) kept.add(0.05 * k, new ArrayBuffer(4e5)); "
+            "return [kept.times.length, kept.times[0], kept.end, kept.bytes, kept.before(120)]; })()"
+        )
+        assert 100 < kept[0] <= 600 and 85.0 < kept[1] < 95.0 and kept[2] > 148.0 and kept[3] <= 96e6
+        assert 0 < kept[4] < kept[0]
         assert browser.said == []
 
 
@@ -224,6 +240,13 @@ def test_a_scene_is_played_in_the_page(tmp_path):
             browser.wait("oceanSim.state.panel.ships[0].name === 'ship' && oceanSim.state.time > 0.5", 120.0)
             before = browser.js(heading)
             browser.wait(f"Math.abs({heading} - {before}) > 2e-4", 120.0)
+            sea = "document.querySelector('#readings').innerText"
+            assert "kn" in browser.js(sea) and "port of north" in browser.js(sea).replace("\n", " ")
+            browser.js("document.getElementById('scrub').value = 300; document.getElementById('scrub').oninput()")
+            past = browser.js("[oceanSim.state.back, oceanSim.state.time, oceanSim.state.worlds[0].time]")
+            assert past[0] and past[1] == pytest.approx(past[2], abs=1e-6)
+            browser.js("document.getElementById('toLive').click()")
+            browser.wait(f"!oceanSim.state.back && oceanSim.state.time > {past[1]}", 30.0)
             browser.js("document.getElementById('to-scene').click()")
             browser.wait("document.getElementById('yaml').value.length > 50")
             browser.js(

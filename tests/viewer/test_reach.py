@@ -199,6 +199,13 @@ def test_what_is_kept_is_kept(run, live, tmp_path):  # noqa: F811
         opened(browser, live)
         browser.js("document.getElementById('still').click()")
         downloaded(browser, tmp_path, "ocean_*.png")  # before the page is left
+        browser.js("document.getElementById('film').click()")
+        for k in range(2, 10):
+            drawn = browser.js("oceanSim.state.drawn")
+            live.show(frame(k))
+            browser.wait(f"oceanSim.state.drawn > {drawn}")
+        browser.js("document.getElementById('film').click()")
+        downloaded(browser, tmp_path, "ocean_*.webm")
         live.orders()
         browser.js("document.getElementById('record').click()")
         asked(live, browser, "record")
@@ -217,6 +224,7 @@ def test_what_is_kept_is_kept(run, live, tmp_path):  # noqa: F811
         browser.js("document.getElementById('csv').click()")
         downloaded(browser, tmp_path, "*.csv")
     assert next(tmp_path.glob("ocean_*.png")).read_bytes()[:4] == b"\x89PNG"
+    assert next(tmp_path.glob("ocean_*.webm")).read_bytes()[:4] == b"\x1aE\xdf\xa3"
     first, second = (tmp_path / "curves.csv").read_text().split("\n\n")
     assert first.splitlines()[1] == "time_s,elevation_centre_m" and first == second.rstrip()
     (tmp_path / "one.csv").write_text(f"{first}\n")

@@ -20,6 +20,7 @@ from ocean_sim.viewer.replay import Recorded, replay_file
 from ocean_sim.viewer.server import Order
 from ocean_sim.viewer.session import Session, Source
 from ocean_sim.viewer.watch import Watch
+from ocean_sim.waves import wavenumber
 from tests.processes import wait_for
 from tests.viewer import page_packets
 
@@ -30,7 +31,7 @@ duration: 2.0
 basin: {length: 40.0, width: 40.0, depth: 7.5, walls: none}
 fluid: {kind: linear_waves, height: 0.2, period: 4.0}
 frames: {every: 0.1, spacing: 2.0}
-runtime: {threads: 1}
+runtime: {threads: 1, precision: f64}
 """
 
 
@@ -150,6 +151,50 @@ def test_play_step_and_pause(session):
     session.advance(0.02)
     ask(session, do="pause")
     assert simulation.steps > before + 1
+
+
+def test_the_first_step_waits_for_a_page(lake):
+    lake.paused, lake.server.watchers = False, 0
+    lake.advance(0.1)
+    assert lake.simulation.steps == 0
+    lake.server.watchers = 1
+    lake.advance(0.1)
+    lake.server.watchers, steps = 0, lake.simulation.steps
+    lake.advance(0.1)
+    assert 0 < steps < lake.simulation.steps  # it goes on without one
+
+
+def test_a_scene_stops_at_its_duration_and_play_goes_on(lake):
+    ask(lake, do="play")
+    for _ in range(1000):
+        lake.advance(0.1)
+        if lake.paused:
+            break
+    assert lake.simulation.time == pytest.approx(2.0, abs=0.05) and lake.server.last("panel")["paused"]
+    assert "ends at 2 s" in lake.server.last("said")["text"]
+    ask(lake, do="play")
+    lake.advance(0.1)
+    assert not lake.paused and lake.simulation.time > 2.05
+
+
+def test_waves_in_closed_form_change_while_they_run(lake):
+    """Height, period and heading; the height at the origin, where the phases go on, does not jump."""
+    fluid = lake.simulation.fluid
+    while lake.simulation.time < 1.0:
+        lake.step()
+    origin = np.zeros((1, 2))
+    before, frames = fluid.elevations(origin)[0], len(lake.server.frames)
+    ask(lake, do="slide", key="wave heading [deg]", value=90.0)
+    ask(lake, do="slide", key="wave period [s]", value=2.0)
+    assert len(lake.server.frames) == frames + 2  # also while it is paused
+    assert fluid.elevations(origin)[0] == pytest.approx(before, abs=1e-9)
+    ask(lake, do="slide", key="wave height [m]", value=0.4)
+    assert fluid.elevations(origin)[0] == pytest.approx(2.0 * before, abs=1e-9)
+    sea = fluid.plane_waves
+    assert (sea.heading_deg, sea.period) == (pytest.approx(90.0), pytest.approx(2.0))
+    ((amplitude, x, z, omega, _),) = lake.server.last("panel")["sea"]["waves"]
+    assert amplitude == pytest.approx(0.2) and z == pytest.approx(0.0, abs=1e-9) and omega == pytest.approx(np.pi)
+    assert x == pytest.approx(wavenumber(np.pi, 7.5), rel=1e-6)
 
 
 def test_a_slider_reaches_the_running_simulation_and_the_newest_counts(session):

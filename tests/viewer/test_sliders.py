@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import runtime
-from ocean_sim.viewer.sliders import Slider, restore_sliders, sliders_of
+from ocean_sim.viewer.sliders import Slider, sliders_of
 
 
 def kernels():
@@ -18,14 +18,6 @@ def test_a_slider_applies_a_move_once_and_holds_it_within_its_ends():
     assert not slider.move(float(np.float32(0.1)))  # a window knows single precision only
     assert slider.move(1.5) and slider.move(9.0) and not slider.move(2.0)
     assert taken == [1.5, 2.0] and slider.value == 2.0
-
-
-def test_sliders_of_a_simulation_built_anew_keep_what_was_set():
-    taken = []
-    before = [Slider("a", 1.0, 0.0, 3.0, taken.append), Slider("b", 1.0, 0.0, 3.0, taken.append)]
-    before[0].move(2.5)
-    anew = restore_sliders([Slider("a", 1.0, 0.0, 3.0, taken.append), Slider("c", 1.0, 0.0, 3.0, taken.append)], before)
-    assert anew[0].value == 2.5 and taken == [2.5, 2.5] and anew[1].value == 1.0
 
 
 def test_moving_any_slider_changes_the_next_step_and_compiles_nothing(coarse):

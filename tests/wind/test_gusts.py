@@ -7,7 +7,7 @@ from ocean_sim import basin
 from ocean_sim.random_numbers import numpy_uniform3
 from ocean_sim.wind.gusts import NOISE_STREAM
 from ocean_sim.wind.shared.air_load import stress
-from ocean_sim.wind.shared.shapes import turned
+from ocean_sim.wind.shared.place import turned
 
 POINTS = np.random.default_rng(3).uniform(-5.0, 5.0, size=(4000, 3))
 UP = (0.0, 1.0, 0.0)

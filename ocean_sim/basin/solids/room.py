@@ -8,11 +8,10 @@ from itertools import product
 import numpy as np
 
 from ocean_sim.basin.motion import Gate
-from ocean_sim.basin.solids.distance import Distance, distance_lattice, lattice_memory
 from ocean_sim.basin.solids.mesh import ClosedMesh, inside_stretches
 from ocean_sim.basin.solids.packing import Lattice, deepest_first, fit_particles, kept_room
 from ocean_sim.basin.solids.shape import Boxes, PlacedMesh, SolidShape
-from ocean_sim.basin.solids.voxels import MAX_CUBES, Voxels, voxels
+from ocean_sim.basin.solids.voxels import MAX_CUBES, Distance, Voxels, distance_lattice, lattice_memory, voxels
 
 CUBES_A_SPACING = 3.0  # cubes to a spacing of the particles, where a body keeps water out
 FOOT_ROUNDING = 1e-6  # of twice the height of a mesh by which its foot may lie above a dry bed

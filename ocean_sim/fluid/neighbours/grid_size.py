@@ -22,7 +22,7 @@ FEW_TASKS, MANY_TASKS = 16, 64  # groups of cells for few and many particles; ea
 
 @dataclass(frozen=True)
 class Plan:
-    """Division of particles into tasks, and the classes that sort them and walk over neighbours (`backend_plan.PLANS`);
+    """Division of particles into tasks, and the classes that sort them and walk over neighbours (particle_walk.PLANS);
     this one suits a processor's threads: few long tasks, each with a list of candidates for its cells."""
 
     grid: Any  # constructor of the cells

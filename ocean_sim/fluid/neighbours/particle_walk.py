@@ -1,4 +1,5 @@
-"""The walk over neighbours for graphics cards, with a thread for each particle: the same laws and the same sums.
+"""The walk over neighbours for graphics cards, with a thread for each particle: the same laws and the same sums; and
+plans of the walk, for processors and for graphics cards.
 
 No candidates are listed: a thread goes through the cells around its particle, and through those around its mirrored
 places. A task and a row of accounts belong to one particle, while `cell_walk.CellWalk` has few long tasks and rows.
@@ -6,22 +7,25 @@ Sums are gathered, never scattered. Only the order in which particles are put in
 corrected before anything reads it.
 """
 
+from dataclasses import dataclass
 from math import isqrt
 from typing import ClassVar
 
 import numpy as np
 
-from ocean_sim.fluid.budget.momentum_budget import WORK_COLUMN, Accounts
+from ocean_sim.fluid.budget.momentum_budget import TERM_NAMES, WORK_COLUMN, Accounts
+from ocean_sim.fluid.neighbours.cell_walk import CellWalk
 from ocean_sim.fluid.neighbours.grid import Grid
-from ocean_sim.fluid.neighbours.grid_size import GridSize
-from ocean_sim.fluid.neighbours.kept_pairs import KeptPairs, PairSlots, flip_code
+from ocean_sim.fluid.neighbours.grid_size import GridSize, Plan
+from ocean_sim.fluid.neighbours.kept_pairs import KeptPairs, PairSlots, flip_code, slot_count
 from ocean_sim.fluid.neighbours.point_sum import PointSum
 from ocean_sim.fluid.neighbours.thread_tasks import Tasks
 from ocean_sim.fluid.sph.law import Law
 from ocean_sim.fluid.sph.particles import Particles
 from ocean_sim.fluid.sph.smoothing import Smoothing
 from ocean_sim.kernel_library import ti
-from ocean_sim.runtime import Template, in_kernels
+from ocean_sim.parts import LedgerRow
+from ocean_sim.runtime import GRAPHICS_BACKENDS, GRAPHICS_CARD_CHOICES, Template, in_kernels
 
 SUM_BLOCK_CELLS = 128  # cells that a thread adds up
 
@@ -132,7 +136,7 @@ class WideAccounts(Accounts):
 
 @in_kernels
 class RowLaw:
-    """PointLaw made from a pair law: its terms with the particles around a particle, or with their images."""
+    """Law of a `PointSum` made from a pair law: its terms with particles around a particle, or with their images."""
 
     def __init__(self, law: Law, grid: Grid, reflected: bool) -> None:
         """Adapt a law; `reflected`: True for a sum over images, whose `own_and_sides` ends in their set of sides."""
@@ -157,7 +161,7 @@ class RowLaw:
 
 @in_kernels
 class PairCollector:
-    """PointLaw that, instead of summing, stores the kept pairs of the particle with index `own`."""
+    """Law of a `PointSum` that, instead of summing, stores the kept pairs of the particle with index `own`."""
 
     sums = 1
 
@@ -246,3 +250,57 @@ class ParticleWalk:
         if pairs.seen[i] > pairs.slots:
             pairs.near[i] = pairs.seen[i] = 0
             self.accounts.overflow[i, 0] = 1
+
+
+@dataclass(frozen=True)
+class ParticlePlan(Plan):
+    """Plan for graphics cards: each particle is a task of its own, for one thread."""
+
+    stride: ClassVar[int] = 1
+    samples: ClassVar[int] = 1
+
+    def task_count(self, n: int) -> int:
+        return n
+
+    def chunk_count(self, n: int) -> int:
+        """One chunk for all particles: atomic counters replace chunks."""
+        return 1
+
+    def parts_per_axis(self, full: float, dimension: int) -> int:
+        return 1
+
+    def sorting_integers(self, n: int, cells: int) -> int:
+        return n + sum(level_sizes(cells)[1:])
+
+    def list_bytes(self, size: GridSize, word: int) -> int:
+        return 0
+
+    def pair_bytes(self, size: GridSize, neighbours: int, word: int) -> int:
+        return size.lattice.n * (8 + slot_count(neighbours) * (4 + 3 * word))  # of PairSlots
+
+    def highest_index(self, size: GridSize, neighbours: int) -> int:
+        return size.lattice.n * (slot_count(neighbours) if neighbours else 1)
+
+    def account_bytes(self, n: int, word: int, impulses: bool) -> int:
+        return n * (5 * word + 8 + (8 * 4 * len(TERM_NAMES) if impulses else 0))
+
+
+Walk = CellWalk | ParticleWalk
+CELL_PLAN, PARTICLE_PLAN = Plan(Grid, Accounts, CellWalk), ParticlePlan(WideGrid, WideAccounts, ParticleWalk)
+PLANS: dict[str, Plan] = {"cpu": CELL_PLAN, "auto": CELL_PLAN} | dict.fromkeys(
+    (*GRAPHICS_CARD_CHOICES, *GRAPHICS_BACKENDS), PARTICLE_PLAN
+)
+"""Plans by backend. Before a backend is started, `auto` counts as the processor and `gpu` as a card."""
+
+
+def mesh_ledger(size: GridSize, word: int) -> list[LedgerRow]:
+    """Row of the memory ledger for the distances from meshes with floats of `word` bytes; empty without meshes."""
+    spacing, meshes = size.lattice.spacing, size.lattice.basin.meshes.values()
+    sizes = [mesh.net_bytes(spacing, word) + 6 * word for mesh in meshes]
+    return [LedgerRow("basin", "distances from meshes", sum(sizes), "basin.obstacles")] if sizes else []
+
+
+def account_ledger(size: GridSize, word: int, impulses: bool) -> list[LedgerRow]:
+    """Row of the memory ledger for the momentum budget, if the plan has a row for each particle; else empty."""
+    taken = size.plan.account_bytes(size.lattice.n, word, impulses)
+    return [LedgerRow("fluid", "accounts", taken, "a row for each particle")] if taken else []

@@ -6,7 +6,6 @@ round. Every set of sides within reach is a mirror of its own, so corners are mi
 """
 
 from collections.abc import Iterable
-from typing import Any, Protocol
 
 from ocean_sim.fluid.neighbours.grid import Grid
 from ocean_sim.fluid.neighbours.images import (
@@ -20,18 +19,10 @@ from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template, in_kernels
 
 
-class PointLaw(Protocol):
-    """Interface of a sum over all water around a point."""
-
-    sums: int  # numbers that a particle adds
-
-    def term(self, own: Any, j: Any, d: Any, mirror: Any) -> Any:
-        """ti.func: term of particle j, whose image in `mirror` lies d [m] from the point; `own`: the caller's."""
-
-
 @in_kernels
 class PointSum:
-    """Sums of a PointLaw over all water within one support of a point."""
+    """Sums over all water within one support of a point, by a law: `sums`, the number of its sums, and the ti.func
+    `term(own, j, d, mirror)`, what particle j adds whose image in `mirror` lies d [m] away; `own`: the caller's."""
 
     def __init__(self, position: Iterable[ti.Field], grid: Grid, start: ti.Field | None = None) -> None:
         """Sum over points x, y, z [m], sorted by cell; `start`: first point of every cell, by default the grid's."""

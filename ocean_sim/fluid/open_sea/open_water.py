@@ -7,8 +7,7 @@ import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.fluid import Arriving, Fluid, Limits, Status
-from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves
-from ocean_sim.fluid.open_sea.wave_window import Window
+from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves, Window
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import in_kernels
 

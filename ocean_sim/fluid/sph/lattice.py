@@ -3,16 +3,14 @@
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ocean_sim.basin import Basin, Box, Solid, shifts
+from ocean_sim.basin import Basin, Solid, shifts
 from ocean_sim.basin.points import middles_of
-from ocean_sim.fluid.bodies.emitter import Emitter, Jet
+from ocean_sim.fluid.bodies.emitter import Jet
 from ocean_sim.fluid.sph import initial_state as initial_module
-from ocean_sim.fluid.sph.smoothing import Kernel
-from ocean_sim.waves import Components
 
 if TYPE_CHECKING:
     from ocean_sim.basin.solids import packing
@@ -22,34 +20,11 @@ BUDGET_ROWS = 32  # in the depth, by which the volume of a bed is summed before 
 MARGIN_SPACINGS = 8.0  # [spacings] around a solid, as far as the water that makes room for it is pressed from
 
 
-class Filling(Protocol):
-    """Interface of the config of water: the keys that a lattice reads."""
-
-    spacing: float | None  # [m]
-    particles: int | None
-    rest_density: float  # [kg/m3]
-    fill: tuple[Box, ...] | None
-    initial: initial_module.Initial | None
-    emitter: Emitter | None
-    motion_limit: float | None  # [spacings]
-    collision_distance: float  # [spacings]
-
-    @property
-    def kernel(self) -> Kernel:
-        """Kernel of the pressure."""
-
-    def ratio(self, basin: Basin) -> float:
-        """Support radius of the kernel over the spacing."""
-
-    def losses(self, lattice: "Lattice", sea: Components) -> np.ndarray | None:
-        """Complex decay rates (n,) [1/s] of the waves of a sea by the scheme, see WaterConfig.losses."""
-
-
 @dataclass(frozen=True)
 class Lattice:
     """Cubic lattice of particles that fills the boxes of water, half a spacing away from every face."""
 
-    config: Filling
+    config: Any  # a WaterConfig, which makes the lattice
     basin: Basin
 
     @cached_property

@@ -13,8 +13,8 @@ from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES
 from ocean_sim.fluid.bodies.walls import warnings as of_zones
 from ocean_sim.fluid.bodies.walls import zones
 from ocean_sim.fluid.budget.field import Field
-from ocean_sim.fluid.neighbours.backend_plan import PLANS, Walk, account_ledger, mesh_ledger
 from ocean_sim.fluid.neighbours.grid_size import GridSize
+from ocean_sim.fluid.neighbours.particle_walk import PLANS, Walk, account_ledger, mesh_ledger
 from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves
 from ocean_sim.fluid.patch.attenuation import Attenuation, Delay, Train, wave_trains
 from ocean_sim.fluid.patch.relaxation_zone import relaxation_band, tile_cells
@@ -137,7 +137,7 @@ class SphConfig(WaterConfig):
         if grid.lattice.n > most:
             yield (
                 f"makes {grid.lattice.n} particles; at a support of {self.ratio(preflight.tank):g} spacings the "
-                f"neighbours of about {most} at most can be counted in 32 bits"
+                f"neighbours of about {most} at most can be counted in 32 bits; {self.fitting_spacing(preflight)}"
             )
         if grid.count_numbers > MAX_COUNT:
             yield (

@@ -1,13 +1,15 @@
 """Config keys of water made of particles, common to every scheme."""
 
+from dataclasses import replace
 from math import sqrt
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, cast
 
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
+from ocean_sim import machine
 from ocean_sim.basin import BOX_ROUNDING, Basin, Box, box_faults, odd_gravity
-from ocean_sim.conventions import LEAST_DENSITY, WATER_DENSITY
+from ocean_sim.conventions import LEAST_DENSITY, WATER_DENSITY, figures
 from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES, Emitter
 from ocean_sim.fluid.bodies.emitter import problems as mouth_problems
 from ocean_sim.fluid.sph import initial_state as initial_module
@@ -16,9 +18,11 @@ from ocean_sim.fluid.sph.lattice import Lattice, in_obstacles
 from ocean_sim.fluid.sph.smoothing import WENDLAND, Kernel
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import FluidConfig, Preflight, Problems, forces_in_waves
+from ocean_sim.runtime import BASE_MEMORY, COPY_BYTES_PER_PARTICLE
 from ocean_sim.waves import Components
 
 MAX_ROUNDING_SPACINGS = 1e-3  # [spacings] between two numbers: about a hundredth of the way of a particle in a step
+COARSE_PARTICLES = 50_000  # of the lattice by which the memory of a particle is measured
 MIN_GATE_SPACINGS = 2.0  # [spacings] thickness of a gate that holds still water back as a wall does
 
 
@@ -154,6 +158,15 @@ class WaterConfig(FluidConfig):
     def most_particles(self, preflight: Preflight) -> int:
         return MOST_PARTICLES
 
+    def fitting_spacing(self, preflight: Preflight) -> str:
+        """Words on the least spacing [m] whose particles fit into this machine, by the memory of a coarse lattice."""
+        volume, d = cast(Lattice, preflight.untouched).volume, preflight.tank.dimension
+        coarse = self.model_copy(update={"spacing": (volume / COARSE_PARTICLES) ** (1.0 / d), "particles": None})
+        there = replace(preflight, parts={**preflight.parts, "fluid": coarse})
+        each = sum(row.bytes for row in coarse.ledger(there)) / there.particles + COPY_BYTES_PER_PARTICLE
+        most = min((0.9 * machine.memory_limit() - BASE_MEMORY) / each, coarse.most_particles(there))
+        return f"fluid.spacing from {1.01 * (volume / most) ** (1.0 / d):.3g} m on fits this machine"
+
     def lattice(self, basin: Basin) -> Lattice:
         """Lattice on which the particles start; nothing is allocated yet."""
         return Lattice(self, basin)
@@ -185,7 +198,9 @@ class WaterConfig(FluidConfig):
         lattice = preflight.untouched
         assert isinstance(lattice, Lattice)
         if self.spacing is not None and lattice.volume > MOST_PARTICLES * self.spacing**basin.dimension:
-            found.append((("spacing",), f"would make more than {MOST_PARTICLES} particles, the most that there can be"))
+            count = lattice.volume / self.spacing**basin.dimension
+            most = f"would make {figures(count, 2)} particles, more than {MOST_PARTICLES}, the most that there can be"
+            found.append((("spacing",), f"{most}; {self.fitting_spacing(preflight)}"))
         found += misplaced
         if lattice.jet is not None and not found:
             found += [(("emitter", *path), sentence) for path, sentence in mouth_problems(basin, lattice.jet)]

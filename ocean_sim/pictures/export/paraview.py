@@ -11,8 +11,7 @@ from ocean_sim.files.atomic_file import atomic_write, require_disk_space
 from ocean_sim.files.input_file import read_npz
 from ocean_sim.files.meshes import Series, save_ply
 from ocean_sim.pictures.export import scene_file
-from ocean_sim.pictures.export.scene_file import ExportShot, upright_shots
-from ocean_sim.pictures.export.wakes import RunWakes
+from ocean_sim.pictures.export.scene_file import ExportShot, RunWakes, upright_shots
 from ocean_sim.pictures.frame_files import frame_files
 
 

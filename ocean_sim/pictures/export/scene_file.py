@@ -1,5 +1,5 @@
 """Everything drawn of a run in one file (USD, glTF), for Blender, Houdini, Unreal and browsers: water with foam and
-velocity, moving ships, particles."""
+velocity, wakes, the ships' own waves and foam along their hulls, moving ships, particles."""
 
 from collections.abc import Iterator
 from errno import EIO
@@ -10,16 +10,20 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ocean_sim.basin.points import grid_points, middles_of
 from ocean_sim.conventions import Lacking
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.files.input_file import read_npz
 from ocean_sim.files.meshes import Glb
-from ocean_sim.pictures.export.wakes import RunWakes
-from ocean_sim.pictures.frame_files import frame_files, kept_ground, ship_keys
+from ocean_sim.pictures.frame_files import Frame, FrameLog, frame_files, kept_ground, ship_keys
 from ocean_sim.pictures.ships.ship_model import ShipModel, kept_model
+from ocean_sim.pictures.stage.camera import Vessel
 from ocean_sim.pictures.stage.obstacles import SAND_COLOUR
 from ocean_sim.pictures.water.foam import cell_means, read_cells
+from ocean_sim.pictures.water.sea_state import is_open_sea, run_scene
+from ocean_sim.pictures.water.wake import kelvin_height, limited_answer
 from ocean_sim.pictures.water.water_mesh import grid_triangles
+from ocean_sim.pictures.water.waterline import Hull, WettedHull
 
 # Linear RGB of water and of its foam
 WATER_COLOUR, FOAM_COLOUR = np.array([0.010, 0.060, 0.090]), np.array([0.75, 0.80, 0.82])
@@ -31,6 +35,76 @@ BOX_TRIANGLES = np.array(
 )
 NEAREST_PARTICLES = 6  # particles that tell the velocity of a surface with an underside
 Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # from our axes, y up
+
+
+class RunWakes:
+    """Wakes of all ships of a run at sea, at the points of the heights in its frames; without effect for a tank."""
+
+    def __init__(self, files: list[Path], grid: dict[str, np.ndarray]) -> None:
+        keys = ship_keys(grid, "_vertices")
+        tracks = FrameLog(files).tracks if keys and shows_sea(files, float(grid["depth"])) else {}
+        self.grid, self.x, self.z = grid, grid["x"], grid["z"]
+        self.hulls = {key: Hull(grid, key) for key in keys if key in tracks}
+        self.vessels = {key: Vessel(hull.length, np.zeros(3), tracks[key]) for key, hull in self.hulls.items()}
+        self.answers = "sea_answers" in grid  # the water of the run knows of its ships
+
+    def shown(self, frame: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        """Heights (nx, nz) [m] of a frame and shares of foam on its foam's grid, both with those of the ships added."""
+        height, white = frame["elevation"].astype(float), np.maximum(frame["foam"], frame.get("left", 0.0))
+        if not self.vessels:
+            return height, white
+        time, origin = float(frame["time"]), frame.get("origin", np.zeros(2)).astype(float)
+        points = grid_points(self.x + origin[0], self.z + origin[1])
+        height += self.behind(time, points, frame.get("answer"))
+        if not self.answers:
+            for ship in self.wetted_hull(frame, height, origin):
+                height += ship.raised(points).reshape(height.shape)
+        x, z = (middles_of(*self.sides(k), white.shape[k]) for k in range(2))
+        for ship in self.wetted_hull(frame, height, origin):
+            low, high = (ends - origin for ends in ship.around())
+            near = np.ix_((x > low[0]) & (x < high[0]), (z > low[1]) & (z < high[1]))
+            along = ship.white(grid_points(x[near[0].ravel()] + origin[0], z[near[1].ravel()] + origin[1]))
+            white[near] = np.maximum(white[near], along.reshape(white[near].shape))
+        return height, white
+
+    def sides(self, k: int) -> tuple[float, float]:
+        """Lower and upper limit [m] of the basin along x (k = 0) or z (k = 1)."""
+        return float(self.grid["lower"][2 * k]), float(self.grid["upper"][2 * k])
+
+    def places(self, at: np.ndarray, origin: np.ndarray) -> np.ndarray:
+        """Positions (2, n) of points x, z (n, 2) [m] in the basin around an origin, 0 to 1 from side to side."""
+        low, high = np.transpose([self.sides(k) for k in range(2)])
+        return ((at - origin - low) / (high - low)).T
+
+    def wetted_hull(self, frame: dict[str, np.ndarray], height: np.ndarray, origin: np.ndarray) -> list[WettedHull]:
+        """Hulls of a frame that touch the water, whose heights (nx, nz) [m] lie around an origin x, z [m]."""
+        time, ships = float(frame["time"]), []
+        for key, hull in self.hulls.items():
+            pose = frame[f"{key}_position"], frame[f"{key}_turn"], self.vessels[key].speed(time)
+            ships.append(hull.wetted_hull(*pose, lambda at: read_cells(height, self.places(at, origin))))
+        return [ship for ship in ships if ship.wet]
+
+    def behind(self, time: float, points: np.ndarray, answer: np.ndarray | None) -> np.ndarray:
+        """Height (nx, nz) [m] of ship waves to add to the run's water, except bow waves, at points x, z (nx nz, 2) [m];
+        `answer`: response of the run's water to its ships [m], which is limited near them, or None."""
+        shape = len(self.x), len(self.z)
+        more = np.zeros(shape)
+        if answer is not None:
+            x, z = points[:: shape[1], 0], points[: shape[1], 1]
+            shown = answer.astype(float)
+            for key, vessel in self.vessels.items():
+                shown = limited_answer(shown, vessel, self.hulls[key].beam, x, z, time)
+            more += shown - answer
+        if "sea_amplitude" in self.grid and not self.answers:
+            for key, vessel in self.vessels.items():
+                more += kelvin_height(vessel, self.hulls[key].beam, time, points).reshape(shape)
+        return more
+
+
+def shows_sea(files: list[Path], depth: float) -> bool:
+    """True if pictures of a run show an open sea; False if they show a tank. `depth` of the water [m]."""
+    first = Frame(files[0])
+    return not first.folds and is_open_sea(run_scene(files[0].parent.parent), first, depth)
 
 
 class UsdMissing(Lacking):

@@ -1,4 +1,4 @@
-"""Drawn models of ships: a yacht, a tug and a barge on hulls of any size, and test bodies in two colours.
+"""Drawn models of ships: a yacht, a tug and a barge on hulls of any size, and plain bodies.
 
 A model stands on the deck of the physical hull and is scaled by its dimensions.
 """
@@ -11,15 +11,23 @@ import numpy as np
 
 from ocean_sim.files.yaml_file import read_mapping
 from ocean_sim.parts import library
-from ocean_sim.pictures.ships.ship_hull import Hull, Sheer
-from ocean_sim.pictures.ships.ship_parts import Block, Mesh, level_outline, merge_meshes, mirrored_pair, tube_mesh
+from ocean_sim.pictures.ships.ship_parts import (
+    Block,
+    Hull,
+    Mesh,
+    Sheer,
+    level_outline,
+    merge_meshes,
+    mirrored_pair,
+    tube_mesh,
+)
 from ocean_sim.pictures.stage.render_order import RenderFailed
 from ocean_sim.pictures.stage.sky import painted_light
 from ocean_sim.pictures.water import water_shading
 
-STYLE_WORDS = {"yacht": "yacht", "tug": "tug", "barge": "barge", "box": "barge", "outline": "yacht"}  # in a look
+STYLE_WORDS = {"yacht": "yacht", "tug": "tug", "barge": "barge", "outline": "yacht"}  # in a look
 FILE_PAINTS = "oxide", "white", "navy", "teak"  # of a hull from a file, which may bring its own house
-BODY_PAINTS = "grey", "white", "yellow", "orange"  # of a body without a style: test bodies
+BODY_PAINTS = 4 * ("yellow",)  # of a body without a style, a box or a cylinder: plain
 
 
 class ShipModel(NamedTuple):

@@ -11,7 +11,7 @@ CameraName = Literal["third_person", "follow", "orbit", "fixed", "first_person",
 SHIP_CAMERAS = ("follow", "first_person")  # that need a ship
 VIEW_ANGLE = 35.0  # [deg], vertical
 WIDE_ANGLE = 50.0  # [deg], vertical, from the helm
-FRAME_MARGIN = 1.05
+FRAME_MARGIN = 1.1  # of what must be seen
 SIDE_BAND = 1.3  # room above and below the water for words, in the picture from the side
 SKY_HEADROOM = 0.24  # of the basin's length: sky above the water in perspective pictures
 SIDE_EYE_HEIGHT = 0.05  # height of the camera beside an open sea, over its distance
@@ -110,10 +110,10 @@ class Operator:
         span: tuple[float, float],
         **given: Any,
     ) -> None:
-        """`span` of the film [s]; `given`: `vessel` to follow, `away`: she may leave, `at_sea`, `eye`, `target` [m]."""
+        """`span` of the film [s]; `given`: `vessel` to follow, if `away`, `at_sea` or `whole`; `eye`, `target` [m]."""
         self.name, self.lower, self.upper, self.aspect, self.span = name, lower, upper, aspect, span
         self.vessel: Vessel | None = given.get("vessel")
-        self.away = bool(given.get("away"))
+        self.away, self.whole = bool(given.get("away")), bool(given.get("whole"))
         if name == "fixed":
             self.standing = camera_looking(np.array(given["eye"], dtype=float), np.array(given["target"], dtype=float))
         elif name == "side" and given.get("at_sea"):
@@ -128,7 +128,8 @@ class Operator:
         if self.name == "orbit":
             return self.orbit(time)
         vessel = self.vessel
-        if vessel is None or self.name in ("fixed", "top") or self.standing.parallel_height is not None:
+        fixed = self.name in ("fixed", "top") or (self.whole and self.name == "third_person")
+        if vessel is None or fixed or self.standing.parallel_height is not None:
             return self.standing
         k = int(np.abs(vessel.track.time - time).argmin())
         position, turn = vessel.track.position[k], vessel.track.turn[k]
@@ -169,7 +170,7 @@ class Operator:
         forward = self.standing.forward
         turned = np.arctan2(-forward[0], -forward[2]) + 2.0 * np.pi * (time - start) / max(end - start, 1e-9)
         around = np.array([np.sin(turned), 0.0, np.cos(turned)])
-        if self.vessel is not None:
+        if self.vessel is not None and not self.whole:
             length, track = self.vessel.length, self.vessel.track
             middle = np.array([np.interp(time, track.time, track.position[:, axis]) for axis in range(3)]) * [1, 0, 1]
             eye = middle + length * (ORBIT_RADIUS * around + [0.0, ORBIT_HEIGHT, 0.0])

@@ -1,4 +1,4 @@
-"""The obstacles of a basin in a picture: boxes of concrete; and its bed, of sand, if that has a shape."""
+"""The obstacles of a basin in a picture: boxes of concrete, a wavemaker; and its bed, of sand, if that has a shape."""
 
 import numpy as np
 
@@ -9,7 +9,9 @@ from ocean_sim.pictures.stage.sky import painted_light
 from ocean_sim.pictures.water import water_shading
 
 CONCRETE_COLOUR = np.array([0.42, 0.40, 0.37])  # linear RGB
+PLATE_COLOUR = np.array([0.62, 0.20, 0.05])  # linear RGB, of a wavemaker
 SAND_COLOUR = np.array([0.60, 0.44, 0.24])  # linear RGB
+NO_BOXES = np.zeros((0, 2, 3))
 INSET_SHARE = 2.0e-3  # of the basin: a face that lies in a side of the basin is not drawn in the same plane
 
 
@@ -23,19 +25,21 @@ def sand_mesh(ground: Ground, breadth: float) -> tuple[np.ndarray, np.ndarray, n
 
 
 class Obstacles:
-    """Obstacles of a basin in a picture, boxes and meshes: fixed ones are drawn once, gates anew in every picture."""
+    """Obstacles of a basin in a picture, boxes and meshes: fixed ones are drawn once, others anew in every picture."""
 
     def __init__(self, stage: Stage, grid: dict[str, np.ndarray], lower: np.ndarray, upper: np.ndarray) -> None:
-        """`grid`: arrays that a run saves once, with the fixed ones; in a basin from `lower` to `upper` [m]."""
+        """`grid`: arrays that a run saves once, with the fixed ones; between walls at `lower` and `upper` [m]."""
         inset = INSET_SHARE * (upper - lower)
         self.stage, self.lower = stage, lower + inset
         self.upper = np.array([upper[0] - inset[0], np.inf, upper[2] - inset[2]])  # it may stand out of the water
-        self.add("obstacles", grid.get("obstacles", np.zeros((0, 2, 3))), grid.get("meshes", np.zeros((0, 3, 3))))
+        self.plates = grid.get("plates", NO_BOXES)
+        self.add("obstacles", grid.get("obstacles", NO_BOXES), grid.get("meshes", np.zeros((0, 3, 3))))
 
     def show(self, frame: Frame) -> None:
         self.add("gates", frame.gates, frame.moving_meshes)
+        self.add("plates", self.plates + frame.plate_way, frame.moving_meshes[:0], PLATE_COLOUR)
 
-    def add(self, name: str, boxes: np.ndarray, triangles: np.ndarray) -> None:
+    def add(self, name: str, boxes: np.ndarray, triangles: np.ndarray, paint: np.ndarray = CONCRETE_COLOUR) -> None:
         """Draw boxes (n, 2, 3) and triangles (m, 3, 3) [m] under a name, in place of those drawn under it before."""
         plotter, pyvista = self.stage.plotter, self.stage.pyvista
         plotter.remove_actor(name, render=False)
@@ -46,7 +50,7 @@ class Obstacles:
             shapes.append(pyvista.PolyData.from_regular_faces(points, np.arange(len(points)).reshape(-1, 3)))
         if shapes:
             shape = pyvista.merge(shapes, merge_points=False)
-            light = painted_light(shape.face_normals, CONCRETE_COLOUR)
+            light = painted_light(shape.face_normals, paint)
             shape.cell_data["colour"] = water_shading.display_colours(light)
             shown = {"smooth_shading": False, "name": name, "reset_camera": False, "render": False}
             plotter.add_mesh(shape, scalars="colour", rgb=True, lighting=False, **shown)

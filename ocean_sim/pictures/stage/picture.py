@@ -8,13 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ocean_sim.parts import key_of
-from ocean_sim.pictures.frame_files import Frame, FrameLog, kept_ground, ship_keys
+from ocean_sim.pictures.frame_files import FREEBOARD_SHARE, Frame, FrameLog, kept_ground, ship_keys
 from ocean_sim.pictures.ships.ship import DrawnShip, ShadedShip
 from ocean_sim.pictures.ships.ship_model import kept_model
 from ocean_sim.pictures.stage import overlays, sky
 from ocean_sim.pictures.stage.antialiasing import sample_means, smooth_edges
 from ocean_sim.pictures.stage.camera import Camera, Operator, Vessel
-from ocean_sim.pictures.stage.obstacles import Obstacles, sand_mesh
+from ocean_sim.pictures.stage.obstacles import NO_BOXES, Obstacles, sand_mesh
 from ocean_sim.pictures.stage.particles import Particles
 from ocean_sim.pictures.stage.plotter import Content, Stage
 from ocean_sim.pictures.stage.render_order import Order, RenderFailed
@@ -27,8 +27,8 @@ from ocean_sim.pictures.water.water_surface import SURFACE_NODES, Water
 
 # Along each side of a pixel; where there is one, edges are smoothed afterwards
 PIXEL_SAMPLES = {"draft": 1, "final": 2}
-STRIP_PICTURES, STRIP_SHRINKING = 8, 4  # pictures in a row of moments, and pixels along a side of one of its
-MOMENT_GAP = 3  # [pixels] between them
+SHEET_PICTURES, SHEET_SHRINKING = 6, 2  # pictures in a sheet of moments, and pixels along a side of one of its
+SHEET_COLUMNS, SHEET_GAP = 3, 6  # of a sheet, and [pixels] between its pictures
 MAP_CAMERAS = "top", "side"  # cameras that see the whole way of a ship that leaves the basin
 
 
@@ -66,12 +66,14 @@ class Picture:
 
     def __init__(self, grid: Any, order: Order, first: Frame, fastest: float, log: FrameLog) -> None:
         """`grid`: what a run keeps once; `first` frame; `fastest`: speed [m/s] of the last colour; `log`: tracks."""
-        self.order = order
+        self.order, self.grid = order, grid
         self.lower, self.upper = grid["lower"].copy(), grid["upper"].copy()
         self.sides = self.lower[[0, 2]].copy(), self.upper[[0, 2]].copy()
-        self.upper[1] = max(0.12 * float(grid["depth"]), float(first.elevation.max()))
+        self.upper[1] = max(FREEBOARD_SHARE * float(grid["depth"]), float(first.elevation.max()))
         if (ground := kept_ground(grid)) is not None:
             self.upper[1] = max(self.upper[1], float(ground.y.max()))
+        plates = grid.get("plates", NO_BOXES)  # of wavemakers, behind which the walls stand
+        walls = np.min([self.lower, *plates[:, 0]], axis=0), np.max([self.upper, *plates[:, 1]], axis=0)
         flat = bool(self.lower[2] == self.upper[2])
         away = "sea_answers" in grid  # ships are free to leave the basin
         if away and order.camera in MAP_CAMERAS and log.tracks:
@@ -84,30 +86,32 @@ class Picture:
             if key in log.tracks
         }
         vessel = next(iter(vessels.values()), None) if order.ship is None else vessels.get(key_of(order.ship))
-        bare = flat or order.particles or not bool(grid["has_surface"]) or first.folds or ground is not None
         scene = sea_state.run_scene(Path(order.folder))
-        state = None if bare or not order.far_sea else sea_state.SeaState(scene, grid, log)
-        open_sea = state is not None and state.open
-        given = {"vessel": vessel, "eye": order.eye, "target": order.target, "away": away, "at_sea": open_sea}
+        open_sea = sea_state.is_open_sea(scene, first, float(grid["depth"])) and bool(grid["has_surface"])
+        in_tank = flat or first.folds or ground is not None or not open_sea
+        at_sea = order.far_sea and not (in_tank or order.particles)
+        aim = {"eye": order.eye, "target": order.target}
+        given = {"vessel": vessel, "away": away, "at_sea": at_sea, "whole": in_tank}
         camera, aspect = "side" if flat else order.camera, order.size[0] / order.size[1]
-        self.operator = Operator(camera, self.lower, self.upper, aspect, log.span, **given)
+        self.operator = Operator(camera, self.lower, self.upper, aspect, log.span, **aim, **given)
         stage = self.stage = Stage(order.size, self.operator.at(first.time), PIXEL_SAMPLES[order.quality])
         self.plotter = stage.plotter
         middle, size = 0.5 * (self.lower + self.upper), self.upper - self.lower
         self.reach = float(max(np.linalg.norm(stage.camera.eye - middle), np.linalg.norm(size)))  # [m]
         from_above = order.camera == "top"  # a map
-        self.at_sea = open_sea and not from_above and stage.camera.parallel_height is None
+        self.at_sea = at_sea and not from_above and stage.camera.parallel_height is None
         if not self.at_sea:
             self.backdrop()
         if order.particles or not bool(grid["has_surface"]):
             if first.position is None:
                 raise RenderFailed("these frames hold no particles to draw; run with frames.particles: true")
             self.content: Content = Particles(stage, first, float(grid["spacing"]), fastest)
-        elif self.at_sea and state is not None:
-            self.content = Sea(stage, order, vessels, grid, state)
+        elif self.at_sea:
+            self.content = Sea(stage, order, vessels, grid, sea_state.SeaState(scene, grid, log))
         elif first.folds:
             from ocean_sim.pictures.water import tank
 
+            tank_walls.add_panels(stage, *walls, float(grid["depth"]))
             self.content = tank.Shell(stage, grid, self.upper, order.foam)
         else:
             self.content = Water(stage, grid, SURFACE_NODES[order.quality])
@@ -117,7 +121,9 @@ class Picture:
         self.streaks = Streaks(stage, over, exposure) if order.foam and not order.particles else None
         if ground is not None:
             stage.add(*sand_mesh(ground, float(grid["spacing"])), culling="back")
-        self.obstacles = Obstacles(stage, grid, self.lower, self.upper)
+        if in_tank:
+            tank_walls.add_edges(stage, *walls, grid.get("zones", NO_BOXES))
+        self.obstacles = Obstacles(stage, grid, *walls)
         self.ships: dict[str, DrawnShip | ShadedShip] = {}
         if isinstance(self.content, Sea):
             shaded = {key: self.content.ship(model) for key, model in models.items()}
@@ -237,7 +243,7 @@ class Picture:
 
 
 class Moments:
-    """Collector of evenly spaced pictures of a film of unknown length, for a strip; keeps at most twice those shown."""
+    """Collector of evenly spaced pictures of a film of unknown length, for a sheet; keeps at most twice those shown."""
 
     def __init__(self) -> None:
         self.kept: list[np.ndarray] = []
@@ -246,17 +252,17 @@ class Moments:
     def see(self, image: np.ndarray) -> None:
         """Take the next picture (height, width, 3) of the film; every n-th is stored, made smaller; n grows."""
         if self.seen % self.every == 0:
-            if len(self.kept) == 2 * STRIP_PICTURES:
+            if len(self.kept) == 2 * SHEET_PICTURES:
                 self.kept, self.every = self.kept[::2], 2 * self.every
             if self.seen % self.every == 0:
-                self.kept.append(sample_means(image, STRIP_SHRINKING))
+                self.kept.append(sample_means(image, SHEET_SHRINKING))
         self.seen += 1
 
-    def row(self) -> np.ndarray:
-        """Strip (height, width, 3) of small pictures side by side, evenly spaced over the film so far."""
-        even = np.linspace(0, len(self.kept) - 1, min(STRIP_PICTURES, len(self.kept)))
-        chosen = np.unique(np.round(even).astype(int))
-        return picture_row([self.kept[k] for k in chosen], MOMENT_GAP)
+    def sheet(self) -> np.ndarray:
+        """Sheet (height, width, 3) of small pictures, evenly spaced over the film so far; a short one repeats some."""
+        chosen = [self.kept[round(k)] for k in np.linspace(0, len(self.kept) - 1, SHEET_PICTURES)]
+        rows = [picture_row(chosen[k : k + SHEET_COLUMNS], SHEET_GAP) for k in range(0, SHEET_PICTURES, SHEET_COLUMNS)]
+        return picture_row([row.swapaxes(0, 1) for row in rows], SHEET_GAP).swapaxes(0, 1)
 
 
 def picture_row(pictures: Sequence[np.ndarray], gap: int) -> np.ndarray:

@@ -20,6 +20,7 @@ FRAME_INTERVAL, MEMORY_LAGS = 0.25, 6.0
 MIN_LIT_HEIGHT = 0.25  # [m] over the resolved length: crests of a sea lower than that are not lit as crests
 MIN_RIPPLE_WIND, MAX_RIPPLE_WIND = 2.0, 14.0  # [m/s] wind that ripples follow
 TANK_FITTINGS = ("motion", "wavemaker", "lid", "obstacles")  # of a basin that is a tank
+LABORATORY_LENGTH = 12.0  # [m] of the longest basin that is a tank without fittings: an ocean's foam is no shorter
 DRY_DEPTH_SHARE = 0.5  # share of the depth below which the water of a sea does not lie when a run begins
 
 
@@ -52,7 +53,6 @@ class SeaState:
         self.angle = wind_heading(scene, self.exact)  # [rad] where the wind goes to, from +x to +z
         towards = np.array([np.cos(self.angle), np.sin(self.angle)])
         first = Frame(log.files[0])
-        self.open = is_open_sea(scene, first, float(grid["depth"]))  # a piece of sea, not a tank
         if self.exact is not None:
             self.resolved = np.pi / float(self.exact.wavenumber.max())
             self.beyond = far_sea.strongest_waves(self.exact)
@@ -107,10 +107,14 @@ def exact_waves(grid: Any) -> Components | None:
     return Components(grid["sea_amplitude"], grid["sea_wavevector"], grid["sea_phase"], float(grid["depth"]), ramp=ramp)
 
 
+def is_tank(basin: dict[str, Any]) -> bool:
+    """True if the basin with these keys is a tank: it has fittings of one, or is no longer than a laboratory's."""
+    return any(basin.get(key) for key in TANK_FITTINGS) or basin.get("length", np.inf) <= LABORATORY_LENGTH
+
+
 def is_open_sea(scene: dict[str, Any], first: Frame, depth: float) -> bool:
-    """True if a basin is a piece of sea: its bed is under water at first, and it has no fittings of a tank."""
-    fitted = any((scene.get("basin") or {}).get(key) for key in TANK_FITTINGS)
-    return bool(first.elevation.min() > -DRY_DEPTH_SHARE * depth) and not fitted
+    """True if a basin is a piece of sea: its bed is under water at first, and it is no tank."""
+    return bool(first.elevation.min() > -DRY_DEPTH_SHARE * depth) and not is_tank(scene.get("basin") or {})
 
 
 def run_scene(folder: Path) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from ocean_sim.pictures.stage.plotter import Stage
 from ocean_sim.pictures.water.water_surface import round_up
 
 EDGE_COLOUR = "#eef3f6"
+ZONE_TINT = {"color": "#e8b23c", "opacity": 0.35}  # of bed and walls of an absorbing zone
 PANEL_OFFSET = 0.004  # of a tank's height by which bed and walls are drawn outside the water
 # Colour of bed and walls: on dark ground clear water would not tell how thick it is
 PANEL_COLOUR = np.array([0.68, 0.74, 0.76])
@@ -90,11 +91,17 @@ def add_ground_lines(stage: Stage, low: np.ndarray, up: np.ndarray, height: floa
     stage.add(points, faces, colours)
 
 
-def add_tank(stage: Stage, low: np.ndarray, top: np.ndarray, depth: float) -> None:
-    """Add a tank from `low` to `top` [m]: panels, edges, and lines whose round distance suits the water's depth [m]."""
-    below, step = PANEL_OFFSET * (top[1] - low[1]), round_up(LINE_INTERVAL * depth)
+def add_edges(stage: Stage, low: np.ndarray, top: np.ndarray, zones: np.ndarray) -> None:
+    """Add the edges of a tank from `low` to `top` [m], and tint the inside of its absorbing zones (n, 2, 3) [m]."""
     box = stage.pyvista.Box(np.stack([low, top], axis=1).ravel()).extract_feature_edges(30.0)
     stage.plotter.add_mesh(box, color=EDGE_COLOUR, opacity=0.5, line_width=1.5 * stage.samples, lighting=False)
+    for zone in zones:
+        stage.plotter.add_mesh(stage.pyvista.Box(zone.T.ravel()), culling="front", lighting=False, **ZONE_TINT)
+
+
+def add_panels(stage: Stage, low: np.ndarray, top: np.ndarray, depth: float) -> None:
+    """Add the panels of a tank from `low` to `top` [m], and lines whose round distance suits the water's depth [m]."""
+    below, step = PANEL_OFFSET * (top[1] - low[1]), round_up(LINE_INTERVAL * depth)
     whole = tank_panels(low, top)
     sheets: list[tuple[np.ndarray, np.ndarray]] = []
     bright: list[np.ndarray] = []

@@ -126,19 +126,32 @@ def ride_of(table: dict[str, np.ndarray], frame: str) -> Ride:
 def read_log(path: str | Path) -> MotionLog:
     """Read and check a whole motion log. Raises Unreadable, a ValueError, if a rule of LOG_RULES is broken."""
     table = csv_file.Table(path)
-    missing = next((name for name in REQUIRED_COLUMNS if name not in table), None)
-    if missing is not None:
+    missing = [name for name in REQUIRED_COLUMNS if name not in table]
+    if missing:
         words = [name for name in table if name.isidentifier() and name not in REQUIRED_COLUMNS]
-        other = next((name for name in words if name.startswith(UNIT_PATTERN.sub("_", missing))), None)
-        but = f", but {other}: it has another unit" if other else ""
-        raise NAMED_COLUMNS_RULE.broken(path, f"it has no column {missing}{but}")
+        other = next((name for name in words if name.startswith(UNIT_PATTERN.sub("_", missing[0]))), None)
+        but = f", but {other}: it has another unit" if other and len(missing) == 1 else ""
+        own = "" if len(missing) == 1 else "; `--columns time=...,heave=...` names your own and derives the rest"
+        raise NAMED_COLUMNS_RULE.broken(path, f"it has no column {', '.join(missing)}{but}{own}")
+    return checked_log(table)
+
+
+def frame_of(table: Table) -> str:
+    """Frame (a key of LOG_FRAMES) that the head of a log states, by default `ship`; raises Unreadable."""
     frame = table.head.get("frame", "ship")
     if frame not in LOG_FRAMES:
-        raise AXES_RULE.broken(path, f"its head says frame {frame!r}")
+        raise AXES_RULE.broken(table.path, f"its head says frame {frame!r}")
+    return frame
+
+
+def checked_log(table: Table, agree: bool = True) -> MotionLog:
+    """The motion log in a table, checked; `agree`: no column is derived, and all have to agree. Raises Unreadable."""
+    frame = frame_of(table)
     table.series(*(name for name in (*REQUIRED_COLUMNS, "seq") if name in table), fewest=2)
     log = MotionLog(table, "ship" if frame == "world" else frame, row_interval(table), ride_of(table, frame))
     check_plausible(log)
-    check_agreement(log)
+    if agree:
+        check_agreement(log)
     return log
 
 
@@ -165,7 +178,7 @@ def round_interval(every: float) -> float:
 
 def check_plausible(log: MotionLog) -> None:
     """Raise Unreadable for motion impossible for a ship: jumps, wrong units, angles against rates, wrong gravity."""
-    ride, time, path, pose = log.ride, log.ride.time, log.table.path, ride_rotations(log.ride)
+    ride, time, path, pose = log.ride, log.ride.time, log.table.path, rotations(log.ride.attitude)
     jump = np.linalg.norm(np.diff(log_positions(log), axis=0), axis=1)
     leap = np.degrees((pose[:-1].inv() * pose[1:]).magnitude())
     for size, most, words in (
@@ -198,7 +211,7 @@ def check_plausible(log: MotionLog) -> None:
 
 def check_agreement(log: MotionLog) -> None:
     """Raise Unreadable if positions, velocities, accelerations, specific force and quaternion contradict each other."""
-    table, pose, axes = log.table, ride_rotations(log.ride), LOG_FRAMES[log.frame]
+    table, pose, axes = log.table, rotations(log.ride.attitude), LOG_FRAMES[log.frame]
     for unit, derived, least in (("m", "velocity_m_s", MIN_SPEED), ("velocity_m_s", "acceleration_m_s2", MIN_CHANGE)):
         pairs = [(f"{name}_{unit}", f"{name}_{derived}") for name in ("sway", "heave", "surge")]
         pairs = [pair for pair in pairs if table.keys() >= {*pair}]
@@ -252,11 +265,11 @@ def log_positions(log: MotionLog) -> np.ndarray:
     return np.column_stack([log.table[name] for name in ("surge_m", "sway_m", "heave_m")]) * frame_signs(log.frame)
 
 
-def ride_rotations(ride: Ride) -> Any:
-    """SciPy rotations (n,) from body axes to world axes."""
+def rotations(attitude: np.ndarray) -> Any:
+    """SciPy rotations (n,) from body axes to world axes by roll, pitch, yaw (n, 3) [rad]."""
     from scipy.spatial.transform import Rotation
 
-    return Rotation.from_euler("ZYX", ride.attitude[:, ::-1])
+    return Rotation.from_euler("ZYX", attitude[:, ::-1])
 
 
 def turn_to_level(attitude: np.ndarray, vector: np.ndarray) -> np.ndarray:

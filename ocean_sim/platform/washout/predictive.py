@@ -22,9 +22,9 @@ from ocean_sim.platform.washout import classical
 
 PLAN_TOLERANCE = 1e-3  # of a solution
 TIME_ROUNDING = 1e-6  # of a period
-# Time [s] in which the weight of an error ahead falls by a factor e, and cost of a leg 1 m from neutral at a knot: who
-# does not know what comes keeps room for it in both directions.
-PREVIEW_TRUST = {"hold": (0.25, 0.1), "linear": (0.5, 0.1), "ghost": (np.inf, NEUTRAL_COST)}
+# Time [s] in which the weight of an error ahead falls by a factor e; cost of a leg 1 m from neutral at a knot (who does
+# not know what comes keeps room for it in both directions); and passes of a plan, each about the solution before.
+PREVIEWS = {"hold": (0.25, 0.1, 1), "linear": (0.5, 0.1, 1), "ghost": (np.inf, NEUTRAL_COST, 2)}
 REMEMBERED_TIME = 30.0  # [s] of motion that a linear prediction is fitted to
 SAMPLE_INTERVAL, SAMPLE_COUNT = 0.1, 20  # [s], and number of former samples that it adds up
 MIN_SAMPLES = 30  # that it is fitted to; with fewer the motion is held
@@ -132,16 +132,17 @@ class Predictive:
             asked = leg_programme.motion_at(rows[:, :7], knots)
         else:
             asked = foreseen(past, knots, config.preview)
-        guess = self.motion[:, :6]
-        trust, neutral_cost = PREVIEW_TRUST[config.preview]
+        trust, neutral_cost, passes = PREVIEWS[config.preview]
         ask = leg_programme.Asked(asked, trust, neutral_cost)
-        found = leg_programme.solve_programme(
-            self.geometry, self.hexapod, ask, self.points, guess, self.state, PLAN_TOLERANCE, config.time_limit
-        )
-        self.is_late = found is None
-        if found is not None:
-            self.points = found
-        self.motion = leg_programme.leg_track(self.hexapod, self.points, guess).motion
+        for _ in range(passes):
+            guess = self.motion[:, :6]
+            found = leg_programme.solve_programme(
+                self.geometry, self.hexapod, ask, self.points, guess, self.state, PLAN_TOLERANCE, config.time_limit
+            )
+            self.is_late = found is None
+            if found is not None:
+                self.points = found
+            self.motion = leg_programme.leg_track(self.hexapod, self.points, guess).motion
 
 
 def foreseen(past: np.ndarray, times: np.ndarray, preview: str) -> np.ndarray:

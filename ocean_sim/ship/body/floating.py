@@ -1,42 +1,54 @@
-"""Keys of the kinds that float by their own volume, their checks, and the pose of a hull at rest."""
+"""Ships that float by their volume: keys and checks of their kinds, the pose of a hull at rest, and the ship: her
+cubes in the water of a scene, and the sum of her forces (4.27).
 
+A kind adds a force by naming it in `parts` and extending `forces`.
+"""
+
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property, lru_cache
-from math import cos, isinf, radians, sin, sqrt
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from math import cos, isinf, pi, radians, sin, sqrt
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from pydantic import ValidationInfo, field_validator
 
 from ocean_sim.basin import Basin
-from ocean_sim.basin.solids.distance import MAX_LATTICE_NODES, lattice_memory
-from ocean_sim.conventions import WATER_DENSITY
+from ocean_sim.basin.solids.voxels import MAX_LATTICE_NODES, Distance, lattice_memory
+from ocean_sim.conventions import WATER_DENSITY, Diverged
 from ocean_sim.files.input_file import FileName, relative_to_scene
-from ocean_sim.fluid import ClosedForm
+from ocean_sim.fluid import ClosedForm, Contact, Fluid, Limits
 from ocean_sim.model import Model, Vector3, quantity
-from ocean_sim.parts import LedgerRow, Preflight, Problems, named
-from ocean_sim.ship import Afloat, Look, Outline
-from ocean_sim.ship.body.rigid_body import RigidBody, euler_quaternion, rotation_matrix
-from ocean_sim.ship.body.vessel import VesselConfig, placed_outline
+from ocean_sim.parts import LedgerRow, Preflight, Problems, called, named
+from ocean_sim.ship import Afloat, Load, Look, Outline
+from ocean_sim.ship.body import small_linalg
+from ocean_sim.ship.body.rigid_body import RigidBody, euler_quaternion, quaternion_product, rotation_matrix, to_world
+from ocean_sim.ship.body.vessel import Actuators, Vessel, VesselConfig, placed_outline
+from ocean_sim.ship.forces.added_mass import Slamming
 from ocean_sim.ship.forces.damping import Resistance
 from ocean_sim.ship.forces.moorings import Mooring
 from ocean_sim.ship.forces.propulsion import Autopilot, Crew, Propeller, Rudder
-from ocean_sim.ship.hull.cubes import Cubes
+from ocean_sim.ship.hull.cubes import Cubes, Wetted
 from ocean_sim.ship.hull.hull import Hull, Inertia, error_sentence, hull_of
 from ocean_sim.ship.hull.shapes import convex_corners
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics, bow_squat, metacentric_heights
+from ocean_sim.ship.water import wave_contact
 from ocean_sim.ship.water.solid import Solid
 from ocean_sim.ship.water.wall_contact import Sides
-from ocean_sim.ship.water.water_samples import DEPTH_LEVELS, NODES_ACROSS, NODES_ALONG, SurroundingSea
-from ocean_sim.ship.water.wave_contact import CUBES_A_SPACING, SAG_RIM, Contact
+from ocean_sim.ship.water.water_samples import DEPTH_LEVELS, NODES_ACROSS, NODES_ALONG, SurroundingSea, SurroundingWater
+from ocean_sim.ship.water.wave_contact import CUBES_A_SPACING, SAG_RIM, WaveContact
+from ocean_sim.surface import Surface
+from ocean_sim.wind import Wind
 
-if TYPE_CHECKING:  # imported only where a ship has drift forces
+if TYPE_CHECKING:
     from ocean_sim.ship.forces.drift import Drift
 
 RESOLVED_SPACINGS = 4.0  # spacings in a draught
 SHALLOW_DRAUGHTS = 4.0  # draughts of water from which on the bed is hardly felt
 GM_TOLERANCE = 0.05  # of GM by which that of the cubes may differ from that of the hull without a warning
 MAX_LEAN = 30.0  # [deg] of trim or heel, within which a pose at rest is looked for
+STEPS_A_PERIOD = 50  # of the fastest natural motion
+FORCE_NUMBER = 0.25  # share of a limit that the time step `courant` takes
 
 
 class DriftFile(Model):
@@ -61,6 +73,7 @@ class FloatingConfig(VesselConfig):
     """Base config of ships that float by the volume of a hull: keys, checks, and data of the hull at rest."""
 
     example: ClassVar[dict[str, Any]] = {"hull": "wigley"}
+    feels_wind: ClassVar[bool] = True
 
     hull: str | Hull
     """A name in configs/hull/, a mesh file (STL, OBJ, PLY), or a mapping with `shape`."""
@@ -72,7 +85,7 @@ class FloatingConfig(VesselConfig):
     """Moments of inertia of pitch, yaw and roll about the centre of mass; null: those of the hull."""
     cells_per_draught: float = quantity("1", 8.0, ge=1.0, le=64.0)
     """Cubes over the draught: 8 for motions, 16 for stability curves."""
-    contact: Contact | None = Contact()
+    contact: wave_contact.Contact | None = wave_contact.Contact()
     """Push between particles and the hull; null: they pass through each other, and the hull feels the surface alone."""
     propeller: Propeller | None = None
     rudder: Rudder | None = None
@@ -158,10 +171,6 @@ class FloatingConfig(VesselConfig):
     def resting_body(self, still: Hydrostatics) -> RigidBody:
         """Rigid body at the start; afloat at rest where the config gives no height or attitude."""
         return self.body_at_start(still.matter, *afloat_pose(still))
-
-    @property
-    def feels_wind(self) -> bool:
-        return True
 
     @property
     def drift_law(self) -> str:
@@ -313,11 +322,11 @@ class FloatingConfig(VesselConfig):
             return []
         than = f"GM of the ship's cubes is {gm:.3g} m, that of her hull {own:.3g} m"
         rows = f"{still.draught / float(still.voxels.size[1]):.2f} rows of cubes are under water"
-        cure = f"{rows}: cells_per_draught that leave half a row dry may bring them together"
+        cure = f"{rows}: try another cells_per_draught; half a row dry suits best"
         if min(gm, own) <= 0.0:
             return [f"{than}; {cure}"]
         slower = sqrt(gm / own) - 1.0
-        rolls = f"she rolls {abs(slower):.1%} {'faster' if slower > 0.0 else 'slower'} than it would"
+        rolls = f"she rolls {abs(slower):.1%} {'faster' if slower > 0.0 else 'slower'} than her hull would"
         return [f"{than}: {rolls}; {cure}"]
 
     def warnings(self, preflight: Preflight) -> list[str]:
@@ -423,3 +432,157 @@ def rest_angles(still: Hydrostatics) -> np.ndarray | None:
 def lean_matrix(angle: np.ndarray) -> np.ndarray:
     """(3, 3) rotation matrix, body to world, of `angle`, (2,) pitch and roll [rad], without yaw."""
     return rotation_matrix(euler_quaternion(angle[0], 0.0, angle[1]))
+
+
+class Immersion(NamedTuple):
+    """State of a hull in the water at one time: loads of water and wind, relative velocity, and pose."""
+
+    wet: Wetted
+    share: float  # of added mass, damping and thrust that is left, 0 to 1
+    motion: np.ndarray  # (6,) velocity relative to the water, body axes [m/s], [rad/s]
+    surface: Surface | Fluid
+    body: RigidBody
+    axes: RigidBody  # along which damping acts and where waves arrive: `body`, or with drift that of `level_body`
+
+
+def linear_across(wet: Wetted, flat: Wetted, turn: np.ndarray) -> Wetted:
+    """Sums `wet` of a hull whose horizontal wave force and whose water's motion are those of the hull at rest, `flat`:
+    linear in the waves, so that their mean force is not counted twice. `turn`: (3, 3) from the axes of `flat`."""
+    wave = wet.wave.copy()
+    wave[0, [0, 2]], wave[1, 1] = flat.wave[0, [0, 2]], flat.wave[1, 1]
+    velocity, acceleration = ((moved.reshape(2, 3) @ turn.T).ravel() for moved in (flat.velocity, flat.acceleration))
+    return wet._replace(wave=wave, velocity=velocity, acceleration=acceleration)
+
+
+class FloatingShip(Vessel):
+    """Base of ships whose hull is cubes in the water, with all forces but damping, which derived kinds add."""
+
+    samples_depth: ClassVar[bool] = False  # True if it asks the water under its surface, which a closed form answers
+    slamming: Slamming | None = None  # of a hull that falls into the water; particles push one themselves
+
+    def __init__(self, name: str, config: FloatingConfig, basin: Basin, fluid: Fluid) -> None:
+        particles = fluid.of_particles
+        self.hydrostatics = still = config.in_still_water(-basin.gravity[1], fluid.rest_density)
+        self.cubes = Cubes(still)
+        shape, matter = config.whole_hull.shape, still.matter
+        width, height, length = np.subtract(*shape.bounds()[::-1])
+        contact = sides = None
+        if config.contact is not None and particles is not None:
+            contact = WaveContact(config.contact, shape, matter.centre, basin, particles, still.gravity)
+            sides = Sides(shape, matter.centre, basin, particles.walls.gap + contact.margin)
+        if particles is None:
+            # Waves pass walls, and so do ships.
+            sides = Sides(shape, matter.centre, basin, axes=(1,))
+        self.water: SurroundingWater | SurroundingSea
+        closed = fluid.in_closed_form
+        if self.samples_depth and closed is not None:
+            draught = height if isinf(still.draught) else still.draught
+            self.water = SurroundingSea(length, width, height, draught, still.gravity, closed)
+        else:
+            hollow: tuple[Distance | None, float, Sequence[Contact]] = (None, 0.0, ())
+            if contact is not None and particles is not None:
+                hollow = (contact.hull.distance, contact.rim, particles.contacts)
+            self.water = SurroundingWater(length, width, height, *hollow)
+        body = config.settled_body(config.resting_body(still), fluid)
+        if particles is None:  # it has the mean velocity of the water around it, too
+            turn = body.matrix
+            wet = still.wet_volumes(turn[1], -float(body.position[1] - turn[1] @ matter.centre))
+            moved = fluid.velocities((still.voxels.centre - matter.centre) @ turn.T + body.position)
+            flow = (wet[:, None] * moved).sum(axis=0) / max(float(wet.sum()), 1e-9)
+            body = replace(body, velocity=body.velocity + flow)
+        self.first_body = body  # at the beginning
+        if contact is not None and particles is not None:
+            contact.hull.water = self.water
+            contact.begin(body)
+            particles.add_contact(contact)
+        actuators = Actuators(config, config.propeller, config.rudder, matter.centre)
+        super().__init__(name, config, body, actuators, basin.lower[1])
+        self.shape, self.contact, self.sides = shape, contact, sides
+        self.moor(config.moorings, config.points)
+        self.rest, self.drift = afloat_pose(still), None if closed is None else config.drift_force(still, closed, body)
+        if self.drift is not None and closed is not None:
+            self.slow_water = SurroundingSea(length, width, height, still.draught, still.gravity, closed)
+            self.add_part("drift")
+        self.usual_volume = min(still.needed_volume, still.voxels.volume)  # under water [m3]
+        self.weight = np.array([[0.0, -matter.mass * still.gravity, 0.0], [0.0, 0.0, 0.0]])
+        self.motion_limits = self.limits_of_motion(self.added)
+        # Of the last load: velocity relative to the water, volume under water [m3], and for slamming its speed upwards
+        # relative to the water [m/s], and what a force upwards at its centre of buoyancy is as a load, (2, 3).
+        self.relative, self.wet, self.rising, self.upwards = np.zeros(6), 0.0, 0.0, np.zeros((2, 3))
+
+    def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
+        body = self.centred_body if self.water.samples_depth else self.body
+        wet, axes = self.cubes.sum_forces(body, self.water, surface, wind), body
+        if self.drift is not None:
+            axes = self.level_body(body, *self.drift.slow[:2])
+            flat = self.cubes.sum_forces(axes, self.slow_water, surface, wind)
+            wet = linear_across(wet, flat, body.matrix.T @ axes.matrix)
+        # Added mass, damping and thrust are whole until half the usual volume is out of the water.
+        share = min(1.0, 2.0 * wet.volume / self.usual_volume)
+        motion = np.array([*body.own_velocity, *body.own_spin]) - wet.velocity
+        now = Immersion(wet, share, motion, surface, body, axes)
+        self.relative, self.wet = motion, wet.volume
+        self.airborne = not wet.volume > 0.0
+        if self.slamming is not None:
+            self.rising = small_linalg.dot(body.rows[1], motion[:3].tolist())
+            self.upwards = wet.buoyancy / max(float(wet.buoyancy[0, 1]), 1e-9)
+        return Load.of(self.answered(now, self.forces(now)), self.parts)
+
+    def level_body(self, body: RigidBody, place: np.ndarray, velocity: np.ndarray) -> RigidBody:
+        """The body as it floats at rest at a place [m], with a velocity [m/s] and the same heading."""
+        height, trim = self.rest
+        turn = quaternion_product(euler_quaternion(0.0, body.angles[1], 0.0), trim)
+        return replace(body, position=np.array([place[0], height, place[2]]), velocity=velocity, orientation=turn)
+
+    def forces(self, now: Immersion) -> dict[str, np.ndarray]:
+        """(2, 3) force [N], torque [N m] of each part, world axes, without the reaction of added mass."""
+        wet, density, damping = now.wet, self.hydrostatics.density, self.damping(now)
+        if self.slamming is not None:
+            damping = damping + self.slamming.heave_drag(self.wet, self.rising) * self.upwards
+        driven = self.actuators.load(now.motion, density, now.share)
+        return {
+            "gravity": self.weight,
+            "buoyancy": wet.buoyancy,
+            "wave": wet.wave,
+            "wind_drag": wet.wind_drag,
+            "wind_lift": wet.wind_lift,
+            "damping": damping,
+            **({"mooring": self.moorings.load(now.body)} if self.moorings is not None else {}),
+            **({"drift": now.share * self.drift.load(now.axes)} if self.drift is not None else {}),
+            **{part: to_world(force, now.body) for part, force in driven.items()},
+        }
+
+    def damping(self, now: Immersion) -> np.ndarray:
+        """(2, 3) damping force [N] and torque [N m], world axes; zero unless a kind overrides it."""
+        return np.zeros((2, 3))
+
+    def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """The `forces` by part, and the reaction of added mass to them; unchanged in kinds without added mass."""
+        return forces
+
+    def advance(self, load: Load, dt: float) -> None:
+        """Take a step of dt [s] with slamming; raises Diverged if a ship heavier than her volume reaches the bed."""
+        if self.slamming is not None:
+            push = self.slamming.push(self.wet, self.rising, dt)
+            if push > 0.0:
+                load = load.plus("damping", push * self.upwards)
+        super().advance(load, dt)
+        if self.drift is not None:
+            self.drift.follow(self.body, dt)
+        if self.aground and self.contact is None and isinf(self.hydrostatics.draught):
+            x, _, z = self.body.position
+            raise Diverged(f"{called(self.name)} has sunk to the bed, {-self.bed:g} m down, at ({x:.4g}, {z:.4g}) m")
+
+    def displaced(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.cubes.displaced_water(self.body, self.water)
+
+    def limits_of_motion(self, added: np.ndarray) -> Limits:
+        """Limit of the time step: STEPS_A_PERIOD steps in the shortest natural period, with (6,) added mass."""
+        still = self.hydrostatics
+        periods = [] if isinf(still.draught) else [period for period in still.periods(added).values() if period]
+        if self.moorings is not None:
+            periods.append(2.0 * pi * sqrt(still.matter.mass / float(self.moorings.stiffness.sum())))
+        return Limits(force=min(periods) / STEPS_A_PERIOD / FORCE_NUMBER) if periods else Limits()
+
+    def limits(self) -> Limits:
+        return self.motion_limits

@@ -16,7 +16,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ocean_sim.basin.solids.distance import Distance
+from ocean_sim.basin.solids.voxels import Distance
 from ocean_sim.columns import Columns
 from ocean_sim.fluid import ClosedForm, Contact, Hull
 from ocean_sim.kernel_library import ti, tm

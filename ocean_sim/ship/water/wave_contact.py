@@ -23,8 +23,8 @@ from collections.abc import Callable
 import numpy as np
 
 from ocean_sim.basin import Basin
-from ocean_sim.basin.solids.distance import Distance
 from ocean_sim.basin.solids.shape import SolidShape
+from ocean_sim.basin.solids.voxels import Distance
 from ocean_sim.columns import Columns
 from ocean_sim.fluid import ParticleFluid
 from ocean_sim.kernel_library import ti, tm

@@ -9,8 +9,7 @@ import numpy as np
 
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Fluid
-from ocean_sim.studies.shared.clocked import BLOCK_STEPS, TIMED_PARTS, WARM_UP_STEPS, Clocked
-from ocean_sim.studies.shared.scene_run import plain_values
+from ocean_sim.studies.shared.scene_run import BLOCK_STEPS, TIMED_PARTS, WARM_UP_STEPS, Clocked, plain_values
 from ocean_sim.validation import problems
 from ocean_sim.validation.shared.case import Number, Problem, Promise
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from ocean_sim.files.atomic_file import save_figure
 from ocean_sim.palette import SERIES
-from ocean_sim.studies.scene_tradeoff import Budget
+from ocean_sim.studies.scene_tradeoff import Budget, measure_label
 from ocean_sim.studies.tradeoff import Trial, pareto_front
 
 MARK_SHAPES = ("o", "s", "^", "D", "v", "P")
@@ -169,7 +169,7 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
             axes.axvline(most, color=SERIES[2], ls="--", lw=1.2, label=f"budget {budget.name}")
             axes.legend(fontsize="x-small")
         axes.set_xlabel("wall seconds per simulated second" if budget is None else "seconds that the budget limits")
-        axes.set_ylabel(f"{name}, compared with the reference (square)")
+        axes.set_ylabel(f"{measure_label(name)}, against the reference (square)")
         axes.grid(alpha=0.3)
         label_log_axis(axes.xaxis)
     shift_apart(figure)

@@ -1,6 +1,8 @@
 """Triangles around the nodes where a field is positive: marching cubes (thesis 3.1, Algorithm 4; Lorensen & Cline
 1987, SIGGRAPH '87).
 
+The nodes of a regular grid fill a box; a field is kept on the rows of them along x near water.
+
 Vertices are shared: each lies on an edge between two nodes and belongs to the lower of them. Slabs of rows of nodes are
 counted apart and their vertices and triangles numbered in the order of slabs, so the mesh does not depend on threads.
 
@@ -14,16 +16,19 @@ an edge.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 
+from ocean_sim.conventions import Diverged
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Array, Array2, Template, in_kernels
 from ocean_sim.surface import Mesh
-from ocean_sim.surface.shared.nodes import MAX_NODES, Nodes, Rows
 
+MAX_NODES = 2**26  # the vertices between them are numbered in 28 bits
 CORNERS = np.array([(c & 1, c >> 1 & 1, c >> 2 & 1) for c in range(8)])
 EDGES = tuple((c, c | 1 << axis) for axis in range(3) for c in range(8) if not c >> axis & 1)
 EDGE_NUMBERS = {frozenset(edge): e for e, edge in enumerate(EDGES)}
@@ -32,6 +37,110 @@ MAX_TRIANGLES = 5  # triangles of a case, at most
 
 Loop = list[int]  # edges that are cut, in order
 Cut = tuple[tuple[int, int, int], ...]  # triangles by indices in a loop
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """Regular grid of nodes, one in the middle of each of the equal cells of a box, and one row beyond each side.
+
+    So a side of the box lies half-way between two rows, and a surface that closes there lies on it.
+    """
+
+    lower: tuple[float, float, float]  # [m]
+    upper: tuple[float, float, float]  # [m]
+    cell: float  # [m] at most
+
+    @cached_property
+    def inner(self) -> tuple[int, int, int]:
+        """Numbers of cells of the box, each with one node, along x, y and z: as few as `cell` allows, at least 1."""
+        extents = np.subtract(self.upper, self.lower)
+        return tuple(max(1, int(np.ceil(extent / self.cell - 1.0e-6))) for extent in extents)  # type: ignore[return-value]
+
+    @cached_property
+    def shape(self) -> tuple[int, int, int]:
+        """Numbers of nodes along x, y and z, with the row beyond each side."""
+        nx, ny, nz = self.inner
+        return nx + 2, ny + 2, nz + 2
+
+    @property
+    def count(self) -> int:
+        nx, ny, nz = self.shape
+        return nx * ny * nz
+
+    @cached_property
+    def width(self) -> tuple[float, float, float]:
+        """Distance between nodes along x, y and z [m]."""
+        return tuple(np.subtract(self.upper, self.lower) / self.inner)
+
+    def axis(self, k: int) -> np.ndarray:
+        """Positions of all nodes along axis k [m]."""
+        return self.lower[k] + (np.arange(self.shape[k]) - 0.5) * self.width[k]
+
+    def positions(self) -> np.ndarray:
+        """Positions (nz, ny, nx, 3) of all nodes [m], in the order in which the field is stored: x runs fastest."""
+        z, y, x = np.meshgrid(self.axis(2), self.axis(1), self.axis(0), indexing="ij")
+        return np.stack([x, y, z], axis=-1)
+
+
+@in_kernels
+class Rows:
+    """Rows of nodes along x whose field is stored. All others share one dry row, which is read and never written."""
+
+    def __init__(self, nodes: Nodes, most_nodes: int) -> None:
+        """Store all rows, or none at first if that would be more than `most_nodes` nodes."""
+        self.length, self.across, along = nodes.shape
+        self.all, self.most_nodes = self.across * along, most_nodes
+        self.most = self.fitting_rows(nodes, most_nodes)
+        self.first = ti.field(int, shape=self.all)  # node of each row of the grid
+        self.row = ti.field(int, shape=self.most)  # of the grid, of each row kept, in the order of the grid
+        self.count = ti.field(int, shape=())
+        self.near = ti.field(int, shape=self.all)
+        self.near.fill(int(self.most == self.all))
+        self.keep_rows()
+
+    @staticmethod
+    def fitting_rows(nodes: Nodes, most_nodes: int) -> int:
+        """Number of rows that can be stored within `most_nodes` nodes."""
+        nx, ny, nz = nodes.shape
+        return min(ny * nz, max(1, most_nodes // nx))
+
+    @classmethod
+    def bytes(cls, nodes: Nodes, most_nodes: int) -> int:
+        """Memory [bytes] of the fields of `Rows`."""
+        return 4 * (2 * nodes.shape[1] * nodes.shape[2] + cls.fitting_rows(nodes, most_nodes) + 1)
+
+    def keep_rows(self) -> None:
+        """Store only the rows marked `near` from now on; raises Diverged if their nodes exceed `most_nodes`."""
+        if (wanted := self.renew_rows()) > self.most:
+            raise Diverged(
+                f"{wanted * self.length} nodes of the surface lie near water, more than surface.most_nodes "
+                f"{self.most_nodes}; try a larger surface.spacing, or see whether the water has come apart"
+            )
+
+    @ti.kernel
+    def renew_rows(self) -> int:
+        """Number the rows marked `near` in the order of the grid; returns how many there are."""
+        wanted = 0
+        ti.loop_config(serialize=True)
+        for row in range(self.all):
+            self.first[row] = self.most * self.length
+            if self.near[row]:
+                if wanted < self.most:
+                    self.first[row] = wanted * self.length
+                    self.row[wanted] = row
+                wanted += 1
+        self.count[None] = ti.min(wanted, self.most)
+        return wanted
+
+    @ti.func
+    def row_indices(self, n):
+        """Indices j and k in the grid of the n-th stored row."""
+        return self.row[n] % self.across, self.row[n] // self.across
+
+    def spread_values(self, values: np.ndarray) -> np.ndarray:
+        """Values (nz, ny, nx) at all nodes of the grid, from those at the stored nodes."""
+        found = values.reshape(-1, self.length)[self.first.to_numpy() // self.length]
+        return found.reshape(-1, self.across, self.length)
 
 
 def face_corners(axis: int, side: int) -> list[int]:

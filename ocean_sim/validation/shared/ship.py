@@ -14,7 +14,7 @@ from ocean_sim.waves import heading_vector, regular_wave
 
 if TYPE_CHECKING:
     from ocean_sim.ship import Load, Ship
-    from ocean_sim.ship.body.floating_ship import FloatingShip
+    from ocean_sim.ship.body.floating import FloatingShip
     from ocean_sim.ship.body.rigid_body import RigidBody
 
 BILGE_CORNERS = 8

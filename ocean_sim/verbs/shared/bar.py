@@ -19,8 +19,8 @@ FILM_CURE = "; Ctrl-C leaves it out, and so does --set render=null from the star
 class Bar:
     """Progress of work from 0 to `total`, as a bar on a terminal, else in lines; nothing is shown if `quiet`."""
 
-    def __init__(self, total: float, quiet: bool) -> None:
-        self.total, self.quiet = total, quiet
+    def __init__(self, total: float, quiet: bool = False) -> None:
+        self.total, self.quiet = total, quiet or console.json_asked
         self.shown = perf_counter()
         self.next_line = LINE_SHARE
         self.rich: Any = None
@@ -38,15 +38,16 @@ class Bar:
             self.shown = now
             self.rich = self.rich or self.begun()
             self.rich.update(self.rich.task_ids[0], completed=done, text=text)
-        elif share >= self.next_line and now - self.shown >= MIN_LINE_SECONDS:
+        elif done == 0.0 or (share >= self.next_line and now - self.shown >= MIN_LINE_SECONDS):
             self.shown, self.next_line = now, share + LINE_SHARE
             console.say(f"{share:4.0%}  {text}")
 
     def begun(self) -> Any:
-        from rich.progress import BarColumn, TextColumn
+        from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
         from rich.progress import Progress as RichProgress
 
-        bar = RichProgress(BarColumn(), TextColumn("{task.percentage:3.0f} %  {task.fields[text]}"))
+        done = TextColumn("{task.percentage:3.0f} %  {task.fields[text]}")
+        bar = RichProgress(BarColumn(), TimeElapsedColumn(), done)  # its clock ticks between two calls of `show`
         bar.add_task("", total=self.total, text="")
         bar.start()
         return bar
@@ -61,11 +62,11 @@ class Bar:
 class Drawing:
     """Progress bar for the pictures of a film; it once prints an estimate of the time left, after the first ones."""
 
-    def __init__(self, quiet: bool, cure: str = "") -> None:
+    def __init__(self, quiet: bool = False, cure: str = "") -> None:
         """`cure`: hint printed after the estimate on how to leave the film out."""
         self.bar, self.cure = Bar(1.0, quiet), cure
         self.first: tuple[float, int] | None = None  # wall time [s], and pictures that were drawn by then
-        self.estimated = quiet
+        self.estimated = self.bar.quiet
 
     def __call__(self, done: int, total: int) -> None:
         """Show that `done` of `total` pictures are drawn; the callback of a film."""
@@ -91,11 +92,12 @@ class Drawing:
         self.bar.close()
 
 
-def rows_of(study: "Study", quiet: bool) -> list[dict[str, Any]]:
+def rows_of(study: "Study") -> list[dict[str, Any]]:
     """Run all points of a study under a progress bar and return its table rows; raises Stopped on Ctrl-C."""
     total, began = len(study.points), perf_counter()
-    bar = Bar(max(1.0, total), quiet)
+    bar = Bar(max(1.0, total))
     try:
+        bar.show(0.0, f"0 of {total} runs; the first compiles its kernels")
         for done in study.run():
             bar.show(done, f"{done} of {total} runs, {console.duration(perf_counter() - began)}")
     except KeyboardInterrupt:

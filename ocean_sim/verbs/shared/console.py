@@ -21,6 +21,7 @@ from ocean_sim.machine import installed_version, missing_extra
 __all__ = ["Failed", "Lacking", "Refused"]  # which verbs raise
 
 
+json_asked = False  # by `--json`: then the answer, as JSON, is all that goes to standard output
 complaints: set[str] = set()  # what has been said once
 MAX_COMPLAINT_BYTES = 2000  # bytes of a message about what went wrong
 NAMED_OUTPUT = file_named_in_errors("standard output")
@@ -76,9 +77,10 @@ def open_streams() -> None:
 
 
 def say(text: str = "") -> None:
-    """Print a line for people to standard output, control characters escaped."""
-    with NAMED_OUTPUT:
-        print(escape_controls(text), flush=True)
+    """Print a line to standard output, control characters escaped, unless JSON is asked for."""
+    if not json_asked:
+        with NAMED_OUTPUT:
+            print(escape_controls(text), flush=True)
 
 
 def complain(text: str) -> None:
@@ -93,17 +95,16 @@ def escape_controls(text: str) -> str:
 
 
 def answer(data: Any) -> None:
-    """Print data as JSON to standard output, with NaN and infinity as null."""
-    with NAMED_OUTPUT:
-        print(json.dumps(_plain(data), indent=2, ensure_ascii=False, allow_nan=False), flush=True)
+    """Print the answer of a command to standard output as JSON, if that is asked for, with NaN and infinity as null."""
+    if json_asked:
+        with NAMED_OUTPUT:
+            print(json.dumps(_plain(data), indent=2, ensure_ascii=False, allow_nan=False), flush=True)
 
 
-def reply(as_json: bool, data: Any, text: str) -> None:
-    """Print the result of a command: `data` as JSON, or `text` for people."""
-    if as_json:
-        answer(data)
-    else:
-        say(text)
+def reply(data: Any, text: str) -> None:
+    """Print the result of a command: `data` as JSON, if that is asked for, or `text`."""
+    answer(data)
+    say(text)
 
 
 def _plain(value: Any) -> Any:
@@ -120,7 +121,9 @@ def _plain(value: Any) -> Any:
 
 
 def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
-    """Print a table for people, its rows lists of cell texts; columns of numbers are aligned to the right."""
+    """Print a table, its rows lists of cell texts, with numbers aligned to the right, unless JSON is asked for."""
+    if json_asked:
+        return
     from rich.console import Console
     from rich.table import Table
 

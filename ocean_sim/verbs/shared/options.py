@@ -47,15 +47,15 @@ Sets = Annotated[
     typer.Option("--set", help="key=value, laid over the scene, as fluid.spacing=0.8; may be given several times."),
 ]
 Out = Annotated[Path | None, typer.Option(help="The run folder; by default runs/<scene>.")]
-Json = Annotated[bool, typer.Option("--json", help="Print the answer as JSON.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print only the run folder, and errors.")]
 
 
-def number_list(option: str, text: str | None) -> list[float] | None:
-    """Numbers in the text of an option such as `1,2.5`, None if it is not given; raises Refused."""
-    if text is None:
-        return None
+def number_list(option: str, text: str | None, like: str = "") -> list[float] | None:
+    """Numbers in the text of an option, as many as in `like` (such as `1,2.5`); None if not given; raises Refused."""
     try:
-        return [float(word) for word in text.split(",")]
+        found = None if text is None else [float(word) for word in text.split(",")]
     except ValueError:
         raise Refused(f"{option} {text}: these are not numbers with ',' between them") from None
+    if found is not None and like and len(found) != len(like.split(",")):
+        raise Refused(f"{option}: {text!r} is not like {like}")
+    return found

@@ -22,9 +22,8 @@ const painter = new Painter(gl), camera = new Camera(), plots = new Plots($("plo
 const state = {
   worlds: [], content: "water", lines: true, rig: true, mirror: true, me: 0, holder: 0, watchers: 0, drives: true,
   panel: null, paused: true, connected: false, scale: 1, replays: [], time: 0, speed: 1, drawn: 0, frames: 0,
-  throttle: 0, rudder: 0, steered: 0, picking: false, dirty: true,
+  throttle: 0, rudder: 0, steered: -1e9, picking: false, dirty: true, back: false, begin: 0, end: 0,
 };
-window.oceanSim = { state, camera, painter, plots, XR, M };  // for those who look into the page, tests among them
 
 // --- what comes in ------------------------------------------------------------------------------------------------------
 
@@ -32,6 +31,7 @@ function begin(stills) {
   for (const world of state.worlds) world.free();
   state.worlds = stills.map((still) => new World(gl, painter, still));
   const first = state.worlds[0], still = first.still;
+  if (state.panel?.sea) still.sea = state.panel.sea;  // as sliders have set it
   $("title").textContent = state.worlds.length > 1 ? START.runs.map((run) => run.name).join("  |  ") : still.title;
   $("title").title = stills.map((one) => one.title).join(" | ");
   $("count").hidden = !still.particles && still.fluid === "";
@@ -51,7 +51,18 @@ function begin(stills) {
   $("whichShip").hidden = first.ships.length < 2;
   $("whichShip").innerHTML = first.ships.map((ship, k) => `<option value="${k}">${escaped(ship.name)}</option>`).join("");
   $("whichShip").value = camera.ship;
+  $("wavesText").textContent = sayWaves(still.waves);
+  const tints = still.speeds.map((rgb) => `rgb(${rgb.map((v) => Math.round(255 * v))})`);
+  document.querySelector("#legend i").style.background = `linear-gradient(90deg, ${tints})`;
+  $("strip").hidden = state.worlds.length > 1;
+  helmBar();
   state.dirty = true;
+}
+
+function sayWaves({ kind, height, period, significant_wave_height: high, peak_period: peak }) {
+  if (high) return `Waves: ${kind.toUpperCase()}, significant height ${high} m, peak period ${peak} s.`;
+  if (height) return `Waves: regular, ${height} m high, period ${period} s.`;
+  return "";
 }
 
 function segments(box, names, now, choose) {
@@ -66,7 +77,7 @@ function segments(box, names, now, choose) {
 }
 
 const live = {
-  queue: [], arrived: 0, gap: 0.05,
+  queue: [], arrived: 0, gap: 0.05, history: new History(),
 
   open() {
     const address = `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/watch${WITH}`;
@@ -86,10 +97,12 @@ const live = {
 
   async take(data) {
     if (typeof data === "string") return heard(JSON.parse(data));
-    const head = unpack(await inflated(data));
+    const packet = await inflated(data), head = unpack(packet);
     if (head.kind === "still") {
       if (head.protocol !== 1) throw new Error("the server speaks another version; load the page again");
       this.queue = [];
+      this.history.clear();
+      toLive();
       begin([head]);
     } else if (head.kind === "frame") {
       const now = performance.now() / 1000, last = this.queue[this.queue.length - 1];
@@ -99,6 +112,8 @@ const live = {
       if (last && head.time < last.time) this.queue = [];
       this.queue.push(head);
       if (this.queue.length > 6) this.queue.shift();
+      this.history.add(head.time, packet);
+      if (head.data.poses) state.worlds[0].follow(head.time, head.data.poses, WAKE_SECONDS + HISTORY_SECONDS);
       plots.add(0, head.time, head.data.scalars);
       state.frames++;
       numbers(head);
@@ -139,11 +154,33 @@ function heard(message) {
   }
 }
 
+// Look back: the last minute as it was, while the simulation goes on.
+function lookBack(share) {
+  const { history } = live;
+  if (share > 0.995 || history.times.length < 2) { toLive(); return; }
+  if (!state.back) state.replays = [history];
+  state.back = true;
+  pausedIs(true);
+  span();
+  seek(state.begin + share * (state.end - state.begin));
+}
+
+function span() { [state.begin, state.end] = [live.history.times[0], live.history.end]; }
+
+function toLive() {
+  if (!state.back) return;
+  state.back = false;
+  state.replays = [];
+  pausedIs(state.panel?.paused ?? false);
+  state.dirty = true;
+}
+
 function link() {
   const chip = $("link");
   chip.hidden = !LIVE;
   chip.classList.toggle("off", !state.connected);
   chip.textContent = !state.connected ? "looking for the server" : state.watchers > 1 ? `live, ${state.watchers} watching` : "live";
+  helmBar();
   if (!state.worlds.length) $("coverText").textContent = state.connected ? "Building the sea ..." : "Looking for the server ...";
 }
 
@@ -161,7 +198,85 @@ function numbers(head) {
   const names = state.worlds[0].still.scalars, at = names.findIndex((s) => s.name === "pace");
   const pace = head.data.scalars[at];
   $("pace").hidden = at < 0 || state.paused;
-  if (at >= 0) $("pace").textContent = `${short(pace)} × real time`;
+  if (at >= 0) $("pace").textContent = head.time ? `${short(pace)} × real time` : "compiling ...";
+  if (performance.now() - state.steered < 1500) return;
+  const throttle = reading(head, "orders", "throttle"), rudder = reading(head, "orders", "rudder");
+  if (throttle === undefined || (throttle === state.throttle && rudder === state.steeredTo)) return;
+  Object.assign(state, { throttle, rudder: (rudder * Math.PI) / 180, steeredTo: rudder });
+  helmShows();
+}
+
+// A plotted number of the ship that is followed, or of all.
+function reading(head, group, word) {
+  const { scalars, ships } = state.worlds[0].still, whose = ships.length > 1 && group !== "height" ? ` ${ships[camera.ship].name}` : "";
+  const at = scalars.findIndex((s) => s.group === group && s.label.startsWith(word) && s.label.endsWith(whose));
+  return at < 0 ? undefined : head.data.scalars?.[at];
+}
+
+const sided = (degrees) => `${Math.abs(degrees).toFixed(0)}°${Math.abs(degrees) < 0.5 ? "" : degrees > 0 ? " port" : " starboard"}`;
+
+// Mean time between two rises of the first gauge through its mean, in the last minute [s].
+function crossingPeriod() {
+  const { times, rows, scalars } = plots.sets[0], at = scalars.findIndex((s) => s.group === "elevation"), now = nearest(times, state.time);
+  const from = nearest(times, state.time - 60), mean = rows.slice(from, now).reduce((sum, row) => sum + row[at], 0) / Math.max(now - from, 1);
+  const rises = [];
+  for (let k = from + 1; k <= now && at >= 0; k++) if (rows[k - 1][at] < mean && rows[k][at] >= mean) rises.push(times[k]);
+  return rises.length > 5 ? (rises[rises.length - 1] - rises[0]) / (rises.length - 1) : undefined;
+}
+
+function instruments() {
+  const world = state.worlds[0], head = world?.after;
+  if (!head || $("strip").hidden) return;
+  const { still } = world, { waves, exact } = still.sea, ship = world.ships[camera.ship], rows = [];
+  const add = (name, value, more, few) => rows.push(`<div${few ? ' class="few"' : ""}><dt>${name}</dt><dd>${value}</dd><small>${more}</small></div>`);
+  const eye = world.seen?.view || M.one(), ahead = Math.atan2(eye[1] - eye[2], eye[9] - eye[10]);  // the top of the compass
+  const turn = (id, angle) => { $(id).style.display = angle === null ? "none" : ""; $(id).setAttribute("transform", `rotate(${((ahead - (angle ?? 0)) * 180) / Math.PI})`); };
+  turn("rose", 0);
+  turn("shipMark", ship ? Math.atan2(ship.pose[8], ship.pose[10]) : null);
+  const going = [1, 2].map((k) => waves.reduce((sum, wave) => sum + wave[0] ** 2 * wave[k], 0));
+  turn("seaMark", exact && waves.length ? Math.atan2(...going) : null);
+  turn("windMark", still.windAngle === null ? null : 0.5 * Math.PI - still.windAngle);
+  if (ship) {
+    const speed = reading(head, "speed", ""), rudder = reading(head, "orders", "rudder");
+    if (speed !== undefined) add("Speed", `${(speed / 0.514444).toFixed(1)} kn`, `${speed.toFixed(1)} m/s`);
+    add("Heading", sided((Math.atan2(ship.pose[8], ship.pose[10]) * 180) / Math.PI), "of north (+z)");
+    if (rudder !== undefined) add("Rudder", sided(rudder), "");
+  }
+  const regular = exact && waves.length === 1, high = regular ? 2 * waves[0][0] : reading(head, "height", "") ?? world.height;
+  const moved = state.panel?.sliders.find((s) => s.label.startsWith("wave period"))?.value;
+  const stated = moved || still.waves.peak_period || still.waves.period, period = stated || crossingPeriod();
+  if (high > 0.005 && (exact || stated || still.windSpeed || world.ships.length)) {
+    add(regular ? "H" : "H<sub>s</sub>", `${high.toFixed(high < 1 ? 2 : 1)} m`, regular ? "of the wave" : "now");
+    if (period) add(regular ? "T" : stated ? "T<sub>p</sub>" : "T<sub>z</sub>", `${period.toFixed(1)} s`, stated ? "stated" : "at the gauge", true);
+  }
+  add("Depth", `${+(-still.basin.lower[1]).toPrecision(3)} m`, "", !!ship);
+  if (still.windSpeed) add("Wind", `${still.windSpeed.toFixed(1)} m/s`, "stated", true);
+  $("readings").innerHTML = rows.join("");
+  $("legend").hidden = state.content === "water" || !world.balls.count;
+  if (!$("legend").hidden) {
+    const top = world.balls.fastest;
+    document.querySelector("#legend b").innerHTML = [0, 0.5 * top, top].map((v) => `<span>${+v.toPrecision(2)}</span>`).join("") + "<span>m/s</span>";
+  }
+  $("scrubBar").hidden = LIVE && !(live.history.end - live.history.times[0] > 0.2);
+  $("toLive").hidden = !state.back;
+  if (!LIVE) return;
+  if (state.back) span(); else $("scrub").value = 1000;
+  $("ago").textContent = state.back ? `−${(state.end - state.time).toFixed(1)} s` : `${short(live.history.end - live.history.times[0])} s`;
+}
+
+// A first visit gets three lines.
+function greet() {
+  if (store("greeted")) return;
+  $("first").hidden = false;
+  if (!LIVE) $("first").querySelector("ul").innerHTML = "<li><b>Space</b> pauses; the bar goes to any time</li><li><b>Drag</b> to look around, 1 to 5 choose a camera</li><li><b>?</b> lists all keys</li>";
+  const done = (event) => {
+    if (event.key === "Tab") return;
+    $("first").hidden = true;
+    store("greeted", "1");
+    removeEventListener("keydown", done);
+  };
+  $("firstDone").onclick = done;
+  addEventListener("keydown", done);
 }
 
 // --- panel --------------------------------------------------------------------------------------------------------------
@@ -204,15 +319,15 @@ function mayTouch() { return !LIVE || state.holder === 0 || state.holder === sta
 function helmBar() {
   const other = LIVE && !mayTouch();
   $("helmBar").hidden = !other;
-  $("helmText").textContent = "Another page has the helm; you watch.";
+  const away = LIVE && !(state.connected && state.worlds.length);
   for (const one of document.querySelectorAll("#tab-play input, #tab-play select, #go, #one, #reset, #speed, #apply, #record")) {
-    if (!one.closest(".group:has(#showLines)")) one.disabled = other || (LIVE && !state.drives && ["go", "one", "reset", "speed", "record"].includes(one.id));
+    if (!one.closest(".group:has(#showLines)")) one.disabled = away || other || (LIVE && !state.drives && ["go", "one", "reset", "speed", "record"].includes(one.id));
   }
 }
 
 function panel(now) {
   state.panel = now;
-  pausedIs(now.paused);
+  if (!state.back) pausedIs(now.paused);
   speeds(now.speed);
   $("wind").innerHTML = now.winds.map((name) => `<option${name === now.wind ? " selected" : ""}>${escaped(name)}</option>`).join("");
   $("windGroup").hidden = !state.drives;
@@ -223,9 +338,11 @@ function panel(now) {
   const box = $("sliders"), key = now.sliders.map((s) => `${s.label} ${s.low} ${s.high}`).join();
   if (box.dataset.key !== key) {
     box.dataset.key = key;
-    box.innerHTML = now.sliders.map((s, k) => `<label class="slider">${escaped(s.label)} <output></output>` +
-      `<input type="range" min="0" max="1000" data-k="${k}"><small><span>${short(s.low)}</span><span>${short(s.high)}</span></small></label>`).join("") ||
-      '<p class="hint">Nothing in this scene can be changed while it runs; see All keys.</p>';
+    const drawn = now.sliders.map((s, k) => `<label class="slider">${escaped(s.label)} <output></output>` +
+      `<input type="range" min="0" max="1000" data-k="${k}"><small><span>${short(s.low)}</span><span>${short(s.high)}</span></small></label>`);
+    const [sea, physics] = [true, false].map((air) => drawn.filter((_, k) => /^(wind|wave)/.test(now.sliders[k].label) === air).join(""));
+    box.innerHTML = (sea || '<p class="hint">Nothing of this sea can be changed while it runs; see All keys.</p>') +
+      (physics && `<details><summary>Physics</summary>${physics}</details>`);
     for (const input of box.querySelectorAll("input")) {
       const s = now.sliders[input.dataset.k];
       input.setAttribute("aria-label", s.label);
@@ -244,10 +361,9 @@ function panel(now) {
     }
   }
   const ship = now.ships[camera.ship];
-  if (ship) {
-    if (performance.now() - state.steered > 1500) { state.throttle = ship.throttle; state.rudder = ship.rudder; helmShows(); }
-    if (state.worlds[0]) state.worlds[0].route = ship.route;
-  }
+  const world = state.worlds[0];
+  if (ship && world) world.route = ship.route;
+  if (world && now.sea) world.still.sea = now.sea;
   helmBar();
   state.dirty = true;
 }
@@ -270,7 +386,7 @@ function helmShows() {
   const degrees = (state.rudder * 180) / Math.PI;
   $("rudder").value = -degrees;
   $("throttle").value = state.throttle;
-  $("rudderOut").textContent = `${Math.abs(degrees).toFixed(0)}° ${Math.abs(degrees) < 0.5 ? "" : degrees > 0 ? "port" : "starboard"}`;
+  $("rudderOut").textContent = sided(degrees);
   $("throttleOut").textContent = `${Math.round(100 * state.throttle)} %`;
   $("wheelTurn").setAttribute("transform", `rotate(${(-degrees * 180) / 35})`);
 }
@@ -278,6 +394,7 @@ function helmShows() {
 function steer(throttle, rudder) {
   const world = state.worlds[0], ship = world?.ships[camera.ship];
   if (!ship || !LIVE || !mayTouch()) return;
+  toLive();
   state.throttle = clamp(throttle, -1, 1);
   state.rudder = clamp(rudder, -0.611, 0.611);
   state.steered = performance.now();
@@ -287,11 +404,15 @@ function steer(throttle, rudder) {
   steer.timer ||= setTimeout(() => { steer.timer = 0; send({ do: "steer", ship: ship.name, throttle: state.throttle, rudder: state.rudder }); }, 30);
 }
 
+// Packaged scenes: the gallery first, those with pictures before others, and none of a benchmark.
 function scenes(rows) {
+  const plain = (text) => escaped(text.replaceAll("`", "")), order = (r) => 2 * !/^(gallery\/|showcase)/.test(r.name) + !r.picture;
+  rows = rows.filter((r) => !r.name.startsWith("bench/")).sort((a, b) => order(a) - order(b));
   const draw = () => {
     const find = $("sceneFilter").value.toLowerCase();
     $("scenes").innerHTML = rows.filter((r) => `${r.name} ${r.sentence}`.toLowerCase().includes(find)).map((r) =>
-      `<li><button data-name="${escaped(r.name)}"><b>${escaped(r.sentence || r.name)}</b><span>${escaped(r.name)}</span></button></li>`).join("");
+      `<li><button data-name="${escaped(r.name)}">${r.picture ? `<img data-file="${escaped(r.picture)}" alt="">` : ""}<b>${plain(r.sentence || r.name)}</b><span>${escaped(r.name)}</span></button></li>`).join("");
+    for (const img of $("scenes").querySelectorAll("img")) img.src = `/${img.dataset.file}${WITH}`;
     for (const b of $("scenes").querySelectorAll("button")) b.onclick = () => { editor.original = editor.text.value; send({ do: "open", name: b.dataset.name }); say("Building the scene ..."); };
   };
   $("sceneFilter").oninput = draw;
@@ -305,7 +426,7 @@ function keyRows(rows) {
       const now = String(r.value), words = r.value === null && r.choices.length ? [...r.choices, "null"] : r.choices, label = `aria-label="${escaped(r.key)}"`;
       const field = words.includes(now) ? `<select data-k="${k}" ${label}>${words.map((w) => `<option${w === now ? " selected" : ""}>${escaped(w)}</option>`).join("")}</select>`
         : `<input data-k="${k}" ${label} value="${escaped(r.value ?? "")}" placeholder="${r.value === null ? "open" : ""}">`;
-      return `<div class="key"><code>${escaped(r.key)}${r.unit && r.unit !== "1" ? ` [${escaped(r.unit)}]` : ""}</code>${field}<p>${escaped(r.meaning)} ${escaped(r.range)}</p></div>`;
+      return `<div class="key"><code>${escaped(r.key)}${r.unit && r.unit !== "1" ? ` [${escaped(r.unit)}]` : ""}</code>${field}<p>${escaped(`${r.meaning} ${r.range}`.replaceAll("`", ""))}</p></div>`;
     }).join("");
     for (const field of $("keys").querySelectorAll("[data-k]")) field.onchange = () => {
       const r = shown[field.dataset.k];
@@ -337,9 +458,15 @@ $("routeSpeed").onchange = () => { const world = state.worlds[0]; if (world?.rou
 $("record").onclick = () => send({ do: state.panel?.recording ? "stop" : "record" });
 $("still").onclick = still;
 $("csv").onclick = () => keep(new Blob([plots.csv()], { type: "text/csv" }), "curves.csv");
+$("film").onclick = film;
+$("copy").onclick = () => {
+  const address = `${location.href.split("#")[0]}#${camera.mode},${state.content}`;
+  (navigator.clipboard?.writeText(address) ?? Promise.reject()).then(() => say("The link is copied."), () => say(address));
+};
+$("toLive").onclick = toLive;
 $("go").onclick = go;
-$("one").onclick = () => { if (LIVE) send({ do: "step" }); else { pausedIs(true); const r = state.replays[0]; seek(r.times[Math.min(r.before(state.time) + 1, r.times.length - 1)] + 1e-6); } };
-$("reset").onclick = () => { if (LIVE) { send({ do: "reset" }); } else seek(state.begin); };
+$("one").onclick = () => { if (LIVE && !state.back) send({ do: "step" }); else { pausedIs(true); const r = state.replays[0]; seek(r.times[Math.min(r.before(state.time) + 1, r.times.length - 1)] + 1e-6); } };
+$("reset").onclick = () => { toLive(); if (LIVE) { send({ do: "reset" }); } else seek(state.begin); };
 $("speed").onchange = () => { state.speed = +$("speed").value; send({ do: "speed", value: state.speed }); };
 $("theme").onclick = () => theme(root.dataset.theme === "light" ? "dark" : "light");
 $("fold").onclick = () => { const folded = document.body.classList.toggle("folded"); $("fold").setAttribute("aria-expanded", !folded); state.dirty = true; };
@@ -349,13 +476,14 @@ $("showMirror").onchange = () => { state.mirror = $("showMirror").checked; state
 $("showRig").onchange = () => { state.rig = $("showRig").checked; state.dirty = true; };
 $("rides").onchange = () => { state.rides = $("rides").checked; };
 $("showSea").onchange = () => { for (const world of state.worlds) { world.sea = $("showSea").checked && !!world.surfaces.sea; } state.dirty = true; };
-$("scrub").oninput = () => { pausedIs(true); seek(state.begin + ($("scrub").value / 1000) * (state.end - state.begin)); };
+$("scrub").oninput = () => { if (LIVE) { lookBack($("scrub").value / 1000); return; } pausedIs(true); seek(state.begin + ($("scrub").value / 1000) * (state.end - state.begin)); };
 
 function theme(name) { root.dataset.theme = name; store("theme", name); state.dirty = true; }
 theme(new URLSearchParams(location.search).get("theme") || store("theme") || (matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark"));
 
 function go() {
-  if (LIVE) { send({ do: state.paused ? "play" : "pause" }); pausedIs(!state.paused); return; }
+  if ($("go").disabled) return;
+  if (LIVE && !state.back) { send({ do: state.paused ? "play" : "pause" }); pausedIs(!state.paused); return; }
   if (state.paused && state.time >= state.end - 1e-6) seek(state.begin);
   pausedIs(!state.paused);
 }
@@ -396,6 +524,19 @@ function keep(blob, name) {
   link.download = name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 2000);
+}
+
+// What is seen as a film, from one press of the button to the next.
+function film() {
+  if (film.tape) { film.tape.stop(); return; }
+  const kind = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"].find((one) => window.MediaRecorder?.isTypeSupported(one));
+  if (!kind) { say("This browser cannot record a film.", true); return; }
+  const tape = film.tape = new MediaRecorder(canvas.captureStream(30), { mimeType: kind, videoBitsPerSecond: 8e6 }), parts = [];
+  const mark = (on) => { $("film").classList.toggle("on", on); $("film").textContent = on ? "Stop the film" : "Film (WebM)"; };
+  tape.ondataavailable = (event) => parts.push(event.data);
+  tape.onstop = () => { film.tape = null; mark(false); keep(new Blob(parts, { type: "video/webm" }), `ocean_${state.time.toFixed(0)}s.webm`); };
+  tape.start(1000);
+  mark(true);
 }
 function still() { draw(); canvas.toBlob((blob) => keep(blob, `ocean_${state.time.toFixed(2)}s.png`)); }
 
@@ -505,7 +646,9 @@ function draw() {
   const ratio = Math.min(devicePixelRatio || 1, 2) * state.scale;
   const width = Math.max(Math.round(canvas.clientWidth * ratio), 2), height = Math.max(Math.round(canvas.clientHeight * ratio), 2);
   if (canvas.width !== width || canvas.height !== height) { canvas.width = width; canvas.height = height; }
-  const n = state.worlds.length, options = { lines: state.lines, mirror: state.mirror, light: root.dataset.theme === "light" };
+  const seen = state.worlds[0];
+  if (seen.after && camera.of !== seen.still.title) { camera.of = seen.still.title; camera.face(seen, painter.sky.lit.sunDir); }
+  const n = state.worlds.length, free = freeBox(n), options = { lines: state.lines, mirror: state.mirror, light: root.dataset.theme === "light" };
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   gl.enable(gl.SCISSOR_TEST);
   state.worlds.forEach((world, k) => {
@@ -514,24 +657,32 @@ function draw() {
     gl.scissor(x, 0, w, height);
     gl.clear(gl.DEPTH_BUFFER_BIT);
     if (!world.after) return;
-    world.seen = shifted(camera.eye(world, w, height), w, height, n);
-    world.draw(world.seen, state.content, options);
+    world.seen = shifted(camera.eye(world, w, height, free), free);
+    const ship = world.ships[camera.ship] || world.ships[0];
+    const helm = camera.mode === "helm" && ship && { ship, rudder: ((reading(world.after, "orders", "rudder") || 0) * Math.PI) / 180 };
+    world.draw(world.seen, state.content, { ...options, helm });
   });
   const first = state.worlds[0];
   $("rig").hidden = !(state.rig && first?.legs);
   if (!$("rig").hidden) inset(first, ratio);
   gl.disable(gl.SCISSOR_TEST);
-  if (!LIVE) return;  // a replay has a clock of its own, by which two runs go on, one longer than the other
+  if (!LIVE || state.back) return;  // a replay has a clock of its own, by which two runs go on, one longer than the other
   state.time = state.worlds[0]?.time ?? 0;
   $("clock").textContent = `t = ${state.time.toFixed(2)} s`;
 }
 
-// The middle of the picture is that of the part which no panel hides.
-function shifted(eye, width, height, n) {
-  const box = $("panel").getBoundingClientRect(), p = [...eye.projection];
-  p[9] -= 0.07;  // the dock
-  if (n > 1 || document.body.classList.contains("folded")) return { ...eye, projection: p };
-  if (innerWidth > 820) p[8] += box.width / innerWidth; else p[9] -= 0.85 * (box.height / innerHeight);
+// Of the picture, what no panel and no bar hides: its shares of width and height, and its middle from -1 to 1.
+function freeBox(n) {
+  const folded = document.body.classList.contains("folded"), broad = innerWidth > 820, panel = $("panel").getBoundingClientRect();
+  const right = broad && !folded && n === 1 ? panel.left : innerWidth, bars = $("dock").lastElementChild.getBoundingClientRect();
+  const top = $("strip").hidden ? $("top").getBoundingClientRect().bottom : broad ? 90 : $("strip").getBoundingClientRect().bottom;
+  return [right / innerWidth, Math.max(bars.top - top, 60) / innerHeight, right / innerWidth - 1, 1 - (top + bars.top) / innerHeight];
+}
+
+function shifted(eye, free) {
+  const p = [...eye.projection];
+  p[8] -= free[2];
+  p[9] -= free[3];
   return { ...eye, projection: p };
 }
 
@@ -556,8 +707,12 @@ function tick(now) {
   holdPad(seconds);
   let moving = false;
   if (XR.session) return;  // the headset asks for its own pictures
-  if (LIVE) moving = live.show(now / 1000);
-  else if (state.replays.length && !state.paused) { seek(state.time + seconds * state.speed); moving = true; if (state.time >= state.end) { pausedIs(true); } }
+  if (LIVE && !state.back) moving = live.show(now / 1000);
+  else if (state.replays.length && !state.paused) {
+    seek(state.time + seconds * (state.speed || 1));
+    moving = true;
+    if (state.time >= state.end) { LIVE ? toLive() : pausedIs(true); }
+  }
   if (state.worlds.length && (moving || state.dirty)) {
     const begun = performance.now();
     draw();
@@ -568,7 +723,10 @@ function tick(now) {
     slow = 0.92 * slow + 0.08 * Math.max(seconds * 1000, performance.now() - begun);
     if (++counted > 40 && slow > 55 && state.scale > 0.5) { state.scale = Math.max(0.5, state.scale * 0.8); counted = 0; }
   }
-  if (now - plotted > 150 && state.tab === "plots") { plots.draw(state.time); plotted = now; }
+  if (now - plotted < 150) return;
+  plotted = now;
+  instruments();
+  if (state.tab === "plots") plots.draw(state.time);
 }
 
 // --- replay -------------------------------------------------------------------------------------------------------------
@@ -604,7 +762,10 @@ async function replay() {
   state.replays = heads.map((head) => new Replay(head));
   state.begin = Math.min(...state.replays.map((r) => r.times[0]));
   state.end = Math.max(...state.replays.map((r) => r.end));
-  state.replays.forEach((r, k) => plots.fill(k, r));
+  state.replays.forEach((r, k) => {
+    plots.fill(k, r);
+    r.times.forEach((time, i) => { const { data } = r.frame(i); if (data.poses) state.worlds[k].follow(time, data.poses, Infinity); });
+  });
   if (START.runs.length > 1) {
     $("names").innerHTML = START.runs.map((run, k) => `<span style="left:${(100 * (k + 0.5)) / START.runs.length}%">${escaped(run.name)}</span>`).join("") + '<i style="left:50%"></i>';
     document.body.classList.add("folded");
@@ -613,9 +774,15 @@ async function replay() {
   pausedIs(false);
 }
 
+window.oceanSim = { state, camera, painter, plots, XR, M, History, live };  // for those who look into the page, tests among them
+const [seenFrom, seenAs] = location.hash.slice(1).split(",");  // as `Copy link` leaves them
+if (seenFrom) Object.assign(camera, { mode: seenFrom });
+if (seenAs) state.content = seenAs;
 speeds(1);
 tabs();
 link();
+greet();
+if (innerWidth <= 820) $("fold").click();  // a small screen shows the sea first
 requestAnimationFrame(tick);
 addEventListener("resize", () => { state.dirty = true; });
 fetched("/sky", "sky").then((head) => { painter.sky.take(head); state.dirty = true; }).catch(() => {});

@@ -8,8 +8,16 @@ class Camera {
     this.reset();
   }
 
+  // Look at another world: over a sea off a bow of its ship, on the side where the sun's glint hides less of the water.
+  face(world, sun) {
+    const m = world.ships[0]?.pose, heading = m ? Math.atan2(m[8], m[10]) : 0, bright = Math.atan2(sun[0], sun[2]);
+    const sides = [heading + 0.75, heading - 0.75].sort((a, b) => Math.cos(b - bright) - Math.cos(a - bright));
+    this.home = world.sea ? sides[0] : 0.66;
+    this.reset();
+  }
+
   reset() {
-    Object.assign(this, { azimuth: 0.66, height: 0.34, distance: 1, shift: [0, 0, 0], turn: 0, tilt: 0 });
+    Object.assign(this, { azimuth: this.home ?? 0.66, height: 0.34, distance: 1, shift: [0, 0, 0], turn: 0, tilt: 0 });
   }
 
   drag(right, up) {
@@ -31,15 +39,15 @@ class Camera {
 
   modes(world) {
     const flat = world.still.basin.flat;
-    return flat ? ["orbit", "side"] : ["orbit", ...(world.ships.length ? ["follow", "helm"] : []), "top"];
+    return flat ? ["orbit", "side"] : ["orbit", ...(world.ships.length ? ["follow", "helm"] : []), "top", "side"];
   }
 
-  // {position, view, projection, angle, pixels, width}
-  eye(world, width, height) {
+  // {position, view, projection, angle, pixels, width}; `free`: the shares of width and height that no panel hides.
+  eye(world, width, height, free) {
     const aspect = width / height, ship = world.ships[this.ship] || world.ships[0], pose = ship && world.poses[world.ships.indexOf(ship)];
     let mode = this.modes(world).includes(this.mode) ? this.mode : "orbit";
     if (mode === "helm" && pose) return this.helm(ship, width, height);
-    const { size } = world, long = Math.max(size[0], size[2]), follow = mode === "follow" && pose;
+    const { size } = world, long = Math.max(size[0], size[2]), follow = ["follow", "side"].includes(mode) && pose;
     let target = V.add(world.middleOf, [0, world.level, 0]), span = Math.hypot(size[0], size[2] || world.ribbon);
     if (world.still.basin.flat) { span = Math.max(0.9 * size[0], -1.6 * world.bed); target[1] += 0.35 * world.bed; }
     const wide = ship && long > 5 * ship.length && pose;
@@ -54,9 +62,9 @@ class Camera {
       world.heading = last + 0.04 * Math.atan2(Math.sin(heading - last), Math.cos(heading - last));
       azimuth += world.heading + Math.PI - 0.1;
     }
-    if (mode === "side") { azimuth = 0; rise = 0.02; }
-    const angle = aspect < 0.8 ? OUTSIDE * 1.35 : OUTSIDE, fit = Math.max(1, 1.25 / aspect);
-    const far = ((0.62 * span) / Math.tan(angle / 2)) * this.distance * Math.min(fit, 2) * (mode === "top" ? 1.05 : 0.86);
+    if (mode === "side") { azimuth = follow ? world.heading - 0.5 * Math.PI : 0; rise = 0.05; }
+    const angle = aspect < 0.8 ? OUTSIDE * 1.35 : OUTSIDE, fit = Math.max(1, 1.12 / (aspect * free[0]), 0.8 / free[1]);
+    const far = ((0.62 * span) / Math.tan(angle / 2)) * this.distance * Math.min(fit, follow || wide ? 2 : 3) * (mode === "top" ? 1.05 : 0.86);
     this.far = far;
     target = V.add(target, this.shift);
     let up = [0, 1, 0], towards;
@@ -78,7 +86,7 @@ class Camera {
 
   helm(ship, width, height) {
     const m = ship.pose, position = M.point(m, ship.helm), c = Math.cos(this.turn), s = Math.sin(this.turn);
-    const ahead = M.turn(m, V.unit([s, -0.10 + Math.tan(this.tilt), c])), up = M.turn(m, [0, 1, 0]);
+    const ahead = M.turn(m, V.unit([s, -0.06 + Math.tan(this.tilt), c])), up = M.turn(m, [0, 1, 0]);
     const angle = width < height ? HELM * 1.2 : HELM;
     return {
       position, target: V.add(position, ahead), angle, width, pixels: height, view: M.look(position, V.add(position, ahead), up),

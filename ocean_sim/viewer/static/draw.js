@@ -195,6 +195,31 @@ void main() {
   gl_Position = view * vec4(posW, 1.0);
 }`;
 
+const WAKE_VERTEX = `
+layout(location = 0) in vec4 node;  // x and z, place across from -1 to 1, strength
+${KNOWN}
+uniform mat4 view;
+out vec4 at;
+void main() {
+  vec2 inside = reach - abs(node.xy - origin - tileFirst - 0.5 * tileStep * (vec2(tileSize) - 1.0));
+  at = vec4(node.xyz, node.w * step(0.0, min(inside.x, inside.y)));
+  gl_Position = view * vec4(node.x, known(node.xy - origin).x + 0.02, node.y, 1.0);
+}`;
+const WAKE_FRAGMENT = `
+in vec4 at;
+out vec4 colour;
+float random(vec2 p) { return fract(sin(dot(p, vec2(127.1, 311.7))) * 43758.5453); }
+float noise(vec2 p) {
+  vec2 i = floor(p), f = smoothstep(0.0, 1.0, p - i);
+  return mix(mix(random(i), random(i + vec2(1, 0)), f.x), mix(random(i + vec2(0, 1)), random(i + vec2(1, 1)), f.x), f.y);
+}
+void main() {
+  float n = 0.45 * noise(0.9 * at.xy) + 0.33 * noise(2.3 * at.xy + 5.0) + 0.22 * noise(5.9 * at.xy);
+  float cover = at.w * at.w * (1.0 - at.z * at.z);
+  float white = smoothstep(0.70 - 0.48 * cover, 0.95 - 0.40 * cover, n);
+  colour = vec4(mix(vec3(0.55, 0.78, 0.82), vec3(0.88, 0.93, 0.95), white), 0.75 * white * smoothstep(0.0, 0.2, cover) + 0.22 * at.w * (1.0 - at.z * at.z));
+}`;
+
 const SIDE_VERTEX = `
 layout(location = 0) in vec3 node;  // x and z on the rim, share of the way to the bed
 ${KNOWN}
@@ -327,6 +352,7 @@ class Painter {
     this.ship = new Program(gl, SHIP_VERTEX, SHIP_FRAGMENT);
     this.ball = new Program(gl, BALL_VERTEX, BALL_FRAGMENT);
     this.line = new Program(gl, LINE_VERTEX, LINE_FRAGMENT);
+    this.wake = new Program(gl, WAKE_VERTEX, WAKE_FRAGMENT);
     this.side = new Program(gl, SIDE_VERTEX, SIDE_FRAGMENT);
     this.sky = new Sky(gl);
     this.rod = shape(gl, rod(16));

@@ -60,15 +60,7 @@ class Replay {
 
   get end() { return this.times[this.times.length - 1]; }
 
-  // Index of the last moment at or before a time.
-  before(time) {
-    let low = 0, high = this.times.length - 1;
-    while (low < high) {
-      const middle = (low + high + 1) >> 1;
-      if (this.times[middle] <= time) low = middle; else high = middle - 1;
-    }
-    return low;
-  }
+  before(time) { return latest(this.times, time); }
 
   frame(k) {
     if (this.made.has(k)) return this.made.get(k);
@@ -107,6 +99,49 @@ class Replay {
     }
     data.speed = Uint8Array.from(speed.whole.subarray(a * m, (a + 1) * m));
     about.particles = { low: row.low, high: row.high };
+  }
+}
+
+// Index of the last of some times at or before a time.
+function latest(times, time) {
+  let low = 0, high = times.length - 1;
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (times[middle] <= time) low = middle; else high = middle - 1;
+  }
+  return low;
+}
+
+// The last minute of a live simulation: its packets as they came. Every second one goes when they become too many or too large.
+const HISTORY_SECONDS = 60, HISTORY_MOMENTS = 600, HISTORY_BYTES = 96e6;
+class History {
+  constructor() { this.clear(); }
+
+  clear() { Object.assign(this, { times: [], packets: [], bytes: 0, apart: 0, made: new Map() }); }
+
+  get end() { return this.times[this.times.length - 1]; }
+
+  before(time) { return latest(this.times, time); }
+
+  add(time, packet) {
+    if (this.times.length && time < this.end + Math.max(this.apart, 1e-6)) return;
+    this.times.push(time);
+    this.packets.push(packet);
+    this.bytes += packet.byteLength;
+    while (this.times[0] < time - HISTORY_SECONDS) { this.times.shift(); this.bytes -= this.packets.shift().byteLength; }
+    if (this.times.length <= HISTORY_MOMENTS && this.bytes <= HISTORY_BYTES) return;
+    const odd = (_, k) => (this.times.length - 1 - k) % 2 === 0, packets = this.packets.filter(odd);
+    Object.assign(this, { times: this.times.filter(odd), packets, bytes: packets.reduce((sum, one) => sum + one.byteLength, 0) });
+    this.apart = (this.end - this.times[0]) / this.times.length;
+  }
+
+  frame(k) {
+    const packet = this.packets[k];
+    if (!this.made.has(packet)) {
+      if (this.made.size > 8) this.made.clear();
+      this.made.set(packet, unpack(packet));
+    }
+    return this.made.get(packet);
   }
 }
 

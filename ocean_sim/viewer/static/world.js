@@ -1,3 +1,5 @@
+const WAKE_SECONDS = 40;  // after which white water behind a ship is gone
+
 // One simulation as it is drawn: what never changes is made once, two moments are held, and what lies between is shown.
 class World {
   constructor(gl, painter, still) {
@@ -34,7 +36,9 @@ class World {
     this.lines.vertices = array(gl, [[0, this.lines.ends, 3], [1, this.lines.hues, 3, gl.UNSIGNED_BYTE, true]]);
     this.spray = { count: 0, ends: gl.createBuffer() };
     this.spray.vertices = array(gl, [[0, this.spray.ends, 3]]);
-    this.trail = [];  // of the first ship
+    this.wakes = this.ships.map(() => ({ trail: [], points: gl.createBuffer() }));
+    for (const wake of this.wakes) wake.vertices = array(gl, [[0, wake.points, 4]]);
+    this.drawnFrom = [0, 0];  // origin of the foam [m]
     this.route = [];
     this.before = this.after = null;
     this.share = 0;
@@ -150,15 +154,21 @@ class World {
       Object.assign(balls, { low: box.low, high: box.high, fastest: after.fastest });
     }
     if (after.data.height) this.whiten(after);
-    const pose = after.data.poses;
-    if (pose && pose.length) {
-      const last = this.trail[this.trail.length - 1], here = [pose[0], pose[1], pose[2]];
-      if (last && V.length(V.sub(here, last)) > 60) this.trail = [];
-      if (!last || V.length(V.sub(here, last)) > 0.4) this.trail.push(here);
-      if (this.trail.length > 600) this.trail.shift();
-    }
     this.before = before;
     this.after = after;
+  }
+
+  // Where the sterns of the ships are at a time, for their wakes; times grow.
+  follow(time, poses, keep) {
+    this.wakes.forEach(({ trail }, k) => {
+      const [x, , z, ...turn] = poses.subarray(7 * k, 7 * k + 7), m = M.pose(turn, [0, 0, 0]), n = Math.hypot(m[8], m[10]) || 1;
+      const half = 0.46 * this.ships[k].length, here = { time, x: x - (half * m[8]) / n, z: z - (half * m[10]) / n, speed: 0 }, last = trail[trail.length - 1];
+      const way = last ? Math.hypot(here.x - last.x, here.z - last.z) : 0;
+      if (last && way < 0.2 * this.ships[k].beam) return;
+      if (last) here.speed = ((here.x - last.x) * m[8] + (here.z - last.z) * m[10]) / n / Math.max(time - last.time, 1e-6);  // ahead
+      trail.push(here);
+      while (trail[0].time < time - keep) trail.shift();
+    });
   }
 
   // Foam: where a crest is as steep as one that breaks it appears at once, then it fades; what the simulation knows of it counts, too.
@@ -170,7 +180,8 @@ class World {
     const mean = sum / h.length, now = 4 * Math.sqrt(Math.max(squares / h.length - mean * mean, 0));
     this.level = this.still.sea.exact ? 0 : mean;
     this.height += (now - this.height) * (this.before ? 0.08 : 1);
-    if (flat) { foam.fill(0); return; }
+    if (flat || this.still.tank) { foam.fill(0); return; }
+    this.carry(after.origin);
     const dx = 1 / this.step[0] ** 2, dz = 1 / this.step[1] ** 2;
     for (let i = 0; i < nx; i++) for (let j = 0; j < nz; j++) {
       const k = i * nz + j;
@@ -180,6 +191,18 @@ class World {
       let white = clamp(2.2 * (steep - 0.42), 0, 0.5);
       if (known) white = Math.max(white, known[k] / 255);
       foam[k] = Math.max(foam[k] * fade, white);
+    }
+  }
+
+  // Keep the foam in its place in the world where the middle of the heights has gone on by whole cells.
+  carry(origin) {
+    const { nx, nz, foam } = this, [di, dj] = [0, 1].map((k) => Math.round((origin[k] - this.drawnFrom[k]) / this.step[k]));
+    this.drawnFrom = origin;
+    if (!di && !dj) return;
+    const old = foam.slice();
+    for (let i = 0; i < nx; i++) for (let j = 0; j < nz; j++) {
+      const a = i + di, b = j + dj;
+      foam[i * nz + j] = a >= 0 && a < nx && b >= 0 && b < nz ? old[a * nz + b] : 0;
     }
   }
 
@@ -260,9 +283,11 @@ class World {
     gl.depthMask(true);
     this.solids(view, lit);
     if (content !== "water") this.drawBalls(view, eye, content === "both");
-    for (const ship of this.ships) if (!options.hide || options.hide !== ship) this.drawShip(ship, view, lit, -1e9);
+    for (const ship of this.ships) this.drawShip(ship, view, lit, -1e9);
+    if (options.helm) this.drawWheelhouse(options.helm, view, lit);
     if (water) this.drawWater(view, uniforms, content === "both", sea, mirrored, pixel);
-    if (options.lines) this.drawLines(view);
+    if (water && content === "water") this.drawWakes(view);
+    if (options.lines) this.drawLines(view, sea);
     if (water && this.before.data.drops) this.drawDrops(view);
     gl.bindVertexArray(null);
   }
@@ -305,6 +330,26 @@ class World {
     painter.ship.use({ ...lit, view, pose: ship.pose, low: ship.low, high: ship.high, above });
     gl.bindVertexArray(ship.vertices);
     gl.drawArrays(gl.TRIANGLES, 0, ship.count);
+  }
+
+  // What stands around the eye at the helm: window posts, the edge of the roof, a console, and the wheel as the rudder lies.
+  drawWheelhouse({ ship, rudder }, view, lit) {
+    const { gl, painter } = this, u = clamp(ship.length / 15, 0.5, 2);
+    const draw = (what, pose, paint) => {
+      painter.solid.use({ ...lit, view, pose: M.mul(ship.pose, pose), paint });
+      gl.bindVertexArray(what.vertices);
+      gl.drawArrays(gl.TRIANGLES, 0, what.count);
+    };
+    const at = (x, y, z) => V.add(ship.helm, [x * u, y * u, z * u]), box = (p, half, paint) => draw(painter.box, sized(at(...p), V.scale(half, u)), paint);
+    box([0, -0.62, 1.05], [2.4, 0.2, 0.34], [0.30, 0.33, 0.36, 1]);
+    box([0, 0.80, 1.3], [2.4, 0.09, 0.3], [0.80, 0.81, 0.80, 1]);
+    for (const x of [-1.9, -0.7, 0.7, 1.9]) draw(painter.rod, along(at(x, -0.5, 1.36), at(0.97 * x, 0.75, 1.2), 0.03 * u), [0.80, 0.81, 0.80, 1]);
+    const rim = (k, r) => { const a = (k * Math.PI) / 8 - 4 * rudder; return at(r * Math.sin(a), -0.52 + 0.8 * r * Math.cos(a), 0.66 + 0.5 * r * Math.cos(a)); };
+    for (let k = 0; k < 16; k++) {
+      draw(painter.rod, along(rim(k, 0.2), rim(k + 1, 0.2), 0.012 * u), [0.52, 0.38, 0.24, 1]);
+      if (k % 2 === 0) draw(painter.rod, along(rim(k, 0), rim(k, 0.26), 0.008 * u), [0.52, 0.38, 0.24, 1]);
+    }
+    draw(painter.rod, along(rim(0, 0.19), rim(0, 0.21), 0.02 * u), [0.95, 0.85, 0.35, 1]);
   }
 
   // The ships as the water mirrors them, into a texture; the matrix from the world to it.
@@ -370,23 +415,62 @@ class World {
     gl.disable(gl.BLEND);
   }
 
-  drawLines(view) {
+  // White water behind each ship that moves: a ribbon on the water, wider and fainter with its age.
+  drawWakes(view) {
     const { gl, painter } = this;
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
-    if (this.lines.count) {
+    gl.depthMask(false);
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    gl.polygonOffset(-3, -3);
+    gl.activeTexture(gl.TEXTURE1);
+    gl.bindTexture(gl.TEXTURE_2D, this.tile);
+    painter.wake.use({ view, tile: 1, tileFirst: this.first, tileStep: this.step, tileSize: [this.nx, this.nz], origin: this.origin, reach: this.reach });
+    this.wakes.forEach(({ trail, points, vertices }, k) => {
+      const { beam, length, pose } = this.ships[k], m = V.unit([pose[8], 0, pose[10]]), at = this.poses[k]?.position;
+      const from = trail.findIndex((one) => one.time > this.time - WAKE_SECONDS), to = trail.length ? latest(trail.map((one) => one.time), this.time) : -1;
+      if (!at || from < 0 || to - from < 2) return;
+      const path = trail.slice(from, to), last = path[path.length - 1];
+      path.push({ time: this.time, x: at[0] - 0.46 * length * m[0], z: at[2] - 0.46 * length * m[2], speed: last.speed });
+      const rows = path.map((one, i) => {
+        const a = path[Math.max(i - 1, 0)], b = path[Math.min(i + 1, path.length - 1)], n = Math.hypot(b.x - a.x, b.z - a.z) || 1;
+        const age = (this.time - one.time) / WAKE_SECONDS, half = beam * (0.34 + 0.55 * Math.sqrt(age)), strength = (1 - age) * clamp(one.speed / 3, 0, 1);
+        return [-1, -0.5, 0, 0.5, 1].map((s) => [one.x + (s * half * (b.z - a.z)) / n, one.z - (s * half * (b.x - a.x)) / n, s, strength]);
+      });
+      const nodes = [];
+      for (let i = 0; i + 1 < rows.length; i++) for (let j = 0; j < 4; j++) {
+        const [a, b, c, d] = [rows[i][j], rows[i][j + 1], rows[i + 1][j], rows[i + 1][j + 1]];
+        nodes.push(...a, ...b, ...c, ...c, ...b, ...d);
+      }
+      gl.bindBuffer(gl.ARRAY_BUFFER, points);
+      gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(nodes), gl.DYNAMIC_DRAW);
+      gl.bindVertexArray(vertices);
+      gl.drawArrays(gl.TRIANGLES, 0, nodes.length / 4);
+    });
+    gl.disable(gl.POLYGON_OFFSET_FILL);
+    gl.depthMask(true);
+    gl.disable(gl.BLEND);
+  }
+
+  // Lines of wind and basin; the edges of a basin that is a piece of sea are left out.
+  drawLines(view, sea) {
+    const { gl, painter } = this, edges = sea ? 24 : 0;
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    if (this.lines.count > edges) {
       painter.line.use({ view, alpha: 0.85 });
       gl.bindVertexArray(this.lines.vertices);
-      gl.drawArrays(gl.LINES, 0, this.lines.count);
+      gl.drawArrays(gl.LINES, edges, this.lines.count - edges);
     }
     const path = [...(this.route.length && this.poses[0] ? [this.poses[0].position] : []), ...this.route.map(([x, z]) => [x, this.level, z])];
     if (path.length > 1) {
       const ends = new Float32Array(path.flatMap((p) => [p[0], p[1] + 0.4, p[2]])), hues = new Float32Array(path.flatMap(() => [1, 0.82, 0.25]));
-      const made = array(gl, [[0, buffer(gl, ends), 3], [1, buffer(gl, hues), 3]]);
+      const kept = [buffer(gl, ends), buffer(gl, hues)], made = array(gl, [[0, kept[0], 3], [1, kept[1], 3]]);
       painter.line.use({ view, alpha: 1 });
       gl.bindVertexArray(made);
       gl.drawArrays(gl.LINE_STRIP, 0, path.length);
       gl.deleteVertexArray(made);
+      for (const one of kept) gl.deleteBuffer(one);
     }
     gl.disable(gl.BLEND);
   }
@@ -457,6 +541,6 @@ class World {
   free() {
     const { gl } = this;
     for (const one of [this.tile, this.gaps, this.mirror]) gl.deleteTexture(one);
-    for (const one of [this.surfaces.tank.vertices, this.surfaces.sea?.vertices, this.wall, this.balls.vertices, this.lines.vertices, this.spray.vertices, this.ground?.vertices, ...this.ships.map((s) => s.vertices)]) gl.deleteVertexArray(one || null);
+    for (const one of [this.surfaces.tank.vertices, this.surfaces.sea?.vertices, this.wall, this.balls.vertices, this.lines.vertices, this.spray.vertices, this.ground?.vertices, ...this.wakes.map((w) => w.vertices), ...this.ships.map((s) => s.vertices)]) gl.deleteVertexArray(one || null);
   }
 }

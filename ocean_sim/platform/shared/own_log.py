@@ -1,0 +1,94 @@
+"""A person's own motion log: columns of any name, angles in degrees, missing motions derived from those that are there.
+
+Positions that no column holds count as 0, rates follow from the angles, and the specific force from positions, angles
+and gravity. Derivatives are those of polynomials of degree 4 over SMOOTHING_SECONDS (Savitzky & Golay 1964, Anal.
+Chem. 36, 1627), so that the rounding of a log does not become acceleration.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from ocean_sim.conventions import GRAVITY
+from ocean_sim.files.csv_file import NAMED_COLUMNS_RULE, Table
+from ocean_sim.platform.shared import motion_log
+from ocean_sim.platform.shared.motion_log import ANGLE_COLUMNS, FORCE_COLUMNS, POSE_COLUMNS, RATE_COLUMNS, TIME_COLUMN
+
+SMOOTHING_SECONDS = 0.5  # [s]
+POLYNOMIAL_DEGREE = 4
+MAX_TILT = np.pi / 2.0  # [rad] of roll or pitch, beyond which angles count as degrees
+MAX_GAP_ROWS = 3.0  # times between rows that a gap may be long where uneven rows are interpolated
+COLUMN_KEYS = {
+    motion_log.UNIT_PATTERN.sub("", name).removeprefix("specific_"): name for name in motion_log.REQUIRED_COLUMNS
+}
+
+
+def read_own_log(
+    path: str | Path, columns: dict[str, str], degrees: bool, axes: str
+) -> tuple[motion_log.MotionLog, list[str]]:
+    """Read the motion log at `path`, and state in sentences what was assumed or derived. `columns`: names in the file
+    by key of COLUMN_KEYS; `axes`: frame of a log whose head names none. Raises Unreadable."""
+    table = Table(path, {own: COLUMN_KEYS[key] for key, own in columns.items()})
+    table.head.setdefault("frame", axes)
+    known = {name: table[name] for name in motion_log.REQUIRED_COLUMNS if name in table}
+    if not known.keys() & {*POSE_COLUMNS}:
+        raise NAMED_COLUMNS_RULE.broken(path, f"it has no column for any of {', '.join(POSE_COLUMNS)}")
+    table.finite(TIME_COLUMN, *known)
+    for name in known.keys() & {*ANGLE_COLUMNS, *RATE_COLUMNS}:
+        known[name] = np.radians(known[name]) if degrees else known[name]
+    for name in known.keys() & {*ANGLE_COLUMNS}:
+        known[name] = np.unwrap(known[name])
+        if name != "yaw_rad" and (most := np.abs(known[name]).max()) > MAX_TILT:
+            found = f"{name} reaches {most:.3g} rad; is it in degrees (--units deg)?"
+            raise motion_log.POSSIBLE_RULE.broken(path, found)
+    said = even_times(table, known)
+    absent = [name for name in POSE_COLUMNS if name not in known]
+    known = dict.fromkeys(absent, 0.0 * known[TIME_COLUMN]) | known
+    said += [f"taken as 0: {', '.join(absent)}"] if absent else []
+    said += derive_motion(known, motion_log.frame_of(table))
+    table.replace_columns({name: known[name] for name in motion_log.REQUIRED_COLUMNS})
+    return motion_log.checked_log(table, agree=not said), said
+
+
+def even_times(table: Table, known: dict[str, np.ndarray]) -> list[str]:
+    """Let times begin at 0 and, where rows are a little uneven, interpolate all columns; says so. Epoch times in units
+    of 1e-3, 1e-6 or 1e-9 s become seconds."""
+    time = known[TIME_COLUMN]
+    thousands = max(0, round((np.log10(max(time[0], 1.0)) - 9.25) / 3.0))  # 1e9 s after 1970 was in 2001
+    table[TIME_COLUMN] = known[TIME_COLUMN] = time = np.round((time - time[0]) / 1000.0**thousands, 6)
+    table.series(fewest=2)
+    steps = np.diff(time)
+    every = motion_log.round_interval(float(time[-1]) / len(steps))
+    off = float(np.abs(steps - every).max())
+    if off <= motion_log.INTERVAL_TOLERANCE * every or steps.max() > MAX_GAP_ROWS * every:
+        return []
+    even = every * np.arange(len(time))
+    known |= {name: np.interp(even, time, column) for name, column in known.items()} | {TIME_COLUMN: even}
+    return [f"steps of time differ by up to {off:.3g} s: interpolated to rows every {every:.6g} s"]
+
+
+def derive_motion(known: dict[str, np.ndarray], frame: str) -> list[str]:
+    """Add rates and specific force to columns `known` (along axes `frame`) where one is missing, and say which."""
+    signs, names, said = motion_log.frame_signs(frame), ("surge_m", "sway_m", "heave_m"), []
+    every = float(known[TIME_COLUMN][-1]) / (len(known[TIME_COLUMN]) - 1)
+    attitude = np.column_stack([known[name] for name in ANGLE_COLUMNS]) * signs
+    if any(name not in known for name in RATE_COLUMNS):
+        (sr, sp, _), (cr, cp, _) = np.sin(attitude).T, np.cos(attitude).T
+        roll, pitch, yaw = derivative(attitude, every, 1).T
+        rates = np.column_stack([roll - sp * yaw, cr * pitch + sr * cp * yaw, cr * cp * yaw - sr * pitch]) * signs
+        known |= dict(zip(RATE_COLUMNS, rates.T))
+        said.append("rates derived from angles")
+    if any(name not in known for name in FORCE_COLUMNS):
+        moved = derivative(np.column_stack([known[name] for name in names]) * signs, every, 2)
+        felt = motion_log.rotations(attitude).inv().apply(moved + [0.0, 0.0, GRAVITY])
+        known |= dict(zip(FORCE_COLUMNS, (felt @ motion_log.LOG_FRAMES[frame].T).T))
+        said.append("specific force derived from positions, angles and gravity")
+    return said
+
+
+def derivative(values: np.ndarray, every: float, order: int) -> np.ndarray:
+    """Derivative of an order of columns (n, k) in rows `every` [s], smoothed over SMOOTHING_SECONDS."""
+    from scipy.signal import savgol_filter
+
+    window = min(max(POLYNOMIAL_DEGREE + 1, round(SMOOTHING_SECONDS / every) | 1), (len(values) - 1) // 2 * 2 + 1)
+    return savgol_filter(values, window, min(POLYNOMIAL_DEGREE, window - 1), order, every, axis=0)

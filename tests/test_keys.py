@@ -72,7 +72,7 @@ def test_a_preset_or_a_kind_is_explained_by_its_sentence_and_its_keys(capsys):
 def test_the_kinds_of_what_is_inside_a_part_are_a_key():
     (key,) = keys_at("fluid.delta_sph.initial.kind")
     assert "taylor_green" in key.choices and "`standing_wave`: A standing wave along x" in key.meaning
-    assert any(key.choices == ("adaptive", "classical") for key in keys_at("platform.washout.kind"))
+    assert any(key.choices == ("adaptive", "classical", "predictive") for key in keys_at("platform.washout.kind"))
 
 
 def test_every_example_is_a_value_that_its_key_takes():

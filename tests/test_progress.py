@@ -160,3 +160,12 @@ def test_python_prints_a_line_after_each_tenth_where_it_is_asked_to(tmp_path, mo
         shown.draw(done, 40)
     shown.draw(41, 0)
     assert capsys.readouterr().err.splitlines()[::3] == [f"picture {k} of 40" for k in (4, 16, 28, 40)]
+
+
+def test_the_time_of_a_step_does_not_count_what_compiles_late(clock):
+    progress = Progress(10.0, quiet=True)
+    for step in range(1, 61):
+        clock.wall += 30.0 if step in (1, 9, 30) else 0.02
+        progress.observe(at(0.01 * step, step))
+    assert progress.step_time == pytest.approx(0.02)
+    assert Progress(10.0, quiet=True).step_time is None

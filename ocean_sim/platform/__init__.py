@@ -19,7 +19,7 @@ PLATFORM_COLUMNS = (
 
 # Bits of `limited`.
 STROKE_LIMIT, LEG_SPEED_LIMIT, LEG_ACCELERATION_LIMIT = 1, 2, 4
-TILT_RATE_LIMIT, INPUT_LIMIT, SINGULARITY_LIMIT, LATE_LIMIT = 8, 16, 32, 64
+TILT_RATE_LIMIT, INPUT_LIMIT, SINGULARITY_LIMIT = 8, 16, 32
 LIMIT_TEXTS = {
     STROKE_LIMIT: "scaled back near the end of a stroke, or from beyond it",
     LEG_SPEED_LIMIT: "held to the speed of a leg",
@@ -27,7 +27,6 @@ LIMIT_TEXTS = {
     TILT_RATE_LIMIT: "tilt held to its rate",
     INPUT_LIMIT: "input clipped, or cut at the end of the travel",
     SINGULARITY_LIMIT: "scaled back from a singular pose",
-    LATE_LIMIT: "led by the fallback of a predictive washout",
 }
 
 

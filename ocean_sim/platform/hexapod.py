@@ -49,8 +49,7 @@ class Config(PlatformConfig):
         """A ship that is not there, or a washout that looks ahead of the run."""
         found = super().mismatches(preflight)
         if cast(WashoutConfig, self.washout).look_ahead > 0.0:
-            sentence = "it looks ahead, which takes a finished log; in a run take linear, and `platform RUN` after it"
-            found.append((("washout", "preview"), f"ghost: {sentence}"))
+            found.append((("washout",), "predictive looks ahead, in a finished log: use `ocean-sim platform RUN`"))
         return found
 
     def warnings(self, preflight: Preflight) -> list[str]:

@@ -247,7 +247,8 @@ def print_report(done: Commands, found: list[Metric], files: list[Path]) -> None
     if "share_of_possible_all" in value:
         share, error, least = (value[k] for k in ("share_of_possible_all", "sensed_error", "sensed_error_best"))
         console.say(
-            f"{100.0 * share:.3g} % of the possible: sensed error {error:.3g} thresholds, {least:.3g} on the best ride"
+            f"people sense an error of {error:.3g} of what they notice, and of {least:.3g} on the best ride of these "
+            f"legs (best.csv, best.png): the washout reaches {100.0 * share:.3g} % of the possible"
         )
     console.say(f"motion sickness dose {sick[0]:.3g} m/s1.5 on the ship, {sick[1]:.3g} on the platform (ISO 2631-1)")
     console.say(f"{files[0].parent}: {', '.join(path.name for path in files)}")

@@ -13,7 +13,7 @@ Otoliths sense a specific force by 0.4 (10 s + 1) / ((5 s + 1) (0.016 s + 1)), s
 0.28 m/s2, and 3.0, 3.6 and 2.6 deg/s about roll, pitch and yaw (Reid & Nahon 1985, UTIAS Report 296).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,14 +33,6 @@ SHAKING_COST = 1e-4  # of a leg's acceleration of 1 m/s2 at a knot: of two rides
 DERIVATIVE_STEP = 1e-5  # [m], [rad], [1/s] and [1/s2] of both, of central differences
 END_POINTS = 3  # control points that fix value, slope and second derivative at an end
 SOLVED_STATES = ("Solved", "AlmostSolved", "NumericalError", "InsufficientProgress")  # NumericalError: no nearer
-
-
-class Asked(NamedTuple):
-    """Motion that is asked for."""
-
-    motion: np.ndarray  # (n, 6) specific force [m/s2] and rate [rad/s] at the knots
-    trust: float = np.inf  # [s] in which the weight of an error falls by a factor e
-    neutral_cost: float = NEUTRAL_COST  # of a leg 1 m from neutral at a knot
 
 
 class SolverMissing(Lacking):
@@ -153,22 +145,21 @@ def load_solver() -> Any:
 def solve_programme(
     geometry: Geometry,
     hexapod: Hexapod,
-    wish: Asked,
+    asked: np.ndarray,
     past: np.ndarray,
     guess: np.ndarray,
     state: np.ndarray,
     tolerance: float,
-    time_limit: float | None = None,
-) -> np.ndarray | None:
-    """Control points (n + 2, 6) [m] that meet a wish best and end at rest, or None without any in `time_limit` [s].
+) -> np.ndarray:
+    """Best control points (n + 2, 6) [m] for specific force [m/s2] and rate [rad/s] asked for at knots (n, 6).
 
     Motion is linear about the `past` (n + 2, 6), whose first END_POINTS stay; `guess` (n, 6): poses near its; `state`
-    (6, 2) of the organs before the first knot.
+    (6, 2) of the organs before the first knot. Raises SolverMissing, and ValueError where there are none.
     """
     clarabel = load_solver()
     from scipy.sparse import block_array, block_diag, csr_array, diags_array, eye_array, kron
 
-    asked, n = wish.motion, len(wish.motion)
+    n = len(asked)
     m, one, zero = n + 2, eye_array(n), np.zeros(n)
     track = leg_track(hexapod, past, guess)
     felt_by, neutral = felt_by_points(track), hexapod.neutral_legs
@@ -200,20 +191,35 @@ def solve_programme(
             most = np.maximum(np.abs(asked[:, k]), np.abs(past_error[:, k]))
             rows.append(({1 + 4 * k: sign * one}, np.maximum(NOTICED_TURN_RATE, most)))
     matrix = block_array([[blocks.get(k) for k in range(25)] for blocks, _ in rows], format="csc")
-    calm = wish.neutral_cost * eye_array(6 * m) + SHAKING_COST * (turn.T @ turn)
-    weight = np.exp(-np.arange(n) * KNOT_INTERVAL / wish.trust)
-    costs = [calm, *6 * [diags_array(np.concatenate([np.zeros(3 * n), weight]))]]
+    calm = NEUTRAL_COST * eye_array(6 * m) + SHAKING_COST * (turn.T @ turn)
+    costs = [calm, *6 * [diags_array(np.repeat([0.0, 1.0], [3 * n, n]))]]
     settings = clarabel.DefaultSettings()
     settings.verbose, settings.direct_solve_method = False, "qdldl"  # which is one thread, and the faster here
     settings.tol_feas = settings.tol_gap_abs = settings.tol_gap_rel = tolerance
-    if time_limit is not None:
-        settings.time_limit = time_limit
     right = np.concatenate([right for _, right in rows])
     cones = [clarabel.ZeroConeT(equal), clarabel.NonnegativeConeT(len(right) - equal)]
     cost = block_diag(costs, format="csc")
     answer = clarabel.DefaultSolver(cost, np.zeros(cost.shape[0]), matrix, right, cones, settings).solve()
-    found = np.array(answer.x[: 6 * m]).reshape(6, m).T + neutral
-    return found if str(answer.status) in SOLVED_STATES else None
+    if str(answer.status) not in SOLVED_STATES:
+        raise ValueError(f"no motion of the platform was found within its limits ({answer.status})")
+    return np.array(answer.x[: 6 * m]).reshape(6, m).T + neutral
+
+
+def improved_track(
+    geometry: Geometry,
+    hexapod: Hexapod,
+    asked: np.ndarray,
+    points: np.ndarray,
+    motion: np.ndarray,
+    state: np.ndarray,
+    tolerances: Sequence[float],
+) -> tuple[np.ndarray, np.ndarray]:
+    """Control points (n + 2, 6) [m] and motion (n, 18) at the knots after a programme for each tolerance, each about
+    the solution of the one before, the first about `points` and `motion`; the rest as for `solve_programme`."""
+    for tolerance in tolerances:
+        points = solve_programme(geometry, hexapod, asked, points, motion[:, :6], state, tolerance)
+        motion = leg_track(hexapod, points, motion[:, :6]).motion
+    return points, motion
 
 
 def best_poses(geometry: Geometry, hexapod: Hexapod, rows: np.ndarray) -> np.ndarray:
@@ -227,23 +233,19 @@ def best_poses(geometry: Geometry, hexapod: Hexapod, rows: np.ndarray) -> np.nda
 
 def best_track(geometry: Geometry, hexapod: Hexapod, asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Control points (n + 2, 6) [m] of the best ride for motion asked for at knots (n, 6), and its poses (n, 6) there.
-    Raises ValueError where there is none."""
+    Raises SolverMissing, and ValueError where there is none."""
     window, kept = round(WINDOW_TIME / KNOT_INTERVAL), round(KEPT_TIME / KNOT_INTERVAL)
-    points, poses = np.tile(hexapod.neutral_legs, (len(asked) + 2, 1)), np.zeros((len(asked), 6))
+    points, motion = np.tile(hexapod.neutral_legs, (len(asked) + 2, 1)), np.zeros((len(asked), 18))
     state, first = np.zeros((6, 2)), 0
     while True:
         part = asked[first : first + window]
-        last = first + window >= len(asked)
         here, there = slice(first, first + len(part) + 2), slice(first, first + len(part))
-        for tolerance in PASS_TOLERANCES:
-            found = solve_programme(geometry, hexapod, Asked(part), points[here], poses[there], state, tolerance)
-            if found is None:
-                raise ValueError("there is no motion of the platform within its limits")
-            points[here] = found
-            track = leg_track(hexapod, found, poses[there])
-            poses[there] = track.motion[:, :6]
-        if last:
-            return points, poses
-        points[here.stop :], poses[there.stop :] = points[here.stop - 1], poses[there.stop - 1]
-        state = sensed_error(felt_at(track.motion[:kept]) - part[:kept], KNOT_INTERVAL, state)[1]
+        points[here], motion[there] = improved_track(
+            geometry, hexapod, part, points[here], motion[there], state, PASS_TOLERANCES
+        )
+        if first + window >= len(asked):
+            return points, motion[:, :6]
+        points[here.stop :], motion[there.stop :] = points[here.stop - 1], motion[there.stop - 1]
+        error = felt_at(motion[first : first + kept]) - part[:kept]
+        state = sensed_error(error, KNOT_INTERVAL, state)[1]
         first += kept

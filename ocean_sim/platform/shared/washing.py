@@ -149,7 +149,7 @@ class Washing:
             angle, held = self.tilts[k - 3].follow_force(push[:, axis])
             pose[:, k] += sign * angle
             limited[held] |= TILT_RATE_LIMIT
-        return Cue(pose, limited, *scaled_motion(ride, config))
+        return Cue(pose, limited, *scaled_motion(ride, config.force_scale, config.rotation_scale))
 
     def clip_input(self, wanted: np.ndarray, limit: float, limited: np.ndarray) -> np.ndarray:
         """Copy of `wanted` (n, 3) clipped to +-`limit`; sets the bit INPUT_LIMIT in `limited` (n,) of clipped rows."""
@@ -167,10 +167,10 @@ class Washing:
         return np.clip(force * self.config.force_scale[:2], -limit, limit)
 
 
-def scaled_motion(ride: Ride, config: WashingConfig) -> tuple[np.ndarray, np.ndarray]:
+def scaled_motion(ride: Ride, force_scale: Vector3, rotation_scale: Vector3) -> tuple[np.ndarray, np.ndarray]:
     """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] to be felt: the ship's by the scales of a washout."""
-    inertial = (ride.specific_force - rest_force(ride.attitude)) * config.force_scale
-    return inertial + rest_force(ride.attitude * config.rotation_scale), ride.rate * config.rotation_scale
+    inertial = (ride.specific_force - rest_force(ride.attitude)) * force_scale
+    return inertial + rest_force(ride.attitude * rotation_scale), ride.rate * rotation_scale
 
 
 def rest_force(attitude: np.ndarray) -> np.ndarray:

@@ -16,6 +16,8 @@ MAX_PATH_POINTS = 20000  # points of a path
 AXIS_LABELS = ("x [m]", "y [m]", "z [m]", "roll [deg]", "pitch [deg]", "yaw [deg]")
 FORCE_LABELS = ("specific force on the platform, x [m/s²]", "y", "z, less g")
 RATE_LABELS = ("angular rate of the platform, x [deg/s]", "y", "z")
+PUSH_LABELS = tuple(f"felt specific force, {axis} [m/s²]" for axis in ("forward", "to port", "up, less g"))
+TURN_LABELS = tuple(f"felt rate of {turn} [deg/s]" for turn in ("roll", "pitch", "yaw"))
 STRIP_ROWS = (("pitch", 4), ("roll", 3), ("yaw", 5))
 STRIP_ANGLE = np.radians(12.0)
 FILM_SECONDS, FRAME_RATE = 10.0, 20  # of a film
@@ -93,20 +95,27 @@ def draw_motion(done: Commands) -> Any:
 
 def draw_best(done: Commands, best: Commands, hexapod: Hexapod) -> Any:
     """Matplotlib figure of felt against asked specific force and turns, and of the stroke used, of both rides."""
-    picture, axes = new_figure(4, 1, (10, 11.5), sharex=True)
-    shown = (("of the washout", done, "#d1601f"), ("of the best ride", best, "#0b6e8a"))
-    for axis, k, label in ((axes[0, 0], 0, FORCE_LABELS[0]), (axes[1, 0], 2, "specific force, z, less g")):
-        axis.plot(done.time, done.cue.force[:, k] - [0.0, 0.0, GRAVITY][k], "k--", lw=0.8, label="asked for")
+    picture, axes = new_figure(4, 2, (13, 11), sharex=True)
+    shown = (("with the washout", done, "#d1601f"), ("best ride", best, "#0b6e8a"))
+    for k in range(6):
+        axis, of_turn = axes[k % 3, k // 3], k >= 3
+        scale, offset = (180.0 / np.pi, 0.0) if of_turn else (1.0, [0.0, 0.0, GRAVITY][k])
         for name, ride, colour in shown:
-            axis.plot(ride.time, ride.felt_force[:, k] - [0.0, 0.0, GRAVITY][k], lw=1.2, color=colour, label=name)
-        label_axes(axis, f"{label} [m/s²]", 3)
-    axes[2, 0].plot(done.time, np.degrees(done.cue.rate[:, 1]), "k--", lw=0.8, label="asked for")
-    for name, ride, colour in shown:
-        axes[2, 0].plot(ride.time, np.degrees(ride.felt_rate[:, 1]), lw=1.2, color=colour, label=name)
-        axes[3, 0].plot(ride.time, 100.0 * hexapod.usage(ride.pose), lw=1.2, color=colour, label=name)
-    label_axes(axes[2, 0], "angular rate, y [deg/s]", 3)
-    label_axes(axes[3, 0], "stroke used [%]", 3)
-    axes[3, 0].set_xlabel("time [s]")
+            felt = ride.felt_rate[:, k - 3] if of_turn else ride.felt_force[:, k]
+            axis.plot(ride.time, scale * (felt - offset), lw=1.4, color=colour, label=name)
+        wanted = done.cue.rate[:, k - 3] if of_turn else done.cue.force[:, k]
+        axis.plot(done.time, scale * (wanted - offset), "k--", lw=0.9, label="asked for")
+        axis.set_title((TURN_LABELS if of_turn else PUSH_LABELS)[k % 3], fontsize=9, loc="right")
+    for _, ride, colour in shown:
+        axes[3, 0].plot(ride.time, 100.0 * hexapod.usage(ride.pose), lw=1.4, color=colour)
+        axes[3, 1].plot(ride.time, ride.pose[:, 2], lw=1.4, color=colour)
+    axes[3, 0].set_title("stroke used, of the leg that uses most [%]", fontsize=9, loc="right")
+    axes[3, 1].set_title("heave of the platform [m]", fontsize=9, loc="right")
+    axes[0, 0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, ncol=3, fontsize=8, frameon=False)
+    for axis in axes.flat:
+        axis.grid(alpha=0.3)
+    for axis in axes[3]:
+        axis.set_xlabel("time [s]")
     return picture
 
 

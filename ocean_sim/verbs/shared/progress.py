@@ -1,9 +1,11 @@
 """Progress of a run and of its pictures on the command line."""
 
-from collections import Counter
+from collections import Counter, deque
 from contextlib import suppress
 from time import perf_counter
 from typing import Any
+
+import numpy as np
 
 from ocean_sim.conventions import figures
 from ocean_sim.machine import kernel_cache
@@ -11,7 +13,7 @@ from ocean_sim.simulation import OutcomeObserver, Simulation
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import FILM_CURE, Bar, Drawing
 
-MIN_TIMED_STEPS = 20  # for a mean time of a step
+MIN_TIMED_STEPS, MAX_TIMED_STEPS = 20, 400  # of which the time of a step is the median
 
 
 def kernel_notice() -> str:
@@ -37,7 +39,8 @@ class Progress(OutcomeObserver):
         self.bar, self.drawing = Bar(duration, quiet), Drawing(quiet, FILM_CURE)
         self.duration, self.since, self.attending = duration, since, False
         self.began = perf_counter()
-        self.first: tuple[float, float, int] | None = None  # wall and simulated time [s] after the first step; steps
+        self.first: tuple[float, float] | None = None  # wall and simulated time [s] after the first step
+        self.ends: deque[float] = deque(maxlen=MAX_TIMED_STEPS + 1)  # wall times [s] of the last steps
         self.time, self.steps, self.particles, self.wall, self.pictures = 0.0, 0, 0, 0.0, 0
         self.limits: Counter[str] = Counter()
         self.unsolved: dict[str, int] = {}  # steps of each solver that ended above its tolerance
@@ -57,7 +60,8 @@ class Progress(OutcomeObserver):
             return
         self.limits[simulation.time_step.limited_by] += 1
         if self.first is None:
-            self.first = (now, self.time, self.steps)
+            self.first = (now, self.time)
+        self.ends.append(now)
         if self.over or self.bar.due(now):
             self.bar.show(self.time, f"t = {self.time:.2f} of {self.duration:g} s{self.pace()}")
 
@@ -93,10 +97,10 @@ class Progress(OutcomeObserver):
 
     @property
     def step_time(self) -> float | None:
-        """Mean wall time [s] of a step, without the first; None for fewer than MIN_TIMED_STEPS."""
-        if self.first is None or self.steps - self.first[2] < MIN_TIMED_STEPS:
+        """Median wall time [s] of the last steps, to which kernels compiled late add nothing; None for too few."""
+        if len(self.ends) <= MIN_TIMED_STEPS:
             return None
-        return (self.began + self.wall - self.first[0]) / (self.steps - self.first[2])
+        return float(np.median(np.diff(self.ends)))
 
     def summary(self) -> dict[str, Any]:
         """Counts, times and limits of the run as JSON data, to be called once all files and pictures are finished."""

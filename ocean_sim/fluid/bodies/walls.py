@@ -49,6 +49,10 @@ class Zone:
         """Length of the zone along its axis [m]."""
         return abs(self.end - self.begin)
 
+    def holds(self, place: float) -> bool:
+        """True if a place [m] along its axis lies in the zone."""
+        return min(self.begin, self.end) < place < max(self.begin, self.end)
+
     @property
     def wavelength(self) -> float:
         """Wavelength [m] of the highest waves that the zone is designed for; infinite if the scene names no waves."""

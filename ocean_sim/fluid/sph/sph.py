@@ -1,6 +1,7 @@
 """Base class of schemes of smoothed particle hydrodynamics, and of their configs: keys, memory, limits and fields."""
 
 from collections.abc import Iterator
+from itertools import product
 from math import inf, pi, sqrt
 from typing import TYPE_CHECKING, ClassVar
 
@@ -24,7 +25,7 @@ from ocean_sim.fluid.sph.smoothing import NEUTRAL_KERNEL, NEUTRAL_RATIO, Kernel,
 from ocean_sim.fluid.sph.water_keys import Lattice, WaterConfig, free_fall_speed
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
-from ocean_sim.parts import LedgerRow, Preflight, Problems, key_of
+from ocean_sim.parts import LedgerRow, Preflight, Problems, called, key_of
 from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import Wind
 
@@ -155,12 +156,15 @@ class SphConfig(WaterConfig):
         if "compression" not in self.unheeded:
             found += self.stiffness_warnings(basin) or self.weight_warnings(basin, preflight.duration)
         lattice = self.start_lattice(preflight)
-        around = relaxation_band(lattice)
+        outlines = {name: ship.outline(preflight) for name, ship in preflight.ships.items()}
+        places = {name: outline.plan.mean(axis=0) for name, outline in outlines.items() if outline is not None}
+        around, damping = relaxation_band(lattice), zones(lattice)
         if around is not None:
-            outlines = {name: ship.outline(preflight) for name, ship in preflight.ships.items()}
-            ships = {name: outline.plan.mean(axis=0) for name, outline in outlines.items() if outline is not None}
-            found += [*around.warnings(preflight.duration), *around.ships_in_rim(ships)]
-        return [*found, *of_zones(zones(lattice)), *self.scale_warnings(lattice, preflight.support)]
+            found += [*around.warnings(preflight.duration), *around.ships_in_rim(places)]
+        for name, zone in product(places, damping):
+            if zone.axis != 1 and zone.holds(places[name][zone.axis // 2]):
+                found.append(f"{called(name)} starts in the zone before absorbing side {zone.side}, which damps waves")
+        return [*found, *of_zones(damping), *self.scale_warnings(lattice, preflight.support)]
 
     def scale_warnings(self, lattice: Lattice, support: float) -> Iterator[str]:
         """Yield warnings of too few particles for the depth or the waves of a scene, and of waves too steep."""

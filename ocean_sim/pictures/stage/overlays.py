@@ -24,6 +24,7 @@ def add_words(stage: Stage, text: str, position: tuple[int, int]) -> Any:
     made = stage.plotter.add_text(text, position=(x, y), font_size=9 * stage.samples, color=INK_COLOUR)
     made.prop.SetBackgroundColor(*PAPER_COLOUR)
     made.prop.SetBackgroundOpacity(0.55)
+    stage.over.append(made)
     return made
 
 

@@ -20,7 +20,7 @@ class Stage:
 
         self.pyvista: ModuleType = pyvista
         self.size, self.camera, self.samples = size, camera, samples
-        self.over: list[Any] = []  # actors that lie on the water, of which it shows none within it
+        self.over: list[Any] = []  # actors on the water or before the picture, of which the water shows none within it
         self.plotter = self.empty((samples * size[0], samples * size[1]))
         self.said = water_glsl.collect_messages()
 

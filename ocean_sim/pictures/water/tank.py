@@ -227,9 +227,9 @@ class Shell(Content):
         for mark in self.stage.over:
             mark.VisibilityOff()
         self.stage.plotter.render()
+        water_glsl.fill_image(self.behind.GetInput(), self.stage.plotter.screenshot(None, return_img=True)[::-1])
         for mark in self.stage.over:
             mark.VisibilityOn()
-        water_glsl.fill_image(self.behind.GetInput(), self.stage.plotter.screenshot(None, return_img=True)[::-1])
 
     def close(self) -> None:
         """Close the plotter in which distances through the water are drawn."""

@@ -27,8 +27,9 @@ def explain(
 ) -> None:
     """Explain a key, or the keys of a preset or a kind; another word is refused, with the likeliest key."""
     asked = key.partition("=")[0].strip().lower()
-    if asked in (*SLOTS, SEVERAL):
-        list_choices(ALONE if asked == SEVERAL else asked)
+    slot = asked.removesuffix(".kind")
+    if slot in (*SLOTS, SEVERAL):
+        list_choices(ALONE if slot == SEVERAL else slot)
         return
     same = group_alike(keys_at(by_kind(asked)) or [each for each in scene_keys() if each.path.split(".")[-1] == asked])
     part = None if same and "." not in asked else preset_choice(asked)

@@ -119,7 +119,7 @@ class HexapodPlatform:
 
     def best(self, done: Commands) -> Commands:
         """Commands of the best ride for the motion that the washout of a ride `done` asked for; raises SolverMissing,
-        and ValueError where there is none."""
+        and Failed where there is none."""
         rows = np.column_stack([done.time, done.cue.force, done.cue.rate])
         pose = leg_programme.best_poses(self.geometry, self.hexapod, rows)
         legs, none = self.hexapod.legs(pose), np.zeros(len(pose), dtype=int)

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ocean_sim.conventions import Lacking
+from ocean_sim.conventions import Failed, Lacking
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, felt_motion
 
 KNOT_INTERVAL = 0.04  # [s]
@@ -154,7 +154,7 @@ def solve_programme(
     """Best control points (n + 2, 6) [m] for specific force [m/s2] and rate [rad/s] asked for at knots (n, 6).
 
     Motion is linear about the `past` (n + 2, 6), whose first END_POINTS stay; `guess` (n, 6): poses near its; `state`
-    (6, 2) of the organs before the first knot. Raises SolverMissing, and ValueError where there are none.
+    (6, 2) of the organs before the first knot. Raises SolverMissing, and Failed where there are none.
     """
     clarabel = load_solver()
     from scipy.sparse import block_array, block_diag, csr_array, diags_array, eye_array, kron
@@ -201,7 +201,7 @@ def solve_programme(
     cost = block_diag(costs, format="csc")
     answer = clarabel.DefaultSolver(cost, np.zeros(cost.shape[0]), matrix, right, cones, settings).solve()
     if str(answer.status) not in SOLVED_STATES:
-        raise ValueError(f"no motion of the platform was found within its limits ({answer.status})")
+        raise Failed(f"no motion of the platform was found within its limits ({answer.status})")
     return np.array(answer.x[: 6 * m]).reshape(6, m).T + neutral
 
 
@@ -224,7 +224,7 @@ def improved_track(
 
 def best_poses(geometry: Geometry, hexapod: Hexapod, rows: np.ndarray) -> np.ndarray:
     """Poses (n, 6) of the best ride from neutral to rest for rows (n, 7): time [s], specific force [m/s2] and rate
-    [rad/s] asked for. Raises SolverMissing, and ValueError where there is none."""
+    [rad/s] asked for. Raises SolverMissing, and Failed where there is none."""
     at = (rows[:, 0] - rows[0, 0]) / KNOT_INTERVAL
     asked = motion_at(rows, rows[0, 0] + KNOT_INTERVAL * np.arange(int(at[-1]) + 2))
     points, poses = best_track(geometry, hexapod, asked)
@@ -233,7 +233,7 @@ def best_poses(geometry: Geometry, hexapod: Hexapod, rows: np.ndarray) -> np.nda
 
 def best_track(geometry: Geometry, hexapod: Hexapod, asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Control points (n + 2, 6) [m] of the best ride for motion asked for at knots (n, 6), and its poses (n, 6) there.
-    Raises SolverMissing, and ValueError where there is none."""
+    Raises SolverMissing, and Failed where there is none."""
     window, kept = round(WINDOW_TIME / KNOT_INTERVAL), round(KEPT_TIME / KNOT_INTERVAL)
     points, motion = np.tile(hexapod.neutral_legs, (len(asked) + 2, 1)), np.zeros((len(asked), 18))
     state, first = np.zeros((6, 2)), 0

@@ -94,7 +94,7 @@ class Predictive:
         return Cue(pose, np.zeros(len(pose), dtype=int), *np.split(scaled[1][:, 1:], 2, axis=1))
 
     def replan(self, rows: np.ndarray, begin: float) -> None:
-        """Plan the motion from `begin` [s] on for rows (n, 7) as in `known`; raises SolverMissing, ValueError."""
+        """Plan the motion from `begin` [s] on for rows (n, 7) as in `known`; raises SolverMissing, Failed."""
         k, n = self.steps, len(self.motion)
         if self.plan >= 0:  # the organs felt the plan so far
             asked = leg_programme.motion_at(rows, begin + KNOT_INTERVAL * np.arange(-k, 0))

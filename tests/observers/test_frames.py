@@ -180,10 +180,13 @@ def test_a_sea_that_is_there_from_the_beginning_bears_foam_of_every_age(tmp_path
 COLUMN, LEDGE = [[-1.5, -1.0, -0.5], [-0.5, 0.0, 0.5]], [[-0.5, -1.0, -0.5], [1.5, -0.4, 0.5]]  # [m] corners
 
 
-def let_go(folder: Path, *boxes: list[list[float]], duration: float, surface: str | None = None) -> Path:
-    """The run of water that begins at rest in these boxes."""
-    basin = {"length": 3.0, "width": 1.0, "depth": 1.0}
-    fluid = {"kind": "mueller", "spacing": 0.1, "fill": [dict(zip(("min", "max"), box, strict=True)) for box in boxes]}
+def let_go(
+    folder: Path, *boxes: list[list[float]], duration: float, surface: str | None = None, scale: float = 1.0
+) -> Path:
+    """The run of water that begins at rest in these boxes, all lengths times `scale`."""
+    basin = {"length": 3.0 * scale, "width": scale, "depth": scale}
+    fill = [dict(zip(("min", "max"), (scale * np.array(box)).tolist(), strict=True)) for box in boxes]
+    fluid = {"kind": "mueller", "spacing": 0.1 * scale, "fill": fill}
     scene = {"basin": basin, "fluid": fluid, "duration": duration, "frames": {"every": 0.1}, "render": None}
     run(load(scene | ({} if surface is None else {"surface": surface})), folder)
     return folder
@@ -200,12 +203,12 @@ def test_water_at_rest_is_not_white_however_steep_its_edge(tmp_path):
 
 @with_opengl
 @pytest.mark.parametrize(
-    ("boxes", "surface", "later"), [((COLUMN,), "marching_cubes", 0.8), ((COLUMN, LEDGE), None, 0.4)]
+    ("boxes", "surface", "later", "scale"), [((COLUMN,), "marching_cubes", 0.8, 1.0), ((COLUMN, LEDGE), None, 0.9, 5.0)]
 )
-def test_a_picture_of_water_at_rest_has_no_white_water(tmp_path, boxes, surface, later):
+def test_a_picture_of_water_at_rest_has_no_white_water(tmp_path, boxes, surface, later, scale):
     """In a tank, and in an open sea, whose waves go on beyond the basin; as it meets the far side, or a moment later,
     there is some in both."""
-    folder = let_go(tmp_path / "run", *boxes, duration=later, surface=surface)
+    folder = let_go(tmp_path / "run", *boxes, duration=later, surface=surface, scale=scale)
     looks = [{"foam": on, "stills": (time,)} for time in (0.0, later) for on in (False, True)]
     without, rest, bare, white = render.variants(folder, 0.0, looks, size=(320, 180), caption=False).astype(int)
     assert np.abs(rest - without).max() <= 1

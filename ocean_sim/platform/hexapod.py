@@ -124,8 +124,7 @@ class HexapodPlatform:
         pose = leg_programme.best_poses(self.geometry, self.hexapod, rows)
         legs, none = self.hexapod.legs(pose), np.zeros(len(pose), dtype=int)
         velocity = np.diff(legs, axis=0, prepend=legs[:1]) / self.every
-        self.past = np.zeros((2, 6))
-        force, rate = self.felt_motion(pose)
+        force, rate = felt_by_differences(np.vstack([np.zeros((2, 6)), pose]), self.every)
         return done._replace(
             pose=pose, legs=legs, leg_velocity=velocity, felt_force=force, felt_rate=rate, limited=none
         )
@@ -169,10 +168,15 @@ class HexapodPlatform:
         return smooth_step(np.clip((time - self.start) / self.ramp, 0.0, 1.0))
 
     def felt_motion(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] on the platform, in platform axes, from backward
-        differences of poses (n, 6) and the two before: acceleration lags by one row, the rate by half a row."""
+        """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] on the platform at the next poses (n, 6)."""
         known = np.vstack([self.past, pose])
         self.past = known[-2:]
-        rates = np.diff(known, axis=0)[1:, 3:] / self.every
-        acceleration = np.diff(known[:, :3], n=2, axis=0) / self.every**2
-        return felt_motion(pose, acceleration, rates)
+        return felt_by_differences(known, self.every)
+
+
+def felt_by_differences(known: np.ndarray, every: float) -> tuple[np.ndarray, np.ndarray]:
+    """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] on a platform, in its axes, from backward differences of
+    poses (n + 2, 6) `every` [s], from the third on: acceleration lags by one row, the rate by half a row."""
+    rates = np.diff(known, axis=0)[1:, 3:] / every
+    acceleration = np.diff(known[:, :3], n=2, axis=0) / every**2
+    return felt_motion(known[2:], acceleration, rates)

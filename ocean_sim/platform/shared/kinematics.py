@@ -105,6 +105,12 @@ class Hexapod:
         along = leg / np.sqrt((leg**2).sum(axis=2))[:, :, None]
         return np.concatenate([along, np.cross(arm, along)], axis=2)
 
+    def pose_jacobian(self, pose: np.ndarray) -> np.ndarray:
+        """Derivatives (n, 6, 6) of leg lengths by the components of poses (n, 6)."""
+        jacobian = self.jacobian(pose)
+        jacobian[:, :, 3:] = jacobian[:, :, 3:] @ rates_to_turn(pose[:, 3:])
+        return jacobian
+
     def condition(self, pose: np.ndarray) -> np.ndarray:
         """Condition numbers (n,) of the Jacobian in poses (n, 6), with turns measured at the mean joint radius."""
         values = np.linalg.svd(self.jacobian(pose) / np.repeat([1.0, self.radius], 3), compute_uv=False)
@@ -118,10 +124,8 @@ class Hexapod:
             far = np.abs(miss).max(axis=1) > LEG_TOLERANCE
             if not far.any():
                 break
-            jacobian = self.jacobian(pose[far])
-            jacobian[:, :, 3:] = jacobian[:, :, 3:] @ rates_to_turn(pose[far, 3:])
             with np.errstate(all="ignore"):
-                step = np.linalg.solve(jacobian, miss[far][:, :, None])[:, :, 0]
+                step = np.linalg.solve(self.pose_jacobian(pose[far]), miss[far][:, :, None])[:, :, 0]
             pose[far] += np.clip(step, -0.5, 0.5)
         pose[np.abs(legs - self.legs(pose)).max(axis=1) > 1e3 * LEG_TOLERANCE] = np.nan
         return pose

@@ -109,7 +109,7 @@ def leg_track(hexapod: Hexapod, points: np.ndarray, guess: np.ndarray) -> LegTra
     """Motion at the knots of leg splines with control points (n + 2, 6) [m]; `guess` (n, 6): poses near theirs."""
     lengths, speeds, accelerations = (matrix @ points for matrix in spline_matrices(len(points) - 2))
     pose = hexapod.pose(lengths, guess)
-    by_length = np.linalg.inv(derivatives(hexapod.legs, pose))
+    by_length = np.linalg.inv(hexapod.pose_jacobian(pose))
     drift = np.gradient(by_length, KNOT_INTERVAL, axis=0)
     velocity = (by_length @ speeds[:, :, None])[:, :, 0]
     acceleration = (by_length @ accelerations[:, :, None] + drift @ speeds[:, :, None])[:, :, 0]
@@ -205,47 +205,52 @@ def solve_programme(
     return np.array(answer.x[: 6 * m]).reshape(6, m).T + neutral
 
 
-def improved_track(
-    geometry: Geometry,
-    hexapod: Hexapod,
-    asked: np.ndarray,
-    points: np.ndarray,
-    motion: np.ndarray,
-    state: np.ndarray,
-    tolerances: Sequence[float],
-) -> tuple[np.ndarray, np.ndarray]:
-    """Control points (n + 2, 6) [m] and motion (n, 18) at the knots after a programme for each tolerance, each about
-    the solution of the one before, the first about `points` and `motion`; the rest as for `solve_programme`."""
-    for tolerance in tolerances:
-        points = solve_programme(geometry, hexapod, asked, points, motion[:, :6], state, tolerance)
-        motion = leg_track(hexapod, points, motion[:, :6]).motion
-    return points, motion
+class LegPlan:
+    """Plan of the legs over the knots ahead, from neutral on, in windows that go on from one another."""
+
+    def __init__(self, geometry: Geometry, hexapod: Hexapod) -> None:
+        self.geometry, self.hexapod = geometry, hexapod
+        self.points = hexapod.neutral_legs[None]  # control points (n + 2, 6) [m]
+        self.motion = np.zeros((1, 18))  # at n knots, as in LegTrack
+        self.state = np.zeros((6, 2))  # of the organs before the first knot
+
+    def improve(self, asked: np.ndarray, tolerances: Sequence[float]) -> None:
+        """Plan for motion asked for at knots (n, 6) by a programme for each tolerance, each about the solution of the
+        one before; raises SolverMissing, and Failed where there is no plan."""
+        self.points, self.motion = extended(self.points, len(asked) + 2), extended(self.motion, len(asked))
+        for tolerance in tolerances:
+            guess = self.motion[:, :6]
+            self.points = solve_programme(self.geometry, self.hexapod, asked, self.points, guess, self.state, tolerance)
+            self.motion = leg_track(self.hexapod, self.points, guess).motion
+
+    def leave(self, asked: np.ndarray) -> None:
+        """Leave the first k knots behind, after the organs felt their difference from motion asked for (k, 6)."""
+        k = len(asked)
+        self.state = sensed_error(felt_at(self.motion[:k]) - asked, KNOT_INTERVAL, self.state)[1]
+        self.points, self.motion = self.points[k:], self.motion[k:]
+
+    def poses(self, at: np.ndarray) -> np.ndarray:
+        """Poses (k, 6) at places (k,), in knots from the first."""
+        guess = self.motion[np.minimum(at.astype(int), len(self.motion) - 1), :6]
+        return self.hexapod.pose(spline_values(self.points, at), guess)
+
+
+def extended(rows: np.ndarray, count: int) -> np.ndarray:
+    """The first `count` rows, and where there are fewer the last one again."""
+    return rows[np.minimum(np.arange(count), len(rows) - 1)]
 
 
 def best_poses(geometry: Geometry, hexapod: Hexapod, rows: np.ndarray) -> np.ndarray:
     """Poses (n, 6) of the best ride from neutral to rest for rows (n, 7): time [s], specific force [m/s2] and rate
     [rad/s] asked for. Raises SolverMissing, and Failed where there is none."""
+    window, kept = round(WINDOW_TIME / KNOT_INTERVAL), round(KEPT_TIME / KNOT_INTERVAL)
     at = (rows[:, 0] - rows[0, 0]) / KNOT_INTERVAL
     asked = motion_at(rows, rows[0, 0] + KNOT_INTERVAL * np.arange(int(at[-1]) + 2))
-    points, poses = best_track(geometry, hexapod, asked)
-    return hexapod.pose(spline_values(points, at), poses[at.astype(int)])
-
-
-def best_track(geometry: Geometry, hexapod: Hexapod, asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Control points (n + 2, 6) [m] of the best ride for motion asked for at knots (n, 6), and its poses (n, 6) there.
-    Raises SolverMissing, and Failed where there is none."""
-    window, kept = round(WINDOW_TIME / KNOT_INTERVAL), round(KEPT_TIME / KNOT_INTERVAL)
-    points, motion = np.tile(hexapod.neutral_legs, (len(asked) + 2, 1)), np.zeros((len(asked), 18))
-    state, first = np.zeros((6, 2)), 0
-    while True:
+    plan, poses = LegPlan(geometry, hexapod), np.empty((len(rows), 6))
+    for first in range(0, max(1, len(asked) - window + kept), kept):
         part = asked[first : first + window]
-        here, there = slice(first, first + len(part) + 2), slice(first, first + len(part))
-        points[here], motion[there] = improved_track(
-            geometry, hexapod, part, points[here], motion[there], state, PASS_TOLERANCES
-        )
-        if first + window >= len(asked):
-            return points, motion[:, :6]
-        points[here.stop :], motion[there.stop :] = points[here.stop - 1], motion[there.stop - 1]
-        error = felt_at(motion[first : first + kept]) - part[:kept]
-        state = sensed_error(error, KNOT_INTERVAL, state)[1]
-        first += kept
+        plan.improve(part, PASS_TOLERANCES)
+        here = (at >= first) & (at < first + len(part))  # a later window has the last word
+        poses[here] = plan.poses(at[here] - first)
+        plan.leave(part[:kept])
+    return poses

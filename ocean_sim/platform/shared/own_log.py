@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ocean_sim.conventions import GRAVITY
 from ocean_sim.files.csv_file import NAMED_COLUMNS_RULE, Table
 from ocean_sim.platform.shared import motion_log
+from ocean_sim.platform.shared.kinematics import felt_motion
 from ocean_sim.platform.shared.motion_log import ANGLE_COLUMNS, FORCE_COLUMNS, POSE_COLUMNS, RATE_COLUMNS, TIME_COLUMN
 
 SMOOTHING_SECONDS = 0.5  # [s]
@@ -71,17 +71,13 @@ def derive_motion(known: dict[str, np.ndarray], frame: str) -> list[str]:
     """Add rates and specific force to columns `known` (along axes `frame`) where one is missing, and say which."""
     signs, names, said = motion_log.frame_signs(frame), ("surge_m", "sway_m", "heave_m"), []
     every = float(known[TIME_COLUMN][-1]) / (len(known[TIME_COLUMN]) - 1)
-    attitude = np.column_stack([known[name] for name in ANGLE_COLUMNS]) * signs
+    pose = np.column_stack([known[name] for name in (*names, *ANGLE_COLUMNS)]) * np.tile(signs, 2)
+    force, rate = felt_motion(pose, derivative(pose[:, :3], every, 2), derivative(pose[:, 3:], every, 1))
     if any(name not in known for name in RATE_COLUMNS):
-        (sr, sp, _), (cr, cp, _) = np.sin(attitude).T, np.cos(attitude).T
-        roll, pitch, yaw = derivative(attitude, every, 1).T
-        rates = np.column_stack([roll - sp * yaw, cr * pitch + sr * cp * yaw, cr * cp * yaw - sr * pitch]) * signs
-        known |= dict(zip(RATE_COLUMNS, rates.T))
+        known |= dict(zip(RATE_COLUMNS, (rate * signs).T))
         said.append("rates derived from angles")
     if any(name not in known for name in FORCE_COLUMNS):
-        moved = derivative(np.column_stack([known[name] for name in names]) * signs, every, 2)
-        felt = motion_log.rotations(attitude).inv().apply(moved + [0.0, 0.0, GRAVITY])
-        known |= dict(zip(FORCE_COLUMNS, (felt @ motion_log.LOG_FRAMES[frame].T).T))
+        known |= dict(zip(FORCE_COLUMNS, (force @ motion_log.LOG_FRAMES[frame].T).T))
         said.append("specific force derived from positions, angles and gravity")
     return said
 

@@ -11,9 +11,8 @@ from pydantic import model_validator
 
 from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.platform import Cue
-from ocean_sim.platform.shared import leg_programme
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod
-from ocean_sim.platform.shared.leg_programme import END_POINTS, KNOT_INTERVAL
+from ocean_sim.platform.shared.leg_programme import END_POINTS, KNOT_INTERVAL, LegPlan, motion_at
 from ocean_sim.platform.shared.motion_log import Ride
 from ocean_sim.platform.shared.washing import scaled_motion
 
@@ -60,17 +59,13 @@ class Predictive:
     plans_legs = True
 
     def __init__(self, config: Config, geometry: Geometry) -> None:
-        self.config, self.geometry, self.hexapod = config, geometry, Hexapod(geometry)
-        self.steps = round(config.period / KNOT_INTERVAL)  # knots from plan to plan
-        knots = round(config.horizon / KNOT_INTERVAL)
-        self.points = np.tile(self.hexapod.neutral_legs, (knots + 2, 1))  # (n + 2, 6) [m]
-        self.motion = np.zeros((knots, 18))  # at the knots of the plan
-        self.state = np.zeros((6, 2))  # of the organs at the first knot
-        self.start, self.plan = np.nan, -1  # time of the first row [s], number of the plan
+        self.config, self.plan = config, LegPlan(geometry, Hexapod(geometry))
+        self.start, self.number = np.nan, -1  # time of the first row [s], number of the plan
         self.known = np.zeros((0, 7))  # rows of the last period: time [s], specific force [m/s2], rate [rad/s]
 
     def follow(self, ride: Ride, ahead: Ride | None = None) -> Cue:
-        """Requested poses for the next rows of ship motion; `ahead`: rows after them, as long as the horizon."""
+        """Requested poses for the next rows of ship motion; `ahead`: rows after them, as long as the horizon. Raises
+        SolverMissing, and Failed where there is no plan."""
         self.start = float(ride.time[0]) if np.isnan(self.start) else self.start
         config, scaled = self.config, [self.known]
         for part in (ride, ahead):
@@ -78,31 +73,18 @@ class Predictive:
                 asked = scaled_motion(part, config.force_scale, config.rotation_scale)
                 scaled.append(np.column_stack([part.time, *asked]))
         rows = np.vstack(scaled)
-        plans = np.floor((ride.time - self.start) / config.period + TIME_ROUNDING).astype(int)
+        steps, knots = (round(time / KNOT_INTERVAL) for time in (config.period, config.horizon))
+        numbers = np.floor((ride.time - self.start) / config.period + TIME_ROUNDING).astype(int)
         pose = np.empty((len(ride.time), 6))
-        for plan in np.unique(plans):
-            begin = self.start + plan * config.period
-            if plan > self.plan:
-                self.replan(rows, begin)
-                self.plan = plan
-            here = plans == plan
-            at = np.maximum(ride.time[here] - begin, 0.0) / KNOT_INTERVAL
-            guess = self.motion[np.minimum(at.astype(int), len(self.motion) - 1), :6]
-            pose[here] = self.hexapod.pose(leg_programme.spline_values(self.points, at), guess)
+        for number in np.unique(numbers):
+            begin = self.start + number * config.period
+            if number > self.number:
+                if self.number >= 0:
+                    self.plan.leave(motion_at(rows, begin + KNOT_INTERVAL * np.arange(-steps, 0)))
+                self.plan.improve(motion_at(rows, begin + KNOT_INTERVAL * np.arange(knots)), PLAN_TOLERANCES)
+                self.number = number
+            here = numbers == number
+            pose[here] = self.plan.poses(np.maximum(ride.time[here] - begin, 0.0) / KNOT_INTERVAL)
         past = rows[: len(self.known) + len(ride.time)]
         self.known = past[past[:, 0] >= past[-1, 0] - config.period - KNOT_INTERVAL]
         return Cue(pose, np.zeros(len(pose), dtype=int), *np.split(scaled[1][:, 1:], 2, axis=1))
-
-    def replan(self, rows: np.ndarray, begin: float) -> None:
-        """Plan the motion from `begin` [s] on for rows (n, 7) as in `known`; raises SolverMissing, Failed."""
-        k, n = self.steps, len(self.motion)
-        if self.plan >= 0:  # the organs felt the plan so far
-            asked = leg_programme.motion_at(rows, begin + KNOT_INTERVAL * np.arange(-k, 0))
-            error = leg_programme.felt_at(self.motion[:k]) - asked
-            self.state = leg_programme.sensed_error(error, KNOT_INTERVAL, self.state)[1]
-            self.points = np.vstack([self.points[k:], np.repeat(self.points[-1:], k, axis=0)])
-            self.motion = np.vstack([self.motion[k:], np.repeat(self.motion[-1:], k, axis=0)])
-        asked = leg_programme.motion_at(rows, begin + KNOT_INTERVAL * np.arange(n))
-        self.points, self.motion = leg_programme.improved_track(
-            self.geometry, self.hexapod, asked, self.points, self.motion, self.state, PLAN_TOLERANCES
-        )

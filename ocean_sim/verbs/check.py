@@ -51,11 +51,12 @@ def check(
             steps, wall, _, _ = time_block(simulation, synchronization(simulation.backend.arch))
         keep_step_time(config, wall / steps)
     found = preflight(config)
-    console.answer(found | {"ledger": ledger_rows(found, config)})
+    rows = ledger_rows(found, config) if ledger or console.json_asked else []
+    console.answer(found | {"ledger": rows})
     told = [*(f"warning: {each}" for each in found["warnings"]), *(f"note: {each}" for each in found["notes"])]
     console.say("\n".join([preflight_lines(found, config), *told, *ship_lines(found), *found["statements"]]))
     if ledger:
-        print_ledger(found, config)
+        print_ledger(found, rows, config)
 
 
 def preflight(config: SceneConfig) -> dict[str, Any]:
@@ -164,7 +165,9 @@ def ledger_rows(found: dict[str, Any], config: SceneConfig) -> list[dict[str, An
 def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
     """Estimated wall time of a run in words, and its basis: a guess, or the last run of such water on this machine."""
     parts = found["estimated_by_part"]
-    terms = ", ".join(f"{name[:-2]} {console.duration(seconds)}" for name, seconds in parts.items() if seconds)
+    terms = ", ".join(
+        f"{name.removesuffix('_s')} {console.duration(seconds)}" for name, seconds in parts.items() if seconds
+    )
     terms += ", which --set render=null saves" if parts["pictures_s"] else ""
     about = f"about {console.duration(found['estimated_wall_s'])} for {config.duration:g} s ({terms})"
     water = f"{config.fluid.kind} in {config.preflight.tank.dimension}-D"
@@ -212,8 +215,8 @@ def ship_lines(found: dict[str, Any]) -> list[str]:
     return lines
 
 
-def print_ledger(found: dict[str, Any], config: SceneConfig) -> None:
-    """Print the memory, kernels and stable time step of `preflight` (`found`), part by part."""
+def print_ledger(found: dict[str, Any], ledger: list[dict[str, Any]], config: SceneConfig) -> None:
+    """Print memory and kernels part by part (`ledger`, of `ledger_rows`), room and stable time step (`found`)."""
     stable = f"{found['stable_time_step']:.4g} s in still water, limited by: {found['stable_limited_by']}"
     on_card = config.runtime.arch in runtime.GRAPHICS_CARD_CHOICES
     room = f"{(CARD_BYTES if on_card else machine.memory_limit()) / 1e9:.1f} GB of {'a card' if on_card else 'memory'}"
@@ -221,7 +224,7 @@ def print_ledger(found: dict[str, Any], config: SceneConfig) -> None:
         console.say(f"room for {found['most_particles'] / 1e6:.2g} million particles of {each} bytes in {room}")
     console.say(f"stable time step: {stable}")
     rows = []
-    for row in ledger_rows(found, config):
+    for row in ledger:
         kernels = "" if row["kernels"] is None else f"{len(row['kernels'])}"
         rows.append([row["part"], row["what"], f"{row['bytes'] / 1e6:.2f}", kernels, row["why"]])
     heads = ["part", "fields", "MB", "kernels", "why"]

@@ -39,7 +39,7 @@ class Entry(Model):
     until: float
     draw: str
     code: list[str] = []
-    """Files of the package that make what the picture shows and that `pictures.LOOK` says nothing of, as patterns."""
+    """Patterns of the package's files that make what is shown and that `pictures.LOOK_VERSION` says nothing of."""
 
     def files(self) -> list[Path]:
         """Source files on which the picture depends: those of the kinds in its scene, and those it names as `code`."""
@@ -50,7 +50,12 @@ class Entry(Model):
     def stamp(self) -> str:
         """Hash of the scene, presets, drawing command, code and look; if it changes, the picture is out of date."""
         scene = read_mapping(library("scenes") / f"{self.scene}.yaml").plain()
-        asked = [{key: value for key, value in scene.items() if key != "title"}, self.until, self.draw, pictures.LOOK]
+        asked = [
+            {key: value for key, value in scene.items() if key != "title"},
+            self.until,
+            self.draw,
+            pictures.LOOK_VERSION,
+        ]
         asked += [part.model_dump(mode="json", exclude_defaults=True) for part in shown_parts(self.scene).values()]
         asked += [code_lines(path.read_text(encoding="utf-8")) for path in self.files()]
         return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:16]

@@ -14,7 +14,7 @@ from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.result import simulate, wave_field
 from ocean_sim.ship.body.floating import FloatingConfig
 from ocean_sim.ship.naval import response
-from ocean_sim.ship.naval.response import MOTIONS, TRUSTED_COHERENCE, Response
+from ocean_sim.ship.naval.response import MOTION_NAMES, TRUSTED_COHERENCE, Response
 from ocean_sim.verbs.render import warn_unless_ended
 from ocean_sim.verbs.resume import manifest_of, scene_of
 from ocean_sim.verbs.run import run_folder
@@ -24,15 +24,13 @@ from ocean_sim.verbs.shared.progress import Progress
 
 WITHOUT_PICTURES = ("frames=null", "render=null", "report=null")  # settings of a run for responses
 MAX_ROWS = 16  # of the table on the console
-MAX_SWING = (
-    5.0  # [deg] of her heading, or of the directions of waves, beyond which a response is not that of one course
-)
-UNITS = dict(zip(MOTIONS, 3 * ["m_per_m"] + 3 * ["rad_per_rad"]))
-CLOSED_FORM = ("heave", "pitch")
-COLUMNS = (
+MAX_SWING = 5.0  # [deg] of her heading, or of the directions of waves: beyond it a response is not that of one course
+RESPONSE_UNITS = dict(zip(MOTION_NAMES, 3 * ["m_per_m"] + 3 * ["rad_per_rad"]))
+CLOSED_FORM_MOTIONS = ("heave", "pitch")
+RAO_COLUMNS = (
     *("omega_rad_s", "period_s", "wave_density_m2_s"),
-    *(f"{name}_{what}" for name in MOTIONS for what in (UNITS[name], "phase_deg", "coherence")),
-    *(f"{name}_closed_form_{UNITS[name]}" for name in CLOSED_FORM),
+    *(f"{name}_{what}" for name in MOTION_NAMES for what in (RESPONSE_UNITS[name], "phase_deg", "coherence")),
+    *(f"{name}_closed_form_{RESPONSE_UNITS[name]}" for name in CLOSED_FORM_MOTIONS),
 )
 
 
@@ -71,14 +69,14 @@ def rao(
         "from her bow, to port (180: a head sea)",
         "closed form": "of a box of her length, waterplane and displacement (Jensen, Mansour & Olsen 2004)",
     }
-    csv_file.write_table(files[0], COLUMNS, rows, **notes)
+    csv_file.write_table(files[0], RAO_COLUMNS, rows, **notes)
     if not console.draw_if_able(draw_response, files[1], found, closed):
         files.pop()
     run_files.add_to_manifest(run, files)
-    facts |= {"files": files, "rows": [dict(zip(COLUMNS, row)) for row in rows]}
+    facts |= {"files": files, "rows": [dict(zip(RAO_COLUMNS, row)) for row in rows]}
     console.answer({"run": run, "ship": name} | facts)
     console.say(f"{run}, {name}: {notes['frequency']}; {notes['responses']}, with phases [deg]")
-    console.table("", ["omega [rad/s]", "T [s]", *MOTIONS], response_lines(found))
+    console.table("", ["omega [rad/s]", "T [s]", *MOTION_NAMES], response_lines(found))
     told = [f"in brackets: coherence below {TRUSTED_COHERENCE:g}", *(f"warning: {each}" for each in facts["warnings"])]
     console.say("\n".join([*told, *map(str, files)]))
 
@@ -135,13 +133,15 @@ def draw_response(path: Path, found: Response, closed: np.ndarray) -> None:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(11.0, 6.5), layout="constrained")
-    for k, (name, axes) in enumerate(zip(MOTIONS, figure.subplots(2, 3, sharex=True).flat)):
+    for k, (name, axes) in enumerate(zip(MOTION_NAMES, figure.subplots(2, 3, sharex=True).flat)):
         size, sure = np.abs(found.ratio[:, k]), found.coherence[:, k] >= TRUSTED_COHERENCE
         axes.plot(found.omega, size, ".-", color="0.75", linewidth=0.8)
         axes.plot(found.omega, np.where(sure, size, np.nan), ".-", label="this ship")
         axes.plot(found.omega, found.coherence[:, k], ":", color="0.5", linewidth=0.9, label="coherence")
-        if name in CLOSED_FORM:
-            axes.plot(found.omega, closed[:, CLOSED_FORM.index(name)], "--", linewidth=1.0, label="box, closed form")
+        if name in CLOSED_FORM_MOTIONS:
+            axes.plot(
+                found.omega, closed[:, CLOSED_FORM_MOTIONS.index(name)], "--", linewidth=1.0, label="box, closed form"
+            )
         axes.set(title=f"{name} [{'m/m' if k < 3 else 'rad per wave slope'}]", ylim=(0.0, None))
         axes.set_xlabel("frequency of encounter [rad/s]" if k > 2 else "")
         axes.grid(alpha=0.3)

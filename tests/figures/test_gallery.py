@@ -12,12 +12,12 @@ FOLDER = library("figures") / "gallery"
 
 
 def test_no_picture_of_the_gallery_is_older_than_what_draws_it():
-    """After a change of a scene, of the laws that it uses, or of `pictures.LOOK`: `ocean-sim gallery`."""
+    """After a change of a scene, of the laws that it uses, or of `pictures.LOOK_VERSION`: `ocean-sim gallery`."""
     assert [entry.picture for entry in gallery.stale_entries(FOLDER)] == []
 
 
 def test_another_look_or_another_scene_makes_pictures_old(monkeypatch):
-    monkeypatch.setattr(pictures, "LOOK", pictures.LOOK + 1)
+    monkeypatch.setattr(pictures, "LOOK_VERSION", pictures.LOOK_VERSION + 1)
     assert len(gallery.stale_entries(FOLDER)) == len(gallery.gallery_entries())
 
 

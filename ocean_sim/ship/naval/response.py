@@ -18,7 +18,7 @@ from ocean_sim.conventions import GRAVITY, Refused
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 from ocean_sim.waves import Components
 
-MOTIONS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+MOTION_NAMES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 MIN_SEGMENTS = 4  # of a record, each half over the next
 MAX_SEGMENT_PERIODS, MIN_SEGMENT_PERIODS = 24.0, 8.0  # periods of the spectral peak in a segment
 MIN_WAVE_SHARE = 0.05  # of the greatest density of the waves, below which there is nothing to divide by
@@ -27,7 +27,7 @@ TRUSTED_COHERENCE = 0.8
 
 
 class Response(NamedTuple):
-    """Complex response (m, 6) of MOTIONS at m encounter frequencies, with coherence, and wave spectrum."""
+    """Complex response (m, 6) of MOTION_NAMES at m encounter frequencies, with coherence, and wave spectrum."""
 
     omega: np.ndarray  # (m,) encounter frequency [rad/s]
     wave_density: np.ndarray  # (m,) [m2 s], over frequency in Hz; of a regular wave NaN
@@ -36,7 +36,7 @@ class Response(NamedTuple):
 
 
 def ship_motions(position: np.ndarray, angles: np.ndarray) -> np.ndarray:
-    """MOTIONS (n, 6) about the mean path, along axes of the mean heading, from surge, sway, heave (n, 3) [m] along
+    """MOTION_NAMES (n, 6) about the mean path, along axes of the mean heading, from surge, sway, heave (n, 3) [m] along
     fixed axes and roll, pitch, yaw (n, 3) [rad]: x forward, y to port, z up."""
     yaw = np.unwrap(angles[:, 2])
     cos, sin = np.cos(yaw.mean()), np.sin(yaw.mean())

@@ -53,7 +53,8 @@ class StaticScene:
         names = "lower", "upper", "x", "z"  # corners of the basin; of the heights, from their origin [m]
         self.lower, self.upper, self.x, self.z = (np.asarray(grid[name], dtype=float) for name in names)
         self.spacing = float(grid["spacing"])  # [m]
-        self.obstacles = np.concatenate([grid["obstacles"], grid.get("plates", NO_BOXES)])  # (n, 2, 3) [m]
+        self.plates, self.zones = grid.get("plates", NO_BOXES), grid.get("zones", NO_BOXES)  # (n, 2, 3) [m]
+        self.obstacles = np.concatenate([self.plates, grid["obstacles"]])
         self.ground = kept_ground(grid)
         self.tank = bool(
             self.flat or self.ground or sea_state.is_tank(scene.get("basin") or {})
@@ -108,6 +109,8 @@ class StaticScene:
             "surface": self.surface,
             "particles": self.particles,
             "obstacles": json_numbers(self.obstacles),
+            "plates": len(self.plates),  # the first of the obstacles are wavemakers
+            "zones": json_numbers(self.zones),
             "ships": ships,
             "gauges": {name: [float(v) for v in place] for name, place in self.gauges.items()},
             "scalars": list(self.scalars),
@@ -144,6 +147,7 @@ class StaticScene:
         arrays[f"paint{k}"] = np.repeat(np.rint(255.0 * np.clip(paint, 0.0, 1.0)).astype(np.uint8), 3, axis=0)
         line = waterline.waterline_segments(hull.vertices, hull.triangles, hull.over_water(hull.vertices))
         wet = len(line) > 2
+        config = (self.scene.get("ships") or {}).get(name) or self.scene.get("ship") or {}
         if wet:
             near, far = line.min(axis=(0, 1)) - GAP_REACH, line.max(axis=(0, 1)) + GAP_REACH
             share = (np.arange(GAP_CELLS) + 0.5) / GAP_CELLS
@@ -158,6 +162,7 @@ class StaticScene:
             "helm": json_numbers(model.helm),
             "draught": float(hull.over_water(hull.lower)) * -1.0,
             "wet": wet,
+            "steered": config.get("propeller", True) is not None,  # kinds without the key have their own
         }
 
     def sea_header(self) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -174,7 +179,7 @@ class StaticScene:
             rows = synthetic_waves(wind.angle, float(min(np.ptp([self.lower[0], self.upper[0]]), 200.0)), self.spacing)
             resolved = self.spacing
         uniforms = water_glsl.neutral_uniforms(len(self.models)) | {
-            "hullFoam": np.array([0.75, 0.55, 0.0]),
+            "hullFoam": np.array([0.0, 0.0, 0.0] if self.tank else [0.75, 0.55, 0.0]),
             "windAngle": wind.angle,
             "rippleVariance": 0.0 if self.tank else water_shading.slope_variance(wind.speed),
             "rippleLongest": float(np.clip(2.0 * resolved, *RIPPLE_LENGTHS)),

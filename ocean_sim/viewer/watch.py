@@ -1,9 +1,8 @@
 """Live frames of a simulation for open pages, made by an observer that only reads."""
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from math import sqrt
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +21,7 @@ from ocean_sim.viewer.still import StaticScene
 if TYPE_CHECKING:
     from ocean_sim.basin import Basin
     from ocean_sim.fluid import Particles
+    from ocean_sim.ship import Ship
     from ocean_sim.viewer.server import Server
 
 MAX_FRAME_RATE = 20.0  # [1/s] of wall time
@@ -119,6 +119,7 @@ class Watch(Observer, TakesMotion):
             points = self.points + origin if self.follows else self.points
             heights = surface_heights(simulation, points)
             arrays["height"] = heights.astype(np.float16)
+            heights = heights[~under_ships(points, simulation.ships.values())]
             white = simulation.fluid.foam(points)
             if white is not None:
                 arrays["foam"] = np.rint(255.0 * np.clip(white, 0.0, 1.0)).astype(np.uint8)
@@ -171,13 +172,13 @@ class Watch(Observer, TakesMotion):
         return {"particles": places, "speed": pace}
 
     def plotted_rows(self, heights: np.ndarray) -> list[tuple[str, str, str, str, float]]:
-        """Plotted numbers now: rows of name, label, unit, group and value; `heights` (n,) [m] of the water."""
+        """Plotted numbers now: rows of name, label, unit, group and value; `heights` (n,) [m] of the water where
+        there is no ship."""
         simulation, fluid, ground = self.simulation, self.simulation.fluid, self.simulation.basin.ground
-        levels, rise = fluid.elevations(self.gauges), heights - heights.mean()
+        levels = fluid.elevations(self.gauges)
         levels = levels if ground is None else ground.wet_heights(self.gauges, levels)
         rows = [(f"eta_{name}", name, "m", "elevation", level) for name, level in zip(self.setting.gauges, levels)]
-        significant = 4.0 * sqrt(np.einsum("i,i", rise, rise) / len(rise))
-        rows.append(("height", "significant wave height", "m", "height", significant))
+        rows.append(("height", "significant wave height", "m", "height", 4.0 * float(heights.std())))
         for name, ship in [*simulation.ships.items()][:MAX_PLOTTED_SHIPS]:
             body, (throttle, rudder) = ship.body, ship.orders
             whose = f" {name}" if len(simulation.ships) > 1 else ""
@@ -199,6 +200,13 @@ class Watch(Observer, TakesMotion):
         rows.append(("pace", "simulated over wall time", "x", "pace", self.pace))
         rows.append(("dt", "time step", "ms", "dt", 1e3 * simulation.next_dt))
         return rows + [(f"cost_{name}", name, "ms/step", "cost", self.stage_costs[name]) for name in STAGE_NAMES]
+
+
+def under_ships(points: np.ndarray, ships: Iterable["Ship"]) -> np.ndarray:
+    """(n,) booleans: which points x, z (n, 2) [m] lie in the box around the outline of a ship."""
+    plans = [outline.plan for ship in ships if (outline := ship.outline()) is not None]
+    inside = [((points > plan.min(axis=0)) & (points < plan.max(axis=0))).all(axis=1) for plan in plans]
+    return np.any([np.zeros(len(points), dtype=bool), *inside], axis=0)
 
 
 def setting_of(simulation: Simulation) -> StaticScene:

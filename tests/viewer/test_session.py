@@ -126,6 +126,19 @@ def test_a_frame_says_where_everything_is(session):
     }
 
 
+def test_a_tank_has_a_wavemaker_an_absorbing_zone_and_a_body_without_a_helm():
+    """Its significant height is that of the water beside the box, which stands 0.3 m deep in still water."""
+    with Simulation(load("gallery/box_in_wave_tank", {"fluid.spacing": 0.15})) as simulation:
+        desk = Desk()
+        Watch(simulation, desk).show(0.0)
+    still, _ = page_packets.unpack(desk.stills[-1])
+    assert still["tank"] and still["plates"] == 1 and np.shape(still["zones"]) == (1, 2, 3)
+    assert not still["ships"][0]["steered"]
+    _, arrays = page_packets.unpack(desk.frames[-1])
+    names = [scalar["name"] for scalar in still["scalars"]]
+    assert arrays["scalars"][names.index("height")] < 0.05
+
+
 def test_particles_are_boxed_in_the_kernel_as_the_protocol_boxes_them(session):
     particles = session.simulation.fluid.particles
     low, high = np.array([-5.0, -8.0, -30.0]), np.array([20.0, 2.0, 20.0])  # so that some lie outside

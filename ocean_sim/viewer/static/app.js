@@ -38,7 +38,7 @@ function begin(stills) {
   const counts = stills.map((one) => (one.particles ? `${one.particles.toLocaleString("en")} particles` : one.fluid.replaceAll("_", " ")));
   $("count").textContent = [...new Set(counts)].join("  |  ");
   $("showSea").checked = first.sea;
-  $("steering").hidden = !LIVE || !state.drives || !first.ships.length;
+  $("steering").hidden = !LIVE || !state.drives || !first.ships.some((ship) => ship.steered);
   $("rigCheck").hidden = $("ridesCheck").hidden = !still.platform;
   plots.begin(state.worlds.map((world, k) => ({ scalars: world.still.scalars, name: START.runs?.[k]?.name || world.still.title })));
   const contents = [...(still.surface ? ["water"] : []), ...(still.particles ? ["particles"] : []), ...(still.surface && still.particles ? ["both"] : [])];
@@ -213,6 +213,7 @@ function reading(head, group, word) {
   return at < 0 ? undefined : head.data.scalars?.[at];
 }
 
+const fixed = (value) => (Math.round(10 * value) / 10 || 0).toFixed(1);  // never -0.0
 const sided = (degrees) => `${Math.abs(degrees).toFixed(0)}°${Math.abs(degrees) < 0.5 ? "" : degrees > 0 ? " port" : " starboard"}`;
 
 // Mean time between two rises of the first gauge through its mean, in the last minute [s].
@@ -238,9 +239,9 @@ function instruments() {
   turn("windMark", still.windAngle === null ? null : 0.5 * Math.PI - still.windAngle);
   if (ship) {
     const speed = reading(head, "speed", ""), rudder = reading(head, "orders", "rudder");
-    if (speed !== undefined) add("Speed", `${(speed / 0.514444).toFixed(1)} kn`, `${speed.toFixed(1)} m/s`);
+    if (speed !== undefined) add("Speed", `${fixed(speed / 0.514444)} kn`, `${fixed(speed)} m/s`);
     add("Heading", sided((Math.atan2(ship.pose[8], ship.pose[10]) * 180) / Math.PI), "of north (+z)");
-    if (rudder !== undefined) add("Rudder", sided(rudder), "");
+    if (rudder !== undefined && ship.steered) add("Rudder", sided(rudder), "");
   }
   const regular = exact && waves.length === 1, high = regular ? 2 * waves[0][0] : reading(head, "height", "") ?? world.height;
   const moved = state.panel?.sliders.find((s) => s.label.startsWith("wave period"))?.value;

@@ -39,18 +39,18 @@ class Camera {
 
   modes(world) {
     const flat = world.still.basin.flat;
-    return flat ? ["orbit", "side"] : ["orbit", ...(world.ships.length ? ["follow", "helm"] : []), "top", "side"];
+    return flat ? ["orbit", "side"] : ["orbit", ...(world.ships.length ? ["follow"] : []), ...(world.ships.some((ship) => ship.steered) ? ["helm"] : []), "top", "side"];
   }
 
   // {position, view, projection, angle, pixels, width}; `free`: the shares of width and height that no panel hides.
   eye(world, width, height, free) {
     const aspect = width / height, ship = world.ships[this.ship] || world.ships[0], pose = ship && world.poses[world.ships.indexOf(ship)];
     let mode = this.modes(world).includes(this.mode) ? this.mode : "orbit";
-    if (mode === "helm" && pose) return this.helm(ship, width, height);
-    const { size } = world, long = Math.max(size[0], size[2]), follow = ["follow", "side"].includes(mode) && pose;
-    let target = V.add(world.middleOf, [0, world.level, 0]), span = Math.hypot(size[0], size[2] || world.ribbon);
+    if (mode === "helm" && pose && ship.steered) return this.helm(ship, width, height);
+    const { size } = world, long = Math.max(size[0], size[2]), across = mode === "side" && !world.sea, follow = ["follow", "side"].includes(mode) && pose && !across;  // a tank is seen whole from its side
+    let target = V.add(world.middleOf, [0, world.level, 0]), span = (world.sea ? 1 : 0.8) * Math.hypot(size[0], size[2] || world.ribbon);
     if (world.still.basin.flat) { span = Math.max(0.9 * size[0], -1.6 * world.bed); target[1] += 0.35 * world.bed; }
-    const wide = ship && long > 5 * ship.length && pose;
+    const wide = world.sea && ship && long > 5 * ship.length && pose;
     if (follow || wide) {
       target = [pose.position[0], world.level + 0.08 * ship.length, pose.position[2]];
       span = (follow ? 2.6 : 4.5) * ship.length;
@@ -62,7 +62,7 @@ class Camera {
       world.heading = last + 0.04 * Math.atan2(Math.sin(heading - last), Math.cos(heading - last));
       azimuth += world.heading + Math.PI - 0.1;
     }
-    if (mode === "side") { azimuth = follow ? world.heading - 0.5 * Math.PI : 0; rise = 0.05; }
+    if (mode === "side") { azimuth = follow ? world.heading - 0.5 * Math.PI : size[0] < size[2] ? 0.5 * Math.PI : 0; rise = across ? 0.15 : 0.05; }
     const angle = aspect < 0.8 ? OUTSIDE * 1.35 : OUTSIDE, fit = Math.max(1, 1.12 / (aspect * free[0]), 0.8 / free[1]);
     const far = ((0.62 * span) / Math.tan(angle / 2)) * this.distance * Math.min(fit, follow || wide ? 2 : 3) * (mode === "top" ? 1.05 : 0.86);
     this.far = far;

@@ -170,7 +170,7 @@ layout(location = 0) in vec2 node;
 ${KNOWN}
 uniform mat4 view;
 uniform vec4 waves[40];
-uniform float waveCount, farShare, level, crest, cell, margin;
+uniform float waveCount, farShare, level, crest, cell, margin, rough;
 out vec3 posW, nrmW, attW;
 void main() {
   vec2 p = node + origin, beyond = max(abs(node - 0.5 * (tileFirst * 2.0 + tileStep * (vec2(tileSize) - 1.0))) - reach, 0.0);
@@ -191,7 +191,7 @@ void main() {
   vec2 s = mix(here.yz, slope, share);
   posW = vec3(p.x, h, p.y);
   nrmW = normalize(vec3(-s.x, 1.0, -s.y));
-  attW = vec3(here.w * (1.0 - share), (h - level) / crest, lost * share);
+  attW = vec3(here.w * (1.0 - share), (h - level) / crest, max(lost * share, rough));
   gl_Position = view * vec4(posW, 1.0);
 }`;
 
@@ -367,7 +367,12 @@ class Painter {
     const key = still.shaders.water;
     if (!this.waters.has(key)) {
       const { common, functions, water, sky } = still.shaders, top = declared(still.uniforms);
-      const body = `${top}in vec3 posW, nrmW, attW;\n${common}${functions}void main() {${water}}`;
+      const body = `${top}in vec3 posW, nrmW, attW;\n${common}${functions}void main() {${water}
+  // From above a slope mirrors hardly more sky than the flat: crests and slopes towards the sun are made lighter.
+  float over = smoothstep(0.70, 0.95, normalize(eyeW - posW).y);
+  float relief = clamp(2.0 * dot(normalize(nrmW).xz, normalize(sunDir.xz)) + 0.25 * clamp(attW.y, -1.0, 1.0), -0.4, 1.0);
+  fragOutput0.rgb = mix(fragOutput0.rgb, min(fragOutput0.rgb, fragOutput0.bbb), over) * (1.0 + over * relief);
+}`;
       const dome = `${top}in vec3 posW;\nuniform float studio;
 uniform vec3 ground;\n${common}void main() {${sky}
   vec3 d = normalize(posW - eyeW);

@@ -287,6 +287,7 @@ class World {
     if (options.helm) this.drawWheelhouse(options.helm, view, lit);
     if (water) this.drawWater(view, uniforms, content === "both", sea, mirrored, pixel);
     if (water && content === "water") this.drawWakes(view);
+    if (still.zones.length) this.drawZones(view, lit);
     if (options.lines) this.drawLines(view, sea);
     if (water && this.before.data.drops) this.drawDrops(view);
     gl.bindVertexArray(null);
@@ -316,7 +317,7 @@ class World {
     this.programs.water.use({
       ...uniforms, ...hulls, ...known, view, waves: flat, waveCount: waves.length, farShare: sea ? 1 : 0, level: this.level,
       crest: Math.max(0.5 * this.height, 0.02), cell: this.cell, margin: Math.min(...this.reach),
-      useFog: sea ? 1 : 0,
+      useFog: sea ? 1 : 0, rough: still.tank ? 0.02 : 0,  // of slopes: a tank mirrors the sky, but not its clouds
     });
     const surface = this.surfaces[sea ? "sea" : "tank"];
     gl.bindVertexArray(surface.vertices);
@@ -475,7 +476,24 @@ class World {
     gl.disable(gl.BLEND);
   }
 
-  // Bed, obstacles, gauges as buoys, waypoints.
+  // The zones of a tank that absorb waves, tinted.
+  drawZones(view, lit) {
+    const { gl, painter, still } = this;
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    gl.depthMask(false);
+    for (const [low, high] of still.zones) {
+      const half = V.scale(V.sub(high, low), 0.5);
+      if (still.basin.flat) half[2] = 0.5 * this.ribbon;
+      painter.solid.use({ ...lit, view, pose: sized(V.add(low, V.scale(V.sub(high, low), 0.5)), half.map((v) => 1.004 * v)), paint: [0.91, 0.70, 0.24, 0.22] });
+      gl.bindVertexArray(painter.box.vertices);
+      gl.drawArrays(gl.TRIANGLES, 0, painter.box.count);
+    }
+    gl.depthMask(true);
+    gl.disable(gl.BLEND);
+  }
+
+  // Bed, obstacles, wavemakers, gauges as buoys, waypoints.
   solids(view, lit) {
     const { gl, painter, still } = this, draw = (what, pose, paint) => {
       painter.solid.use({ ...lit, view, pose, paint });
@@ -486,11 +504,11 @@ class World {
       const broad = still.basin.flat ? (1.03 * this.ribbon) / still.spacing : 1.01;
       draw(this.ground, sized([0, 0, 0], [1.01, 1, broad]), [0.80, 0.72, 0.55, 1]);
     }
-    for (const [low, high] of still.obstacles) {
+    still.obstacles.forEach(([low, high], k) => {
       const half = V.scale(V.sub(high, low), 0.5), at = V.add(low, half);
       if (still.basin.flat) { half[2] = 0.5 * this.ribbon; at[2] = 0; }
-      draw(painter.box, sized(at, half), [0.62, 0.60, 0.56, 1]);
-    }
+      draw(painter.box, sized(at, half), k < still.plates ? [0.80, 0.46, 0.20, 1] : [0.62, 0.60, 0.56, 1]);
+    });
     const mark = clamp(0.006 * Math.max(this.size[0], this.size[2]), 0.003, 0.35);
     for (const name in still.gauges) {
       const [x, z] = still.gauges[name], y = this.heightAt(x, z);

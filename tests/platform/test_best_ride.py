@@ -108,6 +108,6 @@ def test_a_scene_cannot_look_ahead():
 def test_a_period_must_fit_knots_and_horizon():
     from ocean_sim.conventions import Failed
 
-    for wrong, said in (("period=0.05", "multiple of 0.04"), ("period=19.92", "no room to stop")):
+    for wrong, said in (("period=0.05", "multiple of 0.04"), ("period=29.92", "no room to stop")):
         with pytest.raises(Failed, match=said):
             predictive(wrong)

@@ -6,7 +6,7 @@ Boor 1978, A practical guide to splines, IX and X), so bounds on those keep stro
 legs at all times. The programme minimises the square of the error of specific force and angular rate as the organs of
 balance sense it, over their thresholds. Motion is linear in the legs about a former solution (sequential quadratic
 programming; Nocedal & Wright 2006, Numerical optimization, 18). Turns that nobody asked for stay below what people
-notice. The ride begins and ends at rest.
+notice. The ride begins at rest.
 
 Otoliths sense a specific force by 0.4 (10 s + 1) / ((5 s + 1) (0.016 s + 1)), semicircular canals a rate by
 5.73 80 s^2 / ((5.73 s + 1) (80 s + 1)) (Telban & Cardullo 2005, NASA/CR-2005-213747). Thresholds: 0.17, 0.17 and
@@ -31,7 +31,7 @@ NOTICED_TURN_RATE = np.radians(3.0)  # [rad/s] about roll and pitch
 NEUTRAL_COST = 1e-5  # of a leg 1 m from neutral at a knot, where a sensed error at its threshold costs 1
 SHAKING_COST = 1e-4  # of a leg's acceleration of 1 m/s2 at a knot: of two rides that feel the same, the smoother one
 DERIVATIVE_STEP = 1e-5  # [m], [rad], [1/s] and [1/s2] of both, of central differences
-END_POINTS = 3  # control points that fix value, slope and second derivative at an end
+REST_POINTS = 3  # control points that fix value, slope and second derivative at a knot
 SOLVED_STATES = ("Solved", "AlmostSolved", "NumericalError", "InsufficientProgress")  # NumericalError: no nearer
 
 
@@ -150,11 +150,12 @@ def solve_programme(
     guess: np.ndarray,
     state: np.ndarray,
     tolerance: float,
+    still_points: int,
 ) -> np.ndarray:
     """Best control points (n + 2, 6) [m] for specific force [m/s2] and rate [rad/s] asked for at knots (n, 6).
 
-    Motion is linear about the `past` (n + 2, 6), whose first END_POINTS stay; `guess` (n, 6): poses near its; `state`
-    (6, 2) of the organs before the first knot. Raises SolverMissing, and Failed where there are none.
+    Motion is linear about the `past` (n + 2, 6), whose first REST_POINTS stay; `guess` (n, 6): poses near its; `state`
+    (6, 2) of the organs before the first knot; the last `still_points` are equal. Raises SolverMissing, and Failed where there are none.
     """
     clarabel = load_solver()
     from scipy.sparse import block_array, block_diag, csr_array, diags_array, eye_array, kron
@@ -174,17 +175,16 @@ def solve_programme(
             decay = diags_array([1.0, -p], offsets=[0, -1], shape=(n, n))
             rows.append(({error: -r * one, mode: decay}, np.pad([p * begin], (0, n - 1))))
         rows.append(({error: -direct * one, slow: -one, fast: -one, size: one}, zero))
-    legs, last = eye_array(6), csr_array(np.eye(m)[-END_POINTS:])
-    rows.append(({0: kron(legs, np.eye(m)[:END_POINTS])}, (past - neutral)[:END_POINTS].T.ravel()))
-    ends = last[1:] - last[:-1]
-    rows.append(({0: kron(legs, ends)}, np.zeros(6 * ends.shape[0])))
+    legs, last = eye_array(6), csr_array(np.eye(m)[m - still_points :])
+    rows.append(({0: kron(legs, np.eye(m)[:REST_POINTS])}, (past - neutral)[:REST_POINTS].T.ravel()))
+    rows.append(({0: kron(legs, last[1:] - last[:-1])}, np.zeros(6 * (still_points - 1))))
     equal = sum(len(right) for _, right in rows)
-    free = kron(legs, np.eye(m)[END_POINTS:])
+    free = kron(legs, np.eye(m)[REST_POINTS:])
     room = np.column_stack([hexapod.high - neutral, neutral - hexapod.low])
     step = kron(legs, diags_array([-1.0, 1.0], offsets=[0, 1], shape=(m - 1, m)) / KNOT_INTERVAL)
     turn = kron(legs, diags_array([1.0, -2.0, 1.0], offsets=[0, 1, 2], shape=(m - 2, m)) / KNOT_INTERVAL**2)
     for sign in (1.0, -1.0):
-        rows.append(({0: sign * free}, np.repeat(room[:, 0 if sign > 0.0 else 1], m - END_POINTS)))
+        rows.append(({0: sign * free}, np.repeat(room[:, 0 if sign > 0.0 else 1], m - REST_POINTS)))
         rows.append(({0: sign * step}, np.full(step.shape[0], geometry.leg_speed)))
         rows.append(({0: sign * turn}, np.full(turn.shape[0], geometry.leg_acceleration)))
         for k in (3, 4):  # what the past does is allowed, so that there always is a solution
@@ -208,8 +208,9 @@ def solve_programme(
 class LegPlan:
     """Plan of the legs over the knots ahead, from neutral on, in windows that go on from one another."""
 
-    def __init__(self, geometry: Geometry, hexapod: Hexapod) -> None:
-        self.geometry, self.hexapod = geometry, hexapod
+    def __init__(self, geometry: Geometry, hexapod: Hexapod, still_points: int = 1) -> None:
+        """`still_points`: how many of the last control points are equal; REST_POINTS for a plan that ends at rest."""
+        self.geometry, self.hexapod, self.still_points = geometry, hexapod, still_points
         self.points = hexapod.neutral_legs[None]  # control points (n + 2, 6) [m]
         self.motion = np.zeros((1, 18))  # at n knots, as in LegTrack
         self.state = np.zeros((6, 2))  # of the organs before the first knot
@@ -220,7 +221,9 @@ class LegPlan:
         self.points, self.motion = extended(self.points, len(asked) + 2), extended(self.motion, len(asked))
         for tolerance in tolerances:
             guess = self.motion[:, :6]
-            self.points = solve_programme(self.geometry, self.hexapod, asked, self.points, guess, self.state, tolerance)
+            self.points = solve_programme(
+                self.geometry, self.hexapod, asked, self.points, guess, self.state, tolerance, self.still_points
+            )
             self.motion = leg_track(self.hexapod, self.points, guess).motion
 
     def leave(self, asked: np.ndarray) -> None:
@@ -241,7 +244,7 @@ def extended(rows: np.ndarray, count: int) -> np.ndarray:
 
 
 def best_poses(geometry: Geometry, hexapod: Hexapod, rows: np.ndarray) -> np.ndarray:
-    """Poses (n, 6) of the best ride from neutral to rest for rows (n, 7): time [s], specific force [m/s2] and rate
+    """Poses (n, 6) of the best ride from neutral for rows (n, 7): time [s], specific force [m/s2] and rate
     [rad/s] asked for. Raises SolverMissing, and Failed where there is none."""
     window, kept = round(WINDOW_TIME / KNOT_INTERVAL), round(KEPT_TIME / KNOT_INTERVAL)
     at = (rows[:, 0] - rows[0, 0]) / KNOT_INTERVAL

@@ -12,7 +12,7 @@ from pydantic import model_validator
 from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.platform import Cue
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod
-from ocean_sim.platform.shared.leg_programme import END_POINTS, KNOT_INTERVAL, LegPlan, motion_at
+from ocean_sim.platform.shared.leg_programme import REST_POINTS, KNOT_INTERVAL, LegPlan, motion_at
 from ocean_sim.platform.shared.motion_log import Ride
 from ocean_sim.platform.shared.washing import scaled_motion
 
@@ -28,7 +28,7 @@ class Config(Model):
     """Scale of acceleration along x, y and z."""
     rotation_scale: Vector3 = quantity("1")
     """Scale of roll, pitch and yaw."""
-    horizon: float = quantity("s", 20.0, ge=0.4, le=60.0)
+    horizon: float = quantity("s", 30.0, ge=0.4, le=60.0)
     """Time over which the motion is planned."""
     period: float = quantity("s", 5.0, ge=KNOT_INTERVAL)
     """Time between plans."""
@@ -41,7 +41,7 @@ class Config(Model):
             raise ValueError(
                 f"period: {self.period:g} s is not a multiple of {KNOT_INTERVAL:g} s, the time between knots"
             )
-        if self.period > self.horizon - 2 * END_POINTS * KNOT_INTERVAL:
+        if self.period > self.horizon - 2 * REST_POINTS * KNOT_INTERVAL:
             raise ValueError(f"period: {self.period:g} s leaves no room to stop within a horizon of {self.horizon:g} s")
         return self
 
@@ -59,7 +59,7 @@ class Predictive:
     plans_legs = True
 
     def __init__(self, config: Config, geometry: Geometry) -> None:
-        self.config, self.plan = config, LegPlan(geometry, Hexapod(geometry))
+        self.config, self.plan = config, LegPlan(geometry, Hexapod(geometry), REST_POINTS)
         self.start, self.number = np.nan, -1  # time of the first row [s], number of the plan
         self.known = np.zeros((0, 7))  # rows of the last period: time [s], specific force [m/s2], rate [rad/s]
 

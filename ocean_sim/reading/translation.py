@@ -12,8 +12,9 @@ from typing import Any, NamedTuple, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from ocean_sim.files.input_file import SCENE_FOLDER_KEY
-from ocean_sim.files.yaml_file import Node, Problem, SceneError, describe_value, problem_at
+from ocean_sim.files.yaml_file import Node, Problem, SceneError, describe_value, problem_at, read_mapping
 from ocean_sim.model import in_brackets
+from ocean_sim.parts import PACKAGE
 
 MIN_NUMBER, MAX_NUMBER = 1e-60, 1e15  # size of a number in SI units that a scene may hold
 NAME_RULE = "letters, digits and _, a letter first"  # what a name that a scene gives is made of
@@ -55,54 +56,6 @@ UNIT_FACTORS = {  # what people write, in units of scenes
 
 MIN_PREFIX = 3  # letters of the beginning of a word by which it is known
 SLIP_SIMILARITY, NEAR_SIMILARITY = 0.9, 0.6  # shares of letters that a mistyped word, and one like it, have in common
-
-# Names in other programs, and what each may be called here; the first that there is counts.
-KEY_SYNONYMS = {
-    word: tuple(meant.split())
-    for words, meant in {
-        "speed wind_speed u windspeed": "u10 velocity wind_speed reference_speed",
-        "direction heading angle bearing course yaw dir": "heading_deg",
-        "pos location place origin xyz": "position centre at",
-        "center": "centre",
-        "dt step timestep delta_t": "time_step dt every",
-        "cfl courant": "courant_number time_step",
-        "output outputs save vtk snapshots dump": "frames every",
-        "viscosity nu mu": "kinematic_viscosity",
-        "density rho rho0": "rest_density",
-        "size dimensions extent domain_size": "length half_size size spacing",
-        "dx particle_spacing particle_size radius_of_particles": "spacing",
-        "smoothing_length kernel_radius support_radius": "support_ratio",
-        "time end_time t_end tmax stop_time total_time simulation_time": "duration end stop",
-        "hs h_s swh wave_height": "significant_wave_height height",
-        "tp t_p wave_period": "peak_period period",
-        "amplitude": "height amplitude",
-        "boundary boundaries bc sides": "walls",
-        "water liquid": "fluid",
-        "sph": "fluid delta_sph",
-        "left west": "x_min",
-        "right east": "x_max",
-        "bottom bed ground": "floor",
-        "tank domain box": "basin",
-        "boat vessel": "ship",
-        "boats vessels": "ships",
-        "mesh geometry stl": "hull shape surface geometry",
-        "probes sensors probe wave_gauges": "gauges",
-        "camera video film movie pictures": "render camera film",
-        "g": "gravity",
-        "c c0 sound_speed speed_of_sound": "reference_speed compression",
-        "type model method scheme name": "kind",
-        "n count number num_particles": "particles",
-        "draft": "draught",
-        "beam": "breadth",
-        "cog cg center_of_mass centre_of_gravity": "centre_of_mass",
-        "backend device gpu cpu": "arch runtime",
-        "dtype float": "precision",
-        "waves spectrum": "spectrum initial",
-        "wsph wcsph sph_scheme": "delta_sph",
-        "muller": "mueller",
-    }.items()
-    for word in words.split()
-}
 
 Model = TypeVar("Model", bound=BaseModel)
 Path = tuple[str | int, ...]
@@ -156,11 +109,18 @@ def likeliest(word: str, choices: Any) -> str | None:
     if lower in by_lower:
         return by_lower[lower]
     begun = [choice for choice in by_lower if lower.startswith(f"{choice}_")]
-    others = [choice for choice in KEY_SYNONYMS.get(lower, ()) if choice in by_lower]
+    others = [choice for choice in key_synonyms().get(lower, ()) if choice in by_lower]
     longer = [choice for choice in by_lower if choice.startswith(lower) and len(lower) >= MIN_PREFIX]
     slip, close = (get_close_matches(lower, by_lower, n=1, cutoff=part) for part in (SLIP_SIMILARITY, NEAR_SIMILARITY))
     found = next(iter([*slip, *sorted(begun, key=len), *others, *sorted(longer, key=len), *close]), None)
     return by_lower[found] if found is not None else None
+
+
+@cache
+def key_synonyms() -> dict[str, list[str]]:
+    """Names that a word of other programs may have here, likeliest first, by the word."""
+    table = read_mapping(PACKAGE / "reading" / "synonyms.yaml").plain()
+    return {word: meant.split() for words, meant in table.items() for word in words.split()}
 
 
 def normal_form(word: str) -> str:
@@ -223,7 +183,7 @@ def _model_schema(model: type[BaseModel]) -> dict[str, Any]:
 def _locate_error(error: Any, model: type[BaseModel], root: Node) -> _Found:
     """Follow the location of a pydantic error through the data and the model's schema, for node, unit and union."""
     definitions = _model_schema(model).get("$defs", {})
-    node, places, keys = root, [*open_union(_model_schema(model), definitions)], tuple[str, ...]()
+    node, places, keys = root, [*union_members(_model_schema(model), definitions)], tuple[str, ...]()
     path: Path = ()
     union: Path | None = None
     member, unit = "", ""
@@ -241,7 +201,7 @@ def _locate_error(error: Any, model: type[BaseModel], root: Node) -> _Found:
         below = [_schema_below(place, step) for place in places]
         if step in keys:
             unit = next((in_brackets(schema["unit"]) for schema in below if "unit" in schema), "")
-        places = [member for schema in below for member in open_union(schema, definitions)]
+        places = [member for schema in below for member in union_members(schema, definitions)]
         node = inner if inner is not None else node
     shape = error["type"] in SHAPE_WORDS or (error["type"] == "literal_error" and isinstance(node.data, dict | list))
     shape = shape and union == path
@@ -250,22 +210,14 @@ def _locate_error(error: Any, model: type[BaseModel], root: Node) -> _Found:
     return _Found(error["type"], error["msg"], error.get("ctx", {}), path, node, unit, keys, form, union, member, shape)
 
 
-def union_members(schema: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield the members of a union in a JSON Schema, nested ones included; a schema that is no union yields itself."""
-    union = schema.get("anyOf", schema.get("oneOf"))
+def union_members(schema: dict[str, Any], definitions: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """Yield the members of a union in a JSON Schema, nested ones too, else the schema itself; references are opened."""
+    union = [definitions[schema["$ref"].removeprefix("#/$defs/")]] if "$ref" in schema else None
+    union = union or schema.get("anyOf", schema.get("oneOf"))
     if union is None:
         yield schema
     for member in union or ():
-        yield from union_members(member)
-
-
-def open_union(schema: dict[str, Any], definitions: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield the members of a union in a JSON Schema, with references replaced by their definitions."""
-    for member in union_members(schema):
-        if "$ref" in member:
-            yield from open_union(definitions[member["$ref"].removeprefix("#/$defs/")], definitions)
-        else:
-            yield member
+        yield from union_members(member, definitions)
 
 
 def _is_meant(place: dict[str, Any], tag: str) -> bool:
@@ -384,7 +336,7 @@ def _value_form(place: dict[str, Any], definitions: dict[str, Any]) -> str:
         return f"[{', '.join('...' for _ in place['prefixItems'])}]"
     if place.get("type") not in ("array", "object"):
         return ""
-    inside = next(open_union(_schema_below(place, 0 if place["type"] == "array" else ""), definitions))
+    inside = next(union_members(_schema_below(place, 0 if place["type"] == "array" else ""), definitions))
     entry = _value_form(inside, definitions) or "..."
     return f"[{entry}, ...]" if place["type"] == "array" else f"{{NAME: {entry}}}"
 

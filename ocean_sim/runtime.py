@@ -24,14 +24,7 @@ from ocean_sim.kernel_library import FieldsBuilder, SNodeTree, impl, ti, to_nump
 from ocean_sim.machine import available_cores, kernel_cache
 from ocean_sim.model import Model, quantity
 
-TAICHI_BACKENDS = {
-    "cpu": ti.cpu,
-    "cuda": ti.cuda,
-    "vulkan": ti.vulkan,
-    "metal": ti.metal,
-    "gpu": ti.gpu,
-    "auto": ti.gpu,
-}
+TAICHI_BACKENDS = {name: getattr(ti, name) for name in ("cpu", "cuda", "vulkan", "metal", "gpu")} | {"auto": ti.gpu}
 BASE_MEMORY, COPY_BYTES_PER_PARTICLE = 160_000_000, 100  # [bytes], [bytes a particle]
 MAX_FIELD_SETS = 512  # sets of fields that Taichi 1.7 holds; it crashes beyond
 FIELD_SET_MARGIN = 128  # sets of fields of one simulation, at most

@@ -15,7 +15,7 @@ import linecache
 import os
 import textwrap
 from functools import cache, reduce
-from types import CodeType, FunctionType
+from types import CodeType, FunctionType, SimpleNamespace
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -142,29 +142,18 @@ def read_tree(root: Any, context: Any) -> Any:
     return context.return_data
 
 
-class FailingReader:
-    """Stand-in for Taichi's translator that raises an earlier error again: Taichi adds the place to the message."""
-
-    def __init__(self, error: Exception) -> None:
-        self.error = error
-
-    def __getattr__(self, name: str) -> Any:
-        """Function that raises the error, as the method `build_...` for any kind of node."""
-
-        def fail(context: Any, node: Any) -> None:
-            raise self.error
-
-        return fail
-
-
 def read_node(builder: Any, context: Any, node: Any) -> Any:
-    """Translate a node; after an error, let Taichi raise it again with its place. Replaces `Builder.__call__`."""
+    """Translate a node; Taichi raises an error again with its place in the message. Replaces `Builder.__call__`."""
     places = impl.pytaichi.src_info_stack
     places.append(node.place)
     try:
         return node.read(context, node)
     except Exception as error:
-        return taichi_read_node(FailingReader(error), context, node)
+
+        def fail(context: Any, node: Any, failure: Exception = error) -> None:
+            raise failure
+
+        return taichi_read_node(SimpleNamespace(**{f"build_{type(node).__name__}": fail}), context, node)
     finally:
         places.pop()
 

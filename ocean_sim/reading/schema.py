@@ -13,11 +13,10 @@ from pydantic import BaseModel
 from pydantic.json_schema import GenerateJsonSchema, models_json_schema
 
 from ocean_sim import basin
-from ocean_sim.files.yaml_file import Location, node_of
 from ocean_sim.model import in_brackets
 from ocean_sim.parts import ALONE, KEYS_BESIDE_SLOTS, MEANT, SEVERAL, SLOTS, config_of, kinds, named
 from ocean_sim.reading import Heading
-from ocean_sim.reading.composition import choice_of, known_names
+from ocean_sim.reading.composition import kind_named, known_names
 from ocean_sim.reading.sentences import opening_sentence, part_sentence
 from ocean_sim.reading.translation import union_members
 from ocean_sim.runtime import RuntimeConfig
@@ -83,9 +82,8 @@ def _slot_schema(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:
 
 def _preset_schema(slot: str, name: str, definitions: dict[str, Any]) -> dict[str, Any]:
     """Schema of a mapping whose `kind` is a preset: the keys of its kind, none of them required."""
-    kind = choice_of(slot, node_of(name, Location(name))).kind
     name_only = {"const": name, "description": part_sentence(slot, name)}
-    properties = definitions[f"{slot}.{kind}"]["properties"] | {"kind": name_only}
+    properties = definitions[f"{slot}.{kind_named(slot, name)}"]["properties"] | {"kind": name_only}
     mapping = {"type": "object", "description": part_sentence(slot, name), "properties": properties}
     return mapping | {"required": ["kind"], "additionalProperties": False}
 

@@ -8,22 +8,13 @@ from collections.abc import Iterator
 from functools import cache
 from typing import Any, NamedTuple
 
-from ocean_sim.files.yaml_file import in_yaml, read_mapping
-from ocean_sim.parts import KEYS_BESIDE_SLOTS, PACKAGE, SEVERAL, SLOTS, config_of, kinds
+from ocean_sim.files.yaml_file import in_yaml
+from ocean_sim.parts import KEYS_BESIDE_SLOTS, SEVERAL, SLOTS, config_of, kinds
 from ocean_sim.reading.schema import scene_schema
 from ocean_sim.reading.sentences import opening_sentence
-from ocean_sim.reading.translation import union_members
+from ocean_sim.reading.translation import VALUE_TYPES, data_table, union_members
 
 NAME_STEP, LIST_STEP = "NAME", "[]"
-TYPE_WORDS = {
-    "number": "number",
-    "integer": "whole number",
-    "boolean": "true or false",
-    "string": "text",
-    "null": "null",
-    "object": "mapping",
-    "array": "list",
-}
 PLAIN_TYPES = ("number", "integer", "boolean", "string")
 BOUND_SIGNS = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
 
@@ -47,13 +38,6 @@ class Key(NamedTuple):
         words = self.path.split(".")
         kind = len(words) > 1 and words[0] in SLOTS and words[1] in kinds(words[0])
         return ".".join(words[: 2 if kind else 1])
-
-
-@cache
-def examples(of: str) -> dict[str, str]:
-    """Examples as YAML: `values` by key, `entries` of a list by key, or `sizes` of a number by unit."""
-    found: dict[str, dict[str, str]] = read_mapping(PACKAGE / "reading" / "examples.yaml").plain()
-    return found[of]
 
 
 @cache
@@ -130,13 +114,15 @@ def bounds_of(node: dict[str, Any]) -> Iterator[str]:
 
 def kind_of(node: dict[str, Any]) -> str:
     """The type of a value by its schema, in words: `number`, `list of 3 numbers`, `mapping`."""
-    if words := words_of(node):
-        return TYPE_WORDS["boolean"] if node.get("type") == "boolean" else ", ".join(f"`{word}`" for word in words)
+    if node.get("type") != "boolean" and (words := words_of(node)):
+        return ", ".join(f"`{word}`" for word in words)
     if "prefixItems" in node:
         return f"list of {len(node['prefixItems'])} numbers"
     if isinstance(node.get("items"), dict):
         return f"list of {' or '.join(dict.fromkeys(map(kind_of, members(node['items']))))}"
-    return "mapping of names" if "patternProperties" in node else TYPE_WORDS.get(str(node.get("type", "")), "anything")
+    if "patternProperties" in node:
+        return "mapping of names"
+    return VALUE_TYPES[node["type"]][0].removeprefix("a ") if "type" in node else "anything"
 
 
 def words_of(node: dict[str, Any]) -> list[str]:
@@ -165,8 +151,8 @@ def value_within(node: dict[str, Any], name: str) -> str:
     default = node.get("default")
     if default not in (None, [], {}, ""):
         return in_yaml(default)
-    if name in examples("values"):
-        return examples("values")[name]
+    if name in data_table("examples")["values"]:
+        return data_table("examples")["values"][name]
     member = next((member for member in members(node) if member.get("type") != "null"), node)
     if words := words_of(member):
         return words[0]
@@ -174,7 +160,7 @@ def value_within(node: dict[str, Any], name: str) -> str:
         return example_mapping(member)
     if "patternProperties" in member:
         return f"{{name: {value_within(of_names(member), name)}}}"
-    entry = examples("entries").get(name)
+    entry = data_table("examples")["entries"].get(name)
     if "prefixItems" in member:
         return f"[{', '.join([entry or '0.0'] * len(member['prefixItems']))}]"
     if "items" in member:
@@ -199,7 +185,7 @@ def example_number(node: dict[str, Any], member: dict[str, Any]) -> str:
     low, high = bound_of(node, "minimum", "exclusiveMinimum"), bound_of(node, "maximum", "exclusiveMaximum")
     if member["type"] == "integer":
         return str(int(low or 0) + 1)
-    usual = examples("sizes").get(node.get("unit", ""), "1.0")
+    usual = data_table("examples")["sizes"].get(node.get("unit", ""), "1.0")
     if low is not None and float(usual) <= low:
         return f"{low + 1.0 if high is None else 0.5 * (low + high):g}"
     return usual if high is None or float(usual) < high else f"{0.5 * ((low or 0.0) + high):g}"

@@ -22,38 +22,19 @@ MAX_ERRORS = 200  # errors of one part beyond which the rest is of the same kind
 SHOWN_KEYS = 2  # keys of a mapping that a sentence shows where none is required
 MAX_CHOICES = 24  # choices that still fit in a sentence
 BOUND_WORDS = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
-SHAPE_WORDS = {
-    "float_type": "a number",
-    "float_parsing": "a number",
-    "int_type": "a whole number",
-    "int_from_float": "a whole number",
-    "bool_type": "true or false",
-    "string_type": "text",
-    "model_type": "a mapping",
-    "model_attributes_type": "a mapping",
-    "dict_type": "a mapping",
-    "list_type": "a list",
-    "tuple_type": "a list",
-    "none_required": "null",
+VALUE_TYPES = {  # types of JSON Schema, each in words, and the errors by which pydantic says that a value is of another
+    "number": ("a number", "float_type float_parsing"),
+    "integer": ("a whole number", "int_type int_from_float"),
+    "boolean": ("true or false", "bool_type"),
+    "string": ("text", "string_type"),
+    "object": ("a mapping", "model_type model_attributes_type dict_type"),
+    "array": ("a list", "list_type tuple_type"),
+    "null": ("null", "none_required"),
 }
-SHAPE_TYPES = {"a mapping": "object", "a list": "array"}  # of JSON Schema
+SHAPE_ERRORS = {error: name for name, (_, errors) in VALUE_TYPES.items() for error in errors.split()}
 
 # A number and its unit.
 MEASURE_PATTERN = re.compile(r"([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*\[?([^\s\[\]]*)\]?")
-UNIT_FACTORS = {  # what people write, in units of scenes
-    "mm": ("m", 1e-3),
-    "cm": ("m", 1e-2),
-    "km": ("m", 1e3),
-    "ms": ("s", 1e-3),
-    "min": ("s", 60.0),
-    "h": ("s", 3600.0),
-    "kn": ("m/s", 1852.0 / 3600.0),
-    "km/h": ("m/s", 1.0 / 3.6),
-    "t": ("kg", 1e3),
-    "kPa": ("Pa", 1e3),
-    "%": ("1", 1e-2),
-}
-
 MIN_PREFIX = 3  # letters of the beginning of a word by which it is known
 SLIP_SIMILARITY, NEAR_SIMILARITY = 0.9, 0.6  # shares of letters that a mistyped word, and one like it, have in common
 
@@ -109,7 +90,8 @@ def likeliest(word: str, choices: Any) -> str | None:
     if lower in by_lower:
         return by_lower[lower]
     begun = [choice for choice in by_lower if lower.startswith(f"{choice}_")]
-    others = [choice for choice in key_synonyms().get(lower, ()) if choice in by_lower]
+    synonyms = " ".join(meant for words, meant in data_table("synonyms")["keys"].items() if lower in words.split())
+    others = [choice for choice in synonyms.split() if choice in by_lower]
     longer = [choice for choice in by_lower if choice.startswith(lower) and len(lower) >= MIN_PREFIX]
     slip, close = (get_close_matches(lower, by_lower, n=1, cutoff=part) for part in (SLIP_SIMILARITY, NEAR_SIMILARITY))
     found = next(iter([*slip, *sorted(begun, key=len), *others, *sorted(longer, key=len), *close]), None)
@@ -117,10 +99,10 @@ def likeliest(word: str, choices: Any) -> str | None:
 
 
 @cache
-def key_synonyms() -> dict[str, list[str]]:
-    """Names that a word of other programs may have here, likeliest first, by the word."""
-    table = read_mapping(PACKAGE / "reading" / "synonyms.yaml").plain()
-    return {word: meant.split() for words, meant in table.items() for word in words.split()}
+def data_table(name: str) -> dict[str, dict[str, Any]]:
+    """Content of a YAML file of this folder: `synonyms` or `examples`."""
+    found: dict[str, dict[str, Any]] = read_mapping(PACKAGE / "reading" / f"{name}.yaml").plain()
+    return found
 
 
 def normal_form(word: str) -> str:
@@ -140,10 +122,8 @@ def choice_sentence(word: str, choices: Any) -> tuple[str, str | None]:
 def key_sentence(word: str, choices: Any) -> tuple[str, str | None]:
     """End of an error message for an unknown key, and the suggestion or None; a dotted key is shown as a mapping."""
     if word.isdigit():
-        return (
-            f"; in {{...}} and [...] a comma ends a value: is it a decimal comma? Write a point, as in 0.{word}",
-            None,
-        )
+        comma = "in {...} and [...] a comma ends a value: is it a decimal comma?"
+        return f"; {comma} Write a point, as in 0.{word}", None
     first, *inner = word.split(".")
     if inner and first in choices:
         return f"; in a scene it is written {first}: {{{': {'.join(inner)}: ...{'}' * len(inner)}", None
@@ -203,9 +183,9 @@ def _locate_error(error: Any, model: type[BaseModel], root: Node) -> _Found:
             unit = next((in_brackets(schema["unit"]) for schema in below if "unit" in schema), "")
         places = [member for schema in below for member in union_members(schema, definitions)]
         node = inner if inner is not None else node
-    shape = error["type"] in SHAPE_WORDS or (error["type"] == "literal_error" and isinstance(node.data, dict | list))
+    shape = error["type"] in SHAPE_ERRORS or (error["type"] == "literal_error" and isinstance(node.data, dict | list))
     shape = shape and union == path
-    fitting = [place for place in places if place.get("type") == SHAPE_TYPES.get(SHAPE_WORDS.get(error["type"], ""))]
+    fitting = [place for place in places if place.get("type", "") == SHAPE_ERRORS.get(error["type"])]
     form = _value_form(fitting[0], definitions) if fitting else ""
     return _Found(error["type"], error["msg"], error.get("ctx", {}), path, node, unit, keys, form, union, member, shape)
 
@@ -258,7 +238,7 @@ def _union_problems(found: list[_Found], prefix: Path) -> list[Problem]:
         best = min(fitting, key=len)
         return [_problem_of(f, prefix) for f in best if not _is_extra_item(f, best)]
     first, firsts = found[0], [errors[0] for errors in members.values()]
-    wanted = dict.fromkeys(SHAPE_WORDS.get(f.kind) or f"one of {f.context.get('expected', '')}" for f in firsts)
+    wanted = dict.fromkeys(_shape_words(f) for f in firsts)
     hint = next(filter(None, map(_number_hint, firsts)), "")
     message = f"expected {' or '.join(wanted)}, got {describe_value(first.node.plain())}{hint}"
     return [problem_at(first.node.location, dotted(prefix + first.path), message)]
@@ -303,14 +283,20 @@ def _problem_of(found: _Found, prefix: Path) -> Problem:
         location = found.node.data[name].location if found.kind == "union_tag_invalid" else location
         end, suggestion = choice_sentence(str(context.get("tag", "")), choices)
         message = "missing key" if found.kind == "union_tag_not_found" else f"{context['tag']!r} is not a choice{end}"
-    elif found.kind in SHAPE_WORDS:
+    elif found.kind in SHAPE_ERRORS:
         form = f", as in {found.form}" if found.form else ""
-        message = f"expected {SHAPE_WORDS[found.kind]}, got {value}{_number_hint(found)}{form}"
+        message = f"expected {_shape_words(found)}, got {value}{_number_hint(found)}{form}"
     elif found.kind in ("value_error", "assertion_error"):
         message = str(context.get("error", found.message))
     else:
         message = found.message.replace("Input should be", "this should be")
     return problem_at(location, key, message, suggestion)
+
+
+def _shape_words(found: _Found) -> str:
+    """Form of value, in words, whose lack an error reports: a type, or one of some choices."""
+    name = SHAPE_ERRORS.get(found.kind)
+    return VALUE_TYPES[name][0] if name is not None else f"one of {found.context.get('expected', '')}"
 
 
 def _number_hint(found: _Found) -> str:
@@ -320,7 +306,7 @@ def _number_hint(found: _Found) -> str:
     if measure is None:
         return ""
     written, unit = measure[2].replace("^", ""), found.unit.strip(" []")
-    of, factor = UNIT_FACTORS.get(written, (written, 1.0))
+    of, factor = data_table("synonyms")["units"].get(written, (written, 1.0))
     if of not in ("", unit or "1"):
         return f"; a number stands without its unit{f', which is {unit} here' if unit else ''}"
     number = float(measure[1].replace(",", ".")) * factor

@@ -490,25 +490,22 @@ def short(text: str) -> str:
 
 
 def glossary() -> str:
-    """Words of the field, those of others, and one word for one thing from `ocean_sim/conventions.py`."""
-    whole = conventions.__doc__ or ""
-    axes, _, words = whole.partition("One word for one thing, in names, messages and docs:")
-    lines = [line for line in words.strip().splitlines() if line.strip()]
-    split = [re.split(r" {2,}", line, maxsplit=1) for line in lines]
-    cells = [[pair[0], pair[1] if len(pair) > 1 else ""] for pair in split]
+    """Words of the field, those of others, axes from `ocean_sim/conventions.py`, and one word for one thing."""
+    axes = (conventions.__doc__ or "").partition("One word for one thing")[0]
+    words = {name: (DOCS / f"{name}_words.md.in").read_text(encoding="utf-8") for name in ("field", "program")}
     elsewhere = list(ELSEWHERE.items())
     return "\n".join(
         [
             "# Glossary\n",
             "## Words of the field\n",
             "[One sketch](../axes.md) shows axes, headings and signs.\n",
-            framed((DOCS / "field_words.md.in").read_text(encoding="utf-8"), "words"),
+            framed(words["field"], "words"),
             "## What others call it\n",
             framed(table(["in papers and other programs", "here"], elsewhere), "words"),
             "## Words of this program\n",
             axes,
             "One word for one thing, in names, messages and docs:\n",
-            framed(table(["word", "is"], cells), "words"),
+            framed(words["program"], "words"),
         ]
     )
 

@@ -1,4 +1,4 @@
-"""The command line `ocean-sim`: a table of its verbs; exit codes 0 done, 1 failed, 2 wrong input, 3 lacking."""
+"""The command line `ocean-sim`; `verbs.csv` lists its verbs. Exit codes: 0 done, 1 failed, 2 wrong input, 3 lacking."""
 
 import sys
 
@@ -7,12 +7,16 @@ try:
     import os
     from errno import ENAMETOOLONG
     from importlib import import_module
+    from itertools import groupby
+    from operator import itemgetter
+    from pathlib import Path
     from typing import Any
 
     import typer
     from typer.core import TyperCommand, TyperGroup
 
     from ocean_sim.conventions import Failed, Refused, in_words
+    from ocean_sim.files.csv_file import read_records
     from ocean_sim.files.input_file import display_path
     from ocean_sim.machine import extra_with, missing_extra, stoppable
     from ocean_sim.verbs.shared import console
@@ -20,55 +24,10 @@ except KeyboardInterrupt:  # these take as long as it takes to press Ctrl-C
     sys.exit("stopped")
 
 
-VERBS_BY_SECTION = {  # of `--help`, in its order, with the line of each verb there
-    "Scenes": {
-        "new": "Write a scene of your own to start from, with comments.",
-        "list": "List scenes, parts, kinds and profiles, a sentence each.",
-        "explain": "Explain a key of a scene: unit, default, range, example.",
-        "check": "Is a scene valid, how long will it take, what does it need?",
-        "hull": "Is a mesh a ship: draught, GZ curve, stability criteria?",
-        "schema": "Print the JSON Schema of a scene, for editors.",
-    },
-    "Run": {
-        "run": "Simulate a scene and write its run folder.",
-        "resume": "Go on with a run from its last checkpoint.",
-        "sweep": "Run many scenes from a plan; failures are rows of a table.",
-    },
-    "Look": {
-        "serve": "Open a page in the browser: a live scene, or replays of runs.",
-        "preview": "Open a window (--browser: the page of `serve`); or pictures.",
-        "render": "Draw pictures and a film of a finished run.",
-        "report": "Write replay.html, a page of one run or two (not report.html).",
-        "export": "Write files for ParaView and Blender.",
-    },
-    "Analyse": {
-        "waves": "Heights, periods and spectra at the gauges of a run.",
-        "sea": "Spectra of a measured sea; a sea for other programs.",
-        "rao": "Response of a ship to waves: six motions over frequency.",
-        "platform": "Turn a motion log into commands of a motion platform.",
-    },
-    "Trust": {
-        "validate": "Compare with known answers: error and tolerance of each.",
-        "figure": "Draw the figures of the thesis anew: data and picture.",
-        "tradeoff": "Measure speed against accuracy over settings or cases.",
-        "stability": "Find where it breaks: settings at their extremes.",
-        "bench": "Measure speed alone: time per step, memory, start.",
-        "bench-one": "Measure one scene of `bench` in this process.",
-    },
-    "Maintain": {
-        "doctor": "What this machine can do: backends, OpenGL, video.",
-        "gallery": "Make the pictures of the README again.",
-    },
-}
-VERBS = {name: line for section in VERBS_BY_SECTION.values() for name, line in section.items()}
-HIDDEN_VERBS = ("bench-one",)  # verbs that only other verbs call
-FUNCTIONS = {  # of verbs that do not share its name with their module
-    "list": "list:list_choices",
-    "schema": "new:print_schema",
-    "bench-one": "bench:bench_one",
-    "export": "render:export",
-    "report": "serve:report",
-}
+VERB_ROWS = read_records((Path(__file__).parent / "verbs" / "verbs.csv").read_text(encoding="utf-8"))
+VERBS = {row["verb"]: row["line"] for row in VERB_ROWS}
+FUNCTIONS = {row["verb"]: row["function"] for row in VERB_ROWS}  # as `module:function`
+HIDDEN_VERBS = [row["verb"] for row in VERB_ROWS if not row["section"]]
 
 
 def common_options(
@@ -79,7 +38,7 @@ def common_options(
 
 def command_of(name: str) -> Any:
     """Typer command of a verb (a subcommand such as `run`) with its options; imports the module of the verb."""
-    module, _, function = FUNCTIONS.get(name, f"{name}:{name}").partition(":")
+    module, _, function = FUNCTIONS[name].partition(":")
     called = getattr(import_module(f"ocean_sim.verbs.{module}"), function)
     alone, common = (typer.Typer(add_completion=False, rich_markup_mode=None) for _ in range(2))
     alone.command(name, help=VERBS[name], hidden=name in HIDDEN_VERBS)(called)
@@ -100,9 +59,9 @@ class Verbs(TyperGroup):
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the verbs to the text of `--help` section by section, with aligned lines."""
-        for section, lines in VERBS_BY_SECTION.items():
+        for section, rows in groupby((row for row in VERB_ROWS if row["section"]), itemgetter("section")):
             with formatter.section(section):
-                formatter.write_dl([(f"{name:<9}", line) for name, line in lines.items() if name not in HIDDEN_VERBS])
+                formatter.write_dl([(f"{row['verb']:<9}", row["line"]) for row in rows])
 
     def resolve_command(self, ctx: Any, args: list[str]) -> tuple[str | None, Any, list[str]]:
         """Name of the verb that is called, its Typer command with all options, and its remaining arguments."""

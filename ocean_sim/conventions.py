@@ -5,36 +5,7 @@ centre of the still surface. A ship at rest heads along +Z, so +X is to port. Ro
 hand: pitch about X lowers the bow, yaw about Y turns it to port, roll about Z lifts the port side.
 Headings of waves and wind say where they go to: 0 along +Z, 90 degrees along +X.
 
-One word for one thing, in names, messages and docs:
-
-accounts      sums of impulse and work, term by term, which `accuracy.csv` shows
-cell          of the grid that finds neighbours, or of a CSV file
-compression   the density error: rise of the density over the rest density
-free surface  the upper boundary of the water
-gate          an obstacle that moves, or is taken away
-hydrostatic offset  how far the water's own weight, or a step through a mirror, changes level or pressure
-image         a ghost particle: the mirror image of a particle in a flat side
-kind          a module of a slot's folder, which a scene names as `kind:`
-lattice       the regular positions that particles start from
-ledger        the table of memory and kernels that a scene makes the program allocate and compile
-location      file, line and column of a text
-message       a text that is shown to a person
-next to       at the side of; also of one part of a scene and another
-observer      who watches a simulation and writes files
-part          the content of a slot: its keys (a Config) and the object built from them
-position      where something is in space [m]
-preflight     the facts of a scene before it is built
-relaxed       brought towards rest, or another target, near an absorbing side
-report        to hand a fact to a person or a program; `report.html` is one
-row, column   of a table, in a file or on the device
-run folder    the files that a run leaves
-sample        a point of a solid body on which the laws of the water act
-scheme        a kind of water whose particles act on each other
-slot          wind, fluid, surface, ship, platform or time_step of a scene
-spacing       distance between particles at rest; the unit "spacings" is multiples of it
-support       the kernel support radius: within it a smoothing kernel is not zero
-surface       a mesh laid on the free surface for pictures and ships
-tank          the basin without ships
+One word for one thing, in names, messages and docs: docs/program_words.md.in lists them.
 """
 
 from collections.abc import Sequence

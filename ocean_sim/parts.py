@@ -21,7 +21,6 @@ from ocean_sim.conventions import GRAVITY
 from ocean_sim.model import Model
 
 if TYPE_CHECKING:
-    from ocean_sim import basin as basin_module
     from ocean_sim import waves
     from ocean_sim.basin import Basin, Solid
     from ocean_sim.basin.open_sea import Nonlinear, Rim
@@ -536,16 +535,12 @@ class Scene(Protocol):
     title: str
     seed: int
     duration: float
-    basin: basin_module.Config
-    sea: SeaConfig | None
     fluid: FluidConfig
     wind: WindConfig
-    surface: SurfaceConfig | None
     ships: dict[str, ShipConfig]
     platform: PlatformConfig | None
     time_step: TimeStepConfig
     runtime: RuntimeConfig
-    notes: list[str]
 
     @property
     def observers(self) -> Mapping[str, PartConfig]: ...

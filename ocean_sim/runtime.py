@@ -24,14 +24,7 @@ from ocean_sim.kernel_library import FieldsBuilder, SNodeTree, impl, ti, to_nump
 from ocean_sim.machine import available_cores, kernel_cache
 from ocean_sim.model import Model, quantity
 
-TAICHI_BACKENDS = {
-    "cpu": ti.cpu,
-    "cuda": ti.cuda,
-    "vulkan": ti.vulkan,
-    "metal": ti.metal,
-    "gpu": ti.gpu,
-    "auto": ti.gpu,
-}
+TAICHI_BACKENDS = {name: getattr(ti, name) for name in ("cpu", "cuda", "vulkan", "metal", "gpu")} | {"auto": ti.gpu}
 BASE_MEMORY, COPY_BYTES_PER_PARTICLE = 160_000_000, 100  # [bytes], [bytes a particle]
 MAX_FIELD_SETS = 512  # sets of fields that Taichi 1.7 holds; it crashes beyond
 FIELD_SET_MARGIN = 128  # sets of fields of one simulation, at most
@@ -103,16 +96,17 @@ def _direct_launch(kernel: Any) -> Any:
     return launch
 
 
+@dataclass(frozen=True)
 class Launch:
-    """Compiled kernel that is called directly with the arguments of its method, without the look-ups of Taichi."""
+    """Compiled kernel that is called directly with the arguments of its method, without the look-ups of Taichi. Each
+    argument is known by its place in the method, and numbers and arrays also by their slot in the launch."""
 
-    def __init__(self, compiled: Any, kernel: Any, takes: list["Taken"]) -> None:
-        """`compiled`: Taichi's compiled kernel data; `kernel`: the kernel; `takes`: its arguments in order."""
-        self.compiled, self.context = compiled, kernel.make_launch_context
-        self.arrays = [(k, slot, kind, ndim) for k, slot, kind, ndim in takes if slot is not None and ndim is not None]
-        self.numbers = [(k, slot, kind) for k, slot, kind, ndim in takes if slot is not None and ndim is None]
-        self.templates = [(k, same) for k, slot, same, _ in takes if slot is None]
-        self.program = impl.get_runtime().prog.launch_kernel
+    program: Any  # of Taichi
+    compiled: Any  # Taichi's compiled kernel data
+    kernel: Any
+    templates: list[tuple[int, Any]]  # a weak reference to each
+    numbers: list[tuple[int, tuple[int], bool]]  # True for a whole number
+    arrays: list[tuple[int, tuple[int], np.dtype, int]]  # type and number of axes
 
     def suits(self, given: tuple) -> bool:
         """True if the kernel was compiled for arguments like these: equal templates, types and numbers of axes."""
@@ -127,7 +121,7 @@ class Launch:
 
     def __call__(self, given: tuple) -> None:
         """Launch the kernel with these arguments, which suit it."""
-        context = self.context()
+        context = self.kernel.make_launch_context()
         for k, slot, whole in self.numbers:
             if whole:
                 context.set_arg_int(slot, int(given[k]))
@@ -136,46 +130,33 @@ class Launch:
         for k, slot, _, _ in self.arrays:
             array = given[k]
             context.set_arg_external_array_with_shape(slot, array.ctypes.data, array.nbytes, array.shape, 0)
-        self.program(self.compiled, context)
-
-
-class Taken(NamedTuple):
-    """Argument of a `Launch`: its place in the method; its slot in the launch (None: a template); `what` it has to
-    match (weak reference to the template, type of an array, True for a whole number); number of axes of an array."""
-
-    place: int
-    slot: tuple[int] | None
-    what: Any
-    ndim: int | None
+        self.program.launch_kernel(self.compiled, context)
 
 
 def _launch_of(primal: Any, owner: Any, given: tuple) -> Launch | None:
     """Direct launch of kernel `primal` of object `owner`, just run with `given`; None if it needs Taichi's own call."""
-    takes, slots = [], 0
     if primal.return_type is not None or primal.has_print:
         return None
+    templates, numbers, arrays = list[Any](), list[Any](), list[Any]()
     for k, (argument, value) in enumerate(zip(primal.arguments[1:], given, strict=True)):
-        needed = argument.annotation
+        needed, slot = argument.annotation, (len(numbers) + len(arrays),)
         if isinstance(needed, ti.template):
             try:
-                takes.append(Taken(k, None, weakref.ref(value), None))
+                templates.append((k, weakref.ref(value)))
             except TypeError:  # a number or a name
                 return None
-            continue
-        if isinstance(needed, ti.types.ndarray):
-            if not isinstance(value, np.ndarray):
+        elif isinstance(needed, ti.types.ndarray):
+            if not isinstance(value, np.ndarray) or not value.flags.c_contiguous:
                 return None
-            takes.append(Taken(k, (slots,), value.dtype, value.ndim))
+            arrays.append((k, slot, value.dtype, value.ndim))
         elif needed in (float, int, ti.f32, ti.f64):
-            takes.append(Taken(k, (slots,), needed is int, None))
+            numbers.append((k, slot, needed is int))
         else:
             return None
-        slots += 1
-    if any(t.ndim is not None and not given[t.place].flags.c_contiguous for t in takes):
-        return None
     program = impl.get_runtime().prog
     kernel = primal.compiled_kernels[primal.ensure_compiled(owner, *given)]
-    return Launch(program.compile_kernel(program.config(), program.get_device_caps(), kernel), kernel, takes)
+    compiled = program.compile_kernel(program.config(), program.get_device_caps(), kernel)
+    return Launch(program, compiled, kernel, templates, numbers, arrays)
 
 
 @in_kernels

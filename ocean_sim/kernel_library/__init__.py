@@ -5,6 +5,7 @@ compiles the same kernels. A process computes with one of them, chosen before an
 OCEAN_SIM_LIBRARY; a scene's `runtime.library` has to agree with it.
 """
 
+# ruff: noqa: F401 (names that other modules take from here)
 import os
 import sys
 from types import ModuleType
@@ -16,22 +17,6 @@ from ocean_sim.machine import processor_facts
 NEWEST_AMD_FAMILY = 25  # of processors, that the compiler in Taichi 1.7 knows (LLVM 15)
 LIBRARY_VARIABLE, TAICHI, QUADRANTS = "OCEAN_SIM_LIBRARY", "taichi", "quadrants"
 LIBRARY_NAME = os.environ.get(LIBRARY_VARIABLE) or TAICHI
-
-__all__ = [
-    "LIBRARY_NAME",
-    "FieldsBuilder",
-    "SNodeTree",
-    "ScalarField",
-    "ast_transformer",
-    "impl",
-    "is_library_attribute",
-    "kernel_impl",
-    "knows_processor",
-    "matrix_ops",
-    "ti",
-    "tm",
-    "to_numpy_type",
-]
 
 if LIBRARY_NAME not in (TAICHI, QUADRANTS):
     raise Lacking(

@@ -15,7 +15,7 @@ import linecache
 import os
 import textwrap
 from functools import cache, reduce
-from types import CodeType, FunctionType
+from types import CodeType, FunctionType, SimpleNamespace
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -26,7 +26,7 @@ from ocean_sim.kernel_library import ast_transformer, impl, kernel_impl, matrix_
 SWITCH_VARIABLE = "OCEAN_SIM_QUICK_START"
 Context = kernel_impl.ASTTransformerContext
 Transformer, Builder = ast_transformer.ASTTransformer, ast_transformer.Builder
-CLOSING_BRACKETS = (")", "]", "}")  # a line that continues a statement at its own indent begins with one of them
+CLOSING_BRACKETS = (")", "]", "}")  # that may stand in lines after the last instruction
 
 
 class Tree:
@@ -58,7 +58,7 @@ class Source:
         self.trees: list[Tree] = []  # those that nothing reads now
         try:
             self.set_lines(*function_lines(function))
-        except (IndexError, StopIteration, SyntaxError):  # no file, or a string in it begins further left
+        except (IndexError, SyntaxError):  # no file, or a string in it begins further left
             self.set_lines(*kernel_impl.getsourcelines(function))
 
     def set_lines(self, lines: list[str], first: int) -> None:
@@ -77,21 +77,13 @@ class Source:
 
 
 def function_lines(function: FunctionType) -> tuple[list[str], int]:
-    """Source lines of a function, down to the next statement of its indent or less, and number of the first one."""
+    """Source lines of a function, by the places of its instructions, and number of the first one."""
     code = function.__code__
-    lines = linecache.getlines(code.co_filename, function.__globals__)[code.co_firstlineno - 1 :]
-    body = next(k for k, line in enumerate(lines) if line.lstrip().startswith("def ")) + 1
-    indent = len(lines[0]) - len(lines[0].lstrip())
-    return lines[: body + block_length(lines[body:], indent)], code.co_firstlineno
-
-
-def block_length(lines: list[str], indent: int) -> int:
-    """Number of leading lines that belong to the body of a statement at this indent [characters]."""
-    for k, line in enumerate(lines):
-        text = line.lstrip()
-        if text and len(line) - len(text) <= indent and not text.startswith(("#", *CLOSING_BRACKETS)):
-            return k
-    return len(lines)
+    lines, first = linecache.getlines(code.co_filename, function.__globals__), code.co_firstlineno
+    last = max((end for _, end, *_ in code.co_positions() if end is not None), default=0)
+    while lines[last:] and lines[last].lstrip().startswith(CLOSING_BRACKETS):
+        last += 1
+    return lines[first - 1 : last], first
 
 
 known_sources: WeakKeyDictionary[CodeType, Source] = WeakKeyDictionary()
@@ -142,29 +134,18 @@ def read_tree(root: Any, context: Any) -> Any:
     return context.return_data
 
 
-class FailingReader:
-    """Stand-in for Taichi's translator that raises an earlier error again: Taichi adds the place to the message."""
-
-    def __init__(self, error: Exception) -> None:
-        self.error = error
-
-    def __getattr__(self, name: str) -> Any:
-        """Function that raises the error, as the method `build_...` for any kind of node."""
-
-        def fail(context: Any, node: Any) -> None:
-            raise self.error
-
-        return fail
-
-
 def read_node(builder: Any, context: Any, node: Any) -> Any:
-    """Translate a node; after an error, let Taichi raise it again with its place. Replaces `Builder.__call__`."""
+    """Translate a node; Taichi raises an error again with its place in the message. Replaces `Builder.__call__`."""
     places = impl.pytaichi.src_info_stack
     places.append(node.place)
     try:
         return node.read(context, node)
     except Exception as error:
-        return taichi_read_node(FailingReader(error), context, node)
+
+        def fail(context: Any, node: Any, failure: Exception = error) -> None:
+            raise failure
+
+        return taichi_read_node(SimpleNamespace(**{f"build_{type(node).__name__}": fail}), context, node)
     finally:
         places.pop()
 

@@ -168,14 +168,16 @@ class Composition:
         elif choice is not None:
             self.set_part(slot, (key,), node)
 
+    def below(self, place: str, node: Node) -> Choice | None:
+        """The choice at a place over which `node` is to be laid, by default the kind of an absent slot; or None."""
+        absent = self.slots.get(place) is None and place in DEFAULT_KINDS
+        return choice_of(place, node.with_data(DEFAULT_KINDS[place])) if absent else self.slots.get(place)
+
     def set_part(self, place: str, path: tuple[str, ...], value: Node) -> None:
         """Replace or change the part at a place (`wind`) by `value`, or set the key at `path` inside it."""
-        below = self.slots.get(place)
         if place in self.failed and path:
             return
-        if below is None and place in DEFAULT_KINDS:
-            below = choice_of(place, value.with_data(DEFAULT_KINDS[place]))
-        above = tuple(place.split("."))
+        below, above = self.below(place, value), tuple(place.split("."))
         if not path:
             self.lay(place, value, below if value.is_mapping and "kind" not in value.data else None)
         elif path == ("kind",) or below is None:
@@ -214,30 +216,22 @@ def compose(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> Co
     for slot in SLOTS:
         if slot in scene.data:
             result.lay(slot, scene.data[slot], None)
-    given = {key: scene.data[key] for key in KEYS_BESIDE_SLOTS if key in scene.data}
-    beside = {key: node for key, node in given.items() if node.data is not None}
+    beside = {key: node for key, node in scene.data.items() if key in KEYS_BESIDE_SLOTS and node.data is not None}
     early = [key for key in beside if result.slots.get(KEYS_BESIDE_SLOTS[key]) is not None]
     for key in early:
         result.lay_beside(key, beside[key])
     if SEVERAL in scene.data:
         for place, ship in result.named_ships(scene.data[SEVERAL]):
             result.lay(place, ship, None)
-    for key, node in (profile.data if profile is not None else {}).items():
-        if key in SLOTS:
-            below = result.slots.get(key)
-            if below is None and key in DEFAULT_KINDS and node.is_mapping and "kind" not in node.data:
-                below = choice_of(key, node.with_data(DEFAULT_KINDS[key]))
-            result.lay(key, node, below)
-        else:
-            below = result.root.data.get(key)
-            result.root.data[key] = node if below is None else merge_nodes(below, node)
+    if profile is not None:
+        result.root = result.root.with_data(merge_nodes(result.root, profile).data)
+        for slot in [slot for slot in SLOTS if slot in profile.data]:
+            result.lay(slot, profile.data[slot], result.below(slot, profile))
     for key, node in sorted(overrides.items(), key=lambda item: (item[0].count("."), not item[0].endswith(".kind"))):
         result.set(key, node)
     for key in beside.keys() - early:
         result.lay_beside(key, beside[key])
-    for slot, default in DEFAULT_KINDS.items():
-        if result.slots.get(slot) is None:
-            result.slots[slot] = choice_of(slot, scene.with_data(default))
+    result.slots |= {slot: result.below(slot, scene) for slot in DEFAULT_KINDS}
     data = {key: node for key, node in result.root.data.items() if key not in (*SLOTS, *KEYS_BESIDE_SLOTS, SEVERAL)}
     found = {place: choice.whole() for place, choice in result.slots.items() if choice is not None}
     data |= {place: node for place, node in found.items() if place in SLOTS}

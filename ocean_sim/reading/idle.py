@@ -27,16 +27,11 @@ def has_stops(mapping: Any, known: Preflight, *_: Any) -> bool:
     return known.fluid.made_of_particles and bool(known.tank.sides or known.tank.config.obstacles)
 
 
-def has_key(mapping: Any, key: str) -> bool:
-    """True if the model has this key, which not every kind does, and its value is not None."""
-    return key in type(mapping).model_fields and getattr(mapping, key) is not None
-
-
 PI_TWELFTH = np.pi / 12.0  # [rad]
 PI_TOLERANCE = 0.008  # share of it by which 3.14 differs from pi, but no 5.5 from 21
 SEEDS_APART = "the scene draws nothing at random but its spectra, and each of these has a seed of its own"
 
-# Slot and path of a mapping, through all entries of lists; some of its keys; True if they have an effect, by the
+# Slots and paths of mappings, through all entries of lists; some of their keys; True if they have an effect, by the
 # mapping h, the scene k, the part p and the key n; and the reason where they have none.
 IDLE_RULES: list[tuple[str, str, Callable[[Any, Preflight, Any, str], Any], str]] = [
     (
@@ -61,13 +56,11 @@ IDLE_RULES: list[tuple[str, str, Callable[[Any, Preflight, Any, str], Any], str]
     ("basin.motion", "about", lambda h, *_: not isinstance(h, Harmonic) or "roll" in h.axis, "the tank does not roll"),
     ("basin.obstacles.motion", "start", lambda h, k, *_: h.start < k.duration, "the run ends before"),
     ("sea.rim", "velocity", lambda h, k, *_: not k.ships, "the band lies opposite the ship"),
-    ("sea", "onset breaking", lambda h, *_: h.order == 3, "only a sea of order 3 is nonlinear"),
-    ("fluid", "onset breaking", lambda h, *_: h.order == 3, "only a sea of order 3 is nonlinear"),
+    ("sea fluid", "onset breaking", lambda h, *_: h.order == 3, "only a sea of order 3 is nonlinear"),
     ("fluid", "collision_distance", has_stops, "no particle meets a side here"),
     ("fluid.initial", "seed", lambda h, *_: h.disorder, "there is no disorder"),
     ("wind", "noise_every", lambda h, *_: h.is_random, "the wind has no noise"),
-    ("wind", "targets", lambda h, k, *_: h.targets != ["ship"] or k.ships, "there is no ship"),
-    ("wind.volumes", "targets", lambda h, k, *_: h.targets != ["ship"] or k.ships, "there is no ship"),
+    ("wind wind.volumes", "targets", lambda h, k, *_: h.targets != ["ship"] or k.ships, "there is no ship"),
     ("wind.volumes", "lift_coefficient", lambda h, *_: h.wind_speed, "there is no wind_speed"),
     ("wind.volumes", "redraw_yaw_deg redraw_strength", lambda h, *_: h.velocity.any(), "it does not drift"),
     (
@@ -77,7 +70,7 @@ IDLE_RULES: list[tuple[str, str, Callable[[Any, Preflight, Any, str], Any], str]
         "there is neither a wind_speed nor a drift along it",
     ),
     ("wind", "pressure_gain wave_speed", lambda h, *_: h.sheltering, "without sheltering no pressure acts on waves"),
-    ("wind", "u10 heading_deg", lambda h, *_: not has_key(h, "schedule"), "the schedule stands in its place"),
+    ("wind", "u10 heading_deg", lambda h, *_: dict(h).get("schedule") is None, "the schedule stands in its place"),
     ("ship.propeller", "wake", lambda h, *_: h.zero_thrust_speed, "without a zero_thrust_speed no speed lowers thrust"),
     ("ship.propeller", "diameter", lambda h, k, p, *_: p.rudder, "there is no rudder in its slipstream"),
     ("ship.helm", "look_ahead arrival", lambda h, *_: h.route, "she holds a heading, and sails no route"),
@@ -97,10 +90,9 @@ IDLE_RULES: list[tuple[str, str, Callable[[Any, Preflight, Any, str], Any], str]
         has_particles,
         "no particles",
     ),
-    ("frames", "particles", has_particles, "there are none"),
+    ("frames render", "particles", has_particles, "there are none"),
     ("preview", "content", has_particles, "there are no particles"),
     ("gauges.pressure", "normal", lambda h, *_: h.diameter, "the gauge is a point, without a diameter"),
-    ("render", "particles", has_particles, "there are none"),
     ("render", "foam_cover", lambda h, *_: h.foam, "no foam is drawn"),
     ("render", "wind", lambda h, k, *_: not k.wind.still, "there is no wind"),
     ("render", "every", lambda h, *_: h.film, "there is no film"),
@@ -144,7 +136,7 @@ def idle_keys(parts: Mapping[str, Any], known: Preflight) -> Iterator[str]:
                 yield from (f"{place}.{sentence}" for sentence in like_radians(mapping))
             fields = type(mapping).model_fields
             for where, keys, has_effect, reason in rules:
-                for key in keys.split() if where == path else ():
+                for key in keys.split() if path in where.split() else ():
                     if key in fields and getattr(mapping, key) != fields[key].get_default(call_default_factory=True):
                         if not has_effect(mapping, known, part, key):
                             yield f"{place}.{key}".removeprefix("scene.") + f" has no effect: {reason}"

@@ -9,44 +9,14 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from ocean_sim.files.yaml_file import in_yaml
-from ocean_sim.parts import KEYS_BESIDE_SLOTS, SEVERAL, SLOTS, KindConfig, config_of, kinds, slot_of
+from ocean_sim.parts import KEYS_BESIDE_SLOTS, SEVERAL, SLOTS, config_of, kinds
 from ocean_sim.reading.schema import scene_schema
 from ocean_sim.reading.sentences import opening_sentence
-from ocean_sim.reading.translation import union_members
+from ocean_sim.reading.translation import VALUE_TYPES, data_table, union_members
 
 NAME_STEP, LIST_STEP = "NAME", "[]"
-TYPE_WORDS = {
-    "number": "number",
-    "integer": "whole number",
-    "boolean": "true or false",
-    "string": "text",
-    "null": "null",
-    "object": "mapping",
-    "array": "list",
-}
 PLAIN_TYPES = ("number", "integer", "boolean", "string")
 BOUND_SIGNS = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
-EXAMPLE_VALUES = {  # of keys by their names, where no default is one; of any other text the name itself
-    "particles": "6000",
-    "waves": "{height: 1.0, period: 6.0}",
-    "wavemaker": "{height: 0.1, period: 2.0}",
-    "spectra": "[{height: 1.0, period: 6.0}]",
-    "helm": "{speed: 3.0, heading_deg: 90.0}",
-    "inertia": "[1.0e+6, 1.0e+6, 1.0e+5]",
-    "title": "A trial",
-    "file": "rows.csv",
-    "path": "particles.csv",
-    "components": "waves.csv",
-    "point": "helm",
-    "ship": "tug",
-    "from": "bow",
-    "key": "secret.key",
-    "radiation": "radiation.csv",
-    "period": "2.0",
-    "peak_period": "6.0",
-}
-EXAMPLE_ENTRIES = {"min": "-1.0", "max": "1.0", "half_size": "1.0", "size": "1.0"}  # in a list, by the name of its key
-EXAMPLE_SIZES = {"m": "1.0", "s": "0.1", "deg": "30.0", "1": "0.5"}  # an example of a number, by its unit
 
 
 class Key(NamedTuple):
@@ -71,58 +41,51 @@ class Key(NamedTuple):
 
 
 @cache
-def whole_schema() -> dict[str, Any]:
-    return scene_schema()
-
-
-@cache
-def scene_keys() -> tuple[Key, ...]:
-    """All keys of all parts and kinds, in the order of the schema."""
-    found: dict[str, Key] = {}
-    for name, node in whole_schema()["properties"].items():
+def by_path() -> dict[str, Key]:
+    """All keys of all parts and kinds by path, in the order of the schema."""
+    whole, found = scene_schema(), dict[str, Key]()
+    for name, node in whole["properties"].items():
         if name in SLOTS:
-            for kind in kinds(name):
-                below = of_mapping(definition(f"{name}.{kind}"), f"{name}.{kind}", ())
-                found |= {key.path: key for key in below if key.path not in found}
+            for path in (f"{name}.{kind}" for kind in kinds(name)):
+                found |= {key.path: key for key in of_mapping(whole["$defs"][path], path)}
         elif name not in (SEVERAL, *KEYS_BESIDE_SLOTS):
-            for key in of_value(name, node, name in whole_schema()["required"], ()):
+            found[name] = key_of_node(name, node, name in whole["required"])
+            for key in keys_inside(name, node):
                 found.setdefault(key.path, key)
-    return tuple(found.values())
+    return found
 
 
-def definition(name: str) -> dict[str, Any]:
-    """Schema of a model in the scene's schema, by its name or its `$ref`."""
-    return whole_schema()["$defs"][name.removeprefix("#/$defs/")]
+def scene_keys() -> tuple[Key, ...]:
+    return tuple(by_path().values())
 
 
-def of_mapping(node: dict[str, Any], path: str, within: tuple[str, ...]) -> Iterator[Key]:
-    """Yield the keys of the model at a path, of schema `node`, and of models in it; `within`: models entered so far."""
-    for name, inner in node.get("properties", {}).items():
-        if name == "kind" and "const" in inner:
-            continue
-        yield from of_value(f"{path}.{name}", inner, name in node.get("required", ()), within)
+def members(node: dict[str, Any]) -> list[dict[str, Any]]:
+    """Members of the union in a schema, or the schema itself, references to models replaced by their schemas."""
+    return list(union_members(node, scene_schema()["$defs"]))
 
 
-def of_value(path: str, node: dict[str, Any], required: bool, within: tuple[str, ...]) -> Iterator[Key]:
-    """Yield the key at a path, whose value has the schema `node`, and the keys inside its value."""
-    yield key_of_node(path, node, required)
-    yield from keys_inside(path, node, within)
+def of_mapping(node: dict[str, Any], path: str) -> Iterator[Key]:
+    """Yield the keys of the model at a path, of schema `node`, each followed by the keys inside its value."""
+    for name, inner in node["properties"].items():
+        if name != "kind" or "const" not in inner:
+            yield key_of_node(f"{path}.{name}", inner, name in node.get("required", ()))
+            yield from keys_inside(f"{path}.{name}", inner)
 
 
-def keys_inside(path: str, node: dict[str, Any], within: tuple[str, ...]) -> Iterator[Key]:
-    """Yield the keys inside the value at a path, of schema `node`; models in `within` are not entered again."""
-    yield from kind_inside(path, node)
-    for member in union_members(node):
-        name = member.get("$ref")
-        if name is not None and name not in within:
-            target = definition(name)
-            yield from of_mapping(target, path, (*within, name))
-            if "properties" not in target:
-                yield from keys_inside(path, target, (*within, name))
-        elif member.get("type") == "array" and isinstance(member.get("items"), dict):
-            yield from keys_inside(path + LIST_STEP, member["items"], within)
+def keys_inside(path: str, node: dict[str, Any]) -> Iterator[Key]:
+    """Yield the keys inside the value at a path, of schema `node`: `kind` of one of several models, then theirs."""
+    mappings = [member for member in members(node) if "properties" in member]
+    if chosen := {kind["const"]: m for m in mappings if "const" in (kind := m["properties"].get("kind", {}))}:
+        told = [f"`{kind}`: {opening_sentence(m['description']).rstrip('.')}." for kind, m in chosen.items()]
+        takes, example = ", ".join(f"`{word}`" for word in chosen), f"{example_path(path)}.kind={next(iter(chosen))}"
+        yield Key(f"{path}.kind", takes, "", "required", "", " ".join(told), example, tuple(chosen), is_plain=True)
+    for member in members(node):
+        if "properties" in member:
+            yield from of_mapping(member, path)
         elif "patternProperties" in member:
-            yield from keys_inside(f"{path}.{NAME_STEP}", of_names(member), within)
+            yield from keys_inside(f"{path}.{NAME_STEP}", of_names(member))
+        elif isinstance(member.get("items"), dict):
+            yield from keys_inside(path + LIST_STEP, member["items"])
 
 
 def of_names(node: dict[str, Any]) -> dict[str, Any]:
@@ -130,36 +93,16 @@ def of_names(node: dict[str, Any]) -> dict[str, Any]:
     return next(iter(node["patternProperties"].values()))
 
 
-def kind_inside(path: str, node: dict[str, Any]) -> Iterator[Key]:
-    """Yield the key `kind` of a value that may be one of several models; nothing for other values."""
-    mappings = [definition(member["$ref"]) for member in union_members(node) if "$ref" in member]
-    kinds_of = [(m.get("properties", {}).get("kind", {}), m) for m in mappings]
-    chosen = {kind["const"]: m for kind, m in kinds_of if "const" in kind}
-    if not chosen:
-        return
-    told = [
-        f"`{kind}`: {opening_sentence(said).rstrip('.')}."
-        for kind, m in chosen.items()
-        if (said := m.get("description"))
-    ]
-    words, meaning = tuple(chosen), " ".join(told) or "Which of them it is."
-    takes, needed = ", ".join(f"`{word}`" for word in words), f"{example_path(path)}.kind={words[0]}"
-    yield Key(f"{path}.kind", takes, "", "required", "", meaning, needed, words, is_plain=True)
-
-
 def key_of_node(path: str, node: dict[str, Any], required: bool) -> Key:
     """The key at a path, with all facts from the schema `node` of its value."""
     default = "required" if required else in_yaml(node["default"]) if "default" in node else ""
-    said = (definition(member["$ref"]).get("description", "") for member in union_members(node) if "$ref" in member)
-    meaning = " ".join((node.get("meaning") or node.get("description") or next(said, "")).split())
-    takes = " or ".join(dict.fromkeys(kind_of(member) for member in union_members(node)))
-    bounds = dict.fromkeys(bound for member in union_members(node) for bound in bounds_of(member))
-    choices = tuple(dict.fromkeys(word for member in union_members(node) for word in words_of(member)))
+    union, meaning = members(node), " ".join((node.get("meaning") or node.get("description", "")).split())
+    takes = " or ".join(dict.fromkeys(map(kind_of, union)))
+    bounds = ", ".join(dict.fromkeys(bound for member in union for bound in bounds_of(member)))
+    choices = tuple(dict.fromkeys(word for member in union for word in words_of(member)))
+    is_plain = bool(choices) or any(member.get("type") in PLAIN_TYPES for member in union)
     example = f"{example_path(path)}={value_of(path, node)}"
-    return Key(
-        *(path, takes, node.get("unit", ""), default, ", ".join(bounds), meaning, example, choices),
-        is_plain=bool(choices) or any(member.get("type") in PLAIN_TYPES for member in union_members(node)),
-    )
+    return Key(path, takes, node.get("unit", ""), default, bounds, meaning, example, choices, is_plain)
 
 
 def bounds_of(node: dict[str, Any]) -> Iterator[str]:
@@ -171,21 +114,15 @@ def bounds_of(node: dict[str, Any]) -> Iterator[str]:
 
 def kind_of(node: dict[str, Any]) -> str:
     """The type of a value by its schema, in words: `number`, `list of 3 numbers`, `mapping`."""
-    if "$ref" in node:
-        target = definition(node["$ref"])
-        return "mapping" if "properties" in target else kind_of(next(union_members(target)))
-    if "const" in node:
-        return f"`{node['const']}`"
-    if "enum" in node:
-        return ", ".join(f"`{word}`" for word in node["enum"])
+    if node.get("type") != "boolean" and (words := words_of(node)):
+        return ", ".join(f"`{word}`" for word in words)
     if "prefixItems" in node:
         return f"list of {len(node['prefixItems'])} numbers"
-    if node.get("type") == "array" and isinstance(node.get("items"), dict):
-        inner = " or ".join(dict.fromkeys(kind_of(member) for member in union_members(node["items"])))
-        return f"list of {inner}"
+    if isinstance(node.get("items"), dict):
+        return f"list of {' or '.join(dict.fromkeys(map(kind_of, members(node['items']))))}"
     if "patternProperties" in node:
         return "mapping of names"
-    return TYPE_WORDS.get(str(node.get("type", "")), "anything")
+    return VALUE_TYPES[node["type"]][0].removeprefix("a ") if "type" in node else "anything"
 
 
 def words_of(node: dict[str, Any]) -> list[str]:
@@ -205,47 +142,42 @@ def example_path(path: str) -> str:
 def value_of(path: str, node: dict[str, Any]) -> str:
     """An example value for the key at a path, as YAML: that stated by the Config of its kind, or else by its schema."""
     words = path.split(".")
-    if len(words) == 3 and words[0] in SLOTS:
-        given: type[KindConfig] = config_of(slot_of(words[0]), words[1])
-        if words[2] in given.example:
-            return in_yaml(given.example[words[2]])
-    return value_within(node, words[-1], ())
+    stated = config_of(words[0], words[1]).example if len(words) == 3 and words[0] in SLOTS else {}
+    return in_yaml(stated[words[2]]) if words[-1] in stated else value_within(node, words[-1])
 
 
-def value_within(node: dict[str, Any], name: str, within: tuple[str, ...]) -> str:
+def value_within(node: dict[str, Any], name: str) -> str:
     """An example value for key `name` by its schema `node`, as YAML: default, stated example, or one of its type."""
     default = node.get("default")
     if default not in (None, [], {}, ""):
         return in_yaml(default)
-    if name in EXAMPLE_VALUES:
-        return EXAMPLE_VALUES[name]
-    member = next((m for m in union_members(node) if m.get("type") != "null" and m.get("$ref") not in within), node)
-    if "$ref" in member:
-        return value_within(definition(member["$ref"]), name, (*within, member["$ref"]))
-    if "const" in member or "enum" in member:
-        return in_yaml(member["const"] if "const" in member else member["enum"][0])
+    if name in data_table("examples")["values"]:
+        return data_table("examples")["values"][name]
+    member = next((member for member in members(node) if member.get("type") != "null"), node)
+    if words := words_of(member):
+        return words[0]
+    if "properties" in member:
+        return example_mapping(member)
+    if "patternProperties" in member:
+        return f"{{name: {value_within(of_names(member), name)}}}"
+    entry = data_table("examples")["entries"].get(name)
     if "prefixItems" in member:
-        return f"[{', '.join([EXAMPLE_ENTRIES.get(name, '0.0')] * len(member['prefixItems']))}]"
+        return f"[{', '.join([entry or '0.0'] * len(member['prefixItems']))}]"
+    if "items" in member:
+        return f"[{', '.join([entry or value_within(member['items'], name)] * max(1, member.get('minItems', 1)))}]"
     if member.get("type") in ("number", "integer"):
         return example_number(node, member)
-    if member.get("type") == "array":
-        entry = EXAMPLE_ENTRIES.get(name) or value_within(member["items"], name, within)
-        return f"[{', '.join([entry] * max(1, member.get('minItems', 1)))}]"
-    if "properties" in member:
-        return example_mapping(member, within)
-    if "patternProperties" in member:
-        return f"{{name: {value_within(of_names(member), name, within)}}}"
-    return {"boolean": "true", "string": name}.get(str(member.get("type")), "null")
+    return name if member.get("type") == "string" else "null"
 
 
-def example_mapping(node: dict[str, Any], within: tuple[str, ...]) -> str:
+def example_mapping(node: dict[str, Any]) -> str:
     """An example of a model as YAML: kind and required keys; if there are none, one number or the first key."""
     own, needed = node["properties"], node.get("required", [])
     names = [name for name in own if name in needed or (name == "kind" and "const" in own[name])]
     if names in ([], ["kind"]):
-        numbers = [name for name in own if any(m.get("type") == "number" for m in union_members(own[name]))]
+        numbers = [name for name in own if any(member.get("type") == "number" for member in members(own[name]))]
         names += [name for name in numbers or own if name != "kind"][:1]
-    return f"{{{', '.join(f'{name}: {value_within(own[name], name, within)}' for name in names)}}}"
+    return f"{{{', '.join(f'{name}: {value_within(own[name], name)}' for name in names)}}}"
 
 
 def example_number(node: dict[str, Any], member: dict[str, Any]) -> str:
@@ -253,7 +185,7 @@ def example_number(node: dict[str, Any], member: dict[str, Any]) -> str:
     low, high = bound_of(node, "minimum", "exclusiveMinimum"), bound_of(node, "maximum", "exclusiveMaximum")
     if member["type"] == "integer":
         return str(int(low or 0) + 1)
-    usual = EXAMPLE_SIZES.get(node.get("unit", ""), "1.0")
+    usual = data_table("examples")["sizes"].get(node.get("unit", ""), "1.0")
     if low is not None and float(usual) <= low:
         return f"{low + 1.0 if high is None else 0.5 * (low + high):g}"
     return usual if high is None or float(usual) < high else f"{0.5 * ((low or 0.0) + high):g}"
@@ -261,12 +193,7 @@ def example_number(node: dict[str, Any], member: dict[str, Any]) -> str:
 
 def bound_of(node: dict[str, Any], *names: str) -> float | None:
     """First of these bounds (`minimum`, ...) that a schema, or a member of its union, states; None without any."""
-    return next((place[name] for place in (node, *union_members(node)) for name in names if name in place), None)
-
-
-@cache
-def by_path() -> dict[str, Key]:
-    return {key.path: key for key in scene_keys()}
+    return next((place[name] for place in (node, *members(node)) for name in names if name in place), None)
 
 
 def keys_at(word: str) -> list[Key]:

@@ -1,6 +1,6 @@
 """Load a scene: merge the layers of its text, check them and return an immutable SceneConfig."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from importlib import import_module
 from itertools import combinations
 from os import PathLike
@@ -31,6 +31,7 @@ from ocean_sim.parts import (
     SEVERAL,
     SLOTS,
     FluidConfig,
+    Key,
     LedgerRow,
     PartConfig,
     PlatformConfig,
@@ -185,10 +186,11 @@ def _compose_and_check(
 ) -> SceneConfig:
     """Lay profile and overrides over a scene, and check it; `folder`: base of file names. Raises SceneError."""
     layer, problems = profile_layer(profile)
-    sets = {key: _override_node(key, value) for key, value in (overrides or {}).items()}
-    composition = compose(scene, layer, sets)
-    problems += composition.problems
-    config = _check_models(composition, problems, folder)
+    sets: dict[str, Node] = {}
+    for key, value in (overrides or {}).items():  # those of the command line are nodes already
+        shown = "" if isinstance(value, Node) else shorten(in_yaml(value), MAX_VALUE_BYTES)
+        sets[key] = node_of(value, Location(f"{OVERRIDE_NAME} {key}={shown}"))
+    config = _SceneCheck(compose(scene, layer, sets), problems, folder).scene()
     if problems or config is None:
         raise SceneError(problems)
     return config
@@ -229,96 +231,157 @@ def profile_layer(profile: str | None) -> tuple[Node | None, list[Problem]]:
     return node.with_data({key: inner for key, inner in node.data.items() if key in allowed}), problems
 
 
-def _override_node(key: str, value: Any) -> Node:
-    """The value of an override as a node whose location reads `--set KEY=VALUE`."""
-    shown = "" if isinstance(value, Node) else shorten(in_yaml(value), MAX_VALUE_BYTES)
-    return node_of(value, Location(f"{OVERRIDE_NAME} {key}={shown}"))
+class _SceneCheck:
+    """Check of a composed scene: models of its parts and observers, and all problems with their locations."""
 
+    def __init__(self, composition: Composition, problems: list[Problem], folder: Path | None) -> None:
+        """`problems`: the known ones, to which others are appended; `folder`: base of file names."""
+        self.composition, self.root, self.problems, self.folder = composition, composition.root, problems, folder
+        self.problems += composition.problems
 
-def _check_models(composition: Composition, problems: list[Problem], folder: Path | None) -> SceneConfig | None:
-    """The checked scene of a composed tree, or None if it has mistakes, all of which are appended to `problems`."""
-    root, data = composition.root, composition.root.data
-    headings = tuple(Heading.model_fields)
-    problems += _unknown_keys(root, headings)
-    heading = validated(Heading, root.with_data({k: v for k, v in data.items() if k in headings}), (), problems)
-    tank_config = _part_model("basin", basin.Config, composition, problems, folder)
-    tank = tank_config.build() if tank_config is not None else None
-    runtime = _part_model("runtime", RuntimeConfig, composition, problems, folder)
-    notes = [*composition.notes]
-    if heading is not None and tank is not None:
-        composition.root = _scale_spacings(composition.root, heading.resolution, tank.dimension, notes)
-    ships = [key_of(name) for name in data[SEVERAL].data] if SEVERAL in data else []
-    places = [place for slot in SLOTS for place in ((slot, *ships) if slot == ALONE else (slot,))]
-    parts = {place: _part_model(place, None, composition, problems, folder) for place in places}
-    for place, node in composition.meant.items():  # the other keys of a part whose kind is misspelled
-        validated(config_of(slot_of(place), node.data["kind"].data), node, (place,), problems, folder)
-    there = {place: part for place, part in parts.items() if isinstance(part, PartConfig)}
-    named_in = {place for place in places if _place_node(data, place) is not None}
-    wrong = composition.failed | named_in - set(there)
-    observers = _observers(data, root, problems, folder)
-    problems += _missing_needs(observers, there, wrong, data, root)
-    problems += _kind_mismatches(there, data, tank is not None and tank.dimension == 2)
-    if tank_config is None or tank is None or runtime is None or heading is None:
-        return None
-    sea = there.get("sea")
-    patch = tank_config.build(sea) if isinstance(sea, SeaConfig) else tank
-    preflight = Preflight(there | observers, patch, WORD_BYTES[runtime.precision], heading.duration, runtime.arch)
-    problems += _locate_problems("basin", tank_config.problems(tank, heading.duration), root)
-    for name, part in (there | observers).items():
-        problems += _locate_problems(name, part.problems(preflight), root)
-    afloat = {name: part for name, part in there.items() if isinstance(part, ShipConfig)}
-    others = {name: part for name, part in (there | observers).items() if name not in afloat}
-    for asked in (afloat, others):  # the others count the particles around what floats
-        if not problems:
-            for name, part in asked.items():
-                problems += _locate_problems(name, part.mismatches(preflight), root)
-    if not problems:
-        problems += _overlapping_ships(preflight, root)
-    if problems:
-        return None
-    values = {key: getattr(heading, key) for key in headings} | {slot: parts[slot] for slot in SLOTS if slot != ALONE}
-    notes += preflight.fluid.notes(preflight)
-    models = [model for part in there.values() for _, _, model in inner_models(part)]
-    notes += [model.statement(tank.dimension) for model in models if isinstance(model, waves.FileSpectrum)]
-    values |= {"ships": preflight.ships, "basin": tank_config, "runtime": runtime}
-    config = SceneConfig(**values, observers=observers, notes=notes)
-    config._preflight = preflight
-    config._inputs = config.inputs()
-    return config
+    def node(self, place: str) -> Node | None:
+        """The node of a part by its place, or of an observer by its name; None where it is absent."""
+        slot, _, name = place.partition(".")
+        node = self.root.data.get(slot)
+        return node.child(name) if node is not None and name else node
 
+    def report(self, place: str, sentence: str, path: Key = ()) -> None:
+        """Append a problem of the key at `path` in a part or observer, located there or at the nearest key above."""
+        node = self.node(place) or self.root
+        for step in path:
+            node = node.child(step) or node
+        self.problems.append(problem_at(node.location, dotted((place, *path)), sentence))
 
-def _place_node(data: dict[str, Node], place: str) -> Node | None:
-    """The node of a part by its place, or of an observer by its name; None where it is absent."""
-    slot, _, name = place.partition(".")
-    node = data.get(slot)
-    return node.child(name) if node is not None and name else node
+    def scene(self) -> SceneConfig | None:
+        """The checked scene; None if it has problems."""
+        self.find_unknown_keys()
+        keys = {key: node for key, node in self.root.data.items() if key in Heading.model_fields}
+        heading = validated(Heading, self.root.with_data(keys), (), self.problems)
+        tank_config = self.part("basin", basin.Config)
+        tank = tank_config.build() if tank_config is not None else None
+        runtime = self.part("runtime", RuntimeConfig)
+        notes = [*self.composition.notes]
+        if heading is not None and tank is not None:
+            self.root = _scale_spacings(self.root, heading.resolution, tank.dimension, notes)
+        ships = [key_of(name) for name in self.root.data[SEVERAL].data] if SEVERAL in self.root.data else []
+        places = [place for slot in SLOTS for place in ((slot, *ships) if slot == ALONE else (slot,))]
+        parts = {place: self.part(place) for place in places}
+        for place, node in self.composition.meant.items():  # the other keys of a part whose kind is misspelled
+            validated(config_of(slot_of(place), node.data["kind"].data), node, (place,), self.problems, self.folder)
+        there = {place: part for place, part in parts.items() if part is not None}
+        observers = self.observers()
+        self.find_missing_needs(observers)
+        self.find_kind_mismatches(there, tank is not None and tank.dimension == 2)
+        if tank_config is None or tank is None or runtime is None or heading is None:
+            return None
+        sea = there.get("sea")
+        patch = tank_config.build(sea) if isinstance(sea, SeaConfig) else tank
+        preflight = Preflight(there | observers, patch, WORD_BYTES[runtime.precision], heading.duration, runtime.arch)
+        faults = {"basin": tank_config.problems(tank, heading.duration)}
+        faults |= {place: part.problems(preflight) for place, part in preflight.parts.items()}
+        self.report_all(faults)
+        afloat = {place: part for place, part in there.items() if isinstance(part, ShipConfig)}
+        others = {place: part for place, part in preflight.parts.items() if place not in afloat}
+        for asked in (afloat, others):  # the others count the particles around what floats
+            if not self.problems:
+                self.report_all({place: part.mismatches(preflight) for place, part in asked.items()})
+        if not self.problems:
+            self.find_overlapping_ships(preflight)
+        if self.problems:
+            return None
+        notes += preflight.fluid.notes(preflight)
+        models = [model for part in there.values() for _, _, model in inner_models(part)]
+        notes += [model.statement(tank.dimension) for model in models if isinstance(model, waves.FileSpectrum)]
+        values: dict[str, Any] = dict(heading) | {slot: parts[slot] for slot in SLOTS if slot != ALONE}
+        values |= {"basin": tank_config, "ships": preflight.ships, "runtime": runtime, "observers": observers}
+        config = SceneConfig(**values, notes=notes)
+        config._preflight = preflight
+        config._inputs = config.inputs()
+        return config
 
+    def report_all(self, faults: dict[str, Problems]) -> None:
+        """Append problems (key path and sentence) of parts and observers by their places."""
+        for place, found in faults.items():
+            for path, sentence in found:
+                self.report(place, sentence, path)
 
-def _overlapping_ships(preflight: Preflight, root: Node) -> list[Problem]:
-    """Problems of ships whose outlines overlap at the start."""
-    if len(preflight.ships) < 2:
-        return []
-    problems: list[Problem] = []
-    outlines = {name: ship.outline(preflight) for name, ship in preflight.ships.items()}
-    for (first, one), (second, other) in combinations(outlines.items(), 2):
-        depth = 0.0
-        if one is not None and other is not None:
-            depth = max(one.overlap(image) for image in other.images(one, preflight.repeats))
-        if depth > 0.0:
-            sentence = f"the hulls of {first} and {second} reach {depth:.3g} m into each other"
-            problems += _locate_problems(key_of(second), [(("position",), f"{sentence}; move one")], root)
-    return problems
+    def part(self, place: str, model: type[Model] | None = None) -> Any:
+        """The checked Config of a part, of class `model` or else of its kind; None where it is absent or wrong."""
+        node = self.node(place)
+        if node is not None and node.data is not None:
+            if model is not None:
+                return validated(model, node, (place,), self.problems, self.folder)
+            slot, wrong = slot_of(place), list[Problem]()
+            found = validated(config_of(slot, node.data["kind"].data), node, (place,), wrong, self.folder)
+            self.problems += (with_owners(one, slot, place) for one in wrong)
+            return found
+        if place in ("basin", "fluid") and place not in self.composition.failed:
+            self.problems.append(problem_at(self.root.location, place, "missing key"))
+        return RuntimeConfig() if place == "runtime" else None
 
+    def observers(self) -> dict[str, ObserverConfig]:
+        """The checked observers that are named or on by default, in running order."""
+        observers: dict[str, ObserverConfig] = {}
+        default = on_unless_null({ALONE if key == SEVERAL else key for key in self.root.data})
+        for name in observer_names():
+            on = name in default and DRAWN_FROM.get(name, name) in (name, *observers)
+            node = self.root.data.get(name, self.root.with_data({} if on else None))
+            if node.data is not None:
+                model = import_module(f"ocean_sim.observers.{name}").Config
+                config = validated(model, node, (name,), self.problems, self.folder)
+                observers |= {name: config} if config is not None else {}
+            elif name == "manifest":
+                self.report(name, "every run writes its manifest; this key cannot be null")
+        return dict(sorted(observers.items(), key=lambda item: (item[1].turn, item[0])))
 
-def _unknown_keys(root: Node, headings: tuple[str, ...]) -> list[Problem]:
-    """Problems of unknown keys at the top level of a scene; `headings`: its keys that belong to no part."""
-    known, problems = (*headings, "basin", *SLOTS, *KEYS_BESIDE_SLOTS, SEVERAL, "runtime", *observer_names()), []
-    for key, node in root.data.items():
-        if key not in known:
-            end, suggestion = _suggest_below(key, root.data)
-            end, suggestion = (end, suggestion) if end else key_sentence(key, known)
-            problems.append(problem_at(node.key_location, key, f"unknown key{end}", suggestion))
-    return problems
+    def find_unknown_keys(self) -> None:
+        """Report unknown keys at the top level of the scene."""
+        known = (*Heading.model_fields, "basin", *SLOTS, *KEYS_BESIDE_SLOTS, SEVERAL, "runtime", *observer_names())
+        for key, node in self.root.data.items():
+            if key not in known:
+                end, suggestion = _suggest_below(key, self.root.data)
+                end, suggestion = (end, suggestion) if end else key_sentence(key, known)
+                self.problems.append(problem_at(node.key_location, key, f"unknown key{end}", suggestion))
+
+    def find_missing_needs(self, observers: dict[str, ObserverConfig]) -> None:
+        """Report observers that need an absent part; parts that have other problems count as present."""
+        there = {*observers, *self.composition.failed, *(slot for slot in SLOTS if self.node(slot) is not None)}
+        for name, config in observers.items():
+            if absent := [need for need in config.needs if need not in there]:
+                self.report(name, f"needs {', '.join(absent)}, which this scene does not have")
+
+    def find_kind_mismatches(self, parts: dict[str, PartConfig], flat: bool) -> None:
+        """Report kinds of parts that do not go together; `flat`: in 2-D, where ships need no surface."""
+        fluid = parts.get("fluid")
+        if not isinstance(fluid, FluidConfig):
+            return
+        water = fluid.kind
+        if "sea" in parts and not fluid.joins_a_sea:
+            joining = " or ".join(name for name, config in water_schemes() if config.joins_a_sea)
+            self.report("sea", f"water of kind {water} cannot be a patch of open sea; take {joining}")
+        if "surface" in parts and not fluid.made_of_particles:
+            self.report("surface", f"a surface follows particles, and fluid.kind {water} has none; leave it out")
+        for place, ship in parts.items():
+            if not isinstance(ship, ShipConfig):
+                continue
+            if "surface" not in parts and fluid.made_of_particles and ship.needs_surface and not flat:
+                reads = f"a {ship.kind} ship over particles reads the height of the water from a surface"
+                self.report(place, f"{reads}; add a `surface`")
+            if ship.carried_as_body and not fluid.carries_bodies:
+                carrying = " or ".join(name for name, config in water_schemes() if config.carries_bodies)
+                self.report(place, f"water of kind {water} does not carry a ship of kind {ship.kind}; take {carrying}")
+
+    def find_overlapping_ships(self, preflight: Preflight) -> None:
+        """Report ships whose outlines overlap at the start."""
+        ships = preflight.ships if len(preflight.ships) > 1 else {}
+        outlines = {name: ship.outline(preflight) for name, ship in ships.items()}
+        for (first, one), (second, other) in combinations(outlines.items(), 2):
+            depth = 0.0
+            if one is not None and other is not None:
+                depth = max(one.overlap(image) for image in other.images(one, preflight.repeats))
+            if depth > 0.0:
+                sentence = f"the hulls of {first} and {second} reach {depth:.3g} m into each other; move one"
+                self.report(key_of(second), sentence, ("position",))
 
 
 def _suggest_below(key: str, data: dict[str, Node]) -> tuple[str, str | None]:
@@ -332,88 +395,6 @@ def _suggest_below(key: str, data: dict[str, Node]) -> tuple[str, str | None]:
     paths = [example_path(path) for path in named_so(key) if "." in path and here(path)]
     paths.sort(key=lambda path: path.count("."))
     return choice_sentence(paths[0], paths[:1]) if paths else (keys_elsewhere(key), None)
-
-
-def _part_model(
-    name: str, model: type[Model] | None, composition: Composition, problems: list[Problem], folder: Path | None
-) -> Any:
-    """The checked Config of a part, of class `model` or else of its kind; None where it is absent or wrong, with its
-    mistakes appended to `problems`. `folder`: base of file names."""
-    node = _place_node(composition.root.data, name)
-    if node is not None and node.data is not None:
-        if model is not None:
-            return validated(model, node, (name,), problems, folder)
-        slot, wrong = slot_of(name), list[Problem]()
-        found = validated(config_of(slot, node.data["kind"].data), node, (name,), wrong, folder)
-        problems += (with_owners(one, slot, name) for one in wrong)
-        return found
-    if name in ("basin", "fluid") and name not in composition.failed:
-        problems.append(problem_at(composition.root.location, name, "missing key"))
-    return RuntimeConfig() if name == "runtime" else None
-
-
-def _kind_mismatches(parts: Mapping[str, PartConfig], data: dict[str, Node], flat: bool) -> list[Problem]:
-    """Problems of kinds of parts that do not go together; `data`: their nodes; `flat`: 2-D, ships need no surface."""
-    fluid, surface = parts.get("fluid"), parts.get("surface")
-    if not isinstance(fluid, FluidConfig):
-        return []
-    problems, water = [], fluid.kind
-    if "sea" in parts and not fluid.joins_a_sea:
-        joining = " or ".join(name for name, config in water_schemes() if config.joins_a_sea)
-        sentence = f"water of kind {water} cannot be a patch of open sea; take {joining}"
-        problems.append(problem_at(data["sea"].location, "sea", sentence))
-    if surface is not None and not fluid.made_of_particles:
-        sentence = f"a surface follows particles, and fluid.kind {water} has none; leave it out"
-        problems.append(problem_at(data["surface"].location, "surface", sentence))
-    for place, ship in parts.items():
-        if not isinstance(ship, ShipConfig):
-            continue
-        kind, location = ship.kind, (_place_node(data, place) or data["fluid"]).location
-        if "surface" not in parts and fluid.made_of_particles and ship.needs_surface and not flat:
-            sentence = f"a {kind} ship over particles reads the height of the water from a surface; add a `surface`"
-            problems.append(problem_at(location, place, sentence))
-        if ship.carried_as_body and not fluid.carries_bodies:
-            carrying = " or ".join(name for name, config in water_schemes() if config.carries_bodies)
-            sentence = f"water of kind {water} does not carry a ship of kind {kind}; take {carrying}"
-            problems.append(problem_at(location, place, sentence))
-    return problems
-
-
-def _missing_needs(
-    observers: Mapping[str, ObserverConfig],
-    parts: Mapping[str, PartConfig],
-    wrong: set[str],
-    data: dict[str, Node],
-    root: Node,
-) -> list[Problem]:
-    """Problems of observers that need an absent part; parts in `wrong`, which have other problems, count as present."""
-    problems, there = [], {*observers, *parts, *wrong}
-    for name, config in observers.items():
-        absent = [need for need in config.needs if need not in there]
-        if absent:
-            sentence = f"needs {', '.join(absent)}, which this scene does not have"
-            problems.append(problem_at(data.get(name, root).location, name, sentence))
-    return problems
-
-
-def _observers(
-    data: dict[str, Node], root: Node, problems: list[Problem], folder: Path | None
-) -> dict[str, ObserverConfig]:
-    """The checked observers that are named or on by default, in running order; mistakes are appended to `problems`."""
-    observers: dict[str, ObserverConfig] = {}
-    default = on_unless_null({ALONE if key == SEVERAL else key for key in data})
-    for name in observer_names():
-        on = name in default and DRAWN_FROM.get(name, name) in (name, *observers)
-        node = data.get(name, root.with_data({} if on else None))
-        if node.data is None:
-            if name == "manifest":
-                message = "every run writes its manifest; this key cannot be null"
-                problems.append(problem_at(node.location, name, message))
-            continue
-        config = validated(import_module(f"ocean_sim.observers.{name}").Config, node, (name,), problems, folder)
-        if config is not None:
-            observers[name] = config
-    return dict(sorted(observers.items(), key=lambda item: (item[1].turn, item[0])))
 
 
 def _scale_spacings(root: Node, factor: float, dimension: int, notes: list[str]) -> Node:
@@ -442,14 +423,3 @@ def _scale_spacings(root: Node, factor: float, dimension: int, notes: list[str])
         return root
     slots = {slot: root.data[slot] for slot in ("fluid", "surface", ALONE, SEVERAL) if slot in root.data}
     return root.with_data(root.data | {slot: scaled(node, (slot,)) for slot, node in slots.items()})
-
-
-def _locate_problems(name: str, found: Problems, root: Node) -> list[Problem]:
-    """Problems (pairs of key path and sentence) that the part `name` reports, each with its location in the file."""
-    problems = []
-    for path, sentence in found:
-        inner = _place_node(root.data, name) or root
-        for step in path:
-            inner = inner.child(step) or inner
-        problems.append(problem_at(inner.location, dotted((name, *path)), sentence))
-    return problems

@@ -13,15 +13,16 @@ from pydantic import BaseModel
 from pydantic.json_schema import GenerateJsonSchema, models_json_schema
 
 from ocean_sim import basin
-from ocean_sim.files.yaml_file import Location, node_of
 from ocean_sim.model import in_brackets
 from ocean_sim.parts import ALONE, KEYS_BESIDE_SLOTS, MEANT, SEVERAL, SLOTS, config_of, kinds, named
 from ocean_sim.reading import Heading
-from ocean_sim.reading.composition import choice_of, known_names
+from ocean_sim.reading.composition import kind_named, known_names
 from ocean_sim.reading.sentences import opening_sentence, part_sentence
+from ocean_sim.reading.translation import union_members
 from ocean_sim.runtime import RuntimeConfig
 
 
+@lru_cache
 def scene_schema() -> dict[str, Any]:
     """The JSON Schema of a scene (draft 2020-12); descriptions contain unit and default, for editors."""
     observers = {name: import_module(f"ocean_sim.observers.{name}") for name in kinds("observers")}
@@ -81,9 +82,8 @@ def _slot_schema(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:
 
 def _preset_schema(slot: str, name: str, definitions: dict[str, Any]) -> dict[str, Any]:
     """Schema of a mapping whose `kind` is a preset: the keys of its kind, none of them required."""
-    kind = choice_of(slot, node_of(name, Location(name))).kind
     name_only = {"const": name, "description": part_sentence(slot, name)}
-    properties = definitions[f"{slot}.{kind}"]["properties"] | {"kind": name_only}
+    properties = definitions[f"{slot}.{kind_named(slot, name)}"]["properties"] | {"kind": name_only}
     mapping = {"type": "object", "description": part_sentence(slot, name), "properties": properties}
     return mapping | {"required": ["kind"], "additionalProperties": False}
 
@@ -92,10 +92,8 @@ def _add_explanation(node: dict[str, Any], definitions: dict[str, Any]) -> None:
     """Append unit and default to the description in a key's schema `node`, which keeps the former as `meaning`."""
     if "meaning" in node or "const" in node:
         return
-    union = node.get("anyOf", node.get("oneOf", [node]))
-    names = [member["$ref"].removeprefix("#/$defs/") for member in union if "$ref" in member]
-    of_model = next((definitions[name].get("description", "") for name in names), "")
-    meaning = node.get("description") or of_model
+    models = (member for member in union_members(node, definitions) if "properties" in member)
+    meaning = node.get("description") or next(models, {}).get("description")
     if not meaning:
         return
     default = node.get("default")
@@ -130,20 +128,14 @@ def _docstrings(model: type[BaseModel]) -> dict[str, str]:
     """Docstring of each key of a model, from the last class of its inheritance that declares the key."""
     found: dict[str, str] = {}
     for above in reversed(model.__mro__[: model.__mro__.index(BaseModel)]):
-        for node, after in pairwise([*_class_body(above), None]):
+        body = next(node.body for node in _classes(above.__module__) if node.name == above.__name__)
+        for node, after in pairwise([*body, None]):
             if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
                 text = after.value if isinstance(after, ast.Expr) else None
                 found[node.target.id] = cleandoc(str(text.value)) if isinstance(text, ast.Constant) else ""
     return found
 
 
-def _class_body(model: type) -> list[ast.stmt]:
-    body: list[ast.stmt] = _module_tree(model.__module__).body
-    for name in model.__qualname__.split("."):
-        body = next(node.body for node in body if isinstance(node, ast.ClassDef) and node.name == name)
-    return body
-
-
 @lru_cache
-def _module_tree(name: str) -> ast.Module:
-    return ast.parse(getsource(sys.modules[name]))
+def _classes(module: str) -> list[ast.ClassDef]:
+    return [node for node in ast.parse(getsource(sys.modules[module])).body if isinstance(node, ast.ClassDef)]

@@ -12,8 +12,9 @@ from typing import Any, NamedTuple, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from ocean_sim.files.input_file import SCENE_FOLDER_KEY
-from ocean_sim.files.yaml_file import Node, Problem, SceneError, describe_value, problem_at
+from ocean_sim.files.yaml_file import Node, Problem, SceneError, describe_value, problem_at, read_mapping
 from ocean_sim.model import in_brackets
+from ocean_sim.parts import PACKAGE
 
 MIN_NUMBER, MAX_NUMBER = 1e-60, 1e15  # size of a number in SI units that a scene may hold
 NAME_RULE = "letters, digits and _, a letter first"  # what a name that a scene gives is made of
@@ -21,88 +22,21 @@ MAX_ERRORS = 200  # errors of one part beyond which the rest is of the same kind
 SHOWN_KEYS = 2  # keys of a mapping that a sentence shows where none is required
 MAX_CHOICES = 24  # choices that still fit in a sentence
 BOUND_WORDS = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
-SHAPE_WORDS = {
-    "float_type": "a number",
-    "float_parsing": "a number",
-    "int_type": "a whole number",
-    "int_from_float": "a whole number",
-    "bool_type": "true or false",
-    "string_type": "text",
-    "model_type": "a mapping",
-    "model_attributes_type": "a mapping",
-    "dict_type": "a mapping",
-    "list_type": "a list",
-    "tuple_type": "a list",
-    "none_required": "null",
+VALUE_TYPES = {  # types of JSON Schema, each in words, and the errors by which pydantic says that a value is of another
+    "number": ("a number", "float_type float_parsing"),
+    "integer": ("a whole number", "int_type int_from_float"),
+    "boolean": ("true or false", "bool_type"),
+    "string": ("text", "string_type"),
+    "object": ("a mapping", "model_type model_attributes_type dict_type"),
+    "array": ("a list", "list_type tuple_type"),
+    "null": ("null", "none_required"),
 }
-SHAPE_TYPES = {"a mapping": "object", "a list": "array"}  # of JSON Schema
+SHAPE_ERRORS = {error: name for name, (_, errors) in VALUE_TYPES.items() for error in errors.split()}
 
 # A number and its unit.
 MEASURE_PATTERN = re.compile(r"([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*\[?([^\s\[\]]*)\]?")
-UNIT_FACTORS = {  # what people write, in units of scenes
-    "mm": ("m", 1e-3),
-    "cm": ("m", 1e-2),
-    "km": ("m", 1e3),
-    "ms": ("s", 1e-3),
-    "min": ("s", 60.0),
-    "h": ("s", 3600.0),
-    "kn": ("m/s", 1852.0 / 3600.0),
-    "km/h": ("m/s", 1.0 / 3.6),
-    "t": ("kg", 1e3),
-    "kPa": ("Pa", 1e3),
-    "%": ("1", 1e-2),
-}
-
 MIN_PREFIX = 3  # letters of the beginning of a word by which it is known
 SLIP_SIMILARITY, NEAR_SIMILARITY = 0.9, 0.6  # shares of letters that a mistyped word, and one like it, have in common
-
-# Names in other programs, and what each may be called here; the first that there is counts.
-KEY_SYNONYMS = {
-    word: tuple(meant.split())
-    for words, meant in {
-        "speed wind_speed u windspeed": "u10 velocity wind_speed reference_speed",
-        "direction heading angle bearing course yaw dir": "heading_deg",
-        "pos location place origin xyz": "position centre at",
-        "center": "centre",
-        "dt step timestep delta_t": "time_step dt every",
-        "cfl courant": "courant_number time_step",
-        "output outputs save vtk snapshots dump": "frames every",
-        "viscosity nu mu": "kinematic_viscosity",
-        "density rho rho0": "rest_density",
-        "size dimensions extent domain_size": "length half_size size spacing",
-        "dx particle_spacing particle_size radius_of_particles": "spacing",
-        "smoothing_length kernel_radius support_radius": "support_ratio",
-        "time end_time t_end tmax stop_time total_time simulation_time": "duration end stop",
-        "hs h_s swh wave_height": "significant_wave_height height",
-        "tp t_p wave_period": "peak_period period",
-        "amplitude": "height amplitude",
-        "boundary boundaries bc sides": "walls",
-        "water liquid": "fluid",
-        "sph": "fluid delta_sph",
-        "left west": "x_min",
-        "right east": "x_max",
-        "bottom bed ground": "floor",
-        "tank domain box": "basin",
-        "boat vessel": "ship",
-        "boats vessels": "ships",
-        "mesh geometry stl": "hull shape surface geometry",
-        "probes sensors probe wave_gauges": "gauges",
-        "camera video film movie pictures": "render camera film",
-        "g": "gravity",
-        "c c0 sound_speed speed_of_sound": "reference_speed compression",
-        "type model method scheme name": "kind",
-        "n count number num_particles": "particles",
-        "draft": "draught",
-        "beam": "breadth",
-        "cog cg center_of_mass centre_of_gravity": "centre_of_mass",
-        "backend device gpu cpu": "arch runtime",
-        "dtype float": "precision",
-        "waves spectrum": "spectrum initial",
-        "wsph wcsph sph_scheme": "delta_sph",
-        "muller": "mueller",
-    }.items()
-    for word in words.split()
-}
 
 Model = TypeVar("Model", bound=BaseModel)
 Path = tuple[str | int, ...]
@@ -156,11 +90,19 @@ def likeliest(word: str, choices: Any) -> str | None:
     if lower in by_lower:
         return by_lower[lower]
     begun = [choice for choice in by_lower if lower.startswith(f"{choice}_")]
-    others = [choice for choice in KEY_SYNONYMS.get(lower, ()) if choice in by_lower]
+    synonyms = " ".join(meant for words, meant in data_table("synonyms")["keys"].items() if lower in words.split())
+    others = [choice for choice in synonyms.split() if choice in by_lower]
     longer = [choice for choice in by_lower if choice.startswith(lower) and len(lower) >= MIN_PREFIX]
     slip, close = (get_close_matches(lower, by_lower, n=1, cutoff=part) for part in (SLIP_SIMILARITY, NEAR_SIMILARITY))
     found = next(iter([*slip, *sorted(begun, key=len), *others, *sorted(longer, key=len), *close]), None)
     return by_lower[found] if found is not None else None
+
+
+@cache
+def data_table(name: str) -> dict[str, dict[str, Any]]:
+    """Content of a YAML file of this folder: `synonyms` or `examples`."""
+    found: dict[str, dict[str, Any]] = read_mapping(PACKAGE / "reading" / f"{name}.yaml").plain()
+    return found
 
 
 def normal_form(word: str) -> str:
@@ -180,10 +122,8 @@ def choice_sentence(word: str, choices: Any) -> tuple[str, str | None]:
 def key_sentence(word: str, choices: Any) -> tuple[str, str | None]:
     """End of an error message for an unknown key, and the suggestion or None; a dotted key is shown as a mapping."""
     if word.isdigit():
-        return (
-            f"; in {{...}} and [...] a comma ends a value: is it a decimal comma? Write a point, as in 0.{word}",
-            None,
-        )
+        comma = "in {...} and [...] a comma ends a value: is it a decimal comma?"
+        return f"; {comma} Write a point, as in 0.{word}", None
     first, *inner = word.split(".")
     if inner and first in choices:
         return f"; in a scene it is written {first}: {{{': {'.join(inner)}: ...{'}' * len(inner)}", None
@@ -223,7 +163,7 @@ def _model_schema(model: type[BaseModel]) -> dict[str, Any]:
 def _locate_error(error: Any, model: type[BaseModel], root: Node) -> _Found:
     """Follow the location of a pydantic error through the data and the model's schema, for node, unit and union."""
     definitions = _model_schema(model).get("$defs", {})
-    node, places, keys = root, [*open_union(_model_schema(model), definitions)], tuple[str, ...]()
+    node, places, keys = root, [*union_members(_model_schema(model), definitions)], tuple[str, ...]()
     path: Path = ()
     union: Path | None = None
     member, unit = "", ""
@@ -241,31 +181,23 @@ def _locate_error(error: Any, model: type[BaseModel], root: Node) -> _Found:
         below = [_schema_below(place, step) for place in places]
         if step in keys:
             unit = next((in_brackets(schema["unit"]) for schema in below if "unit" in schema), "")
-        places = [member for schema in below for member in open_union(schema, definitions)]
+        places = [member for schema in below for member in union_members(schema, definitions)]
         node = inner if inner is not None else node
-    shape = error["type"] in SHAPE_WORDS or (error["type"] == "literal_error" and isinstance(node.data, dict | list))
+    shape = error["type"] in SHAPE_ERRORS or (error["type"] == "literal_error" and isinstance(node.data, dict | list))
     shape = shape and union == path
-    fitting = [place for place in places if place.get("type") == SHAPE_TYPES.get(SHAPE_WORDS.get(error["type"], ""))]
+    fitting = [place for place in places if place.get("type", "") == SHAPE_ERRORS.get(error["type"])]
     form = _value_form(fitting[0], definitions) if fitting else ""
     return _Found(error["type"], error["msg"], error.get("ctx", {}), path, node, unit, keys, form, union, member, shape)
 
 
-def union_members(schema: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield the members of a union in a JSON Schema, nested ones included; a schema that is no union yields itself."""
-    union = schema.get("anyOf", schema.get("oneOf"))
+def union_members(schema: dict[str, Any], definitions: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """Yield the members of a union in a JSON Schema, nested ones too, else the schema itself; references are opened."""
+    union = [definitions[schema["$ref"].removeprefix("#/$defs/")]] if "$ref" in schema else None
+    union = union or schema.get("anyOf", schema.get("oneOf"))
     if union is None:
         yield schema
     for member in union or ():
-        yield from union_members(member)
-
-
-def open_union(schema: dict[str, Any], definitions: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield the members of a union in a JSON Schema, with references replaced by their definitions."""
-    for member in union_members(schema):
-        if "$ref" in member:
-            yield from open_union(definitions[member["$ref"].removeprefix("#/$defs/")], definitions)
-        else:
-            yield member
+        yield from union_members(member, definitions)
 
 
 def _is_meant(place: dict[str, Any], tag: str) -> bool:
@@ -306,7 +238,7 @@ def _union_problems(found: list[_Found], prefix: Path) -> list[Problem]:
         best = min(fitting, key=len)
         return [_problem_of(f, prefix) for f in best if not _is_extra_item(f, best)]
     first, firsts = found[0], [errors[0] for errors in members.values()]
-    wanted = dict.fromkeys(SHAPE_WORDS.get(f.kind) or f"one of {f.context.get('expected', '')}" for f in firsts)
+    wanted = dict.fromkeys(_shape_words(f) for f in firsts)
     hint = next(filter(None, map(_number_hint, firsts)), "")
     message = f"expected {' or '.join(wanted)}, got {describe_value(first.node.plain())}{hint}"
     return [problem_at(first.node.location, dotted(prefix + first.path), message)]
@@ -351,14 +283,20 @@ def _problem_of(found: _Found, prefix: Path) -> Problem:
         location = found.node.data[name].location if found.kind == "union_tag_invalid" else location
         end, suggestion = choice_sentence(str(context.get("tag", "")), choices)
         message = "missing key" if found.kind == "union_tag_not_found" else f"{context['tag']!r} is not a choice{end}"
-    elif found.kind in SHAPE_WORDS:
+    elif found.kind in SHAPE_ERRORS:
         form = f", as in {found.form}" if found.form else ""
-        message = f"expected {SHAPE_WORDS[found.kind]}, got {value}{_number_hint(found)}{form}"
+        message = f"expected {_shape_words(found)}, got {value}{_number_hint(found)}{form}"
     elif found.kind in ("value_error", "assertion_error"):
         message = str(context.get("error", found.message))
     else:
         message = found.message.replace("Input should be", "this should be")
     return problem_at(location, key, message, suggestion)
+
+
+def _shape_words(found: _Found) -> str:
+    """Form of value, in words, whose lack an error reports: a type, or one of some choices."""
+    name = SHAPE_ERRORS.get(found.kind)
+    return VALUE_TYPES[name][0] if name is not None else f"one of {found.context.get('expected', '')}"
 
 
 def _number_hint(found: _Found) -> str:
@@ -368,7 +306,7 @@ def _number_hint(found: _Found) -> str:
     if measure is None:
         return ""
     written, unit = measure[2].replace("^", ""), found.unit.strip(" []")
-    of, factor = UNIT_FACTORS.get(written, (written, 1.0))
+    of, factor = data_table("synonyms")["units"].get(written, (written, 1.0))
     if of not in ("", unit or "1"):
         return f"; a number stands without its unit{f', which is {unit} here' if unit else ''}"
     number = float(measure[1].replace(",", ".")) * factor
@@ -384,7 +322,7 @@ def _value_form(place: dict[str, Any], definitions: dict[str, Any]) -> str:
         return f"[{', '.join('...' for _ in place['prefixItems'])}]"
     if place.get("type") not in ("array", "object"):
         return ""
-    inside = next(open_union(_schema_below(place, 0 if place["type"] == "array" else ""), definitions))
+    inside = next(union_members(_schema_below(place, 0 if place["type"] == "array" else ""), definitions))
     entry = _value_form(inside, definitions) or "..."
     return f"[{entry}, ...]" if place["type"] == "array" else f"{{NAME: {entry}}}"
 

@@ -2,10 +2,10 @@
 
 from typing import Literal
 
-from ocean_sim.conventions import Setting
 from ocean_sim.fluid import Limits
 from ocean_sim.model import quantity
 from ocean_sim.parts import TimeStepConfig
+from ocean_sim.time_step import TimeStep
 
 
 class Config(TimeStepConfig):
@@ -25,8 +25,8 @@ class Config(TimeStepConfig):
     def advice(self, limit: str, shortest: float) -> str:
         return "try a smaller time_step.courant_number, a smaller fluid.compression (stiffer water), or a weaker wind"
 
-    def build(self) -> "Courant":
-        return Courant(self)
+    def build(self) -> TimeStep:
+        return TimeStep(self, "courant_number", "1")
 
     def longest_step(self, limits: Limits) -> tuple[float, str]:
         """Longest time step [s] that these limits allow, and the name of the limit that sets it."""
@@ -39,23 +39,3 @@ class Config(TimeStepConfig):
             if step <= shortest:  # of equal ones the last named rules, and what is not a number never does
                 shortest, ruling = step, name
         return shortest, ruling
-
-
-class Courant:
-    """Adaptive time step: the shortest of the limits of water and ships, each times its fraction in the config."""
-
-    def __init__(self, config: Config) -> None:
-        self.config = config
-        self.limited_by = "acoustic"
-
-    @property
-    def adjustable(self) -> dict[str, Setting]:
-        return {"courant_number": Setting(now := self.config.courant_number, "1", (0.2 * now, 1.6 * now))}
-
-    def adjust(self, **values: float) -> None:
-        self.config = self.config.model_copy(update=values)
-
-    def next(self, limits: Limits) -> float:
-        """Next time step [s]; `limited_by` becomes the name of the limit that sets it."""
-        dt, self.limited_by = self.config.longest_step(limits)
-        return dt

@@ -2,10 +2,11 @@
 
 from typing import Any, ClassVar, Literal
 
-from ocean_sim.conventions import LEAST_STEP, Setting
+from ocean_sim.conventions import LEAST_STEP
 from ocean_sim.fluid import Limits
 from ocean_sim.model import quantity
 from ocean_sim.parts import TimeStepConfig
+from ocean_sim.time_step import TimeStep
 
 
 class Config(TimeStepConfig):
@@ -21,24 +22,9 @@ class Config(TimeStepConfig):
             return f"try time_step: courant, or a dt below its {limit} limit (here {shortest:.3g} s)"
         return "try a smaller time_step.dt, or a weaker wind"
 
-    def build(self) -> "Fixed":
-        return Fixed(self)
+    def build(self) -> TimeStep:
+        return TimeStep(self, "dt", "s")
 
-
-class Fixed:
-    """Constant time step `dt` of the config, never limited by anything."""
-
-    limited_by = "fixed"
-
-    def __init__(self, config: Config) -> None:
-        self.config = config
-
-    @property
-    def adjustable(self) -> dict[str, Setting]:
-        return {"dt": Setting(now := self.config.dt, "s", (0.2 * now, 1.6 * now))}
-
-    def adjust(self, **values: float) -> None:
-        self.config = self.config.model_copy(update=values)
-
-    def next(self, limits: Limits) -> float:
-        return self.config.dt
+    def longest_step(self, limits: Limits) -> tuple[float, str]:
+        """The constant time step [s], whatever the limits, and the word for it."""
+        return self.dt, "fixed"

@@ -8,7 +8,6 @@ goes on: they lie on disk, and it holds one at a time, however far it is behind.
 film it draws by turns with a second child, of its own, whose pictures come to it through a pipe.
 """
 
-import json
 import os
 import subprocess
 import sys
@@ -17,16 +16,14 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import AbstractContextManager, ExitStack, suppress
-from dataclasses import asdict
 from pathlib import Path
-from typing import IO, Annotated, Any, ClassVar
+from typing import IO, Any, ClassVar
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
 
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.machine import available_cores, exit_with_parent, kill_session, yield_to_others
-from ocean_sim.model import Vector3, quantity
+from ocean_sim.model import Model, quantity
 from ocean_sim.observers.shared import run_report
 from ocean_sim.parts import SEVERAL, LedgerRow, Preflight, Problems, key_of
 from ocean_sim.pictures.frame_files import (
@@ -51,7 +48,7 @@ from ocean_sim.pictures.stage.picture import (
     is_foreseeable,
     picture_row,
 )
-from ocean_sim.pictures.stage.render_order import Order, Quality, RenderFailed
+from ocean_sim.pictures.stage.render_order import Drawing, Order, RenderFailed
 from ocean_sim.pictures.water.sea_state import DRY_DEPTH_SHARE, is_tank, run_scene
 from ocean_sim.simulation import OutcomeObserver, PeriodicConfig, Progress, Simulation
 
@@ -74,76 +71,15 @@ MOMENTS_FILE = "moments.png"  # next to the film
 LOOK_INTERVAL = 0.1  # [s] between two looks for a new frame
 MAX_PAINTERS = 2  # processes that draw a film by turns: while one leaves all cores but one idle, the other shades
 SHORT_FILM = 24  # pictures of a film for which a second process, which takes seconds to start, is not worth it
-StillTime = Annotated[float, Field(ge=0.0, strict=False)]
 OpenGLMissing = opengl.OpenGLMissing
 probe = opengl.probe
 
 
-class Config(PeriodicConfig):
+class Config(Drawing, PeriodicConfig):
     turn: ClassVar[int] = 4
     leaves: ClassVar[str] = "film.mp4, drawn during the run, moments.png, preview.png, strip.png, still_*.png"
     every: float = quantity("s", 0.033, gt=0.0)
     """Simulated time between pictures of the film, which runs in real time; there are no more than frames."""
-    camera: CameraName = "third_person"
-    """`third_person` sees the whole basin, in a long one of open sea the ship; `follow` is behind the ship,
-    `first_person` at its helm; `orbit` goes around in a film; `fixed` is at `eye`; `top`, `side`."""
-    eye: Vector3 | None = quantity("m", None)
-    """Position of the fixed camera."""
-    target: Vector3 | None = quantity("m", None)
-    """Target of the fixed camera."""
-    ship: str | None = None
-    """The name of the ship that a camera follows; null: the first."""
-    size: tuple[int, int] = Field((1280, 720), strict=False, json_schema_extra={"unit": "pixels"})
-    """Width and height of the pictures, even numbers."""
-    particles: bool = False
-    """Draw the particles, coloured by speed, in place of the surface of the water."""
-    quality: Quality = "draft"
-    """`draft`: quick; `final`: a finer mesh and four samples of each pixel."""
-    far_sea: bool = True
-    """Draw the sea around the basin out to the horizon; without it, a block of water with cut sides. A basin that
-    moves, has a wavemaker, a lid or obstacles, runs dry somewhere or is up to 12 m long is a tank: it stays a block,
-    and so does a surface that folds."""
-    ripples: bool = True
-    """Draw waves finer than the particles, of the wind's strength and heading."""
-    foam: bool = True
-    """Draw white water on crests that converge, along the hull, and spray."""
-    foam_cover: float | None = quantity("1", None, ge=0.0, le=0.5)
-    """Share of the sea that is white, as measured under a wind; by default what its crests call for."""
-    sky: bool = True
-    """Draw a scattered sky with clouds; without it, a clear gradient."""
-    caption: bool = True
-    """Write the time into the pictures."""
-    outline: bool = False
-    """Draw where the basin ends, on the water."""
-    scale_bar: bool = False
-    """Draw a scale bar in metres, right at the ship or else in the middle of the basin; from `top` also a bar with
-    the colours of heights, and with `wind` what an arrow stands for."""
-    wind: bool = False
-    """Draw where the wind blows, as tinted volumes with an arrow along what it does there, and a cross where it is
-    nothing but noise."""
-    film: bool = True
-    """Make film.mp4."""
-    stills: list[StillTime] = Field([], json_schema_extra={"unit": "s"})
-    """Times of further pictures, still_<time>.png each."""
-    strip: int = Field(0, ge=0, le=24)
-    """Make strip.png of so many pictures side by side, from the beginning to the end."""
-
-    @field_validator("size")
-    @classmethod
-    def even(cls, size: tuple[int, int]) -> tuple[int, int]:
-        if any(n % 2 or not 64 <= n <= 7680 for n in size):
-            raise ValueError(f"a film needs an even width and height between 64 and 7680 pixels, not {list(size)}")
-        return size
-
-    @model_validator(mode="after")
-    def aimed(self) -> "Config":
-        if self.camera == "fixed" and (self.eye is None or self.target is None):
-            raise ValueError("a fixed camera needs an eye and a target, [x, y, z] in metres each")
-        if self.camera != "fixed" and not (self.eye is None and self.target is None):
-            raise ValueError(f"eye and target belong to the camera fixed, not to {self.camera}")
-        if self.camera == "fixed" and self.eye == self.target:
-            raise ValueError("a fixed camera cannot look at its own position; let eye and target differ")
-        return self
 
     def mismatches(self, preflight: Preflight) -> Problems:
         return [] if self.ship is None else preflight.unknown_ship(self.ship)
@@ -262,6 +198,16 @@ class Render(OutcomeObserver, of=Config):
             self.drawer.stop()
 
 
+class Request(Model):
+    """Request to a drawing process: its orders."""
+
+    orders: Sequence[Order]
+    goes_on: bool
+    """True if their run still writes frames."""
+    turn: int = 0
+    """Number of the process among those that draw the pictures of a film; process 0 also draws all else."""
+
+
 class Drawer:
     """Child process that draws picture orders; it leads a session of its own with the processes that it starts."""
 
@@ -278,7 +224,7 @@ class Drawer:
             self.problem = OpenGLMissing() if window is None else RenderFailed(sentence)
             return
         self.child = start_drawing(
-            {"goes_on": goes_on, "orders": [asdict(order) for order in orders], "turn": 0},
+            Request(orders=orders, goes_on=goes_on),
             self.errors,
             env=opengl.drawing_environment(window),
             text=True,
@@ -328,9 +274,9 @@ class Drawer:
         self.errors.close()
 
 
-def start_drawing(asked: dict[str, Any], errors: IO[str], **how: Any) -> subprocess.Popen[Any]:
-    """Start a process that draws the request `asked` (see `main`) with its errors to `errors`; `how`: for Popen."""
-    command = [sys.executable, "-m", "ocean_sim.observers.render", json.dumps(asked)]
+def start_drawing(request: Request, errors: IO[str], **how: Any) -> subprocess.Popen[Any]:
+    """Start a process that draws a request with its errors to `errors`; `how`: for Popen."""
+    command = [sys.executable, "-m", "ocean_sim.observers.render", request.model_dump_json()]
     # Its standard input breaks when this process ends, however that comes.
     return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors, **how)
 
@@ -362,7 +308,7 @@ def render_run(folder: Path, *, out: Path | None = None, progress: Progress | No
 def order_of(folder: Path, *, out: Path | None = None, every: float = 0.033, **asked: Any) -> Order:
     """Order for pictures of a run into `out`, by default its folder; `every` [s], `asked`: fields of Order."""
     by_turns = {"painters": painter_count(run_scene(folder).get("duration", 0.0) / every)}
-    return Order(str(folder), str(out or folder), every=every, **by_turns | asked)
+    return Order(folder=str(folder), out=str(out or folder), every=every, **by_turns | asked)
 
 
 def painter_count(pictures: float) -> int:
@@ -514,8 +460,7 @@ class Painter(AbstractContextManager["Painter"]):
         """Start the process; `over` as in `draw_order`; `turn`: its number, from 1; this process has number 0."""
         self.shape = *order.size[::-1], 3
         self.errors = tempfile.TemporaryFile("w+")
-        asked = {"goes_on": not over.is_set(), "orders": [asdict(order)], "turn": turn}
-        self.child = start_drawing(asked, self.errors)
+        self.child = start_drawing(Request(orders=[order], goes_on=not over.is_set(), turn=turn), self.errors)
         assert self.child.stdin is not None and self.child.stdout is not None
         self.told, self.pixels = self.child.stdin, self.child.stdout
         if not over.is_set():
@@ -647,21 +592,18 @@ def hurry_when_over(over: threading.Event) -> None:
 
 
 def main() -> None:
-    """Draw the request in the first argument, in JSON: `orders`, `goes_on` (true if their run goes on), and the `turn`
-    of this process in drawing the pictures of a film; process 0 also draws all else."""
+    """Draw the `Request` that is the first argument, in JSON."""
     over = exit_with_parent()
-    asked = json.loads(sys.argv[1])
-    turn = asked["turn"]
-    if not asked["goes_on"]:
+    request = Request.model_validate_json(sys.argv[1])
+    if not request.goes_on:
         over.set()
-    elif turn == 0:  # the others are as nice as this one
+    elif request.turn == 0:  # the others are as nice as this one
         yield_to_others(NICENESS)
         threading.Thread(target=hurry_when_over, args=(over,), daemon=True).start()
     try:
-        for values in asked["orders"]:
-            order = Order(**values | {"size": tuple(values["size"]), "stills": tuple(values["stills"])})
-            if turn > 0:
-                hand_over(order, over, turn)
+        for order in request.orders:
+            if request.turn > 0:
+                hand_over(order, over, request.turn)
             else:
                 for done, total in draw_order(order, over):
                     print(f"pictures {done} of {total}", flush=True)

@@ -370,7 +370,7 @@ def passing(tmp_path):
 def pictured(passing):
     """The last moment of it as a picture shows it: the sea that was drawn."""
     files, grid = frame_files(passing), dict(np.load(passing / "frames" / "grid.npz"))
-    order = Order(str(passing), "", "third_person", (160, 90), False, "draft", 0.5, False, foam_cover=0.0)
+    order = Order(folder=str(passing), out="", size=(160, 90), every=0.5, film=False, foam_cover=0.0)
     picture = Picture(grid, order, Frame(files[0]), 1.0, FrameLog(files))
     picture.draw(Frame(files[-1]))
     yield picture.content

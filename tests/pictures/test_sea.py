@@ -1,9 +1,8 @@
 """The sea around a basin: its heights are the basin's inside it, its spectrum the basin's outside."""
 
-import json
 import subprocess
 import sys
-from dataclasses import asdict, replace
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -335,8 +334,8 @@ def test_each_part_of_the_sea_switches_off_by_itself(picture):
 @pytest.mark.parametrize("program", ["SHIP_PROGRAM", "SHIP_FUNCTIONS"])
 def test_a_program_that_the_driver_refuses_is_no_picture(folder, tmp_path, program):
     """VTK would only log it, and leave out the ship."""
-    order = asdict(render.order_of(folder, size=(64, 36), film=False, out=tmp_path))
-    asked = json.dumps({"goes_on": False, "orders": [order], "turn": 0})
+    order = render.order_of(folder, size=(64, 36), film=False, out=tmp_path)
+    asked = render.Request(orders=[order], goes_on=False).model_dump_json()
     broken = f"ship_glsl.{program} += 'mistaken;'; sys.argv = ['', {asked!r}]; render.main()"
     imports = "import sys; from ocean_sim.observers import render; from ocean_sim.pictures.ships import ship_glsl"
     code = f"{imports}; {broken}"

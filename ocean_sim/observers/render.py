@@ -13,6 +13,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import AbstractContextManager, ExitStack, suppress
@@ -44,7 +45,6 @@ from ocean_sim.pictures.stage.picture import (
     PIXEL_SAMPLES,
     Moments,
     Picture,
-    Shot,
     is_foreseeable,
     picture_row,
 )
@@ -499,22 +499,18 @@ def film_turns(coming: ComingFrames, every: float, of: int) -> Iterator[tuple[Pa
 
 
 def draw_turns(
-    order: Order, picture: Picture, coming: ComingFrames, turn: int, put: Callable[[Shot | int | None], None]
+    order: Order, picture: Picture, coming: ComingFrames, turn: int, put: Callable[[np.ndarray | int | None], None]
 ) -> Iterator[tuple[int, int]]:
     """Draw those pictures of a film that are the turn of this process, number `turn`; yields progress as `draw_order`.
     A thread calls `put` in order with each picture drawn here, for others with the number of their process, or None."""
+    waiting: deque[Future[None]] = deque()
     with ThreadPoolExecutor(1) as beside:
-        before: list[Future[None]] = []
-        since: list[Future[None]] = []  # the last that was drawn here
         for k, (file, total, whose) in enumerate(film_turns(coming, order.every, order.painters)):
-            made = picture.shot(Frame(file)) if whose == turn else whose
-            if isinstance(made, Shot):
-                for left in before:  # so that no more than two that were drawn here wait
-                    left.result()
-                before, since = since, []
-            since.append(beside.submit(put, made))
+            waiting.append(beside.submit(put, picture.draw(Frame(file)) if whose == turn else whose))
+            if len(waiting) > 2 * order.painters:  # no more than two that were drawn here wait
+                waiting.popleft().result()
             yield k + 1, total
-        for left in before + since:
+        for left in waiting:
             left.result()
 
 
@@ -526,11 +522,11 @@ def write_film(
         moments, image = Moments(), np.zeros(0)
         with film_writer(draft, order.every) as writer:
 
-            def put(made: Shot | int | None) -> None:
+            def put(made: np.ndarray | int | None) -> None:
                 """Append a picture: drawn here, by the process of this number, or (None) the last one again."""
                 nonlocal image
                 if made is not None:
-                    image = made.finished() if isinstance(made, Shot) else others[made - 1].picture()
+                    image = made if isinstance(made, np.ndarray) else others[made - 1].picture()
                 writer.append_data(image)
                 moments.see(image)
 
@@ -544,9 +540,9 @@ def hand_over(order: Order, over: threading.Event, turn: int) -> None:
         os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # for what else is printed
         picture, coming = begin_picture(order, over)
 
-        def put(made: Shot | int | None) -> None:
-            if isinstance(made, Shot):
-                pixels.write(made.finished().data)
+        def put(made: np.ndarray | int | None) -> None:
+            if isinstance(made, np.ndarray):
+                pixels.write(made.data)
 
         for _ in draw_turns(order, picture, coming, turn, put):
             pass

@@ -10,6 +10,9 @@ from ocean_sim.pictures.stage.camera import Camera
 from ocean_sim.pictures.stage.render_order import RenderFailed
 from ocean_sim.pictures.water import water_glsl
 
+# Contrast over the brightest around, and of brightness, from which an edge is smoothed; blur of a single pixel
+EDGE_CONTRASTS, SINGLE_PIXEL_BLUR = (0.25, 32.0 / 255.0), 0.6
+
 
 class Stage:
     """Plotter and camera of a picture; the objects of the picture add themselves to it."""
@@ -22,6 +25,8 @@ class Stage:
         self.size, self.camera, self.samples = size, camera, samples
         self.over: list[Any] = []  # actors on the water or before the picture, of which the water shows none within it
         self.plotter = self.empty((samples * size[0], samples * size[1]))
+        if samples == 1:
+            smooth_edges(self.plotter)
         self.said = water_glsl.collect_messages()
 
     def empty(self, size: tuple[int, int]) -> Any:
@@ -51,6 +56,16 @@ class Stage:
         why = water_glsl.refusal(self.said)
         if why is not None:
             raise RenderFailed(f"OpenGL refuses a program of this picture: {why}; please report it with this line")
+
+
+def smooth_edges(plotter: Any) -> None:
+    """Smooth jagged edges in the pictures of a plotter by Lottes' FXAA (2009, NVIDIA)."""
+    plotter.renderer.SetUseFXAA(True)  # PyVista takes many samples of each pixel instead, where EGL draws
+    options = plotter.renderer.GetFXAAOptions()
+    options.SetRelativeContrastThreshold(EDGE_CONTRASTS[0])
+    options.SetHardContrastThreshold(EDGE_CONTRASTS[1])
+    options.SetSubpixelBlendLimit(SINGLE_PIXEL_BLUR)
+    options.SetSubpixelContrastThreshold(0.0)
 
 
 class Content:

@@ -107,13 +107,6 @@ def shows_sea(files: list[Path], depth: float) -> bool:
     return not first.folds and is_open_sea(run_scene(files[0].parent.parent), first, depth)
 
 
-class UsdMissing(Lacking):
-    """The package usd-core, which writes USD, is not installed."""
-
-    def __init__(self) -> None:
-        super().__init__("USD files need the package usd-core: pip install 'ocean-sim[usd]'")
-
-
 class ExportShot(NamedTuple):
     """Contents of one frame to export: water, ships, particles and gates."""
 
@@ -225,11 +218,11 @@ def frame_rate(first: float, last: float, count: int, every: float) -> float:
 
 def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up: bool) -> Path:
     """Write USD with time samples (usdc): /sea/water, /sea/obstacles, /sea/ground, /sea/gates, /sea/NAME of each ship,
-    /sea/particles, /sea/spray; in metres, at the run's frame rate. Returns the path, or raises UsdMissing."""
+    /sea/particles, /sea/spray; in metres, at the run's frame rate. Returns the path, or raises Lacking."""
     try:
         from pxr import Gf, Sdf, Tf, Usd, UsdGeom, Vt
     except ImportError:
-        raise UsdMissing from None
+        raise Lacking("USD files need the package usd-core: pip install 'ocean-sim[usd]'") from None
     first, last = (float(read_npz(frame)["time"]) for frame in (frames[0], frames[-1]))
     per_second = frame_rate(first, last, len(frames), float(grid["every"]))
     with atomic_write(path) as draft:

@@ -13,9 +13,7 @@ import subprocess
 import sys
 import tempfile
 import threading
-from collections import deque
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, suppress
 from pathlib import Path
 from typing import IO, Any, ClassVar
@@ -33,7 +31,6 @@ from ocean_sim.pictures.frame_files import (
     film_frames,
     frame_files,
     frame_path,
-    known_film_frames,
     open_frame,
     ship_keys,
     survey_run,
@@ -442,7 +439,7 @@ class ComingFrames:
         done = 0
         while True:
             ended, there = self.ended, len(self.log.files)
-            numbers = film_frames(self.log.times, every) if ended else known_film_frames(self.log.times, every)
+            numbers = film_frames(self.log.times, every, ended)
             for number in numbers[done:] if ended or there > 1 else ():  # two show how fast ships begin
                 yield self.log.files[number], len(numbers) if ended else 0
                 done += 1
@@ -498,22 +495,6 @@ def film_turns(coming: ComingFrames, every: float, of: int) -> Iterator[tuple[Pa
         turn, shown = turn + (file != shown), file
 
 
-def draw_turns(
-    order: Order, picture: Picture, coming: ComingFrames, turn: int, put: Callable[[np.ndarray | int | None], None]
-) -> Iterator[tuple[int, int]]:
-    """Draw those pictures of a film that are the turn of this process, number `turn`; yields progress as `draw_order`.
-    A thread calls `put` in order with each picture drawn here, for others with the number of their process, or None."""
-    waiting: deque[Future[None]] = deque()
-    with ThreadPoolExecutor(1) as beside:
-        for k, (file, total, whose) in enumerate(film_turns(coming, order.every, order.painters)):
-            waiting.append(beside.submit(put, picture.draw(Frame(file)) if whose == turn else whose))
-            if len(waiting) > 2 * order.painters:  # no more than two that were drawn here wait
-                waiting.popleft().result()
-            yield k + 1, total
-        for left in waiting:
-            left.result()
-
-
 def write_film(
     path: Path, order: Order, picture: Picture, coming: ComingFrames, others: Sequence[Painter]
 ) -> Iterator[tuple[int, int]]:
@@ -521,16 +502,12 @@ def write_film(
     with atomic_write(path) as draft:
         moments, image = Moments(), np.zeros(0)
         with film_writer(draft, order.every) as writer:
-
-            def put(made: np.ndarray | int | None) -> None:
-                """Append a picture: drawn here, by the process of this number, or (None) the last one again."""
-                nonlocal image
-                if made is not None:
-                    image = made if isinstance(made, np.ndarray) else others[made - 1].picture()
+            for k, (file, total, whose) in enumerate(film_turns(coming, order.every, order.painters)):
+                if whose is not None:
+                    image = others[whose - 1].picture() if whose else picture.draw(Frame(file))
                 writer.append_data(image)
                 moments.see(image)
-
-            yield from draw_turns(order, picture, coming, 0, put)
+                yield k + 1, total
     save_png(path.with_name(MOMENTS_FILE), moments.sheet())
 
 
@@ -539,13 +516,9 @@ def hand_over(order: Order, over: threading.Event, turn: int) -> None:
     with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as pixels:
         os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # for what else is printed
         picture, coming = begin_picture(order, over)
-
-        def put(made: np.ndarray | int | None) -> None:
-            if isinstance(made, np.ndarray):
-                pixels.write(made.data)
-
-        for _ in draw_turns(order, picture, coming, turn, put):
-            pass
+        for file, _, whose in film_turns(coming, order.every, order.painters):
+            if whose == turn:
+                pixels.write(picture.draw(Frame(file)).data)
     picture.close()
 
 

@@ -88,10 +88,9 @@ class Recorded:
                 foams.append(cell_means(frame.foam, frame.elevation.shape)[::i, ::j].ravel())
             poses.append([self.ship_pose(*frame.ships[key]) for key in setting.ship_keys])
             if frame.position is not None and k % PARTICLE_INTERVAL == 0:
-                with open_frame(path) as file:
-                    order = file["id"].astype(int)
+                assert frame.velocity is not None and frame.id is not None
+                order = frame.id.astype(int)
                 particles.append(self.sorted_by_id(frame.position, order))
-                assert frame.velocity is not None
                 speeds.append(self.sorted_by_id(np.linalg.norm(frame.velocity, axis=1)[:, None], order))
         tall = np.nan_to_num(np.array(heights))
         top = max(FULL_SCALE * RESOLUTIONS[0], float(np.abs(tall).max()))

@@ -68,15 +68,6 @@ class Nodes:
         """Distance between nodes along x, y and z [m]."""
         return tuple(np.subtract(self.upper, self.lower) / self.inner)
 
-    def axis(self, k: int) -> np.ndarray:
-        """Positions of all nodes along axis k [m]."""
-        return self.lower[k] + (np.arange(self.shape[k]) - 0.5) * self.width[k]
-
-    def positions(self) -> np.ndarray:
-        """Positions (nz, ny, nx, 3) of all nodes [m], in the order in which the field is stored: x runs fastest."""
-        z, y, x = np.meshgrid(self.axis(2), self.axis(1), self.axis(0), indexing="ij")
-        return np.stack([x, y, z], axis=-1)
-
 
 @in_kernels
 class Rows:

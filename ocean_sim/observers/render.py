@@ -160,10 +160,10 @@ class Render(OutcomeObserver, of=Config):
 
     def observe(self, simulation: Simulation) -> None:
         if self.drawer is None and self.config.film and frame_path(self.folder, 0).exists():
-            order = order_of(self.folder, **config_options(self.config, self.folder))
-            self.drawer = Drawer([order], self.progress, goes_on=True)
-        if self.drawer is not None:
             self.every = float("inf")
+            with suppress(OpenGLMissing, RenderFailed):  # `close` says so
+                order = order_of(self.folder, **config_options(self.config, self.folder))
+                self.drawer = Drawer([order], self.progress, goes_on=True)
 
     def close(self) -> None:
         files = frame_files(self.folder)
@@ -209,18 +209,18 @@ class Drawer:
     """Child process that draws picture orders; it leads a session of its own with the processes that it starts."""
 
     def __init__(self, orders: Sequence[Order], progress: Progress | None = None, goes_on: bool = False) -> None:
-        """Start the child. `goes_on`: True if the run still writes frames, until `finish` is called."""
+        """Start the child. `goes_on`: True if the run still writes frames, until `finish` is called.
+
+        Raises RenderFailed for an order that its run cannot fulfil, OpenGLMissing if nothing can be drawn here."""
+        for order in orders:
+            stills = () if goes_on else order.stills
+            if sentence := obstacle_to_pictures(Path(order.folder), order.camera, stills, order.ship):
+                raise RenderFailed(sentence)
+        if (window := opengl.window()) is None:
+            raise OpenGLMissing
         self.orders, self.progress = orders, progress
         self.errors = tempfile.TemporaryFile("w+")
-        self.child: subprocess.Popen[str] | None = None
-        self.problem: Exception | None = None
-        window = opengl.window()
-        first = orders[0]
-        sentence = obstacle_to_pictures(Path(first.folder), first.camera, (), first.ship) if goes_on else None
-        if window is None or sentence is not None:
-            self.problem = OpenGLMissing() if window is None else RenderFailed(sentence)
-            return
-        self.child = start_drawing(
+        self.child: subprocess.Popen[str] | None = start_drawing(
             Request(orders=orders, goes_on=goes_on),
             self.errors,
             env=opengl.drawing_environment(window),
@@ -239,12 +239,10 @@ class Drawer:
                 self.progress(int(words[1]), int(words[3]))
 
     def finish(self) -> None:
-        """Tell the child that the run is over, and wait for its end; raises OpenGLMissing or RenderFailed."""
+        """Tell the child that the run is over, and wait for its end; raises RenderFailed if it failed."""
+        child = self.child
+        assert child is not None and child.stdin is not None
         try:
-            if self.problem is not None:
-                raise self.problem
-            child = self.child
-            assert child is not None and child.stdin is not None
             with suppress(OSError):  # it has died
                 child.stdin.write("over\n")
                 child.stdin.flush()
@@ -292,10 +290,6 @@ def render_run(folder: Path, *, out: Path | None = None, progress: Progress | No
     """Draw preview.png, and film, stills and strip if asked, into `out`; returns the files. `asked`: fields of Order.
     Raises OpenGLMissing or RenderFailed."""
     order = order_of(folder, out=out, **asked)
-    sentence = obstacle_to_pictures(folder, order.camera, order.stills, order.ship)
-    if sentence is not None:
-        raise RenderFailed(sentence)
-    Path(order.out).mkdir(parents=True, exist_ok=True)
     draw_apart([order], progress)
     names = ["preview.png"] * order.preview + [still_name(time) for time in order.stills]
     names += ["strip.png"] * (order.strip > 0) + ["film.mp4", MOMENTS_FILE] * order.film
@@ -357,11 +351,6 @@ def variants(folder: Path, time: float, switched: Sequence[dict[str, Any]], **op
     given: dict[str, Any] = {"folder": str(folder), "film": False, "preview": False, "stills": (time,)} | options
     with tempfile.TemporaryDirectory() as made:
         orders = [Order(**given | {"out": str(Path(made, str(k)))} | more) for k, more in enumerate(switched)]
-        sentences = [obstacle_to_pictures(Path(each.folder), each.camera, each.stills, each.ship) for each in orders]
-        if any(sentences):
-            raise RenderFailed(next(filter(None, sentences)))
-        for order in orders:
-            Path(order.out).mkdir()
         draw_apart(orders)
         return np.stack([np.asarray(imageio.imread(Path(order.out, still_name(order.stills[0])))) for order in orders])
 
@@ -373,6 +362,7 @@ def still_name(time: float) -> str:
 def draw_order(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]:
     """Draw an order; yields numbers of drawn and of all film pictures (0: unknown). `over`: set when the run ends."""
     out = Path(order.out)
+    out.mkdir(parents=True, exist_ok=True)
     with ExitStack() as stack:
         turns_of_others = range(1, order.painters) if order.film else ()
         others = [stack.enter_context(Painter(order, over, turn)) for turn in turns_of_others]

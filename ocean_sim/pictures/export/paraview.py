@@ -1,7 +1,7 @@
 """Files for ParaView and Blender from the frames of a finished run; nothing here needs OpenGL."""
 
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +11,7 @@ from ocean_sim.files.atomic_file import atomic_write, require_disk_space
 from ocean_sim.files.input_file import read_npz
 from ocean_sim.files.meshes import Series, save_ply
 from ocean_sim.pictures.export import scene_file
-from ocean_sim.pictures.export.scene_file import ExportShot, RunWakes, upright_shots
+from ocean_sim.pictures.export.scene_file import export_shots
 from ocean_sim.pictures.frame_files import frame_files
 
 POINT_NAMES = ("particles", "spray")  # of what is exported as points
@@ -49,12 +49,6 @@ def export_run(
     if scene == "glb":
         files.append(scene_file.export_glb(frames, grid, out / "run.glb"))
     return files
-
-
-def export_shots(frames: list[Path], grid: dict[str, np.ndarray], z_up: bool) -> Iterator[ExportShot]:
-    """Read the contents of all frames to export, with z up if `z_up`; `grid`: arrays that the run saves once."""
-    wakes = RunWakes(frame_files(frames[0].parent.parent), grid)
-    return upright_shots((scene_file.read_shot(frame, grid, wakes) for frame in frames), z_up)
 
 
 def export_particles(

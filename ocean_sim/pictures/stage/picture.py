@@ -1,6 +1,6 @@
 """Pictures of a run, one after another: sky, water, ships, text."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -106,15 +106,11 @@ class Picture:
         if in_tank:
             tank_walls.add_edges(stage, *walls, grid.get("zones", NO_BOXES))
         self.obstacles = Obstacles(stage, grid, *walls)
-        self.ships: dict[str, DrawnShip | ShadedShip] = {}
-        if isinstance(self.content, Sea):
-            shaded = {key: self.content.ship(model) for key, model in models.items()}
-            self.ships |= shaded
-            self.content.appear()
-            if shaded:
-                self.content.reflect()
-        else:
-            self.ships |= {key: DrawnShip(stage, model) for key, model in models.items()}
+        self.ships: Mapping[str, DrawnShip | ShadedShip] = (
+            self.content.appear(models)
+            if isinstance(self.content, Sea)
+            else {key: DrawnShip(stage, model) for key, model in models.items()}
+        )
         self.caption = overlays.add_words(stage, " ", (14, 10)) if order.caption else None
         self.scale_bar = overlays.ScaleBar(stage) if order.scale_bar else None
         on_map = isinstance(self.content, Water) and stage.camera.from_above
@@ -219,8 +215,7 @@ class Picture:
         self.aim()
 
     def close(self) -> None:
-        self.content.close()
-        self.plotter.close()
+        self.stage.close()
 
 
 def sample_means(image: np.ndarray, samples: int) -> np.ndarray:

@@ -24,6 +24,7 @@ class Stage:
         self.pyvista: ModuleType = pyvista
         self.size, self.camera, self.samples = size, camera, samples
         self.over: list[Any] = []  # actors on the water or before the picture, of which the water shows none within it
+        self.plotters: list[Any] = []
         self.plotter = self.empty((samples * size[0], samples * size[1]))
         if samples == 1:
             smooth_edges(self.plotter)
@@ -34,6 +35,7 @@ class Stage:
         plotter = self.pyvista.Plotter(off_screen=True, window_size=size, lighting="none")
         plotter.disable_anti_aliasing()  # PyVista's default multiplies the time of a picture
         plotter.render_window.SetMultiSamples(0)
+        self.plotters.append(plotter)
         return plotter
 
     def mesh(self, points: np.ndarray, faces: np.ndarray, **vectors: np.ndarray) -> Any:
@@ -57,6 +59,10 @@ class Stage:
         if why is not None:
             raise RenderFailed(f"OpenGL refuses a program of this picture: {why}; please report it with this line")
 
+    def close(self) -> None:
+        for plotter in self.plotters[::-1]:
+            plotter.close()
+
 
 def smooth_edges(plotter: Any) -> None:
     """Smooth jagged edges in the pictures of a plotter by Lottes' FXAA (2009, NVIDIA)."""
@@ -74,6 +80,3 @@ class Content:
     def show(self, frame: Frame) -> None:
         """Update the subject to its state in a frame."""
         raise NotImplementedError
-
-    def close(self) -> None:
-        """Free resources of the subject that closing the stage's plotter does not free."""

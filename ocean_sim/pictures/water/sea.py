@@ -103,19 +103,16 @@ class Sea(Content):
         for name, value in zip(NODE_TRAITS, values, strict=True):
             part.mesh.point_data[name] = value.astype(np.float32)
 
-    def ship(self, model: ShipModel) -> ShadedShip:
-        """Add a ship lit by this sea's sun and sky to the picture; call `reflect` afterwards to mirror all ships."""
-        self.ships.append(ShadedShip(self.stage, model, self.sky, self.above))
-        return self.ships[-1]
-
-    def appear(self) -> None:
-        """Add water and sky to the plotter, the nearer first, after the ships: hidden pixels are then not shaded."""
+    def appear(self, models: dict[str, ShipModel]) -> dict[str, ShadedShip]:
+        """Add ships lit by this sea's sun and sky to the picture, and water, which mirrors them, and sky; the nearer
+        first: hidden pixels are then not shaded."""
+        ships = {key: ShadedShip(self.stage, model, self.sky, self.above) for key, model in models.items()}
+        self.ships = [*ships.values()]
         for part in (self.near, self.far, self.dome.shaded):
             self.stage.plotter.add_actor(part.actor, reset_camera=False, render=False)
-
-    def reflect(self) -> None:
-        """Mirror the ships in the water of all later pictures."""
-        self.mirror = Mirror(self.stage, [ship.shaded for ship in self.ships], self.mirrored)
+        if ships:
+            self.mirror = Mirror(self.stage, [ship.shaded for ship in self.ships], self.mirrored)
+        return ships
 
     def show(self, frame: Frame) -> None:
         """Update water, sky, shadows and mirror image to a frame."""
@@ -260,7 +257,3 @@ class Sea(Content):
         mirrored = {"At": position, "Size": 0.5 * hull.beam, "Reach": hull.length}
         self.set(**{f"mirror{name}{k}": value for name, value in mirrored.items()})
         return float(self.heights_at(ship.line.reshape(-1, 2) if ship.wet else position[None, [0, 2]]).mean())
-
-    def close(self) -> None:
-        if self.mirror is not None:
-            self.mirror.close()

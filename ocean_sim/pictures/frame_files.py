@@ -218,9 +218,11 @@ def grid_arrays(simulation: "Simulation", x: np.ndarray, z: np.ndarray) -> dict[
         arrays["meshes"] = basin.mesh_triangles(0.0, moving=False)
     for name, ship in simulation.ships.items():
         drawn, look = ship.drawn(), scene.ships[name].look(scene.preflight)
-        if drawn is not None and look is not None:
-            shape = {"vertices": drawn[0], "triangles": drawn[1], "submerged": look.submerged, "look": look.name}
-            shape["helm"] = ship.points.get("helm", np.zeros(0))  # from the centre of mass in body axes [m], if any
+        if drawn is not None:
+            shape: dict[str, Any] = {"vertices": drawn[0], "triangles": drawn[1]}
+            if look is not None:  # helm: from the centre of mass in body axes [m]
+                helm = ship.points.get("helm", np.zeros(0))
+                shape |= {"submerged": look.submerged, "look": look.name, "helm": helm}
             arrays |= {f"{key_of(name)}_{part}": value for part, value in shape.items()}
     open_air = basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0)
     return arrays | wave_arrays(fluid) | {"has_surface": open_air}

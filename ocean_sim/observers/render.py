@@ -16,7 +16,7 @@ import threading
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, suppress
 from pathlib import Path
-from typing import IO, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -205,7 +205,41 @@ class Request(Model):
     """Number of the process among those that draw the pictures of a film; process 0 also draws all else."""
 
 
-class Drawer:
+class DrawingProcess:
+    """Process that draws a request; its standard input breaks when this process ends, however that comes."""
+
+    def __init__(self, request: Request, **how: Any) -> None:
+        """`how`: for Popen."""
+        command, pipe = [sys.executable, "-m", "ocean_sim.observers.render", request.model_dump_json()], subprocess.PIPE
+        self.errors = tempfile.TemporaryFile("w+")
+        self.child = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=self.errors, **how)
+        assert self.child.stdin is not None and self.child.stdout is not None
+        self.told, self.given = self.child.stdin, self.child.stdout
+
+    def say_over(self, over: threading.Event | None = None) -> None:
+        """Tell the process that the run is over, or wait for that event first."""
+        if over is not None:
+            over.wait()
+        with suppress(OSError, ValueError):  # it has ended
+            self.told.write(b"over\n")
+            self.told.flush()
+
+    def failure(self) -> RenderFailed:
+        """Exception for the process that has ended too early, with its signal or the last line of its errors."""
+        if self.child.returncode < 0:
+            opengl.forget()
+            return RenderFailed(f"the drawing process died (signal {-self.child.returncode}); {OpenGLMissing()}")
+        self.errors.seek(0)
+        said = [line for line in self.errors.read().strip().splitlines() if not line.startswith("[")]  # the encoder's
+        return RenderFailed(said[-1] if said else "the drawing process ended without a message")
+
+    def close(self) -> None:
+        for stream in (self.told, self.given, self.errors):
+            with suppress(OSError):
+                stream.close()
+
+
+class Drawer(DrawingProcess):
     """Child process that draws picture orders; it leads a session of its own with the processes that it starts."""
 
     def __init__(self, orders: Sequence[Order], progress: Progress | None = None, goes_on: bool = False) -> None:
@@ -218,72 +252,41 @@ class Drawer:
                 raise RenderFailed(sentence)
         if (window := opengl.window()) is None:
             raise OpenGLMissing
-        self.orders, self.progress = orders, progress
-        self.errors = tempfile.TemporaryFile("w+")
-        self.child: subprocess.Popen[str] | None = start_drawing(
-            Request(orders=orders, goes_on=goes_on),
-            self.errors,
-            env=opengl.drawing_environment(window),
-            text=True,
-            start_new_session=True,  # Ctrl-C is the parent's, which ends the child and its encoder together
-        )
+        # Ctrl-C is the parent's, which ends the child and its encoder together.
+        how = {"env": opengl.drawing_environment(window), "start_new_session": True}
+        super().__init__(Request(orders=orders, goes_on=goes_on), **how)
+        self.orders, self.progress, self.stopped = orders, progress, False
         self.reader = threading.Thread(target=self.follow, daemon=True)
         self.reader.start()
 
     def follow(self) -> None:
         """Report the child's progress lines ("pictures 3 of 600") until it ends; total 0: unknown. Runs in a thread."""
-        assert self.child is not None and self.child.stdout is not None
-        for line in self.child.stdout:
+        for line in self.given:
             words = line.split()
-            if self.progress is not None and words[:1] == ["pictures"]:
+            if self.progress is not None and words[:1] == [b"pictures"]:
                 self.progress(int(words[1]), int(words[3]))
 
     def finish(self) -> None:
         """Tell the child that the run is over, and wait for its end; raises RenderFailed if it failed."""
-        child = self.child
-        assert child is not None and child.stdin is not None
         try:
-            with suppress(OSError):  # it has died
-                child.stdin.write("over\n")
-                child.stdin.flush()
+            self.say_over()
             self.reader.join()
-            if child.wait() != 0:
-                raise drawing_failure(child, self.errors)
+            if self.child.wait() != 0:
+                raise self.failure()
         finally:
             self.stop()
 
     def stop(self) -> None:
         """Kill the child and its encoder if they still run, and remove their unfinished files."""
-        child = self.child
-        if child is not None:
-            if child.returncode != 0:  # else it has ended what it led
-                kill_session(child)
-            for stream in (child.stdin, child.stdout):
-                if stream is not None:
-                    with suppress(OSError):
-                        stream.close()
-            for order in self.orders:
-                for left in Path(order.out).glob(f".*.{child.pid}.tmp*"):
-                    left.unlink(missing_ok=True)
-            self.child = None
-        self.errors.close()
-
-
-def start_drawing(request: Request, errors: IO[str], **how: Any) -> subprocess.Popen[Any]:
-    """Start a process that draws a request with its errors to `errors`; `how`: for Popen."""
-    command = [sys.executable, "-m", "ocean_sim.observers.render", request.model_dump_json()]
-    # Its standard input breaks when this process ends, however that comes.
-    return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors, **how)
-
-
-def drawing_failure(child: subprocess.Popen[Any], errors: IO[str]) -> RenderFailed:
-    """Exception for a drawing process that has ended too early, with its signal or the last line of its errors."""
-    if child.returncode < 0:
-        opengl.forget()
-        return RenderFailed(f"the drawing process died (signal {-child.returncode}); {OpenGLMissing()}")
-    errors.seek(0)
-    said = [line for line in errors.read().strip().splitlines() if not line.startswith("[")]  # as the encoder's do
-    return RenderFailed(said[-1] if said else "the drawing process ended without a message")
+        if self.stopped:
+            return
+        self.stopped = True
+        if self.child.returncode != 0:  # else it has ended what it led
+            kill_session(self.child)
+        self.close()
+        for order in self.orders:
+            for left in Path(order.out).glob(f".*.{self.child.pid}.tmp*"):
+                left.unlink(missing_ok=True)
 
 
 def render_run(folder: Path, *, out: Path | None = None, progress: Progress | None = None, **asked: Any) -> list[Path]:
@@ -440,40 +443,29 @@ class ComingFrames:
                 self.over.wait(LOOK_INTERVAL)
 
 
-class Painter(AbstractContextManager["Painter"]):
+class Painter(DrawingProcess, AbstractContextManager["Painter"]):
     """Another process that draws a film by turns with this one, which reads the pictures from a pipe."""
 
     def __init__(self, order: Order, over: threading.Event, turn: int) -> None:
         """Start the process; `over` as in `draw_order`; `turn`: its number, from 1; this process has number 0."""
+        super().__init__(Request(orders=[order], goes_on=not over.is_set(), turn=turn))
         self.shape = *order.size[::-1], 3
-        self.errors = tempfile.TemporaryFile("w+")
-        self.child = start_drawing(Request(orders=[order], goes_on=not over.is_set(), turn=turn), self.errors)
-        assert self.child.stdin is not None and self.child.stdout is not None
-        self.told, self.pixels = self.child.stdin, self.child.stdout
         if not over.is_set():
-            threading.Thread(target=self.tell, args=(over,), daemon=True).start()
-
-    def tell(self, over: threading.Event) -> None:
-        """Wait until the run is over, and tell the process so; runs in a thread."""
-        over.wait()
-        with suppress(OSError, ValueError):  # it has ended
-            self.told.write(b"over\n")
-            self.told.flush()
+            threading.Thread(target=self.say_over, args=(over,), daemon=True).start()
 
     def picture(self) -> np.ndarray:
         """Next picture (height, width, 3) that the process draws, 8-bit RGB; raises RenderFailed if it has ended."""
         size = int(np.prod(self.shape))
-        pixels = self.pixels.read(size)
+        pixels = self.given.read(size)
         if len(pixels) < size:
             self.child.wait()
-            raise drawing_failure(self.child, self.errors)
+            raise self.failure()
         return np.frombuffer(pixels, np.uint8).reshape(self.shape)
 
     def __exit__(self, *_: object) -> None:
         self.child.kill()
         self.child.wait()
-        for stream in (self.pixels, self.errors):
-            stream.close()
+        self.close()
 
 
 def film_turns(coming: ComingFrames, every: float, of: int) -> Iterator[tuple[Path, int, int | None]]:

@@ -230,10 +230,7 @@ class Screen:
 
     def image(self) -> np.ndarray:
         """Picture (width, height, 3) in the window, 8-bit RGB; its first pixel is the lower left corner."""
-        buffer = self.window.get_image_buffer_as_numpy()
-        buffer *= 255.0
-        buffer += 0.5
-        return buffer.astype(np.uint8)[..., :3]
+        return (255.0 * self.window.get_image_buffer_as_numpy()[..., :3] + 0.5).astype(np.uint8)
 
     def listen(self, panel: Panel, seconds: float) -> None:
         """Apply keys and mouse to the panel, as they were used in the last `seconds` of wall time."""

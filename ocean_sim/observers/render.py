@@ -8,25 +8,21 @@ goes on: they lie on disk, and it holds one at a time, however far it is behind.
 film it draws by turns with a second child, of its own, whose pictures come to it through a pipe.
 """
 
-import json
 import os
 import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, suppress
-from dataclasses import asdict
 from pathlib import Path
-from typing import IO, Annotated, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
 
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.machine import available_cores, exit_with_parent, kill_session, yield_to_others
-from ocean_sim.model import Vector3, quantity
+from ocean_sim.model import Model, quantity
 from ocean_sim.observers.shared import run_report
 from ocean_sim.parts import SEVERAL, LedgerRow, Preflight, Problems, key_of
 from ocean_sim.pictures.frame_files import (
@@ -35,7 +31,6 @@ from ocean_sim.pictures.frame_files import (
     film_frames,
     frame_files,
     frame_path,
-    known_film_frames,
     open_frame,
     ship_keys,
     survey_run,
@@ -47,11 +42,10 @@ from ocean_sim.pictures.stage.picture import (
     PIXEL_SAMPLES,
     Moments,
     Picture,
-    Shot,
     is_foreseeable,
     picture_row,
 )
-from ocean_sim.pictures.stage.render_order import Order, Quality, RenderFailed
+from ocean_sim.pictures.stage.render_order import Drawing, Order, RenderFailed
 from ocean_sim.pictures.water.sea_state import DRY_DEPTH_SHARE, is_tank, run_scene
 from ocean_sim.simulation import OutcomeObserver, PeriodicConfig, Progress, Simulation
 
@@ -74,76 +68,15 @@ MOMENTS_FILE = "moments.png"  # next to the film
 LOOK_INTERVAL = 0.1  # [s] between two looks for a new frame
 MAX_PAINTERS = 2  # processes that draw a film by turns: while one leaves all cores but one idle, the other shades
 SHORT_FILM = 24  # pictures of a film for which a second process, which takes seconds to start, is not worth it
-StillTime = Annotated[float, Field(ge=0.0, strict=False)]
 OpenGLMissing = opengl.OpenGLMissing
 probe = opengl.probe
 
 
-class Config(PeriodicConfig):
+class Config(Drawing, PeriodicConfig):
     turn: ClassVar[int] = 4
     leaves: ClassVar[str] = "film.mp4, drawn during the run, moments.png, preview.png, strip.png, still_*.png"
     every: float = quantity("s", 0.033, gt=0.0)
     """Simulated time between pictures of the film, which runs in real time; there are no more than frames."""
-    camera: CameraName = "third_person"
-    """`third_person` sees the whole basin, in a long one of open sea the ship; `follow` is behind the ship,
-    `first_person` at its helm; `orbit` goes around in a film; `fixed` is at `eye`; `top`, `side`."""
-    eye: Vector3 | None = quantity("m", None)
-    """Position of the fixed camera."""
-    target: Vector3 | None = quantity("m", None)
-    """Target of the fixed camera."""
-    ship: str | None = None
-    """The name of the ship that a camera follows; null: the first."""
-    size: tuple[int, int] = Field((1280, 720), strict=False, json_schema_extra={"unit": "pixels"})
-    """Width and height of the pictures, even numbers."""
-    particles: bool = False
-    """Draw the particles, coloured by speed, in place of the surface of the water."""
-    quality: Quality = "draft"
-    """`draft`: quick; `final`: a finer mesh and four samples of each pixel."""
-    far_sea: bool = True
-    """Draw the sea around the basin out to the horizon; without it, a block of water with cut sides. A basin that
-    moves, has a wavemaker, a lid or obstacles, runs dry somewhere or is up to 12 m long is a tank: it stays a block,
-    and so does a surface that folds."""
-    ripples: bool = True
-    """Draw waves finer than the particles, of the wind's strength and heading."""
-    foam: bool = True
-    """Draw white water on crests that converge, along the hull, and spray."""
-    foam_cover: float | None = quantity("1", None, ge=0.0, le=0.5)
-    """Share of the sea that is white, as measured under a wind; by default what its crests call for."""
-    sky: bool = True
-    """Draw a scattered sky with clouds; without it, a clear gradient."""
-    caption: bool = True
-    """Write the time into the pictures."""
-    outline: bool = False
-    """Draw where the basin ends, on the water."""
-    scale_bar: bool = False
-    """Draw a scale bar in metres, right at the ship or else in the middle of the basin; from `top` also a bar with
-    the colours of heights, and with `wind` what an arrow stands for."""
-    wind: bool = False
-    """Draw where the wind blows, as tinted volumes with an arrow along what it does there, and a cross where it is
-    nothing but noise."""
-    film: bool = True
-    """Make film.mp4."""
-    stills: list[StillTime] = Field([], json_schema_extra={"unit": "s"})
-    """Times of further pictures, still_<time>.png each."""
-    strip: int = Field(0, ge=0, le=24)
-    """Make strip.png of so many pictures side by side, from the beginning to the end."""
-
-    @field_validator("size")
-    @classmethod
-    def even(cls, size: tuple[int, int]) -> tuple[int, int]:
-        if any(n % 2 or not 64 <= n <= 7680 for n in size):
-            raise ValueError(f"a film needs an even width and height between 64 and 7680 pixels, not {list(size)}")
-        return size
-
-    @model_validator(mode="after")
-    def aimed(self) -> "Config":
-        if self.camera == "fixed" and (self.eye is None or self.target is None):
-            raise ValueError("a fixed camera needs an eye and a target, [x, y, z] in metres each")
-        if self.camera != "fixed" and not (self.eye is None and self.target is None):
-            raise ValueError(f"eye and target belong to the camera fixed, not to {self.camera}")
-        if self.camera == "fixed" and self.eye == self.target:
-            raise ValueError("a fixed camera cannot look at its own position; let eye and target differ")
-        return self
 
     def mismatches(self, preflight: Preflight) -> Problems:
         return [] if self.ship is None else preflight.unknown_ship(self.ship)
@@ -227,10 +160,10 @@ class Render(OutcomeObserver, of=Config):
 
     def observe(self, simulation: Simulation) -> None:
         if self.drawer is None and self.config.film and frame_path(self.folder, 0).exists():
-            order = order_of(self.folder, **config_options(self.config, self.folder))
-            self.drawer = Drawer([order], self.progress, goes_on=True)
-        if self.drawer is not None:
             self.every = float("inf")
+            with suppress(OpenGLMissing, RenderFailed):  # `close` says so
+                order = order_of(self.folder, **config_options(self.config, self.folder))
+                self.drawer = Drawer([order], self.progress, goes_on=True)
 
     def close(self) -> None:
         files = frame_files(self.folder)
@@ -262,97 +195,104 @@ class Render(OutcomeObserver, of=Config):
             self.drawer.stop()
 
 
-class Drawer:
+class Request(Model):
+    """Request to a drawing process: its orders."""
+
+    orders: Sequence[Order]
+    goes_on: bool
+    """True if their run still writes frames."""
+    turn: int = 0
+    """Number of the process among those that draw the pictures of a film; process 0 also draws all else."""
+
+
+class DrawingProcess:
+    """Process that draws a request; its standard input breaks when this process ends, however that comes."""
+
+    def __init__(self, request: Request, **how: Any) -> None:
+        """`how`: for Popen."""
+        command, pipe = [sys.executable, "-m", "ocean_sim.observers.render", request.model_dump_json()], subprocess.PIPE
+        self.errors = tempfile.TemporaryFile("w+")
+        self.child = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=self.errors, **how)
+        assert self.child.stdin is not None and self.child.stdout is not None
+        self.told, self.given = self.child.stdin, self.child.stdout
+
+    def say_over(self, over: threading.Event | None = None) -> None:
+        """Tell the process that the run is over, or wait for that event first."""
+        if over is not None:
+            over.wait()
+        with suppress(OSError, ValueError):  # it has ended
+            self.told.write(b"over\n")
+            self.told.flush()
+
+    def failure(self) -> RenderFailed:
+        """Exception for the process that has ended too early, with its signal or the last line of its errors."""
+        if self.child.returncode < 0:
+            opengl.forget()
+            return RenderFailed(f"the drawing process died (signal {-self.child.returncode}); {OpenGLMissing()}")
+        self.errors.seek(0)
+        said = [line for line in self.errors.read().strip().splitlines() if not line.startswith("[")]  # the encoder's
+        return RenderFailed(said[-1] if said else "the drawing process ended without a message")
+
+    def close(self) -> None:
+        for stream in (self.told, self.given, self.errors):
+            with suppress(OSError):
+                stream.close()
+
+
+class Drawer(DrawingProcess):
     """Child process that draws picture orders; it leads a session of its own with the processes that it starts."""
 
     def __init__(self, orders: Sequence[Order], progress: Progress | None = None, goes_on: bool = False) -> None:
-        """Start the child. `goes_on`: True if the run still writes frames, until `finish` is called."""
-        self.orders, self.progress = orders, progress
-        self.errors = tempfile.TemporaryFile("w+")
-        self.child: subprocess.Popen[str] | None = None
-        self.problem: Exception | None = None
-        window = opengl.window()
-        first = orders[0]
-        sentence = obstacle_to_pictures(Path(first.folder), first.camera, (), first.ship) if goes_on else None
-        if window is None or sentence is not None:
-            self.problem = OpenGLMissing() if window is None else RenderFailed(sentence)
-            return
-        self.child = start_drawing(
-            {"goes_on": goes_on, "orders": [asdict(order) for order in orders], "turn": 0},
-            self.errors,
-            env=opengl.drawing_environment(window),
-            text=True,
-            start_new_session=True,  # Ctrl-C is the parent's, which ends the child and its encoder together
-        )
+        """Start the child. `goes_on`: True if the run still writes frames, until `finish` is called.
+
+        Raises RenderFailed for an order that its run cannot fulfil, OpenGLMissing if nothing can be drawn here."""
+        for order in orders:
+            stills = () if goes_on else order.stills
+            if sentence := obstacle_to_pictures(Path(order.folder), order.camera, stills, order.ship):
+                raise RenderFailed(sentence)
+        if (window := opengl.window()) is None:
+            raise OpenGLMissing
+        # Ctrl-C is the parent's, which ends the child and its encoder together.
+        how = {"env": opengl.drawing_environment(window), "start_new_session": True}
+        super().__init__(Request(orders=orders, goes_on=goes_on), **how)
+        self.orders, self.progress, self.stopped = orders, progress, False
         self.reader = threading.Thread(target=self.follow, daemon=True)
         self.reader.start()
 
     def follow(self) -> None:
         """Report the child's progress lines ("pictures 3 of 600") until it ends; total 0: unknown. Runs in a thread."""
-        assert self.child is not None and self.child.stdout is not None
-        for line in self.child.stdout:
+        for line in self.given:
             words = line.split()
-            if self.progress is not None and words[:1] == ["pictures"]:
+            if self.progress is not None and words[:1] == [b"pictures"]:
                 self.progress(int(words[1]), int(words[3]))
 
     def finish(self) -> None:
-        """Tell the child that the run is over, and wait for its end; raises OpenGLMissing or RenderFailed."""
+        """Tell the child that the run is over, and wait for its end; raises RenderFailed if it failed."""
         try:
-            if self.problem is not None:
-                raise self.problem
-            child = self.child
-            assert child is not None and child.stdin is not None
-            with suppress(OSError):  # it has died
-                child.stdin.write("over\n")
-                child.stdin.flush()
+            self.say_over()
             self.reader.join()
-            if child.wait() != 0:
-                raise drawing_failure(child, self.errors)
+            if self.child.wait() != 0:
+                raise self.failure()
         finally:
             self.stop()
 
     def stop(self) -> None:
         """Kill the child and its encoder if they still run, and remove their unfinished files."""
-        child = self.child
-        if child is not None:
-            if child.returncode != 0:  # else it has ended what it led
-                kill_session(child)
-            for stream in (child.stdin, child.stdout):
-                if stream is not None:
-                    with suppress(OSError):
-                        stream.close()
-            for order in self.orders:
-                for left in Path(order.out).glob(f".*.{child.pid}.tmp*"):
-                    left.unlink(missing_ok=True)
-            self.child = None
-        self.errors.close()
-
-
-def start_drawing(asked: dict[str, Any], errors: IO[str], **how: Any) -> subprocess.Popen[Any]:
-    """Start a process that draws the request `asked` (see `main`) with its errors to `errors`; `how`: for Popen."""
-    command = [sys.executable, "-m", "ocean_sim.observers.render", json.dumps(asked)]
-    # Its standard input breaks when this process ends, however that comes.
-    return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors, **how)
-
-
-def drawing_failure(child: subprocess.Popen[Any], errors: IO[str]) -> RenderFailed:
-    """Exception for a drawing process that has ended too early, with its signal or the last line of its errors."""
-    if child.returncode < 0:
-        opengl.forget()
-        return RenderFailed(f"the drawing process died (signal {-child.returncode}); {OpenGLMissing()}")
-    errors.seek(0)
-    said = [line for line in errors.read().strip().splitlines() if not line.startswith("[")]  # as the encoder's do
-    return RenderFailed(said[-1] if said else "the drawing process ended without a message")
+        if self.stopped:
+            return
+        self.stopped = True
+        if self.child.returncode != 0:  # else it has ended what it led
+            kill_session(self.child)
+        self.close()
+        for order in self.orders:
+            for left in Path(order.out).glob(f".*.{self.child.pid}.tmp*"):
+                left.unlink(missing_ok=True)
 
 
 def render_run(folder: Path, *, out: Path | None = None, progress: Progress | None = None, **asked: Any) -> list[Path]:
     """Draw preview.png, and film, stills and strip if asked, into `out`; returns the files. `asked`: fields of Order.
     Raises OpenGLMissing or RenderFailed."""
     order = order_of(folder, out=out, **asked)
-    sentence = obstacle_to_pictures(folder, order.camera, order.stills, order.ship)
-    if sentence is not None:
-        raise RenderFailed(sentence)
-    Path(order.out).mkdir(parents=True, exist_ok=True)
     draw_apart([order], progress)
     names = ["preview.png"] * order.preview + [still_name(time) for time in order.stills]
     names += ["strip.png"] * (order.strip > 0) + ["film.mp4", MOMENTS_FILE] * order.film
@@ -362,7 +302,7 @@ def render_run(folder: Path, *, out: Path | None = None, progress: Progress | No
 def order_of(folder: Path, *, out: Path | None = None, every: float = 0.033, **asked: Any) -> Order:
     """Order for pictures of a run into `out`, by default its folder; `every` [s], `asked`: fields of Order."""
     by_turns = {"painters": painter_count(run_scene(folder).get("duration", 0.0) / every)}
-    return Order(str(folder), str(out or folder), every=every, **by_turns | asked)
+    return Order(folder=str(folder), out=str(out or folder), every=every, **by_turns | asked)
 
 
 def painter_count(pictures: float) -> int:
@@ -414,11 +354,6 @@ def variants(folder: Path, time: float, switched: Sequence[dict[str, Any]], **op
     given: dict[str, Any] = {"folder": str(folder), "film": False, "preview": False, "stills": (time,)} | options
     with tempfile.TemporaryDirectory() as made:
         orders = [Order(**given | {"out": str(Path(made, str(k)))} | more) for k, more in enumerate(switched)]
-        sentences = [obstacle_to_pictures(Path(each.folder), each.camera, each.stills, each.ship) for each in orders]
-        if any(sentences):
-            raise RenderFailed(next(filter(None, sentences)))
-        for order in orders:
-            Path(order.out).mkdir()
         draw_apart(orders)
         return np.stack([np.asarray(imageio.imread(Path(order.out, still_name(order.stills[0])))) for order in orders])
 
@@ -430,6 +365,7 @@ def still_name(time: float) -> str:
 def draw_order(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]:
     """Draw an order; yields numbers of drawn and of all film pictures (0: unknown). `over`: set when the run ends."""
     out = Path(order.out)
+    out.mkdir(parents=True, exist_ok=True)
     with ExitStack() as stack:
         turns_of_others = range(1, order.painters) if order.film else ()
         others = [stack.enter_context(Painter(order, over, turn)) for turn in turns_of_others]
@@ -496,7 +432,7 @@ class ComingFrames:
         done = 0
         while True:
             ended, there = self.ended, len(self.log.files)
-            numbers = film_frames(self.log.times, every) if ended else known_film_frames(self.log.times, every)
+            numbers = film_frames(self.log.times, every, ended)
             for number in numbers[done:] if ended or there > 1 else ():  # two show how fast ships begin
                 yield self.log.files[number], len(numbers) if ended else 0
                 done += 1
@@ -507,41 +443,29 @@ class ComingFrames:
                 self.over.wait(LOOK_INTERVAL)
 
 
-class Painter(AbstractContextManager["Painter"]):
+class Painter(DrawingProcess, AbstractContextManager["Painter"]):
     """Another process that draws a film by turns with this one, which reads the pictures from a pipe."""
 
     def __init__(self, order: Order, over: threading.Event, turn: int) -> None:
         """Start the process; `over` as in `draw_order`; `turn`: its number, from 1; this process has number 0."""
+        super().__init__(Request(orders=[order], goes_on=not over.is_set(), turn=turn))
         self.shape = *order.size[::-1], 3
-        self.errors = tempfile.TemporaryFile("w+")
-        asked = {"goes_on": not over.is_set(), "orders": [asdict(order)], "turn": turn}
-        self.child = start_drawing(asked, self.errors)
-        assert self.child.stdin is not None and self.child.stdout is not None
-        self.told, self.pixels = self.child.stdin, self.child.stdout
         if not over.is_set():
-            threading.Thread(target=self.tell, args=(over,), daemon=True).start()
-
-    def tell(self, over: threading.Event) -> None:
-        """Wait until the run is over, and tell the process so; runs in a thread."""
-        over.wait()
-        with suppress(OSError, ValueError):  # it has ended
-            self.told.write(b"over\n")
-            self.told.flush()
+            threading.Thread(target=self.say_over, args=(over,), daemon=True).start()
 
     def picture(self) -> np.ndarray:
         """Next picture (height, width, 3) that the process draws, 8-bit RGB; raises RenderFailed if it has ended."""
         size = int(np.prod(self.shape))
-        pixels = self.pixels.read(size)
+        pixels = self.given.read(size)
         if len(pixels) < size:
             self.child.wait()
-            raise drawing_failure(self.child, self.errors)
+            raise self.failure()
         return np.frombuffer(pixels, np.uint8).reshape(self.shape)
 
     def __exit__(self, *_: object) -> None:
         self.child.kill()
         self.child.wait()
-        for stream in (self.pixels, self.errors):
-            stream.close()
+        self.close()
 
 
 def film_turns(coming: ComingFrames, every: float, of: int) -> Iterator[tuple[Path, int, int | None]]:
@@ -553,26 +477,6 @@ def film_turns(coming: ComingFrames, every: float, of: int) -> Iterator[tuple[Pa
         turn, shown = turn + (file != shown), file
 
 
-def draw_turns(
-    order: Order, picture: Picture, coming: ComingFrames, turn: int, put: Callable[[Shot | int | None], None]
-) -> Iterator[tuple[int, int]]:
-    """Draw those pictures of a film that are the turn of this process, number `turn`; yields progress as `draw_order`.
-    A thread calls `put` in order with each picture drawn here, for others with the number of their process, or None."""
-    with ThreadPoolExecutor(1) as beside:
-        before: list[Future[None]] = []
-        since: list[Future[None]] = []  # the last that was drawn here
-        for k, (file, total, whose) in enumerate(film_turns(coming, order.every, order.painters)):
-            made = picture.shot(Frame(file)) if whose == turn else whose
-            if isinstance(made, Shot):
-                for left in before:  # so that no more than two that were drawn here wait
-                    left.result()
-                before, since = since, []
-            since.append(beside.submit(put, made))
-            yield k + 1, total
-        for left in before + since:
-            left.result()
-
-
 def write_film(
     path: Path, order: Order, picture: Picture, coming: ComingFrames, others: Sequence[Painter]
 ) -> Iterator[tuple[int, int]]:
@@ -580,16 +484,12 @@ def write_film(
     with atomic_write(path) as draft:
         moments, image = Moments(), np.zeros(0)
         with film_writer(draft, order.every) as writer:
-
-            def put(made: Shot | int | None) -> None:
-                """Append a picture: drawn here, by the process of this number, or (None) the last one again."""
-                nonlocal image
-                if made is not None:
-                    image = made.finished() if isinstance(made, Shot) else others[made - 1].picture()
+            for k, (file, total, whose) in enumerate(film_turns(coming, order.every, order.painters)):
+                if whose is not None:
+                    image = others[whose - 1].picture() if whose else picture.draw(Frame(file))
                 writer.append_data(image)
                 moments.see(image)
-
-            yield from draw_turns(order, picture, coming, 0, put)
+                yield k + 1, total
     save_png(path.with_name(MOMENTS_FILE), moments.sheet())
 
 
@@ -598,13 +498,9 @@ def hand_over(order: Order, over: threading.Event, turn: int) -> None:
     with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as pixels:
         os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # for what else is printed
         picture, coming = begin_picture(order, over)
-
-        def put(made: Shot | int | None) -> None:
-            if isinstance(made, Shot):
-                pixels.write(made.finished().data)
-
-        for _ in draw_turns(order, picture, coming, turn, put):
-            pass
+        for file, _, whose in film_turns(coming, order.every, order.painters):
+            if whose == turn:
+                pixels.write(picture.draw(Frame(file)).data)
     picture.close()
 
 
@@ -647,21 +543,18 @@ def hurry_when_over(over: threading.Event) -> None:
 
 
 def main() -> None:
-    """Draw the request in the first argument, in JSON: `orders`, `goes_on` (true if their run goes on), and the `turn`
-    of this process in drawing the pictures of a film; process 0 also draws all else."""
+    """Draw the `Request` that is the first argument, in JSON."""
     over = exit_with_parent()
-    asked = json.loads(sys.argv[1])
-    turn = asked["turn"]
-    if not asked["goes_on"]:
+    request = Request.model_validate_json(sys.argv[1])
+    if not request.goes_on:
         over.set()
-    elif turn == 0:  # the others are as nice as this one
+    elif request.turn == 0:  # the others are as nice as this one
         yield_to_others(NICENESS)
         threading.Thread(target=hurry_when_over, args=(over,), daemon=True).start()
     try:
-        for values in asked["orders"]:
-            order = Order(**values | {"size": tuple(values["size"]), "stills": tuple(values["stills"])})
-            if turn > 0:
-                hand_over(order, over, turn)
+        for order in request.orders:
+            if request.turn > 0:
+                hand_over(order, over, request.turn)
             else:
                 for done, total in draw_order(order, over):
                     print(f"pictures {done} of {total}", flush=True)

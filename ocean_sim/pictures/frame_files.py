@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from ocean_sim.basin import Basin
     from ocean_sim.basin.ground import Ground
     from ocean_sim.fluid import Fluid
-    from ocean_sim.pictures.live.scene_lines import LiveSimulation
     from ocean_sim.ship import Ship
+    from ocean_sim.simulation import Simulation
 
 MAX_FRAME_BYTES = 4_000_000_000  # of a file of frames/, and of what it unpacks to
 FREEBOARD_SHARE = 0.12  # height of the drawn walls of a tank over still water, over its depth
@@ -145,16 +145,11 @@ class FrameLog:
         return self.files[int(np.abs(self.times - time).argmin())]
 
 
-def film_frames(times: np.ndarray, every: float) -> list[int]:
-    """Indices of the frames in a film: those nearest to the first time and to every `every` [s] after it."""
+def film_frames(times: np.ndarray, every: float, ended: bool = True) -> list[int]:
+    """Indices of the frames in a film: those nearest to the first time and to every `every` [s] after it; before a run
+    has `ended`, only those that its later frames cannot change."""
     moments = np.arange(times[0], times[-1] + 0.5 * every, every)
-    return [int(np.abs(times - moment).argmin()) for moment in moments]
-
-
-def known_film_frames(times: np.ndarray, every: float) -> list[int]:
-    """Leading part of `film_frames` that cannot change when the run adds later frames."""
-    moments = np.arange(times[0], times[-1] + 0.5 * every, every)
-    return film_frames(times, every)[: int((moments <= times[-1]).sum())]
+    return [int(np.abs(times - moment).argmin()) for moment in moments if ended or moment <= times[-1]]
 
 
 def ends_afloat(frame: Frame, grid: Any) -> np.ndarray:
@@ -200,9 +195,9 @@ def basin_slab(basin: "Basin", axis: int, *ends: float) -> np.ndarray:
     return corners
 
 
-def grid_arrays(simulation: "LiveSimulation", x: np.ndarray, z: np.ndarray) -> dict[str, Any]:
+def grid_arrays(simulation: "Simulation", x: np.ndarray, z: np.ndarray) -> dict[str, Any]:
     """Arrays that a run saves once: basin and fittings, plane waves, hulls, and coordinates x, z [m] of the heights."""
-    basin, fluid = simulation.basin, simulation.fluid
+    basin, fluid, scene = simulation.basin, simulation.fluid, simulation.scene
     arrays: dict[str, Any] = {
         "x": x,
         "z": z,
@@ -222,9 +217,13 @@ def grid_arrays(simulation: "LiveSimulation", x: np.ndarray, z: np.ndarray) -> d
     if basin.meshes:
         arrays["meshes"] = basin.mesh_triangles(0.0, moving=False)
     for name, ship in simulation.ships.items():
-        key, drawn = key_of(name), ship.drawn()
+        drawn, look = ship.drawn(), scene.ships[name].look(scene.preflight)
         if drawn is not None:
-            arrays |= {f"{key}_vertices": drawn[0], f"{key}_triangles": drawn[1]} | appearance(simulation, ship)
+            shape: dict[str, Any] = {"vertices": drawn[0], "triangles": drawn[1]}
+            if look is not None:  # helm: from the centre of mass in body axes [m]
+                helm = ship.points.get("helm", np.zeros(0))
+                shape |= {"submerged": look.submerged, "look": look.name, "helm": helm}
+            arrays |= {f"{key_of(name)}_{part}": value for part, value in shape.items()}
     open_air = basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0)
     return arrays | wave_arrays(fluid) | {"has_surface": open_air}
 
@@ -238,17 +237,6 @@ def kept_ground(grid: Any) -> "Ground | None":
     x, z, y = (np.asarray(grid[f"ground_{axis}"], dtype=float) for axis in "xzy")
     dimension = 2 if grid["lower"][2] == grid["upper"][2] else 3
     return Ground(x, z, y, float(grid["lower"][1]), dimension, (False, False), no_slip=False)
-
-
-def appearance(simulation: "LiveSimulation", ship: "Ship") -> dict[str, object]:
-    """Arrays on a ship's appearance: name of her look, helm position from the centre of mass in body axes [m] (empty if
-    she has none), and share of her volume under water at rest; empty without a look."""
-    scene, key = simulation.scene, key_of(ship.name)
-    look = scene.ships[ship.name].look(scene.preflight)
-    if look is None:
-        return {}
-    helm = ship.points.get("helm", np.zeros(0))
-    return {f"{key}_look": look.name, f"{key}_helm": helm, f"{key}_submerged": look.submerged}
 
 
 def wave_arrays(fluid: "Fluid") -> dict[str, np.ndarray]:

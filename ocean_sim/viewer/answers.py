@@ -18,6 +18,7 @@ from ocean_sim.viewer.protocol import Waves
 from ocean_sim.waves.exchange import WaveField
 
 GENERAL_KEYS = ("seed", "duration")
+SHOWN_TRAITS = ("unit", "meaning", "range", "choices")  # of a key
 SLOPE_STEP = 0.5  # [spacings] of the water, on either side of a point
 
 
@@ -43,14 +44,7 @@ def model_rows(place: str, path: str, model: BaseModel) -> list[dict[str, Any]]:
 
 def key_row(known: Key, key: str, value: Any) -> dict[str, Any]:
     """Row of `key_table` for a known key, with its value in the scene."""
-    return {
-        "key": key,
-        "value": value,
-        "unit": known.unit,
-        "meaning": known.meaning,
-        "range": known.range,
-        "choices": list(known.choices),
-    }
+    return {"key": key, "value": value} | {name: getattr(known, name) for name in SHOWN_TRAITS}
 
 
 def answer_waves(fluid: Fluid, now: float, asked: Waves) -> dict[str, Any]:

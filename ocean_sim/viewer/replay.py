@@ -1,7 +1,10 @@
 """Replay of a finished run: its static part and all of its frames as two packets, and a page that contains them."""
 
+import csv
+import re
 import zlib
 from functools import cached_property
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -24,15 +27,7 @@ RESOLUTIONS = 0.001, 0.006  # [m] of heights, and of positions of particles
 MAX_STREAM_BYTES = 2_150_000  # of a larger stream, every second, third, ... particle is kept
 MAX_DROP_BYTES = 400_000  # bytes of all drops, of which every second, third, ... is kept likewise
 PARTICLE_INTERVAL = 2  # moments between two with particles
-PLOTTED_COLUMNS = {
-    "heave_m": ("heave", "heave", "m", 1.0),
-    "roll_rad": ("roll", "angles", "deg", 57.29577951308232),
-    "pitch_rad": ("pitch", "angles", "deg", 57.29577951308232),
-    "yaw_rad": ("heading", "yaw", "deg", 57.29577951308232),
-    "surge_velocity_m_s": ("surge velocity", "speed", "m/s", 1.0),
-    "throttle": ("throttle", "orders", "1", 1.0),
-    "rudder_rad": ("rudder", "orders", "deg", 57.29577951308232),
-}  # column: label, group, unit and factor
+PLOTTED_FILE = Path(__file__).with_name("plotted_columns.csv")  # columns of logs by their patterns, in this order
 
 
 class Recorded:
@@ -88,10 +83,9 @@ class Recorded:
                 foams.append(cell_means(frame.foam, frame.elevation.shape)[::i, ::j].ravel())
             poses.append([self.ship_pose(*frame.ships[key]) for key in setting.ship_keys])
             if frame.position is not None and k % PARTICLE_INTERVAL == 0:
-                with open_frame(path) as file:
-                    order = file["id"].astype(int)
+                assert frame.velocity is not None and frame.id is not None
+                order = frame.id.astype(int)
                 particles.append(self.sorted_by_id(frame.position, order))
-                assert frame.velocity is not None
                 speeds.append(self.sorted_by_id(np.linalg.norm(frame.velocity, axis=1)[:, None], order))
         tall = np.nan_to_num(np.array(heights))
         top = max(FULL_SCALE * RESOLUTIONS[0], float(np.abs(tall).max()))
@@ -157,42 +151,21 @@ class Recorded:
 
     def plotted_numbers(self, times: np.ndarray) -> tuple[list[dict[str, str]], np.ndarray]:
         """Plotted time series of the run: name, label, unit and group of each, and values (moments, k) at times [s]."""
-        rows: list[dict[str, str]] = []
-        columns: list[np.ndarray] = []
-
-        def add(
-            log: dict[str, np.ndarray], column: str, label: str, unit: str, group: str, factor: float = 1.0
-        ) -> None:
-            values = np.asarray(log[column], float)
-            values = np.unwrap(values) if column == "yaw_rad" else values
-            rows.append({"name": f"{group}_{label}".replace(" ", "_"), "label": label, "unit": unit, "group": group})
-            columns.append(factor * np.interp(times, log["time_s"], values))
-
-        gauges = csv_file.read_columns_if_any(self.folder / "gauges.csv")
-        for column in [name for name in gauges if name.endswith("_m")]:
-            add(gauges, column, column.removesuffix("_m"), "m", "elevation")
-        ships = self.scene.get("ships") or {}
-        logs = (
-            {name: csv_file.read_columns_if_any(self.folder / f"motion_{name}.csv") for name in ships}
-            if ships
-            else {"": csv_file.read_columns_if_any(self.folder / "motion.csv")}
-        )
-        for name, log in logs.items():
-            for column, (label, group, unit, factor) in PLOTTED_COLUMNS.items():
-                if column in log:
-                    add(log, column, f"{label} {name}".strip(), unit, group, factor)
-        platform = csv_file.read_columns_if_any(self.folder / "platform.csv")
-        for k in range(1, 7):
-            if f"leg{k}_m" in platform:
-                add(platform, f"leg{k}_m", f"leg {k}", "m", "legs")
-        accuracy = csv_file.read_columns_if_any(self.folder / "accuracy.csv")
-        if "compression_max" in accuracy:
-            add(accuracy, "compression_max", "largest density error", "%", "compression", 100.0)
-        timings = csv_file.read_columns_if_any(self.folder / "timings.csv")
-        if "real_time_factor" in timings:
-            add(timings, "real_time_factor", "simulated over wall time", "x", "pace")
-        for column in [name for name in timings if name.endswith("_ms_per_step")]:
-            add(timings, column, column.removesuffix("_ms_per_step"), "ms/step", "cost")
+        rows, columns = [], []
+        with PLOTTED_FILE.open(encoding="utf-8") as file:
+            known = list(csv.DictReader(file))
+        logs = [("gauges", ""), *(("motion", name) for name in self.scene.get("ships") or [""])]
+        for kind, ship in [*logs, ("platform", ""), ("accuracy", ""), ("timings", "")]:
+            log = csv_file.read_columns_if_any(self.folder / (f"{kind}_{ship}.csv" if ship else f"{kind}.csv"))
+            for plotted, column in product((row for row in known if row["log"] == kind), log):
+                if (found := re.fullmatch(plotted["column"], column)) is None:
+                    continue
+                label, group = f"{found.expand(plotted['label'])} {ship}".strip(), plotted["group"]
+                name = f"{group}_{label}".replace(" ", "_")
+                rows.append({"name": name, "label": label, "unit": plotted["unit"], "group": group})
+                values = np.asarray(log[column], float)
+                values = np.unwrap(values) if column == "yaw_rad" else values
+                columns.append(float(plotted["factor"]) * np.interp(times, log["time_s"], values))
         return rows, np.array(columns).T.reshape(len(times), -1)
 
     def platform_commands(self, times: np.ndarray) -> np.ndarray | None:

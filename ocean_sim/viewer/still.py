@@ -16,10 +16,11 @@ from typing import Any
 
 import numpy as np
 
+from ocean_sim.basin.points import middles_of
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.pictures.frame_files import kept_ground, ship_keys
 from ocean_sim.pictures.live.preview_scene import SPEED_COLOURS
-from ocean_sim.pictures.ships.ship_model import ShipModel, kept_model
+from ocean_sim.pictures.ships.ship_model import ShipModel, kept_models
 from ocean_sim.pictures.stage import sky
 from ocean_sim.pictures.stage.obstacles import NO_BOXES
 from ocean_sim.pictures.water import sea_state, water_glsl, water_shading, waterline
@@ -60,7 +61,7 @@ class StaticScene:
             self.flat or self.ground or sea_state.is_tank(scene.get("basin") or {})
         )  # without ripples and foam
         self.ship_keys = ship_keys(grid, "_look")
-        self.models = {key.partition(".")[2] or key: kept_model(grid, key) for key in self.ship_keys}  # by ship
+        self.models = kept_models(grid)
         named = (scene.get("gauges") or {}).get("elevation") or {}
         places = {name: (float(at[0]), float(at[1]) if len(at) > 1 else 0.0) for name, at in named.items()}
         self.gauges = places or {"middle": (0.0, 0.0)}  # x, z [m] by name
@@ -150,8 +151,7 @@ class StaticScene:
         config = (self.scene.get("ships") or {}).get(name) or self.scene.get("ship") or {}
         if wet:
             near, far = line.min(axis=(0, 1)) - GAP_REACH, line.max(axis=(0, 1)) + GAP_REACH
-            share = (np.arange(GAP_CELLS) + 0.5) / GAP_CELLS
-            x, z = (near[a] + share * (far[a] - near[a]) for a in (0, 1))
+            x, z = (middles_of(low, high, GAP_CELLS) for low, high in zip(near, far))
             gap = waterline.distance_to_line(np.stack(np.meshgrid(x, z), axis=-1).reshape(-1, 2), line)
             arrays[f"gap{k}"] = gap.astype(np.float32).reshape(GAP_CELLS, GAP_CELLS)
             boxes[f"gap{k}"] = {"near": json_numbers(near), "far": json_numbers(far)}
@@ -168,7 +168,7 @@ class StaticScene:
     def sea_header(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """Header entries on the plane waves of the sea around the basin, and on the uniforms of the water shader."""
         height = self.waves.significant_height if self.waves is not None else 0.5
-        wind = sea_state.ripple_wind(self.scene, self.waves, height)
+        angle, wind = sea_state.wind_heading(self.scene, self.waves), sea_state.ripple_wind_speed(self.scene, height)
         if self.waves is not None:
             most = np.argsort(self.waves.amplitude)[::-1][:MAX_FAR_WAVES]
             energy, kept = self.waves.amplitude**2, self.waves.amplitude[most]
@@ -176,12 +176,12 @@ class StaticScene:
             rows = np.column_stack([kept, self.waves.wavevector[most], self.waves.omega[most], self.waves.phase[most]])
             resolved = pi / float(self.waves.wavenumber.max())
         else:
-            rows = synthetic_waves(wind.angle, float(min(np.ptp([self.lower[0], self.upper[0]]), 200.0)), self.spacing)
+            rows = synthetic_waves(angle, float(min(np.ptp([self.lower[0], self.upper[0]]), 200.0)), self.spacing)
             resolved = self.spacing
         uniforms = water_glsl.neutral_uniforms(len(self.models)) | {
             "hullFoam": np.array([0.0, 0.0, 0.0] if self.tank else [0.75, 0.55, 0.0]),
-            "windAngle": wind.angle,
-            "rippleVariance": 0.0 if self.tank else water_shading.slope_variance(wind.speed),
+            "windAngle": angle,
+            "rippleVariance": 0.0 if self.tank else water_shading.slope_variance(wind),
             "rippleLongest": float(np.clip(2.0 * resolved, *RIPPLE_LENGTHS)),
         }
         known = {

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from ocean_sim import waves
+from ocean_sim.conventions import Failed
 from ocean_sim.files.csv_file import read_columns
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.parts import SurfaceConfig
-from ocean_sim.pictures.export.paraview import NothingToExport, export_run
+from ocean_sim.pictures.export.paraview import export_run
 from ocean_sim.reading import composition, scene
 from ocean_sim.reading.scene import load
 from ocean_sim.result import run as run_scene
@@ -67,7 +68,7 @@ def test_the_final_state_is_told_apart_by_its_hash(run, tmp_path):
 def test_its_surface_can_be_exported_and_its_particles_cannot(run, tmp_path):
     _, folder = run
     assert len(export_run(folder, None, "ply", tmp_path)) == 3
-    with pytest.raises(NothingToExport, match="no particles"):
+    with pytest.raises(Failed, match="no particles"):
         export_run(folder, "vtkhdf", None, tmp_path)
 
 

@@ -23,7 +23,6 @@ from ocean_sim.pictures.water.foam import (
     PATCH_MEAN,
     WHOLE_SHARE,
 )
-from ocean_sim.pictures.water.sea_state import Wind
 from ocean_sim.pictures.water.water_glsl import CONSTANT_REFLECTANCE, GLINTS
 from ocean_sim.pictures.water.water_shading import (
     BLUR_LEVELS,
@@ -286,13 +285,14 @@ def sky_reflection(
 
 
 def slopes(
-    x: np.ndarray, z: np.ndarray, time: float, footprint: np.ndarray, wind: Wind, longest: float, variance: float
+    x: np.ndarray, z: np.ndarray, time: float, footprint: np.ndarray, angle: float, longest: float, variance: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Slopes along x and z, and the variance along each axis of those that are finer than the footprint [m] of a pixel.
 
-    `longest`: wavelength of the first octave [m]; `variance`: of all slopes, both axes together.
+    `angle`: towards which the wind blows [rad]; `longest`: wavelength of the first octave [m]; `variance`: of all
+    slopes, both axes together.
     """
-    cos, sin = np.cos(wind.angle), np.sin(wind.angle)
+    cos, sin = np.cos(angle), np.sin(angle)
     steep = np.sqrt((1.0 - UNRESOLVED_SHARE) * variance / (OCTAVE_COUNT * GRADIENT_VARIANCE))
     slope_x, slope_z = np.zeros(np.shape(x)), np.zeros(np.shape(x))
     lost = np.full(np.shape(x), UNRESOLVED_SHARE * variance)

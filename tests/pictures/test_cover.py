@@ -12,7 +12,7 @@ from ocean_sim import result, waves
 from ocean_sim.basin.points import grid, grid_points, middles
 from ocean_sim.fluid import spectral_sea
 from ocean_sim.pictures.water import far_sea, foam, sea_surface
-from ocean_sim.pictures.water.sea_state import SeaNow, Wind
+from ocean_sim.pictures.water.sea_state import SeaNow
 from ocean_sim.reading.scene import load
 from ocean_sim.waves.orbits import surface_fall
 
@@ -151,7 +151,7 @@ def covers(name: str) -> tuple[float, float, float]:
         field.advance(time, velocity[..., [0, 2]], surface_fall(elevation, *cell), wanted)
         if n >= 0 and n % 5 == 0:
             frame = SimpleNamespace(time=time, elevation=elevation, origin=HERE)
-            now = SeaNow(0.0, sea.significant_height, beyond, Wind(5.0, 0.6))
+            now = SeaNow(0.0, sea.significant_height, beyond, 5.0)
             fresh = surface.foam(surface.at(frame, now).convergence, field.cover)
             basin = surface.whole(fresh, field.white, surface.nodes)
             drawn = surface.around(frame, np.zeros(3), now)

@@ -8,13 +8,13 @@ from scipy.interpolate import RegularGridInterpolator
 from scipy.ndimage import map_coordinates
 
 from ocean_sim.basin.points import grid_points
-from ocean_sim.conventions import in_words
+from ocean_sim.conventions import Failed, in_words
 from ocean_sim.files import atomic_file
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.files.meshes import Series
 from ocean_sim.observers import frames
 from ocean_sim.pictures.export import scene_file
-from ocean_sim.pictures.export.paraview import NothingToExport, export_run, save_mesh
+from ocean_sim.pictures.export.paraview import export_run, save_mesh
 from ocean_sim.pictures.export.scene_file import RunWakes
 from ocean_sim.pictures.frame_files import Frame, FrameLog, frame_files
 from ocean_sim.pictures.stage import opengl
@@ -91,9 +91,9 @@ def test_a_surface_lies_where_its_frame_says(tmp_path):
 
 def test_what_was_not_kept_is_named(kept, tmp_path):
     folder, _ = kept(particles=False)
-    with pytest.raises(NothingToExport, match=r"frames\.particles: true"):
+    with pytest.raises(Failed, match=r"frames\.particles: true"):
         export_run(folder, "vtkhdf", None, folder / "export")
-    with pytest.raises(NothingToExport, match="has no frames"):
+    with pytest.raises(Failed, match="has no frames"):
         export_run(tmp_path / "nowhere", "vtkhdf", None, folder / "export")
 
 
@@ -103,7 +103,7 @@ def test_a_slice_has_particles_but_no_mesh(tmp_path):
     np.savez(tmp_path / "frames" / "grid.npz", x=np.arange(3.0), z=np.zeros(1), spacing=0.1)
     np.savez(tmp_path / "frames" / "frame_00000.npz", time=0.0, elevation=np.zeros((3, 1)))
     for asked in ({"surface": "vtp"}, {"surface": None, "scene": "glb"}, {"surface": None, "scene": "usd"}):
-        with pytest.raises(NothingToExport, match="export its particles"):
+        with pytest.raises(Failed, match="export its particles"):
             export_run(tmp_path, None, out=tmp_path / "export", **asked)
     assert not (tmp_path / "export").exists()
 
@@ -370,7 +370,7 @@ def passing(tmp_path):
 def pictured(passing):
     """The last moment of it as a picture shows it: the sea that was drawn."""
     files, grid = frame_files(passing), dict(np.load(passing / "frames" / "grid.npz"))
-    order = Order(str(passing), "", "third_person", (160, 90), False, "draft", 0.5, False, foam_cover=0.0)
+    order = Order(folder=str(passing), out="", size=(160, 90), every=0.5, film=False, foam_cover=0.0)
     picture = Picture(grid, order, Frame(files[0]), 1.0, FrameLog(files))
     picture.draw(Frame(files[-1]))
     yield picture.content

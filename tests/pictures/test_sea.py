@@ -1,9 +1,8 @@
 """The sea around a basin: its heights are the basin's inside it, its spectrum the basin's outside."""
 
-import json
 import subprocess
 import sys
-from dataclasses import asdict, replace
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -60,14 +59,13 @@ def modes() -> far_sea.Modes:
 
 def now(time: float, exact: waves.Components | None = None) -> sea_state.SeaNow:
     """As its state is at a time: of the standing sea that of all times."""
-    wind = sea_state.Wind(5.0, 0.3)
     if exact is not None:
         return sea_state.SeaNow(
-            0.0, exact.significant_height, far_sea.grown_waves(far_sea.strongest_waves(exact), time), wind
+            0.0, exact.significant_height, far_sea.grown_waves(far_sea.strongest_waves(exact), time), 5.0
         )
     variances = np.mean([modes().variances(standing(t).elevation) for t in np.arange(0.0, 20.0, 0.5)], axis=0)
     sea = replace(modes().sea, amplitude=np.sqrt(2.0 * variances))
-    return sea_state.SeaNow(0.05, 4.0 * float(np.sqrt(variances.sum())), sea, wind)
+    return sea_state.SeaNow(0.05, 4.0 * float(np.sqrt(variances.sum())), sea, 5.0)
 
 
 def inner(surface: sea_surface.SeaSurface) -> tuple[tuple[np.ndarray, ...], tuple[np.ndarray, ...]]:
@@ -253,10 +251,9 @@ def test_the_wind_of_a_scene_leads_the_ripples():
         sea_state.scene_wind_heading(gust) == pytest.approx(-np.pi / 2)
         and sea_state.scene_wind_heading({"kind": "still"}) is None
     )
-    wind = sea_state.ripple_wind({"wind": {"u10": 9.0}}, None, 0.2)
-    assert wind.speed == 9.0
-    assert sea_state.ripple_wind({"wind": {"u10": None, "tau": None}}, None, 0.2).speed == 10.0
-    assert sea_state.ripple_wind({"wind": {"u10": None, "tau": 0.177625}}, None, 0.2).speed == pytest.approx(10.0)
+    assert sea_state.ripple_wind_speed({"wind": {"u10": 9.0}}, 0.2) == 9.0
+    assert sea_state.ripple_wind_speed({"wind": {"u10": None, "tau": None}}, 0.2) == 10.0
+    assert sea_state.ripple_wind_speed({"wind": {"u10": None, "tau": 0.177625}}, 0.2) == pytest.approx(10.0)
     assert far_sea.wind_speed_from_height(0.21 * 10.0**2 / 9.80665) == pytest.approx(10.0, rel=2e-3)
 
 
@@ -335,8 +332,8 @@ def test_each_part_of_the_sea_switches_off_by_itself(picture):
 @pytest.mark.parametrize("program", ["SHIP_PROGRAM", "SHIP_FUNCTIONS"])
 def test_a_program_that_the_driver_refuses_is_no_picture(folder, tmp_path, program):
     """VTK would only log it, and leave out the ship."""
-    order = asdict(render.order_of(folder, size=(64, 36), film=False, out=tmp_path))
-    asked = json.dumps({"goes_on": False, "orders": [order], "turn": 0})
+    order = render.order_of(folder, size=(64, 64), film=False, out=tmp_path)
+    asked = render.Request(orders=[order], goes_on=False).model_dump_json()
     broken = f"ship_glsl.{program} += 'mistaken;'; sys.argv = ['', {asked!r}]; render.main()"
     imports = "import sys; from ocean_sim.observers import render; from ocean_sim.pictures.ships import ship_glsl"
     code = f"{imports}; {broken}"

@@ -15,7 +15,6 @@ from ocean_sim.pictures.stage import sky as sky_module
 from ocean_sim.pictures.water import foam as foam_module
 from ocean_sim.pictures.water import water_glsl
 from ocean_sim.pictures.water import water_shading as w
-from ocean_sim.pictures.water.sea_state import Wind
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 UP = np.array([[0.0, 1.0, 0.0]])
@@ -159,7 +158,7 @@ def test_ripples_of_the_program_are_numpy_s(drawn):
     water = plane.water(np.array(plane.EYES["above"]))
     points = plane.positions().reshape(-1, 3)
     footprint = reference.lengthened(plane.footprints(water), reference.cosine(water.to_eye, water.normal))
-    x, z, lost = reference.slopes(points[:, 0], points[:, 2], 0.0, footprint, Wind(5.0, 0.0), 1.0, 0.03)
+    x, z, lost = reference.slopes(points[:, 0], points[:, 2], 0.0, footprint, 0.0, 1.0, 0.03)
     water = water._replace(normal=reference.tilted(water.normal, x, z), variance=water.variance + lost)
     expected = w.display_colours(reference.final_colour(water, plane.smooth_sky()), w.SEA_EXPOSURE).reshape(
         plane.PIXELS, plane.PIXELS, 3
@@ -174,7 +173,7 @@ def test_ripples_have_the_slopes_of_cox_and_munk_whether_seen_or_not():
     variance = w.slope_variance(7.0)
     assert variance == pytest.approx(0.0388, abs=1e-4)
     for footprint in (1e-3, 0.1, 0.5, 50.0):
-        along, across, lost = reference.slopes(x, z, 3.0, np.full(x.shape, footprint), Wind(7.0, 0.4), 2.5, variance)
+        along, across, lost = reference.slopes(x, z, 3.0, np.full(x.shape, footprint), 0.4, 2.5, variance)
         seen = (along**2 + across**2).mean()
         assert seen + 2.0 * lost.mean() == pytest.approx(variance, rel=0.06)
     assert seen == 0.0
@@ -183,7 +182,7 @@ def test_ripples_have_the_slopes_of_cox_and_munk_whether_seen_or_not():
 def test_ripples_are_steeper_along_the_wind_than_across_it():
     x, z = np.random.default_rng(2).uniform(-200.0, 200.0, (2, 100_000))
     for angle in (0.0, 1.1):
-        a, b, _ = reference.slopes(x, z, 0.0, np.full(x.shape, 1e-3), Wind(7.0, angle), 2.5, 0.04)
+        a, b, _ = reference.slopes(x, z, 0.0, np.full(x.shape, 1e-3), angle, 2.5, 0.04)
         along, across = a * np.cos(angle) + b * np.sin(angle), b * np.cos(angle) - a * np.sin(angle)
         assert along.var() > 1.4 * across.var()
 

@@ -335,7 +335,7 @@ def test_every_key_has_its_unit_and_range():
     spacing = found["fluid.spacing"]
     assert (spacing["unit"], spacing["range"]) == ("m", "> 0") and spacing["meaning"]
     assert {"seed", "duration", "basin.depth", "runtime.threads", "time_step.courant_number"} <= set(found)
-    assert found["runtime.precision"]["choices"] == ["f32", "f64"] and found["wind.frame"]["value"] is None
+    assert found["runtime.precision"]["choices"] == ("f32", "f64") and found["wind.frame"]["value"] is None
     assert not any(key.endswith("kind") for key in found)
 
 

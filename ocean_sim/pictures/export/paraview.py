@@ -1,7 +1,7 @@
 """Files for ParaView and Blender from the frames of a finished run; nothing here needs OpenGL."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -11,12 +11,11 @@ from ocean_sim.files.atomic_file import atomic_write, require_disk_space
 from ocean_sim.files.input_file import read_npz
 from ocean_sim.files.meshes import Series, save_ply
 from ocean_sim.pictures.export import scene_file
-from ocean_sim.pictures.export.scene_file import ExportShot, RunWakes, upright_shots
+from ocean_sim.pictures.export.scene_file import export_shots
 from ocean_sim.pictures.frame_files import frame_files
 
-
-class NothingToExport(Failed):
-    """The run kept no data of the kind to export; the message names the observer or option to switch on."""
+POINT_NAMES = ("particles", "spray")  # of what is exported as points
+Moment = tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]  # time [s], points [m], numbers of corners, fields
 
 
 def export_run(
@@ -31,14 +30,14 @@ def export_run(
 ) -> list[Path]:
     """Write every `every`-th frame of a run into the folder `out` and return the files: `particles` (vtkhdf, ply),
     `surface` (ply, vtp, vtkhdf; with a mesh of each ship at her pose) and, in one file, `scene` (usd: all that was
-    drawn; glb: water and ships). `z_up`: True for axes with z up, not y."""
+    drawn; glb: water and ships). `z_up`: True for axes with z up, not y. Raises Failed if the run kept no such data."""
     frames = frame_files(folder)[::every]
     if not frames:
-        raise NothingToExport(f"{folder} has no frames; run with the observer `frames`")
+        raise Failed(f"{folder} has no frames; run with the observer `frames`")
     grid = read_npz(folder / "frames" / "grid.npz")
     meshes = surface is not None or scene == "glb" or (scene == "usd" and "position" not in read_npz(frames[0]))
     if meshes and len(grid["z"]) < 2:
-        raise NothingToExport("in 2-D the surface is a line; export its particles")
+        raise Failed("in 2-D the surface is a line; export its particles")
     out.mkdir(parents=True, exist_ok=True)
     files = []
     if particles is not None:
@@ -52,34 +51,21 @@ def export_run(
     return files
 
 
-def export_shots(frames: list[Path], grid: dict[str, np.ndarray], z_up: bool) -> Iterator[ExportShot]:
-    """Read the contents of all frames to export, with z up if `z_up`; `grid`: arrays that the run saves once."""
-    wakes = RunWakes(frame_files(frames[0].parent.parent), grid)
-    return upright_shots((scene_file.read_shot(frame, grid, wakes) for frame in frames), z_up)
-
-
 def export_particles(
     frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
 ) -> list[Path]:
     """Write particles with velocity, id and pressure to one file (vtkhdf) or one file a frame (ply); returns the files.
-    Raises NothingToExport if the frames hold none. `grid`: arrays that the run saves once."""
+    Raises Failed if the frames hold none. `grid`: arrays that the run saves once."""
     if "position" not in read_npz(frames[0]):
-        raise NothingToExport("these frames hold no particles; run with frames.particles: true")
-    kept = ((shot.time, shot.particles["position"], shot.particles) for shot in export_shots(frames, grid, z_up))
-    if kind == "ply":
-        return [
-            save_mesh(out / f"particles_{k:05d}.ply", x, None, without_key(fields, "position"))
-            for k, (_, x, fields) in enumerate(kept)
-        ]
-    path = out / "particles.vtkhdf"
-    with atomic_write(path) as draft, Series(draft, "Vertices") as series:
-        for time, x, fields in kept:
-            series.add(time, x, np.arange(len(x))[:, None], **without_key(fields, "position"))
-    return [path]
+        raise Failed("these frames hold no particles; run with frames.particles: true")
+    shots = export_shots(frames, grid, z_up)
+    return save_moments(out, "particles", kind, (dots_at(shot.time, shot.particles) for shot in shots))
 
 
-def without_key(fields: dict[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
-    return {key: values for key, values in fields.items() if key != name}
+def dots_at(time: float, cloud: dict[str, np.ndarray]) -> Moment:
+    """Moment of points at a time [s]: `position` and other fields of a cloud."""
+    fields = {name: values for name, values in cloud.items() if name != "position"}
+    return time, cloud["position"], np.arange(len(cloud["position"]))[:, None], fields
 
 
 def export_surface(
@@ -87,16 +73,14 @@ def export_surface(
 ) -> list[Path]:
     """Write the water's surface with foam and velocity, ships at their poses, gates, and once fixed obstacles and bed;
     returns the files: one per object and frame (ply, vtp) or per object (vtkhdf). `grid`: arrays kept once."""
-    files: dict[str, list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]] = {"surface": []}
+    files: dict[str, list[Moment]] = {"surface": []}
     drawn = {key: model.mesh for key, model in scene_file.ship_models(grid).items()}
     for shot in export_shots(frames, grid, z_up):
         files["surface"].append((shot.time, shot.points, shot.faces, shot.fields))
         if len(shot.gates[0]) or "gates" in files:
             files.setdefault("gates", []).append((shot.time, *shot.gates, {}))
         if len(shot.spray["position"]) or "spray" in files:
-            dots = np.arange(len(shot.spray["position"]))[:, None]
-            fields = without_key(shot.spray, "position")
-            files.setdefault("spray", []).append((shot.time, shot.spray["position"], dots, fields))
+            files.setdefault("spray", []).append(dots_at(shot.time, shot.spray))
         for key, mesh in drawn.items():
             position, turn = shot.ships[key]
             corners = mesh.corners.reshape(-1, 3)
@@ -116,25 +100,21 @@ def export_surface(
     return made
 
 
-def save_moments(
-    out: Path, name: str, kind: str, moments: list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]
-) -> list[Path]:
-    """Write a mesh at several moments (time [s], points, triangles or, of points alone, (n, 1) numbers, fields) to
-    `kind` files `name`; returns the files."""
-    solid = moments[0][2].shape[1] == 3
+def save_moments(out: Path, name: str, kind: str, moments: Iterable[Moment]) -> list[Path]:
+    """Write a mesh, or points of POINT_NAMES, at several moments to `kind` files `name`; returns the files."""
+    solid = name not in POINT_NAMES
     if kind == "vtkhdf":
         path = out / f"{name}.vtkhdf"
         with atomic_write(path) as draft, Series(draft, "Polygons" if solid else "Vertices") as series:
             for time, points, faces, fields in moments:
                 series.add(time, points, faces, **fields)
         return [path]
-    files = [
-        save_mesh(out / f"{name}_{k:05d}.{kind}", points, faces if solid else None, fields)
-        for k, (_, points, faces, fields) in enumerate(moments)
-    ]
+    files, listed = [], []
+    for k, (time, points, faces, fields) in enumerate(moments):
+        files.append(save_mesh(out / f"{name}_{k:05d}.{kind}", points, faces if solid else None, fields))
+        listed.append({"name": files[-1].name, "time": time})
     if kind == "ply":
         return files
-    listed = [{"name": file.name, "time": moment[0]} for file, moment in zip(files, moments)]
     index = out / f"{name}.vtp.series"
     with atomic_write(index) as draft:
         draft.write_text(json.dumps({"file-series-version": "1.0", "files": listed}, indent=1) + "\n", encoding="utf-8")

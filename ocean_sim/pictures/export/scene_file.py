@@ -107,13 +107,6 @@ def shows_sea(files: list[Path], depth: float) -> bool:
     return not first.folds and is_open_sea(run_scene(files[0].parent.parent), first, depth)
 
 
-class UsdMissing(Lacking):
-    """The package usd-core, which writes USD, is not installed."""
-
-    def __init__(self) -> None:
-        super().__init__("USD files need the package usd-core: pip install 'ocean-sim[usd]'")
-
-
 class ExportShot(NamedTuple):
     """Contents of one frame to export: water, ships, particles and gates."""
 
@@ -171,6 +164,22 @@ def read_shot(frame: Path, grid: dict[str, np.ndarray], wakes: RunWakes) -> Expo
     return ExportShot(float(data["time"]), points, faces, fields, ships, particles, gates, spray)
 
 
+def export_shots(frames: list[Path], grid: dict[str, np.ndarray], z_up: bool = False) -> Iterator[ExportShot]:
+    """Yield the contents of frames to export, with z up if `z_up`; `grid`: arrays that the run saves once."""
+    wakes = RunWakes(frame_files(frames[0].parent.parent), grid)
+    for frame in frames:
+        kept = read_shot(frame, grid, wakes)
+        if z_up:
+            fields, particles, spray = (
+                {name: values @ Z_UP.T if values.ndim == 2 else values for name, values in of.items()}
+                for of in (kept.fields, kept.particles, kept.spray)
+            )
+            ships = {key: (Z_UP @ position, Z_UP @ turn) for key, (position, turn) in kept.ships.items()}
+            gates = kept.gates[0] @ Z_UP.T, kept.gates[1]
+            kept = ExportShot(kept.time, kept.points @ Z_UP.T, kept.faces, fields, ships, particles, gates, spray)
+        yield kept
+
+
 def values_beside(points: np.ndarray, particles: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Values (n, 3) at surface points (n, 3) [m]: distance-weighted means of `values` (m, 3) of nearby particles."""
     from scipy.spatial import cKDTree
@@ -225,11 +234,11 @@ def frame_rate(first: float, last: float, count: int, every: float) -> float:
 
 def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up: bool) -> Path:
     """Write USD with time samples (usdc): /sea/water, /sea/obstacles, /sea/ground, /sea/gates, /sea/NAME of each ship,
-    /sea/particles, /sea/spray; in metres, at the run's frame rate. Returns the path, or raises UsdMissing."""
+    /sea/particles, /sea/spray; in metres, at the run's frame rate. Returns the path, or raises Lacking."""
     try:
         from pxr import Gf, Sdf, Tf, Usd, UsdGeom, Vt
     except ImportError:
-        raise UsdMissing from None
+        raise Lacking("USD files need the package usd-core: pip install 'ocean-sim[usd]'") from None
     first, last = (float(read_npz(frame)["time"]) for frame in (frames[0], frames[-1]))
     per_second = frame_rate(first, last, len(frames), float(grid["every"]))
     with atomic_write(path) as draft:
@@ -265,9 +274,7 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
         moving, clouds = None, dict[str, Any]()
         numbers = Sdf.ValueTypeNames.FloatArray, UsdGeom.Tokens.vertex
         before: np.ndarray | None = None
-        wakes = RunWakes(frame_files(frames[0].parent.parent), grid)
-        for frame in frames:
-            kept = read_shot(frame, grid, wakes)
+        for kept in export_shots(frames, grid):
             code = Usd.TimeCode(kept.time * per_second)
             if before is None or not np.array_equal(before, kept.faces):
                 set_triangles(water, kept.faces.astype(np.int32).ravel(), Vt, code)
@@ -325,8 +332,7 @@ def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> P
     shape, coloured by the first frame's foam, or, if its triangles change, one mesh a frame, visible at its time."""
     from scipy.spatial.transform import Rotation
 
-    wakes = RunWakes(frame_files(frames[0].parent.parent), grid)
-    shots = [read_shot(frame, grid, wakes) for frame in frames]
+    shots = list(export_shots(frames, grid))
     first = shots[0]
     made = Glb(np.array([kept.time for kept in shots]))
     if any(not np.array_equal(kept.faces, first.faces) for kept in shots):
@@ -356,18 +362,3 @@ def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> P
 def water_colours(kept: ExportShot) -> np.ndarray:
     """Linear RGB (n, 3) of the water of a frame at its points, whiter with more foam."""
     return WATER_COLOUR + kept.fields.get("foam", np.zeros(len(kept.points)))[:, None] * (FOAM_COLOUR - WATER_COLOUR)
-
-
-def upright_shots(meshes: Iterator[ExportShot], z_up: bool) -> Iterator[ExportShot]:
-    """Yield the frames' contents turned to axes with z up if `z_up`, else unchanged."""
-    for kept in meshes:
-        if not z_up:
-            yield kept
-            continue
-        fields, particles, spray = (
-            {name: values @ Z_UP.T if values.ndim == 2 else values for name, values in of.items()}
-            for of in (kept.fields, kept.particles, kept.spray)
-        )
-        ships = {key: (Z_UP @ position, Z_UP @ turn) for key, (position, turn) in kept.ships.items()}
-        gates = kept.gates[0] @ Z_UP.T, kept.gates[1]
-        yield ExportShot(kept.time, kept.points @ Z_UP.T, kept.faces, fields, ships, particles, gates, spray)

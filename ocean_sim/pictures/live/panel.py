@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import degrees, radians
 from textwrap import wrap
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from ocean_sim.pictures.live.scene_lines import LiveSimulation
+if TYPE_CHECKING:
+    from ocean_sim.simulation import Simulation
 
 KEY_TEXT = """
 space  pause or go on     n  one step
@@ -100,7 +101,7 @@ class Panel:
         self.requests.discard(action)
         return requested
 
-    def text(self, simulation: LiveSimulation, fastest: float | None, pace: float | None) -> str:
+    def text(self, simulation: "Simulation", fastest: float | None, pace: float | None) -> str:
         """Text of the panel; `fastest`: speed [m/s] of the last colour; `pace`: simulated over wall-clock time."""
         state = "paused" if self.paused else "" if pace is None else f"{pace:.2g} x real time"
         water = simulation.fluid.particles

@@ -1,19 +1,23 @@
 """Arrays and cameras of a preview: water, ships and particles, without a window."""
 
 from math import cos, radians, sin, tan
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ocean_sim.basin.points import grid, grid_points
+from ocean_sim.pictures.frame_files import grid_arrays
 from ocean_sim.pictures.live.panel import Panel
-from ocean_sim.pictures.live.scene_lines import LiveSimulation, box_top, surface_heights
-from ocean_sim.pictures.ships.ship_model import ShipModel, build_model
+from ocean_sim.pictures.live.scene_lines import box_top, surface_heights
+from ocean_sim.pictures.ships.ship_model import kept_models
 from ocean_sim.pictures.stage.camera import VIEW_ANGLE, Camera, eye_before, helm_camera
 from ocean_sim.pictures.stage.obstacles import sand_mesh
 from ocean_sim.pictures.stage.sky import unit_vector
 from ocean_sim.pictures.water import water_shading
 from ocean_sim.pictures.water.water_mesh import WaterMesh
+
+if TYPE_CHECKING:
+    from ocean_sim.simulation import Simulation
 
 SURFACE_NODES = 5_000  # of the drawn surface, about
 HELM_NEAR = 0.2  # [m] the least distance that is drawn at the helm
@@ -40,7 +44,7 @@ class Patch(NamedTuple):
 class PreviewScene:
     """Arrays to draw of a running simulation; those that do not change are computed once."""
 
-    def __init__(self, simulation: LiveSimulation) -> None:
+    def __init__(self, simulation: "Simulation") -> None:
         self.simulation = simulation
         basin, fluid, surface = simulation.basin, simulation.fluid, simulation.surface
         self.lower, self.upper = np.array(basin.lower, dtype=float), np.array(basin.upper, dtype=float)
@@ -50,21 +54,13 @@ class PreviewScene:
         self.has_surface = not self.flat and not basin.closed and (fluid.particles is None or fluid.sound_speed > 0.0)
         folds = surface is not None and not self.flat and bool((surface.mesh().normals[:, 1] <= 0.0).any())
         self.sheet = WaterMesh(self.x, self.z, self.lower, self.upper, SURFACE_NODES) if not folds else None
-        drawn = {name: ship.drawn() for name, ship in simulation.ships.items()}
-        self.models = {name: self.ship_model(name, *shape) for name, shape in drawn.items() if shape is not None}
-        self.lengths = {name: self.models[name].length if name in self.models else 0.0 for name in drawn}  # [m]
+        self.models = kept_models(grid_arrays(simulation, self.x, self.z))
+        self.lengths = {name: model.length for name, model in self.models.items()}  # [m]
         self.fastest = MIN_FASTEST_SPEED
         self.sand: Patch | None = None  # the bed, if it has a shape
         if basin.ground is not None:
             vertices, triangles, colours = sand_mesh(basin.ground, self.spacing)
             self.sand = Patch(vertices, triangles, colours / 255.0)
-
-    def ship_model(self, name: str, vertices: np.ndarray, triangles: np.ndarray) -> ShipModel:
-        """Painted model of the ship of this name on her hull of vertices (n, 3) [m] and triangles (m, 3)."""
-        ship, scene = self.simulation.ships[name], self.simulation.scene
-        look = scene.ships[name].look(scene.preflight)
-        look_name, submerged = ("", 0.5) if look is None else (look.name, look.submerged)
-        return build_model(vertices, triangles, submerged, look_name, ship.points.get("helm", np.zeros(0)))
 
     @property
     def contents(self) -> tuple[str, ...]:

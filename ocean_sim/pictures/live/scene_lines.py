@@ -1,16 +1,13 @@
 """Surface heights of a live scene, and its lines: edges of the still water, the wind, and the surface of a slice."""
 
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ocean_sim.basin import Basin
 from ocean_sim.basin.points import grid, grid_points
-from ocean_sim.fluid import Fluid
-from ocean_sim.parts import Scene
-from ocean_sim.ship import Ship
-from ocean_sim.surface import Surface
-from ocean_sim.wind import Wind
+
+if TYPE_CHECKING:
+    from ocean_sim.simulation import Simulation
 
 BASIN_COLOUR, SURFACE_COLOUR = np.array([0.20, 0.28, 0.34]), np.array([0.93, 0.89, 0.80])  # display RGB
 VOLUME_COLOUR, ARROW_COLOUR = np.array([0.98, 0.78, 0.22]), np.array([0.86, 0.16, 0.10])  # of the wind, display RGB
@@ -18,25 +15,13 @@ ARROW_LENGTH, MIN_ARROW_LENGTH = 0.1, 1e-3  # of the basin's length: an arrow of
 BARB_LENGTH, BARB_SPREAD = 0.28, 0.4  # over the length of an arrow, and sideways over the barb's length along it
 
 
-class LiveSimulation(Protocol):
-    """Interface of a running simulation, for its pictures and the preview's panel."""
-
-    scene: Scene
-    basin: Basin
-    wind: Wind
-    fluid: Fluid
-    surface: Surface | None
-    ships: dict[str, Ship]
-    time: float  # [s]
-
-
-def box_top(simulation: LiveSimulation, ship_length: float) -> float:
+def box_top(simulation: "Simulation", ship_length: float) -> float:
     """Height [m] of the air to draw over still water; `ship_length`: of the longest ship [m]."""
     ground = simulation.basin.ground
     return max(0.25 * simulation.basin.depth, 0.3 * ship_length, 0.0 if ground is None else float(ground.y.max()))
 
 
-def surface_heights(simulation: LiveSimulation, points: np.ndarray) -> np.ndarray:
+def surface_heights(simulation: "Simulation", points: np.ndarray) -> np.ndarray:
     """Heights (n,) [m] of the drawn surface at points x, z (n, 2) [m]; below a dry bed it goes on unseen."""
     fluid, ground = simulation.fluid, simulation.basin.ground
     heights = (simulation.surface or fluid).elevations(points)
@@ -46,7 +31,7 @@ def surface_heights(simulation: LiveSimulation, points: np.ndarray) -> np.ndarra
     return ground.sheet_heights(points, heights, position, fluid.spacing)
 
 
-def scene_lines(simulation: LiveSimulation, top: float) -> tuple[np.ndarray, np.ndarray]:
+def scene_lines(simulation: "Simulation", top: float) -> tuple[np.ndarray, np.ndarray]:
     """Ends (n, 2, 3) [m] and display RGB (n, 3) of all lines of a preview; `top`: height of the drawn air [m]."""
     basin, fluid, wind = simulation.basin, simulation.fluid, simulation.wind.drawing()
     lower, upper = np.array(basin.lower, dtype=float), np.array(basin.upper, dtype=float)

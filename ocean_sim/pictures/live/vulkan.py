@@ -31,31 +31,16 @@ class VulkanMissing(Lacking):
         super().__init__(f"this machine has no Vulkan to draw a preview with; install it with `{INSTALL_COMMAND}`")
 
 
-class ScreenMissing(Lacking):
-    """No screen was found to open a window on; the message names the way to work without one."""
-
-    def __init__(self) -> None:
-        super().__init__(
-            "there is no screen to open a window on; `ocean-sim preview SCENE --frames 60 --out DIR` makes the same "
-            "pictures without one"
-        )
-
-
+@cache
 def draws(show: bool) -> bool:
-    """True if a child process survives drawing: in a window on a screen (`show`), or without one."""
+    """True if a child process survives drawing: in a window on a screen (`show`), or without one; takes a second."""
     if show and sys.platform == "linux" and not any(os.environ.get(name) for name in SCREEN_VARIABLES):
         return False
-    return _survives(show)
-
-
-@cache
-def _survives(show: bool) -> bool:
-    """True if a child process drew, on a screen if `show`, without a crash; cached, as starting one takes a second."""
     return child_says("drawn", PROBE_PROGRAM.format(show=show))
 
 
 def require(show: bool) -> None:
-    """Raise VulkanMissing or ScreenMissing if no preview can be drawn, Lacking if the kernel library has no windows."""
+    """Raise VulkanMissing, or Lacking without a screen to `show` it on, or if the kernel library has no windows."""
     if kernel_library.LIBRARY_NAME != kernel_library.TAICHI:
         raise Lacking(
             f"a preview is drawn in a window of Taichi's, and {kernel_library.LIBRARY_NAME} has none; unset "
@@ -64,4 +49,7 @@ def require(show: bool) -> None:
     if not draws(show=False):
         raise VulkanMissing
     if show and not draws(show=True):
-        raise ScreenMissing
+        raise Lacking(
+            "there is no screen to open a window on; `ocean-sim preview SCENE --frames 60 --out DIR` makes the same "
+            "pictures without one"
+        )

@@ -106,6 +106,3 @@ class Mirror:
         seen = self.plotter.screenshot(None, return_img=True, transparent_background=True)
         water_glsl.fill_image(self.image.GetInput(), seen[::-1])
         return water_glsl.projection(camera, self.size[0] / self.size[1])
-
-    def close(self) -> None:
-        self.plotter.close()

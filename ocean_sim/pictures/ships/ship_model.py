@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ocean_sim.files.yaml_file import read_mapping
-from ocean_sim.parts import library
+from ocean_sim.parts import SEVERAL, library
+from ocean_sim.pictures.frame_files import ship_keys
 from ocean_sim.pictures.ships.ship_parts import (
     Block,
     Hull,
@@ -48,6 +49,11 @@ class ShipModel(NamedTuple):
         paint, gloss = np.repeat(mesh.colour, 3, axis=0), np.repeat(mesh.gloss, 3)[:, None]
         points = mesh.corners.reshape(-1, 3) @ turn.T + position
         return points, water_shading.display_colours(painted_light(normals, paint, gloss))
+
+
+def kept_models(grid: Mapping[str, Any]) -> dict[str, ShipModel]:
+    """Models to draw of all ships with a look, by their names, from the arrays a run saves once."""
+    return {key.removeprefix(f"{SEVERAL}."): kept_model(grid, key) for key in ship_keys(grid, "_look")}
 
 
 def kept_model(grid: Mapping[str, Any], key: str) -> ShipModel:

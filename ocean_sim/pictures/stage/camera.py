@@ -150,7 +150,7 @@ class Operator:
             towards = heading + np.radians(FOLLOW_ANGLE)
             ahead = np.array([np.sin(towards), 0.0, np.cos(towards)])
             eye = centre - FOLLOW_DISTANCE * vessel.length * ahead + [0.0, FOLLOW_HEIGHT * vessel.length, 0.0]
-            return camera_near_ship(eye, centre + [0.0, 0.08 * vessel.length, 0.0], vessel.length)
+            return camera_looking(eye, centre + [0.0, 0.08 * vessel.length, 0.0], NEAR_SHARE * vessel.length)
         return helm_camera(position, turn, vessel.helm, 0.5 * NEAR_SHARE * vessel.length)
 
     def near_ship(self, position: np.ndarray, length: float) -> Camera:
@@ -174,22 +174,17 @@ class Operator:
             length, track = self.vessel.length, self.vessel.track
             middle = np.array([np.interp(time, track.time, track.position[:, axis]) for axis in range(3)]) * [1, 0, 1]
             eye = middle + length * (ORBIT_RADIUS * around + [0.0, ORBIT_HEIGHT, 0.0])
-            return camera_near_ship(eye, middle, length)
+            return camera_looking(eye, middle, NEAR_SHARE * length)
         middle = 0.5 * (self.lower + self.upper)
         away = self.standing.eye - middle
         return camera_looking(middle + np.hypot(away[0], away[2]) * around + [0.0, away[1], 0.0], middle)
 
 
-def camera_looking(eye: np.ndarray, target: np.ndarray) -> Camera:
-    """Camera at `eye` that looks at `target` [m], with a level horizon."""
+def camera_looking(eye: np.ndarray, target: np.ndarray, near: float | None = None) -> Camera:
+    """Camera at `eye` that looks at `target` [m], with a level horizon; `near`: least distance that is drawn [m]."""
     forward = unit_vector(target - eye)
     right = unit_vector(np.cross(forward, [0.0, 1.0, 0.0] if abs(forward[1]) < 0.999 else [0.0, 0.0, -1.0]))
-    return Camera(eye, forward, np.cross(right, forward), None)
-
-
-def camera_near_ship(eye: np.ndarray, target: np.ndarray, length: float) -> Camera:
-    """Camera like that of `camera_looking` that also draws things close to the eye; `length`: of the ship [m]."""
-    return camera_looking(eye, target)._replace(near=NEAR_SHARE * length)
+    return Camera(eye, forward, np.cross(right, forward), None, near=near)
 
 
 def helm_camera(position: np.ndarray, turn: np.ndarray, helm: np.ndarray, near: float) -> Camera:

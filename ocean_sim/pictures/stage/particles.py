@@ -1,19 +1,15 @@
 """Particles in a picture, as small balls coloured by speed."""
 
+import sys
+
 import numpy as np
 
 from ocean_sim.pictures.frame_files import Frame
 from ocean_sim.pictures.stage import sky
 from ocean_sim.pictures.stage.plotter import Content, Stage
+from ocean_sim.pictures.water import water_glsl
 
 RIM_LIGHT = 0.5  # light of the rim of a ball over that of its middle
-BALL_PROGRAM = f"""//VTK::Color::Impl
-  float away = dot(offsetVCVSOutput.xy, offsetVCVSOutput.xy);
-  if (away > 1.0) discard;
-  float bright = {RIM_LIGHT} + {1.0 - RIM_LIGHT:g} * sqrt(1.0 - away);
-  ambientColor *= bright;
-  diffuseColor *= bright;
-"""  # VTK's own balls end in black
 
 
 class Particles(Content):
@@ -38,7 +34,7 @@ class Particles(Content):
             ambient=0.4,
             scalar_bar_args=place | {"n_labels": 2, "fmt": "%.2g", "color": "#10222c"} | letters,
         )
-        balls.mapper.SetSplatShaderCode(BALL_PROGRAM)
+        balls.mapper.SetSplatShaderCode(water_glsl.shader("ball", sys.modules[__name__]))  # VTK's own end in black
         balls.mapper.scale_factor = 0.5 * spacing  # [m] radius
         self.cloud, self.fastest = balls.mapper.dataset, fastest
         self.colours = balls.mapper.lookup_table.values  # (256, 4), 8-bit

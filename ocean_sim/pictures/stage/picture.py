@@ -1,9 +1,8 @@
 """Pictures of a run, one after another: sky, water, ships, text."""
 
-from collections.abc import Sequence
-from copy import copy
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +11,6 @@ from ocean_sim.pictures.frame_files import FREEBOARD_SHARE, Frame, FrameLog, kep
 from ocean_sim.pictures.ships.ship import DrawnShip, ShadedShip
 from ocean_sim.pictures.ships.ship_model import kept_model
 from ocean_sim.pictures.stage import overlays, sky
-from ocean_sim.pictures.stage.antialiasing import sample_means, smooth_edges
 from ocean_sim.pictures.stage.camera import Camera, Operator, Vessel
 from ocean_sim.pictures.stage.obstacles import NO_BOXES, Obstacles, sand_mesh
 from ocean_sim.pictures.stage.particles import Particles
@@ -25,7 +23,7 @@ from ocean_sim.pictures.water.sea import Sea
 from ocean_sim.pictures.water.water_shading import TANK_EXPOSURE, display_colours
 from ocean_sim.pictures.water.water_surface import SURFACE_NODES, Water
 
-# Along each side of a pixel; where there is one, edges are smoothed afterwards
+# Along each side of a pixel; where there is one, edges are smoothed
 PIXEL_SAMPLES = {"draft": 1, "final": 2}
 SHEET_PICTURES, SHEET_SHRINKING = 6, 2  # pictures in a sheet of moments, and pixels along a side of one of its
 SHEET_COLUMNS, SHEET_GAP = 3, 6  # of a sheet, and [pixels] between its pictures
@@ -43,22 +41,6 @@ def swept_box(lower: np.ndarray, upper: np.ndarray, ways: list[np.ndarray]) -> t
     """Corners [m] of the box that a basin covers as it moves with the mean of its ships, along tracks (n, 3) [m]."""
     middle = np.mean(ways, axis=0) * [1.0, 0.0, 1.0]
     return lower + middle.min(axis=0), upper + middle.max(axis=0)
-
-
-class Shot(NamedTuple):
-    """Rendered picture before its edges are smoothed and its bars drawn."""
-
-    pixels: np.ndarray  # (height, width, 3) 8-bit RGB, each side times the samples
-    samples: int
-    bars: list[overlays.ScaleBar | overlays.ArrowBar | overlays.HeightBar]  # as they were for it
-
-    def finished(self) -> np.ndarray:
-        """Finish the picture: (height, width, 3), 8-bit RGB, with smooth edges and bars."""
-        single = self.samples == 1
-        image = smooth_edges(self.pixels) if single else sample_means(self.pixels, self.samples)
-        for bar in self.bars:
-            bar.draw(image)
-        return image
 
 
 class Picture:
@@ -124,15 +106,11 @@ class Picture:
         if in_tank:
             tank_walls.add_edges(stage, *walls, grid.get("zones", NO_BOXES))
         self.obstacles = Obstacles(stage, grid, *walls)
-        self.ships: dict[str, DrawnShip | ShadedShip] = {}
-        if isinstance(self.content, Sea):
-            shaded = {key: self.content.ship(model) for key, model in models.items()}
-            self.ships |= shaded
-            self.content.appear()
-            if shaded:
-                self.content.reflect()
-        else:
-            self.ships |= {key: DrawnShip(stage, model) for key, model in models.items()}
+        self.ships: Mapping[str, DrawnShip | ShadedShip] = (
+            self.content.appear(models)
+            if isinstance(self.content, Sea)
+            else {key: DrawnShip(stage, model) for key, model in models.items()}
+        )
         self.caption = overlays.add_words(stage, " ", (14, 10)) if order.caption else None
         self.scale_bar = overlays.ScaleBar(stage) if order.scale_bar else None
         on_map = isinstance(self.content, Water) and stage.camera.from_above
@@ -190,11 +168,7 @@ class Picture:
         tank_walls.add_ground_lines(self.stage, self.lower, self.upper, self.lower[1] - 0.019 * size[1])
 
     def draw(self, frame: Frame) -> np.ndarray:
-        """Draw a frame; returns the finished picture (height, width, 3), 8-bit RGB."""
-        return self.shot(frame).finished()
-
-    def shot(self, frame: Frame) -> "Shot":
-        """Render a frame. The picture is still to be finished, which needs no plotter and can run in parallel."""
+        """Draw a frame; returns the picture (height, width, 3), 8-bit RGB."""
         self.move(self.operator.at(frame.time))
         for key, pose in frame.ships.items():
             self.ships[key].show(*pose, self.stage.camera.eye)
@@ -217,8 +191,11 @@ class Picture:
         if self.height_bar is not None and isinstance(self.content, Water):
             self.height_bar.show(self.content.most)
         self.stage.render()
-        bars = [copy(bar) for bar in (self.scale_bar, self.arrow_bar, self.height_bar) if bar is not None]
-        return Shot(self.plotter.screenshot(None, return_img=True), self.stage.samples, bars)
+        image = sample_means(self.plotter.screenshot(None, return_img=True), self.stage.samples)
+        for bar in (self.scale_bar, self.arrow_bar, self.height_bar):
+            if bar is not None:
+                bar.draw(image)
+        return image
 
     def heights_at(self, frame: Frame, positions: np.ndarray) -> np.ndarray:
         """Drawn water heights (n,) [m] at positions x, z (n, 2) [m]; except at sea those of the nearest grid points."""
@@ -238,8 +215,14 @@ class Picture:
         self.aim()
 
     def close(self) -> None:
-        self.content.close()
-        self.plotter.close()
+        self.stage.close()
+
+
+def sample_means(image: np.ndarray, samples: int) -> np.ndarray:
+    """Picture (height, width, 3), 8-bit RGB, reduced by the mean over samples x samples pixels."""
+    from PIL import Image
+
+    return np.array(Image.fromarray(np.ascontiguousarray(image)).reduce(samples))
 
 
 class Moments:

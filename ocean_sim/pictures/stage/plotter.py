@@ -10,6 +10,9 @@ from ocean_sim.pictures.stage.camera import Camera
 from ocean_sim.pictures.stage.render_order import RenderFailed
 from ocean_sim.pictures.water import water_glsl
 
+# Contrast over the brightest around, and of brightness, from which an edge is smoothed; blur of a single pixel
+EDGE_CONTRASTS, SINGLE_PIXEL_BLUR = (0.25, 32.0 / 255.0), 0.6
+
 
 class Stage:
     """Plotter and camera of a picture; the objects of the picture add themselves to it."""
@@ -21,7 +24,10 @@ class Stage:
         self.pyvista: ModuleType = pyvista
         self.size, self.camera, self.samples = size, camera, samples
         self.over: list[Any] = []  # actors on the water or before the picture, of which the water shows none within it
+        self.plotters: list[Any] = []
         self.plotter = self.empty((samples * size[0], samples * size[1]))
+        if samples == 1:
+            smooth_edges(self.plotter)
         self.said = water_glsl.collect_messages()
 
     def empty(self, size: tuple[int, int]) -> Any:
@@ -29,6 +35,7 @@ class Stage:
         plotter = self.pyvista.Plotter(off_screen=True, window_size=size, lighting="none")
         plotter.disable_anti_aliasing()  # PyVista's default multiplies the time of a picture
         plotter.render_window.SetMultiSamples(0)
+        self.plotters.append(plotter)
         return plotter
 
     def mesh(self, points: np.ndarray, faces: np.ndarray, **vectors: np.ndarray) -> Any:
@@ -52,6 +59,20 @@ class Stage:
         if why is not None:
             raise RenderFailed(f"OpenGL refuses a program of this picture: {why}; please report it with this line")
 
+    def close(self) -> None:
+        for plotter in self.plotters[::-1]:
+            plotter.close()
+
+
+def smooth_edges(plotter: Any) -> None:
+    """Smooth jagged edges in the pictures of a plotter by Lottes' FXAA (2009, NVIDIA)."""
+    plotter.renderer.SetUseFXAA(True)  # PyVista takes many samples of each pixel instead, where EGL draws
+    options = plotter.renderer.GetFXAAOptions()
+    options.SetRelativeContrastThreshold(EDGE_CONTRASTS[0])
+    options.SetHardContrastThreshold(EDGE_CONTRASTS[1])
+    options.SetSubpixelBlendLimit(SINGLE_PIXEL_BLUR)
+    options.SetSubpixelContrastThreshold(0.0)
+
 
 class Content:
     """Main subject of a picture: interface that a sea, a tank or particles implement."""
@@ -59,6 +80,3 @@ class Content:
     def show(self, frame: Frame) -> None:
         """Update the subject to its state in a frame."""
         raise NotImplementedError
-
-    def close(self) -> None:
-        """Free resources of the subject that closing the stage's plotter does not free."""

@@ -111,14 +111,10 @@ class Sky:
 
 def bilinear_values(image: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Values (n, 3) of an image at (n, 2), 0 to 1 across it, by bilinear interpolation; constant beyond its pixels."""
-    last = len(image) - 1
-    x, y = np.clip(at.T * len(image) - 0.5, 0.0, last)
-    i, j = np.floor(x).astype(int), np.floor(y).astype(int)
-    a, b = (x - i)[:, None], (y - j)[:, None]
-    right, below = np.minimum(i + 1, last), np.minimum(j + 1, last)
-    upper = image[j, i] * (1.0 - a) + image[j, right] * a
-    lower = image[below, i] * (1.0 - a) + image[below, right] * a
-    return upper * (1.0 - b) + lower * b
+    from scipy.ndimage import map_coordinates
+
+    place = at.T[::-1] * len(image) - 0.5
+    return np.stack([map_coordinates(of, place, order=1, mode="nearest") for of in np.moveaxis(image, -1, 0)], axis=1)
 
 
 def sky_directions(side: int) -> np.ndarray:

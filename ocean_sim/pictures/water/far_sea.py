@@ -1,7 +1,8 @@
 """The sea around a basin out to the horizon: plane waves of the same spectrum, on a fan of rays and rings."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import pi
+from typing import NamedTuple
 
 import numpy as np
 
@@ -39,8 +40,7 @@ def blend_weight(nodes: np.ndarray, low: float, high: float, margin: float) -> n
     return inside * inside * (3.0 - 2.0 * inside)
 
 
-@dataclass(frozen=True)
-class SeaSample:
+class SeaSample(NamedTuple):
     """Heights and convergence of the sea at all nodes of a grid (nx, nz) at one time."""
 
     height: np.ndarray  # [m]

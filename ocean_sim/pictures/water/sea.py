@@ -1,6 +1,5 @@
 """The sea in a picture: the basin's surface, the far sea around it, the sky above, shaded per pixel."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -68,7 +67,7 @@ class Sea(Content):
         functions = water_glsl.WATER_FUNCTIONS + ship_glsl.SHADOW_FUNCTIONS
         inner, empty = self.mesh_of(self.surface.nodes, self.surface.triangles), stage.pyvista.PolyData()
         self.near = water_glsl.Shaded(inner, body, functions, textures, NODE_TRAITS)
-        self.far = water_glsl.Shaded(empty, water_glsl.BEYOND_PROGRAM + body, functions, textures, NODE_TRAITS)
+        self.far = water_glsl.Shaded(empty, water_glsl.shader("sea_beyond") + body, functions, textures, NODE_TRAITS)
         self.dome = Dome(stage, self.above["sky"])
         terms = {"Fresnel": order.fresnel, "Reflection": order.reflection, "Body": order.body, "Foam": order.foam}
         shown = water_glsl.neutral_uniforms(len(self.hulls)) | water_glsl.sky_uniforms(sky)
@@ -104,24 +103,21 @@ class Sea(Content):
         for name, value in zip(NODE_TRAITS, values, strict=True):
             part.mesh.point_data[name] = value.astype(np.float32)
 
-    def ship(self, model: ShipModel) -> ShadedShip:
-        """Add a ship lit by this sea's sun and sky to the picture; call `reflect` afterwards to mirror all ships."""
-        self.ships.append(ShadedShip(self.stage, model, self.sky, self.above))
-        return self.ships[-1]
-
-    def appear(self) -> None:
-        """Add water and sky to the plotter, the nearer first, after the ships: hidden pixels are then not shaded."""
+    def appear(self, models: dict[str, ShipModel]) -> dict[str, ShadedShip]:
+        """Add ships lit by this sea's sun and sky to the picture, and water, which mirrors them, and sky; the nearer
+        first: hidden pixels are then not shaded."""
+        ships = {key: ShadedShip(self.stage, model, self.sky, self.above) for key, model in models.items()}
+        self.ships = [*ships.values()]
         for part in (self.near, self.far, self.dome.shaded):
             self.stage.plotter.add_actor(part.actor, reset_camera=False, render=False)
-
-    def reflect(self) -> None:
-        """Mirror the ships in the water of all later pictures."""
-        self.mirror = Mirror(self.stage, [ship.shaded for ship in self.ships], self.mirrored)
+        if ships:
+            self.mirror = Mirror(self.stage, [ship.shaded for ship in self.ships], self.mirrored)
+        return ships
 
     def show(self, frame: Frame) -> None:
         """Update water, sky, shadows and mirror image to a frame."""
         self.now = self.state.at(frame.time)
-        self.set(rippleVariance=slope_variance(self.now.wind.speed) if self.order.ripples else 0.0)
+        self.set(rippleVariance=slope_variance(self.now.wind) if self.order.ripples else 0.0)
         self.show_basin(frame)
         self.show_beyond(frame)
         order, eye = self.order, self.stage.camera.eye
@@ -163,23 +159,22 @@ class Sea(Content):
             x, z = (points + start for points, start in zip(self.points, frame.origin, strict=True))
             for key, vessel in self.vessels.items():
                 answer = limited_answer(answer, vessel, self.hulls[key].beam, x, z, frame.time)
-        now = surface.at(frame, self.now, answer)
+        height, convergence = surface.at(frame, self.now, answer)
         for key, vessel in self.vessels.items() if self.raises and self.state.exact is not None else ():
             behind = kelvin_height(vessel, self.hulls[key].beam, frame.time, surface.nodes + frame.origin)
-            now = replace(now, height=now.height + surface.share * behind.reshape(now.height.shape))
-        self.frame, self.height = frame, now.height
+            height = height + surface.share * behind.reshape(height.shape)
+        self.frame, self.height = frame, height
         if self.raises:
             ships = [self.wetted_hull(key, *frame.ships[key]) for key in self.vessels]
             raised = sum(ship.raised(surface.nodes + frame.origin) for ship in ships if ship.wet)
-            self.height = now.height + surface.share * np.reshape(raised + np.zeros(now.height.size), now.height.shape)
-            now = replace(now, height=self.height)
+            self.height = height = height + surface.share * np.reshape(raised + np.zeros(height.size), height.shape)
         if not np.array_equal(frame.origin, self.origin):
             self.origin = frame.origin
             surface.grain = surface.grain_at(frame.origin)
         asked = self.order.foam_cover
         cover = frame.cover if asked is None else asked
-        called = foam.wanted_cover(now.convergence, self.now.raising) if cover is None else cover
-        fresh = surface.foam(now.convergence, called)
+        called = foam.wanted_cover(convergence, self.now.raising) if cover is None else cover
+        fresh = surface.foam(convergence, called)
         nodes = surface.nodes + self.origin
         white, grain = fresh, nodes
         if frame.carried is not None:
@@ -191,9 +186,9 @@ class Sea(Content):
                 left = 0.0 if frame.left is None else surface.laced(frame.left, grain)
                 white = np.maximum(foam.white_shares(white + 1e-3 * fresh, asked), left)
         white = np.where(white < foam.MIN_SHARE, 0.0, np.minimum(white, 1.0))
-        traits = np.stack([white, self.crest(now.height), np.zeros_like(white)], axis=-1)
-        points = np.insert(nodes, 1, now.height.ravel(), axis=1)
-        self.lay(self.near, points, surface.normals(now.height).reshape(-1, 3), traits.reshape(-1, 3), grain)
+        traits = np.stack([white, self.crest(height), np.zeros_like(white)], axis=-1)
+        points = np.insert(nodes, 1, height.ravel(), axis=1)
+        self.lay(self.near, points, surface.normals(height).reshape(-1, 3), traits.reshape(-1, 3), grain)
 
     def wetted_hull(self, key: str, position: np.ndarray, turn: np.ndarray) -> WettedHull:
         """Hull of a ship at a position (3,) [m], in the water as drawn now; `turn`: (3, 3) from body to world."""
@@ -262,7 +257,3 @@ class Sea(Content):
         mirrored = {"At": position, "Size": 0.5 * hull.beam, "Reach": hull.length}
         self.set(**{f"mirror{name}{k}": value for name, value in mirrored.items()})
         return float(self.heights_at(ship.line.reshape(-1, 2) if ship.wet else position[None, [0, 2]]).mean())
-
-    def close(self) -> None:
-        if self.mirror is not None:
-            self.mirror.close()

@@ -24,20 +24,13 @@ LABORATORY_LENGTH = 12.0  # [m] of the longest basin that is a tank without fitt
 DRY_DEPTH_SHARE = 0.5  # share of the depth below which the water of a sea does not lie when a run begins
 
 
-class Wind(NamedTuple):
-    """Wind over the water that drives the ripples."""
-
-    speed: float  # [m/s]
-    angle: float  # [rad] where it goes to, from +x to +z
-
-
 class SeaNow(NamedTuple):
-    """Level, wave height, plane waves and wind of the sea around a basin at a time."""
+    """Level, wave height, plane waves and winds of the sea around a basin at a time."""
 
     level: float  # [m] mean height of the water
     height: float  # [m] four times the standard deviation of the elevation, lately
     waves: Components  # that are drawn far away, as high as they are now
-    wind: Wind
+    wind: float  # [m/s] that drives the ripples
     raising: float = 0.0  # [m/s] wind that calls for white water: the scene's, else that which raises its random waves
 
 
@@ -75,9 +68,8 @@ class SeaState:
             variances = np.sum([w * self.seen[n][1] for n, w in zip(numbers, weights, strict=True)], axis=0)
             height, raising = 4.0 * float(np.sqrt(variances.sum())), self.stated
             waves = replace(self.beyond, amplitude=np.sqrt(2.0 * variances))
-        wind = Wind(ripple_wind_speed(self.scene, height), self.angle)
         least = 0.0 if self.exact is not None else MIN_LIT_HEIGHT * self.resolved
-        return SeaNow(level, max(height, least), waves, wind, raising)
+        return SeaNow(level, max(height, least), waves, ripple_wind_speed(self.scene, height), raising)
 
     def look(self, number: int) -> tuple[float, np.ndarray]:
         """Mean level [m] and variances (n,) [m2] of the plane waves, from the heights of frame `number`."""
@@ -121,11 +113,6 @@ def run_scene(folder: Path) -> dict[str, Any]:
     """Resolved scene from the manifest in a run's folder; empty if it has none."""
     scene = run_files.read_manifest(folder).get("scene")
     return scene if isinstance(scene, dict) else {}
-
-
-def ripple_wind(scene: dict[str, Any], sea: Components | None, height: float) -> Wind:
-    """Wind that drives the ripples: the scene's, or one that raises a significant height [m] along the waves `sea`."""
-    return Wind(ripple_wind_speed(scene, height), wind_heading(scene, sea))
 
 
 def ripple_wind_speed(scene: dict[str, Any], height: float) -> float:

@@ -1,6 +1,5 @@
 """Heights of a basin and of the far sea around it as one surface: a blend within the basin, never its mirror image."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -55,7 +54,7 @@ class SeaSurface:
             sea = far_sea.grown_waves(self.state.exact, frame.time)
             near = self.exact.at(far_sea.complex_amplitudes(sea, frame.time, frame.origin))
             if answer is not None:
-                near = replace(near, height=near.height + x @ answer @ z.T)
+                near = near._replace(height=near.height + x @ answer @ z.T)
             return far_sea.SeaSample(far.height + mine * (near.height - far.height), near.convergence)
         step = (self.upper - self.lower) / frame.elevation.shape
         drawn_together = surface_fall(frame.elevation, step[0], step[1])

@@ -230,7 +230,3 @@ class Shell(Content):
         water_glsl.fill_image(self.behind.GetInput(), self.stage.plotter.screenshot(None, return_img=True)[::-1])
         for mark in self.stage.over:
             mark.VisibilityOn()
-
-    def close(self) -> None:
-        """Close the plotter in which distances through the water are drawn."""
-        self.measure.close()

@@ -57,9 +57,6 @@ def shader(name: str, *modules: ModuleType, **parts: object) -> str:
 COMMON_FUNCTIONS = shader("common", sky_module, sys.modules[__name__])
 FOG_FUNCTIONS = shader("fog", sky_module, w)
 WATER_FUNCTIONS = FOG_FUNCTIONS + shader("water", w, foam)
-BEYOND_PROGRAM = """
-  if (all(greaterThan(posW.xz, innerLow.xz)) && all(lessThan(posW.xz, innerHigh.xz))) discard;
-"""  # of the far sea: the basin is drawn by its own surface
 SKY_PROGRAM = "  fragOutput0 = vec4(filmic(skyAt(normalize(posW - eyeW), 0.0)), 1.0);\n"
 
 

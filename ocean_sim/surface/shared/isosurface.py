@@ -7,18 +7,17 @@ Vertices are shared: each lies on an edge between two nodes and belongs to the l
 counted apart and their vertices and triangles numbered in the order of slabs, so the mesh does not depend on threads.
 
 A case has a bit for each corner of a cube, set if it is in the water; corner c lies at (c & 1, c >> 1 & 1, c >> 2 & 1),
-edge e runs along axis e // 4. The table of cases is computed, not copied. On every face each run of wet corners is cut
-off by a line of its own, so two wet corners across a diagonal stay apart (the ambiguous face). The line depends on the
-four corners of that face alone, so both cubes that share it draw the same one. The lines of the six faces join to
-loops, seen from outside the cube with the water on one side. Every loop is cut into triangles without a diagonal on a
-face, which the neighbour might draw as well. So any field that is dry all round gives a closed surface, two triangles
-an edge.
+edge e runs along axis e // 4. A row of cube_cases.csv is a case: 1 if it is ambiguous, and the edges on which the
+corners a, b, c of its triangles lie. On every face each run of wet corners is cut off by a line of its own, so two wet
+corners across a diagonal stay apart (the ambiguous face). The line depends on the four corners of that face alone, so
+both cubes that share it draw the same one. The lines of the six faces join to loops, seen from outside the cube with
+the water on one side. Every loop is cut into triangles by the shortest diagonals of which none lies on a face, where
+the neighbour might draw one as well. So any field that is dry all round gives a closed surface, two triangles an edge.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -31,12 +30,9 @@ from ocean_sim.surface import Mesh
 MAX_NODES = 2**26  # the vertices between them are numbered in 28 bits
 CORNERS = np.array([(c & 1, c >> 1 & 1, c >> 2 & 1) for c in range(8)])
 EDGES = tuple((c, c | 1 << axis) for axis in range(3) for c in range(8) if not c >> axis & 1)
-EDGE_NUMBERS = {frozenset(edge): e for e, edge in enumerate(EDGES)}
 EDGE_MIDDLES = np.array([CORNERS[list(edge)].mean(axis=0) for edge in EDGES])
 MAX_TRIANGLES = 5  # triangles of a case, at most
-
-Loop = list[int]  # edges that are cut, in order
-Cut = tuple[tuple[int, int, int], ...]  # triangles by indices in a loop
+CASE_FILE = Path(__file__).with_name("cube_cases.csv")
 
 
 @dataclass(frozen=True)
@@ -71,15 +67,6 @@ class Nodes:
     def width(self) -> tuple[float, float, float]:
         """Distance between nodes along x, y and z [m]."""
         return tuple(np.subtract(self.upper, self.lower) / self.inner)
-
-    def axis(self, k: int) -> np.ndarray:
-        """Positions of all nodes along axis k [m]."""
-        return self.lower[k] + (np.arange(self.shape[k]) - 0.5) * self.width[k]
-
-    def positions(self) -> np.ndarray:
-        """Positions (nz, ny, nx, 3) of all nodes [m], in the order in which the field is stored: x runs fastest."""
-        z, y, x = np.meshgrid(self.axis(2), self.axis(1), self.axis(0), indexing="ij")
-        return np.stack([x, y, z], axis=-1)
 
 
 @in_kernels
@@ -143,96 +130,11 @@ class Rows:
         return found.reshape(-1, self.across, self.length)
 
 
-def face_corners(axis: int, side: int) -> list[int]:
-    """Corners of the lower (side 0) or upper face of a cube across an axis, counter-clockwise from outside."""
-    u, v = (axis + 1) % 3, (axis + 2) % 3
-    corners = [side << axis | a << u | b << v for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
-    return corners if side else corners[::-1]
-
-
-FACES = tuple(face_corners(axis, side) for axis in range(3) for side in (0, 1))
-
-
-def edge_between(p: int, q: int) -> int:
-    """Number of the cube's edge between corners p and q."""
-    return EDGE_NUMBERS[frozenset((p, q))]
-
-
-def face_lines(case: int, corners: list[int]) -> list[tuple[int, int]]:
-    """Lines (from edge, to edge) that cut off each run of wet `corners` of a face, water always on the same side."""
-    wet = [bool(case >> c & 1) for c in corners]
-    found = []
-    for k in range(4):
-        if not wet[k] and wet[(k + 1) % 4]:
-            last = k + 1
-            while wet[(last + 1) % 4]:
-                last += 1
-            enters = edge_between(corners[k], corners[(k + 1) % 4])
-            leaves = edge_between(corners[last % 4], corners[(last + 1) % 4])
-            found.append((enters, leaves))
-    return found
-
-
-def is_ambiguous(case: int) -> bool:
-    """True if some face of a case has two wet corners across a diagonal and two dry ones."""
-    return any(len(face_lines(case, corners)) == 2 for corners in FACES)
-
-
-def case_loops(case: int) -> list[Loop]:
-    """Closed loops of cut edges, along which the surface of a case crosses the faces of the cube."""
-    after = {enters: leaves for corners in FACES for enters, leaves in face_lines(case, corners)}
-    found = []
-    while after:
-        first = min(after)
-        loop, edge = [first], after.pop(first)
-        while edge != first:
-            loop.append(edge)
-            edge = after.pop(edge)
-        found.append(loop)
-    return found
-
-
-def polygon_cuts(first: int, last: int) -> Iterator[Cut]:
-    """Yield each way to cut the polygon of corners first, first + 1, ..., last into triangles."""
-    if last - first < 2:
-        yield ()
-    for k in range(first + 1, last):
-        for left in polygon_cuts(first, k):
-            for right in polygon_cuts(k, last):
-                yield (*left, *right, (first, k, last))
-
-
-def diagonal_lengths() -> np.ndarray:
-    """(12, 12) squared lengths between the middles of a cube's edges; infinite for two edges of the same face."""
-    squared = ((EDGE_MIDDLES[:, None] - EDGE_MIDDLES[None]) ** 2).sum(axis=-1)
-    for corners in FACES:
-        on_it = [e for e, edge in enumerate(EDGES) if set(edge) <= set(corners)]
-        squared[np.ix_(on_it, on_it)] = np.inf
-    return squared
-
-
-def triangles(loop: Loop, lengths: np.ndarray) -> list[tuple[int, int, int]]:
-    """Triangles of a loop of edges, by the shortest diagonals (squared `lengths`) of which none lies on a face."""
-    n = len(loop)
-
-    def length(cut: Cut) -> float:
-        """Sum of squared lengths of the diagonals of a cut."""
-        pairs = {pair for corners in cut for pair in combinations(corners, 2) if pair[1] - pair[0] not in (1, n - 1)}
-        return sum(lengths[loop[a], loop[b]] for a, b in sorted(pairs))
-
-    best = min(polygon_cuts(0, n - 1), key=length)
-    return [(loop[a], loop[b], loop[c]) for a, b, c in best]
-
-
 def case_table() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(256,) number of triangles of each case, (256, 3 * MAX_TRIANGLES) their edges, (256,) 1 if it is ambiguous."""
-    lengths = diagonal_lengths()
-    counts, edges = np.zeros(256, dtype=np.int32), np.zeros((256, 3 * MAX_TRIANGLES), dtype=np.int32)
-    for case in range(256):
-        found = [corner for loop in case_loops(case) for triangle in triangles(loop, lengths) for corner in triangle]
-        counts[case] = len(found) // 3
-        edges[case, : len(found)] = found
-    return counts, edges, np.array([is_ambiguous(case) for case in range(256)], dtype=np.int32)
+    """(256,) number of triangles of each case, (256, 3 * MAX_TRIANGLES) their edges or -1, (256,) 1 if ambiguous."""
+    table = np.loadtxt(CASE_FILE, np.int32, delimiter=",", skiprows=1)
+    edges = np.ascontiguousarray(table[:, 1:])
+    return np.count_nonzero(edges >= 0, axis=1).astype(np.int32) // 3, edges, table[:, 0].copy()
 
 
 TASK_ITERATIONS = 512  # Taichi never cuts a parallel loop finer than this: a task every TASK_ITERATIONS iterations

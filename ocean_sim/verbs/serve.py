@@ -13,6 +13,7 @@ import typer
 
 from ocean_sim.files import run_files
 from ocean_sim.files.run_files import MANIFEST_FILE
+from ocean_sim.files.yaml_file import read_mapping
 from ocean_sim.machine import stoppable
 from ocean_sim.parts import library
 from ocean_sim.verbs.list import section_rows
@@ -74,9 +75,8 @@ def serve_play(
 
 def scene_rows() -> list[dict[str, str]]:
     """Packaged scenes as in `section_rows`, each with the file of the gallery's `picture` of it, or an empty name."""
-    from ocean_sim.verbs.gallery import gallery_entries
-
-    shown = {entry.scene: entry.picture for entry in reversed(gallery_entries())}  # the first of each
+    listed = read_mapping(library("figures") / "gallery" / "gallery.yaml").plain()["pictures"]
+    shown = {entry["scene"]: entry["picture"] for entry in reversed(listed)}  # the first of each
     return [row | {"picture": shown.get(row["name"], "")} for row in section_rows("scenes")]
 
 

@@ -7,6 +7,7 @@ import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from string import Template
 from typing import Any
 
 import numpy as np
@@ -22,20 +23,14 @@ CURVE_DASHES = ("none", "8 3", "2 3", "9 3 2 3", "5 5", "14 4", "3 2 1 2")  # cu
 SPIKE_RATIO = 4.0  # of the range of all values to the common range: beyond it spikes are cut
 COMMON_QUANTILE = 0.995  # the common range lies between this quantile and its opposite
 MAX_POINTS = 600  # of a curve
-STYLE_FILE = Path(__file__).with_suffix(".css")
-PLOT_CLIP = (
-    '<svg width="0" height="0" style="position: absolute"><clipPath id="plot">'
-    f'<path d="M{LEFT} {TOP}H{PLOT_WIDTH}V{PLOT_HEIGHT - BOTTOM}H{LEFT}Z"/></clipPath></svg>'
-)  # of the curves of every plot
+PAGE_FILE = Path(__file__).with_suffix(".html")  # template of a page, with its style and the clip path of its plots
 
 
 def html_page(title: str, parts: Iterable[str]) -> str:
     """HTML text of a whole page with a title, from the HTML parts of its body."""
-    head = ['<meta charset="utf-8">', '<meta name="viewport" content="width=device-width, initial-scale=1">']
-    head += [f"<title>{html.escape(title)}</title>", f"<style>\n{STYLE_FILE.read_text(encoding='utf-8')}</style>"]
-    body = [PLOT_CLIP, *link_headings(list(parts))]
-    lines = ["<!doctype html>", '<html lang="en">', "<head>", *head, "</head>", "<body>", *body, "</body>", "</html>"]
-    return "\n".join([*lines, ""])
+    edges = {"left": LEFT, "top": TOP, "width": PLOT_WIDTH, "low": PLOT_HEIGHT - BOTTOM}
+    body, page = "\n".join(link_headings(list(parts))), Template(PAGE_FILE.read_text(encoding="utf-8"))
+    return page.substitute(edges, title=html.escape(title), body=body)
 
 
 def link_headings(parts: list[str]) -> list[str]:

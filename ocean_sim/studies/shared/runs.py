@@ -1,4 +1,4 @@
-"""Many runs, each in a process of its own, on the workers of a Dask cluster: one of this machine's cores, or another.
+"""Many runs, each in a process of its own, on the cores of this machine or on the workers of a Dask cluster.
 
 An order is plain data: a `task`, which is the name of a module with `answer(order, folder)`, and what that needs. Its
 run has a folder named by the hash of the order and of the package, and leaves its answer there; an order that has an
@@ -13,8 +13,8 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
-from concurrent.futures import Executor, as_completed
-from contextlib import ExitStack, contextmanager
+from concurrent.futures import Executor, ThreadPoolExecutor, as_completed
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from threading import Event
@@ -128,19 +128,19 @@ def failure_row(reason: str, wall: float | None = None) -> dict[str, Any]:
 @contextmanager
 def _make_executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
     """Context with an executor of orders: local threads that wait for child processes, or a remote Dask cluster."""
+    if scheduler is None:
+        with ThreadPoolExecutor(workers) as pool:
+            yield pool
+        return
     try:
-        from distributed import Client, LocalCluster
+        from distributed import Client
     except ImportError:
-        raise ClusterMissing("many runs need the package `distributed`: pip install distributed") from None
-    with ExitStack() as stack:
-        cluster: Any = scheduler
-        if scheduler is None:
-            here = {"processes": False, "dashboard_address": None, "memory_limit": 0, "silence_logs": "CRITICAL"}
-            cluster = stack.enter_context(LocalCluster(n_workers=workers, threads_per_worker=1, **here))
-        try:
-            client = stack.enter_context(Client(cluster, timeout=MAX_CONNECT_SECONDS))
-        except (OSError, ValueError) as error:
-            raise ClusterMissing(f"no Dask scheduler answers at {scheduler}: {error}") from None
+        raise ClusterMissing("--scheduler needs the package `distributed`: pip install distributed") from None
+    try:
+        client = Client(scheduler, timeout=MAX_CONNECT_SECONDS)
+    except (OSError, ValueError) as error:
+        raise ClusterMissing(f"no Dask scheduler answers at {scheduler}: {error}") from None
+    with client:
         yield client.get_executor(pure=False)
 
 

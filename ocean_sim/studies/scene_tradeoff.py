@@ -89,20 +89,6 @@ class Setting:
         return " ".join(words)
 
 
-@dataclass(frozen=True)
-class Repeat:
-    """One run of a study: a setting with one of its seeds."""
-
-    scene: SceneConfig
-
-    def order(self) -> dict[str, Any]:
-        return scene_run.run_order(self.scene)
-
-    def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
-        """One row: outcome, costs and measures of the run, with its result folder under the key `run`."""
-        return [answer | {"run": run}]
-
-
 def vary_setting(texts: list[str]) -> Varied:
     """Parse texts KEY=A,B,C into values by key; raises SceneError if a text is malformed."""
     found: Varied = {}

@@ -12,7 +12,6 @@ from ocean_sim.studies.scene_tradeoff import (
     PROFILE_NAMES,
     SEED_COUNTS,
     Budget,
-    Repeat,
     Setting,
     best_setting,
     clock_note,
@@ -24,8 +23,8 @@ from ocean_sim.studies.scene_tradeoff import (
     vary_setting,
 )
 from ocean_sim.studies.shared import pareto
-from ocean_sim.studies.shared.scene_run import CLOCK_COLUMNS
-from ocean_sim.studies.shared.study import Study, write_table
+from ocean_sim.studies.shared.scene_run import CLOCK_COLUMNS, run_order
+from ocean_sim.studies.shared.study import Point, Study, write_table
 from ocean_sim.studies.tradeoff import TRIAL_CASES, clock_column, equal_cost_rows, pareto_front, study_points
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import rows_of
@@ -126,7 +125,7 @@ def of_scene(
         finest = next(setting for setting in plan if setting.finest).line()
         each = f"{seeds} seeds each" if seeds > 1 else "one seed each, as nothing is drawn from it"
         console.say(f"{len(plan)} settings with {each}, one run at a time; the reference is {finest}")
-    repeats = [Repeat(scene) for setting in plan for scene in setting.scenes[:seeds]]
+    repeats = [Point(run_order(scene)) for setting in plan for scene in setting.scenes[:seeds]]
     found = rows_of(Study(repeats, out / "runs", 1))  # one at a time, for their time is measured
     rows, single = compare_with_finest(plan, seeds, found)
     write_table(out / "seeds.csv", single)
@@ -182,7 +181,7 @@ def confirmed_setting(
     reference = next(setting for setting in plan if setting.finest)
     while (row := best_setting(left, judge, limit)) is not None:
         setting = plan[next(n for n, one in enumerate(rows) if one is row)]
-        points = [Repeat(one.scenes[seeds]) for one in (setting, reference)]
+        points = [Point(run_order(one.scenes[seeds])) for one in (setting, reference)]
         own, finest = rows_of(Study(points, again, 1))
         done = own["outcome"] == finest["outcome"] == "done"
         spent, error = limit.spent(own), errors_against(own["run"], finest["run"]).get(judge) if done else None

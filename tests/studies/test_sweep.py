@@ -80,8 +80,8 @@ def test_a_plan_means_every_combination_in_its_own_order():
 def test_equal_scenes_have_one_address_and_others_another():
     first, *_, last = read_plan(Path("plan.yaml"), threads=1)
     other = read_plan(Path("plan.yaml"), threads=2)[0]
-    assert runs_module.run_address(first.order()) == runs_module.run_address(other.order())
-    assert runs_module.run_address(first.order()) != runs_module.run_address(last.order())
+    assert runs_module.run_address(first.order) == runs_module.run_address(other.order)
+    assert runs_module.run_address(first.order) != runs_module.run_address(last.order)
 
 
 NAMED = {  # by what names a file: the scene around its name, and two contents of it
@@ -132,8 +132,8 @@ def test_every_file_that_a_scene_names_is_part_of_an_address(key, tmp_path):
         else:
             Path("f").write_text(text.replace("%d", str(size)))
         [run] = read_plan(Path("plan.yaml"))
-        assert list(run.planned["inputs"]) == [str(tmp_path / ("f.stl" if key == "hull" else "f"))]
-        return runs_module.run_address(run.order())
+        assert list(run.order["inputs"]) == [str(tmp_path / ("f.stl" if key == "hull" else "f"))]
+        return runs_module.run_address(run.order)
 
     first = address(1)
     assert address(2) != first and address(1) == first
@@ -144,7 +144,7 @@ def test_a_key_that_signs_packets_is_no_input_and_is_in_no_manifest():
     ship = "ship: otter\nplatform: {kind: hexapod, geometry: hexapod_a, washout: ship}\nstream: {key: key}\n"
     Path("sea.yaml").write_text(SEA + ship)
     Path("plan.yaml").write_text("scene: sea.yaml\nseeds: [1]\n")
-    assert read_plan(Path("plan.yaml"))[0].planned["inputs"] == {}
+    assert read_plan(Path("plan.yaml"))[0].order["inputs"] == {}
 
 
 def test_a_second_sweep_runs_again_what_names_a_file_that_has_changed(capsys):
@@ -159,7 +159,7 @@ def test_a_second_sweep_runs_again_what_names_a_file_that_has_changed(capsys):
         assert run_command_line(["sweep", "plan.yaml", "--out", "out", "--workers", "1", "--json"]) == 0
         surges.append(json.loads(capsys.readouterr().out)[0]["surge_rms_m"])
     assert surges[0] != surges[1]
-    order = read_plan(Path("plan.yaml"), 1)[0].order()
+    order = read_plan(Path("plan.yaml"), 1)[0].order
     Path("c.csv").write_text(controls % ("0.5", "0.5"))
     [(_, answer)] = runs_module.run_answers([order], Path("late"), 1)
     assert answer["outcome"] == "failed"

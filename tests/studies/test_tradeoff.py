@@ -64,7 +64,7 @@ def test_the_study_has_every_compared_scheme_on_six_cases_and_every_setting_is_a
     of_water = [point for point in plan if point.trial.slot == "fluid"]
     assert len({point.trial.case for point in of_water}) == 6
     assert {point.scheme for point in of_water} == set(compared("fluid")) >= {"mueller", "delta_sph", "dfsph"}
-    addresses = [runs.run_address(point.order()) for point in study_points(quick=False)]
+    addresses = [runs.run_address(point.order) for point in study_points(quick=False)]
     assert len(set(addresses)) == len(addresses) > len(plan)
     changed = {(point.scheme, point.changed) for point in plan if point.trial.case == "standing_wave"}
     assert ("delta_sph", "fluid.support_ratio=2.0") in changed

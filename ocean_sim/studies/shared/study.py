@@ -4,21 +4,23 @@ import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from ocean_sim.files import csv_file, input_file
 from ocean_sim.result import Result
 from ocean_sim.studies.shared import runs
 
 
-class Point(Protocol):
-    """Interface of one run of a study: its order, and its rows in the table."""
+@dataclass(frozen=True)
+class Point:
+    """One run of a study: its order (job description as plain data), for the process that executes it."""
 
-    def order(self) -> dict[str, Any]:
-        """Order (job description as plain data) of this run, for the process that executes it."""
+    order: dict[str, Any]
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
-        """Rows of the study's table from the answer of this run and its result folder `run`, which may be empty."""
+        """Rows of the study's table from the answer of this run and its result folder, which may be empty; by default
+        one, with the folder under the key `run`."""
+        return [answer | {"run": run}]
 
 
 @dataclass
@@ -35,7 +37,7 @@ class Study:
 
     def run(self) -> Iterator[int]:
         """Run all points that have no answer yet; yield the number of finished points after each."""
-        orders = [point.order() for point in self.points]
+        orders = [point.order for point in self.points]
         for k, answer in runs.run_answers(orders, self.folder, self.workers, self.scheduler, self.limit):
             self.found[k] = self.points[k].rows(answer, Result(self.folder / runs.run_address(orders[k])))
             if self.table is not None:

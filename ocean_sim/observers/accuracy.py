@@ -9,7 +9,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import ParticleFluid, Totals, with_particles
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.checks import distance_outside, surely_inside
-from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading
+from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading, legend
 from ocean_sim.observers.shared.energy import Balance, kinetic_energy, potential_energy
 from ocean_sim.parts import Preflight, Problems
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
@@ -19,10 +19,6 @@ FORCE_TERMS = (
     *("pressure", "viscosity", "wind", "gravity", "walls", "bed", "sea", "obstacles", "ship", "emitter"),
     *("diffusion", "leak", "shifting", "breaking"),
 )
-SOLVER_ERRORS = {
-    "density": "mean error of the density over the rest density",
-    "divergence": "mean compression in a step over the rest density",
-}
 SOLVER_COLUMNS = ("iterations", "iterations_last", "error_last", "error_max", "unsolved")
 MAX_ROWS_PER_STEP = 1000  # a step that passes more rows has two: values between them lie on a line
 BALANCE_COLUMNS = (
@@ -33,11 +29,6 @@ BALANCE_COLUMNS = (
 )
 
 SURFACE_COLUMN_WIDTH = 2.0  # [spacings] at least, of a column in which the highest particle is looked for
-SURFACE_MEANING: dict[str, object] = {
-    "surface_offset": "mean height of the surface over the highest particle of every column two spacings wide, half a "
-    "spacing above its centre; spray counts",
-    "surface_fit": "root of the mean square of the same",
-}
 
 
 class Config(PeriodicConfig):
@@ -74,9 +65,9 @@ class Accuracy(Observer, of=Config):
             meaning = self.column_meaning()
             if self.surface is not None:
                 measured = {name.rsplit("_m", 1)[0]: what for name, what in self.surface.measured.items()}
-                meaning |= SURFACE_MEANING | measured
+                meaning |= legend("accuracy_of_surface") | measured
         elif self.work_terms:
-            meaning = {"work": "energy given to a tile of the sea since the start, by what gives or takes it"}
+            meaning = legend("accuracy_of_tile")
         self.csv = CsvFile(
             folder / "accuracy.csv",
             heading(simulation, f"every {config.every:g} s, linear between steps", **meaning),
@@ -98,23 +89,9 @@ class Accuracy(Observer, of=Config):
         given = " + ".join(f"work_{term}" for term in self.balance.outer_terms) or "0"
         if self.balance.driven:
             given += " + (work_gravity + potential energy gained), the work of forces that have no potential"
-        meaning: dict[str, object] = {
-            "compression": "max(density / rest density - 1, 0)",
-            "surface_deficit": "max(1 - density / rest density, 0): particles near the surface miss neighbours",
-            "potential_energy": f"zero in the first state, where it is {self.at_start:.9g} J from y = 0",
-            "energy_residual": f"kinetic + potential + internal energy gained since the first row - ({given})",
-            "angular_momentum": "about the origin",
-            "impulse": "momentum given to the water since the start, by force",
-            "work": "energy given to the water since the start, by force; gravity with body force",
-            "outside": "particles beyond a wall, floor or lid",
-            "clipped": "particles that motion_limit held back since the start",
-        }
-        for solver in self.solvers:
-            meaning[solver] = (
-                f"its solver: iterations since the start and in the last step, {SOLVER_ERRORS[solver]} that the last "
-                "step ended with and the worst since the start, steps that ended at the limit of iterations"
-            )
-        return meaning
+        solvers = legend("accuracy_of_solvers")
+        meaning = legend("accuracy", at_start=self.at_start, given=given)
+        return meaning | {solver: solvers[solver] for solver in self.solvers}
 
     def balances(self, fluid: ParticleFluid, totals: Totals) -> list[float]:
         """Values of BALANCE_COLUMNS, then impulse [N s] and work [J] of each force since the start."""

@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ocean_sim.observers.shared.csv_rows import CsvFile, TakesCommands, TakesMotion
+from ocean_sim.observers.shared.csv_rows import CsvFile, TakesCommands, TakesMotion, legend
 from ocean_sim.platform import LIMIT_TEXTS, PLATFORM_COLUMNS
 from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, ride_of, round_interval
 from ocean_sim.simulation import Observer, ObserverConfig, Simulation
@@ -22,15 +22,8 @@ class Config(ObserverConfig):
 
 def heading(every: float, frame: str = PLATFORM_FRAME) -> dict[str, object]:
     """Comment lines, by name, at the top of every platform.csv, whose rows are `every` [s] apart."""
-    return {
-        "frame": frame,
-        "axes": AXES_IN_WORDS[frame],
-        "pose": "from neutral; Rz(yaw) Ry(pitch) Rx(roll)",
-        "felt": "specific force, gravity included, and rates on the platform in its own axes, by differences of the "
-        "poses so far: accelerations are those of the row before, rates half a row late",
-        "limited": "the sum of " + ", ".join(f"{bit} ({what})" for bit, what in LIMIT_TEXTS.items()),
-        "rate": f"every {every:.9g} s",
-    }
+    columns = legend("platform", limits=", ".join(f"{bit} ({what})" for bit, what in LIMIT_TEXTS.items()))
+    return {"frame": frame, "axes": AXES_IN_WORDS[frame]} | columns | {"rate": f"every {every:.9g} s"}
 
 
 class PlatformLog(Observer, TakesMotion, of=Config):

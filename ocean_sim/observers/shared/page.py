@@ -6,6 +6,7 @@ import io
 import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import count
 from pathlib import Path
 from string import Template
 from typing import Any
@@ -26,27 +27,14 @@ MAX_POINTS = 600  # of a curve
 PAGE_FILE = Path(__file__).with_suffix(".html")  # template of a page, with its style and the clip path of its plots
 
 
-def html_page(title: str, parts: Iterable[str]) -> str:
-    """HTML text of a whole page with a title, from the HTML parts of its body."""
+def html_page(title: str, outcome: str, parts: Iterable[str]) -> str:
+    """HTML text of a page with a title, the HTML of an outcome, links to all headings, and the HTML parts below."""
     edges = {"left": LEFT, "top": TOP, "width": PLOT_WIDTH, "low": PLOT_HEIGHT - BOTTOM}
-    body, page = "\n".join(link_headings(list(parts))), Template(PAGE_FILE.read_text(encoding="utf-8"))
-    return page.substitute(edges, title=html.escape(title), body=body)
-
-
-def link_headings(parts: list[str]) -> list[str]:
-    """The HTML parts with an id in every heading, and links to all headings before the first."""
-    headings: list[str] = []
-
-    def name_heading(match: re.Match[str]) -> str:
-        headings.append(match[1])
-        return f'<h2 id="part{len(headings)}">{match[1]}</h2>'
-
-    marked = [re.sub(r"<h2>(.*?)</h2>", name_heading, part) for part in parts]
-    if not headings:
-        return marked
-    links = "".join(f'<a href="#part{k + 1}">{heading}</a> ' for k, heading in enumerate(headings))
-    first = next(k for k, part in enumerate(marked) if "<h2 " in part)
-    return [*marked[: min(first, 2)], f'<nav aria-label="Contents">{links}</nav>', *marked[min(first, 2) :]]
+    body, numbers, page = "\n".join(parts), count(1), Template(PAGE_FILE.read_text(encoding="utf-8"))
+    headings = enumerate(re.findall("<h2>(.*?)</h2>", body), 1)
+    links = "".join(f'<a href="#part{k}">{heading}</a> ' for k, heading in headings)
+    body = re.sub("<h2>", lambda _: f'<h2 id="part{next(numbers)}">', body)
+    return page.substitute(edges, title=html.escape(title), outcome=outcome, links=links, body=body)
 
 
 def html_table(rows: Iterable[Sequence[object]], heads: Sequence[str] = (), row_names: bool = True) -> str:
@@ -162,15 +150,9 @@ def draw_curves(
     farthest = max(np.nanmin(everything), np.nanmax(everything), key=abs)
     note = f" ({beyond} values cut, as far as {farthest:.4g})" if beyond else ""
 
-    def x(t: float) -> float:
-        return LEFT + (t - left) / (right - left) * (PLOT_WIDTH - LEFT - RIGHT)
-
-    def y(value: float) -> float:
-        return PLOT_HEIGHT - BOTTOM - (value - low) / (high - low) * (PLOT_HEIGHT - TOP - BOTTOM)
-
-    def level_line(value: float, attributes: str) -> str:
-        return f'<path d="M{LEFT} {y(value):.1f}H{PLOT_WIDTH - RIGHT}" {attributes}/>'
-
+    x = lambda t: LEFT + (t - left) / (right - left) * (PLOT_WIDTH - LEFT - RIGHT)
+    y = lambda value: PLOT_HEIGHT - BOTTOM - (value - low) / (high - low) * (PLOT_HEIGHT - TOP - BOTTOM)
+    level_line = lambda value, look: f'<path d="M{LEFT} {y(value):.1f}H{PLOT_WIDTH - RIGHT}" {look}/>'
     parts = [
         f'<svg viewBox="0 0 {PLOT_WIDTH} {PLOT_HEIGHT}" font-size="13" fill="currentColor" role="img" '
         f'aria-label="{html.escape(label)}, {html.escape(", ".join(series))}">'

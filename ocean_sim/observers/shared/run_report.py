@@ -27,7 +27,7 @@ Table = Mapping[str, np.ndarray]
 def write_report(folder: Path) -> Path:
     """Write report.html of a run folder, however the run ended; returns its path."""
     run, path = Run(folder), folder / "report.html"
-    write_file(path, html_page(run.title, run.parts()))
+    write_file(path, html_page(run.title, run.outcome(), run.parts()))
     return path
 
 
@@ -42,9 +42,7 @@ class Run:
         self.events = whole_lines(folder / "events.jsonl")
 
     def parts(self) -> Iterator[str]:
-        """Yield the HTML parts of the page from top to bottom."""
-        yield f"<h1>{html.escape(self.title)}</h1>"
-        yield self.outcome()
+        """Yield the HTML parts of the page below the outcome, from top to bottom."""
         if (self.folder / "replay.html").exists():
             yield '<p><a href="replay.html">Replay of the run</a>: look around, and scrub in time.</p>'
         yield from self.pictures()

@@ -56,7 +56,8 @@ def tradeoff(
     if scene is not None:
         folder = out or Path("runs") / "tradeoff" / Path(scene).stem
         with console.claim(folder, *STUDY_FILES):
-            of_scene(scene, profile, sets, vary, budget, by, quick, folder)
+            limit, varied = None if budget is None else Budget.of(budget), vary_setting(vary or [EVERY_PROFILE])
+            of_scene(setting_grid(scene, profile, console.set_values(sets), varied, quick), limit, by, quick, folder)
         return
     for name, given in (("vary", vary), ("budget", budget), ("by", by), ("profile", profile), ("set", sets)):
         if given:
@@ -104,22 +105,8 @@ def print_settings(title: str, rows: list[dict[str, Any]], speed: str) -> None:
     console.table(f"\n{title}", list(CASE_COLUMNS), lines)
 
 
-def of_scene(
-    scene: str,
-    profile: str | None,
-    sets: list[str],
-    vary: list[str],
-    budget: str | None,
-    by: str | None,
-    quick: bool,
-    out: Path,
-) -> None:
+def of_scene(plan: list[Setting], limit: Budget | None, by: str | None, quick: bool, out: Path) -> None:
     """Run a scene with every setting and seed, one run at a time; write tradeoff.csv, seeds.csv and a picture."""
-    try:
-        limit = None if budget is None else Budget.of(budget)
-    except ValueError as why:
-        raise console.Refused(str(why)) from None
-    plan = setting_grid(scene, profile, console.set_values(sets), vary_setting(vary or [EVERY_PROFILE]), quick)
     seeds = SEED_COUNTS[quick] if any(setting.scenes[0].wind.is_random for setting in plan) else 1
     if not console.json_asked:
         finest = next(setting for setting in plan if setting.finest).line()

@@ -8,9 +8,8 @@ import numpy as np
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import ParticleFluid, Totals, with_particles
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.checks import distance_outside, surely_inside
+from ocean_sim.observers.shared.checks import Balance, distance_outside, kinetic_and_potential, surely_inside
 from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading, legend
-from ocean_sim.observers.shared.energy import Balance, kinetic_energy, potential_energy
 from ocean_sim.parts import Preflight, Problems
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 from ocean_sim.surface import Surface
@@ -49,7 +48,6 @@ class Accuracy(Observer, of=Config):
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.every = config.every
         self.sampled = Sampled(config.every, most=MAX_ROWS_PER_STEP)
-        self.gravity = np.array(simulation.basin.gravity)  # [m/s2]
         self.impulse_terms: list[str] = []
         self.surface = simulation.surface
         self.solvers: tuple[str, ...] = ()  # of a scheme that iterates
@@ -59,7 +57,7 @@ class Accuracy(Observer, of=Config):
             fluid = simulation.fluid
             self.impulse_terms = [term for term in FORCE_TERMS if term in fluid.impulse]
             water = with_particles(fluid)
-            self.at_start = potential_energy(water.particles.mass, water.totals(), self.gravity)
+            self.at_start = kinetic_and_potential(simulation, water.totals())[1]
             self.balance = Balance(simulation, self.work_terms)
             self.solvers = tuple(fluid.solvers)
             meaning = self.column_meaning()
@@ -93,12 +91,13 @@ class Accuracy(Observer, of=Config):
         meaning = legend("accuracy", at_start=self.at_start, given=given)
         return meaning | {solver: solvers[solver] for solver in self.solvers}
 
-    def balances(self, fluid: ParticleFluid, totals: Totals) -> list[float]:
+    def balances(self, simulation: Simulation, totals: Totals) -> list[float]:
         """Values of BALANCE_COLUMNS, then impulse [N s] and work [J] of each force since the start."""
+        fluid = with_particles(simulation.fluid)
         n, mass = fluid.particles.count.now, fluid.particles.mass
-        impulse, work = fluid.impulse, fluid.work
-        motion, internal = kinetic_energy(mass, totals), fluid.internal_energy()
-        gained = potential_energy(mass, totals, self.gravity) - self.at_start
+        impulse, work, internal = fluid.impulse, fluid.work, fluid.internal_energy()
+        motion, lifted = kinetic_and_potential(simulation, totals)
+        gained = lifted - self.at_start
         return [
             totals.compression / n,
             totals.most_compressed,
@@ -120,7 +119,7 @@ class Accuracy(Observer, of=Config):
         if fluid.particles is not None:
             water = with_particles(fluid)
             totals = water.totals()
-            values = self.balances(water, totals)
+            values = self.balances(simulation, totals)
             if self.surface is not None:
                 values += [*surface_fit(self.surface, highest_particles(simulation.basin, water))]
                 values += self.surface.measures()

@@ -453,7 +453,7 @@ def figures() -> str:
 
 def gallery() -> str:
     """Pictures of the gallery, each with the commands that make it."""
-    from ocean_sim.verbs.gallery import gallery_entries, show_entry
+    from figures.gallery.redraw import gallery_entries, show_entry
 
     text = [
         "# Gallery\n",

@@ -7,11 +7,13 @@ short waves, as strips and panels have them, are left out; a scene with a ship h
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ocean_sim import waves
+
+WAVE_COUNT = 20  # of a random sea
 
 
 @dataclass(frozen=True)
@@ -122,6 +124,13 @@ class Boats:
         self.heading = self.heading + self.yaw_rate * dt
         self.place = self.place + self.bow_direction() * (self.speed * dt)[:, None]
         self.time += dt
+
+
+def random_sea(height: float, period: float, heading_deg: float, depth: float, seed: int) -> waves.Components:
+    """WAVE_COUNT waves by `seed`: significant height [m], peak period [s], mean direction [deg], depth of water [m]."""
+    sea = waves.Spectrum(significant_wave_height=1.0, peak_period=period, heading_deg=heading_deg, seed=seed)
+    whole = sea.components(waves.heading_vector(heading_deg, 3), depth, count=WAVE_COUNT)
+    return replace(whole, amplitude=height * whole.amplitude)
 
 
 def mean_over(half: np.ndarray) -> np.ndarray:

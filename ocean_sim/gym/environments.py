@@ -8,14 +8,12 @@ position and heading are in `info`. `gymnasium.make("ocean_sim.gym.environments:
 name.
 """
 
-from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
 
-from ocean_sim import waves
 from ocean_sim.conventions import Unsuited, number, row_array, whole_number
-from ocean_sim.gym.boats import Boat, Boats
+from ocean_sim.gym.boats import WAVE_COUNT, Boat, Boats, random_sea
 
 try:
     import gymnasium
@@ -28,7 +26,6 @@ except ImportError:
 LOOK_AHEAD_TIMES = (1.0, 2.0, 3.0)  # [s]
 TIME_STEP = 0.1  # [s]
 EPISODE_STEPS = 600
-WAVE_COUNT = 20
 MIN_PERIOD_AND_DEPTH = 1e-3  # period [s] and depth [m]
 OBSERVATION_SIZE = 9 + 1 + len(LOOK_AHEAD_TIMES)
 HELM_COST = 0.05  # of the reward, at full helm
@@ -43,13 +40,6 @@ def observation_space() -> spaces.Box:
 def action_space() -> spaces.Box:
     """Gymnasium space of one boat's actions (2,): helm, -1 to 1, and throttle, 0 to 1."""
     return spaces.Box(np.array([-1.0, 0.0], np.float32), np.array([1.0, 1.0], np.float32), (2,), np.float32)
-
-
-def random_sea(height: float, period: float, heading_deg: float, depth: float, seed: int) -> waves.Components:
-    """WAVE_COUNT waves by `seed`: significant height [m], peak period [s], mean direction [deg], depth of water [m]."""
-    sea = waves.Spectrum(significant_wave_height=1.0, peak_period=period, heading_deg=heading_deg, seed=seed)
-    whole = sea.components(waves.heading_vector(heading_deg, 3), depth, count=WAVE_COUNT)
-    return replace(whole, amplitude=height * whole.amplitude)
 
 
 class OceanVectorEnv(VectorEnv):

@@ -13,8 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim import waves
-from ocean_sim.gym.boats import Boat, Boats
+from ocean_sim.gym.boats import WAVE_COUNT, Boat, Boats, random_sea
 
 try:
     from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
@@ -22,7 +21,7 @@ except ImportError:
     raise ImportError("ocean_sim.gym.unit needs pythonfmu: pip install 'ocean-sim[fmi]'") from None
 
 USAGE = "usage: python -m ocean_sim.gym.unit [FOLDER]\nWrites OceanBoat.fmu into the folder, by default this one."
-WAVE_COUNT, WATER_DEPTH, MAX_STEP = 20, 50.0, 0.1  # waves, [m], and at most [s] at once
+WATER_DEPTH, MAX_STEP = 50.0, 0.1  # [m], and at most [s] at once
 INPUT_NAMES = ("helm", "throttle")
 OUTPUT_NAMES = ("surge", "sway", "heave", "roll", "pitch", "yaw", "speed", "elevation")
 PARAMETERS = {"significant_height": 1.0, "peak_period": 6.0, "heading_deg": 0.0, "seed": 0.0}
@@ -48,17 +47,10 @@ class OceanBoat(Fmi2Slave):
 
     def exit_initialization_mode(self) -> None:
         """Start the boat in the sea of the parameters; the simulation master calls this once these are set."""
-        given = {name: float(getattr(self, name)) for name in PARAMETERS}
-        sea = waves.Spectrum(
-            significant_wave_height=given["significant_height"],
-            peak_period=given["peak_period"],
-            heading_deg=given["heading_deg"],
-            seed=int(given["seed"]),
-        )
-        boat = Boat()
+        height, period, heading, seed = (float(getattr(self, name)) for name in PARAMETERS)
+        sea, boat = random_sea(height, period, heading, WATER_DEPTH, int(seed)), Boat()
         self.boats = Boats(boat, 1, WAVE_COUNT, WATER_DEPTH)
-        components = sea.components(waves.heading_vector(sea.heading_deg, 3), WATER_DEPTH, count=WAVE_COUNT)
-        self.boats.begin(np.ones(1, dtype=bool), [components], np.zeros(1), boat.cruise)
+        self.boats.begin(np.ones(1, dtype=bool), [sea], np.zeros(1), boat.cruise)
         self.set_outputs()
 
     def do_step(self, current_time: float, step_size: float) -> bool:

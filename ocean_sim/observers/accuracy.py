@@ -8,9 +8,8 @@ import numpy as np
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import ParticleFluid, Totals, with_particles
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.checks import distance_outside, surely_inside
-from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading
-from ocean_sim.observers.shared.energy import Balance, kinetic_energy, potential_energy
+from ocean_sim.observers.shared.checks import Balance, distance_outside, kinetic_and_potential, surely_inside
+from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading, legend
 from ocean_sim.parts import Preflight, Problems
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 from ocean_sim.surface import Surface
@@ -19,10 +18,6 @@ FORCE_TERMS = (
     *("pressure", "viscosity", "wind", "gravity", "walls", "bed", "sea", "obstacles", "ship", "emitter"),
     *("diffusion", "leak", "shifting", "breaking"),
 )
-SOLVER_ERRORS = {
-    "density": "mean error of the density over the rest density",
-    "divergence": "mean compression in a step over the rest density",
-}
 SOLVER_COLUMNS = ("iterations", "iterations_last", "error_last", "error_max", "unsolved")
 MAX_ROWS_PER_STEP = 1000  # a step that passes more rows has two: values between them lie on a line
 BALANCE_COLUMNS = (
@@ -33,11 +28,6 @@ BALANCE_COLUMNS = (
 )
 
 SURFACE_COLUMN_WIDTH = 2.0  # [spacings] at least, of a column in which the highest particle is looked for
-SURFACE_MEANING: dict[str, object] = {
-    "surface_offset": "mean height of the surface over the highest particle of every column two spacings wide, half a "
-    "spacing above its centre; spray counts",
-    "surface_fit": "root of the mean square of the same",
-}
 
 
 class Config(PeriodicConfig):
@@ -58,7 +48,6 @@ class Accuracy(Observer, of=Config):
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.every = config.every
         self.sampled = Sampled(config.every, most=MAX_ROWS_PER_STEP)
-        self.gravity = np.array(simulation.basin.gravity)  # [m/s2]
         self.impulse_terms: list[str] = []
         self.surface = simulation.surface
         self.solvers: tuple[str, ...] = ()  # of a scheme that iterates
@@ -68,15 +57,15 @@ class Accuracy(Observer, of=Config):
             fluid = simulation.fluid
             self.impulse_terms = [term for term in FORCE_TERMS if term in fluid.impulse]
             water = with_particles(fluid)
-            self.at_start = potential_energy(water.particles.mass, water.totals(), self.gravity)
+            self.at_start = kinetic_and_potential(simulation, water.totals())[1]
             self.balance = Balance(simulation, self.work_terms)
             self.solvers = tuple(fluid.solvers)
             meaning = self.column_meaning()
             if self.surface is not None:
                 measured = {name.rsplit("_m", 1)[0]: what for name, what in self.surface.measured.items()}
-                meaning |= SURFACE_MEANING | measured
+                meaning |= legend("accuracy_of_surface") | measured
         elif self.work_terms:
-            meaning = {"work": "energy given to a tile of the sea since the start, by what gives or takes it"}
+            meaning = legend("accuracy_of_tile")
         self.csv = CsvFile(
             folder / "accuracy.csv",
             heading(simulation, f"every {config.every:g} s, linear between steps", **meaning),
@@ -98,30 +87,17 @@ class Accuracy(Observer, of=Config):
         given = " + ".join(f"work_{term}" for term in self.balance.outer_terms) or "0"
         if self.balance.driven:
             given += " + (work_gravity + potential energy gained), the work of forces that have no potential"
-        meaning: dict[str, object] = {
-            "compression": "max(density / rest density - 1, 0)",
-            "surface_deficit": "max(1 - density / rest density, 0): particles near the surface miss neighbours",
-            "potential_energy": f"zero in the first state, where it is {self.at_start:.9g} J from y = 0",
-            "energy_residual": f"kinetic + potential + internal energy gained since the first row - ({given})",
-            "angular_momentum": "about the origin",
-            "impulse": "momentum given to the water since the start, by force",
-            "work": "energy given to the water since the start, by force; gravity with body force",
-            "outside": "particles beyond a wall, floor or lid",
-            "clipped": "particles that motion_limit held back since the start",
-        }
-        for solver in self.solvers:
-            meaning[solver] = (
-                f"its solver: iterations since the start and in the last step, {SOLVER_ERRORS[solver]} that the last "
-                "step ended with and the worst since the start, steps that ended at the limit of iterations"
-            )
-        return meaning
+        solvers = legend("accuracy_of_solvers")
+        meaning = legend("accuracy", at_start=self.at_start, given=given)
+        return meaning | {solver: solvers[solver] for solver in self.solvers}
 
-    def balances(self, fluid: ParticleFluid, totals: Totals) -> list[float]:
+    def balances(self, simulation: Simulation, totals: Totals) -> list[float]:
         """Values of BALANCE_COLUMNS, then impulse [N s] and work [J] of each force since the start."""
+        fluid = with_particles(simulation.fluid)
         n, mass = fluid.particles.count.now, fluid.particles.mass
-        impulse, work = fluid.impulse, fluid.work
-        motion, internal = kinetic_energy(mass, totals), fluid.internal_energy()
-        gained = potential_energy(mass, totals, self.gravity) - self.at_start
+        impulse, work, internal = fluid.impulse, fluid.work, fluid.internal_energy()
+        motion, lifted = kinetic_and_potential(simulation, totals)
+        gained = lifted - self.at_start
         return [
             totals.compression / n,
             totals.most_compressed,
@@ -143,7 +119,7 @@ class Accuracy(Observer, of=Config):
         if fluid.particles is not None:
             water = with_particles(fluid)
             totals = water.totals()
-            values = self.balances(water, totals)
+            values = self.balances(simulation, totals)
             if self.surface is not None:
                 values += [*surface_fit(self.surface, highest_particles(simulation.basin, water))]
                 values += self.surface.measures()

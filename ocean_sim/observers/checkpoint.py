@@ -96,15 +96,13 @@ def restore(simulation: Simulation, kept: checkpoint_file.Checkpoint, folder: Pa
     """Put a newly built simulation into the state of a checkpoint of the same scene, with its files in `folder`.
     `changed`: differences of this program from the one that made the checkpoint, which are written into every table.
     Raises Mismatch; then nothing in the folder has changed, and the simulation is of no use."""
-    named = dict(zip(simulation.scene.observers, simulation.observers))
     try:
         state = Restorer(roots(simulation), kept.tree, kept.arrays, folder)
+        state.cut()
+        for table in (table for table, _ in state.files if changed and table.name.endswith(".csv")):
+            table.write(f"# from t = {simulation.time:.9g} s on by another program: {changed}\n")
+        for _, observer in zip(simulation.scene.observers, simulation.observers):
+            observer.resumed(changed)
     except BaseException:
         simulation.observers.clear()  # they may know the folder by now, and must not write to it
         raise
-    state.cut()
-    if changed:
-        for table in (table for table, _ in state.files if table.name.endswith(".csv")):
-            table.write(f"# from t = {simulation.time:.9g} s on by another program: {changed}\n")
-    for observer in named.values():
-        observer.resumed(changed)

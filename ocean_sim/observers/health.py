@@ -13,17 +13,19 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.files.atomic_file import file_named_in_errors
 from ocean_sim.fluid import Totals, with_particles
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.checks import Momentum, Symmetry, distance_outside, level_ratio, surely_inside
-from ocean_sim.observers.shared.energy import (
+from ocean_sim.observers.shared.checks import (
     DRIVING_TERMS,
     Balance,
+    Momentum,
+    Symmetry,
+    distance_outside,
     energy_scale,
     gains_energy,
-    kinetic_energy,
-    mechanical_energy,
-    potential_energy,
+    kinetic_and_potential,
+    level_ratio,
     separable_work_terms,
     stored_by_weight,
+    surely_inside,
 )
 from ocean_sim.parts import ALONE
 from ocean_sim.ship import Ship
@@ -79,7 +81,7 @@ class Health(OutcomeObserver, of=Config):
         self.judges_level = self.n > 0 and fluid.sound_speed > 0.0 and held and not simulation.scene.fluid.driven
         interval = ENERGY_CHECK_INTERVAL * basin.depth / fluid.reference_speed if self.judges_energy else 0.0
         self.energy_interval = interval  # [s]
-        self.energy_time, self.gain_reported = 0.0, False
+        self.energy_time = 0.0
         self.begun = False  # True once the first state is known
         self.first_energy = 0.0, 0.0  # of motion and height, and of compression [J]
         self.first_level = float("nan")
@@ -265,8 +267,7 @@ class Health(OutcomeObserver, of=Config):
         """Record an event if the water has energy that no force has given: over its energy scale, the highest kinetic
         energy so far and the work of what drives it, gravity included."""
         if self.balance is not None and not self.simulation.fluid.status.clipped:
-            fluid = with_particles(self.simulation.fluid)
-            work, moving = fluid.work, kinetic_energy(fluid.particles.mass, totals)
+            work, moving = self.simulation.fluid.work, kinetic_and_potential(self.simulation, totals)[0]
             self.highest_motion = max(self.highest_motion, moving)
             driving = sum(abs(work[term]) for term in self.work_terms if term in DRIVING_TERMS)
             share = self.unexplained_energy(self.balance, totals) / (self.scale + self.highest_motion + driving)
@@ -274,15 +275,15 @@ class Health(OutcomeObserver, of=Config):
 
     def unexplained_energy(self, balance: Balance, totals: Totals) -> float:
         """Energy [J] that no force has given to the water since the first check, or since a change of stiffness."""
-        fluid, gravity = with_particles(self.simulation.fluid), self.simulation.basin.gravity
+        fluid = self.simulation.fluid
         if fluid.sound_speed != self.stiffness:  # a person has changed the stiffness
             balance.at_first, self.stiffness = None, fluid.sound_speed
-        lifted = potential_energy(fluid.particles.mass, totals, gravity)
+        lifted = kinetic_and_potential(self.simulation, totals)[1]
         return balance.residual(sum(self.energy_parts(totals)), lifted, fluid.work)
 
     def energy_parts(self, totals: Totals) -> tuple[float, float]:
         """Kinetic plus potential energy of the water, and its energy of compression [J]."""
-        return mechanical_energy(self.simulation, totals), self.simulation.fluid.internal_energy()
+        return sum(kinetic_and_potential(self.simulation, totals)), self.simulation.fluid.internal_energy()
 
     def energy_violations(self, totals: Totals) -> Iterator[str]:
         """Yield a sentence for each excess of energy that no force has given: an unstable scheme makes energy long
@@ -293,9 +294,8 @@ class Health(OutcomeObserver, of=Config):
             moved, squeezed = (now - then for now, then in zip(self.energy_parts(totals), self.first_energy))
             gain, given = (moved + squeezed) / scale, (moved - self.stored) / scale
             self.energy_time = self.simulation.time
-            if not (gain <= GAIN_REPORTED or self.gain_reported):
-                self.record_event("energy from nowhere", over_m_v2=round(gain, 6), bound=bound)
-                self.gain_reported = True
+            if not gain <= GAIN_REPORTED:
+                self.record_once("energy from nowhere", over_m_v2=round(gain, 6), bound=bound)
             of = f"of its mass times the square of {fluid.reference_speed:.4g} m/s (bound {100.0 * bound:g} %)"
             if not gain <= bound:
                 cure = "try a larger fluid.kinematic_viscosity, or a shorter time step"

@@ -24,16 +24,13 @@ class Config(ObserverConfig):
     turn: ClassVar[int] = 2
     leaves: ClassVar[str] = "manifest.json"
 
-    def build(self, folder: Path, simulation: Simulation) -> "Manifest":
-        return Manifest(folder, simulation)
 
-
-class Manifest(OutcomeObserver):
+class Manifest(OutcomeObserver, of=Config):
     """Writes manifest.json, the facts of a run, without clock values, so that equal runs leave equal files."""
 
     left_out = ("facts",)  # the program that goes on has its own
 
-    def __init__(self, folder: Path, simulation: Simulation) -> None:
+    def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.path, self.simulation = folder / "manifest.json", simulation
         scene, fluid, backend = simulation.scene.resolved(), simulation.fluid, simulation.backend
         self.facts: dict[str, Any] = {

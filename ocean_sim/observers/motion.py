@@ -9,7 +9,7 @@ import numpy as np
 from ocean_sim.columns import Columns
 from ocean_sim.conventions import Frame, Motions, to_frame
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, TakesMotion, heading
+from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, TakesMotion, heading, legend
 from ocean_sim.parts import ALONE, LedgerRow, Preflight, Problems, called
 from ocean_sim.ship import Ship
 from ocean_sim.ship.body.track import (
@@ -134,11 +134,7 @@ class Log:
         head = heading(
             simulation,
             f"every {config.every:g} s, between steps poses on cubics, velocities and rates theirs, all else linear",
-            rates_and_specific_force=f"body axes, gravity included, felt at {config.point or 'the centre of mass'}",
-            angles="intrinsic yaw, pitch, roll; the quaternion turns body to world",
-            forces="world axes, torques about the centre of mass",
-            velocities="of the time of their row: how fast positions and attitudes change then",
-            damping="the reaction of added mass is part of damping",
+            **legend("motion", point=config.point or "the centre of mass"),
         )
         head |= {"frame": config.frame, "axes": FRAME_AXES[config.frame]}
         self.columns = log_columns(ship.parts)

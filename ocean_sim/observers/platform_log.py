@@ -5,8 +5,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from ocean_sim.observers.shared.csv_rows import CsvFile, TakesCommands, TakesMotion
-from ocean_sim.platform import LIMIT_TEXTS, PLATFORM_COLUMNS, Platform
+from ocean_sim.observers.shared.csv_rows import CsvFile, TakesCommands, TakesMotion, legend
+from ocean_sim.platform import LIMIT_TEXTS, PLATFORM_COLUMNS
 from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, ride_of, round_interval
 from ocean_sim.simulation import Observer, ObserverConfig, Simulation
 
@@ -19,38 +19,24 @@ class Config(ObserverConfig):
     leaves: ClassVar[str] = "platform.csv; washout and hexapod"
     needs: ClassVar[tuple[str, ...]] = ("platform", "motion")
 
-    def build(self, folder: Path, simulation: Simulation) -> "PlatformLog":
-        scene = simulation.scene
-        assert scene.platform is not None
-        rate = self.interval(scene.preflight)
-        observing = [config for config in scene.observers.values() if isinstance(config, ObserverConfig)]
-        at_once = any(self.name() in config.needs for config in observing)
-        logged = round_interval(rate)
-        head = heading(logged) | {"seed": scene.seed}
-        csv = CsvFile(folder / "platform.csv", head, PLATFORM_COLUMNS)
-        ship = scene.platform.ridden(list(scene.ships))
-        return PlatformLog(csv, scene.platform.build(logged), simulation, ship, at_once)
-
 
 def heading(every: float, frame: str = PLATFORM_FRAME) -> dict[str, object]:
     """Comment lines, by name, at the top of every platform.csv, whose rows are `every` [s] apart."""
-    return {
-        "frame": frame,
-        "axes": AXES_IN_WORDS[frame],
-        "pose": "from neutral; Rz(yaw) Ry(pitch) Rx(roll)",
-        "felt": "specific force, gravity included, and rates on the platform in its own axes, by differences of the "
-        "poses so far: accelerations are those of the row before, rates half a row late",
-        "limited": "the sum of " + ", ".join(f"{bit} ({what})" for bit, what in LIMIT_TEXTS.items()),
-        "rate": f"every {every:.9g} s",
-    }
+    columns = legend("platform", limits=", ".join(f"{bit} ({what})" for bit, what in LIMIT_TEXTS.items()))
+    return {"frame": frame, "axes": AXES_IN_WORDS[frame]} | columns | {"rate": f"every {every:.9g} s"}
 
 
-class PlatformLog(Observer, TakesMotion):
+class PlatformLog(Observer, TakesMotion, of=Config):
     """Writes platform.csv from rows of the motion log, equal to that of `ocean-sim platform` from the whole log."""
 
-    def __init__(self, csv: CsvFile, platform: Platform, simulation: Simulation, ship: str, at_once: bool) -> None:
-        """`ship`: name of the ship whose motion drives the platform; `at_once`: True if an observer awaits each row."""
-        self.csv, self.platform, self.simulation, self.ship, self.at_once = csv, platform, simulation, ship, at_once
+    def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
+        scene, self.simulation = simulation.scene, simulation
+        assert scene.platform is not None
+        every = round_interval(config.interval(scene.preflight))
+        self.platform, self.ship = scene.platform.build(every), scene.platform.ridden(list(scene.ships))
+        others = [other for other in scene.observers.values() if isinstance(other, ObserverConfig)]
+        self.at_once = any(config.name() in other.needs for other in others)  # another observer awaits each row
+        self.csv = CsvFile(folder / "platform.csv", heading(every) | {"seed": scene.seed}, PLATFORM_COLUMNS)
 
     def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
         """Write the platform's commands for rows of its ship's motion log, and give them to observers of commands."""

@@ -13,14 +13,11 @@ class Config(ObserverConfig):
     turn: ClassVar[int] = 3
     leaves: ClassVar[str] = "report.html, when the run is over"
 
-    def build(self, folder: Path, simulation: Simulation) -> "Report":
-        return Report(folder)
 
-
-class Report(OutcomeObserver):
+class Report(OutcomeObserver, of=Config):
     """Writes report.html from the files of the other observers; `render`, which closes later, writes it again."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.folder = folder
 
     def close(self) -> None:

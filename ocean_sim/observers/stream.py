@@ -10,7 +10,7 @@ from pydantic import field_validator
 from ocean_sim.files.input_file import AnyFileName
 from ocean_sim.observers.shared.csv_rows import TakesCommands
 from ocean_sim.parts import Preflight, Problems
-from ocean_sim.platform import Commands, Platform
+from ocean_sim.platform import Commands
 from ocean_sim.platform.shared.datagrams import Sender, parse_address, read_key
 from ocean_sim.platform.shared.packets import row_packets
 from ocean_sim.simulation import Observer, ObserverConfig, Simulation
@@ -47,20 +47,16 @@ class Config(ObserverConfig):
             return [(("key",), str(error))]
         return []
 
-    def build(self, folder: Path, simulation: Simulation) -> "Stream":
-        scene = simulation.scene
-        assert scene.platform is not None
-        every = self.interval(scene.preflight)
-        return Stream(self, scene.platform.build(every))
 
-
-class Stream(Observer, TakesCommands):
+class Stream(Observer, TakesCommands, of=Config):
     """Sends the rows of platform.csv by UDP. A run faster than real time waits; in a slower one the receiver holds its
     pose. At the end the platform returns to neutral."""
 
-    def __init__(self, config: Config, platform: Platform) -> None:
-        """`platform`: platform at rest, which computes the way back to neutral."""
-        self.config, self.platform = config, platform
+    def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
+        scene = simulation.scene
+        assert scene.platform is not None
+        self.config = config
+        self.platform = scene.platform.build(config.interval(scene.preflight))  # computes the way back to neutral
         self.past = np.zeros((0, 6))  # the last two poses
         self.time, self.seq = 0.0, 0  # of the last row
         self.sender = Sender(config.to, config.packets, read_key(config.key) if config.key else b"")

@@ -9,7 +9,7 @@ from typing import ClassVar, NamedTuple
 
 from ocean_sim.kernel_library import ti
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, heading
+from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, heading, legend
 from ocean_sim.simulation import NO_FOLDER, Observer, PeriodicConfig, Simulation
 
 
@@ -91,8 +91,7 @@ class Timings(Observer, of=Config):
                 heading(
                     self.simulation,
                     f"every {self.every:g} s, at the first step after it; means since the row before",
-                    first_step_s=f"{self.first_step_s:.3f} (compiles or loads kernels; in no mean)",
-                    wall_s="since the end of the first step",
+                    **legend("timings", first_step=self.first_step_s),
                 ),
                 ["time_s", "steps", "wall_s", "real_time_factor", *stages],
             )

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.conventions import Motions
+from ocean_sim.conventions import Motions, Unsuited
 from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of, parse_yaml, problem_at
 from ocean_sim.parts import SLOTS, from_coarse, slot_of
 from ocean_sim.reading.scene import SceneConfig, load
@@ -52,11 +52,11 @@ class Budget:
 
     @classmethod
     def of(cls, text: str) -> "Budget":
-        """Budget from a text: `realtime`, or a time such as 16ms or 30s. Raises ValueError for any other."""
+        """Budget from a text: `realtime`, or a time such as 16ms or 30s. Raises Unsuited for any other."""
         found = re.fullmatch(r"(\d+(?:\.\d+)?)(ms|s)|realtime", text.strip())
         if found is None or (found[1] and float(found[1]) <= 0.0):
             takes = "give realtime, or a time as in 16ms (of 1/60 s simulated) or 30s (in all)"
-            raise ValueError(f"--budget {text}: {takes}")
+            raise Unsuited(f"--budget {text}: {takes}")
         return cls(text.strip(), float(found[1]) if found[1] else 1.0)
 
     def seconds(self, row: dict[str, Any]) -> float | None:
@@ -87,20 +87,6 @@ class Setting:
                 text = value if isinstance(value, str) else json.dumps(value)  # which YAML reads
                 words.append(f"--set {quote(f'{key}={text}')}")
         return " ".join(words)
-
-
-@dataclass(frozen=True)
-class Repeat:
-    """One run of a study: a setting with one of its seeds."""
-
-    scene: SceneConfig
-
-    def order(self) -> dict[str, Any]:
-        return scene_run.run_order(self.scene)
-
-    def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
-        """One row: outcome, costs and measures of the run, with its result folder under the key `run`."""
-        return [answer | {"run": run}]
 
 
 def vary_setting(texts: list[str]) -> Varied:
@@ -169,7 +155,7 @@ def errors_against(result: Result, reference: Result) -> dict[str, float | None]
     """Errors of a run against a reference run, by quantity: rms over time, wave heights, wave periods [m, rad, s]."""
     found: dict[str, float | None] = {}
     legs = []
-    motions = [f"{name}_{unit}" for name in Motions._fields for unit in ("m", "rad")]
+    motions = [f"{name}_{unit}" for name, unit in zip(Motions._fields, scene_run.MOTION_UNITS)]
     afloat = scene_run.motion_tables(reference)
     for table, columns in (
         ("gauges", None),

@@ -10,11 +10,13 @@ A map is a picture: time step against another setting, the verdict at every poin
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.files.yaml_file import SceneError, read_mapping
+from ocean_sim.model import Model
 from ocean_sim.palette import BLUE, ORANGE, RED
 from ocean_sim.parts import compared
 from ocean_sim.reading.scene import SceneConfig, load
@@ -22,25 +24,11 @@ from ocean_sim.result import Result
 from ocean_sim.studies import reads_key
 from ocean_sim.studies.shared.pareto import label_log_axis
 from ocean_sim.studies.shared.scene_run import PICTURE_OBSERVERS, run_order, unwrapped_table
+from ocean_sim.studies.shared.study import Point
 
-COLUMN_SCENE: dict[str, Any] = {
-    "title": "A collapsing column",
-    "duration": 0.5,
-    "basin": {"length": 1.0, "depth": 0.5},
-    "fluid": {"spacing": 0.05, "kinematic_viscosity": 1e-3, "fill": [{"min": [-0.5, -0.5], "max": [0.0, 0.0]}]},
-    "accuracy": {"every": 0.02},
-}
-BOX_HULL = {"shape": {"kind": "box", "length": 1.0, "breadth": 0.8, "height": 0.8}, "mass": 320.0}
-AFLOAT_SCENE = {
-    "title": "A box afloat in 2-D, carried by the pressure of the water",
-    "duration": 0.5,
-    "basin": {"length": 3.2, "depth": 1.2},
-    "fluid": {"kind": "delta_sph", "spacing": 0.1, "compression": 0.02, "artificial_viscosity": 0.1},
-    "ship": {"kind": "pressure", "hull": BOX_HULL | {"centre_of_mass": [0.0, 0.3, 0.0]}},
-    "accuracy": {"every": 0.02},
-}
-STEP_FACTORS = (0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)  # over courant's own
-QUICK_STEP_FACTORS = (0.5, 1.0, 2.0, 4.0)
+PLAN: dict[str, Any] = read_mapping(Path(__file__).with_suffix(".yaml")).plain()
+COLUMN_SCENE, AFLOAT_SCENE, STEP_FACTORS = PLAN["column"], PLAN["afloat"], PLAN["step_factors"]
+AFLOAT_BOX_MASS = 640.0  # [kg] of the water in the box afloat
 MIN_STEPS, MAX_STEPS = 20, {True: 4000, False: 20_000}  # steps of a run
 MAX_ENERGY_GAIN, MAX_COMPRESSION, MAX_OVER_ALLOWED = 0.01, 0.05, 3.0
 MAX_RUN_SECONDS = {True: 300.0, False: 3600.0}  # wall time [s] of a run
@@ -49,17 +37,16 @@ VERDICT_LOOKS = {"stable": (BLUE, "o"), "degraded": (ORANGE, "^"), "stopped": (R
 LIMIT_LINES = {"acoustic": ("h / c", "-"), "viscous": ("h² / nu", "--"), "force": ("sqrt(h / a)", ":")}
 
 
-@dataclass(frozen=True)
-class Axis:
+class Axis(Model):
     """Setting that a stability map varies: name, scene key, unit, and its values in the quick and in the full study."""
 
     name: str
     key: str
     unit: str
-    quick: tuple[float, ...]
-    full: tuple[float, ...]
+    quick: list[float]
+    full: list[float]
     of: str = "fluid"
-    quick_steps: tuple[float, ...] = (1.0, 4.0)
+    quick_steps: list[float] = STEP_FACTORS["quick"]
 
     def settings(self, value: float) -> dict[str, Any]:
         """Scene settings by key that give the varied quantity this value."""
@@ -68,24 +55,15 @@ class Axis:
             volume = {"include": everywhere, "acceleration": [value, 0.0, 0.0]}
             return {"wind": {"kind": "gusts", "volumes": [volume]}} if value else {}
         if self.name == "mass ratio":
-            return {"ship.hull": BOX_HULL | {"mass": value * 0.8 * 0.8 * 1000.0, "centre_of_mass": [0.0, 0.3, 0.0]}}
+            return {self.key: value * AFLOAT_BOX_MASS}
         return {self.key: value}
 
 
-COMPRESSIONS, VISCOSITIES = (0.0005, 0.0025, 0.01, 0.04, 0.2, 1.0), (0.0, 1e-4, 0.01, 0.1, 1.0, 10.0, 40.0)
-EXTREME_AXES = (
-    Axis("compression", "fluid.compression", "1", (0.0025, 0.04, 1.0), COMPRESSIONS, "fluid", QUICK_STEP_FACTORS),
-    Axis("viscosity", "fluid.kinematic_viscosity", "m2/s", (0.1, 10.0), VISCOSITIES, "fluid", QUICK_STEP_FACTORS),
-    Axis("wind", "wind.volumes.acceleration", "m/s2", (24.4, 1000.0), (0.0, 2.44, 24.4, 244.0, 1000.0, 1e4)),
-    Axis("spacing", "resolution", "of the scene's", (0.5, 2.0), (0.25, 0.5, 1.0, 2.0, 4.0)),
-    Axis(
-        "mass ratio", "ship.hull.mass", "of the water in its box", (0.1, 0.9), (0.01, 0.05, 0.1, 0.3, 0.6, 0.9), "ship"
-    ),
-)
+EXTREME_AXES = tuple(Axis(**keys) for keys in PLAN["axes"])
 
 
 @dataclass(frozen=True)
-class Spot:
+class Spot(Point):
     """One run of a stability map: a scheme, a value of the varied setting, and a time step."""
 
     axis: Axis
@@ -95,9 +73,6 @@ class Spot:
     dt: float  # [s]
     limits: dict[str, float]  # [s] lengths and speeds alone, without any safety factor
     scene: SceneConfig
-
-    def order(self) -> dict[str, Any]:
-        return run_order(self.scene, 1)
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
         """One row: setting, time step, limits of the time step, verdict with its reason, and clock times."""
@@ -134,12 +109,12 @@ def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
             limits = calm.fluid.still_limits(calm.preflight)
             step = calm.time_step.build().next(limits)
             finite = {name: limit for name, limit in asdict(limits).items() if np.isfinite(limit)}
-            for factor in axis.quick_steps if quick else STEP_FACTORS:
+            for factor in axis.quick_steps if quick else STEP_FACTORS["full"]:
                 dt = factor * step
                 short = {"duration": min(max(calm.duration, MIN_STEPS * dt), MAX_STEPS[quick] * dt)}
                 fixed = {"time_step": {"kind": "fixed", "dt": dt}}
                 scene_at = load(base, own | axis.settings(value) | fixed | short)
-                yield Spot(axis, scheme, value, factor, dt, finite, scene_at)
+                yield Spot(run_order(scene_at, 1), axis, scheme, value, factor, dt, finite, scene_at)
 
 
 def verdict_of(

@@ -25,6 +25,7 @@ from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.reading.translation import checked
 from ocean_sim.result import Result
 from ocean_sim.studies.shared.scene_run import CLOCK_COLUMNS, PICTURE_OBSERVERS, run_order
+from ocean_sim.studies.shared.study import Point
 
 MOST_RUNS = 10_000
 Settings = dict[str, Node]
@@ -50,15 +51,11 @@ class PlanConfig(Model):
 
 
 @dataclass(frozen=True)
-class Planned:
-    """Run of a plan: its own settings, its scene, and its order (plain data), fixed when the plan was read."""
+class Planned(Point):
+    """Run of a plan: its own settings, and its scene, as they were when the plan was read."""
 
     settings: dict[str, Any]
     scene: SceneConfig
-    planned: dict[str, Any]
-
-    def order(self) -> dict[str, Any]:
-        return self.planned
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
         """One row: settings and answer of the run; clock times stand last, as only they change from call to call."""
@@ -83,7 +80,7 @@ def read_plan(path: Path, threads: int | None = None) -> list[Planned]:
             quiet = {name: node_of(None, Location("sweep")) for name in PICTURE_OBSERVERS if name not in named}
             scene = load(plan.scene, quiet | laid, plan.profile)
             plain = {key: value.plain() for key, value in settings.items()}
-            runs.append(Planned(plain, scene, run_order(scene, threads)))
+            runs.append(Planned(run_order(scene, threads), plain, scene))
         except SceneError as error:
             problems += [_locate_problem(node, laid, found) for found in error.problems]
     if problems:

@@ -5,97 +5,71 @@ thread; accuracy is each case's own error in its own unit, and no score is made 
 table and in the pictures.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+from time import perf_counter, process_time
 from typing import Any
 
-from ocean_sim.files.yaml_file import SceneError
+import numpy as np
+
+from ocean_sim.conventions import Diverged
+from ocean_sim.files.yaml_file import SceneError, read_mapping
+from ocean_sim.fluid import Fluid
+from ocean_sim.model import Model
 from ocean_sim.parts import compared
 from ocean_sim.result import Result
 from ocean_sim.studies import reads_key
-from ocean_sim.studies.shared.case_run import problem_of, run_order
+from ocean_sim.studies.shared.scene_run import BLOCK_STEPS, TIMED_PARTS, WARM_UP_STEPS, Clocked, plain_values
+from ocean_sim.studies.shared.study import Point
+from ocean_sim.validation import problems
+from ocean_sim.validation.shared.case import Number, Problem, Promise
 
-# By what a scheme is a kind of; the default of a scheme is run in any case.
-SETTING_AXES: dict[str, dict[str, tuple]] = {
-    "fluid": {
-        "fluid.support_ratio": (2.0, 2.5, 3.0, 4.0),
-        "time_step.courant_number": (0.3, 1.0),
-        "fluid.compression": (0.0025, 0.04),
-        "runtime.precision": ("f64",),
-    },
-    "ship": {"ship.cells_per_draught": (2, 4, 8, 16), "time_step.dt": (0.01, 0.02, 0.08)},
-    "surface": {"surface.spacing": (0.05, 0.1, 0.2, 0.4)},
-}
+PLAN: dict[str, Any] = read_mapping(Path(__file__).with_suffix(".yaml")).plain()
 RESOLVED_SLOTS = ("fluid", "surface")  # slots whose cases are run coarse and fine
 RESOLUTION_LEVELS = ((True, 1.0), (True, 0.5), (False, 1.0), (False, 0.5))  # coarse set-up or not; resolution over it
 QUICK_LEVELS = 2
-QUICK_VARIED = ("standing_wave", "taylor_green", "ship_rao", "surface_slab")
-QUICK_VALUES: dict[str, tuple] = {
-    "fluid.support_ratio": (2.0, 3.0),
-    "time_step.courant_number": (1.0,),
-    "fluid.compression": (0.04,),
-    "runtime.precision": ("f64",),
-    "ship.cells_per_draught": (2, 8),
-    "surface.spacing": (0.1, 0.2),
-}
 MAX_TIMED_SECONDS = {True: 4.0, False: 120.0}  # quick or not: processor time [s] after which a run is not timed again
 BUSY_CLOCK_RATIO = 1.3  # wall over processor time of one thread beyond which the machine was busy
+MAX_REPEATS = 3  # runs at most; the median time of their parts counts
+SURFACE_FRAMES = WARM_UP_STEPS + 3 * BLOCK_STEPS * TIMED_PARTS  # by which a surface is timed
 
 
-@dataclass(frozen=True)
-class Trial:
+class Trial(Model):
     """A validation case, and the one of its errors that pictures show; the table of the study holds all of them."""
 
     case: str
     quantity: str
     set_up: str = ""
     slot: str = "fluid"
-    only: tuple[str, ...] = ()  # kinds of the slot that the case fits; by default all that are compared
+    only: list[str] = []  # kinds of the slot that the case fits; by default all that are compared
     scatter: float | None = None  # scatter of experiments: a smaller error earns no credit
     quick: bool = True
     work: str = ""  # work that is timed, if not the steps
 
     @property
-    def schemes(self) -> tuple[str, ...]:
+    def schemes(self) -> Sequence[str]:
         """Names of the schemes, kinds of the slot `slot`, with which the case is run."""
         return self.only or compared(self.slot)
 
 
-TRIAL_CASES = (
-    Trial("hydrostatic", "pressure, L2 over rho g H"),
-    Trial("standing_wave", "Re 250: decay rate [1/s]", "Re 250"),
-    Trial("dam_break_front", "mean distance of the front, Martin & Moyce, a = 2.25 in [a]", scatter=8.0),
-    Trial("elliptical_drop", "minor semi-axis [m]"),
-    Trial("taylor_green", "L1 of the speed at t = 1"),
-    Trial("square_patch", "largest void [spacings]"),
-    Trial("sloshing", "period of the first mode [s]", quick=False),
-    Trial("wall_impact", "impulse p* t* to t* = 5.5, Buchner 2002", quick=False),
-    Trial("ship_rao", "barge20, head sea, 0.8 rad/s: heave [m/m]", "barge20, head sea", "ship"),
-    Trial("surface_slab", "height of the wave [m]", "", "surface", work="60 frames of the surface"),
-    Trial("ship_periods", "by rule: heave period [s]", "by rule", "ship", ("dynamic",), quick=False),
-    Trial("ship_drop", "constant: rms of heave [m]", "constant", "ship", ("dynamic",), scatter=0.033, quick=False),
-    Trial("ship_drop", "memory: rms of heave [m]", "memory", "ship", ("dynamic",), scatter=0.033, quick=False),
-)
+TRIAL_CASES = tuple(Trial(**keys) for keys in PLAN["trials"])
 
 
 @dataclass(frozen=True)
-class Point:
+class CasePoint(Point):
     """One run of the study: a case under a scheme, at a resolution, with at most one other setting changed."""
 
     trial: Trial
     scheme: str
     coarse: bool
     settings: dict[str, Any]
-    patience: float
-
-    def order(self) -> dict[str, Any]:
-        given = (self.trial.case, self.trial.set_up, self.coarse, self.scheme, self.settings, self.patience)
-        return run_order(*given)
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
         """One row for each error of the case; a single row without an error if the run gave none."""
         names = {"case": self.trial.case, "set_up": self.trial.set_up, "scheme": self.scheme, "changed": self.changed}
-        keys = ("resolution", *(key for axes in SETTING_AXES.values() for key in axes))
+        keys = ("resolution", *(key for axes in PLAN["axes"].values() for key in axes))
         head = names | {"coarse": self.coarse} | {key: self.settings.get(key) for key in keys}
         facts = {key: value for key, value in answer.items() if key != "errors"}
         errors = answer.get("errors") or [{"quantity": self.trial.quantity, "error": None}]
@@ -108,25 +82,29 @@ class Point:
         return ", ".join(f"{key}={value}" for key, value in rest.items())
 
 
-def study_points(quick: bool) -> list[Point]:
+def study_points(quick: bool) -> list[CasePoint]:
     """All runs of the study, the cheap ones of all cases first."""
     found = [point for trial in TRIAL_CASES if trial.quick or not quick for point in _of_trial(trial, quick)]
     return sorted(found, key=lambda point: (not point.coarse, point.settings.get("resolution", 1.0) < 1.0))
 
 
-def _of_trial(trial: Trial, quick: bool) -> Iterator[Point]:
+def _of_trial(trial: Trial, quick: bool) -> Iterator[CasePoint]:
     """Yield the runs of one case: every scheme, at each resolution, and with each other setting changed."""
+
+    def point(scheme: str, coarse: bool, settings: dict[str, Any]) -> CasePoint:
+        names = {"task": __name__, "case": trial.case, "set_up": trial.set_up, "coarse": coarse, "scheme": scheme}
+        order = names | {"set": settings, "machine": {"patience": MAX_TIMED_SECONDS[quick]}}
+        return CasePoint(order, trial, scheme, coarse, settings)
+
     for scheme in trial.schemes:
         slot = problem_of(trial.case, trial.set_up, True, scheme).slot
         for coarse, factor in _case_levels(trial, quick) if slot in RESOLVED_SLOTS else [(True, 1.0)]:
-            settings = {} if factor == 1.0 else {"resolution": factor}
-            yield Point(trial, scheme, coarse, settings, MAX_TIMED_SECONDS[quick])
-        if trial.case in QUICK_VARIED or not quick:
-            for key, values in SETTING_AXES[slot].items():
-                for value in QUICK_VALUES.get(key, ()) if quick else values:
-                    point = Point(trial, scheme, True, {key: value}, MAX_TIMED_SECONDS[quick])
-                    if _is_other_setting(point):
-                        yield point
+            yield point(scheme, coarse, {} if factor == 1.0 else {"resolution": factor})
+        if trial.case in PLAN["quick"]["cases"] or not quick:
+            for key, values in PLAN["axes"][slot].items():
+                for value in PLAN["quick"]["values"].get(key, ()) if quick else values:
+                    if _is_other_setting(other := point(scheme, True, {key: value})):
+                        yield other
 
 
 def _case_levels(trial: Trial, quick: bool) -> list[tuple[bool, float]]:
@@ -138,7 +116,7 @@ def _case_levels(trial: Trial, quick: bool) -> list[tuple[bool, float]]:
     return list(spacings.values())
 
 
-def _is_other_setting(point: Point) -> bool:
+def _is_other_setting(point: CasePoint) -> bool:
     """True if the scheme reads the settings of the point, and they differ from its defaults."""
     if not all(reads_key(point.scheme, key) for key in point.settings):
         return False
@@ -189,3 +167,73 @@ def equal_cost_rows(rows: list[dict[str, Any]], speed: str) -> list[dict[str, An
                 keys = ("error", "unit", speed, "particles", "changed")
                 found.append(group_of | {key: None if best is None else best[key] for key in keys})
     return found
+
+
+def problem_of(case: str, set_up: str, coarse: bool, scheme: str) -> Problem:
+    """Set-up `set_up` of a validation case, slow or not; if several have this name, the first that fits the scheme."""
+    found = [problem for problem in problems(case, slow=True, coarse=coarse) if problem.name == set_up]
+    return next(problem for problem in found if problem.schemes_for([scheme]))
+
+
+def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """Run the set-up of an order on one thread, several times; outcome, errors (equal in all runs) and median costs."""
+    problem = problem_of(order["case"], order["set_up"], order["coarse"], order["scheme"])
+    watched: dict[str, Any] = {"runtime.threads": 1}
+    if problem.slot == "fluid":
+        watched["health"] = {}  # a run of particles that leaves the physical world is a failure
+    scene = problem.load(order["scheme"], watched | dict(order["set"]))
+    began = perf_counter()
+    run = measure_run(problem, order, scene)
+    costs, repeats = run.pop("costs"), 1
+    while run["outcome"] == "done" and repeats < MAX_REPEATS and process_time() < order["machine"]["patience"]:
+        costs, repeats = costs + measure_run(problem, order, scene)["costs"], repeats + 1
+    spent, cpu = ([cost[key] for cost in costs] for key in ("wall_per_s", "cpu_per_s"))
+    clock = {"wall_per_s": median(spent), "wall_per_s_min": min(spent), "wall_per_s_max": max(spent)} if spent else {}
+    clock |= {"cpu_per_s": median(cpu)} if cpu else {}
+    clock |= {"repeats": repeats, "timings": len(costs)}
+    return run | clock | {"wall_s": perf_counter() - began, "processor_s": process_time()}
+
+
+def measure_run(problem: Problem, order: dict[str, Any], scene: Any) -> dict[str, Any]:
+    """Run a set-up once with a scene; returns outcome, errors by quantity, particles, time step and costs."""
+    with Clocked(scene) as simulation:
+        try:
+            found, reason = problem.measure(simulation).numbers, ""
+        except Diverged as failure:
+            found, reason = [(None, None, None)] * len(problem.promises), str(failure)
+        for _ in range(SURFACE_FRAMES if problem.slot == "surface" else 0):
+            simulation.frame()
+        fluid = simulation.fluid
+        return {
+            "outcome": "stopped" if reason else "done",
+            "reason": reason,
+            "particles": 0 if fluid.particles is None else int(fluid.particles.count.now),
+            "spacing_m": None if fluid.particles is None else float(fluid.particles.spacing),
+            "neighbours": neighbour_count(fluid),
+            "time_step_s": simulation.cost()["time_step_s"],
+            "threads": simulation.backend.threads,
+            "errors": [error_row(order, *each) for each in zip(problem.promises, found, strict=True)],
+            "costs": simulation.costs(),
+        }
+
+
+def error_row(order: dict[str, Any], promise: Promise, number: Number) -> dict[str, Any]:
+    """Row of a promised quantity: value, reference, error, unit, tolerance, and `ok` if it is within tolerance."""
+    found = promise.row(order["case"], order["scheme"], *number)
+    kept = ("quantity", "value", "reference", "error", "unit", "tolerance", "ok")
+    numbers = plain_values({key: found[key] for key in ("value", "reference", "error")})
+    return {key: found[key] for key in kept} | numbers
+
+
+def neighbour_count(fluid: Fluid) -> float | None:
+    """Mean number of neighbours of a particle at present; None for water without particles, or after it diverged."""
+    water = fluid.of_particles
+    if water is None:
+        return None
+    from scipy.spatial import cKDTree
+
+    x = water.positions()
+    if not np.isfinite(x).all():
+        return None
+    tree = cKDTree(x)
+    return float(tree.count_neighbors(tree, water.grid.support)) / len(x) - 1.0

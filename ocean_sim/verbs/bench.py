@@ -7,17 +7,14 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
-from importlib import import_module
 from pathlib import Path
 from statistics import median
 from time import monotonic, perf_counter, process_time
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import typer
 
 from ocean_sim.files.yaml_file import Problem, SceneError
-from ocean_sim.parts import PACKAGE
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Profile, Sets
 
@@ -52,7 +49,8 @@ def bench(
         raise typer.BadParameter("--peer-python goes with --peers")
     pythons = peer_python or []
     console.set_values(sets)
-    others = peer_programs() if peers else None
+    programs = "--peers: the programs that run others are"
+    others = console.checkout_module("benchmarks.peers", programs) if peers else None
     if others is not None:
         others.must_have_one(pythons)
     rows = []
@@ -72,16 +70,6 @@ def bench(
     console.answer(rows)
     if any(row.get("failed") for row in rows):
         raise typer.Exit(console.Lacking.exit_code)
-
-
-def peer_programs() -> ModuleType:
-    """The module `benchmarks.peers`, which times other programs; raises Refused outside a checkout of the project."""
-    checkout = PACKAGE.parent
-    if not (checkout / "benchmarks" / "peers.py").is_file():
-        where = "in a checkout of the project, in benchmarks/; use that"
-        raise console.Refused(f"--peers: the programs that run others are {where}")
-    sys.path.insert(0, str(checkout))
-    return import_module("benchmarks.peers")
 
 
 def measure_in_child(order: dict[str, Any], cold: bool) -> dict[str, Any]:

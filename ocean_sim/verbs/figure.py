@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Any
 
 import typer
 
@@ -22,16 +22,6 @@ from ocean_sim.verbs.shared.options import completion
 
 PROGRESS_LINE = re.compile(r" *(\d+)%  (.*)")  # how a script reports its progress
 ALL_FIGURES = "all"  # of the thesis, and its errata; our own studies are drawn by their names
-
-
-class Outcome(NamedTuple):
-    """Result of a figure's script: name, success, wall time [s], files and error message."""
-
-    figure: str
-    ok: bool
-    wall_s: float
-    files: list[Path]
-    error: str
 
 
 def figure_scripts() -> dict[str, Path]:
@@ -68,25 +58,27 @@ def figure(
         theirs = [name for name in known if name[0].isdigit() or name == "errata"] if ALL_FIGURES in names else []
         wanted = list(dict.fromkeys([*theirs, *(name for name in names if name != ALL_FIGURES)]))
         bar = Bar(len(wanted))
-        done: list[Outcome] = []
+        done: list[dict[str, Any]] = []
         try:
             for name in wanted:
                 console.say(f"[{len(done) + 1}/{len(wanted)}] {figure_sentence(known[name])}")
                 show = lambda share, text: bar.show(len(done) + share, text)
                 done.append(draw_figure(name, known[name], fast, out, show))
-                what = ", ".join(map(str, done[-1].files)) if done[-1].ok else f"FAILED: {done[-1].error}"
-                console.say(f"      {console.duration(done[-1].wall_s)}  {what}")
+                last = done[-1]
+                what = ", ".join(map(str, last["files"])) if last["ok"] else f"FAILED: {last['error']}"
+                console.say(f"      {console.duration(last['wall_s'])}  {what}")
         finally:
             bar.close()
-        failed = [outcome.figure for outcome in done if not outcome.ok]
-        console.answer([outcome._asdict() for outcome in done])
+        failed = [row["figure"] for row in done if not row["ok"]]
+        console.answer(done)
         if failed and not console.json_asked:
             console.complain(f"{len(failed)} of {len(done)} figures failed: {', '.join(failed)}")
         return 1 if failed else 0
 
 
-def draw_figure(name: str, script: Path, fast: bool, out: Path, show: Callable[[float, str], None]) -> Outcome:
-    """Run a script in a child process, then move its files to `out`; `show(share, text)` gets its progress, 0 to 1."""
+def draw_figure(name: str, script: Path, fast: bool, out: Path, show: Callable[[float, str], None]) -> dict[str, Any]:
+    """Run a script in a child process, then move its files to `out`; `show(share, text)` gets its progress, 0 to 1.
+    Returns the figure's name, success, wall time [s], files and error message."""
     began = perf_counter()
     paths = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
     with TemporaryDirectory(prefix=".figure-", dir=out) as folder:
@@ -107,6 +99,5 @@ def draw_figure(name: str, script: Path, fast: bool, out: Path, show: Callable[[
                 raise
         code = child.returncode
         files = [path.replace(out / path.name) for path in sorted(Path(folder).iterdir())] if code == 0 else []
-    ok = bool(files)
-    error = "" if ok else last or (f"its process died ({code})" if code else "it wrote nothing")
-    return Outcome(name, ok, perf_counter() - began, files, error)
+    error = "" if files else last or (f"its process died ({code})" if code else "it wrote nothing")
+    return {"figure": name, "ok": bool(files), "wall_s": perf_counter() - began, "files": files, "error": error}

@@ -155,13 +155,10 @@ def read_motion_log(
     several = sorted(found.name for found in log.glob("motion_*.csv")) if log.is_dir() and not path.exists() else []
     if several:
         raise console.Refused(f"{log} holds the logs of several ships; name one of {', '.join(several)}")
-    try:
-        found = (motion_log.read_log(path), []) if columns is None else read_own_log(path, columns, degrees, axes)
-        if frame is not None:
-            motion_log.check_convertible(found[0])
-        return found
-    except ValueError as error:
-        raise console.Refused(str(error)) from None
+    ride, said = (motion_log.read_log(path), []) if columns is None else read_own_log(path, columns, degrees, axes)
+    if frame is not None:
+        motion_log.check_convertible(ride)
+    return ride, said
 
 
 def write_commands(

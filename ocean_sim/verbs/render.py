@@ -41,22 +41,10 @@ def render(
     from ocean_sim.observers import render as drawing
     from ocean_sim.reading.translation import checked
 
-    asked = {
-        "camera": camera,
-        "quality": quality,
-        "size": picture_size(size),
-        "stills": number_list("--stills", stills),
-        "strip": strip,
-        "film": film,
-        "particles": particles,
-        "eye": number_list("--eye", eye),
-        "target": number_list("--target", target),
-        "ship": ship,
-        "caption": caption,
-        "outline": outline,
-        "scale_bar": scale_bar,
-        "wind": wind,
-    }
+    lists = {key: number_list(f"--{key}", text) for key, text in (("stills", stills), ("eye", eye), ("target", target))}
+    drawn = {"particles": particles, "caption": caption, "outline": outline, "scale_bar": scale_bar, "wind": wind}
+    kept = {"quality": quality, "size": picture_size(size), "strip": strip, "film": film}
+    asked = {"camera": camera, "ship": ship} | lists | drawn | kept
     if fps is not None and not 0.1 <= fps <= 240.0:
         raise console.Refused(f"--fps {fps:g}: choose 0.1 to 240 pictures a second")
     given = {key: value for key, value in asked.items() if value is not None}

@@ -83,8 +83,10 @@ def continue_run(
     from ocean_sim.observers.checkpoint import restore
     from ocean_sim.state.snapshot import FileShortened, Mismatch
 
-    def restored(simulation: Simulation) -> None:
+    away = TemporaryDirectory(prefix="ocean-sim-")
+    with stoppable(), away as elsewhere, Simulation(config, Path(elsewhere)) as simulation:
         if kept.made.get("backend") != simulation.backend.arch:
+            simulation.observers.clear()  # they have nothing to write
             backends = f"{kept.made.get('backend')}, and this one on {simulation.backend.arch}"
             raise console.Refused(f"{folder}: the checkpoint was made on {backends}")
         try:
@@ -93,14 +95,6 @@ def continue_run(
             raise console.Refused(f"{folder}: {problem}") from None
         except Mismatch as problem:
             raise console.Refused(f"{folder}: the checkpoint does not fit this program: {problem}") from None
-
-    away = TemporaryDirectory(prefix="ocean-sim-")
-    with stoppable(), away as elsewhere, Simulation(config, Path(elsewhere)) as simulation:
-        try:
-            restored(simulation)
-        except BaseException:
-            simulation.observers.clear()  # they have nothing to write
-            raise
         simulation.observers.append(progress)
         stop_if_asked()
         with reserve_disk_space(folder):

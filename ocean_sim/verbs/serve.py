@@ -7,18 +7,22 @@ import sys
 from contextlib import nullcontext, suppress
 from pathlib import Path
 from threading import Event
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from ocean_sim.files import run_files
 from ocean_sim.files.run_files import MANIFEST_FILE
+from ocean_sim.files.yaml_file import read_mapping
 from ocean_sim.machine import stoppable
 from ocean_sim.parts import library
 from ocean_sim.verbs.list import section_rows
 from ocean_sim.verbs.render import require_frames
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Profile, Sets
+
+if TYPE_CHECKING:
+    from ocean_sim.viewer.session import Source
 
 HTML_TYPE, BYTES_TYPE, JSON_TYPE = "text/html; charset=utf-8", "application/octet-stream", "application/json"
 LOCAL_HOST = "127.0.0.1"  # where a page is served to this machine alone
@@ -44,25 +48,18 @@ def serve(
             raise console.Refused("a finished run is only shown: --profile and --set are for scenes")
         watch_runs(runs, host, port, show)
     elif len(targets) == 1:
-        serve_play(targets[0], profile, sets, host, port, show, out)
+        from ocean_sim.viewer.session import Source
+
+        play_scene(Source.of(targets[0], profile, console.set_values(sets)), host, port, show, out)
     else:
         raise console.Refused("give one scene, or one or two run folders")
 
 
-def serve_play(
-    scene: str,
-    profile: str | None,
-    sets: list[str] | None,
-    host: str,
-    port: int | None,
-    show: bool,
-    out: Path | None,
-) -> None:
+def play_scene(source: "Source", host: str, port: int | None, show: bool, out: Path | None) -> None:
     """Simulate a scene and serve its page until Ctrl-C."""
     from ocean_sim.viewer.server import Server
-    from ocean_sim.viewer.session import Session, Source
+    from ocean_sim.viewer.session import Session
 
-    source = Source.of(scene, profile, console.set_values(sets))
     console.must_compute_with(source.load().runtime.library)  # what is wrong is told before anything is opened
     with stoppable(), Server(live_files(source.name), host, port, access_token(host), {"drives": True}) as server:
         announce_page(server, show, "the scene starts when a page is opened")
@@ -74,9 +71,8 @@ def serve_play(
 
 def scene_rows() -> list[dict[str, str]]:
     """Packaged scenes as in `section_rows`, each with the file of the gallery's `picture` of it, or an empty name."""
-    from ocean_sim.verbs.gallery import gallery_entries
-
-    shown = {entry.scene: entry.picture for entry in reversed(gallery_entries())}  # the first of each
+    listed = read_mapping(library("figures") / "gallery" / "gallery.yaml").plain()["pictures"]
+    shown = {entry["scene"]: entry["picture"] for entry in reversed(listed)}  # the first of each
     return [row | {"picture": shown.get(row["name"], "")} for row in section_rows("scenes")]
 
 

@@ -5,8 +5,7 @@ from pathlib import Path
 import typer
 
 from ocean_sim.machine import available_cores
-from ocean_sim.studies.shared.runs import ADDRESS_PATTERN
-from ocean_sim.studies.shared.study import Study
+from ocean_sim.studies.shared.study import ADDRESS_PATTERN, Study
 from ocean_sim.studies.sweep import read_plan
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import rows_of

@@ -12,7 +12,6 @@ from ocean_sim.studies.scene_tradeoff import (
     PROFILE_NAMES,
     SEED_COUNTS,
     Budget,
-    Repeat,
     Setting,
     best_setting,
     clock_note,
@@ -24,8 +23,8 @@ from ocean_sim.studies.scene_tradeoff import (
     vary_setting,
 )
 from ocean_sim.studies.shared import pareto
-from ocean_sim.studies.shared.scene_run import CLOCK_COLUMNS
-from ocean_sim.studies.shared.study import Study, write_table
+from ocean_sim.studies.shared.scene_run import CLOCK_COLUMNS, run_order
+from ocean_sim.studies.shared.study import Point, Study, write_table
 from ocean_sim.studies.tradeoff import TRIAL_CASES, clock_column, equal_cost_rows, pareto_front, study_points
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import rows_of
@@ -57,7 +56,8 @@ def tradeoff(
     if scene is not None:
         folder = out or Path("runs") / "tradeoff" / Path(scene).stem
         with console.claim(folder, *STUDY_FILES):
-            of_scene(scene, profile, sets, vary, budget, by, quick, folder)
+            limit, varied = None if budget is None else Budget.of(budget), vary_setting(vary or [EVERY_PROFILE])
+            of_scene(setting_grid(scene, profile, console.set_values(sets), varied, quick), limit, by, quick, folder)
         return
     for name, given in (("vary", vary), ("budget", budget), ("by", by), ("profile", profile), ("set", sets)):
         if given:
@@ -105,28 +105,14 @@ def print_settings(title: str, rows: list[dict[str, Any]], speed: str) -> None:
     console.table(f"\n{title}", list(CASE_COLUMNS), lines)
 
 
-def of_scene(
-    scene: str,
-    profile: str | None,
-    sets: list[str],
-    vary: list[str],
-    budget: str | None,
-    by: str | None,
-    quick: bool,
-    out: Path,
-) -> None:
+def of_scene(plan: list[Setting], limit: Budget | None, by: str | None, quick: bool, out: Path) -> None:
     """Run a scene with every setting and seed, one run at a time; write tradeoff.csv, seeds.csv and a picture."""
-    try:
-        limit = None if budget is None else Budget.of(budget)
-    except ValueError as why:
-        raise console.Refused(str(why)) from None
-    plan = setting_grid(scene, profile, console.set_values(sets), vary_setting(vary or [EVERY_PROFILE]), quick)
     seeds = SEED_COUNTS[quick] if any(setting.scenes[0].wind.is_random for setting in plan) else 1
     if not console.json_asked:
         finest = next(setting for setting in plan if setting.finest).line()
         each = f"{seeds} seeds each" if seeds > 1 else "one seed each, as nothing is drawn from it"
         console.say(f"{len(plan)} settings with {each}, one run at a time; the reference is {finest}")
-    repeats = [Repeat(scene) for setting in plan for scene in setting.scenes[:seeds]]
+    repeats = [Point(run_order(scene)) for setting in plan for scene in setting.scenes[:seeds]]
     found = rows_of(Study(repeats, out / "runs", 1))  # one at a time, for their time is measured
     rows, single = compare_with_finest(plan, seeds, found)
     write_table(out / "seeds.csv", single)
@@ -182,7 +168,7 @@ def confirmed_setting(
     reference = next(setting for setting in plan if setting.finest)
     while (row := best_setting(left, judge, limit)) is not None:
         setting = plan[next(n for n, one in enumerate(rows) if one is row)]
-        points = [Repeat(one.scenes[seeds]) for one in (setting, reference)]
+        points = [Point(run_order(one.scenes[seeds])) for one in (setting, reference)]
         own, finest = rows_of(Study(points, again, 1))
         done = own["outcome"] == finest["outcome"] == "done"
         spent, error = limit.spent(own), errors_against(own["run"], finest["run"]).get(judge) if done else None

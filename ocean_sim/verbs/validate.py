@@ -5,24 +5,26 @@ from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from fnmatch import filter as matching
+from math import ceil
 from multiprocessing import active_children, get_context, parent_process
 from pathlib import Path
 from typing import Any
 
 import typer
 
-from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.atomic_file import atomic_write, save_figure
 from ocean_sim.files.csv_file import write_table
 from ocean_sim.machine import available_cores, exit_after
 from ocean_sim.parts import kinds
 from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.validation import case_names, problems
-from ocean_sim.validation.shared.case import ROW_KEYS, Problem
-from ocean_sim.validation.shared.plot import draw
+from ocean_sim.validation.shared.case import ROW_KEYS, Curve, Finding, Problem
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Sets, completion
 
 TOO_LONG, NOT_COARSE = "takes too long for a gate", "has no coarse set-up"
+PANELS_IN_ROW = 4
+LINE_STYLES, MARKER_STYLES = ("-", "--", ":", "-."), (".", "^", "s", "x", "+")
 
 
 def validate(
@@ -109,7 +111,7 @@ def case_answer(order: Order) -> list[dict[str, Any]]:
         found, finding = problem.run(case, scheme, overrides)
         rows += found
         runs.append((problem, scheme, finding))
-    console.draw_if_able(draw, out / f"{case}.png", case, runs)
+    console.draw_if_able(draw_case, out / f"{case}.png", case, runs)
     return rows
 
 
@@ -194,3 +196,40 @@ def write_junit(path: Path, rows: list[dict[str, Any]]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     with atomic_write(path) as draft:
         ElementTree(suites).write(draft, encoding="utf-8", xml_declaration=True)
+
+
+def draw_case(path: Path, case: str, runs: list[tuple[Problem, str, Finding]]) -> None:
+    """Draw runs (set-up, scheme, finding) of a case into a file; none is written if no run has curves or diverged."""
+    from matplotlib.figure import Figure
+
+    panels = list(dict.fromkeys(problem.name for problem, _, found in runs if found.measured or not found.numbers))
+    if not panels:
+        return
+    across = min(len(panels), PANELS_IN_ROW)
+    down = ceil(len(panels) / across)
+    schemes = list(dict.fromkeys(scheme for _, scheme, _ in runs))
+    figure = Figure(figsize=(6.4 * across, 4.8 * down), layout="constrained")
+    for k, name in enumerate(panels):
+        axes = figure.add_subplot(down, across, k + 1)
+        here = [(scheme, found) for problem, scheme, found in runs if problem.name == name]
+        for scheme, found in here:
+            for n, curve in enumerate(found.measured):
+                plot_curve(axes, curve, f"{scheme}: {curve.label}", f"C{schemes.index(scheme)}", n)
+        shown = next((found for _, found in here if found.measured), None)
+        if shown is None:
+            axes.text(0.5, 0.5, "diverged", ha="center", transform=axes.transAxes)
+        else:
+            for n, curve in enumerate(shown.expected):
+                plot_curve(axes, curve, curve.label, "black", n)
+            axes.set(xlabel=shown.axes[0], ylabel=shown.axes[1])
+            axes.legend(fontsize="x-small")
+        axes.set_title(f"{case}: {name}" if name else case)
+        axes.grid(alpha=0.3)
+    save_figure(figure, path)
+
+
+def plot_curve(axes: Any, curve: Curve, label: str, colour: str, n: int) -> None:
+    """Plot a curve as a line or points on Matplotlib axes; `n`: index of its style in LINE_STYLES or MARKER_STYLES."""
+    dots = {"linestyle": "none", "marker": MARKER_STYLES[n % len(MARKER_STYLES)], "markersize": 3}
+    line = {"linestyle": LINE_STYLES[n % len(LINE_STYLES)], "linewidth": 1.2}
+    axes.plot(curve.x, curve.y, label=label, color=colour, **(dots if curve.points else line))

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from benchmarks import another_python, peers, pysph_dam, splishsplash
-from ocean_sim.verbs import bench
+from ocean_sim import parts
 
 PEER_PYTHON = os.environ.get("OCEAN_SIM_PEER_PYTHON")
 
@@ -156,7 +156,7 @@ def test_other_programs_compute_the_dam_breaks(others, tmp_path):
 
 
 def test_without_a_checkout_a_sentence_says_where_the_peers_are(ask, monkeypatch, tmp_path):
-    monkeypatch.setattr(bench, "PACKAGE", tmp_path / "ocean_sim")
+    monkeypatch.setattr(parts, "PACKAGE", tmp_path / "ocean_sim")
     code, out, err = ask("bench", "--peers")
     assert (code, out) == (2, "")
     assert err == "--peers: the programs that run others are in a checkout of the project, in benchmarks/; use that\n"

@@ -11,9 +11,9 @@ import pytest
 
 import ocean_sim
 from ocean_sim.conventions import GRAVITY, Diverged
-from ocean_sim.observers.shared import energy
 from ocean_sim.reading.scene import SceneError, observer_names
 from tests.conftest import Start
+from tests.water_energy import total_energy
 
 DEPTH = 0.5  # [m]
 COLUMN = {
@@ -92,7 +92,7 @@ def run(begun: Begun, scheme: str, extreme: str, monkeypatch, crossings: float =
         x[1] = x[0]
         particles.position.from_numpy(x)
         fluid.begin()
-    before = energy.total_energy(simulation)
+    before = total_energy(simulation)
     try:
         usual = DURATIONS.get(extreme, COLUMN["duration"])
         simulation.run(until=max(usual, crossings * DEPTH / fluid.sound_speed))
@@ -105,7 +105,7 @@ def run(begun: Begun, scheme: str, extreme: str, monkeypatch, crossings: float =
     assert particles.density.to_numpy().max() < 1500.0
     assert np.abs(v).max() < 10.0 * np.sqrt(GRAVITY * DEPTH)
     weight = particles.mass * particles.n * GRAVITY * DEPTH
-    assert energy.total_energy(simulation) - before < 0.1 * weight
+    assert total_energy(simulation) - before < 0.1 * weight
     return ""
 
 

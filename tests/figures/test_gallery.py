@@ -4,9 +4,10 @@ import re
 
 import pytest
 
-from ocean_sim import pictures
+from figures.gallery import redraw as gallery
+from ocean_sim import parts, pictures
 from ocean_sim.parts import library
-from ocean_sim.verbs import gallery
+from ocean_sim.verbs import gallery as verb
 
 FOLDER = library("figures") / "gallery"
 
@@ -81,4 +82,13 @@ def test_the_docs_show_every_picture_with_its_commands(monkeypatch):
 @pytest.mark.parametrize("name", ["showcas", "nothing"])
 def test_a_name_that_is_not_there_is_refused(name):
     with pytest.raises(gallery.console.Refused, match="there is no picture"):
-        gallery.gallery([name], False, False, None)
+        gallery.redraw([name], False, False, None)
+
+
+def test_without_a_checkout_a_sentence_says_where_the_program_is(monkeypatch, tmp_path):
+    monkeypatch.setattr(parts, "PACKAGE", tmp_path / "ocean_sim")
+    where = (
+        "^gallery: the program that makes the pictures is in a checkout of the project, in figures/gallery/; use that$"
+    )
+    with pytest.raises(gallery.console.Refused, match=where):
+        verb.gallery()

@@ -10,11 +10,12 @@ from ocean_sim.fluid import delta_sph
 from ocean_sim.fluid.delta_sph import BULK_VISCOSITY, IMPACT_DISSIPATION
 from ocean_sim.fluid.sph.law import NO_COLUMN
 from ocean_sim.fluid.sph.smoothing import NEUTRAL_KERNEL, NEUTRAL_RATIO, Stencil
-from ocean_sim.observers.shared.energy import Balance, potential_energy, separable_work_terms, total_energy
+from ocean_sim.observers.shared.checks import Balance, kinetic_and_potential, separable_work_terms
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from tests.fluid.conftest import box, by_id, put
 from tests.fluid.lattice_modes import softest_mode
+from tests.water_energy import total_energy
 
 OPEN = {"length": 1.0, "width": 1.0, "depth": 0.5, "walls": "none", "floor": "none", "gravity": [0.0, 0.0, 0.0]}
 ROUND = {"length": 1.0, "depth": 1.0, "walls": {"x": "periodic", "y": "periodic"}, "floor": "none"}
@@ -348,10 +349,10 @@ def poured() -> tuple[float, float]:
     scene |= {"fluid": {"kind": "delta_sph", "spacing": 0.05, "fill": fill, "emitter": keys}}
     with Simulation(load(scene)) as simulation:
         fluid = simulation.fluid
-        books, gravity = Balance(simulation, separable_work_terms(simulation)), simulation.basin.gravity
+        books = Balance(simulation, separable_work_terms(simulation))
 
         def lacking() -> float:
-            potential = potential_energy(fluid.particles.mass, fluid.totals(), gravity)
+            potential = kinetic_and_potential(simulation, fluid.totals())[1]
             return books.residual(total_energy(simulation), potential, fluid.work)
 
         lacking()

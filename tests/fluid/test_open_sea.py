@@ -18,11 +18,12 @@ from ocean_sim.fluid.patch.sources import Depths, PlaneWaveSource, SteepSource
 from ocean_sim.fluid.sph import initial_state
 from ocean_sim.fluid.sph.initial_state import patch_waves
 from ocean_sim.kernel_library import ti
-from ocean_sim.observers.shared.energy import kinetic_energy, total_energy
+from ocean_sim.observers.shared.checks import kinetic_and_potential
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.state import particle_state
 from tests.conftest import quickly
+from tests.water_energy import total_energy
 
 G, LENGTH = 9.81, 2.0  # [m/s2], [m] of the wave
 PERIOD = 2.0 * np.pi / float(waves.angular_frequency(2.0 * np.pi / LENGTH, 1.0, G))
@@ -193,7 +194,7 @@ def moving(until: float) -> float:
         while simulation.time < until:
             simulation.run(simulation.time + 0.5)
             if simulation.time > until / 1.5:
-                found.append(kinetic_energy(water.particles.mass, water.totals()))
+                found.append(kinetic_and_potential(simulation, water.totals())[0])
     return float(np.mean(found)) / linear
 
 

@@ -10,7 +10,7 @@ from ocean_sim.observers import accuracy, gauges, manifest, report, timings
 from ocean_sim.observers.shared.page import (
     CURVE_COLOURS,
     MAX_POINTS,
-    STYLE_FILE,
+    PAGE_FILE,
     draw_curves,
     keep_crests,
     round_ticks,
@@ -183,7 +183,7 @@ def contrast(a, b):
 
 def test_every_word_of_a_page_has_a_contrast_of_4_5_to_1_in_both_themes():
     assert contrast("#000", "#ffffff") == pytest.approx(21.0) and contrast("#777777", "#fff") < 4.5
-    themes = re.findall(r":root \{([^}]*)\}", STYLE_FILE.read_text())
+    themes = re.findall(r":root \{([^}]*)\}", PAGE_FILE.read_text())
     light, dark = (dict(re.findall(r"--(\w+): (#[0-9a-f]+)", theme)) for theme in themes[:2])
     for theme in (light, light | dark):
         for words in ("ink", "soft", "bad", "link"):
@@ -193,7 +193,7 @@ def test_every_word_of_a_page_has_a_contrast_of_4_5_to_1_in_both_themes():
 
 def test_every_curve_has_a_contrast_of_4_5_to_1_in_both_themes():
     """That of words, with the factor by which a theme makes its colours darker or lighter."""
-    for theme in re.findall(r":root \{([^}]*)\}", STYLE_FILE.read_text())[:2]:
+    for theme in re.findall(r":root \{([^}]*)\}", PAGE_FILE.read_text())[:2]:
         factor, paper = (re.search(rf"--{name}: ([^;]+);", theme).group(1) for name in ("curves", "paper"))
         for colour in CURVE_COLOURS:
             parts = [min(round(float(factor) * int(colour[k : k + 2], 16)), 255) for k in (1, 3, 5)]

@@ -9,7 +9,6 @@ from ocean_sim import runtime
 from ocean_sim.basin.solids.voxels import distance_lattice
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.observers.shared.energy import total_energy
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.ship.body.rigid_body import RigidBody, advance_body, euler_quaternion, with_spin
 from ocean_sim.ship.hull.shapes import Box, Sphere
@@ -17,6 +16,7 @@ from ocean_sim.ship.water import wave_contact
 from ocean_sim.ship.water.wall_contact import Sides
 from ocean_sim.simulation import Simulation
 from tests.conftest import Start
+from tests.water_energy import total_energy
 
 QUIET = {name: None for name in observer_names() if name != "manifest"} | {"runtime.threads": 1}
 SHAPE = {"kind": "box", "length": 0.6, "breadth": 0.6, "height": 0.5}

@@ -10,8 +10,7 @@ from ocean_sim.__main__ import run_command_line
 from ocean_sim.parts import compared
 from ocean_sim.reading.scene import load
 from ocean_sim.studies import reads_key
-from ocean_sim.studies.shared import runs
-from ocean_sim.studies.shared import study as table_module
+from ocean_sim.studies.shared import study
 from ocean_sim.studies.stability import COLUMN_SCENE, EXTREME_AXES, grid_points, map_summary, verdict_of
 
 TANK = """basin: {length: 1.0, depth: 0.5}
@@ -96,12 +95,12 @@ def test_the_study_leaves_tables_and_pictures_and_tells_what_has_no_verdict(caps
         Path(folder).mkdir(parents=True)
         columns = table(gain=0.05 if order["scene"]["fluid"]["compression"] == 1.0 else 0.0)
         rows = [dict(zip(columns, values)) for values in zip(*columns.values())]
-        table_module.write_table(Path(folder) / "accuracy.csv", rows)
+        study.write_table(Path(folder) / "accuracy.csv", rows)
         if order["scene"]["wind"]["kind"] == "gusts":
-            return runs.failure_row("its process was ended by SIGSEGV")
+            return study.failure_row("its process was ended by SIGSEGV")
         return {"outcome": "stopped", "reason": "too fast"} if order["scene"]["time_step"]["dt"] > 0.08 else DONE
 
-    monkeypatch.setattr(runs, "perform_run", made_up)
+    monkeypatch.setattr(study, "perform_run", made_up)
     assert run_command_line(["stability", "tank.yaml", "--quick", "--out", "out"]) == 1
     said = capsys.readouterr().out
     assert "4 without a verdict" in said and "no verdict: wind 24.4, delta_sph" in said and "SIGSEGV" in said

@@ -16,7 +16,7 @@ import pytest
 from ocean_sim.__main__ import run_command_line
 from ocean_sim.files.yaml_file import SceneError, parse_mapping
 from ocean_sim.parts import PACKAGE
-from ocean_sim.studies.shared import runs as runs_module
+from ocean_sim.studies.shared import study
 from ocean_sim.studies.sweep import read_plan
 from tests.processes import wait_for, wait_for_end
 
@@ -80,8 +80,8 @@ def test_a_plan_means_every_combination_in_its_own_order():
 def test_equal_scenes_have_one_address_and_others_another():
     first, *_, last = read_plan(Path("plan.yaml"), threads=1)
     other = read_plan(Path("plan.yaml"), threads=2)[0]
-    assert runs_module.run_address(first.order()) == runs_module.run_address(other.order())
-    assert runs_module.run_address(first.order()) != runs_module.run_address(last.order())
+    assert study.run_address(first.order) == study.run_address(other.order)
+    assert study.run_address(first.order) != study.run_address(last.order)
 
 
 NAMED = {  # by what names a file: the scene around its name, and two contents of it
@@ -132,8 +132,8 @@ def test_every_file_that_a_scene_names_is_part_of_an_address(key, tmp_path):
         else:
             Path("f").write_text(text.replace("%d", str(size)))
         [run] = read_plan(Path("plan.yaml"))
-        assert list(run.planned["inputs"]) == [str(tmp_path / ("f.stl" if key == "hull" else "f"))]
-        return runs_module.run_address(run.order())
+        assert list(run.order["inputs"]) == [str(tmp_path / ("f.stl" if key == "hull" else "f"))]
+        return study.run_address(run.order)
 
     first = address(1)
     assert address(2) != first and address(1) == first
@@ -144,7 +144,7 @@ def test_a_key_that_signs_packets_is_no_input_and_is_in_no_manifest():
     ship = "ship: otter\nplatform: {kind: hexapod, geometry: hexapod_a, washout: ship}\nstream: {key: key}\n"
     Path("sea.yaml").write_text(SEA + ship)
     Path("plan.yaml").write_text("scene: sea.yaml\nseeds: [1]\n")
-    assert read_plan(Path("plan.yaml"))[0].planned["inputs"] == {}
+    assert read_plan(Path("plan.yaml"))[0].order["inputs"] == {}
 
 
 def test_a_second_sweep_runs_again_what_names_a_file_that_has_changed(capsys):
@@ -159,9 +159,9 @@ def test_a_second_sweep_runs_again_what_names_a_file_that_has_changed(capsys):
         assert run_command_line(["sweep", "plan.yaml", "--out", "out", "--workers", "1", "--json"]) == 0
         surges.append(json.loads(capsys.readouterr().out)[0]["surge_rms_m"])
     assert surges[0] != surges[1]
-    order = read_plan(Path("plan.yaml"), 1)[0].order()
+    order = read_plan(Path("plan.yaml"), 1)[0].order
     Path("c.csv").write_text(controls % ("0.5", "0.5"))
-    [(_, answer)] = runs_module.run_answers([order], Path("late"), 1)
+    [(_, answer)] = study.run_answers([order], Path("late"), 1)
     assert answer["outcome"] == "failed"
     assert answer["reason"] == "a file that the scene names has changed since this run was planned"
     assert not any(Path("late").rglob("answer.json"))
@@ -195,36 +195,36 @@ def test_a_wrong_plan_is_exit_code_2_and_leaves_nothing(capsys):
 def test_a_killed_worker_is_a_failure_and_the_others_go_on():
     def kill_the_second() -> None:
         wait_for("the second run", (begun / "begun").exists)
-        for child in list(runs_module._running):
+        for child in list(study._running):
             if Path(child.args[-1]) == begun.resolve():
                 os.kill(child.pid, signal.SIGKILL)
 
     asked = orders(4, wait=1.5)
-    begun = Path("out") / runs_module.run_address(asked[1])
+    begun = Path("out") / study.run_address(asked[1])
     Thread(target=kill_the_second).start()
-    found = dict(runs_module.run_answers(asked, Path("out"), workers=2))
+    found = dict(study.run_answers(asked, Path("out"), workers=2))
     assert [found[k]["outcome"] for k in range(4)] == ["done", "failed", "done", "done"]
     assert "SIGKILL" in found[1]["reason"]
-    kept = {k: os.stat(Path("out") / runs_module.run_address(asked[k]) / "answer.json").st_mtime_ns for k in (0, 2, 3)}
-    again = dict(runs_module.run_answers(asked, Path("out"), workers=2))  # the same call repeats the failed one alone
+    kept = {k: os.stat(Path("out") / study.run_address(asked[k]) / "answer.json").st_mtime_ns for k in (0, 2, 3)}
+    again = dict(study.run_answers(asked, Path("out"), workers=2))  # the same call repeats the failed one alone
     assert [again[k]["outcome"] for k in range(4)] == 4 * ["done"]
     for k, when in kept.items():
-        assert os.stat(Path("out") / runs_module.run_address(asked[k]) / "answer.json").st_mtime_ns == when
+        assert os.stat(Path("out") / study.run_address(asked[k]) / "answer.json").st_mtime_ns == when
 
 
 def test_a_run_that_falls_or_takes_too_long_says_so():
-    ((_, fallen),) = runs_module.run_answers(orders(1, fall="no space left"), Path("out"), workers=1)
+    ((_, fallen),) = study.run_answers(orders(1, fall="no space left"), Path("out"), workers=1)
     assert (fallen["outcome"], fallen["reason"]) == ("failed", "no space left")
-    ((_, slow),) = runs_module.run_answers(orders(1, wait=60.0), Path("out"), workers=1, limit=1.0)
+    ((_, slow),) = study.run_answers(orders(1, wait=60.0), Path("out"), workers=1, limit=1.0)
     assert slow["outcome"] == "failed" and "1 s of wall time" in slow["reason"]
 
 
 def test_equal_orders_are_run_once_and_torn_answers_again():
     asked = [*orders(1), *orders(1)]
-    place = Path("out") / runs_module.run_address(asked[0])
+    place = Path("out") / study.run_address(asked[0])
     place.mkdir(parents=True)
     (place / "answer.json").write_text('{"outcome": "do')
-    found = sorted(runs_module.run_answers(asked, Path("out"), workers=2))
+    found = sorted(study.run_answers(asked, Path("out"), workers=2))
     assert [k for k, _ in found] == [0, 1] and found[0][1] == found[1][1] == {"outcome": "done", "number": 0}
     assert len(list(Path("out").iterdir())) == 1
 
@@ -248,13 +248,11 @@ def test_a_cluster_gets_the_orders_that_are_left(monkeypatch):
             return ThreadPoolExecutor(2)
 
     monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace(Client=Client, LocalCluster=None))
-    found = dict(runs_module.run_answers(orders(2), Path("out"), 1, "tcp://there:8786"))
+    found = dict(study.run_answers(orders(2), Path("out"), 1, "tcp://there:8786"))
     assert asked_for == ["tcp://there:8786"] and [found[k]["number"] for k in (0, 1)] == [0, 1]
-    with pytest.raises(runs_module.ClusterMissing, match="no Dask scheduler answers at tcp://nowhere:1"):
-        list(runs_module.run_answers(orders(3), Path("out"), 1, "tcp://nowhere:1"))
-    assert (
-        len(list(runs_module.run_answers(orders(2), Path("out"), 1, "tcp://nowhere:1"))) == 2
-    )  # nothing is left to be run
+    with pytest.raises(study.ClusterMissing, match="no Dask scheduler answers at tcp://nowhere:1"):
+        list(study.run_answers(orders(3), Path("out"), 1, "tcp://nowhere:1"))
+    assert len(list(study.run_answers(orders(2), Path("out"), 1, "tcp://nowhere:1"))) == 2  # nothing is left to be run
 
 
 def test_two_workers_of_a_real_cluster_one_of_which_is_killed():
@@ -268,7 +266,7 @@ def test_two_workers_of_a_real_cluster_one_of_which_is_killed():
             os.kill(pid, signal.SIGKILL)
 
         Thread(target=kill).start()
-        found = dict(runs_module.run_answers(asked, Path("out"), 2, cluster.scheduler_address))
+        found = dict(study.run_answers(asked, Path("out"), 2, cluster.scheduler_address))
     assert [found[k]["outcome"] for k in range(4)] == 4 * ["done"]
 
 
@@ -276,8 +274,8 @@ def test_two_workers_of_a_real_cluster_one_of_which_is_killed():
 def test_no_run_outlives_the_study(sign, tmp_path):
     script = f"""
 from pathlib import Path
-from ocean_sim.studies.shared import runs as runs_module
-list(runs_module.run_answers({orders(5, wait=60.0)!r}, Path("out"), workers=2))
+from ocean_sim.studies.shared import study
+list(study.run_answers({orders(5, wait=60.0)!r}, Path("out"), workers=2))
 """
     path = os.pathsep.join([str(PACKAGE.parent), str(tmp_path)])
     study = subprocess.Popen([sys.executable, "-c", script], env=os.environ | {"PYTHONPATH": path}, stderr=-1)
@@ -292,9 +290,9 @@ list(runs_module.run_answers({orders(5, wait=60.0)!r}, Path("out"), workers=2))
 
 def test_another_package_has_other_answers(monkeypatch):
     (order,) = orders(1)
-    before = runs_module.run_address(order)
-    monkeypatch.setattr(runs_module, "program_hash", lambda: "edited")
-    assert runs_module.run_address(order) != before
+    before = study.run_address(order)
+    monkeypatch.setattr(study, "program_hash", lambda: "edited")
+    assert study.run_address(order) != before
 
 
 def test_a_sweep_leaves_a_table_whose_failures_are_rows(capsys):

@@ -24,8 +24,7 @@ from ocean_sim.studies.scene_tradeoff import (
     tradeoff_summary,
     vary_setting,
 )
-from ocean_sim.studies.shared import pareto, runs
-from ocean_sim.studies.shared import study as table
+from ocean_sim.studies.shared import pareto, study
 from ocean_sim.studies.shared.scene_run import Clocked, run_measures
 from ocean_sim.studies.tradeoff import TRIAL_CASES, clock_column, equal_cost_rows, pareto_front, study_points
 from ocean_sim.validation import problems
@@ -64,7 +63,7 @@ def test_the_study_has_every_compared_scheme_on_six_cases_and_every_setting_is_a
     of_water = [point for point in plan if point.trial.slot == "fluid"]
     assert len({point.trial.case for point in of_water}) == 6
     assert {point.scheme for point in of_water} == set(compared("fluid")) >= {"mueller", "delta_sph", "dfsph"}
-    addresses = [runs.run_address(point.order()) for point in study_points(quick=False)]
+    addresses = [study.run_address(point.order) for point in study_points(quick=False)]
     assert len(set(addresses)) == len(addresses) > len(plan)
     changed = {(point.scheme, point.changed) for point in plan if point.trial.case == "standing_wave"}
     assert ("delta_sph", "fluid.support_ratio=2.0") in changed
@@ -137,8 +136,8 @@ def test_surfaces_are_run_coarse_and_fine():
 
 def test_a_table_is_read_as_it_was_written(tmp_path):
     rows = [{"a": 1.5, "b": None, "c": "x=1", "d": True}, {"a": 2, "b": [1], "c": "", "d": False}]
-    table.write_table(tmp_path / "a.csv", rows)
-    assert table.read_table(tmp_path / "a.csv") == [rows[0], rows[1] | {"c": None}]
+    study.write_table(tmp_path / "a.csv", rows)
+    assert study.read_table(tmp_path / "a.csv") == [rows[0], rows[1] | {"c": None}]
 
 
 def test_pictures_hold_failures_too(tmp_path):
@@ -200,10 +199,10 @@ def test_where_nothing_is_drawn_from_the_seed_one_is_enough(monkeypatch, capsys,
         out.mkdir(parents=True)
         time = np.arange(0.0, 20.0, 0.05)
         size = order["scene"]["fluid"]["height"]
-        table.write_table(out / "gauges.csv", [{"time_s": t, "centre_m": size * np.sin(2.0 * t)} for t in time])
+        study.write_table(out / "gauges.csv", [{"time_s": t, "centre_m": size * np.sin(2.0 * t)} for t in time])
         return {"outcome": "done", "reason": "", "wall_per_s": 5.0, "cpu_per_s": 0.5, "wall_s": 9.0, "cpu_s": 1.0}
 
-    monkeypatch.setattr(runs, "perform_run", made_up)
+    monkeypatch.setattr(study, "perform_run", made_up)
     Path("sea.yaml").write_text(SEA + wind + "\n")
     words = ["tradeoff", "sea.yaml", "--vary", "fluid.height=0.2,0.1", "--budget", "realtime", "--quick", "--out", "o"]
     assert run_command_line(words) == 0
@@ -263,7 +262,7 @@ def test_the_study_of_cases_leaves_tables_and_pictures(monkeypatch, capsys):
     few = tuple(trial for trial in TRIAL_CASES if trial.case in ("dam_break_front", "ship_rao"))
     monkeypatch.setattr(tradeoff, "TRIAL_CASES", few)
     monkeypatch.setattr(verb, "TRIAL_CASES", few)
-    monkeypatch.setattr(runs, "perform_run", made_up)
+    monkeypatch.setattr(study, "perform_run", made_up)
     assert run_command_line(["tradeoff", "--quick", "--out", "out"]) == 0
     said = capsys.readouterr().out
     assert "processor time is compared" in said and "too fast" in said and "400" in said
@@ -275,10 +274,10 @@ def written(folder: str, amplitude: float, period: float) -> Result:
     time = np.arange(0.0, 20.0, 0.05)
     height = amplitude * np.sin(2.0 * np.pi * time / period)
     Path(folder).mkdir()
-    table.write_table(Path(folder) / "gauges.csv", [{"time_s": t, "a_m": y} for t, y in zip(time, height)])
-    table.write_table(Path(folder) / "motion.csv", [{"time_s": t, "heave_m": y + 3.0} for t, y in zip(time, height)])
+    study.write_table(Path(folder) / "gauges.csv", [{"time_s": t, "a_m": y} for t, y in zip(time, height)])
+    study.write_table(Path(folder) / "motion.csv", [{"time_s": t, "heave_m": y + 3.0} for t, y in zip(time, height)])
     legs = [{"time_s": t} | {f"leg{k}_m": y for k in range(1, 7)} for t, y in zip(time, height)]
-    table.write_table(Path(folder) / "platform.csv", legs)
+    study.write_table(Path(folder) / "platform.csv", legs)
     return Result(folder)
 
 
@@ -295,7 +294,7 @@ def heading(folder: str, ahead: float, swing: float) -> Result:
     time = np.arange(0.0, 20.0, 0.05)
     yaw = np.remainder(ahead + swing * np.sin(2.0 * np.pi * time / 2.0) + np.pi, 2.0 * np.pi) - np.pi
     Path(folder).mkdir()
-    table.write_table(Path(folder) / "motion.csv", [{"time_s": t, "yaw_rad": y} for t, y in zip(time, yaw)])
+    study.write_table(Path(folder) / "motion.csv", [{"time_s": t, "yaw_rad": y} for t, y in zip(time, yaw)])
     return Result(folder)
 
 

@@ -13,7 +13,6 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.parts import compared, kinds
 from ocean_sim.validation import case_names, problems
 from ocean_sim.validation.shared.case import COARSE_BASIS, ROW_KEYS, Curve, Finding, Problem, Promise
-from ocean_sim.validation.shared.plot import draw
 from ocean_sim.validation.shared.tables import coarse_tolerances, too_long_for_gate
 from ocean_sim.verbs import validate
 
@@ -198,10 +197,10 @@ def test_a_picture_has_rows_of_panels_and_none_for_a_set_up_without_curves(tmp_p
     seen = Finding([(1.0, 1.0, 0.0)], line)
     runs = [(SimpleNamespace(name=f"{k}"), "delta_sph", seen) for k in range(5)]
     runs.append((SimpleNamespace(name="numbers"), "delta_sph", Finding([(1.0, 1.0, 0.0)])))
-    draw(tmp_path / "five.png", "case", runs)
+    validate.draw_case(tmp_path / "five.png", "case", runs)
     runs.append((SimpleNamespace(name="over"), "delta_sph", Finding(())))
-    draw(tmp_path / "six.png", "case", runs[3:])
+    validate.draw_case(tmp_path / "six.png", "case", runs[3:])
     sizes = [imread(tmp_path / f"{name}.png").shape[:2] for name in ("five", "six")]
     assert sizes == [(960, 2560), (480, 1920)]
-    draw(tmp_path / "none.png", "case", runs[5:6])
+    validate.draw_case(tmp_path / "none.png", "case", runs[5:6])
     assert not (tmp_path / "none.png").exists()

@@ -16,12 +16,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ocean_sim.files.atomic_file import file_named_in_errors
+from ocean_sim.files.yaml_file import read_mapping
 
 if TYPE_CHECKING:
     from ocean_sim.platform import Commands
     from ocean_sim.simulation import Simulation
 
 REAL_TYPES = (float, np.floating)
+LEGEND_FILE = Path(__file__).with_name("legends.yaml")
 TIME_TOLERANCE = 1.0e-9  # of `every`: a time so little short of a multiple has reached it
 
 
@@ -29,6 +31,11 @@ def heading(simulation: "Simulation", rate: str, **more: object) -> dict[str, ob
     """Comment lines, by name, at the top of every CSV file of a run; `rate`: text on its rows; `more`: other lines."""
     axes = "right-handed, x and z horizontal, y up, origin at the centre of the still surface"
     return {"frame": "world", "axes": axes, "rate": rate, "seed": simulation.scene.seed, **more}
+
+
+def legend(name: str, **known: object) -> dict[str, object]:
+    """Comment lines, by name, on the columns of a CSV file: a section of LEGEND_FILE with `known` values filled in."""
+    return {key: text.format(**known) for key, text in read_mapping(LEGEND_FILE).plain()[name].items()}
 
 
 @lru_cache(maxsize=1000)

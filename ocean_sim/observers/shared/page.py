@@ -6,7 +6,9 @@ import io
 import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import count
 from pathlib import Path
+from string import Template
 from typing import Any
 
 import numpy as np
@@ -22,36 +24,17 @@ CURVE_DASHES = ("none", "8 3", "2 3", "9 3 2 3", "5 5", "14 4", "3 2 1 2")  # cu
 SPIKE_RATIO = 4.0  # of the range of all values to the common range: beyond it spikes are cut
 COMMON_QUANTILE = 0.995  # the common range lies between this quantile and its opposite
 MAX_POINTS = 600  # of a curve
-STYLE_FILE = Path(__file__).with_suffix(".css")
-PLOT_CLIP = (
-    '<svg width="0" height="0" style="position: absolute"><clipPath id="plot">'
-    f'<path d="M{LEFT} {TOP}H{PLOT_WIDTH}V{PLOT_HEIGHT - BOTTOM}H{LEFT}Z"/></clipPath></svg>'
-)  # of the curves of every plot
+PAGE_FILE = Path(__file__).with_suffix(".html")  # template of a page, with its style and the clip path of its plots
 
 
-def html_page(title: str, parts: Iterable[str]) -> str:
-    """HTML text of a whole page with a title, from the HTML parts of its body."""
-    head = ['<meta charset="utf-8">', '<meta name="viewport" content="width=device-width, initial-scale=1">']
-    head += [f"<title>{html.escape(title)}</title>", f"<style>\n{STYLE_FILE.read_text(encoding='utf-8')}</style>"]
-    body = [PLOT_CLIP, *link_headings(list(parts))]
-    lines = ["<!doctype html>", '<html lang="en">', "<head>", *head, "</head>", "<body>", *body, "</body>", "</html>"]
-    return "\n".join([*lines, ""])
-
-
-def link_headings(parts: list[str]) -> list[str]:
-    """The HTML parts with an id in every heading, and links to all headings before the first."""
-    headings: list[str] = []
-
-    def name_heading(match: re.Match[str]) -> str:
-        headings.append(match[1])
-        return f'<h2 id="part{len(headings)}">{match[1]}</h2>'
-
-    marked = [re.sub(r"<h2>(.*?)</h2>", name_heading, part) for part in parts]
-    if not headings:
-        return marked
-    links = "".join(f'<a href="#part{k + 1}">{heading}</a> ' for k, heading in enumerate(headings))
-    first = next(k for k, part in enumerate(marked) if "<h2 " in part)
-    return [*marked[: min(first, 2)], f'<nav aria-label="Contents">{links}</nav>', *marked[min(first, 2) :]]
+def html_page(title: str, outcome: str, parts: Iterable[str]) -> str:
+    """HTML text of a page with a title, the HTML of an outcome, links to all headings, and the HTML parts below."""
+    edges = {"left": LEFT, "top": TOP, "width": PLOT_WIDTH, "low": PLOT_HEIGHT - BOTTOM}
+    body, numbers, page = "\n".join(parts), count(1), Template(PAGE_FILE.read_text(encoding="utf-8"))
+    headings = enumerate(re.findall("<h2>(.*?)</h2>", body), 1)
+    links = "".join(f'<a href="#part{k}">{heading}</a> ' for k, heading in headings)
+    body = re.sub("<h2>", lambda _: f'<h2 id="part{next(numbers)}">', body)
+    return page.substitute(edges, title=html.escape(title), outcome=outcome, links=links, body=body)
 
 
 def html_table(rows: Iterable[Sequence[object]], heads: Sequence[str] = (), row_names: bool = True) -> str:
@@ -167,15 +150,9 @@ def draw_curves(
     farthest = max(np.nanmin(everything), np.nanmax(everything), key=abs)
     note = f" ({beyond} values cut, as far as {farthest:.4g})" if beyond else ""
 
-    def x(t: float) -> float:
-        return LEFT + (t - left) / (right - left) * (PLOT_WIDTH - LEFT - RIGHT)
-
-    def y(value: float) -> float:
-        return PLOT_HEIGHT - BOTTOM - (value - low) / (high - low) * (PLOT_HEIGHT - TOP - BOTTOM)
-
-    def level_line(value: float, attributes: str) -> str:
-        return f'<path d="M{LEFT} {y(value):.1f}H{PLOT_WIDTH - RIGHT}" {attributes}/>'
-
+    x = lambda t: LEFT + (t - left) / (right - left) * (PLOT_WIDTH - LEFT - RIGHT)
+    y = lambda value: PLOT_HEIGHT - BOTTOM - (value - low) / (high - low) * (PLOT_HEIGHT - TOP - BOTTOM)
+    level_line = lambda value, look: f'<path d="M{LEFT} {y(value):.1f}H{PLOT_WIDTH - RIGHT}" {look}/>'
     parts = [
         f'<svg viewBox="0 0 {PLOT_WIDTH} {PLOT_HEIGHT}" font-size="13" fill="currentColor" role="img" '
         f'aria-label="{html.escape(label)}, {html.escape(", ".join(series))}">'

@@ -10,6 +10,7 @@ import numpy as np
 
 from ocean_sim.files import csv_file, input_file
 from ocean_sim.files.atomic_file import write_file
+from ocean_sim.files.yaml_file import read_mapping
 from ocean_sim.observers.shared.page import draw_curves, embedded_picture, html_page, html_table, scene_text
 
 MAX_STILLS = 6  # in a page
@@ -19,13 +20,14 @@ FILES = (
     *("manifest.json", "motion.csv", "platform.csv", "gauges.csv", "accuracy.csv", "timings.csv", "events.jsonl"),
     *("film.mp4", "preview.png", "moments.png", "strip.png"),
 )
+PLAN_FILE = Path(__file__).with_suffix(".yaml")  # of the sections with plots
 Table = Mapping[str, np.ndarray]
 
 
 def write_report(folder: Path) -> Path:
     """Write report.html of a run folder, however the run ended; returns its path."""
     run, path = Run(folder), folder / "report.html"
-    write_file(path, html_page(run.title, run.parts()))
+    write_file(path, html_page(run.title, run.outcome(), run.parts()))
     return path
 
 
@@ -40,16 +42,13 @@ class Run:
         self.events = whole_lines(folder / "events.jsonl")
 
     def parts(self) -> Iterator[str]:
-        """Yield the HTML parts of the page from top to bottom."""
-        yield f"<h1>{html.escape(self.title)}</h1>"
-        yield self.outcome()
+        """Yield the HTML parts of the page below the outcome, from top to bottom."""
         if (self.folder / "replay.html").exists():
             yield '<p><a href="replay.html">Replay of the run</a>: look around, and scrub in time.</p>'
         yield from self.pictures()
         yield html_table(self.summary_rows())
         yield from self.warnings()
-        for part in (self.motions, self.platform, self.gauges, self.accuracy, self.timings):
-            yield from part()
+        yield from self.plots()
         yield from self.event_table()
         if self.scene:
             yield f"<h2>Scene</h2>\n<p>With all defaults.</p>\n<pre>{html.escape(scene_text(self.scene))}</pre>"
@@ -112,87 +111,25 @@ class Run:
             rows = "".join(f"<li>{html.escape(sentence)}</li>" for sentence in warnings)
             yield f"<h2>Warnings</h2>\n<ul>{rows}</ul>"
 
-    def table(self, name: str) -> Table:
-        """Columns, by name, of a CSV file in the run folder; empty if there is no such file."""
-        return csv_file.read_columns_if_any(self.folder / name)
+    def plots(self) -> Iterator[str]:
+        """Yield the sections of PLAN_FILE, of the tables that the run has."""
+        motion, *others = read_mapping(PLAN_FILE).plain().items()
+        ships = self.scene.get("ships", {})
+        several = [(f"motion_{name}", motion[1] | {"title": f"Motions of {name}"}) for name in ships]
+        for table, section in (motion, *several, *others):
+            log = with_derived_columns(csv_file.read_columns_if_any(self.folder / f"{table}.csv"))
+            if section["needs"] in log:
+                yield f"<h2>{html.escape(section['title'])}</h2>"
+                for item in section["shows"]:
+                    yield EXTRAS[item](log) if isinstance(item, str) else draw(log, item, self.platform_limits())
 
-    def motions(self) -> Iterator[str]:
-        yield from motion_plots("Motions of the ship", self.table("motion.csv"))
-        for name in self.scene.get("ships", {}):
-            yield from motion_plots(f"Motions of {name}", self.table(f"motion_{name}.csv"))
-
-    def platform(self) -> Iterator[str]:
-        log = self.table("platform.csv")
-        if "leg1_m" not in log:
-            return
-        machine = (self.scene.get("platform") or {}).get("geometry")
-        ends = machine if isinstance(machine, dict) else {}
-        reach = {name: ends[name] for name in ("shortest", "longest") if name in ends}  # [m]
-        fastest = ends.get("leg_speed")  # [m/s]
-        both = {} if fastest is None else {"fastest": fastest, "fastest, shortening": -fastest}
-        legs, axes = range(1, 7), "xyz"
-        yield "<h2>Motion platform</h2>"
-        yield draw(log, "length of the legs [m]", {f"leg {k}": f"leg{k}_m" for k in legs}, limits=reach)
-        yield draw(log, "velocity of the legs [m/s]", {f"leg {k}": f"leg{k}_velocity_m_s" for k in legs}, limits=both)
-        angles = {name: f"{name}_rad" for name in ("roll", "pitch", "yaw")}
-        yield draw(log, "attitude of the platform [deg]", angles, DEGREES)
-        yield draw(log, "position of the platform [m]", {axis: f"{axis}_m" for axis in axes})
-        felt = {axis: f"felt_force_{axis}_m_s2" for axis in axes}
-        yield draw(log, "specific force on the platform [m/s2]", felt)
-        share = float(np.mean(log["limited"] > 0.0))
-        yield f"<p>A limit was reached in {100.0 * share:.3g} % of the rows.</p>"
-
-    def gauges(self) -> Iterator[str]:
-        log = self.table("gauges.csv")
-        heights = columns_between(log, "", "_m")
-        pressures = columns_between(log, "", "_Pa")
-        if heights or pressures:
-            yield "<h2>Gauges</h2>"
-        if heights:
-            yield draw(log, "elevation [m]", heights)
-            rows = [
-                (name, f"{4.0 * np.nanstd(v):.3g}", f"{np.nanmin(v):.3g}", f"{np.nanmax(v):.3g}")
-                for name, v in ((name, log[column]) for name, column in heights.items())
-                if not np.isnan(v).all()
-            ]
-            yield html_table(rows, ("gauge", "4 standard deviations [m]", "least [m]", "greatest [m]"))
-        if pressures:
-            yield draw(log, "pressure [kPa]", pressures, 0.001)
-
-    def accuracy(self) -> Iterator[str]:
-        log = self.table("accuracy.csv")
-        if "compression_mean" not in log:  # water without particles keeps no balances
-            return
-        density = {
-            "compression, mean": "compression_mean",
-            "compression, largest": "compression_max",
-            "surface deficit, mean": "surface_deficit_mean",
-        }
-        energy = {name: f"{name}_energy_J" for name in ("kinetic", "potential", "internal")}
-        yield "<h2>Accuracy</h2>"
-        yield draw(log, "density error [%]", density, 100.0)
-        yield draw(log, "energy [kJ]", energy, 0.001)
-        yield draw(log, "momentum [kN s]", {f"along {axis}": f"momentum_{axis}_kg_m_s" for axis in "xyz"}, 0.001)
-        impulses = columns_between(log, "impulse_", "_x_Ns")
-        horizontal = {name: np.hypot(log[x], log[x.replace("_x_Ns", "_z_Ns")]) for name, x in impulses.items()}
-        acting = {name: name for name, values in horizontal.items() if values.max() > 0.0}
-        yield draw({"time_s": log["time_s"]} | horizontal, "horizontal impulse by force [kN s]", acting, 0.001)
-        if "time_step_s" in log:
-            yield draw(log, "time step [ms]", {"time step": "time_step_s"}, 1000.0)
-
-    def timings(self) -> Iterator[str]:
-        log = self.table("timings.csv")
-        stages = columns_between(log, "", "_ms_per_step")
-        if not stages:
-            return
-        steps = np.maximum(np.diff(np.concatenate([[0.0], log["steps"]])), 1.0)
-        means = {name: float(np.average(log[column], weights=steps)) for name, column in stages.items()}
-        total = sum(means.values())
-        rows = [(name, f"{value:.3g}", f"{100.0 * value / total:.3g}") for name, value in means.items() if total]
-        yield "<h2>Timings</h2>"
-        yield html_table(rows, ("stage", "milliseconds a step", "share [%]"))
-        yield draw(log, "milliseconds a step", stages)
-        yield draw(log, "simulated time over wall time", {"real-time factor": "real_time_factor"})
+    def platform_limits(self) -> dict[str, float]:
+        """Limits of the platform's legs by name, lengths [m] and velocities [m/s]; empty if the scene has none."""
+        geometry = (self.scene.get("platform") or {}).get("geometry")
+        known = geometry if isinstance(geometry, dict) else {}
+        found = {name: known[name] for name in ("shortest", "longest") if name in known}
+        speed = known.get("leg_speed")
+        return found | ({} if speed is None else {"fastest": speed, "fastest, shortening": -speed})
 
     def event_table(self) -> Iterator[str]:
         if not self.events:
@@ -232,36 +169,58 @@ def whole_lines(path: Path) -> list[dict[str, Any]]:
     return objects
 
 
-def draw(
-    log: Table, label: str, columns: Mapping[str, str], factor: float = 1.0, limits: Mapping[str, float] | None = None
-) -> str:
-    """HTML plot over time of `columns` of a table (column by name of its curve), times a factor; empty without any."""
-    series = {name: factor * log[column] for name, column in columns.items()}
-    return draw_curves(log["time_s"], series, label, limits) if series else ""
+def draw(log: Table, plot: Mapping[str, Any], limits: Mapping[str, float]) -> str:
+    """HTML of a plot over time that PLAN_FILE describes, from a table of the run; empty without a curve."""
+    columns, shown = plot["curves"], {name: limits[name] for name in plot.get("limits", ()) if name in limits}
+    columns = columns_like(log, columns) if isinstance(columns, str) else columns
+    series = {name: plot.get("times", 1.0) * log[column] for name, column in columns.items() if column in log}
+    if plot.get("acting"):
+        series = {name: values for name, values in series.items() if values.any()}
+    return draw_curves(log["time_s"], series, plot["label"], shown) if series else ""
 
 
-def columns_between(log: Table, prefix: str, suffix: str) -> dict[str, str]:
-    """Names of columns that begin with `prefix` and end with `suffix`, by the part of the name between these."""
-    named = [column for column in log if column.startswith(prefix) and column.endswith(suffix)]
-    return {column.removeprefix(prefix).removesuffix(suffix): column for column in named}
+def columns_like(log: Table, pattern: str) -> dict[str, str]:
+    """Names of columns like a pattern with one *, by the part of the name that stands for it."""
+    begin, end = pattern.split("*")
+    named = [column for column in log if column.startswith(begin) and column.endswith(end)]
+    return {column.removeprefix(begin).removesuffix(end): column for column in named}
 
 
-def motion_plots(title: str, log: Table) -> Iterator[str]:
-    """Yield HTML plots of the motions of one ship, from her motion log, under a title."""
-    if "heave_m" not in log:
-        return
-    yield f"<h2>{html.escape(title)}</h2>"
-    yield draw(log, "heave of the centre of mass [m]", {"heave": "heave_m"})
-    yield draw(log, "roll and pitch [deg]", {name: f"{name}_rad" for name in ("roll", "pitch")}, DEGREES)
-    yield draw({**log, "yaw_rad": np.unwrap(log["yaw_rad"])}, "yaw [deg]", {"yaw": "yaw_rad"}, DEGREES)
-    yield draw(log, "velocity [m/s]", {name: f"{name}_velocity_m_s" for name in ("surge", "sway", "heave")})
-    yield draw(log, "specific force, body axes [m/s2]", {axis: f"specific_force_{axis}_m_s2" for axis in "xyz"})
-    upward = columns_between(log, "force_", "_y_N")
-    acting = {part: column for part, column in upward.items() if np.abs(log[column]).max() > 0.0}
-    yield draw(log, "vertical force [kN]", acting, 0.001)
-    if "throttle" in log:
-        tens = {**log, "rudder_rad": 0.1 * DEGREES * log["rudder_rad"]}
-        yield draw(tens, "throttle and rudder", {"throttle [1]": "throttle", "rudder [10 deg]": "rudder_rad"})
+def with_derived_columns(log: Table) -> Table:
+    """The table with yaw unwrapped, and with the rudder in units of 10 degrees and horizontal impulses added."""
+    more = {"yaw_rad": np.unwrap(log["yaw_rad"])} if "yaw_rad" in log else {}
+    more |= {"rudder_10_deg": 0.1 * DEGREES * log["rudder_rad"]} if "rudder_rad" in log else {}
+    for name, column in columns_like(log, "impulse_*_x_Ns").items():
+        more[f"impulse_{name}_horizontal_Ns"] = np.hypot(log[column], log[f"impulse_{name}_z_Ns"])
+    return {**log, **more}
+
+
+def elevation_table(log: Table) -> str:
+    heights = {name: log[column] for name, column in columns_like(log, "*_m").items()}
+    rows = [
+        (name, f"{4.0 * np.nanstd(v):.3g}", f"{np.nanmin(v):.3g}", f"{np.nanmax(v):.3g}")
+        for name, v in heights.items()
+        if not np.isnan(v).all()
+    ]
+    return html_table(rows, ("gauge", "4 standard deviations [m]", "least [m]", "greatest [m]")) if heights else ""
+
+
+def stage_table(log: Table) -> str:
+    """HTML table of the mean time that each stage of a step takes."""
+    steps = np.maximum(np.diff(np.concatenate([[0.0], log["steps"]])), 1.0)
+    stages = columns_like(log, "*_ms_per_step")
+    means = {name: float(np.average(log[column], weights=steps)) for name, column in stages.items()}
+    total = sum(means.values())
+    rows = [(name, f"{value:.3g}", f"{100.0 * value / total:.3g}") for name, value in means.items() if total]
+    return html_table(rows, ("stage", "milliseconds a step", "share [%]"))
+
+
+def limited_share(log: Table) -> str:
+    share = float(np.mean(log["limited"] > 0.0))
+    return f"<p>A limit was reached in {100.0 * share:.3g} % of the rows.</p>"
+
+
+EXTRAS = {"elevations": elevation_table, "stages": stage_table, "share at a limit": limited_share}
 
 
 def wave_trains(part: dict[str, Any]) -> Iterator[str]:

@@ -1,5 +1,6 @@
 """Pictures of error against cost: points of one colour and mark a scheme, the Pareto front, and failed runs."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,6 @@ MIN_DRAWN_ERROR = 1e-6  # an error of nothing still has a position on a logarith
 
 def draw_pareto(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> None:
     """Draw a picture file for one case: error over time (column `speed` of the rows), and over particles if any."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     of = f" of {trial.work}" if trial.work else ""
@@ -28,7 +28,6 @@ def draw_pareto(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str
     if not any(row.get("particles") for row in rows):
         del axes_of["particles"]
     figure = Figure(figsize=(7.2 * len(axes_of), 5.4), layout="constrained")
-    FigureCanvasAgg(figure)
     for k, (key, label) in enumerate(axes_of.items()):
         axes = figure.add_subplot(1, len(axes_of), k + 1)
         draw_panel(axes, key, trial, rows)
@@ -111,7 +110,7 @@ def shift_apart(figure: Any) -> None:
     from matplotlib.transforms import Bbox
 
     figure.set_dpi(PICTURE_DPI)
-    figure.canvas.draw()
+    figure.draw_without_rendering()
     figure.set_layout_engine("none")
     for axes in figure.axes:
         names = [child for child in axes.get_children() if isinstance(child, Annotation) and child.arrow_patch]
@@ -128,7 +127,7 @@ def shift_apart(figure: Any) -> None:
             taken.append(text)
 
 
-def list_failures(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict[str, Any]]) -> None:
+def list_failures(axes: Any, key: str, schemes: Sequence[str], rows: list[dict[str, Any]]) -> None:
     """Draw failed runs, which have no error, as crosses at their value of column `key` along the upper edge."""
     for n, scheme in enumerate(schemes):
         own = [row[key] for row in rows if row["scheme"] == scheme and row.get(key)]
@@ -140,14 +139,12 @@ def list_failures(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict
 
 def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget: Budget | None) -> None:
     """Draw settings of one scene into a file: a panel of time and error for each of `names`, seed spread and budget."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     names = [name for name in names if any(row.get(name) is not None for row in rows)]
     wide = min(3, len(names))
     high = -(-len(names) // wide)
     figure = Figure(figsize=(5.4 * wide, 4.4 * high), layout="constrained")
-    FigureCanvasAgg(figure)
     key = "wall_per_s"
     if budget is not None:
         key, rows = "time", [row | {"time": budget.seconds(row)} for row in rows]

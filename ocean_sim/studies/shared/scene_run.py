@@ -17,6 +17,7 @@ WARM_UP_STEPS = 3  # steps in which kernels are still compiled or loaded
 FRAME_SECONDS = 1.0 / 60.0  # [s]
 TIMED_PARTS, BLOCK_STEPS = 3, 7  # parts in which a run is timed; steps of the blocks that are dealt to them in turn
 ENERGY_COLUMNS = ("kinetic_energy_J", "potential_energy_J", "internal_energy_J", "energy_residual_J")
+MOTION_UNITS = 3 * ("m",) + 3 * ("rad",)  # of `Motions`
 CLOCK_COLUMNS = ("wall_per_s", "cpu_per_s", "wall_s", "cpu_s")  # what changes from call to call
 PICTURE_OBSERVERS = ("render", "frames", "report")  # a study makes none unless it is asked to
 
@@ -109,10 +110,9 @@ def run_measures(result: Result) -> dict[str, float | None]:
     platform = unwrapped_table(result, "platform")
     for table, prefix in motion_tables(result).items():
         motion = unwrapped_table(result, table)
-        for name in Motions._fields:
-            column = next((key for key in (f"{name}_m", f"{name}_rad") if len(motion.get(key, ()))), None)
-            if column is not None:
-                found[f"{prefix}{column[: len(name)]}_rms{column[len(name) :]}"] = float(motion[column].std())
+        for name, unit in zip(Motions._fields, MOTION_UNITS):
+            if len(values := motion.get(f"{name}_{unit}", np.empty(0))):
+                found[f"{prefix}{name}_rms_{unit}"] = float(values.std())
     legs = [platform[f"leg{k}_m"] for k in range(1, 7) if len(platform.get(f"leg{k}_m", ()))]
     if legs:
         found |= {"leg_min_m": float(np.min(legs)), "leg_max_m": float(np.max(legs))}

@@ -32,17 +32,10 @@ class Promise:
     def row(self, case: str, scheme: str, value: float | None, reference: float | None, error: float | None) -> dict:
         """Row of the results table for one run, keys ROW_KEYS; an error of None counts as outside the tolerance."""
         tolerance = self.tolerance.get(scheme)
-        numbers = {"value": value, "reference": reference, "error": error}
-        return {
-            "case": case,
-            "scheme": scheme,
-            "quantity": self.quantity,
-            **{key: None if number is None else float(number) for key, number in numbers.items()},
-            "unit": self.unit,
-            "tolerance": tolerance,
-            "ok": tolerance is None or (error is not None and bool(abs(error) <= tolerance)),
-            "source": self.source,
-        }
+        ok = tolerance is None or (error is not None and bool(abs(error) <= tolerance))
+        numbers = [None if number is None else float(number) for number in (value, reference, error)]
+        cells = (case, scheme, self.quantity, *numbers, self.unit, tolerance, ok, self.source)
+        return dict(zip(ROW_KEYS, cells, strict=True))
 
     def coarsened(self, case: str) -> "Promise":
         """Copy with tolerances of validation/data/coarse.csv added; the promise itself if that lacks its quantity."""

@@ -6,8 +6,10 @@ import os
 import sys
 from collections.abc import Callable
 from contextlib import suppress
+from importlib import import_module
 from io import BufferedWriter, FileIO, TextIOWrapper
 from pathlib import Path
+from types import ModuleType
 from typing import Any, ClassVar
 
 import numpy as np
@@ -180,6 +182,18 @@ def draw_if_able(draw: Callable[..., object], *about: Any) -> bool:
         complaints.add(missing)
         complain(f"no pictures: {missing}")
     return missing is None
+
+
+def checkout_module(name: str, what: str) -> ModuleType:
+    """Import a module that lies beside the package in a checkout of the project; raises Refused, with a sentence that
+    begins with `what`, elsewhere."""
+    from ocean_sim.parts import PACKAGE
+
+    checkout, path = PACKAGE.parent, Path(name.replace(".", "/"))
+    if not (checkout / path).with_suffix(".py").is_file():
+        raise Refused(f"{what} in a checkout of the project, in {path.parent}/; use that")
+    sys.path.insert(0, str(checkout))
+    return import_module(name)
 
 
 def duration(seconds: float) -> str:

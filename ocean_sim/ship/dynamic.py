@@ -24,7 +24,7 @@ from ocean_sim.ship.body.floating import FloatingConfig, FloatingShip, Immersion
 from ocean_sim.ship.body.rigid_body import to_world
 from ocean_sim.ship.forces.added_mass import AddedMass, Slamming, water_reaction
 from ocean_sim.ship.forces.damping import Damping, Resistance
-from ocean_sim.ship.forces.radiation import Memory, Radiation, Scattering, columns_of
+from ocean_sim.ship.forces.radiation import BemTable, Memory, Scattering, checked_table, columns_of
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 
 WAVENUMBER_TOLERANCE = 0.02  # of a wavenumber, by which the water of a table may differ without a word
@@ -54,13 +54,13 @@ class SeakeepingConfig(FloatingConfig):
     def _enough_for_radiation(cls, file: str | None) -> str | None:
         """Validate the file `radiation` by reading its table; raises ValueError if that fails."""
         if file is not None:
-            Radiation(file)
+            checked_table(file)
         return file
 
     @cached_property
-    def table(self) -> Radiation | None:
+    def table(self) -> BemTable | None:
         """Radiation table in the file `radiation`; None without one."""
-        return None if self.radiation is None else Radiation(self.radiation)
+        return None if self.radiation is None else checked_table(self.radiation)
 
     def added_mass_diagonal(self, still: Hydrostatics) -> np.ndarray:
         return self.added_mass.diagonal(still)
@@ -112,7 +112,7 @@ class SeakeepingConfig(FloatingConfig):
         ]
         return found + [f"radiation: {sentence}" for sentence in said]
 
-    def coverage_warnings(self, table: Radiation, still: Hydrostatics) -> Iterator[str]:
+    def coverage_warnings(self, table: BemTable, still: Hydrostatics) -> Iterator[str]:
         """Yield warnings of couplings, natural periods and wave forces of free motions that the table lacks."""
         names = [Motions._fields[k] for k in table.numbers if Motions._fields[k] in self.free]
         _, breadth, draught = still.stations
@@ -128,8 +128,8 @@ class SeakeepingConfig(FloatingConfig):
             if period is not None and not table.omega[0] <= 2.0 * pi / period <= table.omega[-1]:
                 reach = f"{2.0 * pi / table.omega[-1]:.3g} to {2.0 * pi / table.omega[0]:.3g} s"
                 yield f"the natural period of {name}, {period:.3g} s, lies beyond the table, which has {reach}"
-        if table.scattering is not None:
-            headings, force = table.scattering.scattered
+        if table.scattered is not None:
+            headings, force = table.scattered
             mute = [name for name in names if not force[Motions._fields.index(name)].any()]
             if mute:
                 lacks = f"not what they do in {', '.join(mute)}: no wave moves her there"
@@ -141,7 +141,7 @@ class SeakeepingConfig(FloatingConfig):
     def feels_bed(self, depth: float) -> bool:
         return self.table is not None and self.table.depth == depth
 
-    def table_differences(self, table: Radiation, tank: Basin, still: Hydrostatics) -> list[str]:
+    def table_differences(self, table: BemTable, tank: Basin, still: Hydrostatics) -> list[str]:
         """Warnings where speed, water depth or axis of rotation of the table differ from those of this scene."""
         found = list[str]()
         if self.propeller is not None or any(self.velocity):
@@ -184,8 +184,9 @@ class SeakeepingShip(FloatingShip):
         self.made = np.zeros(6)  # (6,) the motion that makes waves
         self.stream = np.zeros(3)  # velocity of a current [m/s]
         if config.table is not None:
-            self.memory, self.scattering = Memory(config.table), config.table.scattering
-        if self.scattering is not None:
+            self.memory = Memory(config.table)
+        if config.table is not None and config.table.scattered is not None:
+            self.scattering = Scattering(config.table)
             self.sea, self.through[self.scattering.numbers] = fluid.in_closed_form, 0.0
         if self.sea is not None:
             self.stream[[0, 2]] = self.sea.current

@@ -31,7 +31,7 @@ from ocean_sim.ship.forces.propulsion import Autopilot, Crew, Propeller, Rudder
 from ocean_sim.ship.hull.cubes import Cubes, Wetted
 from ocean_sim.ship.hull.hull import Hull, Inertia, error_sentence, hull_of
 from ocean_sim.ship.hull.shapes import convex_corners
-from ocean_sim.ship.naval.hydrostatics import Hydrostatics, bow_squat, metacentric_heights
+from ocean_sim.ship.naval.hydrostatics import Hydrostatics, bow_squat
 from ocean_sim.ship.water import wave_contact
 from ocean_sim.ship.water.solid import Solid
 from ocean_sim.ship.water.wall_contact import Sides
@@ -117,11 +117,6 @@ class FloatingConfig(VesselConfig):
         """Cache of hydrostatics by (gravity, density), filled by `in_still_water`."""
         return {}
 
-    @cached_property
-    def face_gms(self) -> dict[Hydrostatics, float | None]:
-        """Cache of GM [m] from the hull's faces, filled by `gm_of_faces`."""
-        return {}
-
     def in_still_water(self, gravity: float, density: float) -> Hydrostatics:
         """Hydrostatics at a gravity [m/s2] and a water density [kg/m3]; raises ValueError for an unusable hull."""
         asked = gravity, density
@@ -147,14 +142,7 @@ class FloatingConfig(VesselConfig):
             return Afloat(still.matter.mass, still.draught, 0.0, 0.0, {})
         across, along = still.metacentric_height(), still.metacentric_height(0)
         periods = still.periods(self.added_mass_diagonal(still))
-        return Afloat(still.matter.mass, still.draught, across, along, periods, self.gm_of_faces(still))
-
-    def gm_of_faces(self, still: Hydrostatics) -> float | None:
-        """GM [m] from the hull's faces, not from its cubes; None where they only approximate its shape or it sinks."""
-        if still not in self.face_gms:
-            heights = metacentric_heights(self.whole_hull.shape, still)
-            self.face_gms[still] = None if heights is None else heights[0]
-        return self.face_gms[still]
+        return Afloat(still.matter.mass, still.draught, across, along, periods, still.gm_of_faces)
 
     def look(self, preflight: Preflight) -> Look:
         still = self.hydrostatics_of(preflight)
@@ -317,7 +305,7 @@ class FloatingConfig(VesselConfig):
 
     def cube_gm_warnings(self, still: Hydrostatics) -> list[str]:
         """Warning if GM of the cubes differs from GM of the hull's faces by more than GM_TOLERANCE."""
-        gm, own = still.metacentric_height(), self.gm_of_faces(still)
+        gm, own = still.metacentric_height(), still.gm_of_faces
         if self.carried_as_body or own is None or abs(gm - own) <= GM_TOLERANCE * abs(own):
             return []
         than = f"GM of the ship's cubes is {gm:.3g} m, that of her hull {own:.3g} m"

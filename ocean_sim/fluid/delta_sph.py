@@ -422,15 +422,11 @@ class Continuity(Law):
                 fluid.accounts.count_packing(group, thinner)
         fluid.rate[i], fluid.excess[i] = rate, excess
         particles.density[i], particles.pressure[i] = rho_0 + excess, fluid.equation_of_state(excess)
-        x = fluid.grid.wrap_position(vec3(own, self.row.position))
-        for k, component in ti.static(enumerate(particles.position)):
-            component[i] = x[k]
-        for k, component in ti.static(enumerate(particles.velocity)):
-            component[i] = own[self.row.velocity + k]
+        particles.position.put(i, fluid.grid.wrap_position(vec3(own, self.row.position)))
+        particles.velocity.put(i, vec3(own, self.row.velocity))
         if ti.static(fluid.shifting):
             gradient = self.prefactor(own) / rho_0 * vec3(total, self.terms.crowding)  # of the share of water [1/m]
-            for k, component in ti.static(enumerate(fluid.shift)):
-                component[i] = -gradient[k]
+            fluid.shift.put(i, -gradient)
         fluid.accounts.count_density(group, rho_0 + excess)
         if ti.static(fluid.accounts.impulses):
             self.book_work(i, own, compressed, diffused, group)
@@ -556,7 +552,7 @@ class DeltaSph(Sph):
 
     def step(self, dt: float) -> None:
         """Move the particles by dt [s], compute the density's rate, and update the shear averages if they are due."""
-        self.drift_kick_drift(dt, self.status.max_speed, self.wind.since)
+        self.drift_kick_drift(dt, self.status.max_speed, self.wind.clock.since)
         self.find_density_rate(self.summary)
         if not self.shifting:
             self.unseen += dt
@@ -616,12 +612,10 @@ class DeltaSph(Sph):
         bulk = tm.min(BULK_VISCOSITY * self.sound_speed * h, MAX_BULK_VISCOSITY * h * h / dt)  # [m2/s]
         # First drift: half a step with the present velocity; density and damped pressure follow to mid-step.
         for i in range(self.particles.count.there()):
-            p, u = self.particles.position, self.particles.velocity
-            x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
+            x, v = self.particles.position.at(i), self.particles.velocity.at(i)
             way = 0.5 * dt * v
             if ti.static(self.shifting):
-                shift = tm.vec3(self.shift.x[i], self.shift.y[i], self.shift.z[i])
-                way += dt * speed * self.smoothing.support * shift
+                way += dt * speed * self.smoothing.support * self.shift.at(i)
             middle = self.excess[i] + 0.5 * dt * self.rate[i]
             self.grid.stage_state(i, x + self.grid.whole_quanta(i, way), v)
             self.next_deviation[i] = middle

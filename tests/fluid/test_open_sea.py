@@ -13,8 +13,7 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.files.csv_file import read_columns
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid.patch.relaxation_zone import RelaxationBand, relaxation_band, stokes_shift
-from ocean_sim.fluid.patch.sea_patch import table_nodes
-from ocean_sim.fluid.patch.sources import Depths, PlaneWaveSource, SteepSource
+from ocean_sim.fluid.patch.sea_patch import Depths, PlaneWaveSource, SteepSource, table_nodes
 from ocean_sim.fluid.sph import initial_state
 from ocean_sim.fluid.sph.initial_state import patch_waves
 from ocean_sim.kernel_library import ti

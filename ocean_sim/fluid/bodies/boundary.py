@@ -21,7 +21,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from math import ceil
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,16 +32,13 @@ from ocean_sim.columns import Columns
 from ocean_sim.fluid.neighbours.grid import Grid
 from ocean_sim.fluid.neighbours.images import POSITION_SIGN, mirror_direction, mirror_velocity
 from ocean_sim.fluid.neighbours.point_sum import PointSum
-from ocean_sim.fluid.sph.body_force import Pull
+from ocean_sim.fluid.sph.body_force import Pull, Relief
 from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.fluid.sph.law import Law
 from ocean_sim.fluid.sph.particles import Components, Particles
 from ocean_sim.fluid.sph.smoothing import Smoothing
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Doubles2, Doubles3, Template, in_kernels
-
-if TYPE_CHECKING:  # it is imported only where a bed has a shape
-    from ocean_sim.fluid.bodies.relief import Relief
 
 MOTION_COLUMNS = Columns(
     position=3, rotation=9, velocity=3, angular_velocity=3, acceleration=3, angular_acceleration=3, gone=1
@@ -152,7 +149,7 @@ class Boundary:
         pull: Pull,
         smoothing: Smoothing,
         accounts: bool,
-        relief: "Relief | None" = None,
+        relief: Relief | None = None,
     ) -> None:
         """`accounts`: True if the work of moving bodies is summed; `relief`: of the body that is the bed."""
         self.bodies, self.mass, self.grid, self.pull = bodies, particles.mass, grid, pull

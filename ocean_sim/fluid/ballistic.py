@@ -14,7 +14,8 @@ from ocean_sim.fluid.neighbours.particle_walk import PLANS, account_ledger, mesh
 from ocean_sim.fluid.sph.particle_water import ParticleWater
 from ocean_sim.fluid.sph.water_keys import WaterConfig, free_fall_speed
 from ocean_sim.kernel_library import ti
-from ocean_sim.parts import LedgerRow, Preflight, Problems
+from ocean_sim.model import Faults
+from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.runtime import Array, in_kernels, running_arch
 from ocean_sim.wind import Wind
 
@@ -28,12 +29,11 @@ class Config(WaterConfig):
 
     kind: Literal["ballistic"] = "ballistic"
 
-    def problems(self, preflight: Preflight) -> Problems:
-        found = super().problems(preflight)
+    def problems(self, preflight: Preflight) -> Faults:
+        yield from super().problems(preflight)
         if preflight.tank.rough_bed is not None:
             layer = "particles that ignore each other have no layer on which a bed could act"
-            found.append((("kind",), f"{layer}; leave basin.floor out"))
-        return found
+            yield ("kind",), f"{layer}; leave basin.floor out"
 
     def size(self, basin: Basin, arch: str) -> GridSize:
         """Sizes of the grid of cells for the tasks of a backend (`arch`)."""

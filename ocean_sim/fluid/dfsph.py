@@ -21,6 +21,7 @@ A known weakness: once its lattice has given way, the pressures of single partic
 A lattice gives way where it is not elastically stable under the kernel.
 """
 
+from collections.abc import Iterator
 from math import sqrt
 from typing import ClassVar, Literal
 
@@ -107,19 +108,18 @@ class Config(SphConfig):
         basin = preflight.tank
         return self.limits_at(basin, 0.0, float(np.linalg.norm(np.add(basin.gravity, self.body_force))))
 
-    def warnings(self, preflight: Preflight) -> list[str]:
-        found, basin = super().warnings(preflight), preflight.tank
-        ratio = self.ratio(basin)
+    def warnings(self, preflight: Preflight) -> Iterator[str]:
+        yield from super().warnings(preflight)
+        basin, ratio = preflight.tank, self.ratio(preflight.tank)
         if ratio < MIN_STEADY_SUPPORT[basin.dimension - 2] and not self.is_enclosed(basin):
-            found.append(
+            yield (
                 f"at a support of {ratio:g} spacings still water of dfsph stirs, and below 2.5 it sinks and may burst: "
                 "ten rows of it lost 16 % of their depth in 2 s at 1.2 spacings, 2 % at 2; take 4, its default"
             )
-        return found
 
-    def statements(self, preflight: Preflight) -> list[str]:
-        flight = "water that flies freely goes too far by the time step over the time of its fall (first order)"
-        return [*super().statements(preflight), flight]
+    def statements(self, preflight: Preflight) -> Iterator[str]:
+        yield from super().statements(preflight)
+        yield "water that flies freely goes too far by the time step over the time of its fall (first order)"
 
     def neighbours_kept(self, basin: Basin) -> int:
         """Number of neighbours of a particle on the lattice, whose pairs the solvers keep for a step."""

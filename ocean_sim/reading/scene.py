@@ -24,7 +24,7 @@ from ocean_sim.files.yaml_file import (
     read_mapping,
     shorten,
 )
-from ocean_sim.model import Model
+from ocean_sim.model import Faults, Model
 from ocean_sim.parts import (
     ALONE,
     KEYS_BESIDE_SLOTS,
@@ -35,7 +35,6 @@ from ocean_sim.parts import (
     PartConfig,
     PlatformConfig,
     Preflight,
-    Problems,
     SeaConfig,
     ShipConfig,
     SurfaceConfig,
@@ -444,7 +443,7 @@ def _scale_spacings(root: Node, factor: float, dimension: int, notes: list[str])
     return root.with_data(root.data | {slot: scaled(node, (slot,)) for slot, node in slots.items()})
 
 
-def _locate_problems(name: str, found: Problems, root: Node) -> list[Problem]:
+def _locate_problems(name: str, found: Faults, root: Node) -> list[Problem]:
     """Problems (pairs of key path and sentence) that the part `name` reports, each with its location in the file."""
     problems = []
     for path, sentence in found:

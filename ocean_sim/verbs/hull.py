@@ -274,7 +274,7 @@ def ship_block(name: str, shape: Hull, afloat: hydrostatics.Hydrostatics, asked:
 def outlying_parts(shape: Hull, afloat: hydrostatics.Hydrostatics, condition: Loading | None) -> list[str]:
     """Sentences on weights, openings or a centre of mass that lie outside the hull."""
     lower, upper = (np.array(corner) for corner in shape.shape.bounds())
-    centre, found = afloat.matter.centre, [] if condition is None else condition.outside_hull(lower, upper)
+    centre, found = afloat.matter.centre, [] if condition is None else [*condition.outside_hull(lower, upper)]
     if (np.maximum(lower - centre, centre - upper) > 0.0).any():
         box = ", ".join(f"{a + 0.0:.3g} to {b:.3g}" for a, b in zip(lower, upper))
         at = ", ".join(f"{value:.3g}" for value in centre)

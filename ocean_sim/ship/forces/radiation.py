@@ -102,20 +102,19 @@ class BemTable:
         return bool(self.added[pair].any() or self.damping[pair].any())
 
     @property
-    def unphysical_entries(self) -> list[str]:
-        """Sentences on entries that no hull has: waves that would give energy, negative added mass."""
-        own, found = np.diag_indices(len(self.numbers)), list[str]()
+    def unphysical_entries(self) -> Iterator[str]:
+        """Yield sentences on entries that no hull has: waves that would give energy, negative added mass."""
+        own = np.diag_indices(len(self.numbers))
         most = np.sqrt(np.abs(self.damping[own]).max(axis=1))
         lowest = np.linalg.eigvalsh(np.moveaxis(self.damping, 2, 0) / np.outer(most, most))[:, 0]
         if lowest.min() < -ERROR_TOLERANCE:
             at = self.omega[lowest.argmin()]
-            found.append(f"the damping of the table would give energy at {at:g} rad/s, which no hull's waves do")
+            yield f"the damping of the table would give energy at {at:g} rad/s, which no hull's waves do"
         added = self.impulse_response.added
         most = np.sqrt(np.maximum(np.abs(added[own]), 1e-300))
         if np.linalg.eigvalsh(added / np.outer(most, most))[0] < -ERROR_TOLERANCE or (added[own] <= 0.0).any():
             values = ", ".join(f"{Motions._fields[k]} {x:.3g}" for k, x in zip(self.numbers, added[own]))
-            found.append(f"the added mass of quick motions ({values}) is no water's: below zero, or tied to too much")
-        return found
+            yield f"the added mass of quick motions ({values}) is no water's: below zero, or tied to too much"
 
     @cached_property
     def impulse_response(self) -> Response:

@@ -1,8 +1,12 @@
 """Frozen and strict models of all user input: numbers with units, no unknown keys."""
 
+from collections.abc import Iterable
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field
+
+Fault = tuple[tuple[str | int, ...], str]  # key path below a part or a key of it, and a sentence
+Faults = Iterable[Fault]
 
 
 class Model(BaseModel):
@@ -21,5 +25,16 @@ def in_brackets(unit: str | None) -> str:
     return f" [{unit}]" if unit not in (None, "", "1") else ""
 
 
+def below(*key: str | int, faults: Faults) -> Faults:
+    """Faults whose key paths are put below another key."""
+    return (((*key, *path), sentence) for path, sentence in faults)
+
+
+Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
+Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]  # z may be left out in 2-D
+Positive = Annotated[float, Field(gt=0.0)]
+Positive3 = Annotated[tuple[Positive, Positive, Positive], Field(strict=False)]
+NotNegative = Annotated[float, Field(ge=0.0)]
+NotNegative3 = Annotated[tuple[NotNegative, NotNegative, NotNegative], Field(strict=False)]
 Vector2 = Annotated[tuple[float, float], Field(strict=False)]
 Vector3 = Annotated[tuple[float, float, float], Field(strict=False)]

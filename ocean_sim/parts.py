@@ -8,7 +8,7 @@ building it. The object that a Config builds has a protocol in the `__init__.py`
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from importlib import import_module
@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, Self, cast
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.model import Model
+from ocean_sim.model import Faults, Model
 
 if TYPE_CHECKING:
     from ocean_sim import waves
@@ -103,20 +103,20 @@ class PartConfig(Model):
     `build` have no default: a kind without them cannot be instantiated.
     """
 
-    def problems(self, preflight: Preflight) -> Problems:
+    def problems(self, preflight: Preflight) -> Faults:
         """Faults (key, sentence) of these keys alone in this basin; other parts may be wrong, and must not be read."""
-        return []
+        return ()
 
-    def mismatches(self, preflight: Preflight) -> Problems:
+    def mismatches(self, preflight: Preflight) -> Faults:
         """Faults (key, sentence) of these keys together with other parts; called if no part has `problems`."""
-        return []
+        return ()
 
-    def warnings(self, preflight: Preflight) -> list[str]:
-        """Warnings for the readers of the results of this scene, a sentence each; empty by default."""
-        return []
+    def warnings(self, preflight: Preflight) -> Iterable[str]:
+        """Warnings for the readers of the results of this scene, a sentence each; none by default."""
+        return ()
 
     @abstractmethod
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: Preflight) -> Iterable[LedgerRow]:
         """Rows of the memory ledger, one for each thing that this part will allocate or compile."""
 
 
@@ -214,12 +214,11 @@ class WindConfig(KindConfig):
         """Highest wind speed [m/s], 10 m above the water, that these keys state; 0 if they state none."""
         return 0.0
 
-    def warnings(self, preflight: Preflight) -> list[str]:
-        """Warning that names the ships if the wind does not act on them. A kind with a key `targets` gives none."""
-        if "ship" in self.acts_on or not preflight.ships:
-            return []
-        ships = " and ".join(map(called, preflight.ships))
-        return [f"wind: {self.kind} does not act on ships; it leaves {ships} in still air"]
+    def warnings(self, preflight: Preflight) -> Iterable[str]:
+        """Warn by the ships' names if the wind does not act on them. A kind with a key `targets` gives none."""
+        if "ship" not in self.acts_on and preflight.ships:
+            ships = " and ".join(map(called, preflight.ships))
+            yield f"wind: {self.kind} does not act on ships; it leaves {ships} in still air"
 
     @abstractmethod
     def build(self, basin: Basin, seed: int) -> Wind:
@@ -304,13 +303,13 @@ class FluidConfig(KindConfig):
         """Numerical viscosity [m2/s] of the scheme for waves (length, height [m]; standing or not), as measured."""
         return 0.0
 
-    def statements(self, preflight: Preflight) -> list[str]:
-        """Sentences about this water that a reader of its results should know; empty by default."""
-        return []
+    def statements(self, preflight: Preflight) -> Iterable[str]:
+        """Sentences about this water that a reader of its results should know; none by default."""
+        return ()
 
-    def notes(self, preflight: Preflight) -> list[str]:
+    def notes(self, preflight: Preflight) -> Iterable[str]:
         """Sentences on effects that the model of the water leaves out in this scene; they ask for no change."""
-        return []
+        return ()
 
     def point_spacing(self, preflight: Preflight) -> float:
         """Distance [m] between the points at which frames store the height of the water, unless the scene sets it."""
@@ -396,13 +395,13 @@ class PlatformConfig(KindConfig):
         """Name of the ship, one of `ships`, whose motion the platform reproduces."""
         return ships[0] if self.ship is None else self.ship
 
-    def mismatches(self, preflight: Preflight) -> Problems:
-        found = [] if self.ship is None else preflight.unknown_ship(self.ship)
+    def mismatches(self, preflight: Preflight) -> Faults:
+        if self.ship is not None:
+            yield from preflight.unknown_ship(self.ship)
         x, y, z = preflight.tank.gravity
         if hypot(x, y + GRAVITY, z) > GRAVITY_TOLERANCE:
             there = f"a platform stands on Earth, and gravity of this scene is [{x:g}, {y:g}, {z:g}] m/s2"
-            found.append(((), f"{there}: it would take the difference for a motion; leave the platform out"))
-        return found
+            yield (), f"{there}: it would take the difference for a motion; leave the platform out"
 
     @abstractmethod
     def build(self, every: float) -> Platform:

@@ -15,7 +15,7 @@ from ocean_sim.basin.open_sea import Absorbing, OpenSea
 from ocean_sim.conventions import GRAVITY, AxisName
 from ocean_sim.files.bathymetry import HIGHEST_GROUND, Heights, is_map, read_heights
 from ocean_sim.files.input_file import FileName, Unreadable
-from ocean_sim.model import Model, Vector2, Vector3, quantity
+from ocean_sim.model import Fault, Faults, Model, Point, Vector2, Vector3, below, quantity
 
 if TYPE_CHECKING:  # they are imported only where the bed has a shape, or bodies are in the water
     from ocean_sim.basin.ground import Ground
@@ -27,12 +27,10 @@ OPEN = 1.0e30  # [m] where a side that is open would stand
 
 Wall = Literal["none", "reflecting", "no_slip", "periodic", "absorbing"]
 Slip = Literal["free_slip", "no_slip"]
-Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 KARMAN_CONSTANT = 0.41  # constant of the logarithmic law
 GRAINS_PER_Z0 = 30.0  # sand roughness over z0, where that law comes to rest (Nikuradse 1933, VDI-Forschungsheft 361)
 MIN_ROW_SHARE = 0.25  # [rows] least height above the bed in the logarithmic law
 Corners = tuple[tuple[float, ...], tuple[float, ...]]
-Problems = list[tuple[tuple[str | int, ...], str]]  # key path, sentence
 SAME_DIGITS = 0.005  # of the decimal logarithm: a per cent, by which gravity differs over the Earth and in tables
 LEVEL_ROUNDING = 1e-6  # of the depth by which a bed may be deeper, as numbers of single precision are
 HIGHEST_BED = 50.0  # [depth of the basin] of a bed over still water: no water reaches so high
@@ -151,7 +149,7 @@ class Floor(Model):
         way = -0.5 if self.grid is not None and is_map(self.grid) else 0.5
         return [centre[0] + way * float(x[0] + x[-1]), centre[1] + 0.5 * float(z[0] + z[-1])]
 
-    def shape_problems(self, basin: "Basin") -> Iterator[tuple[tuple[str, ...], str]]:
+    def shape_problems(self, basin: "Basin") -> Faults:
         """Yield faults (key path below the floor, sentence) of the bed's shape in this basin."""
         key = "profile" if self.profile is not None else "grid"
         try:
@@ -204,34 +202,32 @@ class Floor(Model):
         """Height z0 [m] at which the logarithmic law has no speed; 0 if a friction factor is given instead."""
         return (self.roughness or 0.0) / GRAINS_PER_Z0
 
-    def problems(self, row: float) -> list[str]:
-        """Faults of the bed's roughness under a lowest row of particles of height `row` [m]."""
-        if self.z0 < MIN_ROW_SHARE * row:
-            return []
-        return [
-            f"the bed's z0 of {self.z0:.3g} m, a thirtieth of its roughness, is not below a quarter of the lowest row "
-            f"of particles, {row:g} m high; take coarser particles or a friction_factor"
-        ]
+    def problems(self, row: float) -> Iterator[str]:
+        """Yield faults of the bed's roughness under a lowest row of particles of height `row` [m]."""
+        if self.z0 >= MIN_ROW_SHARE * row:
+            yield (
+                f"the bed's z0 of {self.z0:.3g} m, a thirtieth of its roughness, is not below a quarter of the lowest "
+                f"row of particles, {row:g} m high; take coarser particles or a friction_factor"
+            )
 
-    def warnings(self, row: float) -> list[str]:
+    def warnings(self, row: float) -> Iterator[str]:
         """Warn of a doubtful roughness under a lowest row of particles of height `row` [m]."""
-        if (self.roughness or 0.0) <= 0.5 * row:
-            return []
-        return [
-            f"the bed's grains of {self.roughness:g} m reach above the middle of the lowest row of particles, "
-            f"{0.5 * row:g} m, where the logarithmic law takes u; take coarser particles or a friction_factor"
-        ]
+        if (self.roughness or 0.0) > 0.5 * row:
+            yield (
+                f"the bed's grains of {self.roughness:g} m reach above the middle of the lowest row of particles, "
+                f"{0.5 * row:g} m, where the logarithmic law takes u; take coarser particles or a friction_factor"
+            )
 
-    def statements(self, row: float) -> list[str]:
-        """Describe the friction on a lowest row of particles of height `row` [m]."""
+    def statement(self, row: float) -> str:
+        """Sentence on the friction on a lowest row of particles of height `row` [m]."""
         height = 0.5 * row
         factor = f"friction factor of {2.0 * self.drag(height):.4g} (tau = rho f |u| u / 2)"
         if self.roughness is None:
-            return [f"the bed has a {factor}, u that of the lowest row of particles"]
-        return [
+            return f"the bed has a {factor}, u that of the lowest row of particles"
+        return (
             f"the bed is rough: roughness {self.roughness:g} m, z0 {self.z0:.3g} m; u is that of the lowest row of "
             f"particles, {height:g} m or {height / self.z0:.3g} z0 above it, where the logarithmic law is a {factor}"
-        ]
+        )
 
     def drag(self, height: float) -> float:
         """Drag coefficient tau / (rho |u| u) for a speed u that is taken at a height above the bed [m]."""
@@ -375,76 +371,69 @@ class Config(Model):
         """Basin of these settings; `sea`: the open sea that the basin is a patch of, or None."""
         return Basin(self, sea=sea)
 
-    def problems(self, basin: "Basin", duration: float) -> Problems:
-        """Contradictions in these keys for a run of `duration` [s]: key path below `basin`, and sentence, of each."""
-        found, walls = Problems(), basin.walls
+    def problems(self, basin: "Basin", duration: float) -> Faults:
+        """Yield contradictions in these keys for a run of `duration` [s]: key path below `basin`, and sentence."""
+        walls = basin.walls
         for axis in "xz" if basin.dimension == 3 else "x":
             if [walls.at(f"{axis}_min"), walls.at(f"{axis}_max")].count("periodic") == 1:
-                found.append((("walls",), f"{axis} is periodic on one side only; periodic sides come in pairs"))
+                yield ("walls",), f"{axis} is periodic on one side only; periodic sides come in pairs"
         if walls.y == "periodic":
             if self.lid is not None:
-                found.append((("lid",), "a basin that is periodic along y has no lid"))
+                yield ("lid",), "a basin that is periodic along y has no lid"
             if self.floor != "none":
-                found.append((("floor",), "a basin that is periodic along y has no floor; set floor: none"))
+                yield ("floor",), "a basin that is periodic along y has no floor; set floor: none"
         if self.lid is not None and self.lid.velocity[1] != 0.0:
-            found.append((("lid", "velocity"), "a lid slides in its own plane: its velocity along y must be 0"))
+            yield ("lid", "velocity"), "a lid slides in its own plane: its velocity along y must be 0"
         if basin.dimension == 2 and self.gravity[2] != 0.0:
-            sentence = "a slice, in x-y, has no gravity along z; y is up here: gravity: [0, -9.81, 0]"
-            found.append((("gravity",), sentence))
+            yield ("gravity",), "a slice, in x-y, has no gravity along z; y is up here: gravity: [0, -9.81, 0]"
         meshes = [(k, body) for k, body in enumerate(self.obstacles) if isinstance(body, MeshObstacle)]
-        bad = [(("obstacles", k, "mesh"), sentence) for k, body in meshes for sentence in body.shape.faults]
-        misplaced = bad or box_faults("obstacles", self.obstacles, basin, "overlaps an earlier one")
-        found += misplaced or path_faults(self.obstacles, basin, duration)
+        bad: list[Fault] = [
+            (("obstacles", k, "mesh"), sentence) for k, body in meshes for sentence in body.shape.faults
+        ]
+        misplaced = bad or list(box_faults("obstacles", self.obstacles, basin, "overlaps an earlier one"))
+        yield from misplaced or path_faults(self.obstacles, basin, duration)
         if isinstance(self.floor, Floor) and self.floor.shaped:
-            found += [(("floor", *path), sentence) for path, sentence in self.floor.shape_problems(basin)]
+            yield from below("floor", faults=self.floor.shape_problems(basin))
         for side in basin.sides:
             if side.absorbing is not None:
                 size = basin.upper[side.axis] - basin.lower[side.axis]
-                key = ("walls", walls.key(side.name))
-                found += [((*key, *path), sentence) for path, sentence in side.absorbing.problems(basin, size)]
-        moved = [] if self.motion is None else self.motion.problems(basin)
-        found += [(("motion", *path), sentence) for path, sentence in moved]
+                yield from below("walls", walls.key(side.name), faults=side.absorbing.problems(basin, size))
+        if self.motion is not None:
+            yield from below("motion", faults=self.motion.problems(basin))
         if (maker := self.wavemaker) is not None:
-            pushed = maker.problems(basin, walls.at(maker.wall))
-            found += [(("wavemaker", *path), sentence) for path, sentence in pushed]
+            pushed = list(maker.problems(basin, walls.at(maker.wall)))
+            yield from below("wavemaker", faults=pushed)
             size = np.subtract(basin.upper, basin.lower)["xyz".index(maker.wall[0])]
             if not pushed and basin.piston is not None and (advance := basin.piston.path.advance) >= size:
-                sentence = f"the wall moves {advance:.4g} m into a basin that is {size:g} m long; paths are in metres"
-                found.append((("wavemaker",), sentence))
-        return found
+                moves = f"the wall moves {advance:.4g} m into a basin that is {size:g} m long; paths are in metres"
+                yield ("wavemaker",), moves
 
 
-def odd_gravity(gravity: Vector3) -> list[str]:
-    """Warnings of gravity [m/s2] that looks like one of another convention: z up, or another unit."""
+def odd_gravity(gravity: Vector3) -> Iterator[str]:
+    """Warn of gravity [m/s2] that looks like one of another convention: z up, or another unit."""
     size, (x, y, z) = float(np.linalg.norm(gravity)), gravity
-    found = []
     if abs(y) < max(abs(x), abs(z)):
-        found.append(f"gravity of {list(gravity)} m/s2 points more to a side than down; y is up here")
+        yield f"gravity of {list(gravity)} m/s2 points more to a side than down; y is up here"
     power = log(size / GRAVITY, 10) if size > 0.0 else 0.0
     if round(power) != 0 and abs(power - round(power)) < SAME_DIGITS:
-        found.append(f"gravity of {size:g} m/s2 has the digits of the Earth's, {GRAVITY:g} m/s2, in another unit")
-    return found
+        yield f"gravity of {size:g} m/s2 has the digits of the Earth's, {GRAVITY:g} m/s2, in another unit"
 
 
-def box_faults(key: str, boxes: Sequence[Box | MeshObstacle], basin: "Basin", overlap: str) -> Problems:
-    """Faults (key path, sentence) of boxes under `key` that leave the basin or overlap; `overlap`: words on that."""
-    found = Problems()
+def box_faults(key: str, boxes: Sequence[Box | MeshObstacle], basin: "Basin", overlap: str) -> Faults:
+    """Yield faults of boxes under `key` that leave the basin or overlap; `overlap`: words on that."""
     fitting = [k for k, box in enumerate(boxes) if len(box.min) == basin.dimension]
     low = np.array([boxes[k].min for k in fitting]).reshape(-1, basin.dimension)
     up = np.array([boxes[k].max for k in fitting]).reshape(-1, basin.dimension)
     for row, k in enumerate(fitting):
-        out = axes_beyond(boxes[k].min, boxes[k].max, basin)
         size = " x ".join(f"{side:.3g}" for side in up[row] - low[row])
         noun = "the box" if isinstance(boxes[k], Box) else f"the box around the mesh, {size} m,"
-        if out:
-            found.append(((key, k), f"{noun} reaches out of the basin along {' and '.join(out)}"))
+        if out := axes_beyond(boxes[k].min, boxes[k].max, basin):
+            yield (key, k), f"{noun} reaches out of the basin along {' and '.join(out)}"
         common = np.minimum(up[:row], up[row]) - np.maximum(low[:row], low[row])
         if (common.min(axis=1) > BOX_ROUNDING).any():
-            found.append(((key, k), f"{noun} {overlap}"))
+            yield (key, k), f"{noun} {overlap}"
     for k in set(range(len(boxes))) - set(fitting):
-        sentence = f"a point of this basin has {basin.dimension} numbers, got {len(boxes[k].min)}"
-        found.append(((key, k), sentence))
-    return found
+        yield (key, k), f"a point of this basin has {basin.dimension} numbers, got {len(boxes[k].min)}"
 
 
 def axes_beyond(low: Sequence[float], up: Sequence[float], basin: "Basin") -> list[str]:
@@ -456,9 +445,9 @@ def axes_beyond(low: Sequence[float], up: Sequence[float], basin: "Basin") -> li
     ]
 
 
-def path_faults(obstacles: tuple[AnyObstacle, ...], basin: "Basin", duration: float) -> Problems:
-    """Faults (key path, sentence) of the paths of moving obstacles in a run of `duration` [s]."""
-    found, unread = Problems(), set[int]()
+def path_faults(obstacles: tuple[AnyObstacle, ...], basin: "Basin", duration: float) -> Faults:
+    """Yield faults (key path, sentence) of the paths of moving obstacles in a run of `duration` [s]."""
+    unread = set[int]()
     for k, box in enumerate(obstacles):
         gate, key = box.gate, ("obstacles", k, "motion") if box.motion else ("obstacles", k)
         leave = "`end`" if box.motion else "leave (`until`)"
@@ -468,26 +457,25 @@ def path_faults(obstacles: tuple[AnyObstacle, ...], basin: "Basin", duration: fl
             try:
                 gate.rows()
             except Unreadable as error:
-                found.append(((*key, "file"), f"{error}"))
+                yield (*key, "file"), f"{error}"
                 unread.add(k)
                 continue
         for time in gate.moments(duration).tolist():
             moved = gate.at(time)
             assert moved is not None
             if basin.dimension == 2 and moved.velocity[2] != 0.0:
-                found.append((key, "a 2-D basin, in x-y, has no motion along z"))
+                yield key, "a 2-D basin, in x-y, has no motion along z"
                 break
             low, up = (np.add(end, moved.way[: basin.dimension]) for end in (box.min, box.max))
             if out := axes_beyond(low.tolist(), up.tolist(), basin):
                 where = f"it reaches out of the basin along {' and '.join(out)} at {time:.3g} s"
-                found.append((key, f"{where}; let it {leave} before"))
+                yield key, f"{where}; let it {leave} before"
                 break
         for j, other in enumerate(obstacles):
             if j == k or j in unread or (other.gate is not None and j > k):
                 continue
             if (crossing := crossing_time(box, other, duration)) is not None:
-                found.append((key, f"its path crosses obstacles.{j} at {crossing:.3g} s; let it {leave} before"))
-    return found
+                yield key, f"its path crosses obstacles.{j} at {crossing:.3g} s; let it {leave} before"
 
 
 def crossing_time(box: AnyObstacle, other: AnyObstacle, duration: float) -> float | None:

@@ -4,7 +4,7 @@ Heights are bilinear between nodes. Samples stand in columns, at equal distances
 bed below, which mirrors the water, cuts them off.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import ceil
 from typing import Any
@@ -198,7 +198,7 @@ class Ground:
             total += float((areas * within * (np.clip(heights, low[1], up[1]) - low[1])).sum())
         return total
 
-    def statements(self, spacing: float) -> list[str]:
+    def statement(self, spacing: float) -> str:
         """Sentence on the volume and the depth of the water over it, for particles a `spacing` [m] apart."""
         places, areas = self.columns(spacing, 0.0)
         depth = -self.heights(places)
@@ -206,24 +206,23 @@ class Ground:
         volume, dry = float((depth * areas)[wet].sum()), 1.0 - float(areas[wet].sum() / areas.sum())
         shallow = depth[wet].min() / spacing
         shore = f"; {dry:.0%} of its plan is dry" if dry > 0.0 else ""
-        return [
+        return (
             f"the bed has a shape: {volume:.4g} {unit} of still water over it, {shallow:.2g} to "
             f"{depth.max() / spacing:.3g} spacings deep{shore}"
-        ]
+        )
 
-    def warnings(self, spacing: float, waves: bool) -> list[str]:
-        """Warnings of a bed mostly dry and of water too shallow for `waves`; `spacing` [m] of particles."""
+    def warnings(self, spacing: float, waves: bool) -> Iterator[str]:
+        """Warn of a bed mostly dry and of water too shallow for `waves`; `spacing` [m] of particles."""
         places, _ = self.columns(spacing, 0.0)
-        depth, found = -self.heights(places), []
+        depth = -self.heights(places)
         shallow = places[(depth > 0.0) & (depth < WAVE_ROWS * spacing), 0]
         if (depth <= 0.0).mean() > DRY_WARNED:
-            found.append("most of the bed is dry; heights count upwards from still water: are these depths, downwards?")
+            yield "most of the bed is dry; heights count upwards from still water: are these depths, downwards?"
         if waves and len(shallow):
-            found.append(
+            yield (
                 f"between x = {shallow.min():.3g} and {shallow.max():.3g} m the water over the bed is less than "
                 f"{WAVE_ROWS:g} spacings deep in places: waves are coarse there; take a smaller spacing"
             )
-        return found
 
     def displaced(self, positions: np.ndarray, boxes: Boxes, lattice: Lattice) -> np.ndarray:
         """(n,) True for the `positions` (n, 3) [m] of particles that fill `boxes` whose place the bed takes."""

@@ -6,7 +6,7 @@ results are given in the axes of the tank.
 
 import re
 from abc import abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from math import atanh, cos, cosh, pi, radians, sin, sqrt, tanh
@@ -18,12 +18,10 @@ from pydantic import BeforeValidator, Field, model_validator
 from ocean_sim import waves
 from ocean_sim.files import csv_file
 from ocean_sim.files.input_file import Checked, FileName, Rule, Unreadable, display_path
-from ocean_sim.model import Model, Vector3, quantity
+from ocean_sim.model import Faults, Model, Point, Vector3, quantity
 
 Axis = Literal["x", "y", "z", "roll_x", "roll_y", "roll_z"]
-Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 Law = Callable[[float], tuple[float, float, float]]  # time [s] -> displacement, velocity, acceleration
-Problems = list[tuple[tuple[str, ...], str]]  # path below the config, sentence
 
 FREQUENCY_SAMPLES = 4000  # samples of a recorded motion for its mean frequency
 SMALL_ROLL = 0.5  # [deg] of a tank, which usually rolls by some degrees
@@ -133,30 +131,19 @@ class Tank(Model):
     about: Point | None = quantity("m", None)
     """The point about which it rolls; in 2-D [x, y]; by default the centre of the still surface."""
 
-    def problems(self, basin: waves.Tank) -> Problems:
-        """Faults (key path, sentence) of this motion in a basin."""
+    def axis_problems(self, axis: str, basin: waves.Tank) -> Faults:
+        """Yield faults (key path, sentence) of a motion along or about an axis in a basin."""
         if self.about is not None and len(self.about) != basin.dimension:
-            return [(("about",), f"a point of this basin has {basin.dimension} numbers, got {len(self.about)}")]
-        return []
-
-    def warnings(self, duration: float) -> list[str]:
-        """Warnings of a doubtful motion in a run of `duration` [s]; none unless a kind overrides it."""
-        return []
+            yield ("about",), f"a point of this basin has {basin.dimension} numbers, got {len(self.about)}"
+        if basin.dimension == 2 and axis not in SLICE_AXES:
+            slices = f"a 2-D basin, in x-y, moves along x or y or about z ({', '.join(SLICE_AXES)}), not {axis!r}"
+            yield ("axis",), slices
 
 
-def overturn_warnings(axis: str, angle: float) -> list[str]:
-    """Warning of a tank that rolls by half a turn [rad] or more: angles in degrees are the likeliest reason."""
-    if not axis.startswith("roll") or angle < pi:
-        return []
-    return [f"the tank rolls by {angle:.4g} rad, half a turn or more; {angle:.4g} deg are {radians(angle):.4g} rad"]
-
-
-def axis_faults(axis: str, basin: waves.Tank) -> Problems:
-    """Fault (key path, sentence) of an axis that a 2-D basin does not allow; empty for any other."""
-    if basin.dimension == 2 and axis not in SLICE_AXES:
-        sentence = f"a 2-D basin, in x-y, moves along x or y or about z ({', '.join(SLICE_AXES)}), not {axis!r}"
-        return [(("axis",), sentence)]
-    return []
+def overturn_warnings(axis: str, angle: float) -> Iterator[str]:
+    """Warn of a tank that rolls by half a turn [rad] or more: angles in degrees are the likeliest reason."""
+    if axis.startswith("roll") and angle >= pi:
+        yield f"the tank rolls by {angle:.4g} rad, half a turn or more; {angle:.4g} deg are {radians(angle):.4g} rad"
 
 
 class Harmonic(Tank):
@@ -180,10 +167,12 @@ class Harmonic(Tank):
         """Angular frequency of the motion [rad/s]."""
         return 2.0 * pi / self.period
 
-    def problems(self, basin: waves.Tank) -> Problems:
-        return super().problems(basin) + axis_faults(self.axis, basin)
+    def problems(self, basin: waves.Tank) -> Faults:
+        """Faults (key path, sentence) of this motion in a basin."""
+        return self.axis_problems(self.axis, basin)
 
-    def warnings(self, duration: float) -> list[str]:
+    def warnings(self, duration: float) -> Iterator[str]:
+        """Warn of a doubtful motion in a run of `duration` [s]."""
         return overturn_warnings(self.axis, abs(self.amplitude))
 
     def build(self) -> "TankMotion":
@@ -231,30 +220,28 @@ class Recorded(Tank):
         moved, speed = found.std(axis=0)[:2]
         return float(speed / moved) if moved > 0.0 else 0.0
 
-    def problems(self, basin: waves.Tank) -> Problems:
+    def problems(self, basin: waves.Tank) -> Faults:
         try:
-            axis = self.rows()[0]
+            return self.axis_problems(self.rows()[0], basin)
         except Unreadable as error:
             return [(("file",), f"{error}")]
-        return super().problems(basin) + axis_faults(axis, basin)
 
-    def warnings(self, duration: float) -> list[str]:
+    def warnings(self, duration: float) -> Iterator[str]:
         (axis, times, moved), law = self.rows(), self.build().law
         fastest = max(abs(law(float(t))[1]) for t in np.linspace(times[0], times[-1], FREQUENCY_SAMPLES))
         unit = "rad/s" if axis.startswith("roll") else "m/s"
-        found = csv_file.unreached_times_warning(display_path(self.file), times, duration, "the tank never moves")
-        found += overturn_warnings(axis, float(np.abs(moved).max()))
+        yield from csv_file.unreached_times_warning(display_path(self.file), times, duration, "the tank never moves")
+        yield from overturn_warnings(axis, float(np.abs(moved).max()))
         most = float(np.degrees(np.abs(moved).max()))
         if 0.0 < most < SMALL_ROLL and f"{axis}_deg" in self.table:
-            found.append(f"the tank rolls by {most:.3g} deg at most: is {axis}_deg in radians?")
+            yield f"the tank rolls by {most:.3g} deg at most: is {axis}_deg in radians?"
         for time, end, apart in ((times[0], "begin", "before"), (times[-1], "end", "after")):
             speed = law(float(time))[1]
             if 0.0 < time < duration and abs(speed) > JOLT_SHARE * fastest:
-                found.append(
+                yield (
                     f"the tank's recorded motion {end}s at {time:.4g} s with {speed:.3g} {unit}, and the tank stands "
                     f"still {apart} it: water does not feel that jolt; let the rows {end} at rest"
                 )
-        return found
 
     def build(self) -> "TankMotion":
         """Motion of the tank through the rows of the file; raises Unreadable."""
@@ -321,17 +308,16 @@ class Wavemaker(Model):
     wall: Literal["x_min", "x_max", "z_min", "z_max"] = "x_min"
     """The wall that moves; its waves go into the basin."""
 
-    def problems(self, basin: waves.Tank, side: str) -> Problems:
-        """Faults (key path, sentence) of this wavemaker; `side`: kind of the basin's wall on the side `wall`."""
+    def problems(self, basin: waves.Tank, side: str) -> Faults:
+        """Yield faults (key path, sentence) of this wavemaker; `side`: kind of the basin's wall on the side `wall`."""
         if basin.dimension == 2 and self.wall.startswith("z"):
-            return [(("wall",), "a 2-D basin, in x-y, has no walls along z")]
-        if side not in ("reflecting", "no_slip"):
-            return [(("wall",), f"a piston is a reflecting or no_slip wall; {self.wall} is {side}")]
-        return []
+            yield ("wall",), "a 2-D basin, in x-y, has no walls along z"
+        elif side not in ("reflecting", "no_slip"):
+            yield ("wall",), f"a piston is a reflecting or no_slip wall; {self.wall} is {side}"
 
     @abstractmethod
-    def warnings(self, basin: waves.Tank, duration: float) -> list[str]:
-        """Warnings of a doubtful motion in a run of `duration` [s]."""
+    def warnings(self, basin: waves.Tank, duration: float) -> Iterator[str]:
+        """Warn of a doubtful motion in a run of `duration` [s]."""
 
     @abstractmethod
     def path(self, depth: float, gravity: float) -> Path:
@@ -350,14 +336,14 @@ class TrainWavemaker(Wavemaker, waves.WaveTrain):
         """Time over which the motion grows [s]."""
         return self.scale[1] if self.ramp is None else self.ramp
 
-    def problems(self, basin: waves.Tank, side: str) -> Problems:
-        found: Problems = [(self.height_key, sentence) for sentence in waves.basin_faults(basin, *self.scale)]
+    def problems(self, basin: waves.Tank, side: str) -> Faults:
+        yield from ((self.height_key, sentence) for sentence in waves.basin_faults(basin, *self.scale))
         if self.spectrum is not None and self.spectrum.heading_deg is not None:
-            found.append((("spectrum", "heading_deg"), "the waves of a piston go away from its wall: leave this out"))
-        return found + super().problems(basin, side)
+            yield ("spectrum", "heading_deg"), "the waves of a piston go away from its wall: leave this out"
+        yield from super().problems(basin, side)
 
-    def warnings(self, basin: waves.Tank, duration: float) -> list[str]:
-        return list(waves.cut_short(duration, self.growth))
+    def warnings(self, basin: waves.Tank, duration: float) -> Iterator[str]:
+        return waves.cut_short(duration, self.growth)
 
     def path(self, depth: float, gravity: float) -> Path:
         """Path S/2 sin(omega t - phase), S the stroke (Biesel & Suquet 1951), summed over the waves, which far away are
@@ -382,22 +368,21 @@ class SolitaryWavemaker(Wavemaker):
     start: float = quantity("s", 0.0, ge=0.0)
     """Time at which the wall begins to move."""
 
-    def problems(self, basin: waves.Tank, side: str) -> Problems:
-        found: Problems = [(("height",), sentence) for sentence in waves.basin_faults(basin)]
+    def problems(self, basin: waves.Tank, side: str) -> Faults:
+        yield from ((("height",), sentence) for sentence in waves.basin_faults(basin))
         if self.height >= (most := BREAKING_SOLITARY * basin.depth):
             lower = f"on {basin.depth:g} m of water it is lower than {most:.3g} m"
-            found.append((("height",), f"a solitary wave of {self.height:g} m would break: {lower}"))
-        return found + super().problems(basin, side)
+            yield ("height",), f"a solitary wave of {self.height:g} m would break: {lower}"
+        yield from super().problems(basin, side)
 
-    def warnings(self, basin: waves.Tank, duration: float) -> list[str]:
-        found, ratio = [], self.height / basin.depth
+    def warnings(self, basin: waves.Tank, duration: float) -> Iterator[str]:
+        ratio = self.height / basin.depth
         end = self.start + solitary_law(self.height, basin.depth, waves.downward_gravity(basin))[2]
         if duration < end:
-            found.append(f"the run ends at {duration:.4g} s, and the wavemaker moves until {end:.4g} s")
+            yield f"the run ends at {duration:.4g} s, and the wavemaker moves until {end:.4g} s"
         if ratio > STEEP_SOLITARY:
             steep = f"a solitary wave of {ratio:.2g} of the depth is lower than asked for and trails others"
-            found.append(f"{steep}: the wavemaker's theory holds up to about {STEEP_SOLITARY:g}")
-        return found
+            yield f"{steep}: the wavemaker's theory holds up to about {STEEP_SOLITARY:g}"
 
     def path(self, depth: float, gravity: float) -> Path:
         law, stroke, _ = solitary_law(self.height, depth, gravity)
@@ -415,25 +400,25 @@ class RecordedWavemaker(Wavemaker):
         """Times (n,) [s] and displacements (n,) [m] in the file; raises Unreadable."""
         return csv_file.Table(self.file).series("x_m", fewest=FEWEST_ROWS)
 
-    def problems(self, basin: waves.Tank, side: str) -> Problems:
-        found = super().problems(basin, side)
+    def problems(self, basin: waves.Tank, side: str) -> Faults:
+        yield from super().problems(basin, side)
         try:
             self.rows()
         except Unreadable as error:
-            found.append((("file",), f"{error}"))
-        return found + [(("file",), "waves need a free surface; this basin has none")] * basin.closed
+            yield ("file",), f"{error}"
+        if basin.closed:
+            yield ("file",), "waves need a free surface; this basin has none"
 
-    def warnings(self, basin: waves.Tank, duration: float) -> list[str]:
+    def warnings(self, basin: waves.Tank, duration: float) -> Iterator[str]:
         path, (times, moved) = display_path(self.file), self.rows()
-        found = csv_file.unreached_times_warning(path, times, duration, "the wavemaker never moves")
+        yield from csv_file.unreached_times_warning(path, times, duration, "the wavemaker never moves")
         fastest, c = np.abs(np.diff(moved) / np.diff(times)).max(), sqrt(waves.downward_gravity(basin) * basin.depth)
         if fastest > c:
             fast = f"moves at up to {fastest:.3g} m/s, faster than long waves, {c:.3g} m/s"
-            found.append(f"the wavemaker's path in {path} {fast}: is x_m in metres, and time_s in seconds?")
+            yield f"the wavemaker's path in {path} {fast}: is x_m in metres, and time_s in seconds?"
         if times[-1] > LONGEST_PATH * duration:
             long = f"goes on to {times[-1]:.4g} s, and the run to {duration:g} s"
-            found.append(f"the wavemaker's path in {path} {long}: are its times in milliseconds?")
-        return found
+            yield f"the wavemaker's path in {path} {long}: are its times in milliseconds?"
 
     def path(self, depth: float, gravity: float) -> Path:
         """Path of the wall through the rows of the file; raises Unreadable."""

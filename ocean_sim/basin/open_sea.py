@@ -1,17 +1,15 @@
 """A sea that goes on beyond the basin: sides before which waves are absorbed, and a basin that is a patch of open sea,
 whose sides are periodic, and whose water is that of the sea opposite the ship."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from math import radians
 from typing import Literal, NamedTuple, Protocol
 
 from ocean_sim import waves
-from ocean_sim.model import Model, Vector2, Vector3, quantity
+from ocean_sim.model import Faults, Model, Vector2, Vector3, below, quantity
 
 MOST_PARTS = 64  # largest denominator of the ratio of the sides of a patch
-Problems = Iterator[tuple[tuple[str, ...], str]]  # path below an absorbing side, sentence
 
 
 class Sea(waves.HeadedTrain):
@@ -49,7 +47,7 @@ class Absorbing(Model):
     target: Target | None = None
     """The motion that the zone leaves alone; null: rest."""
 
-    def problems(self, basin: waves.Tank, size: float) -> Problems:
+    def problems(self, basin: waves.Tank, size: float) -> Faults:
         """Yield faults of this side in a basin of a `size` [m] along its axis."""
         if self.length is not None and self.length > size:
             yield ("length",), f"a zone of {self.length:g} m is longer than the basin, {size:g} m"
@@ -60,11 +58,7 @@ class Absorbing(Model):
             level = "along x" if basin.dimension == 2 else "along x and z"
             yield ("target", "current"), f"a current of this basin is {level}, got {list(u)}"
         if sea is not None:
-            for key, sentences in (
-                (sea.height_key, waves.basin_faults(basin, *sea.scale)),
-                (sea.heading_key, waves.heading_faults(sea.heading, basin)),
-            ):
-                yield from ((("target", "waves", *key), sentence) for sentence in sentences)
+            yield from below("target", "waves", faults=sea.faults(basin))
 
 
 class Rim(Model):

@@ -13,8 +13,9 @@ from ocean_sim.fluid.neighbours.grid_size import GridSize
 from ocean_sim.fluid.neighbours.particle_walk import PLANS, account_ledger, mesh_ledger
 from ocean_sim.fluid.sph.particle_water import ParticleWater
 from ocean_sim.fluid.sph.water_keys import WaterConfig, free_fall_speed
-from ocean_sim.kernel_library import ti, tm
-from ocean_sim.parts import LedgerRow, Preflight, Problems
+from ocean_sim.kernel_library import ti
+from ocean_sim.model import Faults
+from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.runtime import Array, in_kernels, running_arch
 from ocean_sim.wind import Wind
 
@@ -28,12 +29,11 @@ class Config(WaterConfig):
 
     kind: Literal["ballistic"] = "ballistic"
 
-    def problems(self, preflight: Preflight) -> Problems:
-        found = super().problems(preflight)
+    def problems(self, preflight: Preflight) -> Faults:
+        yield from super().problems(preflight)
         if preflight.tank.rough_bed is not None:
             layer = "particles that ignore each other have no layer on which a bed could act"
-            found.append((("kind",), f"{layer}; leave basin.floor out"))
-        return found
+            yield ("kind",), f"{layer}; leave basin.floor out"
 
     def size(self, basin: Basin, arch: str) -> GridSize:
         """Sizes of the grid of cells for the tasks of a backend (`arch`)."""
@@ -84,7 +84,7 @@ class Ballistic(ParticleWater):
         self.settle(self.summary)
 
     def step(self, dt: float) -> None:
-        self.advance_all(dt, self.wind.since, self.summary)
+        self.advance_all(dt, self.wind.clock.since, self.summary)
 
     @ti.kernel
     def settle(self, summary: Array):
@@ -92,11 +92,11 @@ class Ballistic(ParticleWater):
         self.grid.sort()
         for t in range(self.tasks.iterations):
             if t % self.tasks.stride == 0:
-                group, p, u = t // self.tasks.stride, self.particles.position, self.particles.velocity
+                group = t // self.tasks.stride
                 self.accounts.begin_motion(group)
                 self.accounts.begin_density(group)
                 for i in range(self.tasks.first_particle(group), self.tasks.first_particle(group + 1)):
-                    x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
+                    x, v = self.particles.position.at(i), self.particles.velocity.at(i)
                     self.accounts.count_motion(group, v, self.pull.at(x, v), 0)
                     self.accounts.count_density(group, self.particles.density[i])
         self.accounts.summarise(summary)
@@ -104,8 +104,7 @@ class Ballistic(ParticleWater):
     @ti.func
     def advance_particle(self, i, dt, group):
         """Move particle i for dt [s]; add its extremes and impulses to row `group` of the budget."""
-        p, u, m = self.particles.position, self.particles.velocity, ti.static(self.particles.mass)
-        x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
+        m, x, v = ti.static(self.particles.mass), self.particles.position.at(i), self.particles.velocity.at(i)
         a_wind, a_pull, a_hull = self.wind_acceleration(i, x, v), self.pull.at(x, v), self.hull_push(x, 0.0)
         a = a_wind + a_pull + a_hull
         mean, fast = self.walls.limit_motion(v + 0.5 * dt * a, dt)  # of the step; x + v dt + a dt^2 / 2 is exact

@@ -16,6 +16,7 @@ kernel, rows of particles rest under a pressure that is not smooth; diffusion wo
 share of each wave that passes. So it is graded: next to a free surface none takes part but in water that is sheared.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import ClassVar, Literal
 
@@ -114,16 +115,16 @@ class Config(SphConfig):
         """Limits of the time step in still water, by sound and viscosity."""
         return self.limits_at(self.smoothing(preflight.tank), self.sound_speed(preflight.tank), 0.0, 0.0)
 
-    def warnings(self, preflight: Preflight) -> list[str]:
-        found, ratio = super().warnings(preflight), self.ratio(preflight.tank)
+    def warnings(self, preflight: Preflight) -> Iterator[str]:
+        yield from super().warnings(preflight)
+        ratio = self.ratio(preflight.tank)
         if ratio < MIN_STEADY_SUPPORT and not self.is_enclosed(preflight.tank):
-            found.append(
+            yield (
                 f"at a support of {ratio:g} spacings still water of delta_sph stirs and sinks: ten rows lost 28 % of "
                 "their depth in 3 s at 1.2 spacings, 10 % at 1.5 and 2 % at 2; take 4, its default"
             )
-        return found
 
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: Preflight) -> Iterator[LedgerRow]:
         """Rows of the memory ledger for the fields of this scheme."""
         what = "position, velocity, density, pressure, its deviation and rate, number"
         if not self.is_enclosed(preflight.tank):
@@ -422,15 +423,11 @@ class Continuity(Law):
                 fluid.accounts.count_packing(group, thinner)
         fluid.rate[i], fluid.excess[i] = rate, excess
         particles.density[i], particles.pressure[i] = rho_0 + excess, fluid.equation_of_state(excess)
-        x = fluid.grid.wrap_position(vec3(own, self.row.position))
-        for k, component in ti.static(enumerate(particles.position)):
-            component[i] = x[k]
-        for k, component in ti.static(enumerate(particles.velocity)):
-            component[i] = own[self.row.velocity + k]
+        particles.position.put(i, fluid.grid.wrap_position(vec3(own, self.row.position)))
+        particles.velocity.put(i, vec3(own, self.row.velocity))
         if ti.static(fluid.shifting):
             gradient = self.prefactor(own) / rho_0 * vec3(total, self.terms.crowding)  # of the share of water [1/m]
-            for k, component in ti.static(enumerate(fluid.shift)):
-                component[i] = -gradient[k]
+            fluid.shift.put(i, -gradient)
         fluid.accounts.count_density(group, rho_0 + excess)
         if ti.static(fluid.accounts.impulses):
             self.book_work(i, own, compressed, diffused, group)
@@ -556,7 +553,7 @@ class DeltaSph(Sph):
 
     def step(self, dt: float) -> None:
         """Move the particles by dt [s], compute the density's rate, and update the shear averages if they are due."""
-        self.drift_kick_drift(dt, self.status.max_speed, self.wind.since)
+        self.drift_kick_drift(dt, self.status.max_speed, self.wind.clock.since)
         self.find_density_rate(self.summary)
         if not self.shifting:
             self.unseen += dt
@@ -616,12 +613,10 @@ class DeltaSph(Sph):
         bulk = tm.min(BULK_VISCOSITY * self.sound_speed * h, MAX_BULK_VISCOSITY * h * h / dt)  # [m2/s]
         # First drift: half a step with the present velocity; density and damped pressure follow to mid-step.
         for i in range(self.particles.count.there()):
-            p, u = self.particles.position, self.particles.velocity
-            x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
+            x, v = self.particles.position.at(i), self.particles.velocity.at(i)
             way = 0.5 * dt * v
             if ti.static(self.shifting):
-                shift = tm.vec3(self.shift.x[i], self.shift.y[i], self.shift.z[i])
-                way += dt * speed * self.smoothing.support * shift
+                way += dt * speed * self.smoothing.support * self.shift.at(i)
             middle = self.excess[i] + 0.5 * dt * self.rate[i]
             self.grid.stage_state(i, x + self.grid.whole_quanta(i, way), v)
             self.next_deviation[i] = middle

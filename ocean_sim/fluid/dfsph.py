@@ -21,6 +21,7 @@ A known weakness: once its lattice has given way, the pressures of single partic
 A lattice gives way where it is not elastically stable under the kernel.
 """
 
+from collections.abc import Iterator
 from math import sqrt
 from typing import ClassVar, Literal
 
@@ -107,19 +108,18 @@ class Config(SphConfig):
         basin = preflight.tank
         return self.limits_at(basin, 0.0, float(np.linalg.norm(np.add(basin.gravity, self.body_force))))
 
-    def warnings(self, preflight: Preflight) -> list[str]:
-        found, basin = super().warnings(preflight), preflight.tank
-        ratio = self.ratio(basin)
+    def warnings(self, preflight: Preflight) -> Iterator[str]:
+        yield from super().warnings(preflight)
+        basin, ratio = preflight.tank, self.ratio(preflight.tank)
         if ratio < MIN_STEADY_SUPPORT[basin.dimension - 2] and not self.is_enclosed(basin):
-            found.append(
+            yield (
                 f"at a support of {ratio:g} spacings still water of dfsph stirs, and below 2.5 it sinks and may burst: "
                 "ten rows of it lost 16 % of their depth in 2 s at 1.2 spacings, 2 % at 2; take 4, its default"
             )
-        return found
 
-    def statements(self, preflight: Preflight) -> list[str]:
-        flight = "water that flies freely goes too far by the time step over the time of its fall (first order)"
-        return [*super().statements(preflight), flight]
+    def statements(self, preflight: Preflight) -> Iterator[str]:
+        yield from super().statements(preflight)
+        yield "water that flies freely goes too far by the time step over the time of its fall (first order)"
 
     def neighbours_kept(self, basin: Basin) -> int:
         """Number of neighbours of a particle on the lattice, whose pairs the solvers keep for a step."""
@@ -190,8 +190,7 @@ class Density(Law):
         fluid.diagonal[i] = self.diagonal_scale * tm.max(rho / rest, 1.0) * tm.max(squares, self.least)
         fluid.rows.add(group, TOO_DENSE, rho)
         if ti.static(fluid.closed):
-            for k, component in ti.static(enumerate(fluid.shift)):
-                component[i] = -gradient[k]
+            fluid.shift.put(i, -gradient)
         else:
             gap = tm.max(1.0 - rho / rest - self.top_deficit * gradient.norm(), 0.0)
             fluid.closing[i] = rest * gap * tm.max(gap, GAP_CLOSING_SHARE)
@@ -267,8 +266,8 @@ class Forces(Force):
     @ti.func
     def finish(self, i, own, total, beyond, group):
         """Predict the velocity of particle i after the step under these forces, where the divergence solver starts."""
-        fluid, u = self.fluid, self.fluid.particles.velocity
-        dt, x, v = fluid.dt[None], vec3(own, self.row.position), tm.vec3(u.x[i], u.y[i], u.z[i])
+        fluid = self.fluid
+        dt, x, v = fluid.dt[None], vec3(own, self.row.position), fluid.particles.velocity.at(i)
         beyond = self.with_bodies(beyond, x, own)
         for change in ti.static(fluid.changes):
             for component in ti.static(change):
@@ -374,7 +373,7 @@ class Dfsph(Sph):
         total, n = self.totals(), self.particles.count.now
         stirred = total.squared_speed - total.velocity @ total.velocity / n  # about their mean velocity
         calm = stirred < n * (CALM_RMS_SPEED * self.reference_speed) ** 2
-        self.predict(dt, self.wind.since, self.report)
+        self.predict(dt, self.wind.clock.since, self.report)
         self.solve(self.divergence, dt, calm)
         self.predict_density(self.status.max_speed, self.report)
         self.solve(self.incompressible, dt, calm)
@@ -468,29 +467,26 @@ class Dfsph(Sph):
     def displace_all(self):
         """Move all particles by dt times `way` and let walls stop them; their velocities stay as they are."""
         for i in range(self.particles.count.there()):
-            u, way = self.particles.velocity, tm.vec3([component[i] for component in ti.static(tuple(self.way))])
-            v = tm.vec3(u.x[i], u.y[i], u.z[i])
+            v, way = self.particles.velocity.at(i), self.way.at(i)
             x, _ = self.landing(i, self.dt[None] * way, v)
             self.stage_particle(i, x, v)
 
     @ti.func
     def landing(self, i, way, u):
         """Position [m] and velocity [m/s] of particle i that moves by `way` [m] at velocity u [m/s], after walls."""
-        p = self.particles.position
-        return self.walls.bounce(tm.vec3(p.x[i], p.y[i], p.z[i]) + self.grid.whole_quanta(i, way), u)
+        return self.walls.bounce(self.particles.position.at(i) + self.grid.whole_quanta(i, way), u)
 
     @ti.func
     def displace(self, i, dt, group):
         """Move particle i for dt [s] as far as walls and motion limit let it, and book the impulses of its step."""
-        way = tm.vec3([component[i] for component in ti.static(tuple(self.way))])
+        way = self.way.at(i)
         u = way
         if ti.static(self.closed):
-            u = tm.vec3([component[i] for component in ti.static(tuple(self.predicted))])
+            u = self.predicted.at(i)
         held, fast = self.walls.limit_motion(way, dt)
         x, v = self.landing(i, dt * held, u)
         self.change_velocity(i, budget.WALLS, v - u)
-        before = self.particles.velocity
-        mean = 0.5 * (tm.vec3(before.x[i], before.y[i], before.z[i]) + v)
+        mean = 0.5 * (self.particles.velocity.at(i) + v)
         for term, change in ti.static(enumerate(self.changes)):
             if ti.static(len(change) > 0):
                 impulse = self.particles.mass * tm.vec3([component[i] for component in ti.static(change)])

@@ -1,5 +1,6 @@
 """A sea in closed form, without particles: the linear waves of `ocean_sim.waves`, for ships and platforms alone."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, ClassVar, Literal
 
@@ -11,8 +12,8 @@ from ocean_sim.conventions import LEAST_DENSITY, WATER_DENSITY, Setting
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.open_sea.open_water import POINTS_PER_WAVE, SMOOTH_STEP_PERIODS, OpenWater, status_of
 from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves, Window
-from ocean_sim.model import quantity
-from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems, forces_in_waves
+from ocean_sim.model import Fault, Faults, quantity
+from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, forces_in_waves
 from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import Wind
 
@@ -28,28 +29,26 @@ class Config(waves.GrowingTrain, FluidConfig):
     rest_density: float = quantity("kg/m3", WATER_DENSITY, ge=LEAST_DENSITY)
     """Density of the water."""
 
-    def problems(self, preflight: Preflight) -> Problems:
+    def problems(self, preflight: Preflight) -> Faults:
         basin = preflight.tank
-        found: Problems = [(("kind",), sentence) for sentence in waves.basin_faults(basin)]
-        found = found or [(self.height_key, sentence) for sentence in waves.basin_faults(basin, *self.scale)]
+        unfit: list[Fault] = [(("kind",), sentence) for sentence in waves.basin_faults(basin)]
+        yield from unfit or [(self.height_key, sentence) for sentence in waves.basin_faults(basin, *self.scale)]
         if basin.ground is not None:
-            found.append((("kind",), "a sea in closed form lies over a flat bed; leave the shape of basin.floor out"))
+            yield ("kind",), "a sea in closed form lies over a flat bed; leave the shape of basin.floor out"
         if basin.config.obstacles:
-            found.append((("kind",), "a sea in closed form goes through obstacles; leave basin.obstacles out"))
+            yield ("kind",), "a sea in closed form goes through obstacles; leave basin.obstacles out"
         if basin.rough_bed is not None:
-            found.append((("kind",), "a sea in closed form has no friction; leave basin.floor out"))
-        return found + list(self.direction_faults(basin))
+            yield ("kind",), "a sea in closed form has no friction; leave basin.floor out"
+        yield from self.direction_faults(basin)
 
     def statements(self, preflight: Preflight) -> list[str]:
         return forces_in_waves(preflight, self.spectrum is None, False) if self.scale[0] > 0.0 else []
 
-    def warnings(self, preflight: Preflight) -> list[str]:
-        found: list[str] = []
+    def warnings(self, preflight: Preflight) -> Iterator[str]:
         if self.scale[0] > 0.0:
-            found += waves.cut_short(preflight.duration, self.with_ramp(self.sea(preflight.tank)).ramp)
+            yield from waves.cut_short(preflight.duration, self.with_ramp(self.sea(preflight.tank)).ramp)
         if not preflight.wind.still:
-            found.append("closed-form waves do not feel the wind; it reaches only the ship")
-        return found
+            yield "closed-form waves do not feel the wind; it reaches only the ship"
 
     def still_limits(self, preflight: Preflight) -> Limits:
         return self.smooth

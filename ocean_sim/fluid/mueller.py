@@ -4,6 +4,7 @@ Weakly compressible by p = k (rho - rho0) (2.15). Density is summed, so the oute
 reads too thin; the clamp `minimum_pressure` keeps that from pulling the surface together.
 """
 
+from collections.abc import Iterator
 from math import sqrt
 from typing import ClassVar, Literal
 
@@ -68,19 +69,19 @@ class Config(SphConfig):
         """Sound speed c [m/s]: the square root of k of (2.15)."""
         return sqrt(self.stiffness) if self.stiffness else super().sound_speed(basin)
 
-    def warnings(self, preflight: Preflight) -> list[str]:
-        found, basin = super().warnings(preflight), preflight.tank
+    def warnings(self, preflight: Preflight) -> Iterator[str]:
+        yield from super().warnings(preflight)
+        basin = preflight.tank
         least = CALMING_VISCOSITY[basin.dimension - 2] * self.sound_speed(basin) * self.lattice(basin).spacing
         pull = waves.downward_gravity(basin)
         seen = pull > 0.0 and preflight.duration > BOILING_TIME * sqrt(basin.depth / pull)
         if seen and self.kinematic_viscosity < 0.9 * least:
-            found.append(
+            yield (
                 f"still water of mueller boils within seconds below a viscosity of about {least:.1g} m2/s; set "
                 "fluid.kinematic_viscosity, or take delta_sph"
             )
-        return found
 
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: Preflight) -> Iterator[LedgerRow]:
         sizes = self.list_size(self.start_lattice(preflight), preflight.arch, Momentum.row.size)
         what = "position, velocity, density, pressure, volume, number"
         return scheme_ledger(preflight, sizes, 9, what, self.told_to_bodies)

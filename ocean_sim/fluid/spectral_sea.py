@@ -11,7 +11,7 @@ under a pressure rho g D f (Wehausen & Laitone 1960, Surface Waves, 13). At rest
 it is shown as low as her hull, smoothed over a cell.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import ceil, pi
 from typing import Literal
@@ -122,58 +122,56 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         energy = float((whole.amplitude**2).sum())
         return float((snapped(whole, self.tile_of(basin)).amplitude ** 2).sum()) / energy if energy else 1.0
 
-    def warnings(self, preflight: Preflight) -> list[str]:
+    def warnings(self, preflight: Preflight) -> Iterator[str]:
         tile = self.tile_of(preflight.tank)
-        found = self.like_radians()
+        yield from self.like_radians()
         if self.highest is not None:
-            found += waves.cut_short(preflight.duration, self.with_ramp(self.sea_of(preflight.tank)).ramp)
+            yield from waves.cut_short(preflight.duration, self.with_ramp(self.sea_of(preflight.tank)).ramp)
         if self.order == 3:
             kept = 4.0 * tile.cell
             if self.highest is None:
-                found.append("order 3 changes nothing in calm water: what ships and winds make is linear")
+                yield "order 3 changes nothing in calm water: what ships and winds make is linear"
             else:
                 lost = 100.0 * (1.0 - self.energy_share(preflight.tank))
-                found.append(
+                yield (
                     f"order 3: waves shorter than {kept:.3g} m, four cells, or far longer than the tile are left out "
                     f"of the sea: {lost:.2g} % of its energy"
                 )
         for name, ship in preflight.ships.items():
             look = ship.look(preflight)
             if look is not None and look.breadth < MIN_BEAM_CELLS * tile.cell:
-                found.append(
+                yield (
                     f"the breadth of {called(name)}, {look.breadth:.3g} m, is {look.breadth / tile.cell:.2g} cells of "
                     f"{tile.cell:.3g} m; below {MIN_BEAM_CELLS:g} the waves that she makes are too long and too low: "
                     "take more fluid.cells or a smaller fluid.tile"
                 )
             if look is None:
-                found.append(f"a ship of kind {ship.kind} has no hull that could push the water: she makes no waves")
+                yield f"a ship of kind {ship.kind} has no hull that could push the water: she makes no waves"
         if not preflight.wind.still:
-            found.append("only the vertical part of the wind presses on the water; its drag moves no water here")
-        return found
+            yield "only the vertical part of the wind presses on the water; its drag moves no water here"
 
-    def notes(self, preflight: Preflight) -> list[str]:
-        found, side = [], self.tile_of(preflight.tank).side
+    def notes(self, preflight: Preflight) -> Iterator[str]:
+        side = self.tile_of(preflight.tank).side
         if self.order == 3 and self.highest is not None:
-            found.append(
+            yield (
                 f"order 3: the sea from afar is nonlinear and repeats itself after {side:.4g} m; the waves of ships "
                 "and winds stay linear"
             )
-        return found + [
-            f"the waves that {called(name)} makes are seen and act on other ships, but not on herself: her damping "
-            "stands for their force"
-            for name, ship in preflight.ships.items()
-            if ship.look(preflight) is not None
-        ]
+        for name, ship in preflight.ships.items():
+            if ship.look(preflight) is not None:
+                yield (
+                    f"the waves that {called(name)} makes are seen and act on other ships, but not on herself: her "
+                    "damping stands for their force"
+                )
 
-    def statements(self, preflight: Preflight) -> list[str]:
+    def statements(self, preflight: Preflight) -> Iterator[str]:
         tile = self.tile_of(preflight.tank)
-        regular, streams = len(self.sea_of(preflight.tank).amplitude) == 1, any(self.current)
-        acting = forces_in_waves(preflight, regular, streams) if self.highest is not None else []
-        return [
-            *acting,
+        if self.highest is not None:
+            yield from forces_in_waves(preflight, len(self.sea_of(preflight.tank).amplitude) == 1, any(self.current))
+        yield (
             f"tiles of {tile.side:.4g} m in cells of {tile.cell:.3g} m that step every {self.tile_step(tile):.3g} s; "
-            f"what ships and winds make fades in their outer {100.0 * RIM_SHARE:g} %",
-        ]
+            f"what ships and winds make fades in their outer {100.0 * RIM_SHARE:g} %"
+        )
 
     def still_limits(self, preflight: Preflight) -> Limits:
         return self.smooth(self.tile_of(preflight.tank))
@@ -186,24 +184,23 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
     def point_spacing(self, preflight: Preflight) -> float:
         return spacing(self.sea_of(preflight.tank), self.tile_of(preflight.tank))
 
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: Preflight) -> Iterator[LedgerRow]:
         word, tile = preflight.word, self.tile_of(preflight.tank)
         cells = tile.cells * tile.rows
         why = f"fluid.cells {self.cells}"
         n = self.summed(preflight)
-        rows = [LedgerRow("fluid", f"{n} plane waves", PlaneWaves.bytes(n, word), "fluid.order 1")]
+        yield LedgerRow("fluid", f"{n} plane waves", PlaneWaves.bytes(n, word), "fluid.order 1")
         if self.order == 3:
             size = cells * (6 * 8 + WORDS_PER_CELL * word)
-            rows.append(LedgerRow("fluid", f"a nonlinear sea of {cells} cells", size, why))
+            yield LedgerRow("fluid", f"a nonlinear sea of {cells} cells", size, why)
         making = [name for name, ship in preflight.ships.items() if ship.look(preflight) is not None]
         several = len(preflight.ships) > 1  # each feels the others
         for name in making:
             size = cells * (5 * 8 + several * WORDS_PER_CELL * word)
-            rows.append(LedgerRow("fluid", f"{called(name)}'s waves on {cells} cells", size, why))
+            yield LedgerRow("fluid", f"{called(name)}'s waves on {cells} cells", size, why)
         if not preflight.wind.still:
             size = cells * (5 * 8 + WORDS_PER_CELL * word) + AirPressure.bytes(cells, word)
-            rows.append(LedgerRow("fluid", f"the wind's waves on {cells} cells", size, why))
-        return rows
+            yield LedgerRow("fluid", f"the wind's waves on {cells} cells", size, why)
 
     def summed(self, preflight: Preflight) -> int:
         """Number of plane waves in the sums of kernels: all of a linear sea; 1 for a nonlinear sea, on a tile."""

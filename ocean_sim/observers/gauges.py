@@ -6,7 +6,7 @@ The mean over a disc is the mean of DISC_POINTS points of equal areas on two rin
 of its ring's area, exact for a quadratic pressure. A dry point reads 0, so the mean times the face's area is its force.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
@@ -16,14 +16,12 @@ from pydantic import Field, model_validator
 from ocean_sim.basin import BOX_ROUNDING, Basin, Corners
 from ocean_sim.basin.points import in_space
 from ocean_sim.fluid import with_particles
-from ocean_sim.model import Model, quantity
+from ocean_sim.model import Model, Name, Point, quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading
 from ocean_sim.parts import Key, Preflight, Problems
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
-Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 Column = Annotated[tuple[float, ...], Field(strict=False, min_length=1, max_length=2)]
-Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 
 SEGMENT_POINTS = 9  # points of a sensor in 2-D
 RING_POINTS = (6, 12)  # points on the rings of a sensor in 3-D
@@ -155,16 +153,17 @@ class Config(PeriodicConfig):
             found.append((("runup",), "only water of particles runs up a bed"))
         return found
 
-    def warnings(self, preflight: Preflight) -> list[str]:
-        found, misread = super().warnings(preflight), preflight.fluid.misread
+    def warnings(self, preflight: Preflight) -> Iterator[str]:
+        yield from super().warnings(preflight)
         for name, sensor in self.sensors.items():
             at = in_space(sensor.at)
             if not sensor.rides and any((at > low).all() and (at < up).all() for low, up in preflight.tank.fixed):
-                found.append(f"pressure.{name} is inside an obstacle, where there is no water")
+                yield f"pressure.{name} is inside an obstacle, where there is no water"
             ground, dent = preflight.tank.ground, DENT_SHARE * preflight.tank.depth
             if ground is not None and not sensor.rides and ground.distances(at[None])[0] < -dent:
-                found.append(f"pressure.{name} is inside the bed, where there is no water")
-        return [*found, misread] if self.pressure and misread else found
+                yield f"pressure.{name} is inside the bed, where there is no water"
+        if self.pressure and preflight.fluid.misread:
+            yield preflight.fluid.misread
 
     @property
     def riding_gauges(self) -> list[Key]:

@@ -1,5 +1,6 @@
 """The platform of figure 6-9: a washout, and a hexapod under it that keeps within its limits."""
 
+from collections.abc import Iterator
 from functools import reduce
 from importlib import import_module
 from operator import or_
@@ -9,8 +10,8 @@ from typing import Annotated, Any, Literal, cast
 import numpy as np
 from pydantic import Field, field_validator
 
-from ocean_sim.model import quantity
-from ocean_sim.parts import LedgerRow, PlatformConfig, Preflight, Problems, preset
+from ocean_sim.model import Faults, quantity
+from ocean_sim.parts import LedgerRow, PlatformConfig, Preflight, preset
 from ocean_sim.platform import SINGULARITY_LIMIT, Commands, Cue, WashoutConfig
 from ocean_sim.platform.shared import leg_programme
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, felt_motion, smooth_step
@@ -45,32 +46,31 @@ class Config(PlatformConfig):
         """Preset mapping that a name stands for; a value that is no name is returned unchanged."""
         return preset(info.field_name, value) if isinstance(value, str) else value
 
-    def mismatches(self, preflight: Preflight) -> Problems:
+    def mismatches(self, preflight: Preflight) -> Faults:
         """A ship that is not there, or a washout that looks ahead of the run."""
-        found = super().mismatches(preflight)
+        yield from super().mismatches(preflight)
         if cast(WashoutConfig, self.washout).look_ahead > 0.0:
-            found.append((("washout",), "predictive looks ahead, in a finished log: use `ocean-sim platform RUN`"))
-        return found
+            yield ("washout",), "predictive looks ahead, in a finished log: use `ocean-sim platform RUN`"
 
-    def warnings(self, preflight: Preflight) -> list[str]:
+    def warnings(self, preflight: Preflight) -> Iterator[str]:
         if not preflight.ships:
-            return ["platform: there is no ship whose motion it could follow"]
-        if "platform_log" not in preflight.parts:
-            return ["platform has no effect: without `motion` and `platform_log` there is nothing that it follows"]
-        found, first = self.cut_short(preflight.duration), next(iter(preflight.ships))
-        if len(preflight.ships) > 1 and self.ship is None:
-            found.append(f"platform: it rides in {first}, the first of the ships; platform.ship names another")
-        return found
+            yield "platform: there is no ship whose motion it could follow"
+        elif "platform_log" not in preflight.parts:
+            yield "platform has no effect: without `motion` and `platform_log` there is nothing that it follows"
+        else:
+            yield from self.cut_short(preflight.duration)
+            if len(preflight.ships) > 1 and self.ship is None:
+                first = next(iter(preflight.ships))
+                yield f"platform: it rides in {first}, the first of the ships; platform.ship names another"
 
-    def cut_short(self, duration: float) -> list[str]:
-        """Warning, in a list, that a ride of this duration [s] ends before the ramp does; else an empty list."""
-        if duration >= self.ramp:
-            return []
-        share = 100.0 * float(smooth_step(np.array(duration / self.ramp)))
-        return [
-            f"platform: it goes from neutral into the motion over {self.ramp:.4g} s, and the ride ends after "
-            f"{duration:.4g} s, when it does {round(share, 1):g} % of it; take a longer ride or a shorter ramp"
-        ]
+    def cut_short(self, duration: float) -> Iterator[str]:
+        """Warn if a ride of this duration [s] ends before the ramp does."""
+        if duration < self.ramp:
+            share = 100.0 * float(smooth_step(np.array(duration / self.ramp)))
+            yield (
+                f"platform: it goes from neutral into the motion over {self.ramp:.4g} s, and the ride ends after "
+                f"{duration:.4g} s, when it does {round(share, 1):g} % of it; take a longer ride or a shorter ramp"
+            )
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         """One row of the memory ledger with no bytes of its own: the row of `platform_log` counts them."""

@@ -24,7 +24,7 @@ from ocean_sim.files.yaml_file import (
     read_mapping,
     shorten,
 )
-from ocean_sim.model import Model
+from ocean_sim.model import Faults, Model
 from ocean_sim.parts import (
     ALONE,
     KEYS_BESIDE_SLOTS,
@@ -36,7 +36,6 @@ from ocean_sim.parts import (
     PartConfig,
     PlatformConfig,
     Preflight,
-    Problems,
     SeaConfig,
     ShipConfig,
     SurfaceConfig,
@@ -299,7 +298,7 @@ class _SceneCheck:
         config._inputs = config.inputs()
         return config
 
-    def report_all(self, faults: dict[str, Problems]) -> None:
+    def report_all(self, faults: dict[str, Faults]) -> None:
         """Append problems (key path and sentence) of parts and observers by their places."""
         for place, found in faults.items():
             for path, sentence in found:

@@ -37,4 +37,4 @@ class Written(Seas, SeaConfig):
         return found
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        return self.like_radians() + super().warnings(preflight)
+        return [*self.like_radians(), *super().warnings(preflight)]

@@ -18,13 +18,14 @@ from ocean_sim.basin import Basin
 from ocean_sim.conventions import Motions
 from ocean_sim.files.input_file import FileName
 from ocean_sim.fluid import ClosedForm, Fluid
-from ocean_sim.parts import Preflight, Problems
+from ocean_sim.model import Faults
+from ocean_sim.parts import Preflight
 from ocean_sim.ship import Load
 from ocean_sim.ship.body.floating import FloatingConfig, FloatingShip, Immersion
 from ocean_sim.ship.body.rigid_body import to_world
 from ocean_sim.ship.forces.added_mass import AddedMass, Slamming, water_reaction
 from ocean_sim.ship.forces.damping import Damping, Resistance
-from ocean_sim.ship.forces.radiation import Memory, Radiation, Scattering, columns_of
+from ocean_sim.ship.forces.radiation import BemTable, Memory, Scattering, checked_table, columns_of
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 
 WAVENUMBER_TOLERANCE = 0.02  # of a wavenumber, by which the water of a table may differ without a word
@@ -54,13 +55,13 @@ class SeakeepingConfig(FloatingConfig):
     def _enough_for_radiation(cls, file: str | None) -> str | None:
         """Validate the file `radiation` by reading its table; raises ValueError if that fails."""
         if file is not None:
-            Radiation(file)
+            checked_table(file)
         return file
 
     @cached_property
-    def table(self) -> Radiation | None:
+    def table(self) -> BemTable | None:
         """Radiation table in the file `radiation`; None without one."""
-        return None if self.radiation is None else Radiation(self.radiation)
+        return None if self.radiation is None else checked_table(self.radiation)
 
     def added_mass_diagonal(self, still: Hydrostatics) -> np.ndarray:
         return self.added_mass.diagonal(still)
@@ -85,34 +86,29 @@ class SeakeepingConfig(FloatingConfig):
         radiated = [] if self.table is None else [Motions._fields[k] for k in self.table.numbers]
         return Resistance(self.damping, still, self.added_mass_at_infinity(still), radiated)
 
-    def mismatches(self, preflight: Preflight) -> Problems:
-        found = super().mismatches(preflight)
+    def mismatches(self, preflight: Preflight) -> Faults:
+        yield from super().mismatches(preflight)
         if self.table is not None:
             still = self.hydrostatics_of(preflight)
             own = [still.matter.mass] * 3 + np.diag(still.matter.inertia).tolist()
             for motion, mass, water in zip(Motions._fields, own, self.added_mass_at_infinity(still)):
                 if mass + water <= 0.0:
                     sentence = f"water of {water:.3g} in {motion} leaves her less than no mass, she has {mass:.3g}"
-                    found.append((("radiation",), f"{sentence}; check the sign and the unit of {motion}_added"))
+                    yield ("radiation",), f"{sentence}; check the sign and the unit of {motion}_added"
         if self.radiation is not None and preflight.fluid.made_of_particles:
             twice = "particles carry the waves that a hull makes, and a table of radiation would count them twice"
-            found.append((("radiation",), f"{twice}; leave it out, or take water in closed form"))
-        return found
+            yield ("radiation",), f"{twice}; leave it out, or take water in closed form"
 
-    def warnings(self, preflight: Preflight) -> list[str]:
-        deep = "waves shorter than her hull lift her too much: she feels their height, not how they fade with depth"
-        found = super().warnings(preflight) + ([deep] if preflight.surface is not None else [])
-        still = self.hydrostatics_of(preflight)
-        if self.table is None or isinf(still.draught):
-            return found
-        said = [
-            *self.table_differences(self.table, preflight.tank, still),
-            *self.table.unphysical_entries,
-            *self.coverage_warnings(self.table, still),
-        ]
-        return found + [f"radiation: {sentence}" for sentence in said]
+    def warnings(self, preflight: Preflight) -> Iterator[str]:
+        yield from super().warnings(preflight)
+        if preflight.surface is not None:
+            yield "waves shorter than her hull lift her too much: she feels their height, not how they fade with depth"
+        still, table = self.hydrostatics_of(preflight), self.table
+        if table is not None and not isinf(still.draught):
+            differs, covers = self.table_differences(table, preflight.tank, still), self.coverage_warnings(table, still)
+            yield from (f"radiation: {said}" for said in (*differs, *table.unphysical_entries, *covers))
 
-    def coverage_warnings(self, table: Radiation, still: Hydrostatics) -> Iterator[str]:
+    def coverage_warnings(self, table: BemTable, still: Hydrostatics) -> Iterator[str]:
         """Yield warnings of couplings, natural periods and wave forces of free motions that the table lacks."""
         names = [Motions._fields[k] for k in table.numbers if Motions._fields[k] in self.free]
         _, breadth, draught = still.stations
@@ -128,8 +124,8 @@ class SeakeepingConfig(FloatingConfig):
             if period is not None and not table.omega[0] <= 2.0 * pi / period <= table.omega[-1]:
                 reach = f"{2.0 * pi / table.omega[-1]:.3g} to {2.0 * pi / table.omega[0]:.3g} s"
                 yield f"the natural period of {name}, {period:.3g} s, lies beyond the table, which has {reach}"
-        if table.scattering is not None:
-            headings, force = table.scattering.scattered
+        if table.scattered is not None:
+            headings, force = table.scattered
             mute = [name for name in names if not force[Motions._fields.index(name)].any()]
             if mute:
                 lacks = f"not what they do in {', '.join(mute)}: no wave moves her there"
@@ -141,11 +137,10 @@ class SeakeepingConfig(FloatingConfig):
     def feels_bed(self, depth: float) -> bool:
         return self.table is not None and self.table.depth == depth
 
-    def table_differences(self, table: Radiation, tank: Basin, still: Hydrostatics) -> list[str]:
-        """Warnings where speed, water depth or axis of rotation of the table differ from those of this scene."""
-        found = list[str]()
+    def table_differences(self, table: BemTable, tank: Basin, still: Hydrostatics) -> Iterator[str]:
+        """Warn where speed, water depth or axis of rotation of the table differ from those of this scene."""
         if self.propeller is not None or any(self.velocity):
-            found.append(
+            yield (
                 "the table is of a hull without forward speed; under way it counts at the frequency of "
                 "encounter, with strip theory's terms of speed, which are those of a slender hull without a transom"
             )
@@ -156,7 +151,7 @@ class SeakeepingConfig(FloatingConfig):
             )
             if abs(there / here - 1.0) > WAVENUMBER_TOLERANCE:
                 deep = "deep water" if isinf(table.depth) else f"water {table.depth:g} m deep"
-                found.append(
+                yield (
                     f"the table is of {deep}, here it is {tank.depth:g} m: its longest waves, of "
                     f"{2.0 * pi / table.omega[0]:.3g} s, are {abs(there / here - 1.0):.0%} "
                     f"{'shorter' if there < here else 'longer'} here; forces are those of the table"
@@ -165,8 +160,7 @@ class SeakeepingConfig(FloatingConfig):
             centre = float(still.matter.centre[1]) - still.keel - still.draught
             if abs(table.axis - centre) > AXIS_TOLERANCE * still.draught:
                 about = f"the table turns about a point {table.axis:.3g} m over the still water"
-                found.append(f"{about}, the centre of mass lies at {centre:.3g} m")
-        return found
+                yield f"{about}, the centre of mass lies at {centre:.3g} m"
 
 
 class SeakeepingShip(FloatingShip):
@@ -184,8 +178,9 @@ class SeakeepingShip(FloatingShip):
         self.made = np.zeros(6)  # (6,) the motion that makes waves
         self.stream = np.zeros(3)  # velocity of a current [m/s]
         if config.table is not None:
-            self.memory, self.scattering = Memory(config.table), config.table.scattering
-        if self.scattering is not None:
+            self.memory = Memory(config.table)
+        if config.table is not None and config.table.scattered is not None:
+            self.scattering = Scattering(config.table)
             self.sea, self.through[self.scattering.numbers] = fluid.in_closed_form, 0.0
         if self.sea is not None:
             self.stream[[0, 2]] = self.sea.current

@@ -5,6 +5,7 @@ Hydrodynamics and Motion Control, 2nd ed., Wiley; cross-flow drag by Hoerner's c
 small heel and trim; current, first-order waves and wind are added.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import reduce
 from math import exp, pi, sqrt
@@ -15,7 +16,8 @@ import numpy as np
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import from_frame, to_frame
 from ocean_sim.fluid import Fluid, Limits
-from ocean_sim.parts import LedgerRow, Preflight, Problems
+from ocean_sim.model import Faults
+from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.ship import Load, Ship
 from ocean_sim.ship.body.rigid_body import axis_rotation, euler_quaternion
 from ocean_sim.ship.body.vessel import Actuators, Vessel, VesselConfig
@@ -55,18 +57,18 @@ class Config(VesselConfig):
     def feels_wind(self) -> bool:
         return self.windage is not None
 
-    def problems(self, preflight: Preflight) -> Problems:
-        found, deep = self.basin_problems(preflight.tank), preflight.tank.depth
-        if self.mmg is not None and self.mmg.size[2] >= deep:
-            found.append((("mmg",), f"the ship draws {self.mmg.size[2]:g} m, the water is {deep:g} m deep"))
-        return found
+    def problems(self, preflight: Preflight) -> Faults:
+        yield from self.basin_problems(preflight.tank)
+        if self.mmg is not None and self.mmg.size[2] >= (deep := preflight.tank.depth):
+            yield ("mmg",), f"the ship draws {self.mmg.size[2]:g} m, the water is {deep:g} m deep"
 
-    def warnings(self, preflight: Preflight) -> list[str]:
+    def warnings(self, preflight: Preflight) -> Iterator[str]:
+        yield from super().warnings(preflight)
         model = "the Otter's model" if self.mmg is None else "her MMG model"
         seas = "plane waves, not those on tiles (order 3), carry her to first order, superposed, without drift"
         seas = "waves do not move her" if preflight.fluid.made_of_particles else seas
         wind = "no wind acts on her (windage is null)" if self.windage is None else "a stress acts on her by windage"
-        return [*super().warnings(preflight), f"{model} is of calm water: {seas}; a current does; {wind}"]
+        yield f"{model} is of calm water: {seas}; a current does; {wind}"
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         model = "the Otter's model" if self.mmg is None else "an MMG model"

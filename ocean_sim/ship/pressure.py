@@ -6,6 +6,7 @@ of the step before, an explicit step would overshoot. So the water is given an a
 share of both masses, the value at which both agree (under-relaxation as in Kuttler & Wall 2008, Comput. Mech. 43).
 """
 
+from collections.abc import Iterator
 from math import isinf
 from typing import ClassVar, Literal
 
@@ -57,15 +58,15 @@ class Config(FloatingConfig):
         """(6,) added mass [kg], inertia [kg m2] by rule, for natural periods alone; in a run the particles react."""
         return by_rule(still)
 
-    def warnings(self, preflight: Preflight) -> list[str]:
-        found, spacing = super().warnings(preflight), preflight.spacing
+    def warnings(self, preflight: Preflight) -> Iterator[str]:
+        yield from super().warnings(preflight)
+        spacing = preflight.spacing
         if not preflight.wind.still:
-            found.append("a ship of kind pressure feels only the water; wind does not act on it")
+            yield "a ship of kind pressure feels only the water; wind does not act on it"
         lower, upper = self.whole_hull.shape.bounds()
         if spacing is not None and (upper - lower).min() < MIN_SPACINGS * spacing:
             thin = (upper - lower).min() / spacing
-            found.append(f"the hull is {thin:.2g} spacings thin: water on either side acts on that on the other")
-        return found
+            yield f"the hull is {thin:.2g} spacings thin: water on either side acts on that on the other"
 
     def statements(self, preflight: Preflight) -> list[str]:
         """Sentence on how far the ship heaves as the first rows of particles settle; empty if that is little."""
@@ -78,9 +79,9 @@ class Config(FloatingConfig):
             "her draught within her first periods, as rows of particles along her sides settle"
         ]
 
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: Preflight) -> tuple[LedgerRow, ...]:
         """No rows of memory: the fluid counts the samples of the hull among its own."""
-        return []
+        return ()
 
     def build(self, name: str, basin: Basin, fluid: Fluid) -> Ship:
         return Pressure(name, self, basin, fluid)

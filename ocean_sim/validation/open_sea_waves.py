@@ -23,8 +23,7 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.fluid import with_particles
 from ocean_sim.fluid.patch.relaxation_zone import relaxation_band
-from ocean_sim.fluid.patch.sea_patch import table_nodes
-from ocean_sim.fluid.patch.sources import Depths, SteepSource
+from ocean_sim.fluid.patch.sea_patch import Depths, SteepSource, table_nodes
 from ocean_sim.fluid.sph.initial_state import displaced_state, patch_waves
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, absolute_error, percent_error

@@ -87,7 +87,7 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         "warnings": [*urgent, *config.warnings()],
         "urgent": urgent,
         "notes": config.notes,
-        "statements": config.fluid.statements(known),
+        "statements": list(config.fluid.statements(known)),
         "particles": particles,
         "memory_mb": memory / 1e6,
         "pictures_mb": sum(row.bytes for row in rows if row.part in config.observers) / 1e6,

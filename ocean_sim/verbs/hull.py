@@ -230,15 +230,14 @@ def hull_report(shape: Hull, asked: Asked, condition: Loading | None, name: str)
         afloat = replace(afloat, free_surface_loss=condition.free_surface_loss)
     notes += [] if solid is None else solid.unlike_a_ship(afloat.draught, afloat.kb)
     stability = Stability(afloat, None if condition is None else condition.openings)
-    heights = hydrostatics.metacentric_heights(shape.shape, afloat)
-    if heights is not None:
-        notes.append(f"GM by the faces of the hull is {heights[0]:.4g} m; what follows is by its cubes")
+    if afloat.gm_of_faces is not None:
+        notes.append(f"GM by the faces of the hull is {afloat.gm_of_faces:.4g} m; what follows is by its cubes")
     problems += stability_problems(stability)
     damped, beyond = roll_damping_rows(afloat, asked)
     sunk, blunt = squat_rows(afloat, asked.depth)
     notes += [*beyond, *blunt]
     found = stated_balance(afloat, stability, asked.cross) | {"roll_damping": damped, "squat": sunk}
-    facts["gm_of_faces_m"] = None if heights is None else heights[0]
+    facts["gm_of_faces_m"] = afloat.gm_of_faces
     found["scene"] = ship_block(name, shape, afloat, asked)
     return facts | found | {"notes": notes, "problems": problems}, notes
 
@@ -275,7 +274,7 @@ def ship_block(name: str, shape: Hull, afloat: hydrostatics.Hydrostatics, asked:
 def outlying_parts(shape: Hull, afloat: hydrostatics.Hydrostatics, condition: Loading | None) -> list[str]:
     """Sentences on weights, openings or a centre of mass that lie outside the hull."""
     lower, upper = (np.array(corner) for corner in shape.shape.bounds())
-    centre, found = afloat.matter.centre, [] if condition is None else condition.outside_hull(lower, upper)
+    centre, found = afloat.matter.centre, [] if condition is None else [*condition.outside_hull(lower, upper)]
     if (np.maximum(lower - centre, centre - upper) > 0.0).any():
         box = ", ".join(f"{a + 0.0:.3g} to {b:.3g}" for a, b in zip(lower, upper))
         at = ", ".join(f"{value:.3g}" for value in centre)

@@ -75,7 +75,7 @@ def platform(
             found += possible_shares(done, possible, ride.every)
         files = write_commands(out, ride, done, possible, found, config, machine, frame, film)
         seconds = float(done.time[-1] - done.time[0])
-        warnings = config.cut_short(seconds)
+        warnings = list(config.cut_short(seconds))
         for each in said:
             console.say(f"{log}: {each}")
         print_report(done, found, files)

@@ -17,7 +17,7 @@ from pydantic import Discriminator, Tag, model_validator
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files.input_file import FileName, display_path
-from ocean_sim.model import Model, quantity
+from ocean_sim.model import Faults, Model, quantity
 from ocean_sim.random_numbers import numpy_uniform
 from ocean_sim.waves.directional import DirectionalSpectrum, Spreading
 from ocean_sim.waves.spectrum_files import read_spectrum
@@ -581,6 +581,15 @@ class HeadedTrain(WaveTrain):
         """Path of the config key that gives the heading of the waves, for messages."""
         return ("heading_deg",) if self.spectrum is None else ("spectrum", "heading_deg")
 
+    def faults(self, basin: "Tank") -> Faults:
+        """Yield faults (key path, sentence) of these waves in a basin: they would break, or cannot go that way."""
+        yield from ((self.height_key, sentence) for sentence in basin_faults(basin, *self.scale))
+        yield from self.direction_faults(basin)
+
+    def direction_faults(self, basin: "Tank") -> Faults:
+        """Yield faults (key path, sentence) of directions that waves cannot have in a basin."""
+        yield from ((self.heading_key, sentence) for sentence in heading_faults(self.heading, basin))
+
     def sea(self, basin: "Tank", count: int = SPECTRUM_WAVES) -> Components:
         """Plane waves of this train on the water of a basin; a spectrum becomes `count` waves."""
         return self.train(heading_vector(self.heading, basin.dimension), basin.depth, downward_gravity(basin), count)
@@ -592,9 +601,8 @@ class OpenTrain(HeadedTrain):
     spectrum: AnySpectrum | None = None  # type: ignore[assignment]
     """Random waves, instead of `height` and `period`; also those of a `file`."""
 
-    def direction_faults(self, basin: "Tank") -> Iterator[tuple[tuple[str, ...], str]]:
-        """Yield reasons why this basin cannot have these wave directions: path of the config key, and a sentence."""
-        yield from ((self.heading_key, sentence) for sentence in heading_faults(self.heading, basin))
+    def direction_faults(self, basin: "Tank") -> Faults:
+        yield from super().direction_faults(basin)
         given = dict(self.spectrum) if basin.dimension == 2 and self.spectrum is not None else {}
         for key in ("spreading", "north_deg"):
             if given.get(key) is not None:

@@ -9,7 +9,7 @@ from pydantic import model_validator
 from ocean_sim import waves
 from ocean_sim.files import csv_file
 from ocean_sim.files.input_file import Checked, FileName, Rule, Unreadable
-from ocean_sim.model import Model, quantity
+from ocean_sim.model import Fault, Model, below, quantity
 from ocean_sim.waves import exchange
 
 ONSET_PERIODS = 5.0  # [periods] time in which the nonlinear terms set in
@@ -17,7 +17,6 @@ COMPONENT_COLUMNS = ("amplitude_m", "period_s", "heading_deg", "phase_deg")
 POSITIVE_PERIODS = Rule("every period_s is above 0")
 CHECKED_FILE = "Plane waves of a sea, `fluid.spectral_sea.components`: a table, or a .swd file"
 CHECKS = (Checked(CHECKED_FILE, (POSITIVE_PERIODS, exchange.SWD_RULE)),)
-Problems = list[tuple[tuple[str | int, ...], str]]  # where below the sea, and a sentence
 
 
 class Steepening(Model):
@@ -103,15 +102,11 @@ class Seas(waves.OpenTrain):
         table = self.table()
         return table.like_radians() if isinstance(table, csv_file.Table) else []
 
-    def sea_faults(self, basin: waves.Tank) -> Problems:
+    def sea_faults(self, basin: waves.Tank) -> list[Fault]:
         """Reasons why this basin cannot have this sea: path of the config key at fault, and a sentence for each."""
-        found: Problems = [(("kind",), sentence) for sentence in waves.basin_faults(basin)]
+        found: list[Fault] = [(("kind",), sentence) for sentence in waves.basin_faults(basin)]
         try:
             self.table()
         except Unreadable as error:
             found.append((("components",), str(error)))
-        if not found:
-            for key, train in self.trains:
-                found += [((*key, *train.height_key), sentence) for sentence in waves.basin_faults(basin, *train.scale)]
-                found += [((*key, *path), sentence) for path, sentence in train.direction_faults(basin)]
-        return found
+        return found or [fault for key, train in self.trains for fault in below(*key, faults=train.faults(basin))]

@@ -78,16 +78,6 @@ class Wind(ABC):
         self.needs_area, self.needs_bend = config.needs_area, config.needs_bend
         self.clock = Clock() if clock is None else clock
 
-    @property
-    def since(self) -> float:
-        """Time from the last restart of the clock to the end of this step [s]."""
-        return self.clock.since
-
-    @property
-    def step(self) -> float:
-        """Length of this step [s]."""
-        return self.clock.step
-
     def on(self, target: Target) -> "Wind":
         """Wind that acts on a target: this one, or still air if this one does not act on it."""
         return self if target in self.config.acts_on else StillAir()

@@ -5,6 +5,7 @@ or shallow: stylised, some hundred thousand times a real wind. `wind_speed` is a
 the lift (2.23) on exposed surface. Volumes add up.
 """
 
+from collections.abc import Iterator
 from math import atan2, cos, degrees, hypot, inf, radians, sin
 from typing import Any, ClassVar, Literal, get_args
 
@@ -14,13 +15,13 @@ from pydantic import Field
 from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns
 from ocean_sim.kernel_library import ti, tm
-from ocean_sim.model import Vector2, Vector3, quantity
-from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
+from ocean_sim.model import Faults, NotNegative3, Vector2, Vector3, below, quantity
+from ocean_sim.parts import LedgerRow, Preflight, WindConfig
 from ocean_sim.random_numbers import numpy_uniform3
 from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import DeviceRow, Drawing, StillAir, Target, Wind
 from ocean_sim.wind.shared.air_load import drag, lift
-from ocean_sim.wind.shared.noise import DRAW_INTERVAL, DRAWS, Noise, NoiseSize
+from ocean_sim.wind.shared.noise import DRAW_INTERVAL, DRAWS, Noise
 from ocean_sim.wind.shared.place import Passages, Patch, Placed, Shape, turned, turned_back, within
 from ocean_sim.wind.shared.schedule import Scheduled
 from ocean_sim.wind.shared.warnings import ship_drag_warnings, stylised, velocity_change
@@ -65,7 +66,7 @@ class Volume(Scheduled):
     """Shapes cut out of it."""
     acceleration: Vector3 = quantity("m/s2", (0.0, 0.0, 0.0))
     """Acceleration of everything inside."""
-    noise: NoiseSize = quantity("m/s2", (0.0, 0.0, 0.0))
+    noise: NotNegative3 = quantity("m/s2", (0.0, 0.0, 0.0))
     """Random acceleration along each axis, uniform between minus and plus this (2.24)."""
     wind_speed: float = quantity("m/s", 0.0, ge=0.0)
     """Wind 10 m above the water, for drag and lift on exposed surface; apart from `acceleration`."""
@@ -189,11 +190,10 @@ class Config(Placed, WindConfig):
         """Indices of the volumes that act on a target."""
         return [g for g, v in enumerate(self.volumes) if target in (self.targets if v.targets is None else v.targets)]
 
-    def problems(self, preflight: Preflight) -> Problems:
-        unscheduled: Problems = [
-            (("volumes", g, *path), message) for g, v in enumerate(self.volumes) for path, message in v.unscheduled()
-        ]
-        return [*unscheduled, *self.misframed(preflight)]
+    def problems(self, preflight: Preflight) -> Faults:
+        for g, volume in enumerate(self.volumes):
+            yield from below("volumes", g, faults=volume.unscheduled())
+        yield from self.misframed(preflight)
 
     def build(self, basin: Basin, seed: int) -> Wind:
         return Gusts(self, basin, seed)
@@ -202,17 +202,16 @@ class Config(Placed, WindConfig):
         n, numbers = len(self.volumes), len(self.volumes) * row_size(self.volumes) + DRAWS.size
         return [LedgerRow("wind", "moving volumes of air", preflight.word * numbers, f"{n} in wind.volumes")]
 
-    def warnings(self, preflight: Preflight) -> list[str]:
-        sentences = []
+    def warnings(self, preflight: Preflight) -> Iterator[str]:
         for g, volume in enumerate(self.volumes):
             name, size = f"wind.volumes[{g}]", hypot(*volume.acceleration, *volume.noise)
-            sentences += [stylised(name, size, preflight)] if size > 0.0 else []
+            if size > 0.0:
+                yield stylised(name, size, preflight)
             if any(volume.acceleration):
-                sentences += velocity_change(name, volume.acceleration, volume.passing_time, preflight)
-            sentences += [f"{name}: {sentence}" for sentence in volume.end_warnings(preflight.duration)]
+                yield from velocity_change(name, volume.acceleration, volume.passing_time, preflight)
+            yield from (f"{name}: {sentence}" for sentence in volume.end_warnings(preflight.duration))
         if any(self.volumes[g].wind_speed > 0.0 for g in self.aimed("ship")):
-            sentences += ship_drag_warnings(preflight)
-        return sentences
+            yield from ship_drag_warnings(preflight)
 
 
 def joined(drawings: list[Drawing]) -> Drawing:

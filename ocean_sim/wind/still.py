@@ -14,8 +14,8 @@ class Config(WindConfig):
     acts_on: ClassVar[tuple[Target, ...]] = ()
     kind: Literal["still"] = "still"
 
-    def warnings(self, preflight: Preflight) -> list[str]:
-        return []
+    def warnings(self, preflight: Preflight) -> tuple[str, ...]:
+        return ()
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         return []

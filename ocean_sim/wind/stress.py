@@ -7,6 +7,7 @@ slope along the wind, higher on the windward side, which makes waves grow. In li
 frequency w grows at the rate P w / (rho c^2), P = s rho_air (U10 - c)^2.
 """
 
+from collections.abc import Iterator
 from functools import cached_property
 from math import cos, hypot, pi, radians, sin
 from typing import Literal
@@ -18,8 +19,8 @@ from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns
 from ocean_sim.conventions import AIR_DENSITY, GRAVITY, WATER_DENSITY
 from ocean_sim.kernel_library import ti, tm
-from ocean_sim.model import quantity
-from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
+from ocean_sim.model import Faults, quantity
+from ocean_sim.parts import LedgerRow, Preflight, WindConfig
 from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import DeviceRow, Drawing, Target, Wind
 from ocean_sim.wind.shared.air_load import DRAG_LAWS, LAW, RANGES, DragLaw, drag, stated_speed, stress
@@ -106,20 +107,19 @@ class Config(Scheduled, WindConfig):
         relative = u10 - self.wave_speed
         return self.gain_of_pressure * self.sheltering * AIR_DENSITY * relative * abs(relative)
 
-    def problems(self, preflight: Preflight) -> Problems:
-        basin, found = preflight.tank, list(self.unscheduled())
+    def problems(self, preflight: Preflight) -> Faults:
+        basin = preflight.tank
+        yield from self.unscheduled()
         stated = {"u10": self.u10, "drag_law": self.drag_law, "schedule": self.schedule}
         others = [key for key, value in stated.items() if value is not None]
         if self.tau is not None and others:
-            message = f"tau gives the stress that {' and '.join(others)} would; leave out one or the other (null)"
-            found.append((("tau",), message))
+            yield ("tau",), f"tau gives the stress that {' and '.join(others)} would; leave out one or the other (null)"
         if basin.closed:
-            found.append((("kind",), "a stress acts on a free surface; this basin has none"))
+            yield ("kind",), "a stress acts on a free surface; this basin has none"
         if self.schedule is None and basin.dimension == 2 and self.heading_deg is not None:
             if abs(cos(radians(self.heading_deg))) > 1e-9:
-                message = f"in 2-D the wind goes along +x (heading 90 degrees) or -x (270), got {self.heading_deg:g}"
-                found.append((("heading_deg",), message))
-        return found
+                flat = f"in 2-D the wind goes along +x (heading 90 degrees) or -x (270), got {self.heading_deg:g}"
+                yield ("heading_deg",), flat
 
     def build(self, basin: Basin, seed: int) -> Wind:
         return Stress(self, basin)
@@ -127,38 +127,32 @@ class Config(Scheduled, WindConfig):
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         return [LedgerRow("wind", "stress, pressure and direction", 6 * preflight.word, "wind.kind is stress")]
 
-    def warnings(self, preflight: Preflight) -> list[str]:
+    def warnings(self, preflight: Preflight) -> Iterator[str]:
         u10 = self.strongest
         sheltered = f", pressure on waves {self.sheltered(u10):.3g} Pa times their slope" if self.sheltering else ""
         gain = "a real wind (gain 1)" if self.gain == 1.0 else f"{self.gain:g} times a real wind (gain)"
         if self.sheltering and self.pressure_gain is not None:
             gain += f", its pressure {self.pressure_gain:g} times (pressure_gain)"
         at = f"at U10 = {u10:g} m/s by {self.law}" if self.tau is None else f"by tau, U10 = {u10:.3g} m/s by {self.law}"
-        message = f"wind: a physical stress of {self.on_water(u10):.3g} Pa {at}{sheltered}"
-        found = [f"wind: {sentence}" for sentence in self.end_warnings(preflight.duration)] + self.across(preflight)
+        yield f"wind: a physical stress of {self.on_water(u10):.3g} Pa {at}{sheltered}: {gain}"
+        yield from (f"wind: {sentence}" for sentence in self.end_warnings(preflight.duration))
+        if self.course is not None and preflight.tank.dimension == 2:
+            for row in np.flatnonzero(np.abs(np.cos(np.radians(self.course.heading))) > 1e-9)[:1]:
+                blows = f"row {row + 1} of the schedule blows to {self.course.heading[row] % 360.0:g} degrees"
+                yield f"wind: {blows}: in 2-D only its part along x acts"
         if "ship" in self.targets and u10 > 0.0:
-            found += ship_drag_warnings(preflight)
-        return [f"{message}: {gain}", *found, *out_of_range(u10, self.law), *unresolved(self, u10, preflight)]
-
-    def across(self, preflight: Preflight) -> list[str]:
-        """Warn if a row of the schedule blows across the plane of a 2-D basin."""
-        if self.course is None or preflight.tank.dimension == 3:
-            return []
-        rows = np.flatnonzero(np.abs(np.cos(np.radians(self.course.heading))) > 1e-9)
-        if not len(rows):
-            return []
-        blows = f"row {rows[0] + 1} of the schedule blows to {self.course.heading[rows[0]] % 360.0:g} degrees"
-        return [f"wind: {blows}: in 2-D only its part along x acts"]
+            yield from ship_drag_warnings(preflight)
+        yield from out_of_range(u10, self.law)
+        yield from unresolved(self, u10, preflight)
 
 
-def out_of_range(u10: float, law: DragLaw) -> list[str]:
+def out_of_range(u10: float, law: DragLaw) -> Iterator[str]:
     """Warn of a wind u10 [m/s] outside the range of a drag law, with the coefficients of the other laws."""
     low, high = RANGES[law]
-    if u10 == 0.0 or low <= u10 <= high:
-        return []
-    others = ", ".join(f"{name} {1e3 * coefficient(u10):.2f}" for name, coefficient in DRAG_LAWS.items())
-    outside = f"outside the range of {law} ({low:g} to {high:g} m/s)"
-    return [f"wind: U10 = {u10:g} m/s is {outside}; 1000 C_d there is {others}"]
+    if u10 != 0.0 and not low <= u10 <= high:
+        others = ", ".join(f"{name} {1e3 * coefficient(u10):.2f}" for name, coefficient in DRAG_LAWS.items())
+        outside = f"outside the range of {law} ({low:g} to {high:g} m/s)"
+        yield f"wind: U10 = {u10:g} m/s is {outside}; 1000 C_d there is {others}"
 
 
 def fetch_limited(u10: float, fetch: float, gravity: float = GRAVITY) -> tuple[float, float]:
@@ -185,61 +179,61 @@ def growth_rate(wind: Config, u10: float, k: float, depth: float, pull: float) -
     return wind.gain * plant(u10, k, pull)
 
 
-def overdamped(wind: Config, u10: float, k: float, preflight: Preflight) -> list[str]:
+def overdamped(wind: Config, u10: float, k: float, preflight: Preflight) -> Iterator[str]:
     """Warn if viscosity damps waves of wavenumber k [1/m] faster than the scene's wind u10 [m/s] makes them grow."""
     fluid, pull, length = preflight.fluid, hypot(*preflight.tank.gravity), 2.0 * pi / k
     beta = growth_rate(wind, u10, k, preflight.tank.depth, pull)
     own, added = fluid.viscosity_asked, fluid.viscosity_added(preflight, length)
     lost = 4.0 * (own + added) * k**2
     if lost <= beta:
-        return []
+        return
     key, gain = "gain", wind.gain
     if wind.sheltering and wind.pressure_gain is not None:
         key, gain = "pressure_gain", wind.gain_of_pressure
     needed = f"; a {key} of {gain * lost / beta:.2g} would balance it" if beta > 0.0 else ""
-    return [
+    yield (
         f"wind: damping exceeds growth: waves of {length:.3g} m grow at {beta:.2g} /s, and 4 nu k^2 is {lost:.2g} /s, "
         f"of a viscosity of {own:g} m2/s and {added:.2g} that {fluid.kind} adds, as measured{needed}"
-    ]
+    )
 
 
-def unresolved(wind: Config, u10: float, preflight: Preflight) -> list[str]:
+def unresolved(wind: Config, u10: float, preflight: Preflight) -> Iterator[str]:
     """Warn of reasons why this water cannot show the waves of a wind u10 [m/s]: coarse, too viscous, too short."""
     basin, pull, spacing = preflight.tank, hypot(*preflight.tank.gravity), preflight.spacing
     if u10 <= 0.0 or pull <= 0.0 or spacing is None:
-        return []
+        return
     fetch = max(basin.config.length, basin.config.width or 0.0)
     height, period = fetch_limited(u10, fetch, pull)
     k = float(waves.wavenumber(2.0 * pi / period, basin.depth, pull))
-    length, sentences = 2.0 * pi / k, []
+    length = 2.0 * pi / k
     real = f"over {fetch:g} m a real wind of {u10:g} m/s makes waves {length:.2g} m long and {height:.2g} m high"
     if length < MIN_WAVE_SPACINGS * spacing:
         short = f"shorter than {MIN_WAVE_SPACINGS:g} spacings of {spacing:g} m, unresolved"
-        sentences.append(f"wind: {real} (Kahma & Calkoen 1992): {short}")
+        yield f"wind: {real} (Kahma & Calkoen 1992): {short}"
     if fetch < 2.0 * length:
-        sentences.append(f"wind: {real}: the basin is shorter than two of them")
+        yield f"wind: {real}: the basin is shorter than two of them"
     seen = 2.0 * pi / max(length, MIN_WAVE_SPACINGS * spacing)
     most, nu = plant(u10, seen, pull) / (4.0 * seen**2), preflight.fluid.viscosity_asked
     if nu > most:
-        sentences.append(
+        yield (
             f"wind: the viscosity of {nu:g} m2/s is more than the {most:.2g} m2/s under which a real wind of {u10:g} "
             f"m/s makes waves of {2.0 * pi / seen:.3g} m grow (Plant 1982); the scheme adds viscosity of its own "
             "(ocean-sim validate wind_growth)"
         )
-    return sentences + overdamped(wind, u10, seen, preflight) + rigid_layer_warnings(wind.on_water(u10), preflight)
+    yield from overdamped(wind, u10, seen, preflight)
+    yield from rigid_layer_warnings(wind.on_water(u10), preflight)
 
 
-def rigid_layer_warnings(stress: float, preflight: Preflight) -> list[str]:
+def rigid_layer_warnings(stress: float, preflight: Preflight) -> Iterator[str]:
     """Warn if particles that have left their lattice rows would resist a stress [Pa] like a solid, rather than flow."""
     fluid, tank = preflight.fluid, preflight.tank
     pressure, share = fluid.rest_density * hypot(*tank.gravity) * tank.depth, fluid.bears_shear
-    if not 0.0 < stress < FLOW_SHEAR_RATIO * share * pressure:
-        return []
-    return [
-        f"wind: the stress of {stress:.2g} Pa is {stress / pressure:.1e} of the pressure at the bed, and particles of "
-        f"{fluid.kind} that have lost their rows bear about {share:.0e} of it: after some seconds the drift is too "
-        "slow, or stops (ocean-sim validate wind_setup)"
-    ]
+    if 0.0 < stress < FLOW_SHEAR_RATIO * share * pressure:
+        yield (
+            f"wind: the stress of {stress:.2g} Pa is {stress / pressure:.1e} of the pressure at the bed, and particles "
+            f"of {fluid.kind} that have lost their rows bear about {share:.0e} of it: after some seconds the drift is "
+            "too slow, or stops (ocean-sim validate wind_setup)"
+        )
 
 
 @in_kernels

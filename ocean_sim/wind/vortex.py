@@ -4,6 +4,7 @@ A stylised force field, as in `gusts`: the acceleration turns about a vertical a
 vortex, growing like r in the core and falling like 1/r outside, and fades from the still surface downwards in a layer.
 """
 
+from collections.abc import Iterator
 from math import hypot, inf, pi
 from typing import ClassVar, Literal
 
@@ -12,11 +13,11 @@ import numpy as np
 from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns
 from ocean_sim.kernel_library import ti, tm
-from ocean_sim.model import Vector2, quantity
-from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
+from ocean_sim.model import Faults, NotNegative3, Vector2, quantity
+from ocean_sim.parts import LedgerRow, Preflight, WindConfig
 from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import DeviceRow, Drawing, Target, Wind
-from ocean_sim.wind.shared.noise import DRAW_INTERVAL, DRAWS, Noise, NoiseSize
+from ocean_sim.wind.shared.noise import DRAW_INTERVAL, DRAWS, Noise
 from ocean_sim.wind.shared.place import Passages, Patch, Placed
 from ocean_sim.wind.shared.schedule import Timed
 from ocean_sim.wind.shared.warnings import stylised, velocity_change
@@ -47,7 +48,7 @@ class Config(Timed, Placed, WindConfig):
     """Highest acceleration towards the axis, with the same profile."""
     upward: float = quantity("m/s2", 0.0)
     """Highest acceleration upwards, with the same profile."""
-    noise: NoiseSize = quantity("m/s2", (0.0, 0.0, 0.0))
+    noise: NotNegative3 = quantity("m/s2", (0.0, 0.0, 0.0))
     """Highest random acceleration along each axis, uniform between minus and plus this (2.24), with the same
     profile: the air is as rough as it is strong."""
     noise_every: float = quantity("s", DRAW_INTERVAL, ge=0.0)
@@ -74,23 +75,21 @@ class Config(Timed, Placed, WindConfig):
     def build(self, basin: Basin, seed: int) -> Wind:
         return Vortex(self, basin, seed)
 
-    def problems(self, preflight: Preflight) -> Problems:
-        sentence = "a vortex turns about the vertical: give the basin a width"
-        flat: Problems = [(("kind",), sentence)] if preflight.tank.dimension == 2 else []
-        return flat + self.misframed(preflight)
+    def problems(self, preflight: Preflight) -> Faults:
+        if preflight.tank.dimension == 2:
+            yield ("kind",), "a vortex turns about the vertical: give the basin a width"
+        yield from self.misframed(preflight)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         size = ROW.size * preflight.word
         return [LedgerRow("wind", "axis, strength and noise of the vortex", size, "wind.kind is vortex")]
 
-    def warnings(self, preflight: Preflight) -> list[str]:
+    def warnings(self, preflight: Preflight) -> Iterator[str]:
         speed = hypot(*self.drift)
         acceleration = (self.acceleration, self.upward, self.inward)
         passing = 2.0 * self.core_radius / speed if speed else inf
-        return [
-            stylised("wind", hypot(*acceleration, *self.noise), preflight),
-            *velocity_change("wind", acceleration, passing, preflight),
-        ]
+        yield stylised("wind", hypot(*acceleration, *self.noise), preflight)
+        yield from velocity_change("wind", acceleration, passing, preflight)
 
 
 @in_kernels

@@ -11,7 +11,6 @@ from ocean_sim.__main__ import run_command_line
 from ocean_sim.files import csv_file
 from ocean_sim.ship.forces.damping import Damping, Resistance
 from ocean_sim.ship.forces.roll_damping import (
-    REGRESSION_LIMITS,
     WATER_VISCOSITY,
     BilgeKeels,
     Form,
@@ -20,6 +19,7 @@ from ocean_sim.ship.forces.roll_damping import (
     damping_components,
     lift_damping,
     ratios_beyond,
+    regressions,
     skin_friction,
 )
 from ocean_sim.ship.hull.hull import hull_of
@@ -75,13 +75,13 @@ def test_bilge_keels_damp_and_beyond_the_regressions_a_sentence_says_so():
     assert kept.linear + kept.quadratic > bare.linear + bare.quadratic
     assert "midship section coefficient 0.667 (0.9 to 0.99)" in bare.warnings[0]  # two thirds, in closed form
     assert RollDamping(Ikeda(), still, 0.0, False).critical_share(10.0) < bare.critical_share(10.0)  # waves: table
-    assert all(low < high for low, high in REGRESSION_LIMITS.values())
+    assert all(low < high for low, high in regressions()["limits"].values())
 
 
 def test_every_component_takes_energy_wherever_the_regressions_hold():
     """The published one of eddies falls below zero beyond a block coefficient of 0.84."""
     for cb, cm, bd, og, frequency, broad, long in np.random.default_rng(3).uniform(
-        *zip(*REGRESSION_LIMITS.values()), (2000, 7)
+        *zip(*regressions()["limits"].values()), (2000, 7)
     ):
         form = EXAMPLE._replace(
             block=cb, midship=cm, breadth=12.5 * bd, axis=og, frequency=frequency, keels=(long, broad)

@@ -48,7 +48,7 @@ def built(places: np.ndarray, place: Basin, apart: float = SPACING, **keys: Any)
     fluid = water(np.asarray(places, dtype=float), apart)
     preflight = Preflight({"fluid": fluid}, place, 8, 1.0)
     config = Config(**keys).completed(preflight)
-    assert not config.problems(preflight) + config.mismatches(preflight)
+    assert not [*config.problems(preflight), *config.mismatches(preflight)]
     return config.build(place, fluid)
 
 

@@ -128,7 +128,7 @@ def test_a_frame_says_where_everything_is(session):
 
 def test_a_tank_has_a_wavemaker_an_absorbing_zone_and_a_body_without_a_helm():
     """Its significant height is that of the water beside the box, which stands 0.3 m deep in still water."""
-    with Simulation(load("gallery/box_in_wave_tank", {"fluid.spacing": 0.15})) as simulation:
+    with Simulation(load("gallery/box_in_wave_tank", COARSE | {"fluid.spacing": 0.15})) as simulation:
         desk = Desk()
         Watch(simulation, desk).show(0.0)
     still, _ = page_packets.unpack(desk.stills[-1])

@@ -38,7 +38,8 @@ def force(taichi_cpu):
     def felt(wind, points, velocity=(0.0, 0.0, 0.0), area=(0.0, 0.0, 0.0), bend=(0.0, 0.0, 0.0), mass=1.0):
         points = np.ascontiguousarray(np.atleast_2d(points), dtype=float)
         result = np.zeros_like(points)
-        push(wind, points, result, tm.vec3(velocity), tm.vec3(area), tm.vec3(bend), mass, wind.since, wind.step)
+        vectors, clock = (tm.vec3(velocity), tm.vec3(area), tm.vec3(bend)), wind.clock
+        push(wind, points, result, *vectors, mass, clock.since, clock.step)
         return result
 
     return felt

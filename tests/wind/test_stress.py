@@ -403,7 +403,7 @@ def test_growth_that_the_measured_viscosity_eats_is_said_with_the_gain_that_woul
     nu = built.fluid.viscosity_added(built.preflight, 1.0)
     beta = growth_rate(built.wind, 10.0, k, 0.5, 9.81)
     assert beta == pytest.approx(0.156, rel=0.02)
-    assert not overdamped(built.wind, 10.0, k, built.preflight)
+    assert not [*overdamped(built.wind, 10.0, k, built.preflight)]
     weak = scene(basin=basin, fluid=water, wind=growing | {"gain": 0.0123})
     (said,) = overdamped(weak.wind, 10.0, k, weak.preflight)
     assert "damping exceeds growth" in said and f"{nu:.2g} that delta_sph adds" in said

@@ -106,5 +106,5 @@ def test_a_kind_that_acts_on_no_ship_is_told_and_its_keys_need_no_other_kinds_ke
     known = yacht_in({"kind": "still"}).preflight
     wind = OnWater(u10=5.0)
     assert wind.needs_area and not wind.needs_bend
-    assert wind.warnings(known) == ["wind: on_water does not act on ships; it leaves the ship in still air"]
+    assert list(wind.warnings(known)) == ["wind: on_water does not act on ships; it leaves the ship in still air"]
     assert list(idle_keys({"wind": wind}, known)) == []

@@ -21,7 +21,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from math import ceil
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,16 +32,13 @@ from ocean_sim.columns import Columns
 from ocean_sim.fluid.neighbours.grid import Grid
 from ocean_sim.fluid.neighbours.images import POSITION_SIGN, mirror_direction, mirror_velocity
 from ocean_sim.fluid.neighbours.point_sum import PointSum
-from ocean_sim.fluid.sph.body_force import Pull
+from ocean_sim.fluid.sph.body_force import Pull, Relief
 from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.fluid.sph.law import Law
 from ocean_sim.fluid.sph.particles import Components, Particles
 from ocean_sim.fluid.sph.smoothing import Smoothing
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Doubles2, Doubles3, Template, in_kernels
-
-if TYPE_CHECKING:  # it is imported only where a bed has a shape
-    from ocean_sim.fluid.bodies.relief import Relief
 
 MOTION_COLUMNS = Columns(
     position=3, rotation=9, velocity=3, angular_velocity=3, acceleration=3, angular_acceleration=3, gone=1
@@ -135,19 +132,6 @@ def memory(samples: int, bodies: int, cells: int, word: int, working: bool) -> i
 
 
 @ti.func
-def vector(components: Template, s):
-    """Vector of the numbers at index s of three component fields."""
-    return tm.vec3(components.x[s], components.y[s], components.z[s])
-
-
-@ti.func
-def store(components: Template, s, values):
-    """Write a vector to index s of three component fields."""
-    for k, component in ti.static(enumerate(components)):
-        component[s] = ti.cast(values[k], float)
-
-
-@ti.func
 def body_vector(rows: Template, body, first: Template):
     """Vector of three adjacent numbers, from column `first` on, of row `body` of a table."""
     return ti.Vector([rows[body, first + k] for k in ti.static(range(3))])
@@ -165,7 +149,7 @@ class Boundary:
         pull: Pull,
         smoothing: Smoothing,
         accounts: bool,
-        relief: "Relief | None" = None,
+        relief: Relief | None = None,
     ) -> None:
         """`accounts`: True if the work of moving bodies is summed; `relief`: of the body that is the bed."""
         self.bodies, self.mass, self.grid, self.pull = bodies, particles.mass, grid, pull
@@ -268,7 +252,7 @@ class Boundary:
                 if ti.static(self.moving):
                     if motion[self.owner[s], MOTION_COLUMNS.gone] > 0.0:
                         c = self.grid.cell_count  # after all cells
-                        store(self.force, s, tm.vec3(0.0))
+                        self.force.put(s, tm.vec3(0.0))
                 self.cell[s], self.start[c] = c, self.start[c] + 1
             for c in range(self.grid.cell_count):
                 self.start[c + 1] = self.start[c + 1] + self.start[c]  # where a cell ends
@@ -288,7 +272,7 @@ class Boundary:
     @ti.func
     def turn_arm(self, s, motion: Template):
         """Turn the vector from its body's origin to sample s with the body; extend the body's bounding box to it."""
-        b, local = self.owner[s], vector(self.local, s)
+        b, local = self.owner[s], self.local.at(s)
         for k, arm in ti.static(enumerate(self.arm)):
             along = ti.cast(body_vector(motion, b, MOTION_COLUMNS.rotation + 3 * k).dot(local), float)
             arm[s] = along
@@ -299,13 +283,13 @@ class Boundary:
     def sample_position(self, s, motion: Template):
         """Position of sample s [m] in the tank; `turn_arm` has to be called before."""
         return self.grid.wrap_position(
-            ti.cast(body_vector(motion, self.owner[s], MOTION_COLUMNS.position) + vector(self.arm, s), float)
+            ti.cast(body_vector(motion, self.owner[s], MOTION_COLUMNS.position) + self.arm.at(s), float)
         )
 
     @ti.func
     def store_sample(self, s, to, motion: Template):
         """Store position, velocity, acceleration and normal of sample s at index `to`, in the order of the cells."""
-        b, arm, x, facing = self.owner[s], vector(self.arm, s), self.sample_position(s, motion), vector(self.facing, s)
+        b, arm, x, facing = self.owner[s], self.arm.at(s), self.sample_position(s, motion), self.facing.at(s)
         spin = body_vector(motion, b, MOTION_COLUMNS.angular_velocity)
         swept = spin.cross(arm)
         v = body_vector(motion, b, MOTION_COLUMNS.velocity) + swept
@@ -313,9 +297,9 @@ class Boundary:
             motion, b, MOTION_COLUMNS.angular_acceleration
         ).cross(arm)
         a += spin.cross(swept)
-        store(self.position, to, x)
-        store(self.velocity, to, v)
-        store(self.acceleration, to, a)
+        self.position.put(to, x)
+        self.velocity.put(to, v)
+        self.acceleration.put(to, a)
         for k, normal in ti.static(enumerate(self.normal)):
             normal[to] = ti.cast(body_vector(motion, b, MOTION_COLUMNS.rotation + 3 * k).dot(facing), float)
         self.share[to], self.free[to], self.name[to] = self.shares[s], self.slips[s], s
@@ -341,15 +325,15 @@ class Boundary:
     def head(self, x, a, s, d, mirror):
         """Rise of p / rho [m2/s2] from a particle at x [m] with acceleration a [m/s2] to a mirrored sample at x + d."""
         n, a_s = (
-            mirror_direction(mirror, vector(self.normal, s)),
-            mirror_direction(mirror, vector(self.acceleration, s)),
+            mirror_direction(mirror, self.normal.at(s)),
+            mirror_direction(mirror, self.acceleration.at(s)),
         )
         return (self.pull.at_rest(x + 0.5 * d) - a).dot(d) + (a - a_s).dot(n) * n.dot(d)
 
     @ti.func
     def mirrored_velocity(self, s, mirror):
         """Velocity [m/s] of the image of sample s in a mirror."""
-        return mirror_velocity(mirror, tm.vec3(self.velocity.x[s], self.velocity.y[s], self.velocity.z[s]))
+        return mirror_velocity(mirror, self.velocity.at(s))
 
     @ti.func
     def rubbing_velocity(self, v, s, mirror):
@@ -363,16 +347,16 @@ class Boundary:
             if t % self.stride == 0:
                 b = t // self.stride
                 for s in range(b * self.block, ti.min((b + 1) * self.block, self.sample_count())):
-                    x, name = vector(self.position, s), self.name[s]
+                    x, name = self.position.at(s), self.name[s]
                     force = ti.Vector.zero(float, ti.static(law.sums))
                     if self.owner[name] != self.uncounted:
                         force = self.water.total(x, law, s)
-                    self.force.x[name], self.force.y[name], self.force.z[name] = force[0], force[1], force[2]
+                    self.force.put(name, force)
                     for k in ti.static(range(3)):
                         self.impulse[name, k] = self.impulse[name, k] + ti.cast(dt * force[k], ti.f64)
                     if ti.static(self.working):
                         late = ti.select(self.owner[name] < self.given, -0.5, 0.5) * dt  # to the mean of the step
-                        v = vector(self.velocity, s) + late * vector(self.acceleration, s)
+                        v = self.velocity.at(s) + late * self.acceleration.at(s)
                         for k in ti.static(range(3)):
                             self.work[name, 0] = self.work[name, 0] - ti.cast(dt * force[k] * v[k], ti.f64)
                             self.work[name, 1] = self.work[name, 1] - ti.cast(dt * force[3 + k] * v[k], ti.f64)
@@ -416,8 +400,8 @@ class Boundary:
         ti.loop_config(serialize=True)
         for s in range(self.n):
             b = self.owner[s]
-            force = ti.cast(vector(self.force, s), ti.f64)
-            torque = ti.cast(vector(self.arm, s), ti.f64).cross(force)
+            force = ti.cast(self.force.at(s), ti.f64)
+            torque = ti.cast(self.arm.at(s), ti.f64).cross(force)
             for k in ti.static(range(3)):
                 borne[0, b, k] = borne[0, b, k] + force[k]
                 borne[1, b, k] = borne[1, b, k] + torque[k]

@@ -5,19 +5,15 @@ which the rate fills it. Particles that left between two steps are on their para
 their number nor, until they meet others, their place depends on the time step.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated
 
 import numpy as np
-from pydantic import Field
 
 from ocean_sim.basin import Basin, axes_beyond
 from ocean_sim.basin.points import in_space
-from ocean_sim.model import Model, quantity
+from ocean_sim.model import Faults, Model, Point, quantity
 
-Vector = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 MOST_PARTICLES = 2**26  # their neighbours are counted in 32 bits
 LAYER_ROUNDING = 1e-9  # [layers] rounding of the time
 PLACE_ROUNDING = 1e-6  # [spacings] rounding of a place
@@ -26,16 +22,16 @@ PLACE_ROUNDING = 1e-6  # [spacings] rounding of a place
 class Emitter(Model):
     """An inflow: a mouth from which water flows, in a basin that is empty but for `fill`."""
 
-    position: Vector = quantity("m")
+    position: Point = quantity("m")
     """Middle of the mouth; in 2-D [x, y]."""
-    velocity: Vector = quantity("m/s")
+    velocity: Point = quantity("m/s")
     """Velocity of the water that leaves, at right angles to the mouth; in 2-D [u, v]."""
     rate: float = quantity("m3/s", gt=0.0)
     """Volume of water that leaves per second; in 2-D area, m2/s."""
     cap: int = quantity("particles", ge=1, le=MOST_PARTICLES)
     """Largest number of particles in all, those of `fill` included; then the inflow stops."""
 
-    def problems(self, basin: Basin) -> Iterator[tuple[tuple[str, ...], str]]:
+    def problems(self, basin: Basin) -> Faults:
         """Yield faults (key, sentence) of these keys that are visible before the lattice is made."""
         for key in ("position", "velocity"):
             numbers = getattr(self, key)
@@ -104,7 +100,7 @@ class Jet:
         return self.sites[site] + age * self.velocity + 0.5 * age**2 * pull, self.velocity + age * pull
 
 
-def problems(basin: Basin, jet: Jet) -> Iterator[tuple[tuple[str, ...], str]]:
+def problems(basin: Basin, jet: Jet) -> Faults:
     """Yield faults (path below `fluid.emitter`, sentence) of an emitter whose lattice and mouth are known."""
     config = jet.config
     if config.cap <= jet.first:
@@ -120,8 +116,6 @@ def problems(basin: Basin, jet: Jet) -> Iterator[tuple[tuple[str, ...], str]]:
     for side in basin.sides:
         beyond = float(((behind[:, side.axis] - side.position) * (1.0 if side.upper else -1.0)).max())
         if beyond > PLACE_ROUNDING * jet.spacing:
-            sentence = f"the mouth is too near {side.name}, the wall behind it, whose mirror image pushes what leaves: "
-            yield (
-                ("position",),
-                f"{sentence}a spacing, {jet.spacing:g} m, must be free; move it {beyond:.3g} m further in",
-            )
+            near = f"the mouth is too near {side.name}, the wall behind it, whose mirror image pushes what leaves"
+            free = f"a spacing, {jet.spacing:g} m, must be free; move it {beyond:.3g} m further in"
+            yield ("position",), f"{near}: {free}"

@@ -87,8 +87,7 @@ class Exposure(Law):
     @ti.func
     def of(self, i):
         """Exposed area of particle i times its outward normal [m2]; zero inside the water."""
-        name = self.particles.id[i]
-        return self.even[None] * tm.vec3(self.area.x[name], self.area.y[name], self.area.z[name])
+        return self.even[None] * self.area.at(self.particles.id[i])
 
     @ti.func
     def pair(self, own, other):
@@ -101,20 +100,17 @@ class Exposure(Law):
         area = self.prefactor(own) * self.with_bodies(total, own, own)
         if area.norm() < self.least:
             area = tm.vec3(0.0)
-        for k, component in ti.static(enumerate(self.area)):
-            component[self.particles.id[i]] = area[k]
+        self.area.put(self.particles.id[i], area)
         if ti.static(self.bends):
             slope = tm.clamp(-tm.vec2(area.x, area.z) / area.y, -MAX_SURFACE_SLOPE, MAX_SURFACE_SLOPE)
-            seen = tm.vec3(slope.x, slope.y, area.y) if area.y > 0.0 else tm.vec3(0.0)
-            self.surface.x[i], self.surface.y[i], self.surface.z[i] = seen.x, seen.y, seen.z
+            self.surface.put(i, tm.vec3(slope.x, slope.y, area.y) if area.y > 0.0 else tm.vec3(0.0))
 
     @ti.func
     def bend_of(self, i):
         """Bend at particle i [1]: d(slope_x)/dx, d(slope_x)/dz and d(slope_z)/dz times the depth `skin`; 0 inside."""
         bend = tm.vec3(0.0)
         if ti.static(self.bends):
-            by_name, name = self.bending.bend, self.particles.id[i]
-            bend = tm.vec3(by_name.x[name], by_name.y[name], by_name.z[name])
+            bend = self.bending.bend.at(self.particles.id[i])
         return bend
 
 
@@ -165,5 +161,4 @@ class Bend(Law):
                 bend.x = (along_x - bend.y * xz) / xx
             if zz > 0.0:
                 bend.z = (along_z - bend.y * xz) / zz
-        for k, component in ti.static(enumerate(self.bend)):
-            component[self.particles.id[i]] = self.skin * bend[k]
+        self.bend.put(self.particles.id[i], self.skin * bend)

@@ -14,6 +14,7 @@ from ocean_sim.basin import OPEN, Basin, Side
 from ocean_sim.basin.motion import NOT_MOVED, Moved
 from ocean_sim.fluid.neighbours.images import SIDE_COLUMNS, Images
 from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves
+from ocean_sim.fluid.sph.body_force import Relief
 from ocean_sim.fluid.sph.initial_state import Initial, bearable_waves, fitted_waves
 from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.fluid.sph.water_keys import free_fall_speed
@@ -199,8 +200,6 @@ class Walls:
         self.shaped = lattice.basin.ground is not None
         self.relief: Any = None  # the Relief of a bed with a shape
         if lattice.basin.ground is not None:
-            from ocean_sim.fluid.bodies.relief import Relief
-
             self.relief = Relief(lattice.basin.ground, lattice.spacing, images.support)
         meshes = lattice.basin.meshes.values()
         self.nets = [(n, mesh.net(lattice.spacing), mesh) for n, mesh in enumerate(meshes)]

@@ -62,9 +62,8 @@ class DynamicPressure:
     @ti.func
     def term(self, own, j, d, mirror):
         """Weighted dynamic pressure [Pa] of particle j at d [m] in a mirror; `own`: factors of `fit_plane`."""
-        particles, p = self.field.particles, self.field.particles.position
-        weight = self.field.weight(d) * self.field.factor(own, d)
-        x = tm.vec3(p.x[j], p.y[j], p.z[j])
+        particles = self.field.particles
+        x, weight = particles.position.at(j), self.field.weight(d) * self.field.factor(own, d)
         unsteady = self.field.unsteady_pull(mirror_midpoint(mirror, x))
         driven = ti.static(particles.rest_density) * hydrostatic_offset(mirror, x, unsteady)
         return ti.Vector([weight * (particles.pressure[j] - self.field.still_pressure(x) + driven)])
@@ -82,8 +81,8 @@ class Velocity:
     @ti.func
     def term(self, own, j, d, mirror):
         """Weighted velocity [m/s] of particle j at d [m] in a mirror; `own`: factors of `fit_plane`."""
-        v, weight = self.field.particles.velocity, self.field.weight(d) * self.field.factor(own, d)
-        return weight * mirror_velocity(mirror, tm.vec3(v.x[j], v.y[j], v.z[j]))
+        weight = self.field.weight(d) * self.field.factor(own, d)
+        return weight * mirror_velocity(mirror, self.field.particles.velocity.at(j))
 
 
 @in_kernels

@@ -195,12 +195,12 @@ class Summing:
     @ti.func
     def add_block(self, block, table: Template):
         """Sum one block of particles to its row of the table."""
-        p, u, n = self.particles.position, self.particles.velocity, self.particles.count.there()
+        n = self.particles.count.there()
         total, compressed = ti.Vector.zero(ti.f64, SUM_COLUMNS.size), ti.cast(0.0, ti.f64)
         low, high = tm.vec3(FAR_COORDINATE), tm.vec3(-FAR_COORDINATE)
         each = (n + SUM_BLOCKS - 1) // SUM_BLOCKS
         for i in range(block * each, ti.min((block + 1) * each, n)):
-            x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
+            x, v = self.particles.position.at(i), self.particles.velocity.at(i)
             low, high = tm.min(low, x), tm.max(high, x)
             at = ti.Vector([ti.cast(x[k], ti.f64) for k in ti.static(range(3))])
             way = ti.Vector([ti.cast(v[k], ti.f64) for k in ti.static(range(3))])

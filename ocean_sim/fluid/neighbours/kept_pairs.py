@@ -17,7 +17,7 @@ from ocean_sim.fluid.neighbours.thread_tasks import TASK_ITERATIONS, Tasks
 from ocean_sim.fluid.sph.law import Law
 from ocean_sim.fluid.sph.particles import Components
 from ocean_sim.fluid.sph.smoothing import Smoothing
-from ocean_sim.kernel_library import ti, tm
+from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import Template, in_kernels
 
 SLOTS_PER_NEIGHBOUR = 2.5  # slots of a particle, over its neighbours on the lattice
@@ -194,13 +194,13 @@ class PairBlocks(KeptPairs):
     def gather(self, k, law: Template, scratch):
         """Copy the fields that the law reads, for the candidates of part k, to the scratch from index `scratch` on."""
         first, near = self.first[k], self.near[k]
-        own = place_at(self.position, self.grid.first[k])  # of one of them, in the water
+        own = self.position.at(self.grid.first[k])  # of one of them, in the water
         for a in range(near):
             other = self.particle_row(law, self.name[first + a])
             for t in ti.static(range(len(law.reads))):
                 self.scratch[t][scratch + a] = other[t]
         for a in range(near, self.seen[k]):
-            other = self.image_row(law, self.name[first + a], own - place_at(self.place, first + a))
+            other = self.image_row(law, self.name[first + a], own - self.place.at(first + a))
             for t in ti.static(range(len(law.reads))):
                 self.scratch[t][scratch + a] = other[t]
 
@@ -210,10 +210,10 @@ class PairBlocks(KeptPairs):
         begun, near, seen = self.begun[k], self.near[k], self.seen[k]
         kept = begun < self.spare_start(group)
         for i in range(self.grid.first[k], self.grid.first[k + 1]):
-            place, own = place_at(self.position, i), self.particle_row(law, i)
+            place, own = self.position.at(i), self.particle_row(law, i)
             if not kept:
                 for a in range(seen):  # there was no room for them
-                    self.keep_shape(place - place_at(self.place, self.first[k] + a), begun + a)
+                    self.keep_shape(place - self.place.at(self.first[k] + a), begun + a)
             total = self.pair_sum(law, place, own, k, group, begun, 0, near)
             beyond = self.pair_sum(law, place, own, k, group, begun, near, seen)
             law.finish(i, own, total, beyond, group)
@@ -225,12 +225,7 @@ class PairBlocks(KeptPairs):
         """Sum over candidates `begin` to `end` of part k for a particle at `place` [m]; `begun`: its first shape."""
         first, scratch, total = self.first[k], group * self.width, ti.Vector.zero(float, law.terms.size)
         for a in range(begin, end):
-            away = place - place_at(self.place, first + a)
+            away = place - self.place.at(first + a)
             other = ti.Vector([self.scratch[t][scratch + a] for t in ti.static(range(len(law.reads)))])
             total += law.kept_pair(own, other, self.shape[begun + a] * away)
         return total
-
-
-@ti.func
-def place_at(places: Template, i):
-    return tm.vec3(places.x[i], places.y[i], places.z[i])

@@ -50,8 +50,8 @@ class AirPressure:
 
     def collect_impulse(self, dt: float, drift: np.ndarray, centre: np.ndarray) -> None:
         """Add the wind's impulse over dt [s] to each cell; `drift` by the current and `centre` of the tile (2,) [m]."""
-        first = [axis[0] for axis in self.tile.nodes()]
-        self.add_impulses(self.wind.since, self.wind.step, dt, *(tm.vec2(*at) for at in (first, drift, centre)))
+        first, clock = [axis[0] for axis in self.tile.nodes()], self.wind.clock
+        self.add_impulses(clock.since, clock.step, dt, *(tm.vec2(*at) for at in (first, drift, centre)))
         self.gathered += dt
 
     def take_pressure(self) -> np.ndarray:

@@ -11,7 +11,7 @@ deficit of the frequency. So feed = 2 loss holds the wave up also where the ship
 it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import ceil, exp, pi
 
@@ -137,55 +137,52 @@ class RelaxationBand:
             f"are left out: its significant height is {left:.4g} m on the patch (asked for: {asked:.4g} m)"
         )
 
-    def statements(self) -> list[str]:
-        """Sentences on the patch and its sea in numbers."""
+    def statements(self) -> Iterator[str]:
+        """Yield sentences on the patch and its sea in numbers."""
         head = f"a patch of open sea: its rim is {self.width:.3g} m wide on either side, rate {self.rate:.3g} 1/s"
         live = "particles are a sea for films and figures; for a live ship take fluid.kind: spectral_sea"
         if self.sea is None:
-            return [f"{head}; the sea is calm", live]
+            yield from (f"{head}; the sea is calm", live)
+            return
         count = f"{len(self.sea.amplitude)} plane waves, the highest" if self.sea.random else "one wave,"
         size, asked = self.describe_waves(self.sea), self.describe_waves(self.requested or self.sea)
         was = f" (asked for: {asked})" if asked != size else ""
-        found = [f"{head}; the sea is fitted to the patch: {count} of {size}{was}", live]
+        yield from (f"{head}; the sea is fitted to the patch: {count} of {size}{was}", live)
         if self.nonlinear is not None:
             cells = " x ".join(str(n) for n in tile_cells(self)[: len(self.sides)])
-            found.append(
-                f"the sea is nonlinear to third order on {cells} cells, "
-                f"which sets in over the first {self.nonlinear.onset:.3g} s"
-            )
+            sets_in = f"which sets in over the first {self.nonlinear.onset:.3g} s"
+            yield f"the sea is nonlinear to third order on {cells} cells, {sets_in}"
         short = self.resolution_note()
-        found += [short] if short is not None and self.unresolved_share <= NOTABLE_LOST_VARIANCE else []
+        if short is not None and self.unresolved_share <= NOTABLE_LOST_VARIANCE:
+            yield short
         if self.sea.ramp > 0.0:
-            found.append(f"the sea grows from calm water over the first {self.sea.ramp:.3g} s")
+            yield f"the sea grows from calm water over the first {self.sea.ramp:.3g} s"
         at_rest, following = self.height_at_ship(0.0), self.height_at_ship(1.0)
         if at_rest is None or following is None:
-            return [*found, "how much of its height the sea has at the ship is not known for this scheme"]
+            yield "how much of its height the sea has at the ship is not known for this scheme"
+            return
         fed = "" if self.feed.any() else ", then without a feed" if self.sea.ramp > 0.0 else ", without a feed"
-        found.append(
+        yield (
             f"by a 1-D model the sea has {abs(at_rest):.2g} of its height at a ship at rest and "
             f"{abs(following):.2g} at one that keeps up with it{fed}"
         )
-        return found
 
-    def warnings(self, duration: float) -> list[str]:
-        """Warnings of a badly sized patch, for a run of this duration [s]."""
-        found = list(waves.cut_short(duration, self.sea.ramp)) if self.sea is not None else []
-        changed = self.fit_change()
-        found += [changed] if changed is not None else []
-        short = self.resolution_note()
-        found += (
-            [f"{short}; take a smaller spacing"]
-            if short is not None and self.unresolved_share > NOTABLE_LOST_VARIANCE
-            else []
-        )
+    def warnings(self, duration: float) -> Iterator[str]:
+        """Warn of a badly sized patch, for a run of this duration [s]."""
+        if self.sea is not None:
+            yield from waves.cut_short(duration, self.sea.ramp)
+        if (changed := self.fit_change()) is not None:
+            yield changed
+        if self.unresolved_share > NOTABLE_LOST_VARIANCE:
+            yield f"{self.resolution_note()}; take a smaller spacing"
         if self.sea is not None and self.width < MIN_RIM_WAVES * self.sea.wavelength and self.rate > 0.0:
-            found.append(
+            yield (
                 f"the rim of the patch is {self.width:.3g} m wide, less than {MIN_RIM_WAVES:g} of the wavelength of "
                 f"{self.sea.wavelength:.3g} m: it returns more than a twentieth of the ship's waves; take a "
                 "larger patch"
             )
         elif self.wake_transmission > MAX_WAKE_SHARE:
-            found.append(
+            yield (
                 f"a rim {self.width:.3g} m wide of a rate of {self.rate:.3g} 1/s lets "
                 f"{self.wake_transmission:.0%} of the height of a ship's waves through, and she meets her own wake; "
                 "leave rim.rate out"
@@ -193,18 +190,18 @@ class RelaxationBand:
         for speed, who in ((0.0, "at rest"), (1.0, "that keeps up with it")):
             there = self.height_at_ship(speed)
             if there is not None and abs(there) < 1.0 - MAX_HEIGHT_DEFICIT:
-                found.append(f"the sea has {abs(there):.2g} of its height at a ship {who}, by a 1-D model")
-        return found
+                yield f"the sea has {abs(there):.2g} of its height at a ship {who}, by a 1-D model"
 
-    def ships_in_rim(self, ships: Mapping[str, np.ndarray]) -> list[str]:
-        """Warnings of ships, x, z [m] by name, that start in the relaxation zone, opposite the middle of all ships."""
+    def ships_in_rim(self, ships: Mapping[str, np.ndarray]) -> Iterator[str]:
+        """Warn of ships, x, z [m] by name, that start in the relaxation zone, opposite the middle of all ships."""
         if len(ships) < 2:
-            return []
+            return
         at, periods = np.array(list(ships.values())), np.array(self.lattice.basin.periods)[[0, 2]]
         far = rim_depth(at - at.mean(axis=0), periods, self.width)
         inside = [name for name, depth in zip(ships, far, strict=True) if depth > 0.0]
         there = f"{' and '.join(inside)} begin {far.max():.3g} m inside the rim of the patch, which lies opposite the"
-        return [f"{there} middle of all ships; take a larger patch"] if inside else []
+        if inside:
+            yield f"{there} middle of all ships; take a larger patch"
 
 
 def rim_depth(away: np.ndarray, periods: np.ndarray, width: float) -> np.ndarray:

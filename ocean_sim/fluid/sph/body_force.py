@@ -1,4 +1,4 @@
-"""Accelerations of water by its surroundings: gravity, a body force, the motion of a tank, and friction of a bed.
+"""Accelerations of water by its surroundings: gravity, a body force, a moving tank, bed friction; heights of a bed.
 
 Bed friction lies between free slip and no slip: a shear stress on the layer next to the bed, as thick as a row of the
 lattice. A particle in this layer bears the stress on a share of the bed: its volume over that thickness, less where the
@@ -7,21 +7,21 @@ second nothing; in any water the shares sum to the bed in the mean. Where the ro
 front, the stress falls with the share that is: a lone particle is no layer of water on the bed.
 """
 
-from typing import TYPE_CHECKING
+from math import ceil
 
 import numpy as np
 
 from ocean_sim.basin import KARMAN_CONSTANT, MIN_ROW_SHARE, Basin, Floor
+from ocean_sim.basin.ground import Ground
 from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.fluid.sph.smoothing import Smoothing, Stencil
-from ocean_sim.kernel_library import ti, tm
+from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import in_kernels
-
-if TYPE_CHECKING:  # it is imported only where a bed has a shape
-    from ocean_sim.fluid.bodies.relief import Relief
 
 FRAME_PUSH, FRAME_RATE, FRAME_TURN, FRAME_PIVOT = range(4)
 FULL_SHARE_ROWS, NO_SHARE_ROWS = 0.75, 1.25  # [rows] height up to which a particle bears its share, from which none
+NODES_A_SPACING = 2.0  # between which a bed that particles bounce from is plane
+SLACK_NODES = 3.0  # by which samples may be nearer than nodes: within a cell, between heights, across a period
 
 
 @in_kernels
@@ -68,10 +68,62 @@ class Pull:
 
 
 @in_kernels
+class Relief:
+    """Heights of a bed at even nodes, bilinear between them, and how far up its samples reach."""
+
+    def __init__(self, ground: Ground, spacing: float, support: float) -> None:
+        """`spacing`: of the particles [m]; `support`: reach of the samples [m]."""
+        from scipy.ndimage import grey_dilation
+
+        size = np.array([ground.x[-1] - ground.x[0], ground.z[-1] - ground.z[0]])
+        counts = np.maximum(1, np.ceil(NODES_A_SPACING * size / spacing)).astype(int)
+        counts[1] = counts[1] if ground.dimension == 3 else 1
+        nodes = [np.linspace(nodes[0], nodes[-1], n + 1) for nodes, n in zip((ground.x, ground.z), counts)]
+        heights = ground.heights(np.stack(np.meshgrid(*nodes, indexing="ij"), axis=-1).reshape(-1, 2))
+        heights = heights.reshape(counts + 1)
+        steps = size / counts
+        across = [np.arange(-n, n + 1) for n in (ceil(SLACK_NODES + support / step) for step in steps)]
+        across[1] = across[1] if ground.dimension == 3 else np.zeros(1)
+        away = [step * np.maximum(np.abs(nodes) - SLACK_NODES, 0.0) for nodes, step in zip(across, steps)]
+        ball = np.sqrt(np.maximum(support**2 - np.add.outer(away[0] ** 2, away[1] ** 2), 0.0))
+        reached = grey_dilation(heights, structure=ball, mode="wrap" if any(ground.periodic) else "nearest")
+        self.height, self.reach = ti.field(float, shape=counts + 1), ti.field(float, shape=counts + 1)  # [m]
+        for field, values in ((self.height, heights), (self.reach, reached)):
+            field.from_numpy(values.astype(to_numpy_type(field.dtype)))
+        self.first, self.last = tm.vec2(ground.x[0], ground.z[0]), tm.ivec2(counts - 1)
+        self.per_step = tm.vec2(counts / size)  # [1/m]
+
+    @ti.func
+    def cell(self, x):
+        """Place of x [m] in steps from the first node, and the indices of the cell under it."""
+        at = (tm.vec2(x.x, x.z) - self.first) * self.per_step
+        return at, tm.clamp(int(ti.floor(at)), 0, self.last)
+
+    @ti.func
+    def is_reached(self, x):
+        """True if samples of the bed may lie within their reach of x [m]."""
+        _at, c = self.cell(x)
+        return x.y < self.reach[c.x, c.y]
+
+    @ti.func
+    def distance(self, x):
+        """Distance [m] of x [m] from the bed as if it were plane there, negative inside; and the bed's normal."""
+        at, c = self.cell(x)
+        f = tm.clamp(at - c, 0.0, 1.0)
+        low = tm.vec2(self.height[c.x, c.y], self.height[c.x + 1, c.y])
+        high = tm.vec2(self.height[c.x, c.y + 1], self.height[c.x + 1, c.y + 1])
+        here = tm.mix(low, high, f.y)
+        normal = tm.vec3(
+            (here.x - here.y) * self.per_step.x, 1.0, tm.mix(low.x - high.x, low.y - high.y, f.x) * self.per_step.y
+        ).normalized()
+        return (x.y - tm.mix(here.x, here.y, f.x)) * normal.y, normal
+
+
+@in_kernels
 class Bed:
     """Friction of a rough bed on the lowest row of particles."""
 
-    def __init__(self, bed: Floor, lattice: Lattice, smoothing: Smoothing, relief: "Relief | None") -> None:
+    def __init__(self, bed: Floor, lattice: Lattice, smoothing: Smoothing, relief: Relief | None) -> None:
         """`relief`: heights of a bed with a shape, else None."""
         self.level, self.row, self.z0 = lattice.basin.lower[1], lattice.row, bed.z0  # [m]
         self.logarithmic, self.in_row = bed.roughness is not None, bed.drag(0.5 * self.row)

@@ -18,7 +18,7 @@ from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.files import csv_file
 from ocean_sim.files.input_file import Checked, FileName, Rule, Unreadable, display_path, read_npz
-from ocean_sim.model import Model, quantity
+from ocean_sim.model import Faults, Model, quantity
 from ocean_sim.random_numbers import numpy_uniform3
 
 State = tuple[np.ndarray, np.ndarray, np.ndarray]  # positions (n, 3) [m], velocities (n, 3) [m/s], pressures (n,) [Pa]
@@ -27,7 +27,6 @@ UNIQUE_ROWS = Rule("each particle is there once: no two rows have the same place
 CHECKS = (
     Checked("Particles, `fluid.initial.file.path`: a table, or an npz file of arrays", (ONE_COLUMN, UNIQUE_ROWS)),
 )
-Problems = Iterator[tuple[tuple[str, ...], str]]  # path below `fluid.initial`, sentence
 
 DISORDER_STREAM = 0x4_0000  # stream of random numbers
 FLOW_STEPS = 4  # Runge-Kutta steps along a displacement
@@ -74,7 +73,7 @@ class StandingWave(Start):
         phase, g = np.array([shift + late, -shift + late]), waves.downward_gravity(basin)
         return waves.Components(amplitude, wavevector, phase, basin.depth, g)
 
-    def problems(self, basin: Basin) -> Problems:
+    def problems(self, basin: Basin) -> Faults:
         """Yield faults (key, sentence) of a wave that would break, or that fits no periodic basin."""
         for sentence in waves.basin_faults(basin):
             yield ("kind",), sentence
@@ -108,7 +107,7 @@ class RegularWave(Start):
         towards = waves.heading_vector(self.heading_deg, basin.dimension)
         return waves.regular_wave(self.height, self.period, towards, basin.depth, waves.downward_gravity(basin))
 
-    def problems(self, basin: Basin) -> Problems:
+    def problems(self, basin: Basin) -> Faults:
         """Yield faults (key, sentence) of a wave too steep, not periodic in the basin, or running into walls."""
         found = [(("height",), sentence) for sentence in waves.basin_faults(basin, self.height, self.period)]
         found += [(("heading_deg",), sentence) for sentence in waves.heading_faults(self.heading_deg, basin)]
@@ -140,7 +139,7 @@ class RandomWaves(Start):
         towards = waves.heading_vector(self.spectrum.heading_deg, basin.dimension)
         return self.spectrum.components(towards, basin.depth, waves.downward_gravity(basin))
 
-    def problems(self, basin: Basin) -> Problems:
+    def problems(self, basin: Basin) -> Faults:
         """Yield faults (key, sentence) of waves too steep for the basin, or running into walls."""
         size = self.spectrum.significant_wave_height, self.spectrum.peak_period
         found = [(("spectrum", "significant_wave_height"), sentence) for sentence in waves.basin_faults(basin, *size)]
@@ -166,7 +165,7 @@ class TaylorGreen(Start):
     seed: int = quantity("1", 0, ge=0, lt=2**31)
     """Seed of the disorder."""
 
-    def problems(self, basin: Basin) -> Problems:
+    def problems(self, basin: Basin) -> Faults:
         """Yield a fault (key, sentence) for each of x and y that is not periodic."""
         for axis in (0, 1):
             if not basin.periods[axis]:
@@ -204,7 +203,7 @@ class FromFile(Start):
             raise ONE_COLUMN.broken(self.path, f"it has {alike}")
         return {short[name]: np.atleast_1d(column).astype(float) for name, column in found.items()}
 
-    def problems(self, basin: Basin) -> Problems:
+    def problems(self, basin: Basin) -> Faults:
         """Yield faults (key, sentence) of a file that is unreadable, lacks columns, or leaves the basin."""
         try:
             columns = self.columns()
@@ -261,14 +260,12 @@ def start_state(
     return positions, np.zeros_like(positions), still_pressure(positions, basin, density, surface)
 
 
-def problems(initial: Initial | None, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
-    """Faults (path below `fluid.initial`, sentence) of an initial state in this basin; none without one."""
-    if initial is None:
-        return []
-    found = list(initial.problems(basin))
-    if basin.ground is not None and not found and initial.sea(basin) is not None:
-        found.append((("kind",), "these are waves over a flat bed; let basin.wavemaker make waves over this one"))
-    return found
+def problems(initial: Initial | None, basin: Basin) -> Faults:
+    """Yield faults (path below `fluid.initial`, sentence) of an initial state in this basin; none without one."""
+    found = [] if initial is None else list(initial.problems(basin))
+    yield from found
+    if initial is not None and basin.ground is not None and not found and initial.sea(basin) is not None:
+        yield ("kind",), "these are waves over a flat bed; let basin.wavemaker make waves over this one"
 
 
 def given_positions(initial: Initial | None, basin: Basin) -> np.ndarray | None:

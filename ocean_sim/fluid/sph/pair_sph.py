@@ -218,7 +218,7 @@ class PairSph(Sph):
         self.settle(self.summary)
 
     def step(self, dt: float) -> None:
-        self.move(dt, self.wind.since)
+        self.move(dt, self.wind.clock.since)
         self.settle(self.summary)
 
     @ti.kernel

@@ -191,9 +191,8 @@ class ParticleWater(ParticleFluid):
         ti.loop_config(serialize=True)
         for k in range(x.shape[0]):
             i, particles = first + k, self.particles
-            for c in ti.static(range(3)):
-                tuple_x, tuple_v = ti.static(tuple(particles.position), tuple(particles.velocity))
-                tuple_x[c][i], tuple_v[c][i] = x[k, c], v[k, c]
+            particles.position.put(i, tm.vec3(x[k, 0], x[k, 1], x[k, 2]))
+            particles.velocity.put(i, tm.vec3(v[k, 0], v[k, 1], v[k, 2]))
             particles.id[i], particles.density[i], particles.pressure[i] = i, particles.rest_density, 0.0
             for carried in ti.static(self.carried):
                 carried[i] = 0.0
@@ -203,10 +202,9 @@ class ParticleWater(ParticleFluid):
         """Copy positions and velocities of all particles to the staging fields of the sort."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(self.particles.count.there()):
-            p, v = self.particles.position, self.particles.velocity
             for left in ti.static(self.grid.left):
                 left[i] = 0.0
-            self.grid.stage_state(i, tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(v.x[i], v.y[i], v.z[i]))
+            self.grid.stage_state(i, self.particles.position.at(i), self.particles.velocity.at(i))
 
     def budget(self) -> dict[str, np.ndarray]:
         """Impulse [N s], work [J] of each term, (4,) each, by name; an emitter's work is all energy of its water."""

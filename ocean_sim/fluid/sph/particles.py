@@ -90,6 +90,17 @@ class Components:
     def __iter__(self) -> Iterator[ti.Field]:
         return iter((self.x, self.y, self.z))
 
+    @ti.func
+    def at(self, i):
+        """Vector with index i."""
+        return tm.vec3(self.x[i], self.y[i], self.z[i])
+
+    @ti.func
+    def put(self, i, vector):
+        """Write a vector to index i."""
+        for k, component in ti.static(enumerate((self.x, self.y, self.z))):
+            component[i] = ti.cast(vector[k], float)
+
     def to_numpy(self) -> np.ndarray:
         """Vectors (n, 3) of all particles, in storage order."""
         rows: np.ndarray = np.empty((*self.x.shape, 3), dtype=self.precision)
@@ -175,12 +186,10 @@ class Particles:
         for i in range(count):
             k = self.id[i]
             if k % every == 0:
-                x = tm.vec3(self.position.x[i], self.position.y[i], self.position.z[i])
-                v = tm.vec3(self.velocity.x[i], self.velocity.y[i], self.velocity.z[i])
-                share = ti.round((x - middle) * scale)
+                share = ti.round((self.position.at(i) - middle) * scale)
                 for a in ti.static(range(3)):
                     rows[k // every, a] = ti.select(tm.isnan(share[a]), 0.0, tm.clamp(share[a], -most, most))
-                rows[k // every, 3] = tm.length(v)
+                rows[k // every, 3] = tm.length(self.velocity.at(i))
 
 
 def seeded(lattice: Lattice) -> Particles:

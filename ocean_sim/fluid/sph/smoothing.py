@@ -5,6 +5,7 @@ of Wendland (1995), C2, among them; normalised in two and three dimensions.
 sum shapes, and the constant is multiplied in once, when the sum is finished.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -287,10 +288,9 @@ class Stencil:
         return float(np.mean(moduli) / -(across * x[:, 0] ** 2).sum())
 
 
-def rigidity_notes(smoothing: Smoothing, spacing: float) -> list[str]:
-    """Sentences on how much the starting lattice's rigidity changes the speed of waves; empty if it is negligible."""
+def rigidity_notes(smoothing: Smoothing, spacing: float) -> Iterator[str]:
+    """Yield a sentence on how much the starting lattice's rigidity changes the speed of waves, if that is notable."""
     share, ratio = Stencil(smoothing, spacing).rigidity, smoothing.support / spacing
-    if abs(share) < NOTABLE_RIGIDITY:
-        return []
     way = "fast: the lattice that the water starts from bears shear" if share > 0.0 else "slow: the lattice is unstable"
-    return [f"small waves run about {abs(share):.1%} {way} at a support of {ratio:g} spacings, however fine the water"]
+    if abs(share) >= NOTABLE_RIGIDITY:
+        yield f"small waves run about {abs(share):.1%} {way} at a support of {ratio:g} spacings, however fine the water"

@@ -102,7 +102,7 @@ class SphConfig(WaterConfig):
         return self.kinematic_viscosity
 
     def problems(self, preflight: Preflight) -> Problems:
-        found, basin = super().problems(preflight), preflight.tank
+        found, basin = list(super().problems(preflight)), preflight.tank
         if self.sound_speed(basin) == 0.0:
             found.append((("reference_speed",), "is required without gravity: compression needs a speed to refer to"))
         support = preflight.support
@@ -113,7 +113,7 @@ class SphConfig(WaterConfig):
         if not found:
             found += [((self.sized_by,), sentence) for sentence in self.count_problems(preflight)]
         if basin.rough_bed is not None:
-            found += [(("spacing",), s) for s in basin.rough_bed.problems(self.lattice(basin).row)]
+            found += [(("spacing",), sentence) for sentence in basin.rough_bed.problems(self.lattice(basin).row)]
         return found
 
     def most_particles(self, preflight: Preflight) -> int:
@@ -146,25 +146,28 @@ class SphConfig(WaterConfig):
                 "basin is too large for so small a spacing"
             )
 
-    def warnings(self, preflight: Preflight) -> list[str]:
-        found, basin = super().warnings(preflight), preflight.tank
+    def warnings(self, preflight: Preflight) -> Iterator[str]:
+        yield from super().warnings(preflight)
+        basin = preflight.tank
         if basin.rough_bed is not None:
-            found += basin.rough_bed.warnings(self.lattice(basin).row)
+            yield from basin.rough_bed.warnings(self.lattice(basin).row)
         if basin.ground is not None:
             waves = basin.piston is not None or basin.config.motion is not None
-            found += basin.ground.warnings(self.lattice(basin).spacing, waves)
+            yield from basin.ground.warnings(self.lattice(basin).spacing, waves)
         if "compression" not in self.unheeded:
-            found += self.stiffness_warnings(basin) or self.weight_warnings(basin, preflight.duration)
+            yield from self.stiffness_warnings(basin) or self.weight_warnings(basin, preflight.duration)
         lattice = self.start_lattice(preflight)
         outlines = {name: ship.outline(preflight) for name, ship in preflight.ships.items()}
         places = {name: outline.plan.mean(axis=0) for name, outline in outlines.items() if outline is not None}
         around, damping = relaxation_band(lattice), zones(lattice)
         if around is not None:
-            found += [*around.warnings(preflight.duration), *around.ships_in_rim(places)]
+            yield from around.warnings(preflight.duration)
+            yield from around.ships_in_rim(places)
         for name, zone in product(places, damping):
             if zone.axis != 1 and zone.holds(places[name][zone.axis // 2]):
-                found.append(f"{called(name)} starts in the zone before absorbing side {zone.side}, which damps waves")
-        return [*found, *of_zones(damping), *self.scale_warnings(lattice, preflight.support)]
+                yield f"{called(name)} starts in the zone before absorbing side {zone.side}, which damps waves"
+        yield from of_zones(damping)
+        yield from self.scale_warnings(lattice, preflight.support)
 
     def scale_warnings(self, lattice: Lattice, support: float) -> Iterator[str]:
         """Yield warnings of too few particles for the depth or the waves of a scene, and of waves too steep."""
@@ -211,8 +214,8 @@ class SphConfig(WaterConfig):
             ]
         return []
 
-    def weight_warnings(self, basin: Basin, duration: float) -> list[str]:
-        """Warning if gravity along the basin, a body force or the tank's motion notably compress the water."""
+    def weight_warnings(self, basin: Basin, duration: float) -> Iterator[str]:
+        """Warn if gravity along the basin, a body force or the tank's motion notably compress the water."""
         still = np.add(basin.gravity, self.body_force)
         motion = basin.config.motion.build() if basin.config.motion is not None else None
         times = np.linspace(0.0, duration, MOTION_SAMPLES)
@@ -223,11 +226,11 @@ class SphConfig(WaterConfig):
         most = float((np.abs(pulls) @ sizes).max())  # the highest pressure at rest over the density [m2/s2]
         compression = most / self.sound_speed(basin) ** 2
         if compression <= NOTABLE_COMPRESSION:
-            return []
+            return
         pulled = f"gravity, body force and the motion of the tank press with up to {most:.4g} m2/s2 times the density"
         squeezed = f"compress it by {compression:.2g} of it, more than {NOTABLE_COMPRESSION:g}"
         wanted = f"take a reference_speed of {sqrt(most):.3g} m/s"
-        return [f"{pulled} of the water and {squeezed}: levels and pressures are off by as much; {wanted}"]
+        yield f"{pulled} of the water and {squeezed}: levels and pressures are off by as much; {wanted}"
 
     def list_size(self, lattice: Lattice, arch: str, reads: int, carried: int = 0) -> GridSize:
         """Sizes of grid and lists on a backend: laws read at most `reads` fields, sorts move `carried` numbers more."""
@@ -265,27 +268,27 @@ class SphConfig(WaterConfig):
         decay = 2.0 * (self.viscosity(basin) + share * self.viscosity_scale(basin)) * k**2
         return decay - 1j * sea.omega * self.delay.share(k, height, lattice.spacing)
 
-    def statements(self, preflight: Preflight) -> list[str]:
+    def statements(self, preflight: Preflight) -> Iterator[str]:
         basin = preflight.tank
         c, speed = self.sound_speed(basin), self.speed(basin)
-        found = [
+        yield (
             f"sound speed {c:.4g} m/s, stiffness {c * c:.4g} m2/s2: compression (reference speed {speed:.4g} m/s / "
             f"sound speed)^2 = {(speed / c) ** 2:.2%}"
-        ]
+        )
         if self.minimum_pressure is not None:
             least = f"{self.minimum_pressure:g}"
-            found.append(f"pressures below {least} Pa are set to {least} (minimum_pressure)")
+            yield f"pressures below {least} Pa are set to {least} (minimum_pressure)"
         if basin.rough_bed is not None:
-            found += basin.rough_bed.statements(self.lattice(basin).row)
+            yield basin.rough_bed.statement(self.lattice(basin).row)
         if basin.ground is not None:
-            found += basin.ground.statements(self.lattice(basin).spacing)
-        around = relaxation_band(self.start_lattice(preflight))
-        found += around.statements() if around is not None else []
-        found += [zone.statement for zone in zones(self.start_lattice(preflight))]
-        found += [*self.wave_statements(preflight), *super().statements(preflight)]
+            yield basin.ground.statement(self.lattice(basin).spacing)
+        if (around := relaxation_band(self.start_lattice(preflight))) is not None:
+            yield from around.statements()
+        yield from (zone.statement for zone in zones(self.start_lattice(preflight)))
+        yield from self.wave_statements(preflight)
+        yield from super().statements(preflight)
         if self.kernel is NEUTRAL_KERNEL and not self.is_enclosed(basin):
-            found += rigidity_notes(self.smoothing(basin), self.lattice(basin).spacing)
-        return found
+            yield from rigidity_notes(self.smoothing(basin), self.lattice(basin).spacing)
 
     def wave_statements(self, preflight: Preflight) -> Iterator[str]:
         """Yield sentences on the height that the scene's waves lose by the numerical viscosity of the scheme."""
@@ -309,72 +312,57 @@ class SphConfig(WaterConfig):
                 )
 
 
-def scheme_ledger(preflight: Preflight, sizes: GridSize, numbers: int, what: str, told: int = 0) -> list[LedgerRow]:
-    """Rows of a scheme's memory ledger: `numbers` (`what`) a particle besides its id, and `told` for solid bodies."""
-    n, support, lattice, word = sizes.lattice.n, sizes.support, sizes.lattice, preflight.word
-    lists = sizes.plan.list_bytes(sizes, word)
-    passed = sum(len(zone.given.amplitude) for zone in zones(lattice) if zone.given is not None)
-    size = PlaneWaves.bytes(passed, word)
-    return [
-        LedgerRow("fluid", f"{n} particles", (numbers * word + 4) * n, what),
-        LedgerRow("fluid", f"grid of {sizes.cell_count} cells", sizes.bytes(word), f"support {support:g} m"),
-        *([LedgerRow("fluid", "candidate lists", lists, "neighbours of every occupied cell")] if lists else []),
-        *account_ledger(sizes, word, preflight.sums_impulses),
-        *_of_areas(preflight, n),
-        *([LedgerRow("fluid", f"{passed} plane waves", size, "basin.walls: target of a side")] if passed else []),
-        *_of_sea(lattice, word),
-        *_of_bodies(sizes, word, preflight.sums_impulses, told),
-        *mesh_ledger(sizes, word),
-    ]
+def scheme_ledger(preflight: Preflight, sizes: GridSize, numbers: int, what: str, told: int = 0) -> Iterator[LedgerRow]:
+    """Yield a scheme's rows of the memory ledger: `numbers` (`what`) a particle besides its id, `told` for bodies."""
+    n, lattice, word, wind = sizes.lattice.n, sizes.lattice, preflight.word, preflight.wind
+    yield LedgerRow("fluid", f"{n} particles", (numbers * word + 4) * n, what)
+    yield LedgerRow("fluid", f"grid of {sizes.cell_count} cells", sizes.bytes(word), f"support {sizes.support:g} m")
+    if lists := sizes.plan.list_bytes(sizes, word):
+        yield LedgerRow("fluid", "candidate lists", lists, "neighbours of every occupied cell")
+    yield from account_ledger(sizes, word, preflight.sums_impulses)
+    if wind.needs_area:
+        from ocean_sim.fluid.bodies.exposure import memory
+
+        what = "exposed areas, and how the surface bends" if wind.needs_bend else "exposed areas"
+        yield LedgerRow("fluid", what, memory(n, word, wind.needs_bend), f"wind.kind is {wind.kind}")
+    if passed := sum(len(zone.given.amplitude) for zone in zones(lattice) if zone.given is not None):
+        size = PlaneWaves.bytes(passed, word)
+        yield LedgerRow("fluid", f"{passed} plane waves", size, "basin.walls: target of a side")
+    yield from sea_ledger(lattice, word)
+    if has_bodies(lattice.basin):
+        yield from body_ledger(sizes, word, preflight.sums_impulses, told)
+    yield from mesh_ledger(sizes, word)
 
 
-def _of_areas(preflight: Preflight, n: int) -> list[LedgerRow]:
-    """Row of the memory ledger for the exposed areas of n particles; empty if the wind does not need them."""
-    if not preflight.wind.needs_area:
-        return []
-    from ocean_sim.fluid.bodies.exposure import memory
-
-    wind = preflight.wind
-    what = "exposed areas, and how the surface bends" if wind.needs_bend else "exposed areas"
-    return [LedgerRow("fluid", what, memory(n, preflight.word, wind.needs_bend), f"wind.kind is {wind.kind}")]
-
-
-def _of_sea(lattice: Lattice, word: int) -> list[LedgerRow]:
-    """Rows of the memory ledger for the sea around a patch of particles; `word`: size of a `float` [bytes]."""
+def sea_ledger(lattice: Lattice, word: int) -> Iterator[LedgerRow]:
+    """Yield rows of the memory ledger for the sea around a patch of particles; `word`: size of a `float` [bytes]."""
     around = relaxation_band(lattice)
-    if around is None or around.sea is None:
-        return []
-    from ocean_sim.fluid.patch.sea_patch import table_bytes
+    if around is not None and around.sea is not None:
+        from ocean_sim.fluid.patch.sea_patch import table_bytes
 
-    what = f"a table of {len(around.sea.amplitude)} plane waves"
-    found = [LedgerRow("fluid", what, table_bytes(around, around.sea, word), "sea")]
-    if around.nonlinear is not None:
-        cells = int(np.prod(tile_cells(around)))
-        what, why = f"a nonlinear sea of {cells} cells", "sea.kind is spectral_sea"
-        found.append(LedgerRow("fluid", what, 6 * 8 * cells, why))
-    return found
+        what = f"a table of {len(around.sea.amplitude)} plane waves"
+        yield LedgerRow("fluid", what, table_bytes(around, around.sea, word), "sea")
+        if around.nonlinear is not None:
+            cells = int(np.prod(tile_cells(around)))
+            yield LedgerRow("fluid", f"a nonlinear sea of {cells} cells", 6 * 8 * cells, "sea.kind is spectral_sea")
 
 
-def _of_bodies(grid: GridSize, word: int, accounts: bool, told: int) -> list[LedgerRow]:
-    """Memory ledger of solid bodies; `told`: numbers a particle carries for them; `accounts`: True to sum work."""
-    lattice, basin = grid.lattice, grid.lattice.basin
-    rows: list[LedgerRow] = []
-    if not has_bodies(basin):
-        return []
+def body_ledger(grid: GridSize, word: int, accounts: bool, told: int) -> Iterator[LedgerRow]:
+    """Yield rows for solid bodies; `told`: numbers a particle carries for them; `accounts`: True to sum work."""
     from ocean_sim.fluid.bodies.boundary import any_moves, fixed_bodies, floating_bodies, memory
 
+    lattice, common = grid.lattice, (grid.cell_count, word * told * grid.lattice.n)  # counted with the first bodies
     afloat = {key_of(name): [body] for name, body in floating_bodies(lattice, grid.support).items()}
     of_parts = {"basin": fixed_bodies(lattice, grid.support)} | afloat
+    working = accounts and any(any_moves(found) for found in of_parts.values())
     for part, bodies in of_parts.items():
         count, why = sum(len(body.position) for body in bodies), "basin.obstacles, basin.floor"
         if part in afloat:
             why = f"{part}.kind is pressure: the water feels the hull"
         if bodies:
-            working = accounts and any(any_moves(found) for found in of_parts.values())
-            size = memory(count, len(bodies), 0 if rows else grid.cell_count, word, working)
-            size += 0 if rows else word * told * lattice.n
-            rows.append(LedgerRow(part, f"{count} samples of solid bodies", size, why))
-    return rows
+            size = memory(count, len(bodies), common[0], word, working) + common[1]
+            yield LedgerRow(part, f"{count} samples of solid bodies", size, why)
+            common = 0, 0
 
 
 def has_bodies(basin: Basin) -> bool:

@@ -1,5 +1,6 @@
 """Config keys of water made of particles, common to every scheme."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from math import sqrt
 from typing import Annotated, Any, ClassVar, cast
@@ -16,7 +17,7 @@ from ocean_sim.fluid.sph import initial_state as initial_module
 from ocean_sim.fluid.sph.initial_state import Initial
 from ocean_sim.fluid.sph.lattice import Lattice, in_obstacles
 from ocean_sim.fluid.sph.smoothing import WENDLAND, Kernel
-from ocean_sim.model import Vector3, quantity
+from ocean_sim.model import Faults, Vector3, below, quantity
 from ocean_sim.parts import FluidConfig, Preflight, Problems, forces_in_waves
 from ocean_sim.runtime import BASE_MEMORY, COPY_BYTES_PER_PARTICLE
 from ocean_sim.waves import Components
@@ -80,57 +81,57 @@ class WaterConfig(FluidConfig):
         """True if the key `impulses` asks for sums; independent of `read`, since no observer changes a step."""
         return self.impulses
 
-    def statements(self, preflight: Preflight) -> list[str]:
-        found = [] if preflight.sea is None else forces_in_waves(preflight, False, False)
+    def statements(self, preflight: Preflight) -> Iterator[str]:
+        if preflight.sea is not None:
+            yield from forces_in_waves(preflight, False, False)
         if self.motion_limit is not None:
             limit = f"{self.motion_limit:g}"
-            found.append(f"no particle moves further than {limit} spacings in a step; what is held back is counted")
+            yield f"no particle moves further than {limit} spacings in a step; what is held back is counted"
         if (piston := preflight.tank.piston) is not None and piston.path.sea is None:
-            found.append(f"the wavemaker moves up to {piston.path.advance:.3g} m into the basin")
+            yield f"the wavemaker moves up to {piston.path.advance:.3g} m into the basin"
         for k, mesh in preflight.tank.meshes.items():
             low, up = ((end[: preflight.tank.dimension].round(4) + 0.0).tolist() for end in mesh.extent)
-            found.append(f"obstacles.{k} is a mesh from {low} to {up} m")
+            yield f"obstacles.{k} is a mesh from {low} to {up} m"
         for k, gate in preflight.tank.gates:
             moves = f"moves from {gate.start:g} s on, at up to {gate.fastest(preflight.duration):.3g} m/s, and "
             leaves = "stays" if gate.end is None else f"has left at {gate.end:g} s"
-            found.append(f"obstacles.{k} {moves if gate.moves else ''}{leaves}")
-        return found
+            yield f"obstacles.{k} {moves if gate.moves else ''}{leaves}"
 
-    def warnings(self, preflight: Preflight) -> list[str]:
-        found, tank, spacing = super().warnings(preflight), preflight.tank, preflight.spacing
-        found += odd_gravity(tank.gravity)
+    def warnings(self, preflight: Preflight) -> Iterator[str]:
+        yield from super().warnings(preflight)
+        tank, spacing = preflight.tank, preflight.spacing
+        yield from odd_gravity(tank.gravity)
         if tank.gravity[1] > 0.0 and tank.walls.y != "periodic" and not tank.closed:
-            found.append(f"gravity points upwards, {list(tank.gravity)} m/s2: the water falls out of the basin")
+            yield f"gravity points upwards, {list(tank.gravity)} m/s2: the water falls out of the basin"
         elif tank.gravity[1] < 0.0 and tank.config.floor == "none" and tank.walls.y != "periodic":
-            found.append("the basin has no floor: the water falls out of it")
+            yield "the basin has no floor: the water falls out of it"
         far = float(np.abs([*tank.lower, *tank.upper]).max())
         step = far * float(np.finfo(np.float32).eps)
         if spacing is not None and preflight.word == 4 and step > MAX_ROUNDING_SPACINGS * spacing:
-            found.append(
+            yield (
                 f"single precision places particles {far:g} m from the origin to {step:.2g} m, "
                 f"{step / spacing:.2g} spacings; take runtime.precision: f64, or a basin around its water"
             )
         if tank.config.wavemaker is not None:
-            found += tank.config.wavemaker.warnings(tank, preflight.duration)
+            yield from tank.config.wavemaker.warnings(tank, preflight.duration)
         if tank.config.motion is not None:
-            found += tank.config.motion.warnings(preflight.duration)
+            yield from tank.config.motion.warnings(preflight.duration)
         for k, box in enumerate(tank.config.obstacles):
             thin = min(up - low for low, up in zip(box.min, box.max))
             if spacing is not None and thin < MIN_GATE_SPACINGS * spacing - BOX_ROUNDING:
-                found.append(
+                yield (
                     f"obstacles.{k} is {thin / spacing:.2g} spacings thin: water on either side feels the other; "
                     f"take {MIN_GATE_SPACINGS:g} spacings, or a smaller fluid.spacing"
                 )
-        found += [f"obstacles.{k}: {skin}" for k, mesh in tank.meshes.items() for skin in mesh.mesh.skins]
+        yield from (f"obstacles.{k}: {skin}" for k, mesh in tank.meshes.items() for skin in mesh.mesh.skins)
         for k, gate in tank.gates:
-            found += gate.warnings(preflight.duration)
+            yield from gate.warnings(preflight.duration)
             fastest, speed = gate.fastest(preflight.duration), self.speed(tank)
             if fastest > speed and self.sound_speed(tank) > 0.0:
-                found.append(
+                yield (
                     f"obstacles.{k} moves at up to {fastest:.3g} m/s, faster than the reference speed of {speed:.3g} "
                     "m/s: water that it runs into is compressed more than fluid.compression says"
                 )
-        return found
 
     def losses(self, lattice: Lattice, sea: Components) -> np.ndarray | None:
         """Complex decay rate (n,) [1/s] of each wave (imaginary: minus the fall of its frequency); None if unknown."""
@@ -171,14 +172,14 @@ class WaterConfig(FluidConfig):
         """Lattice on which the particles start; nothing is allocated yet."""
         return Lattice(self, basin)
 
-    def problems(self, preflight: Preflight) -> Problems:
+    def problems(self, preflight: Preflight) -> Faults:
         basin = preflight.tank
         found: Problems = []
         if basin.dimension == 2 and self.body_force[2] != 0.0:
             found.append((("body_force",), "a 2-D basin, in x-y, has no force along z"))
         fill = self.fill or ()
         overlap = "overlaps an earlier one: two particles would share a position"
-        misplaced = box_faults("fill", fill, basin, overlap)
+        misplaced = list(box_faults("fill", fill, basin, overlap))
         if any(len(box.min) != basin.dimension for box in fill):
             return found + misplaced
         if basin.sea is not None:
@@ -188,13 +189,13 @@ class WaterConfig(FluidConfig):
             if found:
                 return found
         if self.emitter is not None:
-            found += [(("emitter", *path), sentence) for path, sentence in self.emitter.problems(basin)]
+            found += below("emitter", faults=self.emitter.problems(basin))
             if self.fill is None and (self.spacing is None or self.initial is not None):
                 needed = "initial" if self.spacing is not None else "particles"
                 found.append(((needed,), "with an emitter the basin is empty but for `fill`, which this needs"))
             if found:
                 return found
-        found += [(("initial", *path), sentence) for path, sentence in initial_module.problems(self.initial, basin)]
+        found += below("initial", faults=initial_module.problems(self.initial, basin))
         lattice = preflight.untouched
         assert isinstance(lattice, Lattice)
         if self.spacing is not None and lattice.volume > MOST_PARTICLES * self.spacing**basin.dimension:
@@ -203,7 +204,7 @@ class WaterConfig(FluidConfig):
             found.append((("spacing",), f"{most}; {self.fitting_spacing(preflight)}"))
         found += misplaced
         if lattice.jet is not None and not found:
-            found += [(("emitter", *path), sentence) for path, sentence in mouth_problems(basin, lattice.jet)]
+            found += below("emitter", faults=mouth_problems(basin, lattice.jet))
             if in_obstacles(lattice.jet.sites, basin, lattice.spacing).any():
                 found.append((("emitter", "position"), "the mouth is inside an obstacle"))
         thin = [sentence for mesh in basin.meshes.values() if (sentence := mesh.problem(lattice.spacing))]

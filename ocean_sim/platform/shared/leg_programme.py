@@ -155,7 +155,8 @@ def solve_programme(
     """Best control points (n + 2, 6) [m] for specific force [m/s2] and rate [rad/s] asked for at knots (n, 6).
 
     Motion is linear about the `past` (n + 2, 6), whose first REST_POINTS stay; `guess` (n, 6): poses near its; `state`
-    (6, 2) of the organs before the first knot; the last `still_points` are equal. Raises SolverMissing, and Failed where there are none.
+    (6, 2) of the organs before the first knot; the last `still_points` are equal. Raises SolverMissing, and Failed
+    where there are none.
     """
     clarabel = load_solver()
     from scipy.sparse import block_array, block_diag, csr_array, diags_array, eye_array, kron

@@ -14,14 +14,10 @@ from pydantic import Field
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files.cache_file import cached_arrays
-from ocean_sim.model import Model, Vector3, quantity
+from ocean_sim.model import Model, Positive, Vector3, quantity
 from ocean_sim.platform import INPUT_LIMIT, TILT_RATE_LIMIT, Cue
 from ocean_sim.platform.shared.motion_log import Ride, euler_rates, turn_to_level
 
-Positive = Annotated[float, Field(gt=0.0)]
-NotNegative = Annotated[float, Field(ge=0.0)]
-Positive3 = Annotated[tuple[Positive, Positive, Positive], Field(strict=False)]
-NotNegative3 = Annotated[tuple[NotNegative, NotNegative, NotNegative], Field(strict=False)]
 Frequencies = Annotated[tuple[Positive | None, Positive | None, Positive], Field(strict=False)]
 
 

@@ -11,9 +11,9 @@ from typing import Literal
 
 import numpy as np
 
-from ocean_sim.model import quantity
+from ocean_sim.model import NotNegative3, Positive3, quantity
 from ocean_sim.platform.shared.kinematics import Geometry
-from ocean_sim.platform.shared.washing import NotNegative3, Positive3, Washing, WashingConfig
+from ocean_sim.platform.shared.washing import Washing, WashingConfig
 
 
 class Config(WashingConfig):

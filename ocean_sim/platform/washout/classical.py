@@ -10,9 +10,9 @@ from typing import Literal
 
 import numpy as np
 
-from ocean_sim.model import quantity
+from ocean_sim.model import NotNegative3, Positive3, quantity
 from ocean_sim.platform.shared.kinematics import Geometry
-from ocean_sim.platform.shared.washing import Filter, NotNegative3, Positive3, Washing, WashingConfig, second_order
+from ocean_sim.platform.shared.washing import Filter, Washing, WashingConfig, second_order
 
 
 class Config(WashingConfig):

@@ -12,7 +12,7 @@ from pydantic import model_validator
 from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.platform import Cue
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod
-from ocean_sim.platform.shared.leg_programme import REST_POINTS, KNOT_INTERVAL, LegPlan, motion_at
+from ocean_sim.platform.shared.leg_programme import KNOT_INTERVAL, REST_POINTS, LegPlan, motion_at
 from ocean_sim.platform.shared.motion_log import Ride
 from ocean_sim.platform.shared.washing import scaled_motion
 

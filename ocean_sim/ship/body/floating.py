@@ -4,7 +4,7 @@ cubes in the water of a scene, and the sum of her forces (4.27).
 A kind adds a force by naming it in `parts` and extending `forces`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property, lru_cache
 from math import cos, isinf, pi, radians, sin, sqrt
@@ -18,7 +18,7 @@ from ocean_sim.basin.solids.voxels import MAX_LATTICE_NODES, Distance, lattice_m
 from ocean_sim.conventions import WATER_DENSITY, Diverged
 from ocean_sim.files.input_file import FileName, relative_to_scene
 from ocean_sim.fluid import ClosedForm, Contact, Fluid, Limits
-from ocean_sim.model import Model, Vector3, quantity
+from ocean_sim.model import Faults, Model, Vector3, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, called, named
 from ocean_sim.ship import Afloat, Load, Look, Outline
 from ocean_sim.ship.body import small_linalg
@@ -31,7 +31,7 @@ from ocean_sim.ship.forces.propulsion import Autopilot, Crew, Propeller, Rudder
 from ocean_sim.ship.hull.cubes import Cubes, Wetted
 from ocean_sim.ship.hull.hull import Hull, Inertia, error_sentence, hull_of
 from ocean_sim.ship.hull.shapes import convex_corners
-from ocean_sim.ship.naval.hydrostatics import Hydrostatics, bow_squat, metacentric_heights
+from ocean_sim.ship.naval.hydrostatics import Hydrostatics, bow_squat
 from ocean_sim.ship.water import wave_contact
 from ocean_sim.ship.water.solid import Solid
 from ocean_sim.ship.water.wall_contact import Sides
@@ -117,11 +117,6 @@ class FloatingConfig(VesselConfig):
         """Cache of hydrostatics by (gravity, density), filled by `in_still_water`."""
         return {}
 
-    @cached_property
-    def face_gms(self) -> dict[Hydrostatics, float | None]:
-        """Cache of GM [m] from the hull's faces, filled by `gm_of_faces`."""
-        return {}
-
     def in_still_water(self, gravity: float, density: float) -> Hydrostatics:
         """Hydrostatics at a gravity [m/s2] and a water density [kg/m3]; raises ValueError for an unusable hull."""
         asked = gravity, density
@@ -147,14 +142,7 @@ class FloatingConfig(VesselConfig):
             return Afloat(still.matter.mass, still.draught, 0.0, 0.0, {})
         across, along = still.metacentric_height(), still.metacentric_height(0)
         periods = still.periods(self.added_mass_diagonal(still))
-        return Afloat(still.matter.mass, still.draught, across, along, periods, self.gm_of_faces(still))
-
-    def gm_of_faces(self, still: Hydrostatics) -> float | None:
-        """GM [m] from the hull's faces, not from its cubes; None where they only approximate its shape or it sinks."""
-        if still not in self.face_gms:
-            heights = metacentric_heights(self.whole_hull.shape, still)
-            self.face_gms[still] = None if heights is None else heights[0]
-        return self.face_gms[still]
+        return Afloat(still.matter.mass, still.draught, across, along, periods, still.gm_of_faces)
 
     def look(self, preflight: Preflight) -> Look:
         still = self.hydrostatics_of(preflight)
@@ -210,7 +198,7 @@ class FloatingConfig(VesselConfig):
         sides = [f"{spans[axis]:.3g} m along {axis}, the basin {sizes[axis]:.3g} m" for axis in beyond]
         return f"the hull takes {' and '.join(sides)}" if sides else ""
 
-    def mismatches(self, preflight: Preflight) -> Problems:
+    def mismatches(self, preflight: Preflight) -> Faults:
         found, basin, spacing = Problems(), preflight.tank, preflight.spacing or 0.0
         if self.drift is not None and preflight.fluid.made_of_particles:
             twice = "particles carry the waves that drift her, and would count them twice; leave it out"
@@ -238,22 +226,21 @@ class FloatingConfig(VesselConfig):
                 found.append((("position",), f"the hull reaches {depth.max():.3g} m through {side}"))
         return found
 
-    def unfollowable_orders(self) -> Problems:
-        """Faults (key, sentence) of orders for which the ship has no propeller or rudder."""
-        found, pilot, autopilot = Problems(), self.helm, isinstance(self.controls, Autopilot)
+    def unfollowable_orders(self) -> Faults:
+        """Yield faults (key, sentence) of orders for which the ship has no propeller or rudder."""
+        pilot, autopilot = self.helm, isinstance(self.controls, Autopilot)
         if pilot is not None and (self.propeller is None or "surge" not in self.free):
             lacks = "she has no propeller" if self.propeller is None else "her surge is held"
             cure = "give her one (thrust [N])" if self.propeller is None else "add surge to `free`"
-            found.append((("helm",), f"asks for {pilot.speed:g} m/s, but {lacks}; {cure}, or leave helm out"))
+            yield ("helm",), f"asks for {pilot.speed:g} m/s, but {lacks}; {cure}, or leave helm out"
         if (pilot is not None or autopilot) and self.rudder is None and "yaw" in self.free:
             key, order = ("controls", "a heading") if autopilot else ("helm", "a heading or a route")
             cure = f"give her one (area, position), or leave {key} out"
-            found.append(((key,), f"asks for {order}, but she has no rudder; {cure}"))
-        return found
+            yield (key,), f"asks for {order}, but she has no rudder; {cure}"
 
     def problems(self, preflight: Preflight) -> Problems:
         basin = preflight.tank
-        found = self.basin_problems(basin) + self.unfollowable_orders()
+        found = [*self.basin_problems(basin), *self.unfollowable_orders()]
         for k, mooring in enumerate(self.moorings):
             if isinstance(mooring.fairlead, str) and mooring.fairlead not in self.points:
                 there = f"there are {', '.join(self.points)}" if self.points else "it names none"
@@ -269,34 +256,35 @@ class FloatingConfig(VesselConfig):
             found.append((("hull",), message))
         return found
 
-    def missing_water(self, preflight: Preflight) -> list[str]:
-        """Warnings of water that is missing under the ship, or that does not bear her."""
+    def missing_water(self, preflight: Preflight) -> Iterator[str]:
+        """Warn of water that is missing under the ship, or that does not bear her."""
         fluid, (x, z) = preflight.fluid, (self.position[0], self.position[-1])
         if not fluid.made_of_particles:
             large = self.oversize(preflight.tank)
-            return [f"{large}: pictures show only the basin; a sea in closed form continues beyond it"] if large else []
-        found = [] if fluid.bears else [f"water of kind {fluid.kind} has no pressure: only a bed carries the ship"]
+            if large:
+                yield f"{large}: pictures show only the basin; a sea in closed form continues beyond it"
+            return
+        if not fluid.bears:
+            yield f"water of kind {fluid.kind} has no pressure: only a bed carries the ship"
         boxes = preflight.untouched.boxes if preflight.untouched is not None else []
         wet = any(low[0] <= x <= up[0] and low[2] <= z <= up[2] for low, up in boxes)
         if preflight.tank.dimension == 3 and not wet:
-            found.append(f"there is no water under the ship at x = {x:g}, z = {z:g} m at first: it falls")
-        return found
+            yield f"there is no water under the ship at x = {x:g}, z = {z:g} m at first: it falls"
 
-    def start_height_warnings(self, hull: Hydrostatics, preflight: Preflight) -> list[str]:
-        """Warnings of a ship that begins more than a draught above its floating height, or wholly under water."""
+    def start_height_warnings(self, hull: Hydrostatics, preflight: Preflight) -> Iterator[str]:
+        """Warn of a ship that begins more than a draught above its floating height, or wholly under water."""
         if self.afloat_at_first:
-            return []
+            return
         above = self.position[1] - afloat_pose(hull)[0]
         freeboard = float(np.ptp(self.whole_hull.shape.bounds(), axis=0)[1]) - hull.draught
         if -above > freeboard:
             under = f"{-above:.3g} m below where it floats, with its whole hull under water"
-            return [f"the ship begins {under}: it shoots up"]
-        if above <= hull.draught:
-            return []
-        speed = sqrt(2.0 * -preflight.tank.gravity[1] * (above - hull.draught))
-        fall = f"the ship begins {above:.3g} m above where it floats, more than its draught of {hull.draught:.3g} m"
-        rule = "slamming follows a rule of its waterplane, not the pressures"
-        return [f"{fall}: it falls on the water at {speed:.2g} m/s, and {rule}"]
+            yield f"the ship begins {under}: it shoots up"
+        elif above > hull.draught:
+            speed = sqrt(2.0 * -preflight.tank.gravity[1] * (above - hull.draught))
+            fall = f"the ship begins {above:.3g} m above where it floats, more than its draught of {hull.draught:.3g} m"
+            rule = "slamming follows a rule of its waterplane, not the pressures"
+            yield f"{fall}: it falls on the water at {speed:.2g} m/s, and {rule}"
 
     def feels_bed(self, depth: float) -> bool:
         """True if the ship's added mass and damping are those over a bed at this depth [m]."""
@@ -315,84 +303,82 @@ class FloatingConfig(VesselConfig):
         touches = ", and touch the bed" if hull.draught + sunk >= depth else ""
         return f"{message}; at {speed:.3g} m/s her bow would lie {sunk:.2g} m deeper{touches} (ICORELS 1980)"
 
-    def cube_gm_warnings(self, still: Hydrostatics) -> list[str]:
-        """Warning if GM of the cubes differs from GM of the hull's faces by more than GM_TOLERANCE."""
-        gm, own = still.metacentric_height(), self.gm_of_faces(still)
+    def cube_gm_warnings(self, still: Hydrostatics) -> Iterator[str]:
+        """Warn if GM of the cubes differs from GM of the hull's faces by more than GM_TOLERANCE."""
+        gm, own = still.metacentric_height(), still.gm_of_faces
         if self.carried_as_body or own is None or abs(gm - own) <= GM_TOLERANCE * abs(own):
-            return []
+            return
         than = f"GM of the ship's cubes is {gm:.3g} m, that of her hull {own:.3g} m"
         rows = f"{still.draught / float(still.voxels.size[1]):.2f} rows of cubes are under water"
         cure = f"{rows}: try another cells_per_draught; half a row dry suits best"
         if min(gm, own) <= 0.0:
-            return [f"{than}; {cure}"]
+            yield f"{than}; {cure}"
+            return
         slower = sqrt(gm / own) - 1.0
         rolls = f"she rolls {abs(slower):.1%} {'faster' if slower > 0.0 else 'slower'} than her hull would"
-        return [f"{than}: {rolls}; {cure}"]
+        yield f"{than}: {rolls}; {cure}"
 
-    def warnings(self, preflight: Preflight) -> list[str]:
-        hull = self.hydrostatics_of(preflight)
-        mesh = self.whole_hull.shape.closed_mesh()
-        remarks = [] if mesh is None else [f"the hull's mesh: {remark}" for remark in mesh.remarks]
-        if mesh is not None and not isinf(hull.draught):
-            remarks += mesh.unlike_a_ship(hull.draught, hull.kb)
+    def warnings(self, preflight: Preflight) -> Iterator[str]:
+        hull, mesh = self.hydrostatics_of(preflight), self.whole_hull.shape.closed_mesh()
+        if mesh is not None:
+            yield from (f"the hull's mesh: {remark}" for remark in mesh.remarks)
         if isinf(hull.draught):
-            return [*remarks, f"the ship weighs {hull.matter.mass:.4g} kg, more than its hull can carry: it sinks"]
-        found = (
-            remarks
-            + super().warnings(preflight)
-            + self.missing_water(preflight)
-            + self.start_height_warnings(hull, preflight)
-        )
+            yield f"the ship weighs {hull.matter.mass:.4g} kg, more than its hull can carry: it sinks"
+            return
+        if mesh is not None:
+            yield from mesh.unlike_a_ship(hull.draught, hull.kb)
+        yield from super().warnings(preflight)
+        yield from self.missing_water(preflight)
+        yield from self.start_height_warnings(hull, preflight)
         crew = Crew(self.controls)
         if self.propeller is None and (isinstance(self.controls, Autopilot) or crew.throttle.any()):
-            found.append("controls: the throttle that they ask for has no effect: she has no propeller")
+            yield "controls: the throttle that they ask for has no effect: she has no propeller"
         if self.rudder is None and crew.rudder.any():
-            found.append("controls: the rudder that they ask for has no effect: she has no rudder")
+            yield "controls: the rudder that they ask for has no effect: she has no rudder"
         if (
             self.helm is not None
             and self.propeller is not None
             and self.propeller.thrust_at(1.0, self.helm.speed) <= 0.0
         ):
-            found.append(f"helm: asks for {self.helm.speed:g} m/s, at which her propeller gives no thrust")
+            yield f"helm: asks for {self.helm.speed:g} m/s, at which her propeller gives no thrust"
         logged = [part.model_dump()["point"] for key, part in preflight.parts.items() if key == "motion"]
         if unasked := self.points.keys() - {"helm", *logged, *(mooring.fairlead for mooring in self.moorings)}:
-            found.append(f"points: neither a mooring nor motion.point asks for {' or '.join(sorted(unasked))}")
+            yield f"points: neither a mooring nor motion.point asks for {' or '.join(sorted(unasked))}"
         if any(preflight.fluid.steady_force):
             effect = "which it makes heavier or drives; the ship does not feel it"
-            found.append(f"fluid.body_force acts on the water alone, {effect}")
+            yield f"fluid.body_force acts on the water alone, {effect}"
         cells = hull.draught / float(hull.voxels.size[1])
         if cells < 0.9 * self.cells_per_draught:
             few = f"the hull has {cells:.2g} cubes over its draught"
-            found.append(f"{few}, because only a little of its height is under water")
+            yield f"{few}, because only a little of its height is under water"
         if hull.metacentric_height() <= 0.0:
-            found.append(f"the ship is unstable upright: GM = {hull.metacentric_height():.3g} m; it will heel")
+            yield f"the ship is unstable upright: GM = {hull.metacentric_height():.3g} m; it will heel"
         elif rest_angles(hull) is None:
             far = "her centre of mass lies too far from that of her buoyancy"
-            found.append(f"within {MAX_LEAN:g} degrees of trim and heel the ship has no pose at rest: {far}")
-        found += self.cube_gm_warnings(hull)
+            yield f"within {MAX_LEAN:g} degrees of trim and heel the ship has no pose at rest: {far}"
+        yield from self.cube_gm_warnings(hull)
         if not preflight.fluid.made_of_particles and preflight.tank.depth < SHALLOW_DRAUGHTS * hull.draught:
-            found.append(self.shallow_water_warning(hull, preflight.tank.depth))
+            yield self.shallow_water_warning(hull, preflight.tank.depth)
         resistance = self.resistance(hull)
         if resistance is not None:
-            found += [*resistance.warnings, *resistance.undamped_warnings(self.free)]
+            yield from resistance.warnings
+            yield from resistance.undamped_warnings(self.free)
         spacing = preflight.spacing
         if spacing and hull.draught < RESOLVED_SPACINGS * spacing:
             message = f"the draught of {hull.draught:.3g} m is {hull.draught / spacing:.2g} spacings"
-            found.append(f"{message}; below {RESOLVED_SPACINGS:g} the water does not resolve the ship")
-        return found
+            yield f"{message}; below {RESOLVED_SPACINGS:g} the water does not resolve the ship"
 
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: Preflight) -> Iterable[LedgerRow]:
         basin, word = preflight.tank, preflight.word
         n = len(self.in_still_water(-basin.gravity[1], WATER_DENSITY).voxels.share)
         lattice = preflight.fluid.window_bytes(preflight, (NODES_ALONG, NODES_ACROSS), DEPTH_LEVELS)
         size = Cubes.bytes(n, word) + (2 if self.drift else 1) * (SurroundingSea.bytes(word) + lattice)
         why = f"{self.cells_per_draught:g} cells_per_draught"
-        rows = [LedgerRow("ship", f"{n} cubes of the hull", size, why)]
+        yield LedgerRow("ship", f"{n} cubes of the hull", size, why)
         solid = self.solid(preflight)
         if solid is not None:
             count, size = lattice_memory(solid.shape, solid.reach / SAG_RIM / CUBES_A_SPACING, solid.reach, word)
-            rows.append(LedgerRow("ship", f"{count} distances from the hull", size, "ship.contact with particles"))
-        return rows
+            yield LedgerRow("ship", f"{count} distances from the hull", size, "ship.contact with particles")
 
 
 def afloat_pose(still: Hydrostatics) -> tuple[float, np.ndarray]:

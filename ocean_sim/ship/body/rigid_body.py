@@ -4,8 +4,10 @@ Angular momentum in world axes is the state, so it is kept to rounding without a
 at the midpoint: second-order in the step, at the cost of the thesis's forward Euler.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -83,14 +85,16 @@ def to_world(load: np.ndarray, body: RigidBody) -> np.ndarray:
     return np.array([small_linalg.matrix_times(body.rows, part) for part in load.tolist()])
 
 
-def plain_components(vector: np.ndarray) -> list:
-    """List of a vector's components as Python floats, for quick arithmetic; of n vectors (k, n): k arrays (n,)."""
-    return vector.tolist() if vector.ndim == 1 else list(vector)
+def for_arrays(law: Callable[..., Any]) -> Callable[..., np.ndarray]:
+    """A law of `small_linalg` for arrays (k,), many times as quick as NumPy's, or for n vectors in columns (k, n)."""
+    return lambda *vectors: np.array(law(*(v.tolist() if v.ndim == 1 else list(v) for v in vectors)))
 
 
-def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Cross product a x b of two (3,), many times as quick as NumPy's, or of (3, n)."""
-    return np.array(small_linalg.cross(plain_components(a), plain_components(b)))
+cross = for_arrays(small_linalg.cross)
+quaternion_product = for_arrays(small_linalg.quaternion_product)
+rotation_matrix = for_arrays(small_linalg.rotation_matrix)
+unit_quaternion = for_arrays(small_linalg.unit_quaternion)
+turn_quaternion = for_arrays(small_linalg.turn_quaternion)
 
 
 def quaternion(axis: np.ndarray, angle: float) -> np.ndarray:
@@ -98,34 +102,14 @@ def quaternion(axis: np.ndarray, angle: float) -> np.ndarray:
     return np.concatenate([[np.cos(angle / 2.0)], np.sin(angle / 2.0) * np.asarray(axis)])
 
 
-def quaternion_product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Product p q of quaternions, the rotation q followed by p (4.7); (4,) each, or (4, n)."""
-    return np.array(small_linalg.quaternion_product(plain_components(p), plain_components(q)))
-
-
 def quaternion_inverse(q: np.ndarray) -> np.ndarray:
     """Inverse of a unit quaternion (4,), or of (4, n) (4.8)."""
-    w, x, y, z = plain_components(q)
-    return np.array([w, -x, -y, -z])
+    return np.array([q[0], *-q[1:]])
 
 
 def rotate_vector(q: np.ndarray, vector: np.ndarray) -> np.ndarray:
     """(3,) vector turned by a unit quaternion (4.9)."""
     return quaternion_product(quaternion_product(q, np.concatenate([[0.0], vector])), quaternion_inverse(q))[1:]
-
-
-def rotation_matrix(q: np.ndarray) -> np.ndarray:
-    """(3, 3) rotation matrix of a quaternion of any length, or (3, 3, n) of (4, n) (4.10)."""
-    return np.array(small_linalg.rotation_matrix(plain_components(q)))
-
-
-def unit_quaternion(q: np.ndarray) -> np.ndarray:
-    return np.array(small_linalg.unit_quaternion(q.tolist()))
-
-
-def turn_quaternion(turn: np.ndarray) -> np.ndarray:
-    """Quaternion of a rotation vector, a turn about it by its length [rad]: the factor of (4.25)."""
-    return np.array(small_linalg.turn_quaternion(turn.tolist()))
 
 
 def axis_rotation(axis: int, angle: float) -> np.ndarray:

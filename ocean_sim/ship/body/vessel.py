@@ -1,21 +1,20 @@
 """Base of every kind of ship: its keys, its propeller and rudder with the crew that orders them, and its motion step by
 step."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
 from math import radians, sqrt
-from typing import Annotated, ClassVar, Literal, get_args
+from typing import ClassVar, Literal, get_args
 
 import numpy as np
-from pydantic import Field
 
 from ocean_sim.basin import Basin
 from ocean_sim.basin.solids.shape import SolidShape
 from ocean_sim.conventions import Diverged, Motions
 from ocean_sim.fluid import Fluid, Limits
-from ocean_sim.model import Vector2, Vector3, quantity
-from ocean_sim.parts import Preflight, Problems, ShipConfig, called
+from ocean_sim.model import Faults, Name, Point, Vector2, Vector3, quantity
+from ocean_sim.parts import Preflight, ShipConfig, called
 from ocean_sim.ship import Load, Outline, Ship
 from ocean_sim.ship.body import small_linalg
 from ocean_sim.ship.body.rigid_body import (
@@ -37,9 +36,7 @@ from ocean_sim.ship.water.wave_contact import WaveContact
 
 SPEED_ROUNDING = 1e-9  # [m/s], [rad/s] of rounding
 MAX_SPEED = 1.0e3  # [m/s] no ship moves like this
-Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 Free = Literal["sway", "heave", "surge", "pitch", "yaw", "roll"]  # Motions, in their order
-Position = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 
 
 class VesselConfig(Helm, ShipConfig):
@@ -47,7 +44,7 @@ class VesselConfig(Helm, ShipConfig):
 
     slices: ClassVar[bool] = False  # whether it also floats in 2-D
 
-    position: Position = quantity("m", (0.0, 0.0))
+    position: Point = quantity("m", (0.0, 0.0))
     """Position of the centre of mass: [x, z] afloat, or [x, y, z]."""
     heading_deg: float = quantity("deg", 0.0)
     """Heading: 0 is along +z, 90 along +x."""
@@ -63,38 +60,35 @@ class VesselConfig(Helm, ShipConfig):
     points: dict[Name, Vector3] = {}
     """Named points, from the hull's origin [m]: x to port, y up from the keel, z to the bow from amidships."""
 
-    def basin_problems(self, basin: Basin) -> Problems:
-        """Problems of keys that contradict the basin: (path below `ship`, sentence)."""
-        found: Problems = []
+    def basin_problems(self, basin: Basin) -> Faults:
+        """Yield faults of keys that contradict the basin: path below `ship`, and sentence."""
         if basin.dimension == 2 and not self.slices:
-            found.append((("kind",), "a ship needs a basin with a width; in a slice of particles take kind pressure"))
+            yield ("kind",), "a ship needs a basin with a width; in a slice of particles take kind pressure"
         if basin.gravity[0] or basin.gravity[2] or not basin.gravity[1] < 0.0:
-            found.append((("kind",), f"a ship needs gravity straight down, here it is {list(basin.gravity)} m/s2"))
+            yield ("kind",), f"a ship needs gravity straight down, here it is {list(basin.gravity)} m/s2"
         if basin.config.motion is not None:
             moved = "the motion of the tank is an acceleration of its water, which a ship does not feel"
-            found.append((("kind",), f"{moved}; leave basin.motion or the ship out"))
+            yield ("kind",), f"{moved}; leave basin.motion or the ship out"
         for axis, value in zip((0, 2), (self.position[0], 0.0 if basin.dimension == 2 else self.position[-1])):
             low, high = basin.lower[axis], basin.upper[axis]
             if not low <= value <= high:
                 where = f"{'xyz'[axis]} = {value:g} m is outside the basin, which reaches from {low:g} to {high:g} m"
-                found.append((("position",), where))
-        return found
+                yield ("position",), where
 
-    def warnings(self, preflight: Preflight) -> list[str]:
-        return [*self.lost_at_first(), *self.late_orders(preflight.duration)]
+    def warnings(self, preflight: Preflight) -> Iterator[str]:
+        yield from self.lost_at_first()
+        yield from self.late_orders(preflight.duration)
 
-    def lost_at_first(self) -> list[str]:
-        """Warnings of initial velocities and rates in motions that are not free, which are ignored."""
+    def lost_at_first(self) -> Iterator[str]:
+        """Warn of initial velocities and rates in motions that are not free, which are ignored."""
         heading = axis_rotation(1, radians(self.heading_deg + self.attitude_deg[1]))
         motion = dict(zip(Motions._fields, [*(heading.T @ np.array(self.velocity)), *self.rates], strict=True))
-        told = []
         for key, names in (("velocity", Motions._fields[:3]), ("rates", Motions._fields[3:])):
             lost = [name for name in names if name not in self.free and abs(motion[name]) > SPEED_ROUNDING]
             if lost:
                 them = " and ".join(lost)
                 cure = f"so the ship does not begin with it; add {them} to `free`, or leave it out"
-                told.append(f"{key}: {them} held, {cure}")
-        return told
+                yield f"{key}: {them} held, {cure}"
 
     @property
     def afloat_at_first(self) -> bool:

@@ -12,11 +12,10 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from ocean_sim.model import Model, Vector2, Vector3, quantity
+from ocean_sim.model import Model, Positive3, Vector2, Vector3, quantity
 from ocean_sim.ship.forces.propulsion import Rudder
 
 PROPELLER_POSITION = -0.48  # ahead of midships, over L
-Length = Annotated[float, Field(gt=0.0)]
 Terms = dict[Annotated[str, Field(pattern=r"^(v*|b*)r*$", min_length=1)], float]
 
 
@@ -52,7 +51,7 @@ class RudderCoefficients(Rudder):
 class MmgCoefficients(Model):
     """Coefficients of one ship in the standard MMG model."""
 
-    size: Annotated[tuple[Length, Length, Length], Field(strict=False)] = quantity("m")
+    size: Positive3 = quantity("m")
     """Length L between perpendiculars, breadth, draught d."""
     volume: float = quantity("m3", gt=0.0)
     """Displacement."""

@@ -20,6 +20,7 @@ frequency of encounter.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cached_property
 from io import BytesIO
 from itertools import combinations_with_replacement, product
@@ -69,7 +70,17 @@ class Scattered(NamedTuple):
     force: np.ndarray  # (6, h, n) [N/m], [N m/m], of the `Motions`
 
 
-class BemTable(NamedTuple):
+class Response(NamedTuple):
+    """Impulse response of some motions by the waves that the hull radiates."""
+
+    times: np.ndarray  # (n,) since a push [s]
+    kernels: np.ndarray  # (m, m, n) K [kg/s2], [kg m/s2], [kg m2/s2]
+    left: np.ndarray  # (m, m, n) L [kg/s], [kg m/s], [kg m2/s]
+    added: np.ndarray  # (m, m) A(infinity) [kg], [kg m], [kg m2]
+
+
+@dataclass(frozen=True, eq=False)
+class BemTable:
     """Hydrodynamic coefficients of some motions over frequency; coupling is symmetric, 0 where a table does not say."""
 
     omega: np.ndarray  # (n,) [rad/s]
@@ -79,6 +90,69 @@ class BemTable(NamedTuple):
     scattered: Scattered | None
     depth: float | None = None  # of the water [m]; infinite where it is deep, None where the table does not say
     axis: float | None = None  # height over the still water about which it turns [m]; None where it does not say
+
+    @cached_property
+    def numbers(self) -> list[int]:
+        """Number of each motion among `Motions`."""
+        return [Motions._fields.index(motion) for motion in self.motions]
+
+    def has_coupling(self, one: str, other: str) -> bool:
+        """True if the table has added mass or damping that couples two motions."""
+        pair = tuple(self.numbers.index(Motions._fields.index(motion)) for motion in (one, other))
+        return bool(self.added[pair].any() or self.damping[pair].any())
+
+    @property
+    def unphysical_entries(self) -> Iterator[str]:
+        """Yield sentences on entries that no hull has: waves that would give energy, negative added mass."""
+        own = np.diag_indices(len(self.numbers))
+        most = np.sqrt(np.abs(self.damping[own]).max(axis=1))
+        lowest = np.linalg.eigvalsh(np.moveaxis(self.damping, 2, 0) / np.outer(most, most))[:, 0]
+        if lowest.min() < -ERROR_TOLERANCE:
+            at = self.omega[lowest.argmin()]
+            yield f"the damping of the table would give energy at {at:g} rad/s, which no hull's waves do"
+        added = self.impulse_response.added
+        most = np.sqrt(np.maximum(np.abs(added[own]), 1e-300))
+        if np.linalg.eigvalsh(added / np.outer(most, most))[0] < -ERROR_TOLERANCE or (added[own] <= 0.0).any():
+            values = ", ".join(f"{Motions._fields[k]} {x:.3g}" for k, x in zip(self.numbers, added[own]))
+            yield f"the added mass of quick motions ({values}) is no water's: below zero, or tied to too much"
+
+    @cached_property
+    def impulse_response(self) -> Response:
+        """Impulse response of the table's motions, until less than FORGOTTEN_SHARE of it is left."""
+        from scipy.integrate import cumulative_trapezoid
+
+        omega, apart = self.omega, np.diff(self.omega, prepend=0.0).max()
+        times = np.arange(0.0, 2.0 * pi / apart, 2.0 * pi / omega[-1] / POINTS_A_PERIOD)
+        m = len(self.numbers)
+        kernels, added = np.zeros((m, m, len(times))), np.zeros((m, m))
+        for i, j in combinations_with_replacement(range(m), 2):
+            if self.damping[i, j].any():
+                kernels[i, j] = kernels[j, i] = self.retardation_kernel(times, self.damping[i, j])
+            sines = np.trapezoid(kernels[i, j] * np.sin(omega[:, None] * times), times, axis=1)
+            added[i, j] = added[j, i] = np.median(self.added[i, j] + sines / omega)
+        most = np.sqrt(np.abs(kernels[np.diag_indices(m)]).max(axis=1))
+        noise = np.abs(kernels).max(axis=2) <= FORGOTTEN_SHARE * np.outer(most, most)  # of a symmetric hull
+        kernels[noise] = 0.0
+        kept = (np.abs(kernels) / np.outer(most, most)[:, :, None]).max(axis=(0, 1)) > FORGOTTEN_SHARE
+        last = int(np.flatnonzero(kept)[-1]) + 1
+        times, kernels = times[:last], kernels[:, :, :last]
+        whole = cumulative_trapezoid(kernels, times, initial=0.0)
+        return Response(times, kernels, whole - whole[:, :, -1:], added)
+
+    def retardation_kernel(self, times: np.ndarray, damping: np.ndarray) -> np.ndarray:
+        """Kernel K (n,) at times (n,) [s]; beyond the table damping falls on by a power of the frequency."""
+        from scipy.interpolate import PchipInterpolator
+
+        omega = self.omega
+        count = POINTS_A_PERIOD * len(omega)
+        within = np.linspace(0.0, omega[-1], count)
+        beyond = np.linspace(omega[-1], TAIL_FREQUENCIES * omega[-1], int((TAIL_FREQUENCIES - 1.0) * count))[1:]
+        ends = np.maximum(np.abs(damping[-2:]), 1e-12 * np.abs(damping).max())
+        power = max(2.0, -float(np.diff(np.log(ends))[0] / np.diff(np.log(omega[-2:]))[0]))
+        known = PchipInterpolator(np.append(0.0, omega), np.append(0.0, damping))(within)
+        every, falling = np.append(within, beyond), np.copysign(ends[-1], damping[-1]) * (omega[-1] / beyond) ** power
+        whole = np.append(known, falling)
+        return np.array([2.0 / pi * np.trapezoid(whole * np.cos(every * t), every) for t in times])
 
 
 def columns_of(motion: str, other: str) -> tuple[str, str]:
@@ -204,7 +278,7 @@ class Scattering:
     def __init__(self, table: BemTable) -> None:
         assert table.scattered is not None
         self.omega, self.scattered = table.omega, table.scattered
-        self.numbers = [Motions._fields.index(motion) for motion in table.motions]
+        self.numbers = table.numbers
         own = np.diag_indices(len(table.motions))
         self.added, self.lost = table.added[own], table.damping[own] / table.omega
         self.known: tuple[float, np.ndarray, np.ndarray] | None = None  # a heading, frequencies, what is given (6, n)
@@ -257,110 +331,32 @@ def at_headings(angle: np.ndarray, headings: np.ndarray, values: np.ndarray) -> 
     return (1.0 - part) * values[above - 1, each] + part * values[above, each]
 
 
-class Response(NamedTuple):
-    """Impulse response of some motions by the waves that the hull radiates."""
-
-    times: np.ndarray  # (n,) since a push [s]
-    kernels: np.ndarray  # (m, m, n) K [kg/s2], [kg m/s2], [kg m2/s2]
-    left: np.ndarray  # (m, m, n) L [kg/s], [kg m/s], [kg m2/s]
-    added: np.ndarray  # (m, m) A(infinity) [kg], [kg m], [kg m2]
-
-
-class Radiation:
-    """Radiation table of some motions, in a CSV file: `omega_rad_s`, and `heave_added_kg`, `heave_damping_kg_s`,
-    `pitch_added_kg_m2`, `pitch_damping_kg_m2_s` and the like, of any of the six, and of two that act on each other
-    `heave_pitch_added_kg_m`, `heave_pitch_damping_kg_m_s`; or Capytaine's NetCDF.
-
-    Raises ValueError if it gives too little.
-    """
-
-    def __init__(self, file: str) -> None:
-        table = read_bem_table(file)
-        self.numbers = [Motions._fields.index(motion) for motion in table.motions]
-        omega, back = table.omega, np.flatnonzero(np.diff(table.omega, prepend=0.0) <= 0.0)
-        if not MIN_FREQUENCIES <= len(omega) <= MAX_FREQUENCIES:
-            raise FREQUENCY_RULE.broken(file, f"it has {len(omega)}")
-        if len(back):
-            raise FREQUENCY_RULE.broken(file, f"{omega[back[0]]:g} rad/s is the one in row {back[0] + 1}")
-        self.omega, self.mass, self.damping = omega, table.added, table.damping
-        self.scattering = None if table.scattered is None else Scattering(table)
-        self.depth, self.axis = table.depth, table.axis
-        names, own = table.motions, self.damping[np.diag_indices(len(table.motions))]
-        for name, least, most, last in zip(names, own.min(axis=1), own.max(axis=1), own[:, -1]):
-            if not most > 0.0 or least < -NEGATIVE_TOLERANCE * most:
-                raise DAMPING_RULE.broken(file, f"that of {name} lies between {least:.3g} and {most:.3g}")
-            if not last <= MAX_END_DAMPING * most:
-                still = f"that of {name} still is {last / most:.0%} of its most"
-                raise END_RULE.broken(file, f"at {omega[-1]:g} rad/s {still}")
-
-    def has_coupling(self, one: str, other: str) -> bool:
-        """True if the table has added mass or damping that couples two motions."""
-        pair = tuple(self.numbers.index(Motions._fields.index(motion)) for motion in (one, other))
-        return bool(self.mass[pair].any() or self.damping[pair].any())
-
-    @property
-    def unphysical_entries(self) -> list[str]:
-        """Sentences on entries that no hull has: waves that would give energy, negative added mass."""
-        own, found = np.diag_indices(len(self.numbers)), list[str]()
-        most = np.sqrt(np.abs(self.damping[own]).max(axis=1))
-        lowest = np.linalg.eigvalsh(np.moveaxis(self.damping, 2, 0) / np.outer(most, most))[:, 0]
-        if lowest.min() < -ERROR_TOLERANCE:
-            at = self.omega[lowest.argmin()]
-            found.append(f"the damping of the table would give energy at {at:g} rad/s, which no hull's waves do")
-        added = self.impulse_response.added
-        most = np.sqrt(np.maximum(np.abs(added[own]), 1e-300))
-        if np.linalg.eigvalsh(added / np.outer(most, most))[0] < -ERROR_TOLERANCE or (added[own] <= 0.0).any():
-            values = ", ".join(f"{Motions._fields[k]} {x:.3g}" for k, x in zip(self.numbers, added[own]))
-            found.append(f"the added mass of quick motions ({values}) is no water's: below zero, or tied to too much")
-        return found
-
-    @cached_property
-    def impulse_response(self) -> "Response":
-        """Impulse response of the table's motions, until less than FORGOTTEN_SHARE of it is left."""
-        from scipy.integrate import cumulative_trapezoid
-
-        omega, apart = self.omega, np.diff(self.omega, prepend=0.0).max()
-        times = np.arange(0.0, 2.0 * pi / apart, 2.0 * pi / omega[-1] / POINTS_A_PERIOD)
-        m = len(self.numbers)
-        kernels, added = np.zeros((m, m, len(times))), np.zeros((m, m))
-        for i, j in combinations_with_replacement(range(m), 2):
-            if self.damping[i, j].any():
-                kernels[i, j] = kernels[j, i] = self.retardation_kernel(times, self.damping[i, j])
-            sines = np.trapezoid(kernels[i, j] * np.sin(omega[:, None] * times), times, axis=1)
-            added[i, j] = added[j, i] = np.median(self.mass[i, j] + sines / omega)
-        most = np.sqrt(np.abs(kernels[np.diag_indices(m)]).max(axis=1))
-        noise = np.abs(kernels).max(axis=2) <= FORGOTTEN_SHARE * np.outer(most, most)  # of a symmetric hull
-        kernels[noise] = 0.0
-        kept = (np.abs(kernels) / np.outer(most, most)[:, :, None]).max(axis=(0, 1)) > FORGOTTEN_SHARE
-        last = int(np.flatnonzero(kept)[-1]) + 1
-        times, kernels = times[:last], kernels[:, :, :last]
-        whole = cumulative_trapezoid(kernels, times, initial=0.0)
-        return Response(times, kernels, whole - whole[:, :, -1:], added)
-
-    def retardation_kernel(self, times: np.ndarray, damping: np.ndarray) -> np.ndarray:
-        """Kernel K (n,) at times (n,) [s]; beyond the table damping falls on by a power of the frequency."""
-        from scipy.interpolate import PchipInterpolator
-
-        omega = self.omega
-        count = POINTS_A_PERIOD * len(omega)
-        within = np.linspace(0.0, omega[-1], count)
-        beyond = np.linspace(omega[-1], TAIL_FREQUENCIES * omega[-1], int((TAIL_FREQUENCIES - 1.0) * count))[1:]
-        ends = np.maximum(np.abs(damping[-2:]), 1e-12 * np.abs(damping).max())
-        power = max(2.0, -float(np.diff(np.log(ends))[0] / np.diff(np.log(omega[-2:]))[0]))
-        known = PchipInterpolator(np.append(0.0, omega), np.append(0.0, damping))(within)
-        every, falling = np.append(within, beyond), np.copysign(ends[-1], damping[-1]) * (omega[-1] / beyond) ** power
-        whole = np.append(known, falling)
-        return np.array([2.0 / pi * np.trapezoid(whole * np.cos(every * t), every) for t in times])
+def checked_table(file: str) -> BemTable:
+    """Read the table of a hull that radiates; raises ValueError as `read_bem_table`, or if it gives too little."""
+    table = read_bem_table(file)
+    omega, back = table.omega, np.flatnonzero(np.diff(table.omega, prepend=0.0) <= 0.0)
+    if not MIN_FREQUENCIES <= len(omega) <= MAX_FREQUENCIES:
+        raise FREQUENCY_RULE.broken(file, f"it has {len(omega)}")
+    if len(back):
+        raise FREQUENCY_RULE.broken(file, f"{omega[back[0]]:g} rad/s is the one in row {back[0] + 1}")
+    own = table.damping[np.diag_indices(len(table.motions))]
+    for name, least, most, last in zip(table.motions, own.min(axis=1), own.max(axis=1), own[:, -1]):
+        if not most > 0.0 or least < -NEGATIVE_TOLERANCE * most:
+            raise DAMPING_RULE.broken(file, f"that of {name} lies between {least:.3g} and {most:.3g}")
+        if not last <= MAX_END_DAMPING * most:
+            still = f"that of {name} still is {last / most:.0%} of its most"
+            raise END_RULE.broken(file, f"at {omega[-1]:g} rad/s {still}")
+    return table
 
 
 class Memory:
     """Radiation force on one hull by the waves of its past motions (Cummins 1962)."""
 
-    def __init__(self, radiation: Radiation) -> None:
-        self.impulse_response, self.numbers = radiation.impulse_response, np.array(radiation.numbers)
+    def __init__(self, table: BemTable) -> None:
+        self.impulse_response, self.numbers = table.impulse_response, np.array(table.numbers)
         self.pairs = np.argwhere(self.impulse_response.kernels.any(axis=2)).tolist()  # which motions act on which
         self.often = float(self.impulse_response.times[1])  # [s] at least between what is kept
-        self.when, self.moved = np.zeros(0), np.zeros((0, len(radiation.numbers)))  # [s], [m/s] or [rad/s]
+        self.when, self.moved = np.zeros(0), np.zeros((0, len(table.numbers)))  # [s], [m/s] or [rad/s]
 
     def load(self, time: float, motion: np.ndarray) -> np.ndarray:
         """(2, 3) radiation force [N], torque [N m] at a time [s] and velocity relative to the water (6,), body axes."""

@@ -7,15 +7,19 @@ of form, axis and amplitude are of their published program (2009). Lift under wa
 rate. The part of their sum that grows with the amplitude becomes a moment over the square of the rate, 8 / (3 pi) omega
 phi of which does the same work in a period.
 
-Regressions hold within REGRESSION_LIMITS; beyond them a hull is taken as one at the limit, and `ratios_beyond` says so.
+Regressions hold within the limits of roll_damping.yaml; beyond them a hull is taken as one at the limit, and
+`ratios_beyond` says so.
 """
 
 from collections.abc import Sequence
+from functools import cache
 from math import exp, log, pi, radians, sqrt
-from typing import NamedTuple
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from ocean_sim.files.yaml_file import read_mapping
 from ocean_sim.model import Model, quantity
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 
@@ -23,64 +27,16 @@ WATER_VISCOSITY = 1.14e-6  # of sea water of 15 degrees C [m2/s]
 FIT_AMPLITUDES = tuple(float(a) for a in range(1, 21))  # [deg] over which a linear and a quadratic part are fitted
 WETTED_DRAUGHTS = 1.75  # draughts of a hull's sides in the wetted surface
 
-REGRESSION_LIMITS = {
-    "block coefficient": (0.5, 0.85),
-    "midship section coefficient": (0.9, 0.99),
-    "breadth / draught": (2.5, 4.5),
-    "depth of the centre of mass / draught": (-1.5, 0.2),
-    "roll frequency sqrt(B / 2g)": (0.0, 1.0),
-    "breadth of bilge keels / breadth": (0.01, 0.06),
-    "length of bilge keels / length": (0.05, 0.4),
-}
 
-# Regressions of the waves: polynomials in B/d, each a row from the highest power down. Of A1: by powers of C_B, of
-# 1 - OG/d; of its correction: by powers of C_B, of C_M.
-WAVE_A1 = (
-    (
-        (-0.002222, 0.040871, -0.286866, 0.599424),
-        (0.010185, -0.161176, 0.904989, -1.641389),
-        (-0.015422, 0.220371, -1.084987, 1.834167),
-    ),
-    (
-        (-0.0628667, 0.4989259, 0.52735, -10.7918672, 16.616327),
-        (0.1140667, -0.8108963, -2.2186833, 25.1269741, -37.7729778),
-        (-0.0589333, 0.2639704, 3.1949667, -21.8126569, 31.4113508),
-        (0.0107667, 0.0018704, -1.2494083, 6.9427931, -10.2018992),
-    ),
-    (
-        (0.192207, -2.787462, 12.507855, -14.764856),
-        (-0.350563, 5.222348, -23.974852, 29.007851),
-        (0.237096, -3.535062, 16.368376, -20.539908),
-        (-0.067119, 0.966362, -4.407535, 5.894703),
-    ),
-)
-WAVE_A1_SHAPE = (
-    ((17.945, -166.294, 489.799, -493.142), (-25.507, 236.275, -698.683, 701.494), (9.077, -84.332, 249.983, -250.787)),
-    ((-16.872, 156.399, -460.689, 463.848), (24.015, -222.507, 658.027, -660.665), (-8.56, 79.549, -235.827, 236.579)),
-)
-WAVE_A2 = (-1.402, 7.189, -10.993, 9.45)  # in 1 - OG/d
-# Of A3: polynomials in C_B, by powers of 1 - OG/d.
-WAVE_A3 = (
-    (-7686.0287, 30131.5678, -49048.9664, 42480.7709, -20665.147, 5355.2035, -577.8827),
-    (61639.9103, -241201.0598, 392579.5937, -340629.4699, 166348.6917, -43358.7938, 4714.7918),
-    (-130677.4903, 507996.2604, -826728.7127, 722677.104, -358360.7392, 95501.4948, -10682.8619),
-    (-110034.6584, 446051.22, -724186.4643, 599411.9264, -264294.7189, 58039.7328, -4774.6414),
-    (709672.0656, -2803850.2395, 4553780.5017, -3888378.9905, 1839829.259, -457313.6939, 46600.823),
-    (-822735.9289, 3238899.7308, -5256636.5472, 4500543.147, -2143487.3508, 538548.1194, -55751.1528),
-    (299122.8727, -1175773.1606, 1907356.1357, -1634256.8172, 780020.9393, -196679.7143, 20467.0904),
-)
-WAVE_A3_SHAPE = ((-17.102, 41.495, -33.234, 8.8007), (36.566, -89.203, 71.8, -18.108))  # in C_B, by 1 - OG/d
-WAVE_A3_BREADTH = (-0.3767, 3.39, -10.356, 11.588)  # in B/d
-WAVE_A3_SHIFT = (-0.0727, 0.7, -1.2818)  # in B/d
-WAVE_A3_AXIS = (-1.05584, 12.688, -63.70534, 172.84571, -274.05701, 257.68705, -141.40915, 44.13177, -7.1654)
-WAVE_A3_LAST = (-0.0495, 0.4518, -0.61655)  # in B/d
-EDDIES_FORM = (-79.414, 215.695, -215.883, 93.894, -14.848)  # in C_B
-EDDIES_SECTION = (-219.2, 443.7, -283.3, 59.6)  # in C_B
+@cache
+def regressions() -> dict[str, Any]:
+    """Coefficients of the regressions, and `limits` of their arguments by name, of roll_damping.yaml."""
+    return read_mapping(Path(__file__).with_suffix(".yaml")).plain()
 
 
-def polynomial_at(coefficients: Sequence[float], x: float) -> float:
-    """Value at x of a polynomial whose coefficients stand by falling powers."""
-    return float(np.polyval(coefficients, x))
+def polynomial_at(coefficients: Sequence[Any], x: float, *others: float) -> float:
+    """Value of a polynomial in x whose coefficients stand by falling powers, and are polynomials in any `others`."""
+    return float(np.polyval([polynomial_at(row, *others) for row in coefficients] if others else coefficients, x))
 
 
 class BilgeKeels(Model):
@@ -115,18 +71,10 @@ class Form(NamedTuple):
 
     @property
     def limited_ratios(self) -> dict[str, float]:
-        """Ratios that REGRESSION_LIMITS bound, by name."""
-        found = {
-            "block coefficient": self.block,
-            "midship section coefficient": self.midship,
-            "breadth / draught": self.breadth / self.draught,
-            "depth of the centre of mass / draught": self.axis,
-            "roll frequency sqrt(B / 2g)": self.frequency,
-        }
-        if self.keels is not None:
-            found["breadth of bilge keels / breadth"] = self.keels[1]
-            found["length of bilge keels / length"] = self.keels[0]
-        return found
+        """Ratios that the regressions' `limits` bound, by name."""
+        keels = () if self.keels is None else self.keels[::-1]
+        ratios = self.block, self.midship, self.breadth / self.draught, self.axis, self.frequency
+        return dict(zip(regressions()["limits"], (*ratios, *keels)))
 
 
 class Components(NamedTuple):
@@ -157,21 +105,19 @@ def form_of(hull: Hydrostatics, omega: float, keels: BilgeKeels | None) -> Form:
 
 
 def ratios_beyond(form: Form) -> list[str]:
-    """Texts on each ratio of a hull beyond REGRESSION_LIMITS: name, value and limits."""
-    return [
-        f"{name} {value:.3g} ({REGRESSION_LIMITS[name][0]:g} to {REGRESSION_LIMITS[name][1]:g})"
-        for name, value in form.limited_ratios.items()
-        if not REGRESSION_LIMITS[name][0] - 1e-6 <= value <= REGRESSION_LIMITS[name][1] + 1e-6
-    ]
+    """Texts on each ratio of a hull beyond the limits of the regressions: name, value and limits."""
+    found = []
+    for name, value in form.limited_ratios.items():
+        low, high = regressions()["limits"][name]
+        if not low - 1e-6 <= value <= high + 1e-6:
+            found.append(f"{name} {value:.3g} ({low:g} to {high:g})")
+    return found
 
 
 def damping_components(form: Form, amplitude: float, viscosity: float, gravity: float) -> Components:
-    """Roll damping at an amplitude [deg], viscosity [m2/s], gravity [m/s2]; ratios are held in REGRESSION_LIMITS."""
-    held = {
-        name: min(max(value, REGRESSION_LIMITS[name][0]), REGRESSION_LIMITS[name][1])
-        for name, value in form.limited_ratios.items()
-    }
-    cb, cm, bd, og, frequency, *keels = held.values()
+    """Roll damping at an amplitude [deg], viscosity [m2/s], gravity [m/s2]; ratios are held within their limits."""
+    held = (float(np.clip(value, *regressions()["limits"][name])) for name, value in form.limited_ratios.items())
+    cb, cm, bd, og, frequency, *keels = held
     return Components(
         skin_friction(form, amplitude, viscosity, gravity),
         waves_made(cb, cm, bd, og, frequency),
@@ -196,23 +142,21 @@ def waves_made(cb: float, cm: float, bd: float, og: float, frequency: float) -> 
     draught), `og` (depth of the centre of mass over draught), and `frequency`, omega sqrt(B / 2g)."""
     if frequency == 0.0:
         return 0.0
-    over = 1.0 - og
-    a1 = polynomial_at([polynomial_at([polynomial_at(row, bd) for row in rows], cb) for rows in WAVE_A1], over)
-    shape = polynomial_at([polynomial_at([polynomial_at(row, bd) for row in rows], cb) for rows in WAVE_A1_SHAPE], cm)
-    a3 = polynomial_at([polynomial_at(row, cb) for row in WAVE_A3], over)
-    bent = polynomial_at(WAVE_A3_BREADTH, bd) * polynomial_at([polynomial_at(row, cb) for row in WAVE_A3_SHAPE], over)
-    last = polynomial_at(WAVE_A3_LAST, bd)
-    a3 += bent * polynomial_at([*WAVE_A3_AXIS, last], over - polynomial_at(WAVE_A3_SHIFT, bd))
-    a1 *= shape * (1.0 - over) + 1.0
-    return a1 / frequency * exp(-polynomial_at(WAVE_A2, over) * (log(frequency) - a3) ** 2 / 1.44)
+    over, of = 1.0 - og, regressions()
+    a1 = polynomial_at(of["wave_a1"], over, cb, bd)
+    a1 *= polynomial_at(of["wave_a1_shape"], cm, cb, bd) * (1.0 - over) + 1.0
+    bent = polynomial_at(of["wave_a3_breadth"], bd) * polynomial_at(of["wave_a3_shape"], over, cb)
+    bent *= polynomial_at(of["wave_a3_axis"], over - polynomial_at(of["wave_a3_shift"], bd), bd)
+    a3 = polynomial_at(of["wave_a3"], over, cb) + bent
+    return a1 / frequency * exp(-polynomial_at(of["wave_a2"], over) * (log(frequency) - a3) ** 2 / 1.44)
 
 
 def eddy_damping(cb: float, cm: float, bd: float, og: float, amplitude: float) -> float:
     """Eddy damping at an amplitude [deg] over the frequency; cb to og as in `waves_made`; 0 from cb 0.84 on."""
-    form = max((-0.0182 * cb + 0.0155) * (bd - 1.8) ** 3 + polynomial_at(EDDIES_FORM, cb), 0.0)
+    form = max((-0.0182 * cb + 0.0155) * (bd - 1.8) ** 3 + polynomial_at(regressions()["eddies_form"], cb), 0.0)
     axis = (3.98 * cb - 5.1525) * (-0.2 * bd + 1.6) * og
     axis *= (0.9717 * cb**2 - 1.55 * cb + 0.723) * og + 0.04567 * cb + 0.9408
-    section = (0.25 * og + 0.95) * og + polynomial_at(EDDIES_SECTION, cb)
+    section = (0.25 * og + 0.95) * og + polynomial_at(regressions()["eddies_section"], cb)
     power = -15.0 * cb * bd + 46.5 * cb + 11.2 * bd - 28.6
     drag = form * exp(axis + section * cm**power)
     return 4.0 * radians(amplitude) / (3.0 * pi * cb * bd**3) * drag

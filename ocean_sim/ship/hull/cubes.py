@@ -113,7 +113,7 @@ class Cubes:
         table = self.table
         write_pose(table[0], body)
         around.place(body, table[0])
-        table[0, ROW_COLUMNS.since], table[0, ROW_COLUMNS.step] = wind.since, wind.step
+        table[0, ROW_COLUMNS.since], table[0, ROW_COLUMNS.step] = wind.clock.since, wind.clock.step
         self.sum_blocks(around, water, wind, table)
         total = table[1:].sum(axis=0)
         dx, dz = self.cubes.cut_offset(body.rows, self.weight * float(total[SUM_COLUMNS.cut]))

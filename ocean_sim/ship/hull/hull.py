@@ -74,7 +74,7 @@ class Hull(Model):
             raise ValueError("has no mass; give mass [kg]")
         centre = cubes.centroid if self.centre_of_mass is None else np.array(self.centre_of_mass)
         own = cubes.inertia(self.mass, centre) if self.inertia is None else np.diag(self.inertia)
-        return Hydrostatics(cubes, Matter(self.mass, centre, own), density, gravity)
+        return Hydrostatics(cubes, Matter(self.mass, centre, own), density, gravity, shape=self.shape)
 
 
 def hull_of(name: str, up: AxisName | None = None, bow: AxisName | None = None, scale: float | None = None) -> Hull:

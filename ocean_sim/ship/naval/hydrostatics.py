@@ -51,6 +51,7 @@ class Hydrostatics:
     density: float  # of the water [kg/m3]
     gravity: float  # [m/s2]
     free_surface_loss: tuple[float, float] = (0.0, 0.0)  # of metacentric heights across and along, by liquids [m]
+    shape: SolidShape | None = None  # that the cubes fill
 
     @property
     def needed_volume(self) -> float:
@@ -131,6 +132,12 @@ class Hydrostatics:
         """Metacentric height GM [m] in heel (axis 2) or trim (0), by a small turn both ways."""
         rise = self.righting_lever(axis, SMALL_TURN) - self.righting_lever(axis, -SMALL_TURN)
         return rise / (2.0 * sin(radians(SMALL_TURN)))
+
+    @cached_property
+    def gm_of_faces(self) -> float | None:
+        """GM [m] by the faces of the shape, not by its cubes; None as for `metacentric_heights`, or without a shape."""
+        heights = None if self.shape is None else metacentric_heights(self.shape, self)
+        return None if heights is None else heights[0]
 
     @cached_property
     def waterplane(self) -> float:

@@ -6,7 +6,7 @@ counts beyond the heel at which water comes in. A tank that is not full costs me
 its surface's second moment, and that times sin(heel) of every lever.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf, isinf, radians
@@ -87,10 +87,9 @@ class Loading(Model):
         across, along = sum(moments, np.zeros(2)) / self.matter[0]
         return float(across), float(along)
 
-    def outside_hull(self, lower: np.ndarray, upper: np.ndarray) -> list[str]:
-        """Sentences on points outside the hull's box, by its corners (3,) [m]; above the deck is allowed."""
+    def outside_hull(self, lower: np.ndarray, upper: np.ndarray) -> Iterator[str]:
+        """Yield sentences on points outside the hull's box, by its corners (3,) [m]; above the deck is allowed."""
         low, high = np.array(lower), np.array([upper[0], inf, upper[2]])
-        found = []
         parts = {"light": self.light} | {f"weights.{name}": each for name, each in self.weights.items()}
         parts |= {f"tanks.{name}": each for name, each in self.tanks.items()}
         points = {name: part.at for name, part in parts.items()}
@@ -98,13 +97,12 @@ class Loading(Model):
         for what, point in points.items():
             out = np.maximum(low - point, point - high)
             if out.max() > 1e-9:
-                found.append(f"{what} lies {out.max():.3g} m {BEYOND_SIDES[int(np.argmax(out))]}")
+                yield f"{what} lies {out.max():.3g} m {BEYOND_SIDES[int(np.argmax(out))]}"
         for name, tank in self.tanks.items():
             for side, size in (("length", tank.length or 0.0), ("breadth", tank.breadth or 0.0)):
                 whole = float(upper[2] - lower[2] if side == "length" else upper[0] - lower[0])
                 if size > whole:
-                    found.append(f"tanks.{name}.{side} is {size:g} m, more than the hull's {whole:g} m")
-        return found
+                    yield f"tanks.{name}.{side} is {size:g} m, more than the hull's {whole:g} m"
 
 
 class Criterion(NamedTuple):

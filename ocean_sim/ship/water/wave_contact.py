@@ -271,15 +271,14 @@ class WaveContact:
     @ti.func
     def list_particle(self, total: Template, i, to):
         """List particle i at index `to` if it is near; add it to `total` if it touches; returns 1 if it is near."""
-        p, u, near = self.particles.position, self.particles.velocity, 0
-        d = self.hull.offset_to(tm.vec3(p.x[i], p.y[i], p.z[i]))
+        near, d = 0, self.hull.offset_to(self.particles.position.at(i))
         if self.hull.is_near(d, self.spacing):
             normal, away, _thinning = self.hull.sample(d, self.hull.rotation())
             if away < LISTED_DISTANCE * self.spacing:
                 self.near[to] = i
                 near = 1
             if away < self.margin:
-                self.add_touching(total, normal, d, tm.vec3(u.x[i], u.y[i], u.z[i]) - self.hull.point_velocity(d))
+                self.add_touching(total, normal, d, self.particles.velocity.at(i) - self.hull.point_velocity(d))
         return near
 
     @ti.func
@@ -319,8 +318,7 @@ class WaveContact:
     def collide_particle(self, total: Template, i, first, spin, slipping):
         """Collide particle i with the hull, which had velocity `first` and `spin` before the step; move it off; add
         impulse, moment and work to `total`. `slipping`: factor on the friction's change of velocity."""
-        p, u = self.particles.position, self.particles.velocity
-        x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
+        x, v = self.particles.position.at(i), self.particles.velocity.at(i)
         d = self.hull.offset_to(x)
         normal, away, _thinning = self.hull.sample(d, self.hull.rotation())
         if away < self.margin:
@@ -334,7 +332,7 @@ class WaveContact:
                 rub = ti.static(self.config.friction) * bounce / tm.max(along.norm(), 1e-12)
                 kick -= tm.min(rub, 1.0) * slipping * along
                 new = v + kick
-                u.x[i], u.y[i], u.z[i] = new.x, new.y, new.z
+                self.particles.velocity.put(i, new)
                 impulse = ti.cast(self.mass, ti.f64) * (ti.cast(new, ti.f64) - ti.cast(v, ti.f64))
                 moment = ti.cast(d, ti.f64).cross(impulse)
                 for c in ti.static(range(3)):
@@ -353,6 +351,5 @@ class WaveContact:
             x += self.quantum * ti.ceil(way * normal / self.quantum - 0.5)
             for k in ti.static(self.walls.axes):
                 x[k] = tm.clamp(x[k], self.walls.low[k], self.walls.up[k])
-        p = self.particles.position
-        p.x[i], p.y[i], p.z[i] = x.x, x.y, x.z
+        self.particles.position.put(i, x)
         return x - start

@@ -1,9 +1,5 @@
 """Noise of a stylised wind (2.24): white in time, drawn from the seed for each particle."""
 
-from typing import Annotated
-
-from pydantic import Field
-
 from ocean_sim.columns import Columns
 from ocean_sim.kernel_library import ti
 from ocean_sim.random_numbers import uniform3
@@ -23,9 +19,6 @@ DRAWS = Columns(
 )
 DRAW_NUMBERS = 1 << 24  # numbers of draws begin anew: up to here single precision knows them
 MIN_DRAW_SHARE = 1e-4  # part of a step or a draw that is not worth a draw
-
-NotNegative = Annotated[float, Field(ge=0.0)]
-NoiseSize = Annotated[tuple[NotNegative, NotNegative, NotNegative], Field(strict=False)]
 
 
 @in_kernels

@@ -17,13 +17,10 @@ from pydantic import Field
 
 from ocean_sim.basin import Basin
 from ocean_sim.kernel_library import ti, tm
-from ocean_sim.model import Model, Vector3, quantity
-from ocean_sim.parts import Preflight, Problems
+from ocean_sim.model import Faults, Model, Positive3, Vector3, quantity
+from ocean_sim.parts import Preflight
 from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import DeviceRow
-
-Length = Annotated[float, Field(gt=0.0)]
-HalfSize = Annotated[tuple[Length, Length, Length], Field(strict=False)]
 
 
 @dataclass(frozen=True)
@@ -92,7 +89,7 @@ class Box(Model):
     kind: Literal["box"] = "box"
     centre: Vector3 = quantity("m", (0.0, 0.0, 0.0))
     """Centre."""
-    half_size: HalfSize = quantity("m")
+    half_size: Positive3 = quantity("m")
     """Half its size along its own x, y and z."""
     yaw_deg: float = quantity("deg", 0.0)
     """Turn about the vertical by the right hand."""
@@ -169,11 +166,10 @@ class Placed(Model):
     again at the border of the patch; `world`, it stands and drifts in the world, and the ship may leave it behind.
     null: tile."""
 
-    def misframed(self, preflight: Preflight) -> Problems:
-        """Fault of a `frame` that is given over a basin other than a patch of open sea; empty without fault."""
-        if self.frame is None or preflight.tank.sea is not None:
-            return []
-        return [(("frame",), "a wind has a frame only over a patch of open sea; leave it out, or name a sea")]
+    def misframed(self, preflight: Preflight) -> Faults:
+        """Yield a fault if a `frame` is given over a basin other than a patch of open sea."""
+        if self.frame is not None and preflight.tank.sea is None:
+            yield ("frame",), "a wind has a frame only over a patch of open sea; leave it out, or name a sea"
 
 
 @in_kernels

@@ -1,6 +1,5 @@
 """Timing, strength and heading of a wind: start, stop, ramp, and rows over time in the scene or in a CSV file."""
 
-from collections.abc import Iterator
 from functools import cached_property
 from typing import NamedTuple, Self
 
@@ -9,11 +8,10 @@ from pydantic import Field, model_validator
 
 from ocean_sim.files import csv_file
 from ocean_sim.files.input_file import Checked, FileName, Rule, display_path
-from ocean_sim.model import Model, quantity
+from ocean_sim.model import Faults, Model, quantity
 
 SPEEDS = Rule("a speed is not negative; turn the heading")
 CHECKS = (Checked("A wind over time, `wind.schedule.file`: a table over time", (SPEEDS,)),)
-Problems = Iterator[tuple[tuple[str | int, ...], str]]  # path below the config, sentence
 
 
 class Timed(Model):
@@ -131,7 +129,7 @@ class Scheduled(Timed):
             found = [f"{name} ends at {last:.9g} s; its last row blows on until {duration:g} s"]
         return found + (self.table.like_radians() if self.table is not None else [])
 
-    def unscheduled(self) -> Problems:
+    def unscheduled(self) -> Faults:
         """Yield a problem if the schedule cannot be read or its rows are out of order."""
         try:
             self.course  # noqa: B018

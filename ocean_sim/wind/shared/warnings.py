@@ -1,5 +1,6 @@
 """Warnings about a wind: how much stronger than a real one it is, and its effect on the water."""
 
+from collections.abc import Iterator
 from math import hypot, isinf
 
 from ocean_sim.conventions import figures
@@ -20,25 +21,24 @@ def stylised(name: str, acceleration: float, preflight: Preflight) -> str:
     )
 
 
-def velocity_change(name: str, acceleration: Vector3, passing_time: float, preflight: Preflight) -> list[str]:
-    """Sentence on a particle's change of velocity in the force field `name`, of an acceleration [m/s2], during its
-    passing time [s], and a warning if that would throw water out of the basin."""
+def velocity_change(name: str, acceleration: Vector3, passing_time: float, preflight: Preflight) -> Iterator[str]:
+    """Yield a sentence on a particle's change of velocity in the force field `name`, of an acceleration [m/s2], during
+    its passing time [s], and a warning if that would throw water out of the basin."""
     if isinf(passing_time):
-        return [f"{name}: does not drift: it keeps accelerating what it holds by {hypot(*acceleration):.3g} m/s2"]
+        yield f"{name}: does not drift: it keeps accelerating what it holds by {hypot(*acceleration):.3g} m/s2"
+        return
     along, up = hypot(acceleration[0], acceleration[2]) * passing_time, acceleration[1] * passing_time
     speed, g, depth = hypot(along, up), hypot(*preflight.tank.gravity), preflight.tank.depth
-    sentences = [f"{name}: one passage changes the velocity by {speed:.2g} m/s ({along:.2g} along, {up:.2g} up)"]
+    yield f"{name}: one passage changes the velocity by {speed:.2g} m/s ({along:.2g} along, {up:.2g} up)"
     if speed**2 > 2.0 * g * depth:
         height = f"{speed**2 / (2.0 * g):.1f} m high, above the depth of {depth:g} m" if g else "away, without gravity"
-        sentences.append(f"{name}: throws the water {height}: not a sea; make it weaker, thinner or faster")
-    return sentences
+        yield f"{name}: throws the water {height}: not a sea; make it weaker, thinner or faster"
 
 
-def ship_drag_warnings(preflight: Preflight) -> list[str]:
-    """Warn that the drag (2.22) on the scene's ships is far from that of real ships; empty if no ship has a shape."""
+def ship_drag_warnings(preflight: Preflight) -> Iterator[str]:
+    """Warn that the drag (2.22) on the scene's ships that have a shape is far from that of real ships."""
     afloat = [called(name) for name, ship in preflight.ships.items() if ship.look(preflight) is not None]
-    if not afloat:
-        return []
     law = f"wind: its drag on {' and '.join(afloat)} is that of the sea's surface, on all of the hull that is dry"
     real = "a real ship has a coefficient of about 0.9 on the area that she turns to the wind (Blendermann 1994)"
-    return [f"{law}; {real}, {REAL_DRAG_RATIO} times as much: she drifts and heels too little"]
+    if afloat:
+        yield f"{law}; {real}, {REAL_DRAG_RATIO} times as much: she drifts and heels too little"

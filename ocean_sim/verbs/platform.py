@@ -26,6 +26,7 @@ from ocean_sim.reading.translation import checked, choice_sentence
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared import platform_pictures as pictures
 
+MANY_LIMITED = 5.0  # [%] of the rows, above which smaller scales are advised
 FELT_COLUMNS = ("force_x", "force_y", "force_z", "rate_x", "rate_y", "rate_z")
 
 
@@ -65,11 +66,16 @@ def platform(
         sender = open_sender(stream, packets, key) if stream is not None else None
         ride, said = read_motion_log(log, frame, own_columns(columns), units == "deg", axes)
         machine = config.build(ride.every)
-        ahead = round(cast(WashoutConfig, config.washout).look_ahead / ride.every)
+        look_ahead = cast(WashoutConfig, config.washout).look_ahead
+        ahead = round(look_ahead / ride.every)
+        if ahead:
+            console.say(f"planning the ride, each time for {look_ahead:g} s ahead; this takes longer than the ride")
         parts = [machine.follow(rows, later) for rows, later in ride.ride.chunks(ahead)]
         cue = Cue(*map(np.concatenate, zip(*(part.cue for part in parts))))
         done = Commands._make([*map(np.concatenate, list(zip(*parts))[:-1]), cue])
         found = ride_metrics(ride.ride, done, machine.hexapod, ride.every)
+        if best:
+            console.say("finding the best ride; this takes half as long as the ride")
         possible = machine.best(done) if best else None
         if possible is not None:
             found += possible_shares(done, possible, ride.every)
@@ -241,6 +247,8 @@ def print_report(done: Commands, found: list[Metric], files: list[Path]) -> None
     for bit, why in LIMIT_TEXTS.items():
         if len(held := done.time[done.limited & bit > 0]):
             console.say(f"  {len(held)} rows between {held[0]:.2f} and {held[-1]:.2f} s: {why}")
+    if limited > MANY_LIMITED:
+        console.say("  a smaller washout.force_scale or washout.rotation_scale asks less of the legs (--set)")
     if "share_of_possible_all" in value:
         share, error, least = (value[k] for k in ("share_of_possible_all", "sensed_error", "sensed_error_best"))
         console.say(

@@ -196,7 +196,7 @@ def draw_strips(hexapod: Hexapod) -> Any:
             draw_stand(axis, hexapod, pose, k * apart)
             angle = round(np.degrees(pose[motion]))
             axis.text(k * apart, -0.42 * height, f"{angle:+d}°" if angle else "0°", ha="center", va="top")
-        axis.set_title(name, loc="left")
+        axis.set_title(f"{name}: a swing of the platform, of no ride", loc="left")
         axis.set_ylim(-0.6 * height, 1.5 * height)
     return picture
 

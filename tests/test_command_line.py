@@ -468,7 +468,7 @@ def test_the_end_of_a_run_says_where_its_books_do_not_close():
         "surface_offset_m": np.array([-0.02, 0.17]),
     }
     energy, surface = sorted(balance_remarks(books, 1.25))
-    assert "came from nowhere" in energy and "0.61 of the work" in energy
+    assert "came from nowhere" in energy and "0.61 of the most that moved" in energy
     assert "0.15 spacings" in surface
     closed = books | {"energy_residual_J": np.array([0.0, -1.0e6]), "surface_offset_m": np.array([-0.02, 0.09])}
     assert not balance_remarks(closed, 1.25) and not balance_remarks({}, None)

@@ -26,6 +26,7 @@ from ocean_sim.reading.translation import checked, choice_sentence
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared import platform_pictures as pictures
 
+RIDE_FILES = ("best.csv", "best.png", "film.gif", "legs.csv")  # that not every ride has: those of one before go
 MANY_LIMITED = 5.0  # [%] of the rows, above which smaller scales are advised
 FELT_COLUMNS = ("force_x", "force_y", "force_z", "rate_x", "rate_y", "rate_z")
 
@@ -34,7 +35,9 @@ def platform(
     log: Path = typer.Argument(help="A motion log, or a run folder that has one."),
     geometry: str = typer.Option("hexapod_a", help="A name in configs/geometry/, or a file."),
     washout: str = typer.Option("ship", help="A name in configs/washout/, or a file."),
-    ramp: float | None = typer.Option(None, min=0.0, help="Time [s] from neutral to the motion, and back at the end."),
+    ramp: float | None = typer.Option(
+        None, min=0.0, help="Time [s] from neutral into the motion, 3 by default; a stream goes back as slowly."
+    ),
     sets: list[str] | None = typer.Option(
         None, "--set", help="key=value over platform, washout and geometry: washout.tilt_rate_deg=2."
     ),
@@ -197,6 +200,8 @@ def write_commands(
             converted = motion_log.convert_rows(log, frame)
             commands_table(folder / f"motion_{frame}.csv", changed, log.table.names, converted)
         console.draw_if_able(pictures.draw_pictures, folder, done, best, config, machine, film)
+        for name in RIDE_FILES:
+            (out / name).unlink(missing_ok=True)
         return [path.replace(out / path.name) for path in sorted(folder.iterdir())]
 
 

@@ -20,7 +20,7 @@ from ocean_sim.verbs.shared.options import Out, Profile, Quiet, Scene, Sets
 from ocean_sim.verbs.shared.progress import Progress, kernel_notice
 
 OFFSET_STATED = 0.1  # [spacings] by which a surface has left the highest particles, from which on it is said
-RESIDUAL_STATED = 0.2  # of the work of what drives the water that is in no energy, from which on it is said
+RESIDUAL_STATED = 0.2  # of the work of what drives the water and its most kinetic energy, from which on it is said
 USUAL_EVENTS = ("start", "limit", "end", "stop", "done")  # that are not news
 DRIVING_TERMS = ("wind", "walls", "sea", "obstacles", "ship", "emitter")
 
@@ -143,10 +143,12 @@ def balance_remarks(columns: dict[str, Any], spacing: float | None) -> list[str]
         )
     driving = sum(abs(columns[name][-1]) for term in DRIVING_TERMS if (name := f"work_{term}_J") in columns)
     residual = columns.get("energy_residual_J", [0.0])[-1]
-    if driving > 0.0 and abs(residual) > RESIDUAL_STATED * driving:
+    moved = driving + max(columns.get("kinetic_energy_J", [0.0]))
+    if moved > 0.0 and abs(residual) > RESIDUAL_STATED * moved:
         found.append(
             f"{abs(residual):.3g} J {'came from nowhere' if residual > 0.0 else 'went nowhere'} in the water's energy, "
-            f"{abs(residual) / driving:.2g} of the work of all that drives it (energy_residual_J in accuracy.csv)"
+            f"{abs(residual) / moved:.2g} of the most that moved and the work of all that drives it (energy_residual_J "
+            "in accuracy.csv)"
         )
     return found
 

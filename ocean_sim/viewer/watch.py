@@ -30,6 +30,7 @@ MAX_PARTICLES = 60_000  # that are shown: of more, every second, third, ...
 RARE_FRAME_INTERVAL = 4  # frames between two that draw the wind and measure the largest speed
 MIN_TOP_SPEED = 0.5  # [m/s] least speed of the brightest colour
 MAX_PLOTTED_SHIPS = 4
+SPLASH_REACH = 6.0  # four standard deviations of a random sea
 STAGE_NAMES = ("wind", "fluid", "surface", "ship", "observers")
 
 
@@ -178,7 +179,7 @@ class Watch(Observer, TakesMotion):
         levels = fluid.elevations(self.gauges)
         levels = levels if ground is None else ground.wet_heights(self.gauges, levels)
         rows = [(f"eta_{name}", name, "m", "elevation", level) for name, level in zip(self.setting.gauges, levels)]
-        rows.append(("height", "significant wave height", "m", "height", 4.0 * float(heights.std())))
+        rows.append(("height", "significant wave height", "m", "height", 4.0 * float(without_splashes(heights).std())))
         for name, ship in [*simulation.ships.items()][:MAX_PLOTTED_SHIPS]:
             body, (throttle, rudder) = ship.body, ship.orders
             whose = f" {name}" if len(simulation.ships) > 1 else ""
@@ -200,6 +201,12 @@ class Watch(Observer, TakesMotion):
         rows.append(("pace", "simulated over wall time", "x", "pace", self.pace))
         rows.append(("dt", "time step", "ms", "dt", 1e3 * simulation.next_dt))
         return rows + [(f"cost_{name}", name, "ms/step", "cost", self.stage_costs[name]) for name in STAGE_NAMES]
+
+
+def without_splashes(heights: np.ndarray) -> np.ndarray:
+    """Heights (n,) [m] less those farther from their median than SPLASH_REACH times the median such distance."""
+    away = np.abs(heights - np.median(heights))
+    return heights[away <= SPLASH_REACH * np.median(away)]
 
 
 def under_ships(points: np.ndarray, ships: Iterable["Ship"]) -> np.ndarray:

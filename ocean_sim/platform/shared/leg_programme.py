@@ -29,7 +29,7 @@ CANAL_FILTER = ([458.4, 0.0, 0.0], [458.4, 85.73, 1.0])
 SENSED_THRESHOLDS = np.concatenate([(0.17, 0.17, 0.28), np.radians([3.0, 3.6, 2.6])])  # [m/s2], [rad/s]
 NOTICED_TURN_RATE = np.radians(3.0)  # [rad/s] about roll and pitch
 NEUTRAL_COST = 1e-5  # of a leg 1 m from neutral at a knot, where a sensed error at its threshold costs 1
-SHAKING_COST = 1e-4  # of a leg's acceleration of 1 m/s2 at a knot: of two rides that feel the same, the smoother one
+JERK_COST = 1e-5  # of a leg's jerk of 1 m/s3 at a knot: of two rides that feel the same at knots, the smoother one
 DERIVATIVE_STEP = 1e-5  # [m], [rad], [1/s] and [1/s2] of both, of central differences
 REST_POINTS = 3  # control points that fix value, slope and second derivative at a knot
 SOLVED_STATES = ("Solved", "AlmostSolved", "NumericalError", "InsufficientProgress")  # NumericalError: no nearer
@@ -192,7 +192,8 @@ def solve_programme(
             most = np.maximum(np.abs(asked[:, k]), np.abs(past_error[:, k]))
             rows.append(({1 + 4 * k: sign * one}, np.maximum(NOTICED_TURN_RATE, most)))
     matrix = block_array([[blocks.get(k) for k in range(25)] for blocks, _ in rows], format="csc")
-    calm = NEUTRAL_COST * eye_array(6 * m) + SHAKING_COST * (turn.T @ turn)
+    jerk = kron(legs, diags_array([-1.0, 3.0, -3.0, 1.0], offsets=[0, 1, 2, 3], shape=(m - 3, m)) / KNOT_INTERVAL**3)
+    calm = NEUTRAL_COST * eye_array(6 * m) + JERK_COST * (jerk.T @ jerk)
     costs = [calm, *6 * [diags_array(np.repeat([0.0, 1.0], [3 * n, n]))]]
     settings = clarabel.DefaultSettings()
     settings.verbose, settings.direct_solve_method = False, "qdldl"  # which is one thread, and the faster here

@@ -131,7 +131,11 @@ def read_log(path: str | Path) -> MotionLog:
         words = [name for name in table if name.isidentifier() and name not in REQUIRED_COLUMNS]
         other = next((name for name in words if name.startswith(UNIT_PATTERN.sub("_", missing[0]))), None)
         but = f", but {other}: it has another unit" if other and len(missing) == 1 else ""
-        own = "" if len(missing) == 1 else "; `--columns time=...,heave=...` names your own and derives the rest"
+        keys = "time", *(UNIT_PATTERN.sub("", name) for name in POSE_COLUMNS)
+        alike = {key: next((name for name in table if key in name.lower()), None) for key in keys}
+        yours = ",".join(f"{key}={name}" for key, name in alike.items() if name and name.isidentifier())
+        how = f"--columns {yours or 'time=...,heave=...'}"
+        own = "" if len(missing) == 1 else f"; `{how}` names columns of your own, and the rest is derived"
         raise NAMED_COLUMNS_RULE.broken(path, f"it has no column {', '.join(missing)}{but}{own}")
     return checked_log(table)
 

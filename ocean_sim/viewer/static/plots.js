@@ -72,7 +72,7 @@ class Plots {
   }
 
   curves(pen, width, height, card, { ink, rule, hues }, now) {
-    const lines = [], left = 44, bottom = 16, top = 6;
+    const lines = [], left = 56, bottom = 16, top = 6;
     this.sets.forEach((set, k) => set.scalars.forEach((s, i) => { if (s.group === card.group) lines.push({ set, k, i, ...s }); }));
     let low = Infinity, high = -Infinity, from = Infinity, to = -Infinity;
     for (const { set, i } of lines) {

@@ -101,20 +101,20 @@ class LinearWaves(OpenWater):
         return self.waves.sea
 
     def begin(self, sea: waves.Components) -> None:
-        """Restart at time 0 with other waves, of the same number and depth; they grow by the ramp of the config."""
+        """Restart at time 0 with other waves, as many and in the same depth; they grow over the ramp of the config."""
         self.time = self.before = 0.0
         self.waves.begin(self.config.with_ramp(sea))
 
     @property
     def adjustable(self) -> dict[str, Setting]:
-        """Height [m], period [s] and, in 3-D, heading [deg] of the waves; of random ones Hs, Tp and mean heading."""
+        """Settings for the waves' height [m], period [s], in 3-D heading [deg]; of random ones Hs, Tp, mean heading."""
         (height, period), sea = self.config.scale, self.given
         highest = min(4.0 * height, waves.breaking_height(period, sea.depth, sea.gravity))
         rows = zip(self.train.items(), "m s deg".split(), ((0.0, highest), (0.5 * period, 2.0 * period), (0.0, 360.0)))
         return {name: Setting(now, unit, ends) for (name, now), unit, ends in rows if height > 0.0}
 
     def adjust(self, **values: float) -> None:
-        """Change the waves during a run, to at most their breaking height; their phases at the origin go on."""
+        """Change the waves during a run, up to their breaking height; phases at the origin stay continuous."""
         past, sea, self.train = self.waves.sea, self.given, self.train | values
         height, period, *heading = self.train.values()
         turn = np.radians(heading[0] - self.heading) if heading else 0.0

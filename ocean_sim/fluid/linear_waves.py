@@ -51,17 +51,17 @@ class Config(waves.GrowingTrain, FluidConfig):
             yield "closed-form waves do not feel the wind; it reaches only the ship"
 
     def still_limits(self, preflight: Preflight) -> Limits:
-        return self.smooth
+        return self.interpolation_limits
 
     @property
-    def smooth(self) -> Limits:
+    def interpolation_limits(self) -> Limits:
         """Limits of the time step that keep linear interpolation of files between steps within 0.05 % of the waves."""
         return Limits(force=SMOOTH_STEP_PERIODS * self.scale[1])
 
     def point_spacing(self, preflight: Preflight) -> float:
-        return self.apart(preflight.tank)
+        return self.wave_spacing(preflight.tank)
 
-    def apart(self, tank: waves.Tank) -> float:
+    def wave_spacing(self, tank: waves.Tank) -> float:
         """Distance [m] between points that resolve the waves: POINTS_PER_WAVE of them to a wavelength."""
         k = waves.wavenumber(2.0 * np.pi / self.scale[1], tank.depth, waves.downward_gravity(tank))
         return 2.0 * np.pi / float(k) / POINTS_PER_WAVE
@@ -88,8 +88,8 @@ class LinearWaves(OpenWater):
         self.heading = float(np.degrees(np.arctan2(*(sea.amplitude**2 @ sea.wavevector)))) % 360.0  # [deg] their mean
         names = ("wave_height", "wave_period", "wave_heading")[: basin.dimension]
         self.train = dict(zip(names, (*config.scale, self.heading)))  # as sliders set it
-        self.spacing = config.apart(basin)  # [m]
-        self.still = config.smooth
+        self.spacing = config.wave_spacing(basin)  # [m]
+        self.still = config.interpolation_limits
         self.reference_speed = (sea.gravity * basin.depth) ** 0.5
         self.rest_density = config.rest_density
         self.status = status_of(sea, config.rest_density)

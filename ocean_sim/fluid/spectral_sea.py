@@ -174,9 +174,9 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         )
 
     def still_limits(self, preflight: Preflight) -> Limits:
-        return self.smooth(self.tile_of(preflight.tank))
+        return self.interpolation_limits(self.tile_of(preflight.tank))
 
-    def smooth(self, tile: Tile) -> Limits:
+    def interpolation_limits(self, tile: Tile) -> Limits:
         """Limits of the time step that keep linear interpolation between steps within 0.05 %, and skip no tile step."""
         period = self.highest[1] if self.highest is not None else np.inf
         return Limits(force=min(SMOOTH_STEP_PERIODS * period, 4.0 * self.tile_step(tile)))
@@ -188,7 +188,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         word, tile = preflight.word, self.tile_of(preflight.tank)
         cells = tile.cells * tile.rows
         why = f"fluid.cells {self.cells}"
-        n = self.summed(preflight)
+        n = self.summed_waves(preflight)
         yield LedgerRow("fluid", f"{n} plane waves", PlaneWaves.bytes(n, word), "fluid.order 1")
         if self.order == 3:
             size = cells * (6 * 8 + WORDS_PER_CELL * word)
@@ -202,12 +202,12 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
             size = cells * (5 * 8 + WORDS_PER_CELL * word) + AirPressure.bytes(cells, word)
             yield LedgerRow("fluid", f"the wind's waves on {cells} cells", size, why)
 
-    def summed(self, preflight: Preflight) -> int:
+    def summed_waves(self, preflight: Preflight) -> int:
         """Number of plane waves that kernels sum: all of a linear sea; 1 for a nonlinear sea, stored on a tile."""
         return len(self.sea_of(preflight.tank).amplitude) if self.order == 1 else 1
 
     def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
-        return Window.bytes(size, levels, self.summed(preflight), preflight.word)
+        return Window.bytes(size, levels, self.summed_waves(preflight), preflight.word)
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "SpectralSea":
         return SpectralSea(self, basin, wind, accounts)
@@ -244,9 +244,9 @@ class NonlinearSea(OnTile):
         self.sea, self.tile, self.step, self.ramp, self.number = sea, sea.tile, step, ramp, 0
         self.slots = [np.array(sea.potentials()), np.array(sea.potentials())]
         """Modes of the elevation, of the potential and of its growth, (3, cells, rows // 2 + 1) each."""
-        self.ahead()
+        self.advance_step()
 
-    def ahead(self) -> None:
+    def advance_step(self) -> None:
         """Advance the nonlinear sea by a step, and store its modes as the later of the two states."""
         self.sea.advance(self.step)
         self.number += 1
@@ -261,7 +261,7 @@ class NonlinearSea(OnTile):
         late, grown = self.share(time), waves.ramp_share(time, self.ramp)
         return TileModes(*(grown * ((1.0 - late) * a + late * b) for a, b in zip(*self.slots)))
 
-    def grown(self, slot: int) -> np.ndarray:
+    def ramped_modes(self, slot: int) -> np.ndarray:
         """Fourier modes (3, cells, columns) of the earlier (`slot` 0) or later (1) stored state, times its ramp."""
         return waves.ramp_share(self.step * (self.number - 1 + slot), self.ramp) * self.slots[slot]
 
@@ -274,7 +274,7 @@ class SpectralSea(OpenWater):
     def __init__(self, config: Config, basin: Basin, wind: Wind, accounts: bool = False) -> None:
         self.config, self.tile, self.accounts = config, config.tile_of(basin), accounts
         tile = self.tile
-        self.still, self.step = config.smooth(tile), config.tile_step(tile)
+        self.still, self.step = config.interpolation_limits(tile), config.tile_step(tile)
         self.rest_density = density = config.rest_density
         whole = config.with_ramp(config.sea_of(basin))
         self.spacing = spacing(whole, tile)
@@ -292,8 +292,8 @@ class SpectralSea(OpenWater):
             self.afar = replace(fitted, ramp=whole.ramp)
             self.steep = NonlinearSea(self.nonlinear(fitted), self.step, whole.ramp)
             self.sheets += (Sheet(self.steep.tile, repeats=True),)
-            self.sheets[0].write_modes(0, *self.steep.grown(0))
-            self.show_steep(self.steep)
+            self.sheets[0].write_modes(0, *self.steep.ramped_modes(0))
+            self.write_steep(self.steep)
         if wind.blows:
             self.raised, self.air = OwnWaves(tile), AirPressure(wind, tile, density)
             self.made.append(self.raised)
@@ -369,7 +369,7 @@ class SpectralSea(OpenWater):
     def advance(self, dt: float) -> None:
         """Advance by a step of dt [s]; tiles take their own, longer steps when these are due."""
         if self.made and (self.time == 0.0 or self.time - self.then > self.step - 0.5 * dt):
-            self.push()
+            self.advance_tiles()
         if self.air is not None and self.raised is not None:
             self.air.collect_impulse(dt, self.drift, self.raised.layer.centre)
         self.before, self.time = self.time, self.time + dt
@@ -377,11 +377,11 @@ class SpectralSea(OpenWater):
         self.waves.set_time(self.time, (float(self.drift[0]), float(self.drift[1])))
         if self.steep is not None:
             while self.steep.share(self.time) > 1.0 + 1e-9:
-                self.steep.ahead()
-                self.show_steep(self.steep)
+                self.steep.advance_step()
+                self.write_steep(self.steep)
         self.set_clocks()
 
-    def push(self) -> None:
+    def advance_tiles(self) -> None:
         """Advance the waves of ships and wind to the present, under their pressures; update the fields for kernels."""
         dt = self.time - self.then
         for made in self.made:
@@ -391,14 +391,14 @@ class SpectralSea(OpenWater):
         if self.raised is not None and self.air is not None and dt > 0.0:
             layer = self.raised.layer
             layer.set_pressure(self.air.take_pressure())  # as it was in the mean, before and after
-            layer.advance(dt, layer.pressure, self.middle())
+            layer.advance(dt, layer.pressure, self.wind_centre())
         self.then = self.time
         if self.raised is not None and self.air is not None:
             if self.air.slope is not None:
                 self.air.set_slopes(*self.slopes(self.raised, self.time + 0.5 * self.step))
-            self.show(self.raised, self.sheets[-1])
+            self.write_waves(self.raised, self.sheets[-1])
         for made, sheet in self.felt:
-            self.show(made, sheet)
+            self.write_waves(made, sheet)
 
     def slopes(self, raised: OwnWaves, time: float) -> tuple[np.ndarray, np.ndarray]:
         """Slopes along x and z (cells, rows) of the sea plus the wind waves `raised`, on their tile, at a time [s]."""
@@ -432,20 +432,20 @@ class SpectralSea(OpenWater):
             made.layer.begin(pressure, centre, self.step)
             made.begun = True
 
-    def middle(self) -> np.ndarray:
+    def wind_centre(self) -> np.ndarray:
         """Centre x, z (2,) [m] of the wind's tile in the current's axes: the first ship, or the basin's middle."""
         first = next((made.ship for made in self.made if made.ship is not None), None)
         at = np.zeros(2) if first is None else np.array([first.body.position[0], first.body.position[2]])
         return at - self.drift
 
-    def show(self, made: OwnWaves, sheet: Sheet) -> None:
+    def write_waves(self, made: OwnWaves, sheet: Sheet) -> None:
         """Write waves of a ship or wind, now and one tile step later, to the fields for kernels (`sheet`)."""
         for slot, time in enumerate((self.time, self.time + self.step)):
             sheet.write_modes(slot, *made.modes_at(time))
 
-    def show_steep(self, steep: NonlinearSea) -> None:
+    def write_steep(self, steep: NonlinearSea) -> None:
         """Write the later state of the nonlinear sea to the fields for kernels, in place of the older one there."""
-        self.sheets[0].write_modes(steep.number % 2, *steep.grown(1))
+        self.sheets[0].write_modes(steep.number % 2, *steep.ramped_modes(1))
 
     def set_clocks(self) -> None:
         """Set position and time of each sheet (fields for kernels), at present and when the last step began."""
@@ -453,7 +453,7 @@ class SpectralSea(OpenWater):
         if self.steep is not None:
             first, last = self.steep.share(self.time), self.steep.share(self.before)
             late = (first, last) if self.steep.number % 2 else (1.0 - first, 1.0 - last)
-            self.sheets[0].set_clock(late, drifts, self.middle())
+            self.sheets[0].set_clock(late, drifts, self.wind_centre())
         late = (self.time - self.then) / self.step, (self.before - self.then) / self.step
         if self.raised is not None:
             self.sheets[-1].set_clock(late, drifts, self.raised.layer.centre)

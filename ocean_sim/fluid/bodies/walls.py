@@ -50,7 +50,7 @@ class Zone:
         """Length of the zone along its axis [m]."""
         return abs(self.end - self.begin)
 
-    def holds(self, place: float) -> bool:
+    def contains(self, place: float) -> bool:
         """True if a coordinate `place` [m] along its axis lies in the zone."""
         return min(self.begin, self.end) < place < max(self.begin, self.end)
 
@@ -60,7 +60,7 @@ class Zone:
         return inf if self.coming is None else self.coming.wavelength
 
     @cached_property
-    def sent_back(self) -> tuple[float, float]:
+    def reflection(self) -> tuple[float, float]:
         """Reflected shares of wave height by linear theory: of the highest waves, and of the whole sea."""
         assert self.coming is not None
         return sea_reflection(self.coming, self.length, self.rate)
@@ -75,7 +75,7 @@ class Zone:
             aim += f"{';' if not aim else ' and'} towards waves of {self.given.wavelength:.4g} m"
         if self.coming is None:
             return f"{what}{rate}; the scene names no waves to choose them for{aim}"
-        peak, whole = self.sent_back
+        peak, whole = self.reflection
         back = f"by linear theory it sends back {peak:.2%} of the height of waves of {self.coming.period:.3g} s"
         band = f", {whole:.2%} of the whole sea" if self.coming.random else ""
         many = f"{self.length / self.wavelength:.3g} times the wavelength of {self.wavelength:.3g} m"
@@ -86,7 +86,7 @@ class Zone:
         """Sentence if the zone is shorter than half a wavelength and so absorbs badly; else None."""
         if self.coming is None or self.length >= MIN_ZONE_WAVES * self.wavelength:
             return None
-        peak, _ = self.sent_back
+        peak, _ = self.reflection
         return (
             f"the zone before absorbing side {self.side} is {self.length:.3g} m long, less than half the wavelength of "
             f"{self.wavelength:.3g} m: it sends back {peak:.0%} of the height of waves, one wavelength about 1 %"

@@ -164,7 +164,7 @@ class SphConfig(WaterConfig):
             yield from around.warnings(preflight.duration)
             yield from around.ships_in_rim(places)
         for name, zone in product(places, damping):
-            if zone.axis != 1 and zone.holds(places[name][zone.axis // 2]):
+            if zone.axis != 1 and zone.contains(places[name][zone.axis // 2]):
                 yield f"{called(name)} starts in the zone before absorbing side {zone.side}, which damps waves"
         yield from of_zones(damping)
         yield from self.scale_warnings(lattice, preflight.support)

@@ -144,7 +144,7 @@ class Config(SphConfig):
 
 
 def column_drop(top: np.ndarray | float, bottom: np.ndarray | float, pull: float, sound_speed: float) -> np.ndarray:
-    """Settlement [m] from p / rho `top` down to `bottom` [m2/s2] at gravity `pull`: integral of p / (rho0 c^2)."""
+    """Settlement [m] from p / rho `top` to `bottom` [m2/s2] at gravity `pull` [m/s2]: integral of p / (rho0 c^2)."""
     return np.maximum(np.square(bottom) - np.square(top), 0.0) / (2.0 * pull * sound_speed**2)
 
 
@@ -181,7 +181,7 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def pressure(self, p_i, p_j):
-        """Pressure part of a pair: p_i / rho_i^2 + p_j / rho_j^2 (Monaghan 1992, eq. 3.3), already so divided."""
+        """Pressure part of a pair, the sum of p / rho^2 of both, which are the arguments (Monaghan 1992, eq. 3.3)."""
         return p_i + p_j
 
     @ti.func
@@ -336,7 +336,8 @@ class Continuity(Law):
 
     @ti.func
     def pair(self, own, other):
-        """Contribution of one neighbour: compression, diffusion, filling of the kernel and its edge, or the shift."""
+        """Contribution of one neighbour: compression and diffusion; filling of the kernel and gradient of the share of
+        water; in a closed basin, the shift."""
         smoothing = self.fluid.smoothing
         x_ij = smoothing.difference(own, other, self.row.position)
         v_ij = smoothing.difference(own, other, self.row.velocity)

@@ -353,7 +353,7 @@ class Dfsph(Sph):
         super().begin()
 
     def make_room(self) -> None:
-        """Spread out crowded particles near solid bodies before the run; a short first step would throw them."""
+        """Spread out crowded particles near solid bodies before the run, since a short first step would throw them."""
         self.dt[None] = 2.0**-20  # [s] so brief that no body moves; beside that only the way counts
         for _ in range(MAX_ROOM_STEPS):
             if self.status.max_density <= (1.0 + self.config.density_tolerance) * self.particles.rest_density:
@@ -497,7 +497,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def settle(self, summary: Array, report: Array):
-        """Sort the particles, sum densities, and reduce extremes into `summary`, density errors into `report`."""
+        """Sort the particles, compute densities, and reduce extremes into `summary`, sums of density into `report`."""
         self.grid.sort()
         self.neighbours.walk(self.density, True)
         self.rows.sum_into(report)

@@ -72,7 +72,7 @@ class Body:
 
 
 def plane_pressure(away: np.ndarray, smoothing: Smoothing, spacing: float) -> float:
-    """Push of planes of particles on a particle at distances `away` (k,) [m]: sum of -grad W without its constant."""
+    """Push on a particle by whole planes of particles at distances `away` (k,) [m]; a constant factor is left out."""
     last = ceil(smoothing.support / spacing)
     along = spacing * np.array(list(product(range(-last, last + 1), repeat=smoothing.dimension - 1)), dtype=float)
     r = np.sqrt(away[:, None] ** 2 + (along**2).sum(axis=1))

@@ -152,7 +152,7 @@ class Accounts:
             to[group, term, k] = self.given[group, term, k]
 
     def totals(self) -> dict[str, np.ndarray]:
-        """Impulse [N s] and work [J] of each term since the start, (4,), by name; of diffusion internal energy."""
+        """Impulse [N s], work [J] since the start, (4,), by name of the force term; of diffusion: internal energy."""
         if not self.impulses:
             return {}
         self.copy_sums(self.sums_copy)

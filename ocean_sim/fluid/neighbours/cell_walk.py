@@ -40,7 +40,7 @@ class CellWalk:
         self.size, self.keeps = size, False  # whether pairs are kept
 
     def keep_pairs(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> KeptPairs:
-        """Make the store of pairs, filled by later walks with `find`, for solvers that iterate over the pairs."""
+        """Make the store of pairs for solvers that iterate over them; later walks with `find` fill it."""
         self.keeps, self.blocks = True, PairBlocks(self.position, self.grid, self.scratch, smoothing, self.size)
         self.name = ti.field(int, shape=self.groups * self.width)
         return self.blocks
@@ -67,7 +67,8 @@ class CellWalk:
 
     @ti.func
     def list_near(self, begin, end, code, shift, middle, half, first):
-        """List particles `begin` to `end` - 1 that, moved by `shift`, are near a box, from `first` on with its code."""
+        """List, from index `first` on, the particles `begin` to `end` - 1 that lie near a box when moved by `shift`
+        [m], each with the `code` of the shift added; return their number."""
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         for a in range(end - begin):
             at = begin + a
@@ -135,7 +136,8 @@ class CellWalk:
 
     @ti.func
     def find_images(self, mirror, middle, half, scratch, n, gap, m, first):
-        """List those of m candidates whose mirror image is near a box, from `first` on; return their number."""
+        """List, from index `first` on, those of m candidates whose mirror image is near a box; return their number.
+        Their positions are in the scratch from `scratch` on, with a `gap` after the first n."""
         x, y, z = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
         for a in range(m):
             at = scratch + a + ti.select(a < n, 0, gap)
@@ -243,7 +245,8 @@ class CellWalk:
 
     @ti.func
     def add_images(self, law: Template, find: Template, mirror, scratch, n, gap, m, first, run):
-        """Write `run` mirror images, of the candidates listed from `first` on, to the scratch behind its m entries."""
+        """Write `run` mirror images, of the candidates listed from `first` on, to the scratch behind its m entries,
+        which have a `gap` after the first n."""
         for b in range(run):
             a, to = self.candidate[first + b], scratch + gap + m + b
             a += scratch + ti.select(a < n, 0, gap)
@@ -295,7 +298,7 @@ class CellWalk:
 
     @ti.func
     def candidate_term(self, law: Template, pair: Template, own, a, find: Template, to):
-        """Contribution of scratch entry a to the sum; if pairs are kept, store its gradient shape at index `to`."""
+        """Contribution of scratch entry a to the sum; if pairs are stored, its gradient shape goes to index `to`."""
         other = ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))])
         if ti.static(find and self.keeps):
             self.blocks.keep_shape(vec3(own, law.row.position) - vec3(other, law.row.position), to)

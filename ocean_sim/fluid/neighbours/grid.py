@@ -134,7 +134,7 @@ class Grid:
 
     @ti.func
     def stage_motion(self, i, x, v):
-        """Store the next position x [m] and velocity v [m/s] of particle i; its place in the sort stays."""
+        """Store the next position x [m] and velocity v [m/s] of particle i; the cell by which it is sorted stays."""
         for k in ti.static(range(3)):
             self.moved[STATE_COLUMNS.position + k][i], self.moved[STATE_COLUMNS.velocity + k][i] = x[k], v[k]
 

@@ -120,7 +120,8 @@ class GridSize:
         return int(self.parts_per_axis**self.lattice.basin.dimension)
 
     def quantum(self, eps: float) -> float:
-        """Unit of moves [m], a power of two: its multiples are exact anywhere in the basin; `eps`: of the floats."""
+        """Unit of moves [m], a power of two whose multiples are exact in the whole basin, in floats of spacing
+        `eps`."""
         basin = self.lattice.basin
         return eps * 2.0 ** floor(log2(max(map(abs, (*basin.lower, *basin.upper)))))
 
@@ -169,7 +170,7 @@ class GridSize:
 
     @property
     def shapes_per_particle(self) -> int:
-        """Number of gradient shapes stored for each particle; where room lacks, they are computed at each reading."""
+        """Number of gradient shapes (one a pair) stored for each particle; those that do not fit are recomputed."""
         lattice, side = self.lattice, 1.0 / self.parts_per_axis
         around = side**2 + 4.0 * side + pi
         if lattice.basin.dimension == 3:
@@ -178,10 +179,11 @@ class GridSize:
 
     @property
     def spare_shapes(self) -> int:
-        """Number of gradient shapes of a group beyond those of its particles; the last are scratch for lack of room."""
+        """Number of gradient shapes that a group stores in reserve; particles without room share the last `width`."""
         return 4 * self.capacity + self.width
 
     @property
     def kept_candidates(self) -> int:
-        """Largest number of candidates that a group stores for its pairs: `segment`, plus filler to whole vectors."""
+        """Largest number of candidates that a group stores with its pairs: `segment`, and entries to fill up
+        vectors."""
         return self.segment + VECTOR_LENGTH * (self.lattice.n // self.groups)

@@ -103,7 +103,7 @@ def mirror_position(mirror, x):
 
 @ti.func
 def mirror_midpoint(mirror, x):
-    """Midpoint [m] between x [m] and its image; the mean over that line of any field linear in position is here."""
+    """Midpoint [m] between x [m] and its image, where a field linear in position has its mean over that line."""
     return 0.5 * (x + mirror_position(mirror, x))
 
 
@@ -115,7 +115,8 @@ def mirror_direction(mirror, d):
 
 @ti.func
 def hydrostatic_offset(mirror, x, pull):
-    """Rise of p / rho [m2/s2] from x to its image in water at rest: (`pull` - wall's acceleration) . distance."""
+    """Rise of p / rho [m2/s2] from x to its image in water at rest, under gravity `pull` [m/s2] and the motion of the
+    side."""
     wall = tm.vec3([mirror[SIDE_ACCELERATION, k] for k in ti.static(range(3))])
     return (pull - wall).dot(mirror_position(mirror, x) - x)
 

@@ -35,7 +35,8 @@ class KeptLaw(Law):
 
     @abstractmethod
     def kept_image(self, other: Any, name: Any, away: Any) -> Any:
-        """Field values of the mirror image `name` of neighbour `other`; `away`: vector from it to the water."""
+        """Field values of the image of neighbour `other`; `name` codes the mirrored axes; `away` points into the
+        water."""
 
     @abstractmethod
     def kept_pair(self, own: Any, other: Any, gradient: Any) -> Any:
@@ -61,7 +62,7 @@ class KeptPairs(ABC):
 
     @ti.func
     def image_row(self, law: Template, name, away):
-        """Values, for the mirror image `name`, of the fields that a law reads; `away`: vector from it to the water."""
+        """Values of a law's fields for the image with code `name` (particle and axes); `away` points into the water."""
         return law.kept_image(self.particle_row(law, name % MOST_PARTICLES), name, away)
 
     @ti.func
@@ -80,7 +81,7 @@ class KeptPairs(ABC):
 
 @in_kernels
 class PairSlots(KeptPairs):
-    """Stored pairs with as many slots for every particle: pairs with particles first, then with mirror images."""
+    """Stored pairs in the same number of slots for each particle: pairs with particles first, then with images."""
 
     def __init__(self, n: int, images: Images, tasks: Tasks, neighbours: int) -> None:
         super().__init__(images)
@@ -120,7 +121,8 @@ def flip_code(mirror):
 
 @in_kernels
 class PairBlocks(KeptPairs):
-    """Stored pairs by cell part: its candidates, particles before images in whole vectors, and gradient shapes."""
+    """Stored pairs by cell part: candidates, particles before images, in whole vectors, and the gradient shape of each
+    pair (grad W over the vector between both, one number)."""
 
     def __init__(
         self, position: Components, grid: Grid, scratch: tuple[ti.Field, ...], smoothing: Smoothing, size: GridSize
@@ -144,12 +146,12 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def shape_start(self, group):
-        """Index of a group's first stored gradient shape, by the number of particles before the group."""
+        """Index of the first stored gradient shape (see PairBlocks) of a group, by the particles before the group."""
         return self.shapes_per_particle * self.grid.first[self.grid.first_part(group)] + group * self.spare_shapes
 
     @ti.func
     def spare_start(self, group):
-        """Index of a group's spare gradient shapes, used in turn by particles for whose own there is no room."""
+        """Index of a group's reserve of gradient shapes, shared by its particles without room for their own."""
         return self.shape_start(group + 1) - self.width
 
     @ti.func
@@ -176,7 +178,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def keep_shape(self, away, to):
-        """Store the gradient shape of a pair, grad W over `away`, at index `to`; `away`: between its particles [m]."""
+        """Store the gradient shape of a pair (see PairBlocks) at index `to`; `away`: between both particles [m]."""
         self.shape[to] = self.smoothing.shape_gradient(ti.sqrt(away.dot(away)))
 
     @ti.func

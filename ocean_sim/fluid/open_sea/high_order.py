@@ -125,7 +125,7 @@ class HighOrder:
 
     @cached_property
     def rate_cache(self) -> dict[float, tuple[np.ndarray, np.ndarray]]:
-        """Fourier modes of the nonlinear rates of the present state, by its time [s]; so computed only once."""
+        """Fourier modes of the present state's nonlinear rates, cached by time [s], since they are read twice."""
         return {}
 
     @cached_property
@@ -235,7 +235,7 @@ def tile_step(tile: Tile) -> float:
 
 def nonlinear_sea(sea: waves.Components, tile: Tile, onset: float, breaking: bool, period: float) -> HighOrder:
     """Make a nonlinear sea from waves periodic on a tile. `onset` [s]: of the nonlinear terms; `breaking`: True if
-    crests may break; `period` [s]: of the highest waves."""
+    crests may break; `period` [s]: of the highest waves, 0 if none may break."""
     of_tile = replace(tile, part=RESOLVED_SHARE)
     # The mean direction of energy transport is that of the waves.
     ahead = (sea.amplitude[:, None] ** 2 * sea.wavevector / sea.wavenumber[:, None]).sum(axis=0)

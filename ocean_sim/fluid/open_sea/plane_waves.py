@@ -48,7 +48,8 @@ class PlaneWaves:
 
     @ti.kernel
     def store_waves(self, each: Array2, turns: Doubles2):
-        """Copy `each` (n, 5): amplitude, k, kx, kz, speed; and `turns` (n, 4): phase, omega, kx, kz over 2 pi."""
+        """Copy the numbers of the waves: `each` (n, 5) of amplitude, k, kx, kz, speed; `turns` (n, 4) of phase, omega,
+        kx, kz over 2 pi."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(self.amplitude.shape[0]):
             self.amplitude[i], self.k[i], self.speed[i] = each[i, 0], each[i, 1], each[i, 4]
@@ -126,8 +127,8 @@ class Window:
         return word * (waves * (2 * sums + 4 * size[0] + 2 * size[1]) + 4 * size[0] * size[1] * sums + 1)
 
     def now(self) -> tuple[float, float, bool]:
-        """Share of the way to the second stored time at the bodies' time, factor of the ramp, True if sums are
-        valid."""
+        """Time of the bodies as a share of the way between both stored times, factor of wave height by the ramp, and
+        True if the stored sums hold then."""
         time, there = self.water.before, self.water.waves
         others = self.begun != there.begun
         if others:

@@ -82,7 +82,8 @@ class Tile:
 
     @cached_property
     def turn_cache(self) -> dict[float, tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """Factors for `evolve` by the last step dt [s]: cos(omega dt), sin(omega dt) times omega / g and g / omega."""
+        """Factors for `evolve`, cached for the last dt [s]: cos(omega dt), sin(omega dt) times omega / g and g /
+        omega."""
         return {}
 
     def evolve(self, e: np.ndarray, p: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
@@ -186,7 +187,7 @@ class Tile:
 
 
 class TileModes(NamedTuple):
-    """Fourier modes (cells, columns) of waves on a tile: elevation, potential at the still level, and its rate."""
+    """Fourier modes (cells, columns) on a tile: elevation, potential at the still level, and its rate of change."""
 
     e: np.ndarray
     potential: np.ndarray
@@ -274,7 +275,7 @@ class Layer:
 
     @cached_property
     def damping_rate(self) -> np.ndarray:
-        """Decay rate (cells, rows) [1/s] in the tile's rim: RIM_DAMPING_RATIO omega times squared depth in it."""
+        """Decay rate (cells, rows) [1/s] in the tile's rim: RIM_DAMPING_RATIO omega times squared relative depth."""
         tile, (x, z) = self.tile, self.tile.nodes()
         far = np.abs(x)[:, None] / (0.5 * tile.side) + 0.0 * z
         if tile.rows > 1:
@@ -285,7 +286,7 @@ class Layer:
 
     @cached_property
     def damping_cache(self) -> dict[float, np.ndarray]:
-        """Factors (cells, rows) of the waves by one step's damping in the rim, by the last step's length [s]."""
+        """Factors (cells, rows) by which a step damps waves in the rim, cached for the last step's length [s]."""
         return {}
 
     def begin(self, pressure: np.ndarray, centre: np.ndarray, dt: float) -> None:

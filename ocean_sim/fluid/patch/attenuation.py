@@ -31,7 +31,7 @@ class Attenuation:
     """Fit for travelling waves; None: this one serves for them too."""
 
     def share(self, k: float, depth: float, height: float, spacing: float, standing: bool) -> float:
-        """Viscosity added to these waves, over h c: k [rad/m], `height`, `depth` and `spacing` [m]."""
+        """Viscosity added to waves of wavenumber k [rad/m], over h c; `height`, `depth`, `spacing` in [m]."""
         if self.travelling is not None and not standing:
             return self.travelling.share(k, depth, height, spacing, standing)
         of_layers = self.flat / sqrt(tanh(k * depth)) + self.steep * (height / spacing) ** 1.5 * k * spacing

@@ -56,8 +56,8 @@ class RelaxationBand:
         return tuple(period for period in self.lattice.basin.periods if period)
 
     def height_profile(self, with_waves: float) -> tuple[np.ndarray, np.ndarray] | None:
-        """Height of the highest waves over that in the sea (complex, with phase), and distances (n,) [m] from the ship
-        along them; None if losses are unknown. `with_waves`: her speed along the waves over their group speed."""
+        """Distances (n,) [m] from a ship along the highest waves, and the waves' complex height there (with phase) over
+        the sea's; None if losses are unknown. `with_waves`: her speed along them over their group speed."""
         if self.sea is None or self.losses is None:
             return None
         loss, feed = (complex(of[self.sea.highest]) for of in (self.losses, self.feed))
@@ -138,7 +138,7 @@ class RelaxationBand:
         )
 
     def statements(self) -> Iterator[str]:
-        """Yield sentences on the patch and its sea in numbers."""
+        """Yield sentences that describe the patch, its rim and its sea."""
         head = f"a patch of open sea: its rim is {self.width:.3g} m wide on either side, rate {self.rate:.3g} 1/s"
         live = "particles are a sea for films and figures; for a live ship take fluid.kind: spectral_sea"
         if self.sea is None:
@@ -193,7 +193,7 @@ class RelaxationBand:
                 yield f"the sea has {abs(there):.2g} of its height at a ship {who}, by a 1-D model"
 
     def ships_in_rim(self, ships: Mapping[str, np.ndarray]) -> Iterator[str]:
-        """Yield warnings of ships (x, z [m] by name) that start in the relaxation zone, opposite all ships' middle."""
+        """Yield a warning for each of these ships (x, z [m] by name) that starts in the relaxation zone."""
         if len(ships) < 2:
             return
         at, periods = np.array(list(ships.values())), np.array(self.lattice.basin.periods)[[0, 2]]

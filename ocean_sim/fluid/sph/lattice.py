@@ -45,7 +45,7 @@ class Lattice:
 
     @cached_property
     def spacing(self) -> float:
-        """Distance between particles [m]: as given, or the least for which their number stays within the key."""
+        """Distance between particles [m]: as given, or the least found that keeps to the key `particles`."""
         if self.config.spacing is not None:
             return self.config.spacing
         assert self.config.particles is not None
@@ -189,7 +189,8 @@ class Lattice:
         return [(low + [x, 0.0, z], up + [x, 0.0, z]) for x, z in ways for low, up in self.boxes]
 
     def points_beyond(self, solid: Solid) -> np.ndarray:
-        """Points (m, 3) [m] that continue the first particles outside all boxes, within MARGIN_SPACINGS of a solid."""
+        """Points (m, 3) [m] around a solid, outside all boxes, that continue the lattice of the first box near it. They
+        reach MARGIN_SPACINGS from the solid."""
         d, found = self.basin.dimension, np.empty((0, 3))
         low_end, high_end = solid.extent + np.array([[-1.0], [1.0]]) * MARGIN_SPACINGS * self.spacing
         counts = self.counts * (len(self.repeated_boxes) // len(self.counts))

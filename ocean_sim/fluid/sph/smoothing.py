@@ -244,7 +244,7 @@ class Stencil:
 
     @property
     def skin_depth(self) -> float:
-        """Mean depth [m] below the surface at which half a space of the lattice has its exposed area."""
+        """Mean depth [m] below the surface of the areas that a lattice, filling half of space, exposes to the air."""
         up = np.maximum(self.offsets[:, 1], 0.0)
         exposed = self.gradient * up  # by the row that is seen from `up` below: each counts for all rows less deep
         rows = np.rint(up / self.spacing)

@@ -215,7 +215,7 @@ class SphConfig(WaterConfig):
         return []
 
     def weight_warnings(self, basin: Basin, duration: float) -> Iterator[str]:
-        """Warn if gravity along the basin, a body force or the tank's motion notably compress the water."""
+        """Yield a warning if gravity along the basin, a body force or the tank's motion compress the water much."""
         still = np.add(basin.gravity, self.body_force)
         motion = basin.config.motion.build() if basin.config.motion is not None else None
         times = np.linspace(0.0, duration, MOTION_SAMPLES)

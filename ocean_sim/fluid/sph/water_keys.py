@@ -169,7 +169,7 @@ class WaterConfig(FluidConfig):
         return f"fluid.spacing from {1.01 * (volume / most) ** (1.0 / d):.3g} m on fits this machine"
 
     def lattice(self, basin: Basin) -> Lattice:
-        """Lattice on which the particles start, floating bodies ignored; nothing is allocated yet."""
+        """Lattice on which the particles start in this basin; nothing is allocated yet."""
         return Lattice(self, basin)
 
     def problems(self, preflight: Preflight) -> Faults:

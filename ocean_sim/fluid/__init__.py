@@ -25,8 +25,8 @@ if TYPE_CHECKING:  # other rooms know these by type alone; each is imported only
 
 @dataclass(frozen=True)
 class Limits:
-    """Time scales that a time step must stay a fraction of [s]; infinite where a limit does not exist: acoustic h / (c
-    + |v|), viscous h^2 / nu, force sqrt(h / |a|), h the smoothing length (Monaghan 1992, Annu. Rev. Astron. Astrophys.
+    """Time scales [s] that bound the next time step, infinite where one does not apply: (a) acoustic h / (c + |v|), (b)
+    viscous h^2 / nu, (c) force sqrt(h / |a|), with the smoothing length h (Monaghan 1992, Annu. Rev. Astron. Astrophys.
     30; Morris, Fox & Zhu 1997, J. Comput. Phys. 136, eqs. 30-32)."""
 
     acoustic: float = inf
@@ -34,7 +34,7 @@ class Limits:
     force: float = inf
 
     def and_of(self, other: Limits) -> Limits:
-        """Combine these limits with others: of each time scale [s] the shorter one."""
+        """Combine these limits with others: the shorter of each pair of time scales [s]."""
         viscous, force = min(self.viscous, other.viscous), min(self.force, other.force)
         return Limits(min(self.acoustic, other.acoustic), viscous, force)
 
@@ -73,7 +73,7 @@ class Totals(NamedTuple):
 
 
 class Stops(Protocol):
-    """Planes at which walls, floor and lid stop the centres of particles, and absorbing zones."""
+    """Coordinates at which walls, floor and lid stop the centres of particles, and the absorbing zones."""
 
     zones: tuple[tuple[Any, ...], ...]  # axis, begin and end along it [m], and how they absorb
     axes: range  # axes with walls
@@ -111,12 +111,12 @@ class Displacing(Protocol):
     body: Any  # `position` (3,) of its centre of mass [m]
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
-        """Displaced water: x, z, depth below the surface (m, 3) [m], volumes (m,) [m3]; m is 0 if not computed."""
+        """Points x, z, depth (m, 3) [m] and volumes (m,) [m3] of the water that the body displaces; m may be 0."""
 
 
 class Fluid(Protocol):
-    """Interface of water, with defaults of what a kind lacks. A Taichi kernel can call `elevation`; between steps all
-    fields are current, and particles are sorted by cell."""
+    """Interface of water; the defaults suit water without the feature concerned. Kernels can call `elevation`. Between
+    steps all fields are current, and particles are sorted by grid cell."""
 
     config: Any  # the kind's Config
     particles: Particles | None = None  # None in a closed form
@@ -137,7 +137,7 @@ class Fluid(Protocol):
 
     @property
     def in_closed_form(self) -> ClosedForm | None:
-        """This water if it is a closed form, else None."""
+        """This water if it is a closed form (a sum of waves, without particles), else None."""
         return None
 
     @property
@@ -147,7 +147,7 @@ class Fluid(Protocol):
 
     @property
     def can_be_disturbed(self) -> bool:
-        """True if the surface is, or may become, more than the sum of `plane_waves`."""
+        """True if the surface may differ from the sum of `plane_waves`."""
         return False
 
     @property
@@ -185,34 +185,34 @@ class Fluid(Protocol):
         return
 
     def add_ships(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
-        """Let ships displace the water; return the water that each feels: this one, or one without her own waves."""
+        """Let ships displace the water; return, for each ship, the water around her without the waves she makes."""
         return (self,) * len(ships)
 
     def advance(self, dt: float) -> None:
         """Advance the water by one step of dt [s]; raise Diverged where a neighbour list overflows."""
 
     def elevation(self, x: Any, z: Any) -> Any:
-        """ti.func: height of the water [m] above the still surface; the bed where it is dry."""
+        """ti.func: height [m] of the surface above the still level at x, z [m]; of the bed where it is dry."""
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
-        """(m, 2) points x, z [m] -> (m,) heights [m] of the water, from Python."""
+        """Heights (m,) [m] of the surface at points x, z (m, 2) [m]; for calls outside kernels."""
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray | None:
-        """(m,) heights [m] without ships' waves, given those with them (m,) [m]; None if not kept apart."""
+        """Heights (m,) [m] without ships' waves where `elevation` (m,) [m] includes them; None if unknown."""
         return None
 
     def pressures(self, points: np.ndarray) -> np.ndarray:
-        """(m, 3) points [m], also on sides and bed -> (m,) pressures [Pa]; 0 where it is dry."""
+        """Pressures (m,) [Pa] at points (m, 3) [m], walls and bed included; 0 where it is dry."""
 
     def velocities(self, points: np.ndarray) -> np.ndarray:
-        """(m, 3) points [m] -> (m, 3) velocities [m/s]; 0 where it is dry."""
+        """Velocities (m, 3) [m/s] at points (m, 3) [m]; 0 where it is dry."""
 
     def surface_velocities(self, points: np.ndarray) -> np.ndarray:
-        """(m, 2) points x, z [m] -> (m, 3) velocities of the surface there [m/s]."""
+        """Velocities (m, 3) [m/s] of the surface at points x, z (m, 2) [m]."""
         return self.velocities(np.insert(points, 1, self.elevations(points), axis=1))
 
     def foam(self, points: np.ndarray) -> np.ndarray | None:
-        """White share (m,) of the surface by foam at points x, z (m, 2) [m]; None if breaking is not modelled."""
+        """Share (m,) of the surface covered by foam at points x, z (m, 2) [m]; None if breaking is not modelled."""
         return None
 
     def limits(self) -> Limits:
@@ -224,7 +224,7 @@ class Fluid(Protocol):
 
 
 class Arriving(NamedTuple):
-    """Plane waves at one place, (n,) numbers each, when the water's last step began (the time of the bodies)."""
+    """Amplitude, phase and frequency (n,) of the plane waves at one place when the water's last step began."""
 
     amplitude: np.ndarray  # [m]
     angle: np.ndarray  # phase [rad]: amplitude cos(angle) is the elevation
@@ -233,28 +233,29 @@ class Arriving(NamedTuple):
     wavenumber: np.ndarray  # [rad/m]
 
     def encounter_frequencies(self, velocity: np.ndarray) -> np.ndarray:
-        """Encounter frequencies (n,) [rad/s] at a velocity (3,) [m/s] through the water; < 0 of overtaken waves."""
+        """Encounter frequencies (n,) [rad/s] at a velocity (3,) [m/s] through the water; negative: overtaken waves."""
         ahead = np.sin(self.heading) * velocity[0] + np.cos(self.heading) * velocity[2]
         return self.omega - self.wavenumber * ahead
 
 
 class ClosedForm(Fluid, Protocol):
-    """Interface of water without particles: plane waves plus waves on tiles, which kernels read at any depth."""
+    """Interface of water without particles: plane waves, plus waves stored on grids (tiles), at any depth."""
 
     current: tuple[float, float]  # velocity of all the water along x and z [m/s]
 
     def arriving(self, x: float, z: float, afar: bool = False) -> Arriving:
-        """Plane waves at a place x, z [m], at the beginning of the last step, which is the time of floating bodies:
-        those that kernels sum, or all `plane_waves` (`afar`)."""
+        """Plane waves at x, z [m] at the beginning of the last step, which is the time of floating bodies. By default
+        those that kernels sum; with `afar`, all of `plane_waves`."""
 
     def rise(self, x: Any, z: Any) -> Any:
-        """ti.func: elevation [m] at x, z [m] by all waves but the plane ones, when the last step began."""
+        """ti.func: elevation [m] at x, z [m] by the waves on tiles alone, when the last step began."""
 
     def moving(self, x: Any, z: Any, depth: Any) -> Any:
-        """ti.func: velocity [m/s], acceleration [m/s2] by current and all but plane waves, at a Wheeler `depth` [m]."""
+        """ti.func: velocity [m/s], acceleration [m/s2] by current and tiles' waves, at a Wheeler-stretched depth
+        [m]."""
 
     def window(self, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]) -> Window:
-        """Make a lattice that tabulates the plane waves at `size` nodes, `step` [m] apart, and at `depths` [m]."""
+        """Make a table (Window) of the plane waves at `size` nodes, `step` [m] apart, and at `depths` [m]."""
 
 
 class ParticleFluid(Fluid, Protocol):
@@ -276,7 +277,7 @@ class ParticleFluid(Fluid, Protocol):
         """Sums over all particles in their present state, and their bounding box."""
 
     def positions(self) -> np.ndarray:
-        """(n, 3) positions of the particles [m], in float64, with more digits than `particles.position` may hold."""
+        """Positions (n, 3) [m] of the particles in float64, at least as exact as `particles.position`."""
 
 
 def with_particles(fluid: Fluid) -> ParticleFluid:

@@ -63,13 +63,13 @@ class Config(WaterConfig):
 
 
 def force_limit(support: float, acceleration: float) -> Limits:
-    """Limits of the time step by support [m] and acceleration [m/s2], so that no parabola jumps over wind and walls."""
+    """Time step limits by support [m] and acceleration [m/s2], so that no parabola jumps over wind and walls."""
     return Limits(force=(0.5 * support / acceleration) ** 0.5) if acceleration > 0.0 else Limits()
 
 
 @in_kernels
 class Ballistic(ParticleWater):
-    """Particles that only fall, bounce and drift with the wind. Wind acts on all of them; none has an exposed area."""
+    """Particles that fall, bounce and drift with the wind. Wind acts on all of them, not on exposed areas."""
 
     config: Config
 
@@ -88,7 +88,7 @@ class Ballistic(ParticleWater):
 
     @ti.kernel
     def settle(self, summary: Array):
-        """Sort the particles, and reduce their speed, acceleration and density to `summary`, without a step."""
+        """Sort the particles, and reduce their speed, acceleration and density to `summary`; move nothing."""
         self.grid.sort()
         for t in range(self.tasks.iterations):
             if t % self.tasks.stride == 0:

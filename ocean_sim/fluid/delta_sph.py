@@ -91,8 +91,8 @@ class Config(SphConfig):
     """Least distance of a particle's centre from a wall or the floor; its ghost particles hold it before that."""
 
     def limits_at(self, smoothing: Smoothing, sound_speed: float, speed: float, acceleration: float) -> Limits:
-        """Limits of the time step at this speed [m/s] and acceleration [m/s2]. Pair terms relax at rates of up to 14 nu
-        / h^2 (twice that of the Laplacian's sum), so viscosity counts twice; artificial viscosity counts with it."""
+        """Limits of the time step at this speed [m/s] and acceleration [m/s2]. Viscosity, artificial included, counts
+        twice: pair forces relax at rates of up to 14 nu / h^2, twice that of the Laplacian's sum."""
         nu = 2.0 * (self.kinematic_viscosity + self.artificial_nu(smoothing, sound_speed))
         return step_limits(smoothing, sound_speed, nu, speed, acceleration)
 
@@ -144,14 +144,14 @@ class Config(SphConfig):
 
 
 def column_drop(top: np.ndarray | float, bottom: np.ndarray | float, pull: float, sound_speed: float) -> np.ndarray:
-    """Settlement [m] from p / rho `top` to `bottom` [m2/s2] under `pull` [m/s2]: integral of p / (rho0 c^2)."""
+    """Settlement [m] from p / rho `top` to `bottom` [m2/s2] at gravity `pull` [m/s2]: integral of p / (rho0 c^2)."""
     return np.maximum(np.square(bottom) - np.square(top), 0.0) / (2.0 * pull * sound_speed**2)
 
 
 @in_kernels
 class Momentum(MomentumLaw):
-    """Pair law for the acceleration (Monaghan 1992, eq. 3.3): damped pressure, viscosity and dissipation of impacts. A
-    term is a force along x_ij, but for `viscosity_without_surface`; their sum is times -m grad W / x_ij."""
+    """Pair law for the acceleration (Monaghan 1992, eq. 3.3): damped pressure, viscosity, dissipation of impacts. A
+    contribution is a factor of x_ij (a vector in `viscosity_without_surface`); -m grad W / x_ij comes later."""
 
     fluid: "DeltaSph"
     row = Columns(position=3, velocity=3, pressure=1)  # damped, over the square of the density
@@ -176,48 +176,48 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def pressure_rise(self, head):
-        """Rise of the row's p / rho^2 for a rise `head` [m2/s2] of p / rho."""
+        """Rise of p / rho^2, this law's form of the pressure, for a rise `head` [m2/s2] of p / rho."""
         return head / self.fluid.rest_density
 
     @ti.func
     def pressure(self, p_i, p_j):
-        """Pressure term of a pair: p_i / rho_i^2 + p_j / rho_j^2 (Monaghan 1992, eq. 3.3); rows hold p / rho^2."""
+        """Pressure part of a pair, the sum of p / rho^2 of both, which are the arguments (Monaghan 1992, eq. 3.3)."""
         return p_i + p_j
 
     @ti.func
     def artificial_stress(self, p_i, p_j, r):
-        """Stress that keeps water under tension from clumping: 0.6 (W(r) / W(spacing))^4 (|p_i| / rho_i^2 + |p_j| /
-        rho_j^2) of negative pressures (Monaghan 2000, eqs. 3.1 and 3.2). It resists approach alone: of pairs that part
-        as well, it would give more energy than it takes, as no energy is stored in it."""
+        """Stress against clumping under tension: 0.6 (W(r) / W(spacing))^4 (|p_i| / rho_i^2 + |p_j| / rho_j^2) of
+        negative pressures (Monaghan 2000, eqs. 3.1, 3.2). The caller applies it to approaching pairs only: it stores no
+        energy, and would add some to pairs that separate."""
         near = self.fluid.closeness(r)
         return ARTIFICIAL_STRESS * near * near * near * near * (positive(-p_i) + positive(-p_j))
 
     @ti.func
     def viscosity(self, closing):
-        """Viscous term of a pair: 2 (d + 2) nu u_ij / rho0 of Monaghan & Gingold (1983), u_ij = -v_ij . x_ij / r^2,
-        whose free surface is free of stress (Colagrossi, Antuono, Souto-Iglesias & Le Touze 2011, Phys. Rev. E 84)."""
+        """Viscous part of a pair: 2 (d + 2) nu u_ij / rho0, u_ij = -v_ij . x_ij / r^2 (Monaghan & Gingold 1983). It
+        leaves a free surface free of stress (Colagrossi, Antuono, Souto-Iglesias & Le Touze 2011, Phys. Rev. E 84)."""
         return self.laminar * self.per_component * closing
 
     @ti.func
     def viscosity_without_surface(self, v_ij):
-        """Viscous term of a pair, a vector exact on a lattice: -2 nu v_ij / rho0 (Morris, Fox & Zhu 1997, eq. 22)."""
+        """Viscous part of a pair, a vector exact on a lattice: -2 nu v_ij / rho0 (Morris, Fox & Zhu 1997, eq. 22)."""
         return -self.laminar * v_ij
 
     @ti.func
     def artificial_viscosity(self, closing):
-        """Artificial viscosity of approaching particles: alpha h c u_ij / rho0 (Monaghan 1992, eq. 4.2)."""
+        """Artificial viscosity of an approaching pair: alpha h c u_ij / rho0 (Monaghan 1992, eq. 4.2)."""
         return self.artificial * positive(closing)
 
     @ti.func
     def riemann_dissipation(self, closing, r):
-        """Dissipation of particles that approach at u = r u_ij [m/s] (`closing` is u_ij): beta u / rho0 over r, with
-        beta = min(u / 2, c) (Zhang, Hu & Adams 2017, whose factor is 3 and not a half)."""
+        """Dissipation of a pair that approaches at u = r u_ij [m/s] (`closing` is u_ij): beta u / rho0 over r, with
+        beta = min(u / 2, c) (Zhang, Hu & Adams 2017, who have a factor 3 in place of 1/2)."""
         met = positive(closing)
         return lesser(r * met, self.fluid.sound_speed / IMPACT_DISSIPATION) * r * self.impact * met
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values of sample s of a solid body, whose pressure draws no water with a free surface after it."""
+        """Field values of boundary particle s at d [m]; under a free surface it cannot pull the water."""
         other = self.continued_sample(own, s, d, mirror)
         if ti.static(not self.is_enclosed):
             other[self.row.pressure] = ti.max(other[self.row.pressure], -own[self.row.pressure])
@@ -225,17 +225,17 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def pair(self, own, other):
-        """Terms of a pair, pressures of either sign included."""
+        """All forces of one neighbour, for pressures of either sign."""
         return self.sum_of_terms(own, other, True)
 
     @ti.func
     def pair_without_tension(self, own, other):
-        """Terms of a pair whose pressures are not negative: as `pair`, without the artificial stress."""
+        """All forces of one neighbour if no pressure is negative: as `pair`, without the artificial stress."""
         return self.sum_of_terms(own, other, False)
 
     @ti.func
     def sum_of_terms(self, own, other, tense: Template):
-        """All terms of a pair; `tense`: True if a pressure may be negative."""
+        """All forces of one neighbour; `tense`: True if a pressure may be negative."""
         x_ij = self.fluid.smoothing.difference(own, other, self.row.position)
         r2 = x_ij.dot(x_ij)
         r = ti.sqrt(r2)
@@ -263,9 +263,9 @@ class Momentum(MomentumLaw):
 
 @in_kernels
 class Continuity(Law):
-    """Pair law for the rate of the density (Monaghan 1994, eq. 2.4) and its diffusion; in a closed basin also for the
-    shift of particles. Each term is times -m grad W / x_ij. It reads positions and velocities at the end of the step,
-    the density's deviation in its middle, and the share of diffusion at the end of the last one."""
+    """Pair law for the rate of density (Monaghan 1994, eq. 2.4), its diffusion and, in a closed basin, the shift of
+    particles. It reads positions and velocities at the step's end, densities in its middle, and the diffusion share of
+    the last step's end. Contributions are to be multiplied by -m grad W / x_ij."""
 
     row = Columns(position=3, velocity=3, deviation=1, share=1)
     options = WalkOptions(padded=True)
@@ -295,7 +295,7 @@ class Continuity(Law):
 
     @ti.func
     def image(self, other, mirror):
-        """Field values of a neighbour's image in a side: normal velocity reversed, density continued by gravity."""
+        """Field values of a neighbour's mirror image: normal velocity reversed, density continued by gravity."""
         x, image = vec3(other, self.row.position), mirror_row_free_slip(mirror, other)
         pull = self.fluid.pull.at_rest(mirror_midpoint(mirror, x))
         image[self.row.deviation] += self.heavier * hydrostatic_offset(mirror, x, pull)
@@ -303,9 +303,9 @@ class Continuity(Law):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values of sample s of a solid body: it moves with the body, and no density diffuses into it. Only so
-        does water that comes to a face gain the density that samples add to its sum, and lose it as it goes: moved
-        against the water, as images are, a sample at rest would add twice that, and press twice as hard on a stream."""
+        """Field values of boundary particle s at d [m]: velocity of the body, density that gives no diffusion. Water
+        that comes to a face so gains just the density that boundary particles contribute, and loses it as it leaves. A
+        velocity reversed as in images would double that gain, and the push on a stream."""
         other = row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
         still = self.still_gradient(vec3(own, self.row.position) + 0.5 * d)
         other[self.row.deviation] = own[self.row.deviation] + still.dot(d)
@@ -318,13 +318,13 @@ class Continuity(Law):
 
     @ti.func
     def continuity(self, v_ij, x_ij):
-        """Compression term of a pair: -v_ij . x_ij, for d rho_i / dt = sum m v_ij . grad W (Monaghan 1994, eq. 2.4)."""
+        """Compression of a pair: -v_ij . x_ij, as d rho_i / dt = sum m v_ij . grad W (Monaghan 1994, eq. 2.4)."""
         return -v_ij.dot(x_ij)
 
     @ti.func
     def density_diffusion(self, own, other, x_ij):
-        """Diffusion term of a pair: rho_j - rho_i beyond the hydrostatic (Fourtakas et al. 2019, eq. 9), to be times 2
-        delta h c / rho0 (Molteni & Colagrossi 2009; Antuono et al. 2010, eq. 1)."""
+        """Diffusion of a pair: rho_j - rho_i beyond the hydrostatic difference (Fourtakas et al. 2019, eq. 9). The
+        factor 2 delta h c / rho0 comes later (Molteni & Colagrossi 2009; Antuono et al. 2010, eq. 1)."""
         still = self.still_gradient(vec3(own, self.row.position) - 0.5 * x_ij)
         return other[self.row.deviation] - own[self.row.deviation] + still.dot(x_ij)
 
@@ -336,7 +336,8 @@ class Continuity(Law):
 
     @ti.func
     def pair(self, own, other):
-        """Terms of a pair: compression, diffusion, how full the kernel is and where its edge, or the shift."""
+        """Contribution of one neighbour: compression and diffusion; filling of the kernel and gradient of the share of
+        water; in a closed basin, the shift."""
         smoothing = self.fluid.smoothing
         x_ij = smoothing.difference(own, other, self.row.position)
         v_ij = smoothing.difference(own, other, self.row.velocity)
@@ -361,8 +362,8 @@ class Continuity(Law):
 
     @ti.func
     def grade_diffusion(self, i, filled):
-        """Store the share of density diffusion: 1 in a filled kernel, 0 next to a free surface, unless the water is
-        sheared (spin as great as strain), not merely stretched (a switch as of Balsara 1995, J. Comput. Phys. 121)."""
+        """Store the share of density diffusion: 1 in a filled kernel, 0 near a free surface. There it rises to 1 in
+        sheared water (spin as great as strain; a switch as of Balsara 1995, J. Comput. Phys. 121)."""
         fluid, spin, strain = self.fluid, self.fluid.spin[i], self.fluid.strain[i]
         inside = tm.clamp((filled - CUT_SHARE) / (FILLED_SHARE - CUT_SHARE), 0.0, 1.0)
         beyond = spin / (strain + fluid.calm) - STRETCHED_RATIO
@@ -372,12 +373,12 @@ class Continuity(Law):
 
     @ti.func
     def filled_share(self, own, total):
-        """Share M of the kernel that is filled, 1 on a lattice: the divergence of positions over the dimension."""
+        """Share M of the kernel filled by particles, 1 on a lattice: divergence of positions over the dimension."""
         return self.prefactor(own) * total[self.terms.filled] / self.whole
 
     @ti.func
     def edge(self, own, total):
-        """Support times the gradient of the share of water, e = H |sum m / rho0 grad W|: 0 inside the water."""
+        """Closeness of a free surface, e = H |sum m / rho0 grad W| with the support H: 0 inside the water."""
         squared = 0.0
         for k in ti.static(range(self.fluid.smoothing.dimension)):
             squared += total[self.terms.edge + k] ** 2
@@ -385,20 +386,20 @@ class Continuity(Law):
 
     @ti.func
     def swelling(self, filled, edge, deviation):
-        """Share by which particles stand thinner than their density says: rho / rho0 - M - (a - b e) e. Beyond a flat
-        surface lies a e - b e^2 of a kernel (Stencil.surface_deficit)."""
+        """Share by which particles lie further apart than their density says: rho / rho0 - M - (a - b e) e. Here a e -
+        b e^2 is the share of the kernel beyond a flat surface (Stencil.surface_deficit)."""
         return 1.0 + deviation / self.fluid.rest_density - filled - (self.deficit - self.deficit_bend * edge) * edge
 
     @ti.func
     def leak(self, thinner, edge, deviation):
-        """Rate [1/s] at which pressure leaks: up to c / H where it is above rest in thin water, below in dense."""
+        """Rate [1/s] up to c / H at which density returns to rest where it is too high, or low, for the packing."""
         beyond = (ti.abs(thinner) - PACKING_TOLERANCE - EDGE_TOLERANCE * edge) / PACKING_RANGE
         rate = self.fluid.sound_speed / self.fluid.smoothing.support * tm.clamp(beyond, 0.0, 1.0)
         return ti.select(thinner * deviation > 0.0, rate, 0.0)
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Advance density and pressure of particle i to the end of the step; store its diffusion share or its shift."""
+        """Advance density and pressure of particle i to the step's end; store its diffusion share or its shift."""
         fluid, particles, rho_0 = self.fluid, self.fluid.particles, ti.static(self.fluid.rest_density)
         dt, deviation = fluid.dt[None], own[self.row.deviation]
         if ti.static(fluid.bodies):
@@ -436,7 +437,7 @@ class Continuity(Law):
 
     @ti.func
     def book_work(self, i, own, compressed, diffused, group):
-        """Add the work of compression and of diffusion to the budget; the work of bulk damping counts as viscosity."""
+        """Add the work [J] of compression and diffusion to the budget; that of bulk viscosity counts as viscosity."""
         fluid, deviation = self.fluid, own[self.row.deviation]
         closer = fluid.particles.mass * fluid.dt[None] * self.prefactor(own)
         p = fluid.equation_of_state(deviation) / (fluid.rest_density + deviation) ** 2
@@ -448,7 +449,7 @@ class Continuity(Law):
 
 @in_kernels
 class Shear(Law):
-    """Pair law for squared spin and strain rate around each particle, averaged over past time; evaluated seldom."""
+    """Pair law for squared spin and strain rate around each particle, averaged over past time; not summed each step."""
 
     row, options = Columns(position=3, velocity=3), WalkOptions(padded=True)
 
@@ -460,17 +461,17 @@ class Shear(Law):
 
     @ti.func
     def image(self, other, mirror):
-        """Field values of the image of a neighbour in a frictionless side."""
+        """Field values of a neighbour's mirror image in a side taken as frictionless."""
         return mirror_row_free_slip(mirror, other)
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values of sample s of a solid body, at d [m], with the velocity of the body."""
+        """Field values of boundary particle s at d [m], which moves with its body."""
         return row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
 
     @ti.func
     def pair(self, own, other):
-        """Products of the components of x_ij and v_ij, to be times -m grad W / x_ij."""
+        """Products of the components of x_ij and v_ij, to be multiplied by -m grad W / x_ij."""
         x_ij = self.fluid.smoothing.difference(own, other, self.row.position)
         v_ij = self.fluid.smoothing.difference(own, other, self.row.velocity)
         lever, total = self.fluid.smoothing.pair_gradient(x_ij), ti.Vector.zero(float, self.terms.size)
@@ -498,9 +499,9 @@ class Shear(Law):
 
 @in_kernels
 class DeltaSph(Sph):
-    """Water by delta-SPH. Between steps positions, velocities, densities and pressures are at one time, in the order of
-    the cells of half a step ago. Without a free surface, particles are shifted along the gradient of their number, lest
-    they line up along streamlines (Lind et al. 2012, J. Comput. Phys. 231; Sun et al. 2017, CMAME 315, eq. 16)."""
+    """Water by delta-SPH. Between steps all fields are at one time, sorted by the cells of half a step ago. Without a
+    free surface, particles are shifted down the gradient of their number, or they would line up along streamlines (Lind
+    et al. 2012, J. Comput. Phys. 231; Sun et al. 2017, CMAME 315, eq. 16)."""
 
     config: Config
 
@@ -544,7 +545,7 @@ class DeltaSph(Sph):
 
     @property
     def listed_positions(self) -> tuple[ti.Field, ...]:
-        """Fields of the positions at the end of the step [m], sorted as in mid-step and not wrapped since."""
+        """Fields x, y, z of the positions at the step's end [m], in mid-step order, not wrapped at periodic sides."""
         return self.grid.moved[: STATE_COLUMNS.velocity]
 
     def arrive(self) -> None:
@@ -563,12 +564,12 @@ class DeltaSph(Sph):
 
     @ti.func
     def stage_particle(self, i, x, v):
-        """Store the next position x [m] and velocity v [m/s] of particle i, which keeps its cell of mid-step."""
+        """Store the next position x [m] and velocity v [m/s] of particle i, which keeps its grid cell of mid-step."""
         self.grid.stage_motion(i, x, v)
 
     @ti.func
     def closeness(self, r):
-        """Ratio W(r) / W(spacing) of Wendland's kernel, NEAR_SUPPORT_SPACINGS wide: a narrower one is unstable."""
+        """Ratio W(r) / W(spacing) of a Wendland kernel NEAR_SUPPORT_SPACINGS wide; narrower ones are unstable."""
         q = positive(1.0 - r * self.per_reach)
         return self.per_W_spacing * q * q * q * q * (5.0 - 4.0 * q)
 
@@ -585,7 +586,7 @@ class DeltaSph(Sph):
 
     @ti.kernel
     def settle(self, summary: Array):
-        """Sort the particles, compute the present rate of the density, and reduce extremes to `summary`; no step."""
+        """Sort the particles, compute the present rate of density, and reduce extremes to `summary`; move nothing."""
         self.dt[None] = 0.0
         for i in range(self.particles.count.there()):
             self.next_deviation[i] = self.excess_of(self.particles.pressure[i])
@@ -606,7 +607,7 @@ class DeltaSph(Sph):
 
     @ti.kernel
     def drift_kick_drift(self, dt: float, speed: float, since: float):
-        """Move the particles by dt [s]: drift, sort, kick, drift; `speed` of the shift [m/s]; `since` as of `wind`."""
+        """Move the particles by dt [s]: drift, sort, kick, drift. `speed` of shifts [m/s]; `since`: wind clock [s]."""
         self.dt[None] = dt
         self.wind.set_clock(since, dt)
         h = self.smoothing.length

@@ -99,8 +99,8 @@ class Config(SphConfig):
         return artificial + super().viscosity_added(preflight, length, height, standing)
 
     def limits_at(self, basin: Basin, speed: float, acceleration: float) -> Limits:
-        """Limits of the time step at this speed [m/s] and acceleration [m/s2]: none by sound; neighbours under a
-        pressure p oscillate at sqrt(p / density) / spacing, pair friction relaxes at up to twice its sum's rate."""
+        """Time step limits at this speed [m/s] and acceleration [m/s2]; sound sets none. Neighbours under a pressure p
+        oscillate at sqrt(p / density) / spacing; friction of a pair relaxes up to twice as fast as its sum."""
         speed = max(speed, MIN_LIMIT_SPEED * self.speed(basin))
         return step_limits(self.smoothing(basin), 0.0, 2.0 * self.viscosity(basin), speed, acceleration)
 
@@ -122,7 +122,7 @@ class Config(SphConfig):
         yield "water that flies freely goes too far by the time step over the time of its fall (first order)"
 
     def neighbours_kept(self, basin: Basin) -> int:
-        """Number of neighbours of a particle on the lattice, whose pairs the solvers keep for a step."""
+        """Number of neighbours of a particle on the lattice, whose pairs are stored for a step of the solvers."""
         return Stencil(self.smoothing(basin), self.lattice(basin).spacing).neighbours
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
@@ -143,8 +143,8 @@ class Config(SphConfig):
 
 @in_kernels
 class Density(Law):
-    """Pair law for the summed density, for the rise of density allowed where a gap closes, and for the diagonal A_ii
-    over dt^2 (2015, eq. 9: their 1 / alpha), raised where particles crowd, lest Jacobi steps overshoot there."""
+    """Pair law for (a) the summed density, (b) the rise of density allowed where a gap closes and (c) the diagonal A_ii
+    over dt^2 (1 / alpha of Bender & Koschier 2015, eq. 9), raised in crowds so that Jacobi steps do not overshoot."""
 
     terms, options = Columns(density=1, gradient=3, squares=1), WalkOptions(apart=True, padded=True)
 
@@ -165,7 +165,7 @@ class Density(Law):
 
     @ti.func
     def pair(self, own, other):
-        """W, grad W and |grad W|^2 at a neighbour, without the constants of the kernel."""
+        """W, grad W and |grad W|^2 of one neighbour; the constants of the kernel come later."""
         x_ij = own - other
         r2 = x_ij.dot(x_ij)
         r, smoothing = ti.sqrt(r2), self.fluid.smoothing
@@ -174,7 +174,7 @@ class Density(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Store density and A_ii of particle i, and the rise of density allowed in a gap; in closed water the shift."""
+        """Store density and A_ii of particle i, and its allowed rise of density; without a free surface, its shift."""
         fluid, rest = self.fluid, ti.static(self.fluid.particles.rest_density)
         total += beyond
         if ti.static(fluid.bodies):
@@ -199,7 +199,7 @@ class Density(Law):
 
 @in_kernels
 class Forces(Force):
-    """Pair law for all forces but pressure, and for last step's pressures, with which the divergence solver starts."""
+    """Pair law for all forces but pressure, and for last step's pressures, where the divergence solver starts."""
 
     fluid: "Dfsph"
     row = FORCE_ROW
@@ -218,7 +218,7 @@ class Forces(Force):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values of sample s of a solid body, at d [m], which has no pressure of its own (2017, section 5)."""
+        """Field values of boundary particle s at d [m]; it has no own pressure (Bender & Koschier 2017, sect. 5)."""
         other = self.rubbing_sample(own, s, d, mirror)
         other[self.row.pressure] = 0.0
         return other
@@ -232,17 +232,18 @@ class Forces(Force):
 
     @ti.func
     def pressure(self, p_i, p_j, gradient):
-        """Pressure term of a pair, -(p_i + p_j) grad W (2017, eq. 3); term and `gradient` (-grad W) lack a constant."""
+        """Pressure force of a pair, -(p_i + p_j) grad W (Bender & Koschier 2017, eq. 3); `gradient` is -grad W."""
         return (p_i + p_j) * gradient
 
     @ti.func
     def viscosity(self, v_ij, x_ij, r2, gradient):
-        """Viscous term of a pair, to be times 2 nu V: (d + 2) v_ij . x_ij / r^2 grad W of Monaghan & Gingold (1983)."""
+        """Viscous part of a pair, to be multiplied by 2 nu V: (d + 2) v_ij . x_ij / r^2 grad W (Monaghan & Gingold
+        1983)."""
         return self.per_component * v_ij.dot(x_ij) / (r2 + self.squared_gap) * gradient
 
     @ti.func
     def viscosity_without_surface(self, v_ij, r2):
-        """Viscous term of a pair, to be times 2 nu V: v_ij W' / r of Morris, Fox & Zhu (1997, eq. 22)."""
+        """Viscous part of a pair, to be multiplied by 2 nu V: v_ij W' / r (Morris, Fox & Zhu 1997, eq. 22)."""
         return self.fluid.smoothing.shape_gradient(ti.sqrt(r2)) * v_ij
 
     @ti.func
@@ -265,7 +266,7 @@ class Forces(Force):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Predict the velocity of particle i after the step under these forces, where the divergence solver starts."""
+        """Predict the velocity of particle i under these forces, from which the divergence solver starts."""
         fluid = self.fluid
         dt, x, v = fluid.dt[None], vec3(own, self.row.position), fluid.particles.velocity.at(i)
         beyond = self.with_bodies(beyond, x, own)
@@ -302,8 +303,8 @@ class Forces(Force):
 
 @in_kernels
 class Dfsph(Sph):
-    """Incompressible water by DFSPH. Between steps particles are sorted, with density and pressure current. No step
-    waits for `sound_speed`, that of weakly compressible water with the same `compression`."""
+    """Incompressible water by DFSPH. Between steps particles are sorted, with density and pressure current. Sound does
+    not limit its steps; `sound_speed` is that of weakly compressible water with the same `compression`."""
 
     config: Config
 
@@ -352,7 +353,7 @@ class Dfsph(Sph):
         super().begin()
 
     def make_room(self) -> None:
-        """Displace too dense particles near solid bodies before the run, or a short first step would throw them."""
+        """Spread out crowded particles near solid bodies before the run, since a short first step would throw them."""
         self.dt[None] = 2.0**-20  # [s] so brief that no body moves; beside that only the way counts
         for _ in range(MAX_ROOM_STEPS):
             if self.status.max_density <= (1.0 + self.config.density_tolerance) * self.particles.rest_density:
@@ -381,7 +382,7 @@ class Dfsph(Sph):
         self.arrive()
 
     def solve(self, solver: Solver, dt: float, calm: bool) -> None:
-        """Iterate a solver until its mean error meets its goal (lower in `calm` water) or iterations end; record it."""
+        """Iterate `solver` until its mean density error meets its goal (lower in `calm` water) or iterations end."""
         solver.record_step(*self.iterate_to(solver, solver.error_goal(self.error, dt, calm)))
         if self.accounts.impulses and solver.forces:
             self.book_pressures(solver)
@@ -405,7 +406,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def predict(self, dt: float, since: float, report: Array):
-        """Predict velocities after dt [s], and sum compression errors to `report`; `since`: the wind's clock [s]."""
+        """Predict velocities after dt [s], and sum density errors into `report`; `since`: the wind's clock [s]."""
         self.dt[None], self.momentum[None] = dt, 0.0
         self.wind.set_clock(since, dt)
         self.neighbours.walk(self.forces, False)
@@ -414,7 +415,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def iterate(self, solver: Template, momentum: float, report: Array):
-        """Run one solver iteration and sum its remaining errors to `report`; `momentum`: Nesterov's factor."""
+        """Run one iteration of a solver, and sum its remaining errors into `report`; `momentum`: Nesterov's factor."""
         self.momentum[None] = momentum
         self.pairs.walk(solver.push)
         self.pairs.walk(solver.compression)
@@ -427,7 +428,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def predict_density(self, speed: float, report: Array):
-        """Predict densities after the step, in closed water with shifts at `speed` [m/s]; sum errors to `report`."""
+        """Predict densities after the step and sum errors into `report`; `speed` [m/s] of shifts in closed water."""
         self.momentum[None] = 0.0
         for i in range(self.particles.count.there()):
             self.incompressible.begin(i)
@@ -465,7 +466,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def displace_all(self):
-        """Move all particles by dt times `way` and let walls stop them; their velocities stay as they are."""
+        """Move all particles by dt times the field `way` [m/s] and stop them at walls; velocities stay unchanged."""
         for i in range(self.particles.count.there()):
             v, way = self.particles.velocity.at(i), self.way.at(i)
             x, _ = self.landing(i, self.dt[None] * way, v)
@@ -473,12 +474,12 @@ class Dfsph(Sph):
 
     @ti.func
     def landing(self, i, way, u):
-        """Position [m] and velocity [m/s] of particle i that moves by `way` [m] at velocity u [m/s], after walls."""
+        """Position [m], velocity [m/s] of particle i after a move by `way` [m] at velocity u [m/s], and any bounce."""
         return self.walls.bounce(self.particles.position.at(i) + self.grid.whole_quanta(i, way), u)
 
     @ti.func
     def displace(self, i, dt, group):
-        """Move particle i for dt [s] as far as walls and motion limit let it, and book the impulses of its step."""
+        """Move particle i for dt [s], as far as walls and motion limit allow; add impulses to budget row `group`."""
         way = self.way.at(i)
         u = way
         if ti.static(self.closed):
@@ -496,7 +497,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def settle(self, summary: Array, report: Array):
-        """Sort the particles, compute densities, and reduce extremes to `summary`, density sums to `report`."""
+        """Sort the particles, compute densities, and reduce extremes into `summary`, sums of density into `report`."""
         self.grid.sort()
         self.neighbours.walk(self.density, True)
         self.rows.sum_into(report)
@@ -504,7 +505,7 @@ class Dfsph(Sph):
 
     @ti.func
     def admissible_pressure(self, pressure):
-        """Pressure [Pa] that the water can have, nearest to this one; under a free surface not negative."""
+        """Nearest pressure [Pa] that the water can bear: not negative if it has a free surface."""
         p = pressure
         if ti.static(not self.closed):
             p = tm.max(p, 0.0)
@@ -512,14 +513,14 @@ class Dfsph(Sph):
 
     @ti.func
     def apply_pressures(self, i, dt, total, beyond):
-        """Change of velocity [m/s] of particle i over dt [s] by pressure sums (`beyond`: over walls), also booked."""
+        """Change of velocity [m/s] over dt [s] by pressure sums of neighbours, `total`, and of walls, `beyond`."""
         scale = dt * self.pressing
         by_walls = self.change_velocity(i, budget.WALLS, scale * beyond)
         return self.change_velocity(i, budget.PRESSURE, scale * total) + by_walls
 
     @ti.func
     def change_velocity(self, i, term: Template, change):
-        """Record a change of velocity [m/s] of particle i by a force term for the budget, and return it."""
+        """Record a change of velocity [m/s] of particle i by a force term, for the budget; return the change."""
         for k, component in ti.static(enumerate(self.changes[term])):
             component[i] = component[i] + change[k]
         return change

@@ -51,17 +51,17 @@ class Config(waves.GrowingTrain, FluidConfig):
             yield "closed-form waves do not feel the wind; it reaches only the ship"
 
     def still_limits(self, preflight: Preflight) -> Limits:
-        return self.smooth
+        return self.interpolation_limits
 
     @property
-    def smooth(self) -> Limits:
+    def interpolation_limits(self) -> Limits:
         """Limits of the time step that keep linear interpolation of files between steps within 0.05 % of the waves."""
         return Limits(force=SMOOTH_STEP_PERIODS * self.scale[1])
 
     def point_spacing(self, preflight: Preflight) -> float:
-        return self.apart(preflight.tank)
+        return self.wave_spacing(preflight.tank)
 
-    def apart(self, tank: waves.Tank) -> float:
+    def wave_spacing(self, tank: waves.Tank) -> float:
         """Distance [m] between points that resolve the waves: POINTS_PER_WAVE of them to a wavelength."""
         k = waves.wavenumber(2.0 * np.pi / self.scale[1], tank.depth, waves.downward_gravity(tank))
         return 2.0 * np.pi / float(k) / POINTS_PER_WAVE
@@ -88,8 +88,8 @@ class LinearWaves(OpenWater):
         self.heading = float(np.degrees(np.arctan2(*(sea.amplitude**2 @ sea.wavevector)))) % 360.0  # [deg] their mean
         names = ("wave_height", "wave_period", "wave_heading")[: basin.dimension]
         self.train = dict(zip(names, (*config.scale, self.heading)))  # as sliders set it
-        self.spacing = config.apart(basin)  # [m]
-        self.still = config.smooth
+        self.spacing = config.wave_spacing(basin)  # [m]
+        self.still = config.interpolation_limits
         self.reference_speed = (sea.gravity * basin.depth) ** 0.5
         self.rest_density = config.rest_density
         self.status = status_of(sea, config.rest_density)
@@ -101,20 +101,20 @@ class LinearWaves(OpenWater):
         return self.waves.sea
 
     def begin(self, sea: waves.Components) -> None:
-        """Restart at time 0 with other waves, of the same number and depth; they grow by the ramp of the config."""
+        """Restart at time 0 with other waves, as many and in the same depth; they grow over the ramp of the config."""
         self.time = self.before = 0.0
         self.waves.begin(self.config.with_ramp(sea))
 
     @property
     def adjustable(self) -> dict[str, Setting]:
-        """Height [m], period [s] and, in 3-D, heading [deg] of the waves; of random ones Hs, Tp and mean heading."""
+        """Settings for the waves' height [m], period [s], in 3-D heading [deg]; of random ones Hs, Tp, mean heading."""
         (height, period), sea = self.config.scale, self.given
         highest = min(4.0 * height, waves.breaking_height(period, sea.depth, sea.gravity))
         rows = zip(self.train.items(), "m s deg".split(), ((0.0, highest), (0.5 * period, 2.0 * period), (0.0, 360.0)))
         return {name: Setting(now, unit, ends) for (name, now), unit, ends in rows if height > 0.0}
 
     def adjust(self, **values: float) -> None:
-        """Change the waves during a run, to at most their breaking height; their phases at the origin go on."""
+        """Change the waves during a run, up to their breaking height; phases at the origin stay continuous."""
         past, sea, self.train = self.waves.sea, self.given, self.train | values
         height, period, *heading = self.train.values()
         turn = np.radians(heading[0] - self.heading) if heading else 0.0

@@ -66,7 +66,7 @@ class Config(SphConfig):
         return super().speed(basin) or 0.1 * sqrt(self.stiffness or 0.0)
 
     def sound_speed(self, basin: Basin) -> float:
-        """Sound speed c [m/s]: the square root of k of (2.15)."""
+        """Sound speed c [m/s]: the square root of k in p = k (rho - rho0), thesis eq. 2.15."""
         return sqrt(self.stiffness) if self.stiffness else super().sound_speed(basin)
 
     def warnings(self, preflight: Preflight) -> Iterator[str]:
@@ -92,7 +92,7 @@ class Config(SphConfig):
 
 @in_kernels
 class Density(Law):
-    """Pair law for the density (2.13) with the poly6 kernel, and from it the pressure (2.15)."""
+    """Pair law for the density (thesis eq. 2.13) by the poly6 kernel, and then the pressure (eq. 2.15)."""
 
     terms = Columns(density=1)
 
@@ -109,13 +109,13 @@ class Density(Law):
 
     @ti.func
     def pair(self, own, other):
-        """W_poly6 at a neighbour, without its constant (2.13)."""
+        """Poly6 kernel of one neighbour, without its constant (thesis eq. 2.13)."""
         x_ij = own - other
         return ti.Vector([self.fluid.smoothing.shape_poly6(x_ij.dot(x_ij))])
 
     @ti.func
     def equation_of_state(self, density_sum):
-        """Pressure [Pa] k (rho - rho0) (2.15) from the density's sum without prefactor, at least `minimum_pressure`."""
+        """Pressure [Pa] k (rho - rho0) (thesis eq. 2.15), at least `minimum_pressure`, from the kernel sum of rho."""
         p = self.fluid.factors[SLOPE_FACTOR] * density_sum - self.fluid.factors[OFFSET_FACTOR]
         if ti.static(self.clamped):
             p = tm.max(p, self.minimum)
@@ -136,7 +136,7 @@ class Density(Law):
 
 @in_kernels
 class Momentum(MomentumLaw):
-    """Pair law for accelerations by pressure (2.16), with the spiky kernel, and viscosity (2.18), with its own."""
+    """Pair law for accelerations by pressure, spiky kernel (thesis eq. 2.16), and viscosity, its own (eq. 2.18)."""
 
     fluid: "Mueller"
     row = Columns(position=3, velocity=3, pressure=1, volume=1)
@@ -149,29 +149,30 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def prefactor(self, own):
-        """Factor of the sum: 1 / rho_i times particle mass times the constant of the spiky kernel."""
+        """Factor of the sum: particle mass times the spiky kernel's constant over the particle's density."""
         return self.constant * own[self.row.volume]
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values of sample s of a solid body: continued pressure, and the volume of water at rest density."""
+        """Field values of boundary particle s at d [m]: continued pressure, 1 / density of water at rest."""
         other = self.continued_sample(own, s, d, mirror)
         other[self.row.volume] = 1.0 / self.fluid.rest_density
         return other
 
     @ti.func
     def pressure(self, p_i, p_j, r, q):
-        """Pressure term of a pair (2.16): (p_i + p_j) (h - r) / r along x_ij, without constant and q = h - r."""
+        """Pressure force of a pair along x_ij (thesis eq. 2.16): (p_i + p_j) q / r, q = h - r; a second q comes
+        later."""
         return (p_i + p_j) * q / r
 
     @ti.func
     def viscosity(self, v_ji):
-        """Viscous term of a pair (2.18), without the kernel's constant and q = h - r, over this law's prefactor."""
+        """Viscous force of a pair (thesis eq. 2.18) over this law's prefactor; the factor h - r comes later."""
         return self.fluid.factors[VISCOUS_FACTOR] * v_ji
 
     @ti.func
     def pair(self, own, other):
-        """Terms (2.16) and (2.18) of a pair, times q = h - r and 1 / rho_j."""
+        """Pressure and viscous force of one neighbour (thesis eqs. 2.16, 2.18), with factors h - r and 1 / rho_j."""
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         v_ji = vec3(other, self.row.velocity) - vec3(own, self.row.velocity)
         r = ti.sqrt(x_ij.dot(x_ij) + SQUARED_GAP)
@@ -212,7 +213,7 @@ class Mueller(PairSph):
         return found
 
     def adjust(self, **values: float) -> None:
-        """Set k of (2.15), `stiffness` [m2/s2], or nu, `kinematic_viscosity` [m2/s], during a run."""
+        """Set k of the thesis's eq. 2.15 (`stiffness` [m2/s2]) or nu (`kinematic_viscosity` [m2/s]) during a run."""
         particles, real = self.particles, self.particles.position.precision
         self.stiffness = values.get("stiffness", self.stiffness)
         self.kinematic_viscosity = values.get("kinematic_viscosity", self.kinematic_viscosity)

@@ -174,9 +174,9 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         )
 
     def still_limits(self, preflight: Preflight) -> Limits:
-        return self.smooth(self.tile_of(preflight.tank))
+        return self.interpolation_limits(self.tile_of(preflight.tank))
 
-    def smooth(self, tile: Tile) -> Limits:
+    def interpolation_limits(self, tile: Tile) -> Limits:
         """Limits of the time step that keep linear interpolation between steps within 0.05 %, and skip no tile step."""
         period = self.highest[1] if self.highest is not None else np.inf
         return Limits(force=min(SMOOTH_STEP_PERIODS * period, 4.0 * self.tile_step(tile)))
@@ -188,7 +188,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         word, tile = preflight.word, self.tile_of(preflight.tank)
         cells = tile.cells * tile.rows
         why = f"fluid.cells {self.cells}"
-        n = self.summed(preflight)
+        n = self.summed_waves(preflight)
         yield LedgerRow("fluid", f"{n} plane waves", PlaneWaves.bytes(n, word), "fluid.order 1")
         if self.order == 3:
             size = cells * (6 * 8 + WORDS_PER_CELL * word)
@@ -202,25 +202,25 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
             size = cells * (5 * 8 + WORDS_PER_CELL * word) + AirPressure.bytes(cells, word)
             yield LedgerRow("fluid", f"the wind's waves on {cells} cells", size, why)
 
-    def summed(self, preflight: Preflight) -> int:
-        """Number of plane waves in the sums of kernels: all of a linear sea; 1 for a nonlinear sea, on a tile."""
+    def summed_waves(self, preflight: Preflight) -> int:
+        """Number of plane waves that kernels sum: all of a linear sea; 1 for a nonlinear sea, stored on a tile."""
         return len(self.sea_of(preflight.tank).amplitude) if self.order == 1 else 1
 
     def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
-        return Window.bytes(size, levels, self.summed(preflight), preflight.word)
+        return Window.bytes(size, levels, self.summed_waves(preflight), preflight.word)
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "SpectralSea":
         return SpectralSea(self, basin, wind, accounts)
 
 
 class OwnWaves(OnTile):
-    """Linear waves made by one ship or by the wind, on a tile of their own."""
+    """Linear waves made by one ship or by the wind, on a periodic grid (tile) of their own."""
 
     def __init__(self, tile: Tile, ship: Displacing | None = None) -> None:
-        """Start with calm water; `ship`: maker of the waves, None for the wind."""
+        """Start with calm water; `ship`: the ship that makes the waves, None for the wind."""
         self.tile, self.ship, self.layer, self.time, self.begun = tile, ship, Layer(tile), 0.0, False
         self.hollow = self.felt = np.zeros(1)
-        """Modes of the ship's volume per area, as it is and as the surface feels it [m]."""
+        """Fourier modes of the ship's displaced volume per area [m]: as it is, and as it acts on the surface."""
         self.velocity = np.zeros(2)  # of the ship through the water [m/s]
 
     def covers(self, points: np.ndarray) -> np.ndarray:
@@ -237,16 +237,16 @@ class OwnWaves(OnTile):
 
 
 class NonlinearSea(OnTile):
-    """Nonlinear sea, stored at two steps of its tile around the present time and interpolated between them."""
+    """Nonlinear sea, stored at two times, one tile step apart, and interpolated to the present time between them."""
 
     def __init__(self, sea: HighOrder, step: float, ramp: float) -> None:
-        """Compute the first two states, `step` [s] apart; they are read at a height that grows over `ramp` [s]."""
+        """Compute the first two states of `sea`, `step` [s] apart; `ramp`: time [s] over which its height grows."""
         self.sea, self.tile, self.step, self.ramp, self.number = sea, sea.tile, step, ramp, 0
         self.slots = [np.array(sea.potentials()), np.array(sea.potentials())]
         """Modes of the elevation, of the potential and of its growth, (3, cells, rows // 2 + 1) each."""
-        self.ahead()
+        self.advance_step()
 
-    def ahead(self) -> None:
+    def advance_step(self) -> None:
         """Advance the nonlinear sea by a step, and store its modes as the later of the two states."""
         self.sea.advance(self.step)
         self.number += 1
@@ -261,20 +261,20 @@ class NonlinearSea(OnTile):
         late, grown = self.share(time), waves.ramp_share(time, self.ramp)
         return TileModes(*(grown * ((1.0 - late) * a + late * b) for a, b in zip(*self.slots)))
 
-    def grown(self, slot: int) -> np.ndarray:
-        """Fourier modes (3, cells, columns) of the earlier (`slot` 0) or later (1) state, times its ramp."""
+    def ramped_modes(self, slot: int) -> np.ndarray:
+        """Fourier modes (3, cells, columns) of the earlier (`slot` 0) or later (1) stored state, times its ramp."""
         return waves.ramp_share(self.step * (self.number - 1 + slot), self.ramp) * self.slots[slot]
 
 
 @in_kernels
 class SpectralSea(OpenWater):
-    """Open sea without particles, with waves of ships and wind. Kernels read all waves but those that ships make; with
-    several ships each has its own view of the water."""
+    """Open sea without particles, with waves of ships and wind. Kernels read all waves but those of ships; each of
+    several ships reads a view of the water that includes the waves of the others."""
 
     def __init__(self, config: Config, basin: Basin, wind: Wind, accounts: bool = False) -> None:
         self.config, self.tile, self.accounts = config, config.tile_of(basin), accounts
         tile = self.tile
-        self.still, self.step = config.smooth(tile), config.tile_step(tile)
+        self.still, self.step = config.interpolation_limits(tile), config.tile_step(tile)
         self.rest_density = density = config.rest_density
         whole = config.with_ramp(config.sea_of(basin))
         self.spacing = spacing(whole, tile)
@@ -292,8 +292,8 @@ class SpectralSea(OpenWater):
             self.afar = replace(fitted, ramp=whole.ramp)
             self.steep = NonlinearSea(self.nonlinear(fitted), self.step, whole.ramp)
             self.sheets += (Sheet(self.steep.tile, repeats=True),)
-            self.sheets[0].write_modes(0, *self.steep.grown(0))
-            self.show_steep(self.steep)
+            self.sheets[0].write_modes(0, *self.steep.ramped_modes(0))
+            self.write_steep(self.steep)
         if wind.blows:
             self.raised, self.air = OwnWaves(tile), AirPressure(wind, tile, density)
             self.made.append(self.raised)
@@ -308,7 +308,7 @@ class SpectralSea(OpenWater):
 
     @property
     def plane_waves(self) -> waves.Components:
-        """Linear plane waves of the sea from afar, in axes that move with the current."""
+        """Plane waves of the sea without ships and wind, by linear theory, in axes that move with the current."""
         return self.afar
 
     @property
@@ -318,12 +318,12 @@ class SpectralSea(OpenWater):
 
     @property
     def work(self) -> dict[str, float]:
-        """Work [J] of breaking crests on the sea since the start; empty if not summed or without breaking."""
+        """Work [J] on the sea by breaking since the start (negative); empty if not summed or nothing may break."""
         broken = self.breaking
         return {"breaking": -self.rest_density * broken.lost} if self.accounts and broken is not None else {}
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
-        """Heights (m,) [m] of the sea from afar and the wind's waves; without ships' waves, `elevation` itself."""
+        """Heights (m,) [m] of the sea and the wind's waves alone; without ships' waves, `elevation` itself."""
         if not any(made.ship is not None for made in self.made):
             return elevation
         at = np.asarray(points, dtype=float) - self.drift
@@ -342,7 +342,7 @@ class SpectralSea(OpenWater):
         return bool(self.tiles) or any(self.current)
 
     def begin(self, sea: waves.Components) -> None:
-        """Restart at time 0 with other waves from afar, of the same number and depth."""
+        """Restart at time 0 with another `sea` of the same number of plane waves and the same depth."""
         self.time = self.before = self.then = 0.0
         for made in self.made:
             made.time, made.begun = 0.0, False
@@ -369,7 +369,7 @@ class SpectralSea(OpenWater):
     def advance(self, dt: float) -> None:
         """Advance by a step of dt [s]; tiles take their own, longer steps when these are due."""
         if self.made and (self.time == 0.0 or self.time - self.then > self.step - 0.5 * dt):
-            self.push()
+            self.advance_tiles()
         if self.air is not None and self.raised is not None:
             self.air.collect_impulse(dt, self.drift, self.raised.layer.centre)
         self.before, self.time = self.time, self.time + dt
@@ -377,12 +377,12 @@ class SpectralSea(OpenWater):
         self.waves.set_time(self.time, (float(self.drift[0]), float(self.drift[1])))
         if self.steep is not None:
             while self.steep.share(self.time) > 1.0 + 1e-9:
-                self.steep.ahead()
-                self.show_steep(self.steep)
+                self.steep.advance_step()
+                self.write_steep(self.steep)
         self.set_clocks()
 
-    def push(self) -> None:
-        """Advance the waves of ships and wind to the present time under their pressures; update kernel sheets."""
+    def advance_tiles(self) -> None:
+        """Advance the waves of ships and wind to the present, under their pressures; update the fields for kernels."""
         dt = self.time - self.then
         for made in self.made:
             made.time = self.time
@@ -391,14 +391,14 @@ class SpectralSea(OpenWater):
         if self.raised is not None and self.air is not None and dt > 0.0:
             layer = self.raised.layer
             layer.set_pressure(self.air.take_pressure())  # as it was in the mean, before and after
-            layer.advance(dt, layer.pressure, self.middle())
+            layer.advance(dt, layer.pressure, self.wind_centre())
         self.then = self.time
         if self.raised is not None and self.air is not None:
             if self.air.slope is not None:
                 self.air.set_slopes(*self.slopes(self.raised, self.time + 0.5 * self.step))
-            self.show(self.raised, self.sheets[-1])
+            self.write_waves(self.raised, self.sheets[-1])
         for made, sheet in self.felt:
-            self.show(made, sheet)
+            self.write_waves(made, sheet)
 
     def slopes(self, raised: OwnWaves, time: float) -> tuple[np.ndarray, np.ndarray]:
         """Slopes along x and z (cells, rows) of the sea plus the wind waves `raised`, on their tile, at a time [s]."""
@@ -418,7 +418,7 @@ class SpectralSea(OpenWater):
         return along, across
 
     def displace(self, made: OwnWaves, ship: Displacing, dt: float) -> None:
-        """Advance a ship's waves `made` by dt [s] under her displaced volume; raise Diverged if they are not finite."""
+        """Advance the waves `made` by a ship by dt [s] under her displaced volume; raise Diverged if not finite."""
         points, volumes = ship.displaced()
         centre = np.array([ship.body.position[0], ship.body.position[2]]) - self.drift
         made.hollow, made.felt = self.tile.displaced_modes(points - [*self.drift, 0.0], volumes)
@@ -432,28 +432,28 @@ class SpectralSea(OpenWater):
             made.layer.begin(pressure, centre, self.step)
             made.begun = True
 
-    def middle(self) -> np.ndarray:
-        """Centre (2,) of the wind's tile in axes that move with the current [m]: first ship, or middle of the basin."""
+    def wind_centre(self) -> np.ndarray:
+        """Centre x, z (2,) [m] of the wind's tile in the current's axes: the first ship, or the basin's middle."""
         first = next((made.ship for made in self.made if made.ship is not None), None)
         at = np.zeros(2) if first is None else np.array([first.body.position[0], first.body.position[2]])
         return at - self.drift
 
-    def show(self, made: OwnWaves, sheet: Sheet) -> None:
-        """Write the waves of a ship or wind, now and one tile step later, to the sheet that kernels read."""
+    def write_waves(self, made: OwnWaves, sheet: Sheet) -> None:
+        """Write waves of a ship or wind, now and one tile step later, to the fields for kernels (`sheet`)."""
         for slot, time in enumerate((self.time, self.time + self.step)):
             sheet.write_modes(slot, *made.modes_at(time))
 
-    def show_steep(self, steep: NonlinearSea) -> None:
-        """Write the later state of the nonlinear sea to the sheet that kernels read, over the older one there."""
-        self.sheets[0].write_modes(steep.number % 2, *steep.grown(1))
+    def write_steep(self, steep: NonlinearSea) -> None:
+        """Write the later state of the nonlinear sea to the fields for kernels, in place of the older one there."""
+        self.sheets[0].write_modes(steep.number % 2, *steep.ramped_modes(1))
 
     def set_clocks(self) -> None:
-        """Set place and time of each sheet, for the present and for the beginning of the last step."""
+        """Set position and time of each sheet (fields for kernels), at present and when the last step began."""
         drifts = np.outer((self.time, self.before), self.current)
         if self.steep is not None:
             first, last = self.steep.share(self.time), self.steep.share(self.before)
             late = (first, last) if self.steep.number % 2 else (1.0 - first, 1.0 - last)
-            self.sheets[0].set_clock(late, drifts, self.middle())
+            self.sheets[0].set_clock(late, drifts, self.wind_centre())
         late = (self.time - self.then) / self.step, (self.before - self.then) / self.step
         if self.raised is not None:
             self.sheets[-1].set_clock(late, drifts, self.raised.layer.centre)
@@ -467,7 +467,7 @@ def spacing(sea: waves.Components, tile: Tile) -> float:
 
 
 def snapped(sea: waves.Components, tile: Tile) -> waves.Components:
-    """Waves moved to the nearest wavevectors periodic on a tile, and merged; those it does not resolve are lost."""
+    """Waves moved to the nearest wavevectors periodic on a tile, equal ones merged, unresolved ones dropped."""
     unit = 2.0 * pi / np.array([tile.side, tile.width if tile.rows > 1 else np.inf])
     steps = np.round(np.divide(sea.wavevector, unit, out=np.zeros(sea.wavevector.shape), where=unit > 0.0)).astype(int)
     most = ceil(tile.cells / 4) - 1

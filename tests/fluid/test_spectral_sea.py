@@ -138,7 +138,7 @@ def test_kernels_read_the_tiles_as_python_does(sea, order):
         travel_ahead(
             fluid.raised.layer, 0.1 * np.cos(2.0 * pi / 10.0 * fluid.tile.nodes()[0])[:, None] + np.zeros((64, 64))
         )
-        fluid.show(fluid.raised, fluid.sheets[-1])
+        fluid.write_waves(fluid.raised, fluid.sheets[-1])
         fluid.time = 0.02
         fluid.set_clocks()
     else:

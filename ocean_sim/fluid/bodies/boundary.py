@@ -49,7 +49,7 @@ ZERO_VECTOR = np.zeros(3)
 
 @dataclass(frozen=True)
 class Body:
-    """Points that sample a solid body, with the volume of each and the normal of the face nearest to it."""
+    """Boundary particles (samples) of a solid body, with the volume of each and the normal of its nearest face."""
 
     position: np.ndarray  # (m, 3) in the body's axes, from its origin [m]
     volume: np.ndarray  # (m,) [m3]; in 2-D [m2]
@@ -62,7 +62,7 @@ class Body:
     counts: bool = True  # whether the forces of the water on it are summed
 
     def strength(self, smoothing: Smoothing, spacing: float) -> float:
-        """Factor of the weight of the body's samples in the water's laws: 1, more for a gate thinner than a support."""
+        """Factor of the weight of the body's boundary particles: 1, more for a gate thinner than a support."""
         count, apart = self.across
         if count == 0:
             return 1.0
@@ -72,7 +72,7 @@ class Body:
 
 
 def plane_pressure(away: np.ndarray, smoothing: Smoothing, spacing: float) -> float:
-    """Push on a particle by planes of particles at distances `away` (k,) [m]: sum of -grad W without its constant."""
+    """Push on a particle by whole planes of particles at distances `away` (k,) [m]; a constant factor is left out."""
     last = ceil(smoothing.support / spacing)
     along = spacing * np.array(list(product(range(-last, last + 1), repeat=smoothing.dimension - 1)), dtype=float)
     r = np.sqrt(away[:, None] ** 2 + (along**2).sum(axis=1))
@@ -81,7 +81,7 @@ def plane_pressure(away: np.ndarray, smoothing: Smoothing, spacing: float) -> fl
 
 
 def fixed_bodies(lattice: Lattice, support: float) -> list[Body]:
-    """Sample obstacles, and a bed with a shape (which counts as a wall), to one `support` [m] below their faces."""
+    """Sample obstacles and an uneven bed by boundary particles, down to one `support` [m] below their faces."""
     basin, bodies = lattice.basin, []
     for k, obstacle in enumerate(basin.config.obstacles):
         if isinstance(obstacle, MeshObstacle):
@@ -113,7 +113,7 @@ def fixed_bodies(lattice: Lattice, support: float) -> list[Body]:
 
 
 def floating_bodies(lattice: Lattice, support: float) -> dict[str, Body]:
-    """Sample the floating bodies that act on the water, by name, as densely as obstacles."""
+    """Sample the floating bodies that act on the water by boundary particles, as dense as in obstacles; by name."""
     bodies = {}
     for name, solid in lattice.basin.afloat.items():
         if solid.is_sampled:
@@ -122,12 +122,12 @@ def floating_bodies(lattice: Lattice, support: float) -> dict[str, Body]:
 
 
 def any_moves(bodies: Sequence[Body]) -> bool:
-    """True if any of these bodies is a gate or floats, and so does work on the water."""
+    """True if any of these bodies moves (a gate or a floating body), and so does work on the water."""
     return any(body.floats or body.gate is not None for body in bodies)
 
 
 def memory(samples: int, bodies: int, cells: int, word: int, working: bool) -> int:
-    """Bytes of a Boundary's fields; `word`: size of a `float`; `working`: True if work of moving bodies is summed."""
+    """Memory [bytes] of a Boundary; `word`: bytes of a `float`; `working`: True if work of moving bodies is summed."""
     return samples * (26 * word + 20 + 24 + 16 * working) + 6 * word * bodies + 4 * (cells + 1)
 
 
@@ -139,7 +139,8 @@ def body_vector(rows: Template, body, first: Template):
 
 @in_kernels
 class Boundary:
-    """Solid bodies as samples sorted by cell. A step calls `place`, `sort` and `react`, then reads `forces`."""
+    """Solid bodies as boundary particles (samples) sorted by cell. A step calls `place`, `sort` and `react`; the forces
+    on the bodies are then in `forces`."""
 
     def __init__(
         self,
@@ -151,7 +152,7 @@ class Boundary:
         accounts: bool,
         relief: Relief | None = None,
     ) -> None:
-        """`accounts`: True if the work of moving bodies is summed; `relief`: of the body that is the bed."""
+        """`accounts`: True to sum the work of moving bodies; `relief`: heights of the body that is an uneven bed."""
         self.bodies, self.mass, self.grid, self.pull = bodies, particles.mass, grid, pull
         self.owners = np.repeat(np.arange(len(bodies)), [len(body.position) for body in bodies])
         self.n = n = len(self.owners)
@@ -225,21 +226,21 @@ class Boundary:
         acceleration: ArrayLike = ZERO_VECTOR,
         angular_acceleration: ArrayLike = ZERO_VECTOR,
     ) -> None:
-        """Set a body's origin [m], `rotation` (3, 3) to the tank, rates [m/s], [rad/s], accelerations after a step."""
+        """Set a body's origin [m], `rotation` (3, 3) from body to tank, velocities [m/s], [rad/s], accelerations."""
         rates = (velocity, angular_velocity, acceleration, angular_acceleration)
         row = np.concatenate([position, np.ravel(rotation), *rates, [0.0]])  # as MOTION_COLUMNS has them
         self.moved = self.moved or bool((row != self.motion[body]).any())
         self.motion[body] = row
 
     def sort(self) -> None:
-        """Move the samples to the present places of their bodies and sort them by cell, if any body has moved."""
+        """Move boundary particles with their bodies and sort them by cell, if any body has moved since."""
         if self.moved:
             self.moved = False
             self.sort_samples(self.motion)
 
     @ti.kernel
     def sort_samples(self, motion: Doubles2):
-        """Move the samples by `motion` (bodies, MOTION_COLUMNS), and sort them by cell (stably)."""
+        """Move boundary particles by `motion` (bodies, MOTION_COLUMNS), and sort them by cell, keeping their order."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             for c in range(self.grid.cell_count + 1):
@@ -271,7 +272,7 @@ class Boundary:
 
     @ti.func
     def turn_arm(self, s, motion: Template):
-        """Turn the vector from its body's origin to sample s with the body; extend the body's bounding box to it."""
+        """Turn the vector from its body's origin to boundary particle s; extend the body's bounding box to it."""
         b, local = self.owner[s], self.local.at(s)
         for k, arm in ti.static(enumerate(self.arm)):
             along = ti.cast(body_vector(motion, b, MOTION_COLUMNS.rotation + 3 * k).dot(local), float)
@@ -281,14 +282,14 @@ class Boundary:
 
     @ti.func
     def sample_position(self, s, motion: Template):
-        """Position of sample s [m] in the tank; `turn_arm` has to be called before."""
+        """Position of boundary particle s in the tank [m]; call `turn_arm` before."""
         return self.grid.wrap_position(
             ti.cast(body_vector(motion, self.owner[s], MOTION_COLUMNS.position) + self.arm.at(s), float)
         )
 
     @ti.func
     def store_sample(self, s, to, motion: Template):
-        """Store position, velocity, acceleration and normal of sample s at index `to`, in the order of the cells."""
+        """Store position, velocity, acceleration and normal of boundary particle s at index `to`, sorted by cell."""
         b, arm, x, facing = self.owner[s], self.arm.at(s), self.sample_position(s, motion), self.facing.at(s)
         spin = body_vector(motion, b, MOTION_COLUMNS.angular_velocity)
         swept = spin.cross(arm)
@@ -323,7 +324,7 @@ class Boundary:
 
     @ti.func
     def head(self, x, a, s, d, mirror):
-        """Rise of p / rho [m2/s2] from a particle at x [m] with acceleration a [m/s2] to a mirrored sample at x + d."""
+        """Rise of p / rho [m2/s2] from a particle at x [m], acceleration a [m/s2], to boundary particle s at x + d."""
         n, a_s = (
             mirror_direction(mirror, self.normal.at(s)),
             mirror_direction(mirror, self.acceleration.at(s)),
@@ -332,17 +333,18 @@ class Boundary:
 
     @ti.func
     def mirrored_velocity(self, s, mirror):
-        """Velocity [m/s] of the image of sample s in a mirror."""
+        """Velocity [m/s] of the image of boundary particle s in a mirror."""
         return mirror_velocity(mirror, self.velocity.at(s))
 
     @ti.func
     def rubbing_velocity(self, v, s, mirror):
-        """Velocity [m/s] of sample s in friction with water of velocity v: v on a free-slip body, else an image's."""
+        """Velocity [m/s] of boundary particle s for friction with water at v: v itself on a free-slip body, else
+        mirrored in the body, 2 v_body - v."""
         return ti.select(self.free[s] == 1, v, 2.0 * self.mirrored_velocity(s, mirror) - v)
 
     @ti.func
     def react(self, law: Template, dt):
-        """Sum the force [N] of the water on each sample, and its impulse over dt [s]; call at the top of a kernel."""
+        """Sum the force [N] of the water on each boundary particle, and its impulse, at a kernel's top level."""
         for t in range(self.blocks * self.stride):
             if t % self.stride == 0:
                 b = t // self.stride
@@ -363,7 +365,7 @@ class Boundary:
 
     @ti.func
     def particle_equivalent(self, s):
-        """Weight of sample s in the water's laws, as a number of particles."""
+        """Weight of boundary particle s in sums over neighbours, as a number of water particles."""
         share = self.share[s]
         if ti.static(self.moving):
             share *= self.strength[self.owner[self.name[s]]]
@@ -371,7 +373,7 @@ class Boundary:
 
     @ti.func
     def sample_count(self):
-        """Number of samples in the basin; those of gates that have left are sorted behind them."""
+        """Number of boundary particles in the basin; those of gates that have left are sorted behind them."""
         n = self.n
         if ti.static(self.moving):
             n = self.start[self.grid.cell_count]
@@ -407,7 +409,7 @@ class Boundary:
                 borne[1, b, k] = borne[1, b, k] + torque[k]
 
     def works(self) -> np.ndarray:
-        """Work (k, 2) [J] of each body on the water since the start: all of it, and the part booked under walls."""
+        """Work (k, 2) [J] of each body on the water since the start: all, and the part that laws booked under walls."""
         return self.sum_by_body(self.work)
 
     def impulses(self) -> np.ndarray:
@@ -415,37 +417,37 @@ class Boundary:
         return self.sum_by_body(self.impulse)
 
     def sum_by_body(self, summed: ti.Field) -> np.ndarray:
-        """Sum the rows of a field, one for each sample, over the samples of each body: a row (k, ...) for each."""
+        """Sums over the boundary particles of each body, (k, ...), of a field with a row for each of them."""
         each = summed.to_numpy()
         return np.array([each[self.owners == k].sum(axis=0) for k in range(len(self.bodies))])
 
 
 @in_kernels
 class SolidShare:
-    """Point sum over samples: share of space around a point, weighted by the smoothing kernel, that bodies fill."""
+    """Law of a PointSum over boundary particles: share of space, weighted by the kernel, that bodies fill."""
 
     sums = 1
 
     def __init__(self, boundary: Boundary, smoothing: Smoothing, unit: float) -> None:
-        """Sum for the samples of a Boundary; `unit`: volume of a particle [m3]."""
+        """`boundary`: where the boundary particles are; `unit`: volume of a particle [m3]."""
         self.boundary, self.smoothing, self.unit = boundary, smoothing, unit
 
     @ti.func
     def term(self, own, s, d, mirror):
-        """Share that sample s, at d [m] from the point, fills."""
+        """Share that boundary particle s, at d [m] from the point, fills."""
         return ti.Vector([self.unit * self.boundary.share[s] * self.smoothing.W_poly6(d.dot(d))])
 
 
 @in_kernels
 class SampleSum:
-    """Sum of a pair law over the samples around a particle."""
+    """Law of a PointSum that sums a pair law over the boundary particles around a particle."""
 
     def __init__(self, boundary: Boundary, law: Law) -> None:
         self.boundary, self.law, self.sums = boundary, law, law.terms.size
 
     @ti.func
     def term(self, own, s, d, mirror):
-        """Pair term of a particle (row `own`) with sample s, at d [m] in a mirror, times the weight of the sample."""
+        """Contribution of boundary particle s at d [m] in a mirror to a particle with values `own`, weighted."""
         total = ti.Vector.zero(float, self.sums)
         if d.dot(d) < self.boundary.grid.support**2:
             total = self.boundary.particle_equivalent(s) * self.law.pair(own, self.law.sample(own, s, d, mirror))
@@ -453,7 +455,7 @@ class SampleSum:
 
     @ti.func
     def total(self, x, own):
-        """Sum of the law over all samples around x [m]; zero away from bodies."""
+        """Sum of the pair law over all boundary particles around x [m]; zero away from bodies."""
         total = ti.Vector.zero(float, self.sums)
         if self.boundary.near(x):
             total = self.boundary.around.total(x, self, own)
@@ -462,17 +464,18 @@ class SampleSum:
 
 @in_kernels
 class Reaction:
-    """Point sum over particles: force [N] on sample `own`, and its part booked under walls; images push sides."""
+    """Law of a PointSum: force [N] of particles on boundary particle `own`, and its part booked under walls. The force
+    of a mirror image across its side acts on that side instead."""
 
     def __init__(self, boundary: Boundary, law: Law, told: tuple[ti.Field, ...], forces: tuple[Any, ...]) -> None:
-        """`told`: fields of a particle that a sample reads; `forces`: ti.funcs from a sum to accelerations [m/s2]."""
+        """`told`: fields that a boundary particle reads; `forces`: ti.funcs from law sums to accelerations [m/s2]."""
         self.boundary, self.law, self.told, self.mass = boundary, law, told, boundary.mass
         self.forces = forces if boundary.working else forces[:1]
         self.sums = 3 * len(self.forces)
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Force on sample `own` by particle j at d [m] in a mirror: minus the sample's push on that particle."""
+        """Force on boundary particle `own` by particle j at d [m] in a mirror: minus its push on that particle."""
         law = self.law
         here = ti.Vector([field[j] for field in ti.static(self.told)])
         away = tm.vec3([-mirror[POSITION_SIGN, k] * d[k] for k in ti.static(range(3))])

@@ -32,7 +32,7 @@ class Emitter(Model):
     """Largest number of particles in all, those of `fill` included; then the inflow stops."""
 
     def problems(self, basin: Basin) -> Faults:
-        """Yield faults (key, sentence) of these keys that are visible before the lattice is made."""
+        """Yield faults (key, sentence) of these keys that show before the lattice is made."""
         for key in ("position", "velocity"):
             numbers = getattr(self, key)
             if len(numbers) != basin.dimension and (basin.dimension == 3 or numbers[2] != 0.0):
@@ -63,7 +63,7 @@ class Jet:
 
     @cached_property
     def sites(self) -> np.ndarray:
-        """Positions (k, 3) [m] of the particles of one layer: points of a square lattice around the mouth's middle."""
+        """Positions (k, 3) [m] of the particles in one layer: a square lattice around the middle of the mouth."""
         ahead = self.velocity / np.linalg.norm(self.velocity)
         apart = self.spacing ** (self.dimension - 1)
         k = max(1, round(self.area / apart))
@@ -89,19 +89,20 @@ class Jet:
         return len(self.sites) * self.volume / self.config.rate
 
     def particle_count(self, time: float) -> int:
-        """Number of all particles in the basin at a time [s], those of `fill` included, at most the cap."""
+        """Number of particles in the basin at a time [s], those of `fill` included, and at most the cap."""
         layers = int(time / self.interval + LAYER_ROUNDING) + 1
         return min(self.config.cap, self.first + layers * len(self.sites))
 
     def emitted_state(self, first: int, last: int, time: float, pull: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Positions (n, 3) [m], velocities (n, 3) [m/s] of particles `first` to `last` - 1 under `pull` (3,) [m/s2]."""
+        """Positions (n, 3) [m], velocities [m/s] of particles `first` to `last` - 1 at a time [s]; they fall by `pull`
+        [m/s2]."""
         layer, site = np.divmod(np.arange(first, last) - self.first, len(self.sites))
         age = np.maximum(time - layer * self.interval, 0.0)[:, None]
         return self.sites[site] + age * self.velocity + 0.5 * age**2 * pull, self.velocity + age * pull
 
 
 def problems(basin: Basin, jet: Jet) -> Faults:
-    """Yield faults (path below `fluid.emitter`, sentence) of an emitter whose lattice and mouth are known."""
+    """Yield faults (path below `fluid.emitter`, sentence) of an emitter, once its lattice and mouth are known."""
     config = jet.config
     if config.cap <= jet.first:
         yield ("cap",), f"{config.cap} particles in all, but `fill` makes {jet.first}: nothing would be left to emit"

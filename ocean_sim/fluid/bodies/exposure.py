@@ -27,18 +27,18 @@ RENEWAL_DISTANCE = 0.5
 
 
 def memory(n: int, word: int, bends: bool) -> int:
-    """Bytes of the fields of an Exposure of n particles; `word`: bytes of a `float`; `bends`: with surface bend."""
+    """Memory [bytes] of an Exposure of n particles; `word`: bytes of a `float`; `bends`: True with surface bends."""
     return ((9 if bends else 3) * n + 1) * word + 8 * -(-n // AREAS_PER_THREAD)
 
 
 @in_kernels
 class Exposure(Law):
-    """Pair law and store of the area of every particle that is exposed to the air, times its outward normal [m2]."""
+    """Pair law for each particle's area exposed to the air, times its outward normal [m2], stored by particle id."""
 
     terms = Columns(area=3)
 
     def __init__(self, water: Any, plan_area: float, bends: bool) -> None:
-        """Make the fields of an `Sph`. `plan_area` of the water [m2], 0 if unknown; `bends`: True to fit its bend."""
+        """Make the fields for an Sph `water`; `plan_area` [m2] of it, 0 if unknown; `bends`: True to find bends."""
         particles, smoothing = water.particles, water.smoothing
         self.particles, self.smoothing, self.neighbours = particles, smoothing, water.neighbours
         self.plan_area, self.reads = plan_area, water.listed_positions
@@ -56,7 +56,7 @@ class Exposure(Law):
         self.add_bodies(water.boundary)
 
     def renew_if_due(self, dt: float, speed: float) -> None:
-        """Compute the areas anew if water and crests, of this `speed` [m/s] together, may have moved half a spacing."""
+        """Compute the areas anew if water and crests, at this `speed` [m/s], may have moved half a spacing since."""
         if self.left <= 0.0:
             self.find_areas()
             self.left = RENEWAL_DISTANCE * self.particles.spacing
@@ -64,7 +64,7 @@ class Exposure(Law):
 
     @ti.kernel
     def find_areas(self):
-        """Compute all areas, scaled to the water's plan area if known, so that wind acts on the surface once."""
+        """Compute all areas, scaled so that upward parts sum to the plan area (if known): wind acts on it once."""
         self.neighbours.walk(self, False)
         if ti.static(self.bends):
             self.neighbours.walk(self.bending, False)
@@ -91,12 +91,13 @@ class Exposure(Law):
 
     @ti.func
     def pair(self, own, other):
-        """Gradient of the kernel at the neighbour, without its constant."""
+        """Gradient of the kernel at one neighbour; its constant comes later."""
         return -self.smoothing.pair_gradient(own - other)
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Store the exposed area: twice the volume times grad share [1/m], outwards. Water at walls is not exposed."""
+        """Store the exposed area of particle i, twice its volume times the gradient of the share of water, outwards.
+        Bodies count as water, so that water at walls is not exposed."""
         area = self.prefactor(own) * self.with_bodies(total, own, own)
         if area.norm() < self.least:
             area = tm.vec3(0.0)
@@ -107,7 +108,7 @@ class Exposure(Law):
 
     @ti.func
     def bend_of(self, i):
-        """Bend at particle i [1]: d(slope_x)/dx, d(slope_x)/dz and d(slope_z)/dz times the depth `skin`; 0 inside."""
+        """Bend of the surface at i: d(slope_x)/dx, d(slope_x)/dz, d(slope_z)/dz times the depth `skin`; 0 inside."""
         bend = tm.vec3(0.0)
         if ti.static(self.bends):
             bend = self.bending.bend.at(self.particles.id[i])
@@ -116,7 +117,7 @@ class Exposure(Law):
 
 @in_kernels
 class Bend(Law):
-    """Pair law for second derivatives of the surface's height, fitted to slope differences of exposed particles."""
+    """Pair law for second derivatives of the surface's height, fitted to differences in slope between particles."""
 
     row = Columns(position=3, slope=2, area=1)
     terms = Columns(xx=1, xz=1, zz=1, x_along_x=1, cross=1, z_along_z=1)
@@ -129,7 +130,7 @@ class Bend(Law):
 
     @ti.func
     def image(self, other, mirror):
-        """Mirror a neighbour's row in a flat side: its position, and its slope across the side, which changes sign."""
+        """Field values of a neighbour's mirror image: its position, and its slope across the side reversed in sign."""
         x, image = mirror_position(mirror, vec3(other, self.row.position)), other
         for k in ti.static(range(3)):
             image[self.row.position + k] = x[k]
@@ -139,7 +140,7 @@ class Bend(Law):
 
     @ti.func
     def pair(self, own, other):
-        """Weighted products of the distances and slope differences of a pair, from which the fit is made."""
+        """Weighted products of distance and difference in slope of one neighbour, from which the fit is made."""
         x = vec3(other, self.row.position) - vec3(own, self.row.position)
         weight = other[self.row.area] * self.smoothing.shape_gradient(ti.sqrt(x.dot(x)))
         steeper_x = other[self.row.slope] - own[self.row.slope]
@@ -149,7 +150,8 @@ class Bend(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Fit the Hessian H: H M + M H = 2 sum of slope differences times x, M = sum of x x; store H times `skin`."""
+        """Store `skin` times the Hessian H of the surface at particle i. It solves H M + M H = 2 S with the sums over
+        neighbours M of x x and S of slope difference times x."""
         xx, xz, zz = total[self.terms.xx], total[self.terms.xz], total[self.terms.zz]
         along_x, along_z = total[self.terms.x_along_x], total[self.terms.z_along_z]
         bend, narrow = tm.vec3(0.0), xx * zz - xz * xz < MIN_DETERMINANT * xx * zz

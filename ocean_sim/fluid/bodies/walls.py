@@ -33,7 +33,7 @@ GONE_FACES = np.array([3 * [OPEN], 3 * [-OPEN]])  # lowest and highest corner [m
 
 @dataclass(frozen=True)
 class Zone:
-    """Absorbing zone before a side: relaxes its water towards a target velocity, the faster the nearer to the side."""
+    """Absorbing zone before a side. It relaxes water towards a target velocity, faster the closer to the side."""
 
     side: str
     axis: int
@@ -50,8 +50,8 @@ class Zone:
         """Length of the zone along its axis [m]."""
         return abs(self.end - self.begin)
 
-    def holds(self, place: float) -> bool:
-        """True if a place [m] along its axis lies in the zone."""
+    def contains(self, place: float) -> bool:
+        """True if a coordinate `place` [m] along its axis lies in the zone."""
         return min(self.begin, self.end) < place < max(self.begin, self.end)
 
     @property
@@ -60,8 +60,8 @@ class Zone:
         return inf if self.coming is None else self.coming.wavelength
 
     @cached_property
-    def sent_back(self) -> tuple[float, float]:
-        """Reflection coefficients of the zone by linear theory: of the highest waves, and of the whole sea."""
+    def reflection(self) -> tuple[float, float]:
+        """Reflected shares of wave height by linear theory: of the highest waves, and of the whole sea."""
         assert self.coming is not None
         return sea_reflection(self.coming, self.length, self.rate)
 
@@ -75,7 +75,7 @@ class Zone:
             aim += f"{';' if not aim else ' and'} towards waves of {self.given.wavelength:.4g} m"
         if self.coming is None:
             return f"{what}{rate}; the scene names no waves to choose them for{aim}"
-        peak, whole = self.sent_back
+        peak, whole = self.reflection
         back = f"by linear theory it sends back {peak:.2%} of the height of waves of {self.coming.period:.3g} s"
         band = f", {whole:.2%} of the whole sea" if self.coming.random else ""
         many = f"{self.length / self.wavelength:.3g} times the wavelength of {self.wavelength:.3g} m"
@@ -83,10 +83,10 @@ class Zone:
 
     @property
     def warning(self) -> str | None:
-        """Sentence on a zone too short to absorb well, less than half a wavelength; None if it is long enough."""
+        """Sentence if the zone is shorter than half a wavelength and so absorbs badly; else None."""
         if self.coming is None or self.length >= MIN_ZONE_WAVES * self.wavelength:
             return None
-        peak, _ = self.sent_back
+        peak, _ = self.reflection
         return (
             f"the zone before absorbing side {self.side} is {self.length:.3g} m long, less than half the wavelength of "
             f"{self.wavelength:.3g} m: it sends back {peak:.0%} of the height of waves, one wavelength about 1 %"
@@ -94,7 +94,7 @@ class Zone:
 
 
 def scene_waves(basin: Basin, initial: Initial | None) -> waves.Components | None:
-    """Waves of a scene: of its wavemaker, else its initial state, else its moving tank; None if there are none."""
+    """Waves of a scene: those of its wavemaker, else initial state, else moving tank; None if there are none."""
     if any(waves.basin_faults(basin)):
         return None
     if basin.piston is not None:
@@ -104,7 +104,7 @@ def scene_waves(basin: Basin, initial: Initial | None) -> waves.Components | Non
 
 
 def zones(lattice: Lattice) -> tuple[Zone, ...]:
-    """Absorbing zones of a basin, one before each absorbing side, in the order of the sides."""
+    """Absorbing zones of the basin, one before each absorbing side, in the order of the sides."""
     basin = lattice.basin
     absorbing = [side for side in basin.sides if side.absorbing is not None]
     of_scene = scene_waves(basin, lattice.config.initial) if absorbing else None
@@ -112,7 +112,7 @@ def zones(lattice: Lattice) -> tuple[Zone, ...]:
 
 
 def zone(side: Side, basin: Basin, of_scene: waves.Components | None, absorbing: list[Side], spacing: float) -> Zone:
-    """Make the absorbing zone before a side, for the waves that it lets pass, else `of_scene`; `spacing` [m]."""
+    """Make the absorbing zone before a side, for waves it lets in, else `of_scene`; `absorbing`: all such sides."""
     asked, axis = side.absorbing, side.axis
     assert asked is not None
     target, given = asked.target, None
@@ -135,7 +135,7 @@ def zone(side: Side, basin: Basin, of_scene: waves.Components | None, absorbing:
 
 
 def warnings(found: tuple[Zone, ...]) -> Iterator[str]:
-    """Yield warnings of absorbing zones (`found`) too short, or filling more than half of the basin along an axis."""
+    """Yield warnings of zones that are too short, or fill more than half of the basin along an axis."""
     for one in found:
         if one.warning is not None:
             yield one.warning
@@ -149,7 +149,7 @@ def warnings(found: tuple[Zone, ...]) -> Iterator[str]:
 
 @in_kernels
 class Target:
-    """Target velocity of an absorbing zone: a current plus the waves that the side lets pass."""
+    """Target velocity of an absorbing zone: a current plus the waves that the side lets in."""
 
     def __init__(self, zone: Zone) -> None:
         self.current, self.waving = tm.vec3(zone.current), zone.given is not None
@@ -157,13 +157,13 @@ class Target:
             self.waves = PlaneWaves(zone.given)
 
     def turn(self, time: float) -> None:
-        """Set the waves of the target to a time [s]."""
+        """Set the phases of the target's waves to a time [s]."""
         if self.waving:
             self.waves.set_time(time)
 
     @ti.func
     def velocity(self, x):
-        """Target velocity [m/s] at x [m]: the current, plus the orbital velocity of waves at the time set by `turn`."""
+        """Target velocity [m/s] at x [m]: current plus orbital velocity of the waves, at the time set by `turn`."""
         v = self.current
         if ti.static(self.waving):
             v += self.waves.velocity(x)
@@ -172,7 +172,7 @@ class Target:
 
 @in_kernels
 class Walls:
-    """Walls, floor and obstacles, from which particles bounce at `collision_distance`, and absorbing zones."""
+    """Walls, floor, bed and obstacles, from which particles bounce at `collision_distance`, and absorbing zones."""
 
     def __init__(self, lattice: Lattice, images: Images) -> None:
         gap = lattice.config.collision_distance * lattice.spacing
@@ -208,7 +208,7 @@ class Walls:
         self.advance(0.0)
 
     def advance(self, time: float) -> None:
-        """Move gates and the targets of absorbing zones to a time [s]; a gate that has left stops nothing."""
+        """Move gates and the target waves of absorbing zones to a time [s]; remove gates that have left."""
         for *_, target in self.zones:
             target.turn(time)
         for b, gate in self.gates:
@@ -260,7 +260,7 @@ class Walls:
 
     @ti.func
     def piston_velocity(self, x):
-        """Velocity [m/s] of the pistons whose images push water at x [m]; zero where none is near."""
+        """Velocity [m/s] of pistons within a support of x [m], whose images push water there; else zero."""
         v = tm.vec3(0.0)
         for s, axis, _upper in ti.static(self.pistons):
             if ti.abs(x[axis] - self.images.side[s, SIDE_COLUMNS.position]) < self.images.support:
@@ -269,7 +269,7 @@ class Walls:
 
     @ti.func
     def reflect(self, v, wall, normal):
-        """Velocity [m/s] after a collision with a face that looks along `normal` and moves at `wall` [m/s]."""
+        """Velocity [m/s] after a collision with a face of outward `normal` that moves at `wall` [m/s]."""
         speed = (wall - v).dot(normal)
         if speed > 0.0:
             along = v - wall + speed * normal
@@ -280,7 +280,7 @@ class Walls:
 
     @ti.func
     def leave_obstacle(self, b, x, v):
-        """Position [m] and velocity [m/s] of a particle; in obstacle b, after a bounce from its nearest face."""
+        """Position [m] and velocity [m/s] after a bounce from the nearest face of obstacle b, if x lies in it."""
         least, face, across = OPEN, -1, 0.0
         for k in ti.static(self.axes):
             below, above = x[k] - self.faces[b, 0, k], self.faces[b, 1, k] - x[k]
@@ -313,7 +313,7 @@ class Walls:
 
     @ti.func
     def limit_motion(self, v, dt):
-        """Velocity [m/s] scaled down to move no further than the motion limit in dt [s]; and 1 if scaled, else 0."""
+        """Velocity [m/s] scaled down to the motion limit of a step of dt [s]; and 1 if scaled, else 0."""
         fast = 0
         if ti.static(self.limited):
             way = v.norm() * dt

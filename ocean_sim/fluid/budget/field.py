@@ -36,7 +36,7 @@ SURFACE_HALVINGS = 4
 
 @in_kernels
 class Spread:
-    """Point sum over particles: smoothed share of water around a point, and its first and second moments."""
+    """Law of a PointSum: share of space filled by water around a point, with its first and second moments."""
 
     sums = MOMENT_COLUMNS.size
 
@@ -45,14 +45,14 @@ class Spread:
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Share of particle j at d [m], and its products with components of d over the support (MOMENT_COLUMNS)."""
+        """Share that particle j at d [m] fills, and its products with the components of d (MOMENT_COLUMNS)."""
         w, q = self.field.weight(d), d / self.field.smoothing.support
         return w * ti.Vector([1.0, q.x, q.y, q.z, q.x * q.x, q.y * q.y, q.z * q.z, q.x * q.y, q.y * q.z, q.z * q.x])
 
 
 @in_kernels
 class DynamicPressure:
-    """Point sum over particles of p - rho0 g . x [Pa]; images add the pressure of wall and tank that move the water."""
+    """Law of a PointSum: p - rho0 g . x [Pa]; images add the pressure by which walls and tank move the water."""
 
     sums = 1
 
@@ -61,7 +61,7 @@ class DynamicPressure:
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Weighted dynamic pressure [Pa] of particle j at d [m] in a mirror; `own`: factors of `fit_plane`."""
+        """Weighted dynamic pressure [Pa] of particle j, seen at d [m] in a mirror; `own`: weights by `fit_plane`."""
         particles = self.field.particles
         x, weight = particles.position.at(j), self.field.weight(d) * self.field.factor(own, d)
         unsteady = self.field.unsteady_pull(mirror_midpoint(mirror, x))
@@ -71,7 +71,7 @@ class DynamicPressure:
 
 @in_kernels
 class Velocity:
-    """Point sum over particles of their velocity [m/s]; that of an image follows from the wall's slip."""
+    """Law of a PointSum: velocity [m/s] of the particles; that of an image follows from the wall's slip."""
 
     sums = 3
 
@@ -80,7 +80,7 @@ class Velocity:
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Weighted velocity [m/s] of particle j at d [m] in a mirror; `own`: factors of `fit_plane`."""
+        """Weighted velocity [m/s] of particle j, seen at d [m] in a mirror; `own`: weights by `fit_plane`."""
         weight = self.field.weight(d) * self.field.factor(own, d)
         return weight * mirror_velocity(mirror, self.field.particles.velocity.at(j))
 
@@ -98,7 +98,8 @@ class Field:
         pull: Pull | None = None,
         boundary: "Boundary | None" = None,
     ) -> None:
-        """`gravity`: all constant accelerations (3,) [m/s2]; `pull`: all, if the tank moves; `boundary`: bodies."""
+        """`gravity`: sum of all constant accelerations (3,) [m/s2]; `pull`: all accelerations, used if the tank moves;
+        `boundary`: solid bodies."""
         self.particles, self.smoothing = particles, smoothing
         self.moving, self.bodies = False, boundary is not None
         if pull is not None:
@@ -118,7 +119,7 @@ class Field:
 
     @ti.func
     def still_pressure(self, x):
-        """Pressure of still water at x, up to a constant [Pa]."""
+        """Pressure [Pa] of still water at x [m], up to a constant."""
         return self.head.dot(x)
 
     @ti.func
@@ -139,12 +140,13 @@ class Field:
 
     @ti.func
     def factor(self, own, d):
-        """Correction, linear in d (3,) [m], of a neighbour's weight; `own`: constant and slope from `fit_plane`."""
+        """Correction of the weight of a neighbour at d (3,) [m], linear in d; `own`: numbers from `fit_plane`."""
         return own[FACTOR_COLUMNS.constant] - vec3(own, FACTOR_COLUMNS.slope).dot(d / self.smoothing.support)
 
     @ti.func
     def fit_plane(self, x):
-        """Share of water around x [m]; constant and slope that make sums exact for linear fields, limited far away."""
+        """Share of water around x [m], and the constant and slope of weights that make sums exact for linear fields.
+        The slope is limited far from the neighbours."""
         m = self.around.total(x, self.spread, 0.0)
         share = tm.max(m[MOMENT_COLUMNS.share], 1.0e-12)
         mean = vec3(m, MOMENT_COLUMNS.first) / share
@@ -199,12 +201,12 @@ class Field:
 
 @in_kernels
 class Share:
-    """Point sum over particles: smoothed share of water around a point, 0 to about 1."""
+    """Law of a PointSum: share of space filled by water around a point, 0 to about 1."""
 
     sums = 1
 
     def __init__(self, smoothing: Smoothing, volume: float) -> None:
-        """Sum with the poly6 kernel; `volume` of a particle [m3], in 2-D its area [m2]."""
+        """Weigh by the poly6 kernel; `volume`: of a particle [m3], in 2-D its area [m2]."""
         self.smoothing, self.constant = smoothing, volume * smoothing.poly6_constant
 
     @ti.func
@@ -215,7 +217,7 @@ class Share:
 
 @in_kernels
 class FreeSurface:
-    """Height of the particles' free surface. A flat side is a mirror, so water does not seem to thin out next to it."""
+    """Height of the free surface of particles. Flat sides mirror the water, so that it is not thinner beside them."""
 
     def __init__(self, particles: Particles, grid: Grid, smoothing: Smoothing) -> None:
         self.particles, self.grid, self.smoothing = particles, grid, smoothing

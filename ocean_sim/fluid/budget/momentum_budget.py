@@ -28,21 +28,22 @@ FAR_COORDINATE = 1.0e30  # [m]
 
 
 def absent_terms(basin: Basin) -> tuple[int, ...]:
-    """Numbers of the force terms that cannot act in a basin: bed friction on a smooth bed, a sea without a patch."""
+    """Numbers of the force terms that cannot act in this basin, such as bed friction on a smooth bed."""
     return (*(() if basin.rough_bed is not None else (BED,)), *(() if basin.sea is not None else (SEA,)))
 
 
 def impulse_terms(absent: tuple[int, ...]) -> tuple[int, ...]:
-    """Numbers of the force terms that give impulses: all but diffusion, which moves nothing, and the absent ones."""
+    """Numbers of the force terms that give impulses: all but energy terms (diffusion, leak) and absent ones."""
     return tuple(term for term in range(len(TERM_NAMES)) if term not in (*absent, *ENERGY_TERMS))
 
 
 @in_kernels
 class Accounts:
-    """Extremes, impulse and work of steps, a row for each group of cells: no result depends on the order of threads."""
+    """Momentum budget: extremes, impulse and work, in a row for each group of particles. Rows are added in order, so
+    that no result depends on the order of threads."""
 
     def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...], apart: int = ROW_PADDING) -> None:
-        """Make `groups` rows, `apart` numbers apart. `impulses`: sum impulse, work of terms not `absent` (f64)."""
+        """Make `groups` rows, spaced `apart` numbers. `impulses`: also sum impulse and work of terms not `absent`."""
         self.groups, self.impulses = groups, impulses
         self.idle = absent  # terms that nothing in the scene gives
         self.overflow, self.clipped = (ti.field(int, shape=(groups, apart)) for _ in range(2))
@@ -58,18 +59,18 @@ class Accounts:
 
     @ti.func
     def begin_motion(self, group):
-        """Reset the extremes of speed and acceleration of a group."""
+        """Reset the largest speed and acceleration recorded for a group of particles."""
         self.speed2[group, 0] = self.acceleration2[group, 0] = self.sum[group, 0] = 0.0
 
     @ti.func
     def begin_density(self, group):
-        """Reset the extremes of density of a group."""
+        """Reset the least and largest density recorded for a group of particles."""
         self.thin[group, 0], self.dense[group, 0] = UNREACHABLE_DENSITY, 0.0
         self.thinner[group, 0] = self.inner[group, 0] = 0.0
 
     @ti.func
     def count_motion(self, group, v, a, fast):
-        """Include velocity v [m/s] and acceleration a [m/s2] of a particle; `fast`: 1 if the motion limit slowed it."""
+        """Record velocity v [m/s], acceleration a [m/s2] of a particle; `fast`: 1 if the motion limit slowed it."""
         v2, a2 = v.dot(v), a.dot(a)
         self.speed2[group, 0] = ti.max(self.speed2[group, 0], v2)
         self.acceleration2[group, 0] = ti.max(self.acceleration2[group, 0], a2)
@@ -78,19 +79,19 @@ class Accounts:
 
     @ti.func
     def count_density(self, group, density):
-        """Include a particle's density [kg/m3] in the extremes of a group."""
+        """Record a particle's density [kg/m3] in the extremes of its group."""
         self.thin[group, 0] = ti.min(self.thin[group, 0], density)
         self.dense[group, 0] = ti.max(self.dense[group, 0], density)
 
     @ti.func
     def count_packing(self, group, thinner):
-        """Count a particle inside the water that stands thinner by this share than its density says."""
+        """Record a particle inside the water; `thinner`: share by which particles there lie too far apart."""
         self.thinner[group, 0] = self.thinner[group, 0] + thinner
         self.inner[group, 0] = self.inner[group, 0] + 1.0
 
     @ti.func
     def count_impulse(self, group, term: Template, impulse, v):
-        """Add a term's impulse [N s] to a group, and its work v . impulse [J]; v [m/s]: mean velocity in the step."""
+        """Add a term's impulse [N s] and work v . impulse [J] to a group; v [m/s]: particle's mean velocity."""
         if ti.static(term not in self.idle):  # as the kernel is compiled; sums of other terms stay zero
             four = ti.Vector([impulse.x, impulse.y, impulse.z, impulse.dot(v)])
             for k in ti.static(range(WORK_COLUMN + 1)):
@@ -98,18 +99,18 @@ class Accounts:
 
     @ti.func
     def count_impulses(self, group, terms: Template, kick, accelerations: Template, v):
-        """Add terms' impulses, `kick` [kg s] times `accelerations` [m/s2], to a group; v [m/s] gives their work."""
+        """Add the impulses `kick` [kg s] times `accelerations` [m/s2] of several terms; v [m/s] gives their work."""
         for term, a in ti.static(zip(terms, accelerations)):
             self.count_impulse(group, term, kick * a, v)
 
     @ti.func
     def count_work(self, group, term: Template, work):
-        """Add work [J] of a force term to the sums of a group, without an impulse."""
+        """Add the work [J] of a force term on a particle, without an impulse."""
         self.given[group, term, WORK_COLUMN] = self.given[group, term, WORK_COLUMN] + ti.cast(work, ti.f64)
 
     @ti.func
     def block_extremes(self, begin, end):
-        """Reduce the rows from `begin` to `end` - 1 to the numbers that `summarise` lists."""
+        """Reduce rows `begin` to `end` - 1 to the extremes, sums and counts that `summarise` lists."""
         speed2, acceleration2, thin, dense, total, clipped, crowded = 0.0, 0.0, UNREACHABLE_DENSITY, 0.0, 0.0, 0, 0
         thinner, inner = 0.0, 0.0
         for g in range(begin, end):
@@ -123,8 +124,8 @@ class Accounts:
 
     @ti.func
     def summarise(self, summary: Template):
-        """Fill `summary` over all groups: largest squared speed and acceleration, least and largest density, a sum that
-        is not finite if any term is not, particles slowed by the motion limit, cells whose list overflows."""
+        """Fill `summary` with largest squared speed and acceleration, least and largest density, a sum that is finite
+        if all terms are, number of particles slowed by the motion limit, and number of cells whose list overflows."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             for k, number in ti.static(enumerate(self.block_extremes(0, self.groups))):
@@ -151,7 +152,7 @@ class Accounts:
             to[group, term, k] = self.given[group, term, k]
 
     def totals(self) -> dict[str, np.ndarray]:
-        """Impulse [N s], work [J] of each term since the start, (4,) each, by name; diffusion: internal energy."""
+        """Impulse [N s], work [J] since the start, (4,), by name of the force term; of diffusion: internal energy."""
         if not self.impulses:
             return {}
         self.copy_sums(self.sums_copy)
@@ -161,7 +162,7 @@ class Accounts:
 
 @in_kernels
 class Summing:
-    """Sums over all particles in float64, in fixed blocks added in order, so that no result depends on threads."""
+    """Sums over all particles in float64. Fixed blocks are added in order, so no result depends on threads."""
 
     def __init__(self, particles: Particles) -> None:
         self.particles = particles
@@ -187,14 +188,14 @@ class Summing:
 
     @ti.kernel
     def add_up(self, table: Doubles2):
-        """Fill the table, one row of sums and maxima for each block of particles."""
+        """Fill the table (a row for each block of particles) with sums and maxima."""
         for b in range(SUM_BLOCKS * TASK_ITERATIONS):
             if b % TASK_ITERATIONS == 0:
                 self.add_block(b // TASK_ITERATIONS, table)
 
     @ti.func
     def add_block(self, block, table: Template):
-        """Sum one block of particles to its row of the table."""
+        """Write sums and maxima over one block of particles to its row of the table."""
         n = self.particles.count.there()
         total, compressed = ti.Vector.zero(ti.f64, SUM_COLUMNS.size), ti.cast(0.0, ti.f64)
         low, high = tm.vec3(FAR_COORDINATE), tm.vec3(-FAR_COORDINATE)

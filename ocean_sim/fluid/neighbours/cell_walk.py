@@ -25,7 +25,8 @@ UNSHIFTED_CODE = 13  # code of what is seen where it is, through no periodic sid
 
 @in_kernels
 class CellWalk:
-    """Neighbour walk for processors: lists candidates (possible neighbours) of parts of cells and sums pair laws."""
+    """Neighbour walk for processors. It lists candidates (possible neighbours) for each part of a cell, copies their
+    fields to scratch arrays, one a column, and sums pair laws over them."""
 
     def __init__(self, particles: Particles, grid: Grid, accounts: Accounts, size: GridSize) -> None:
         self.position, self.grid, self.accounts = particles.position, grid, accounts
@@ -39,14 +40,14 @@ class CellWalk:
         self.size, self.keeps = size, False  # whether pairs are kept
 
     def keep_pairs(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> KeptPairs:
-        """Make the store of pairs that later walks with `find` fill, for solvers that iterate over them."""
+        """Make the store of pairs for solvers that iterate over them; later walks with `find` fill it."""
         self.keeps, self.blocks = True, PairBlocks(self.position, self.grid, self.scratch, smoothing, self.size)
         self.name = ti.field(int, shape=self.groups * self.width)
         return self.blocks
 
     @ti.func
     def part_bounds(self, k):
-        """Middle [m] and half the sides [m] of the bounding box of the particles in occupied part k."""
+        """Centre and half sides [m] of the box around the particles in cell part k (number among occupied ones)."""
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         first = self.grid.first[k]
         lo = tm.vec3(x[first], y[first], z[first])  # outside all loops, without which those of `list_near` are slow
@@ -57,7 +58,7 @@ class CellWalk:
 
     @ti.func
     def is_near(self, x, middle, half):
-        """1 if x [m] lies within one support of the box with this middle and half its sides [m], else 0."""
+        """1 if x [m] lies within one support of the box with this centre and half sides [m], else 0."""
         squared = 0.0
         for k in ti.static(self.grid.axes):
             away = positive(ti.abs(x[k] - middle[k]) - half[k])
@@ -66,7 +67,8 @@ class CellWalk:
 
     @ti.func
     def list_near(self, begin, end, code, shift, middle, half, first):
-        """List particles near a box, with the code of their `shift` [m], from index `first` on; return their number."""
+        """List, from index `first` on, the particles `begin` to `end` - 1 that lie near a box when moved by `shift`
+        [m], each with the `code` of the shift added; return their number."""
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         for a in range(end - begin):
             at = begin + a
@@ -75,7 +77,7 @@ class CellWalk:
 
     @ti.func
     def compact(self, names: Template, first, n, name):
-        """Replace n marks, 0 or 1, from `first` on by the numbers (from `name` on) of the ones; return how many."""
+        """Replace n marks (0 or 1) from `first` on by a list of `name` + a for each mark a of 1; return its length."""
         kept = 0
         for a in range(n):
             marked = names[first + a]
@@ -85,7 +87,7 @@ class CellWalk:
 
     @ti.func
     def find_candidates(self, c, code, middle, half, first, room):
-        """List particles near a box around cell c from `first` on; return their number, -1 if more than `room`."""
+        """List candidates near a box in cell c from index `first` on; return their number, -1 if more than `room`."""
         grid = self.grid
         m, full = 0, 0
         for dz in range(-1, 2):
@@ -100,7 +102,7 @@ class CellWalk:
 
     @ti.func
     def find_periodic_candidates(self, indices, middle, half, first, room):
-        """List candidates next to a periodic side, as `find_candidates`, each with the code of its periodic shift."""
+        """List candidates as `find_candidates`, in a cell next to a periodic side, each with the code of its shift."""
         grid = self.grid
         m, full = 0, 0
         for d in range(27):
@@ -120,7 +122,7 @@ class CellWalk:
 
     @ti.func
     def is_interior(self, c):
-        """True if no neighbour cell of c lies beyond a periodic side."""
+        """True if all neighbour cells of cell c lie in the basin, none beyond a periodic side."""
         indices, inside = self.grid.indices_of(c), True
         for k in ti.static(range(3)):
             if ti.static(self.grid.basin.periods[k] > 0.0):
@@ -129,12 +131,13 @@ class CellWalk:
 
     @ti.func
     def code_shift(self, code):
-        """Shift [m] from particles to their periodic repeats, by its code (0 to 26, 13 for no shift)."""
+        """Shift [m] from a particle to its periodic repeat, by its code: three base-3 digits, 13 for no shift."""
         return self.periods * (tm.ivec3(code % 3, code // 3 % 3, code // 9) - 1)
 
     @ti.func
     def find_images(self, mirror, middle, half, scratch, n, gap, m, first):
-        """List those of m candidates whose image in a mirror is near a box, from `first` on; return their number."""
+        """List, from index `first` on, those of m candidates whose mirror image is near a box; return their number.
+        Their positions are in the scratch from `scratch` on, with a `gap` after the first n."""
         x, y, z = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
         for a in range(m):
             at = scratch + a + ti.select(a < n, 0, gap)
@@ -144,16 +147,16 @@ class CellWalk:
 
     @ti.func
     def walk(self, law: Template, find: Template):
-        """Sum law.pair over the candidates of each particle, then call law.finish; call it at the top of a kernel.
-        `find`: list the candidates anew, by positions that law.reads holds. Mirror images of particles join the same
-        sum, or have one of their own if the law's options say `apart`."""
+        """Sum law.pair over the candidates of each particle, then call law.finish; call it at a kernel's top level.
+        `find`: True to list the candidates anew, at the positions in law.reads. Mirror images are summed with the
+        particles, or by themselves if the law's options say `apart`."""
         for g in range(self.groups * TASK_ITERATIONS):
             if g % TASK_ITERATIONS == 0:
                 self.walk_group(g // TASK_ITERATIONS, law, find)
 
     @ti.func
     def walk_group(self, group, law: Template, find: Template):
-        """Sum a law for the particles in the parts of cells of one group, and call its `finish`."""
+        """Sum a law for all particles in one group of cells (the work of one task), and call its `finish`."""
         kept = group * self.segment  # where the list of the next part begins
         if ti.static(find):
             self.accounts.overflow[group, 0] = 0
@@ -173,7 +176,7 @@ class CellWalk:
 
     @ti.func
     def list_candidates(self, k, middle, half, group, first, room):
-        """List the candidates of occupied part k from index `first` on; count an overflow if they exceed `room`."""
+        """List the candidates of cell part k from index `first` on; record an overflow if they exceed `room`."""
         c = self.grid.occupied[k]
         if ti.static(not self.periodic):
             self.candidates[k] = self.find_candidates(c, 0, middle, half, first, room)
@@ -187,7 +190,7 @@ class CellWalk:
 
     @ti.func
     def gather_part(self, k, law: Template, find: Template, group, first):
-        """Copy the law's fields of the candidates of occupied part k to the group's scratch; return their number."""
+        """Copy the law's fields of the candidates of cell part k to the scratch of its group; return their number."""
         scratch, n = group * self.width, self.candidates[k]
         if ti.static(not self.periodic):
             self.gather_unshifted(law, find, scratch, first, n, 0)
@@ -206,7 +209,7 @@ class CellWalk:
 
     @ti.func
     def gather_unshifted(self, law: Template, find: Template, scratch, first, n, code):
-        """Copy the law's fields of n candidates, all with this code and without a shift, to the scratch."""
+        """Copy the fields of n candidates to the scratch; all have this `code`, and none is shifted periodically."""
         for a in range(n):
             j = self.candidate[first + a] - code
             if ti.static(find and self.keeps):
@@ -216,9 +219,9 @@ class CellWalk:
 
     @ti.func
     def append_images(self, k, law: Template, find: Template, middle, half, group, n, entry, room):
-        """Append images of the n candidates to the scratch, behind a gap; return the number of candidates with images,
-        and where the list of the next part begins. From `entry` on, the list holds for each side next to the cell the
-        number of its images, then their candidates."""
+        """Append mirror images of the n candidates of cell part k to the scratch, behind a gap. Return the number of
+        candidates with images, and the index at which the next list may begin. From `entry` on the list holds, side by
+        side, the number of images in a side and the candidates mirrored there."""
         scratch, last, m, gap = group * self.width, (group + 1) * self.segment, n, self.image_gap(law, n)
         if ti.static(self.images.sides > 0):
             indices = self.grid.indices_of(self.grid.occupied[k])
@@ -242,7 +245,8 @@ class CellWalk:
 
     @ti.func
     def add_images(self, law: Template, find: Template, mirror, scratch, n, gap, m, first, run):
-        """Write rows of `run` images in a side, listed from `first` on, behind m candidates, n before the gap."""
+        """Write `run` mirror images, of the candidates listed from `first` on, to the scratch behind its m entries,
+        which have a `gap` after the first n."""
         for b in range(run):
             a, to = self.candidate[first + b], scratch + gap + m + b
             a += scratch + ti.select(a < n, 0, gap)
@@ -255,26 +259,26 @@ class CellWalk:
 
     @ti.func
     def padded_count(self, law: Template, count):
-        """Number of terms in a sum over `count` candidates: whole vectors if the law is `padded`, since terms behind
-        whole vectors are summed one by one, with four times the instructions each."""
+        """Number of entries summed for `count` candidates: filled up to whole vectors if the law is `padded`, as a
+        remainder would be summed one by one, with four times the instructions each."""
         whole = (count + VECTOR_LENGTH - 1) // VECTOR_LENGTH * VECTOR_LENGTH
         return whole if ti.static(law.options.padded) else count
 
     @ti.func
     def image_gap(self, law: Template, n):
-        """Number of padding rows in the scratch between n particles and their images; 0 if summed together."""
+        """Number of filler entries in the scratch between n particles and their images; 0 if summed together."""
         return self.padded_count(law, n) - n if ti.static(law.options.apart) else 0
 
     @ti.func
     def fill_up(self, law: Template, scratch, begin, end):
-        """Fill the scratch from `begin` to `end` with rows of a particle out of reach, which add nothing to a sum."""
+        """Fill the scratch from `begin` to `end` - 1 with far particles, which contribute nothing to a sum."""
         for a in range(begin, end):
             for t in ti.static(range(law.row.size)):
                 self.scratch[t][a] = FILLER_X if ti.static(t == law.row.position) else self.scratch[t][scratch]
 
     @ti.func
     def has_tension(self, column: Template, begin, end):
-        """1 if any number of this scratch column from `begin` to `end` is negative (water under tension), else 0."""
+        """1 if a scratch column (the pressures) is negative somewhere from `begin` to `end` - 1, else 0."""
         least = 0.0
         for a in range(begin, end):
             least = ti.min(least, column[a])
@@ -282,7 +286,8 @@ class CellWalk:
 
     @ti.func
     def candidate_sums(self, law: Template, pair: Template, own, begin, middle, end, find: Template, to):
-        """Sums of `pair` over scratch rows `begin` to `middle`, and over images to `end`; keeps shapes from `to` on."""
+        """Sums of `pair` over scratch entries `begin` to `middle` - 1, and apart over images up to `end` - 1. With
+        `find`, gradient shapes of the pairs are stored from index `to` on."""
         total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
         for a in range(begin, middle):
             total += self.candidate_term(law, pair, own, a, find, to + a - begin)
@@ -293,7 +298,7 @@ class CellWalk:
 
     @ti.func
     def candidate_term(self, law: Template, pair: Template, own, a, find: Template, to):
-        """Term of scratch row a in the sum; if pairs are kept, its gradient shape is stored at index `to`."""
+        """Contribution of scratch entry a to the sum; if pairs are stored, its gradient shape goes to index `to`."""
         other = ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))])
         if ti.static(find and self.keeps):
             self.blocks.keep_shape(vec3(own, law.row.position) - vec3(other, law.row.position), to)
@@ -301,7 +306,7 @@ class CellWalk:
 
     @ti.func
     def sum_up(self, k, law: Template, find: Template, group, n, m):
-        """Sum the law for each particle of part k over m candidates, the first n particles, and call its `finish`."""
+        """Sum the law for each particle of cell part k over m candidates, n of them particles; call its `finish`."""
         # Layout of the scratch: particles up to `images`, then their images up to `end`, each filled up if padded.
         scratch = group * self.width
         images, end = scratch + n + self.image_gap(law, n), scratch + self.padded_count(law, m)

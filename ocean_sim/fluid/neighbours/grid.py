@@ -28,7 +28,7 @@ class Grid:
     """Uniform grid of cells over the basin, and the stable counting sort of particles into them."""
 
     def __init__(self, particles: Particles, size: GridSize, carried: tuple[ti.Field, ...] = ()) -> None:
-        """Make the grid of these particles; `carried`: further fields of a number each that the sort moves along."""
+        """Make the grid of these particles; `carried`: fields besides their state that the sort moves along."""
         self.size = size
         self.images = Images(size)
         self.support, self.n, self.basin = size.support, particles.n, size.lattice.basin
@@ -63,12 +63,12 @@ class Grid:
 
     @ti.func
     def indices_at(self, x):
-        """Indices (along x, y, z, padding counted) of the cell that holds x [m]."""
+        """Indices along x, y, z of the cell that holds x [m]; padding cells count."""
         return self.cell_of(self.cell_coordinates(x))
 
     @ti.func
     def cell_coordinates(self, x):
-        """Position x [m] in cells from the padding's corner; heights above the grid fold into its top `sky` layers."""
+        """Position x [m] in cell widths from the padding's corner; above the grid, heights fold into its top layers."""
         place = (x - self.lower) * self.per_width + 1.0
         above = place.y - self.top
         if above > 0.0:
@@ -78,12 +78,12 @@ class Grid:
 
     @ti.func
     def cell_of(self, place):
-        """Indices of the cell that holds a point given in units of cells; a border cell beyond the grid."""
+        """Indices of the cell that holds `place` [cell widths]; beyond the grid, of the nearest border cell."""
         return tm.clamp(ti.cast(place, int), 1, tm.ivec3(self.cells) - 2)
 
     @ti.func
     def part_at(self, x):
-        """Number, over all cells, of the part of a cell that holds x [m]."""
+        """Number of the cell part that holds x [m]; the parts of all cells are numbered in succession."""
         place = self.cell_coordinates(x)
         indices = self.cell_of(place)
         part = self.cell_at(indices)
@@ -96,7 +96,7 @@ class Grid:
 
     @ti.func
     def first_part(self, group):
-        """Number of a group's first occupied part; for `group` = number of groups, the number of all occupied parts."""
+        """Number of a group's first occupied cell part; for `group` = number of groups, the number of all of them."""
         return group * self.occupied_count[None] // ti.static(self.size.groups)
 
     @ti.func
@@ -112,7 +112,7 @@ class Grid:
 
     @ti.func
     def at_rim(self, indices, layers: Template):
-        """True if a cell lies in the outermost `layers` at any side of the grid."""
+        """True if the cell with these indices lies in the outermost `layers` at any side of the grid."""
         return (indices <= layers).any() or (indices >= tm.ivec3(self.cells) - 1 - layers).any()
 
     @ti.func
@@ -125,7 +125,7 @@ class Grid:
 
     @ti.func
     def stage_state(self, i, x, v):
-        """Store the next position x [m] and velocity v [m/s] of particle i, and its part of a cell, for the sort."""
+        """Store the next position x [m] and velocity v [m/s] of particle i, and its cell part, for the next sort."""
         x = self.wrap_position(x)
         self.part[i] = self.part_at(x)
         self.stage_motion(i, x, v)
@@ -134,13 +134,13 @@ class Grid:
 
     @ti.func
     def stage_motion(self, i, x, v):
-        """Store the next position x [m] and velocity v [m/s] of particle i, which stays in its cell."""
+        """Store the next position x [m] and velocity v [m/s] of particle i; the cell by which it is sorted stays."""
         for k in ti.static(range(3)):
             self.moved[STATE_COLUMNS.position + k][i], self.moved[STATE_COLUMNS.velocity + k][i] = x[k], v[k]
 
     @ti.func
     def whole_quanta(self, i, way):
-        """Round the move `way` [m] of particle i, plus the rest of its last one, to whole quanta [m]; keep the rest."""
+        """Round a move `way` [m] of particle i, plus what its last move left over, to whole quanta; store the rest."""
         now = tm.vec3(0.0)
         for k in ti.static(self.axes):
             whole = way[k] + self.left[k][i]
@@ -150,7 +150,7 @@ class Grid:
 
     @ti.func
     def sort(self):
-        """Sort the staged states by cell into the particles' fields (stable counting sort), at the top of a kernel."""
+        """Sort the staged states by cell (stable counting sort) into the particles' fields; at a kernel's top level."""
         if ti.static(self.chunks == 1):
             ti.loop_config(serialize=True)
             for _ in range(1):
@@ -170,7 +170,7 @@ class Grid:
 
     @ti.func
     def count_chunk(self, b):
-        """Count the particles of chunk b in each part of a cell."""
+        """Count the particles of chunk b, a run of particles in storage order, in each cell part."""
         first = b * self.cell_count * self.parts
         for c in range(self.cell_count * self.parts):
             self.count[first + c] = 0
@@ -181,7 +181,7 @@ class Grid:
 
     @ti.func
     def scan_counts(self):
-        """Replace counts by the first index of every cell, part and chunk (prefix sum), and list occupied parts."""
+        """Turn the counts into first indices of every cell, part and chunk (prefix sum); list occupied cell parts."""
         total, occupied = 0, 0
         for c in range(self.cell_count):
             self.start[c] = total
@@ -200,7 +200,7 @@ class Grid:
 
     @ti.func
     def place_chunk(self, b):
-        """Move the staged particles of chunk b to their sorted places."""
+        """Move the staged states of the particles of chunk b to their sorted places."""
         n = self.particles.there()
         for i in range(b * n // self.chunks, (b + 1) * n // self.chunks):
             k = b * self.cell_count * self.parts + self.part[i]

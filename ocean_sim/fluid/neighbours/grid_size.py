@@ -22,8 +22,8 @@ FEW_TASKS, MANY_TASKS = 16, 64  # groups of cells for few and many particles; ea
 
 @dataclass(frozen=True)
 class Plan:
-    """Division of particles into tasks, and the classes that sort them and walk over neighbours (particle_walk.PLANS);
-    this one suits a processor's threads: few long tasks, each with a list of candidates for its cells."""
+    """Division of work into tasks, and the classes that sort particles and walk over neighbours (particle_walk.PLANS).
+    This one suits a processor's threads: few long tasks, each with candidate lists for its cells."""
 
     grid: Any  # constructor of the cells
     accounts: Any  # constructor of the accounts of a step
@@ -32,37 +32,37 @@ class Plan:
     samples: ClassVar[int] = 32  # samples of solid bodies of a task
 
     def task_count(self, n: int) -> int:
-        """Number of tasks (groups) for n particles, which is the number of rows of the momentum budget."""
+        """Number of tasks for n particles; each has a group of particles and a row of the momentum budget."""
         return FEW_TASKS if n <= MAX_SERIAL_PARTICLES else MANY_TASKS
 
     def chunk_count(self, n: int) -> int:
-        """Number of chunks in which n particles are counted and sorted."""
+        """Number of chunks into which the sort divides n particles, to count and place each chunk by itself."""
         return 1 if n <= MAX_SERIAL_PARTICLES else SORT_CHUNKS
 
     def parts_per_axis(self, full: float, dimension: int) -> int:
-        """Number of parts into which a cell is cut along each axis; `full`: particles in a cell of water at rest."""
+        """Number of parts into which each cell is cut along an axis; `full`: particles in a cell of water at rest."""
         return 2 if full >= MIN_PART_PARTICLES * 2**dimension else 1
 
     def sorting_integers(self, n: int, cells: int) -> int:
-        """Number of integers that the sort needs for n particles, besides a counter for each cell and chunk."""
+        """Number of integers that the sort of n particles needs besides its counters; 0 on a processor."""
         return 0
 
     def list_bytes(self, size: "GridSize", word: int) -> int:
-        """Bytes of the lists of candidates (possible neighbours) and the scratch; `word`: bytes of a `float`."""
+        """Memory [bytes] of candidate lists (possible neighbours) and scratch; `word`: bytes of a `float`."""
         return 4 * (size.occupied + size.groups * size.segment) + word * size.groups * size.width * size.reads
 
     def pair_bytes(self, size: "GridSize", neighbours: int, word: int) -> int:
-        """Bytes of the pairs kept for a step; `neighbours`: of a lattice particle; `word`: bytes of a `float`."""
+        """Memory [bytes] of the stored pairs; `neighbours`: of a lattice particle; `word`: bytes of a `float`."""
         names = 4 * (4 * size.occupied + size.groups * (size.width + 2 + size.kept_candidates))
         shapes = size.lattice.n * size.shapes_per_particle + size.groups * size.spare_shapes
         return names + word * (shapes + 3 * size.groups * size.kept_candidates)
 
     def highest_index(self, size: "GridSize", neighbours: int) -> int:
-        """Highest index of a walk, to fit in 32 bits; `neighbours`: of a particle, 0 if pairs are not kept."""
+        """Highest index in a walk, which must fit in 32 bits; `neighbours` of a particle, 0 if pairs are not stored."""
         return size.groups * max(size.lattice.n, size.kept_candidates if neighbours else size.segment)
 
     def account_bytes(self, n: int, word: int, impulses: bool) -> int:
-        """Bytes of the momentum budget of n particles; 0 where it is negligible."""
+        """Memory [bytes] of the momentum budget of n particles; 0 where it is negligible."""
         return 0
 
 
@@ -78,7 +78,7 @@ class GridSize:
 
     @property
     def inner_cells(self) -> list[tuple[int, float]]:
-        """Number of cells between the sides of the basin and their width [m], at least a support, on each axis."""
+        """Number of cells between the basin's sides and their width [m], at least a support, for each axis."""
         extents = np.subtract(self.lattice.basin.upper, self.lattice.basin.lower)
         counts = [max(1, int(extent / self.support + 1e-9)) for extent in extents]
         return [(n, float(extent) / n or self.support) for n, extent in zip(counts, extents, strict=True)]
@@ -91,7 +91,7 @@ class GridSize:
 
     @property
     def sky(self) -> int:
-        """Number of the uppermost layers of cells, into which particles that fly above the grid are folded."""
+        """Number of top layers of cells, into which particles above the grid are folded by height."""
         return max(1, self.inner_cells[1][0] // 2)
 
     @property
@@ -101,7 +101,7 @@ class GridSize:
 
     @property
     def count_numbers(self) -> int:
-        """Number of counters for the sort: one for every part of a cell and chunk of particles."""
+        """Number of counters for the sort: one for each cell part and chunk of particles."""
         return self.cell_count * self.parts * self.chunks
 
     @property
@@ -111,16 +111,17 @@ class GridSize:
 
     @property
     def parts_per_axis(self) -> int:
-        """Number of parts into which a cell is cut along each axis, 1 or 2."""
+        """Number of parts, 1 or 2, into which each cell is cut along an axis."""
         return self.plan.parts_per_axis(self.cell_particles, self.lattice.basin.dimension)
 
     @property
     def parts(self) -> int:
-        """Number of parts of a cell; its particles are sorted by part, as a part has fewer candidates than a cell."""
+        """Number of parts of a cell. Particles are sorted by cell part, as a part has fewer candidates than a cell."""
         return int(self.parts_per_axis**self.lattice.basin.dimension)
 
     def quantum(self, eps: float) -> float:
-        """Smallest step [m], a power of two, of positions exact anywhere in the basin in floats of spacing `eps`."""
+        """Unit of moves [m], a power of two whose multiples are exact in the whole basin, in floats of spacing
+        `eps`."""
         basin = self.lattice.basin
         return eps * 2.0 ** floor(log2(max(map(abs, (*basin.lower, *basin.upper)))))
 
@@ -130,16 +131,16 @@ class GridSize:
 
     @property
     def groups(self) -> int:
-        """Number of groups of cells or particles, each a task: depends on the scene, never on the number of threads."""
+        """Number of tasks (groups of cells or particles); it depends on the scene, not on the number of threads."""
         return self.plan.task_count(self.lattice.n)
 
     @property
     def occupied(self) -> int:
-        """Upper bound of the number of parts of cells that hold a particle."""
+        """Upper bound of the number of cell parts that hold a particle."""
         return min(self.lattice.n, self.cell_count * self.parts)
 
     def bytes(self, word: int) -> int:
-        """Bytes of the grid and of the staging fields of the sort; `word`: size of a `float` [bytes]."""
+        """Memory [bytes] of the grid and of the sort's staging fields; `word`: bytes of a `float`."""
         return (
             4 * (2 * self.lattice.n + self.count_numbers + self.cell_count + 2 * self.occupied + 3)
             + word * (6 + 2 * self.lattice.basin.dimension + self.carried) * self.lattice.n
@@ -148,28 +149,28 @@ class GridSize:
 
     @property
     def rest_candidates(self) -> float:
-        """Number of candidates of a part of a cell in water at rest: particles in a box two supports wider."""
+        """Mean number of candidates of a cell part in water at rest: particles in a box two supports wider."""
         return (2.0 + 1.0 / self.parts_per_axis) ** self.lattice.basin.dimension * self.cell_particles
 
     @property
     def capacity(self) -> int:
-        """Largest number of candidates of one part of a cell: water compressed four times, and many for splashes."""
+        """Largest number of candidates of a cell part: four times that of water at rest, and 256 for splashes."""
         return int(4.0 * self.rest_candidates) + 256
 
     @property
     def segment(self) -> int:
-        """Largest number of candidates of all parts of a group: twice that of water at rest whose parts are full."""
+        """Largest number of candidates in all lists of a group: about twice that of water at rest."""
         parts = self.lattice.n / (self.cell_particles / self.parts)
         return int(2.0 * parts / self.groups * self.rest_candidates) + 4 * self.capacity
 
     @property
     def width(self) -> int:
-        """Length of a group's scratch column: candidates of one part, and padding of two lists to whole vectors."""
+        """Length of a scratch column of a group: candidates of one cell part, two lists filled up to whole vectors."""
         return self.capacity + 2 * VECTOR_LENGTH
 
     @property
     def shapes_per_particle(self) -> int:
-        """Number of gradient shapes kept for each particle; those without room are computed again at each reading."""
+        """Number of gradient shapes (one a pair) stored for each particle; those that do not fit are recomputed."""
         lattice, side = self.lattice, 1.0 / self.parts_per_axis
         around = side**2 + 4.0 * side + pi
         if lattice.basin.dimension == 3:
@@ -178,10 +179,11 @@ class GridSize:
 
     @property
     def spare_shapes(self) -> int:
-        """Number of a group's kept shapes besides those of its particles; particles without room share the last."""
+        """Number of gradient shapes that a group stores in reserve; particles without room share the last `width`."""
         return 4 * self.capacity + self.width
 
     @property
     def kept_candidates(self) -> int:
-        """Largest number of candidates a group keeps: its `segment`, and padding of particles that are alone."""
+        """Largest number of candidates that a group stores with its pairs: `segment`, and entries to fill up
+        vectors."""
         return self.segment + VECTOR_LENGTH * (self.lattice.n // self.groups)

@@ -23,8 +23,8 @@ POSITION_SIGN, POSITION_OFFSET, VELOCITY_SIGN, VELOCITY_OFFSET, SIDE_ACCELERATIO
 
 @in_kernels
 class Images:
-    """Flat sides that mirror the water. A row of `side`: axis, first and last layer of cells next to it, position [m],
-    slip, twice its velocity [m/s] and its acceleration along the axis [m/s2]."""
+    """Flat sides of the basin that mirror the water. A row of `side`: axis, first and last layer of cells next to it,
+    position [m], slip, twice its velocity [m/s] and its acceleration along the axis [m/s2]."""
 
     def __init__(self, size: GridSize) -> None:
         sides = size.lattice.basin.sides
@@ -44,7 +44,7 @@ class Images:
         self.advance(0.0)
 
     def advance(self, time: float) -> None:
-        """Move the piston sides to their position, velocity and acceleration at a time [s]."""
+        """Set position, velocity and acceleration of the moving sides (pistons) to a time [s]."""
         for s, side, piston in self.pistons:
             x, v, a = piston.at(time)
             self.side[s, SIDE_COLUMNS.position] = side.position + x
@@ -59,8 +59,8 @@ class Images:
 
     @ti.func
     def mirror(self, s):
-        """Mirror matrix (5, 3) of side s: an image lies at POSITION_SIGN * x + POSITION_OFFSET [m] and moves with
-        VELOCITY_SIGN * v + VELOCITY_OFFSET [m/s], behind a wall that accelerates by SIDE_ACCELERATION [m/s2]."""
+        """Mirror matrix (5, 3) of side s, with rows POSITION_SIGN to SIDE_ACCELERATION. An image lies at sign * x +
+        offset [m], moves with sign * v + offset [m/s], and its wall accelerates by the last row [m/s2]."""
         mirror = ti.Matrix.zero(float, 5, 3)
         for k in ti.static(range(3)):
             across = int(self.side[s, SIDE_COLUMNS.axis]) == k
@@ -103,7 +103,7 @@ def mirror_position(mirror, x):
 
 @ti.func
 def mirror_midpoint(mirror, x):
-    """Midpoint [m] between x and its image, where an acceleration linear in position has its mean over that line."""
+    """Midpoint [m] between x [m] and its image, where a field linear in position has its mean over that line."""
     return 0.5 * (x + mirror_position(mirror, x))
 
 
@@ -115,7 +115,8 @@ def mirror_direction(mirror, d):
 
 @ti.func
 def hydrostatic_offset(mirror, x, pull):
-    """Rise of p / rho [m2/s2] from x to its image: (gravity `pull` - acceleration of the side) . (image of x - x)."""
+    """Rise of p / rho [m2/s2] from x to its image in water at rest, under gravity `pull` [m/s2] and the motion of the
+    side."""
     wall = tm.vec3([mirror[SIDE_ACCELERATION, k] for k in ti.static(range(3))])
     return (pull - wall).dot(mirror_position(mirror, x) - x)
 
@@ -128,7 +129,7 @@ def mirror_velocity(mirror, v):
 
 @ti.func
 def mirror_row(mirror, other):
-    """Field values `other` of a neighbour, mirrored: position and velocity, the first columns; others unchanged."""
+    """Field values of the image of a neighbour `other`: position and velocity mirrored, all else the same."""
     x_image = mirror_position(mirror, vec3(other, MOTION_COLUMNS.position))
     v_image = mirror_velocity(mirror, vec3(other, MOTION_COLUMNS.velocity))
     image = other
@@ -139,8 +140,8 @@ def mirror_row(mirror, other):
 
 @ti.func
 def mirror_row_free_slip(mirror, other):
-    """Field values of a neighbour's image in a side taken as frictionless. Water that a rough side drags along is
-    neither pressed together nor drawn apart by it (Marrone et al. 2011, CMAME 200, section 3.2)."""
+    """Field values of a neighbour's image as `mirror_row`, but in a side taken as frictionless. Water dragged along a
+    rough side is so neither compressed nor stretched by it (Marrone et al. 2011, CMAME 200, sect. 3.2)."""
     image = mirror_row(mirror, other)
     for k in ti.static(range(3)):
         if mirror[POSITION_SIGN, k] > 0.0:
@@ -150,7 +151,7 @@ def mirror_row_free_slip(mirror, other):
 
 @ti.func
 def row_at(own, d, v):
-    """Field values `own` of a particle (position and velocity first), moved by d [m] and with velocity v [m/s]."""
+    """Field values `own` of a particle with its position moved by d [m] and its velocity replaced by v [m/s]."""
     other = own
     for k in ti.static(range(3)):
         other[MOTION_COLUMNS.position + k], other[MOTION_COLUMNS.velocity + k] = own[k] + d[k], v[k]

@@ -25,26 +25,27 @@ MIN_SLOTS = 48  # slots of a particle at least
 
 
 def slot_count(neighbours: int) -> int:
-    """Number of pair slots of a particle that has so many neighbours on the lattice."""
+    """Number of slots for stored pairs of a particle that has `neighbours` on the lattice."""
     return max(MIN_SLOTS, int(SLOTS_PER_NEIGHBOUR * neighbours))
 
 
 @in_kernels
 class KeptLaw(Law):
-    """Pair law over kept pairs, whose gradients are stored: its row lacks the position."""
+    """Pair law summed over stored pairs. It reads no positions, since the pairs' gradients are stored, too."""
 
     @abstractmethod
     def kept_image(self, other: Any, name: Any, away: Any) -> Any:
-        """Field values of the image of neighbour `other`; `name` codes its mirrored axes; `away` leads to the water."""
+        """Field values of the image of neighbour `other`; `name` codes the mirrored axes; `away` points into the
+        water."""
 
     @abstractmethod
     def kept_pair(self, own: Any, other: Any, gradient: Any) -> Any:
-        """Term of one neighbour, as `pair`; `gradient`: grad W without its constant; `own`, `other`: field values."""
+        """Contribution of one neighbour from field values `own`, `other` and `gradient`, grad W over its constant."""
 
 
 @in_kernels
 class KeptPairs(ABC):
-    """Interface of a store of the pairs of each particle with its neighbours and their images, for one step."""
+    """Interface of a store of the neighbours, mirror images included, of each particle for one step."""
 
     def __init__(self, images: Images) -> None:
         self.images = images
@@ -52,21 +53,22 @@ class KeptPairs(ABC):
 
     @abstractmethod
     def walk(self, law: Any) -> None:
-        """ti.func, at the top of a kernel: sum law.kept_pair over all pairs of each particle, then call law.finish."""
+        """ti.func at a kernel's top level: sum law.kept_pair over the pairs of each particle, call law.finish."""
 
     @ti.func
     def particle_row(self, law: Template, j):
-        """Values of the fields that a law reads, for particle j."""
+        """Values, for particle j, of the fields that a law reads."""
         return ti.Vector([field[j] for field in ti.static(law.reads)])
 
     @ti.func
     def image_row(self, law: Template, name, away):
-        """Values of the law's fields for the image with this name; `away` points from the image into the water."""
+        """Values of a law's fields for the image with code `name` (particle and axes); `away` points into the water."""
         return law.kept_image(self.particle_row(law, name % MOST_PARTICLES), name, away)
 
     @ti.func
     def image_velocity(self, v, name, away):
-        """Velocity [m/s] of an image: axes coded in `name` change sign, a piston adds twice its own towards `away`."""
+        """Velocity [m/s] of the image of a particle with velocity v: mirrored axes, coded in `name`, change sign. An
+        image in a piston gains twice the piston's velocity; `away` leads from the image into the water."""
         image, flips = v, name // MOST_PARTICLES
         for k in ti.static(range(3)):
             image[k] = ti.select(flips >> k & 1, -image[k], image[k])
@@ -79,7 +81,7 @@ class KeptPairs(ABC):
 
 @in_kernels
 class PairSlots(KeptPairs):
-    """Kept pairs in a fixed number of slots for each particle: pairs with particles first, then with images."""
+    """Stored pairs in the same number of slots for each particle: pairs with particles first, then with images."""
 
     def __init__(self, n: int, images: Images, tasks: Tasks, neighbours: int) -> None:
         super().__init__(images)
@@ -110,7 +112,7 @@ class PairSlots(KeptPairs):
 
 @ti.func
 def flip_code(mirror):
-    """Code of the axes along which a mirror reverses, as part of the name of an image."""
+    """Code of the axes that a mirror reverses, three bits above the particle's index in the name of an image."""
     mirror_velocity = 0
     for k in ti.static(range(3)):
         mirror_velocity += int(mirror[POSITION_SIGN, k] < 0.0) << k
@@ -119,12 +121,13 @@ def flip_code(mirror):
 
 @in_kernels
 class PairBlocks(KeptPairs):
-    """Kept pairs by part of a cell: candidates in whole vectors, particles before images; and shapes of grad W."""
+    """Stored pairs by cell part: candidates, particles before images, in whole vectors, and the gradient shape of each
+    pair (grad W over the vector between both, one number)."""
 
     def __init__(
         self, position: Components, grid: Grid, scratch: tuple[ti.Field, ...], smoothing: Smoothing, size: GridSize
     ) -> None:
-        """Make the store; `scratch`: columns of a number for each candidate of a part, positions first."""
+        """Make the store; `scratch`: columns with one number for each candidate of a cell part, position first."""
         super().__init__(grid.images)
         self.position, self.grid, self.scratch, self.smoothing = position, grid, scratch, smoothing
         self.groups, self.width, self.segment = size.groups, size.width, size.kept_candidates
@@ -143,17 +146,18 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def shape_start(self, group):
-        """Index of the first kept shape of a group, which follows from its first particle."""
+        """Index of the first stored gradient shape (see PairBlocks) of a group, by the particles before the group."""
         return self.shapes_per_particle * self.grid.first[self.grid.first_part(group)] + group * self.spare_shapes
 
     @ti.func
     def spare_start(self, group):
-        """Index of the spare shapes of a group, which a particle without room uses."""
+        """Index of a group's reserve of gradient shapes, shared by its particles without room for their own."""
         return self.shape_start(group + 1) - self.width
 
     @ti.func
     def keep_part(self, k, group, names: Template, n, images, m, end):
-        """Store m candidates of part k; return its first shapes' index, the step between, and 1 if there is room."""
+        """Store the candidates of cell part k: n particles, then images from scratch `images` on to `end`, m in all.
+        Return the index of its first gradient shape, the step from particle to particle, and 1 if there was room."""
         scratch, first, begun = group * self.width, self.next_first[group], self.next_begun[group]
         near, seen, room = images - scratch, end - scratch, 1
         if first + seen > (group + 1) * self.segment:
@@ -174,7 +178,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def keep_shape(self, away, to):
-        """Store the shape of grad W of a pair (see PairBlocks) at index `to`; `away`: between its particles [m]."""
+        """Store the gradient shape of a pair (see PairBlocks) at index `to`; `away`: between both particles [m]."""
         self.shape[to] = self.smoothing.shape_gradient(ti.sqrt(away.dot(away)))
 
     @ti.func
@@ -192,7 +196,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def gather(self, k, law: Template, scratch):
-        """Copy the fields that the law reads, for the candidates of part k, to the scratch from index `scratch` on."""
+        """Copy the fields that the law reads, for the candidates of cell part k, to the scratch from `scratch` on."""
         first, near = self.first[k], self.near[k]
         own = self.position.at(self.grid.first[k])  # of one of them, in the water
         for a in range(near):
@@ -206,7 +210,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def sum_up(self, k, law: Template, group):
-        """Sum the law for every particle of part k over its candidates, and call its `finish`."""
+        """Sum the law for every particle of cell part k over its stored candidates, and call its `finish`."""
         begun, near, seen = self.begun[k], self.near[k], self.seen[k]
         kept = begun < self.spare_start(group)
         for i in range(self.grid.first[k], self.grid.first[k + 1]):
@@ -222,7 +226,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def pair_sum(self, law: Template, place, own, k, group, begun, begin, end):
-        """Sum over candidates `begin` to `end` of part k for a particle at `place` [m]; `begun`: its first shape."""
+        """Sum for a particle at `place` [m] over candidates `begin` to `end` - 1 of part k, shapes from `begun` on."""
         first, scratch, total = self.first[k], group * self.width, ti.Vector.zero(float, law.terms.size)
         for a in range(begin, end):
             away = place - self.place.at(first + a)

@@ -31,7 +31,7 @@ SUM_BLOCK_CELLS = 128  # cells that a thread adds up
 
 
 def level_sizes(cells: int) -> list[int]:
-    """Sizes of the levels of a prefix sum over cells: each number sums SUM_BLOCK_CELLS of the level before."""
+    """Lengths of the levels of a prefix sum over cells; a number sums SUM_BLOCK_CELLS of the level below."""
     sizes = [cells + 1]
     while sizes[-1] > 1:
         sizes.append(-(-sizes[-1] // SUM_BLOCK_CELLS))
@@ -40,8 +40,8 @@ def level_sizes(cells: int) -> list[int]:
 
 @in_kernels
 class WideGrid(Grid):
-    """Grid for graphics cards: a counting sort with a prefix sum over blocks of cells, one thread a particle. It is
-    stable, since each particle counts those of its cell that came before it in the old order."""
+    """Grid for graphics cards: counting sort with a prefix sum over blocks of cells, one thread for each particle. The
+    sort is stable, as each particle counts those of its cell that came before it in the old order."""
 
     def __init__(self, particles: Particles, size: GridSize, carried: tuple[ti.Field, ...] = ()) -> None:
         super().__init__(particles, size, carried)
@@ -83,7 +83,7 @@ class WideGrid(Grid):
 
     @ti.func
     def place_particle(self, i):
-        """Move particle i to its sorted place: after those of its cell that were stored before it."""
+        """Move particle i to its sorted place, behind those of its cell that had a lower index before."""
         c = self.part[i]
         to = self.start[c]
         for k in range(self.start[c], self.start[c + 1]):
@@ -94,7 +94,7 @@ class WideGrid(Grid):
 
 @in_kernels
 class WideAccounts(Accounts):
-    """Momentum budget with a row for each particle; rows are summed in blocks, and the blocks in fixed order."""
+    """Momentum budget with a row for each particle, summed in blocks, and the blocks in a fixed order."""
 
     def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...]) -> None:
         super().__init__(groups, impulses, absent, apart=1)
@@ -109,7 +109,7 @@ class WideAccounts(Accounts):
 
     @ti.func
     def add_up(self, b):
-        """Reduce the rows of block b to one row, without impulses and work."""
+        """Reduce the rows of block b of the particles to one row, impulses and work excepted."""
         blocks, end = self.blocks, ti.min((b + 1) * self.block, self.groups)
         v2, a2, thin, dense, total, clipped, crowded, thinner, inner = self.block_extremes(b * self.block, end)
         blocks.speed2[b, 0], blocks.acceleration2[b, 0], blocks.thin[b, 0], blocks.dense[b, 0] = v2, a2, thin, dense
@@ -118,7 +118,7 @@ class WideAccounts(Accounts):
 
     @ti.kernel
     def add_up_impulses(self):
-        """Sum impulses and work over the rows of each block."""
+        """Sum impulses and work over the particles of each block."""
         for b in range(self.blocks.groups):
             for term in ti.static(self.terms):
                 four = ti.Vector.zero(ti.f64, WORK_COLUMN + 1)
@@ -136,16 +136,16 @@ class WideAccounts(Accounts):
 
 @in_kernels
 class RowLaw:
-    """Law of a `PointSum` made from a pair law: its terms with particles around a particle, or with their images."""
+    """Adapter that makes a pair law a law of a `PointSum`, to sum over particles or over their mirror images."""
 
     def __init__(self, law: Law, grid: Grid, reflected: bool) -> None:
-        """Adapt a law; `reflected`: True for a sum over images, whose `own_and_sides` ends in their set of sides."""
+        """Adapt a law. `reflected`: True to sum over images; `own_and_sides` then ends in the code of their sides."""
         self.law, self.images, self.reflected, self.sums = law, grid.images, reflected, law.terms.size
         self.periodic = any(grid.basin.periods)
 
     @ti.func
     def term(self, own_and_sides, j, d, mirror):
-        """Pair term with particle j or its image, at d [m]; `own_and_sides`: the particle's values, then its sides."""
+        """Contribution of particle j or its image at d [m]; `own_and_sides`: own particle's values, then its sides."""
         own = ti.Vector([own_and_sides[k] for k in ti.static(range(self.law.row.size))])
         other = ti.Vector([field[j] for field in ti.static(self.law.reads)])
         if ti.static(self.reflected):
@@ -161,7 +161,7 @@ class RowLaw:
 
 @in_kernels
 class PairCollector:
-    """Law of a `PointSum` that, instead of summing, stores the kept pairs of the particle with index `own`."""
+    """Law of a `PointSum` that does not sum, but stores the pairs of particle `own`."""
 
     sums = 1
 
@@ -170,7 +170,7 @@ class PairCollector:
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Store the pair of particle `own` and j, or its image, at d [m], if d is in the support and not 0; 1 if so."""
+        """Store the pair of `own` and particle j, or its image, at d [m] if d is in the support and not 0; 1 if so."""
         r2, found = d.dot(d), 0.0
         if r2 < self.smoothing.support * self.smoothing.support and r2 > 0.0:
             seen, found = self.pairs.seen[own], 1.0
@@ -194,13 +194,13 @@ class ParticleWalk:
         self.keeps = False
 
     def keep_pairs(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> KeptPairs:
-        """Make the store of pairs that walks with `find` fill; `neighbours`: number at a particle on the lattice."""
+        """Make the store of pairs, filled by walks with `find`; `neighbours`: of a particle on the lattice."""
         self.keeps, self.pairs = True, PairSlots(self.most, self.grid.images, tasks, neighbours)
         self.kept = PairCollector(self.pairs, smoothing)
         return self.pairs
 
     def sums_of(self, law: Law) -> tuple[PointSum, RowLaw, RowLaw]:
-        """PointSum over the fields that a law reads, and its RowLaws for particles and for images; cached by law."""
+        """Objects that sum a law, cached by law: a PointSum of its fields, and RowLaws for particles and images."""
         if law not in self.shown:
             places = PointSum(law.reads[:3], self.grid)
             self.shown[law] = places, RowLaw(law, self.grid, False), RowLaw(law, self.grid, True)
@@ -208,7 +208,7 @@ class ParticleWalk:
 
     @ti.func
     def walk(self, law: Template, find: Template):
-        """Sum law.pair over the neighbours of each particle, then call law.finish; `find`: also keep the pairs."""
+        """Sum law.pair over the neighbours of each particle, then call law.finish; `find`: also store the pairs."""
         around, water, images = ti.static(self.sums_of(law))
         for i in range(self.most):
             law.begin(i)
@@ -227,7 +227,7 @@ class ParticleWalk:
 
     @ti.func
     def image_total(self, x, own, around: Template, images: Template):
-        """Sum of a law over images around a particle at x [m]; `around`, `images`: PointSum and RowLaw of sums_of."""
+        """Sum of a law over mirror images around a particle at x [m]; `around`, `images`: from `sums_of`."""
         here, total = self.grid.wrap_position(x), ti.Vector.zero(float, images.sums)
         reach = around.sides_in_reach(here)
         own_and_sides = ti.Vector.zero(float, images.law.row.size + 1)
@@ -241,7 +241,7 @@ class ParticleWalk:
 
     @ti.func
     def store_pairs(self, i, x, around: Template):
-        """Store the kept pairs of particle i at x [m], found by the PointSum `around`: particles, then images."""
+        """Store the pairs of particle i at x [m], found by the PointSum `around`: first particles, then images."""
         pairs = self.pairs
         pairs.seen[i] = 0
         around.water_total(x, self.kept, i)
@@ -263,7 +263,7 @@ class ParticlePlan(Plan):
         return n
 
     def chunk_count(self, n: int) -> int:
-        """One chunk for all particles: atomic counters replace chunks."""
+        """Number of chunks in which particles are counted: 1, as atomic counters replace chunks."""
         return 1
 
     def parts_per_axis(self, full: float, dimension: int) -> int:
@@ -294,13 +294,13 @@ PLANS: dict[str, Plan] = {"cpu": CELL_PLAN, "auto": CELL_PLAN} | dict.fromkeys(
 
 
 def mesh_ledger(size: GridSize, word: int) -> list[LedgerRow]:
-    """Row of the memory ledger for the distances from meshes with floats of `word` bytes; empty without meshes."""
+    """Row of the memory ledger for tables of distance to meshes, `word` bytes a number; empty without meshes."""
     spacing, meshes = size.lattice.spacing, size.lattice.basin.meshes.values()
     sizes = [mesh.net_bytes(spacing, word) + 6 * word for mesh in meshes]
     return [LedgerRow("basin", "distances from meshes", sum(sizes), "basin.obstacles")] if sizes else []
 
 
 def account_ledger(size: GridSize, word: int, impulses: bool) -> list[LedgerRow]:
-    """Row of the memory ledger for the momentum budget, if the plan has a row for each particle; else empty."""
+    """Row of the memory ledger for the momentum budget if it has a row for each particle; else empty."""
     taken = size.plan.account_bytes(size.lattice.n, word, impulses)
     return [LedgerRow("fluid", "accounts", taken, "a row for each particle")] if taken else []

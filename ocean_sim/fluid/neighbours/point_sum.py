@@ -21,33 +21,35 @@ from ocean_sim.runtime import Template, in_kernels
 
 @in_kernels
 class PointSum:
-    """Sums over all water within one support of a point, by a law: `sums`, the number of its sums, and the ti.func
-    `term(own, j, d, mirror)`, what particle j adds whose image in `mirror` lies d [m] away; `own`: the caller's."""
+    """Sum over all water within one support of any point. A `law` has `sums`, the number of its sums, and the ti.func
+    `term(own, j, d, mirror)`: the contribution of particle j whose image in `mirror` lies d [m] away. `own` is the
+    caller's."""
 
     def __init__(self, position: Iterable[ti.Field], grid: Grid, start: ti.Field | None = None) -> None:
-        """Sum over points x, y, z [m], sorted by cell; `start`: first point of every cell, by default the grid's."""
+        """Sum over points x, y, z [m] sorted by cell; `start`: first point of each cell, by default from the grid."""
         self.position, self.grid, self.start = tuple(position), grid, grid.start if start is None else start
         self.periods, self.across = grid.basin.periods, grid.basin.periods[0] > 0.0
         self.images = grid.images
 
     @ti.func
     def total(self, x, law: Template, own):
-        """Sum of the law's terms around x [m] over particles and images; `own` is passed on to law.term."""
+        """Sum of law.term around x [m] over particles and their mirror images; `own` is handed to law.term."""
         return self.subset_total(0, x, law, own)
 
     @ti.func
     def image_total(self, x, law: Template, own):
-        """Sum of the law's terms around x [m] over images in sides only."""
+        """Sum of law.term around x [m] over mirror images only."""
         return self.subset_total(1, x, law, own)
 
     @ti.func
     def water_total(self, x, law: Template, own):
-        """Sum of the law's terms around x [m] over particles only, without images in sides."""
+        """Sum of law.term around x [m] over particles only, without mirror images."""
         return self.mirror_total(self.grid.wrap_position(x), identity_mirror(), law, own)
 
     @ti.func
     def subset_total(self, first, x, law: Template, own):
-        """Sum over the mirrors of all sets of sides near x [m] (one bit a side); `first` = 1 omits the empty set 0."""
+        """Sum of law.term around x [m] over the mirrors of all sets of sides in reach (a set has one bit a side).
+        `first`: 0 to begin with the empty set, which are the particles themselves, 1 without it."""
         here = self.grid.wrap_position(x)
         reach = self.sides_in_reach(here)
         total = ti.Vector.zero(float, law.sums)
@@ -58,7 +60,7 @@ class PointSum:
 
     @ti.func
     def mirror(self, subset):
-        """Mirror matrix of successive reflections in a set of sides, one bit a side."""
+        """Mirror matrix of reflections in succession in all sides of a set, one bit a side."""
         mirror = identity_mirror()
         if ti.static(self.images.sides > 0):
             for side in range(self.images.sides):
@@ -68,7 +70,7 @@ class PointSum:
 
     @ti.func
     def sides_in_reach(self, x):
-        """Set of the sides within a support of x [m], one bit a side."""
+        """Set of the sides, one bit a side, that lie within a support of x [m]."""
         reach = 0
         if ti.static(self.images.sides > 0):
             for side in range(self.images.sides):
@@ -78,7 +80,7 @@ class PointSum:
 
     @ti.func
     def mirror_total(self, x, mirror, law: Template, own):
-        """Sum of the law's terms over the particles whose images in one mirror lie around x [m]."""
+        """Sum of law.term over the particles whose images in this mirror lie around x [m]."""
         grid = self.grid
         px, py, pz = ti.static(self.position[0], self.position[1], self.position[2])
         y = mirror_position(mirror, x)  # flat mirrors at right angles are their own inverse
@@ -96,7 +98,7 @@ class PointSum:
 
     @ti.func
     def nearest_repeat(self, x, middle):
-        """Periodic repeat of x [m] nearest to the `middle` [m] of its cell, which it may have left since the sort."""
+        """Periodic repeat of x [m] nearest to the `middle` [m] of its cell, which x may have left since the sort."""
         for k, period in ti.static(enumerate(self.periods)):
             if ti.static(period > 0.0):
                 x[k] -= period * ti.round((x[k] - middle[k]) / period)
@@ -104,7 +106,7 @@ class PointSum:
 
     @ti.func
     def periodic_home(self, indices):
-        """Cell indices wrapped into the basin at periodic sides, and the shift [m] from that cell to the given one."""
+        """Indices of the cell in the basin that repeats as the cell `indices`, and the shift [m] between the two."""
         shift = tm.vec3(0.0)
         for k, period in ti.static(enumerate(self.periods)):
             if ti.static(period > 0.0):

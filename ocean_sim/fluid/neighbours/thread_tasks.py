@@ -31,7 +31,7 @@ class Tasks:
     """Division of particles, in storage order, into groups of equal size, each the task of one thread."""
 
     def __init__(self, particles: Count, groups: int, stride: int) -> None:
-        """Divide into `groups`; `stride`: iterations of a parallel loop for each group."""
+        """Divide the particles into `groups`; `stride`: iterations of a parallel loop for each group."""
         self.particles, self.groups, self.stride = particles, groups, stride
         self.iterations = groups * stride
         self.single = groups == particles.most
@@ -48,7 +48,7 @@ class Tasks:
 
 @in_kernels
 class Rows:
-    """Table with a row of numbers for each task, and column sums in fixed order: no result depends on threads."""
+    """Table of numbers with a row for each task; column sums do not depend on the threads."""
 
     def __init__(self, count: int, columns: int) -> None:
         self.columns = columns
@@ -69,7 +69,7 @@ class Rows:
 
     @ti.func
     def sum_into(self, sums: Template):
-        """Write the sum of each column to `sums`; call it at the top of a kernel."""
+        """Write the sum of each column to `sums`; call it at a kernel's top level."""
         if ti.static(self.block > 1):
             for b in range(self.last.shape[0]):
                 for k in ti.static(range(self.columns)):

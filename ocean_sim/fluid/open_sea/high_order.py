@@ -54,10 +54,10 @@ class SurfaceState(NamedTuple):
 
 
 class Breaking:
-    """Breaking crests of a nonlinear sea: cells that break now, energy lost so far, and foam left behind."""
+    """Breaking crests of a nonlinear sea: cells that break now, energy lost so far, and foam left by breaking."""
 
     def __init__(self, tile: Tile, ahead: np.ndarray, period: float) -> None:
-        """Start without breaking; `ahead` (2,): unit vector along the waves; `period` of the highest of them [s]."""
+        """Start without breaking; `ahead` (2,): unit vector along the waves; `period` [s]: of the highest waves."""
         self.tile, self.ahead, self.period = tile, ahead, period
         self.left = np.zeros(tile.shape)  # time for which each cell still breaks [s]
         self.lost = 0.0  # energy over the density [m5/s2], since the start
@@ -89,7 +89,7 @@ class Breaking:
             self.lost += before - sea.energy()
 
     def crest_state(self, sea: "HighOrder") -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Local wavenumber [rad/m], crest speed C [m/s], ratio u/C (0 away from crests); (cells, rows) each."""
+        """Local wavenumber [rad/m], crest speed C [m/s], ratio u/C of water to crest (0 off crests), (cells, rows)."""
         tile, (c, s) = self.tile, self.ahead
         e, p = tile.to_modes(sea.eta), tile.to_modes(sea.phi)
         now, (ex, ez) = sea.surface_state(e, p), tile.slopes(e)
@@ -125,12 +125,12 @@ class HighOrder:
 
     @cached_property
     def rate_cache(self) -> dict[float, tuple[np.ndarray, np.ndarray]]:
-        """Modes of the nonlinear rates of the present state, by its time [s]; saves computing them twice."""
+        """Fourier modes of the present state's nonlinear rates, cached by time [s], since they are read twice."""
         return {}
 
     @cached_property
     def resolved_modes(self) -> np.ndarray:
-        """Mask (cells, columns): 1 for each resolved Fourier mode, 0 for those kept empty against aliasing."""
+        """Mask (cells, columns) of Fourier modes: 1 if resolved, 0 if kept at zero against aliasing."""
         most = RESOLVED_SHARE * np.pi / self.tile.cell * ROUNDING_FACTOR
         return ((np.abs(self.tile.kx) < most) & (self.tile.kz < most)).astype(float)
 
@@ -168,11 +168,11 @@ class HighOrder:
             self.breaking.dissipate(self, dt)
 
     def nonlinear_rates(self, e: np.ndarray, p: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
-        """Modes of the nonlinear part of eta_t and phi_t at a time [s], from modes e of eta and p of phi."""
+        """Fourier modes of the nonlinear part of eta_t and phi_t at a time [s], from modes e of eta, p of phi."""
         return self.surface_rates(self.surface_state(e, p), time)
 
     def surface_rates(self, now: SurfaceState, time: float) -> tuple[np.ndarray, np.ndarray]:
-        """Modes of the nonlinear part of eta_t and phi_t at a time [s], from slopes and velocities of the surface."""
+        """Fourier modes of the nonlinear part of eta_t and phi_t at a time [s], from the surface state `now`."""
         w1, w2, w3 = now.w
         steep = now.slope_x**2 + now.slope_z**2
         eta = w2 + w3 + steep * w1 - now.phi_x * now.slope_x - now.phi_z * now.slope_z
@@ -182,11 +182,11 @@ class HighOrder:
         return part[0], part[1]
 
     def nonlinear_share(self, time: float) -> float:
-        """Factor of the nonlinear terms at a time [s], from 0 at first to 1 once they have set in."""
+        """Factor of the nonlinear terms at a time [s]: 0 at the start, rising to 1 on the time scale `onset`."""
         return 1.0 - exp(-((time / self.onset) ** 4)) if self.onset else 1.0
 
     def surface_state(self, e: np.ndarray, p: np.ndarray) -> SurfaceState:
-        """Slopes and velocities of the surface, from modes e of the elevation and p of the surface potential."""
+        """Slopes and velocities of the surface, from Fourier modes e of its elevation and p of its potential."""
         tile, (ex, ez), (px, pz) = self.tile, self.tile.slopes(e), self.tile.slopes(p)
         modes = np.array([e, ex, ez, px, pz, self.vertical_factor * p])
         eta, slope_x, slope_z, phi_x, phi_z, w1 = tile.to_values(modes)
@@ -195,7 +195,8 @@ class HighOrder:
     def higher_orders(
         self, eta: np.ndarray, p: np.ndarray, w1: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Modes at the still surface, and vertical derivative on the surface to orders 2 and 3, of surface modes p."""
+        """Potential at the still level (Fourier modes), and vertical velocity on the surface to orders 2 and 3. From
+        elevation `eta` [m], modes p of the surface potential, and first-order vertical velocity `w1` [m/s]."""
         tile, up = self.tile, self.vertical_factor
         k2 = self.resolved_modes * tile.k**2
         twice, thrice = tile.to_values(np.array([k2 * p, k2 * up * p]))
@@ -207,7 +208,7 @@ class HighOrder:
         return p + p2 + p3, up_2 + eta * twice, up_3 + eta * twice_2 + square * thrice
 
     def potentials(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Modes (cells, columns) of the elevation, of the potential at the still surface, and of its rate of change."""
+        """Fourier modes (cells, columns) of the elevation, the potential at the still level and its rate of change."""
         tile, g = self.tile, self.tile.gravity
         e, p = tile.to_modes(self.eta), tile.to_modes(self.phi)
         now = self.surface_state(e, p)
@@ -227,13 +228,14 @@ class HighOrder:
 
 
 def tile_step(tile: Tile) -> float:
-    """Time step [s] of a tile: waves of STEP_WAVE_CELLS cells turn by STEP_ANGLE in it."""
+    """Time step [s] of a tile, in which waves STEP_WAVE_CELLS cells long advance by the phase STEP_ANGLE."""
     k = 2.0 * pi / (STEP_WAVE_CELLS * tile.cell)
     return STEP_ANGLE / float(waves.angular_frequency(k, tile.depth, tile.gravity))
 
 
 def nonlinear_sea(sea: waves.Components, tile: Tile, onset: float, breaking: bool, period: float) -> HighOrder:
-    """Nonlinear sea from waves that are periodic on the tile; `period` of the highest [s], 0 if none may break."""
+    """Make a nonlinear sea from waves periodic on a tile. `onset` [s]: of the nonlinear terms; `breaking`: True if
+    crests may break; `period` [s]: of the highest waves, 0 if none may break."""
     of_tile = replace(tile, part=RESOLVED_SHARE)
     # The mean direction of energy transport is that of the waves.
     ahead = (sea.amplitude[:, None] ** 2 * sea.wavevector / sea.wavenumber[:, None]).sum(axis=0)

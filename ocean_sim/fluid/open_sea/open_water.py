@@ -20,14 +20,14 @@ SMOOTH_STEP_PERIODS = 0.04  # [periods] times a quarter (the force number of `co
 
 
 def status_of(sea: waves.Components, density: float) -> Status:
-    """Status of a sea: root sum of squares of surface speeds and accelerations, sqrt 2 deviations if random."""
+    """Status of a sea: speed and acceleration of its surface, as root sums of squares over the waves."""
     speed = sea.amplitude * sea.gravity * sea.wavenumber / sea.omega  # [m/s]
     fastest, hardest = np.linalg.norm(speed), np.linalg.norm(speed * sea.omega)
     return Status(float(fastest), float(hardest), density, density, 0, True)
 
 
 class OpenWater(Fluid):
-    """Base of water as a sum of waves: kernels read plane waves and `sheets`, Python plane waves and `tiles`."""
+    """Base of water as a sum of waves. Kernels read plane waves and `sheets`, Python code plane waves and `tiles`."""
 
     config: Any
     waves: PlaneWaves  # in closed form
@@ -44,7 +44,7 @@ class OpenWater(Fluid):
 
     @ti.func
     def elevation(self, x, z):
-        """Elevation [m] at x, z [m] of the plane waves plus those on sheets, at the present time."""
+        """Elevation [m] at x, z [m], at present, by the plane waves and the waves on sheets."""
         eta = self.waves.elevation(x, z)
         for sheet in ti.static(self.sheets):
             eta += sheet.elevation(x, z, sheet.now)
@@ -73,7 +73,7 @@ class OpenWater(Fluid):
         return Window(self, size, step, depths)
 
     def arriving(self, x: float, z: float, afar: bool = False) -> Arriving:
-        """Plane waves at x, z [m], grown by their ramp, when the last step began; `afar`: all, not those of kernels."""
+        """Plane waves at x, z [m], times their ramp, when the last step began: those in kernels; with `afar`, all."""
         sea = (self.plane_waves if afar else None) or self.waves.sea
         dx, dz = np.array([x, z]) - self.before * np.array(self.current)
         angle = sea.wavevector[:, 0] * dx + sea.wavevector[:, 1] * dz + sea.phase - sea.omega * self.before
@@ -88,7 +88,7 @@ class OpenWater(Fluid):
         return elevation
 
     def sum_elevations(self, points: np.ndarray, tiles: "Sequence[OnTile]") -> np.ndarray:
-        """Heights (m,) [m] of plane waves plus `tiles` at x, z (m, 2) [m] in axes that move with the current."""
+        """Heights (m,) [m] at x, z (m, 2) [m], in the current's axes, of the plane waves plus these `tiles`."""
         eta = waves.elevation(self.waves.sea, points, self.time)
         for one in tiles:
             there = one.covers(points)
@@ -97,7 +97,7 @@ class OpenWater(Fluid):
         return eta
 
     def velocities(self, points: np.ndarray) -> np.ndarray:
-        """Velocities (m, 3) [m/s] at points (m, 3) [m]; above the water that of its surface."""
+        """Velocities (m, 3) [m/s] at points (m, 3) [m]; above the surface, the velocity of the surface."""
         at, (_, y) = self.locate_points(points)
         return self.flow_velocities(at, y)
 
@@ -125,7 +125,8 @@ class OpenWater(Fluid):
         return np.where(points[:, 1] < eta, self.rest_density * self.waves.sea.gravity * head, 0.0)
 
     def locate_points(self, points: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
-        """Points (m, 3) [m] as x, z (m, 2) in the current's axes, elevation (m,), Wheeler-stretched height (m,) [m]."""
+        """Coordinates of points (m, 3) [m]: x, z (m, 2) in the current's axes; elevation (m,) of the surface there and
+        Wheeler-stretched height (m,) of the point."""
         points = np.asarray(points, dtype=float)
         at = points[:, [0, 2]] - self.drift
         eta = self.sum_elevations(at, self.tiles)
@@ -134,10 +135,10 @@ class OpenWater(Fluid):
 
 @in_kernels
 class WaterForShip(OpenWater):
-    """Open water as one of several ships feels it: all waves but those that she makes herself."""
+    """Open water around one of several ships: all waves but those that she makes herself."""
 
     def __init__(self, whole: OpenWater, tiles: "Sequence[OnTile]", sheets: "tuple[Sheet, ...]") -> None:
-        """View of the `whole` water through the tiles and sheets of all other makers of waves."""
+        """View of `whole` that sums only the given tiles and sheets, which leave out the ship's own waves."""
         self.whole, self.tiles, self.sheets = whole, tiles, sheets
         self.config, self.waves, self.current = whole.config, whole.waves, whole.current
         self.rest_density, self.spacing, self.reference_speed = whole.rest_density, whole.spacing, whole.reference_speed
@@ -154,7 +155,7 @@ class WaterForShip(OpenWater):
 
     @property
     def drift(self) -> np.ndarray:  # type: ignore[override]
-        """Distance along x and z (2,) [m] by which the current has carried the water."""
+        """Displacement of the water along x, z (2,) [m] by the current since the start."""
         return self.whole.drift
 
     @property
@@ -162,4 +163,4 @@ class WaterForShip(OpenWater):
         return self.whole.status
 
     def advance(self, dt: float) -> None:
-        """Do nothing: the whole water advances by itself."""
+        """Do nothing; the whole water, of which this is a view, is advanced by itself."""

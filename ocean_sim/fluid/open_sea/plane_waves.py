@@ -33,11 +33,11 @@ class PlaneWaves:
 
     @staticmethod
     def bytes(waves: int, word: int) -> int:
-        """Memory [bytes] of the fields of so many waves; `word`: size of a `float` [bytes]."""
+        """Memory [bytes] of the fields for this number of waves; `word`: bytes of a `float`."""
         return waves * (6 * word + 4 * 8) + word
 
     def begin(self, sea: waves.Components) -> None:
-        """Replace the waves by others, of the same number and depth, and restart at time 0."""
+        """Replace the waves by as many others in the same depth, and restart at time 0."""
         self.sea = sea
         self.begun += 1
         speed = sea.amplitude * sea.gravity * sea.wavenumber / sea.omega
@@ -48,7 +48,8 @@ class PlaneWaves:
 
     @ti.kernel
     def store_waves(self, each: Array2, turns: Doubles2):
-        """Copy `each` (n, 5): amplitude, k, kx, kz, speed; `turns` (n, 4): phase, omega, kx, kz, each over 2 pi."""
+        """Copy the numbers of the waves: `each` (n, 5) of amplitude, k, kx, kz, speed; `turns` (n, 4) of phase, omega,
+        kx, kz over 2 pi."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(self.amplitude.shape[0]):
             self.amplitude[i], self.k[i], self.speed[i] = each[i, 0], each[i, 1], each[i, 4]
@@ -57,12 +58,12 @@ class PlaneWaves:
                 self.at_first[i][c] = turns[i, c]
 
     def set_time(self, time: float, drift: tuple[float, float] = (0.0, 0.0)) -> None:
-        """Set the phases, reduced in f64, for a time [s] and a `drift` along x and z [m] by the current."""
+        """Set the phases (reduced in float64) to a time [s] and a `drift` along x and z [m] by the current."""
         self.compute_phases(time, *drift, self.sea.ramp_share(time))
 
     @ti.kernel
     def compute_phases(self, time: ti.f64, x: ti.f64, z: ti.f64, share: float):
-        """Compute the phase of each wave at a time [s] for a drift x, z [m]; `share`: height by the ramp, 0 to 1."""
+        """Compute each wave's phase at a time [s] for a drift x, z [m]; `share`: factor of heights by the ramp."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(self.phase.shape[0]):
             first = self.at_first[i]
@@ -80,13 +81,13 @@ class PlaneWaves:
 
     @ti.func
     def stretched(self, position, eta):
-        """Height [m], at most 0, to which Wheeler stretching maps a position [m] below the elevation eta [m]."""
+        """Height [m], at most 0, to which Wheeler stretching maps a `position` [m] under the elevation `eta` [m]."""
         h = ti.static(self.sea.depth)
         return ti.min(h * (position.y - eta) / ti.max(h + eta, 1e-6 * h), 0.0)
 
     @ti.func
     def velocity(self, position):
-        """Velocity [m/s] of the water at a position [m], by Wheeler stretching; above the water that of its surface."""
+        """Velocity [m/s] of the water at a position [m], by Wheeler stretching; above it, that of its surface."""
         h, y = ti.static(self.sea.depth), self.stretched(position, self.elevation(position.x, position.z))
         v = tm.vec3(0.0)
         for i in range(self.amplitude.shape[0]):
@@ -100,10 +101,11 @@ class PlaneWaves:
 
 @in_kernels
 class Window:
-    """Sums of a water's plane waves, without ramp, at lattice nodes and levels of the Wheeler-stretched column."""
+    """Table of a water's plane waves, before their ramp, on a lattice of nodes and Wheeler-stretched depths. Sums are
+    stored for two times a moment apart, and interpolated."""
 
     def __init__(self, water: Any, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]) -> None:
-        """Make the fields for an `OpenWater`: `size` nodes, `step` [m] apart, at `depths` of levels [m], first 0."""
+        """Make the table for an `OpenWater`: `size` nodes, `step` [m] apart, and levels at `depths` [m], first 0."""
         self.water, self.size, self.step, self.depths = water, size, step, depths
         self.depth = water.waves.sea.depth  # of the water [m]
         self.n, self.sums = len(water.waves.sea.amplitude), 1 + 3 * len(depths)
@@ -120,12 +122,13 @@ class Window:
 
     @staticmethod
     def bytes(size: tuple[int, int], levels: int, waves: int, word: int) -> int:
-        """Memory [bytes] of a window with `size` nodes and so many levels and waves; `word`: bytes of a `float`."""
+        """Memory [bytes] of a Window of `size` nodes, so many levels and waves; `word`: bytes of a `float`."""
         sums = 1 + 3 * levels
         return word * (waves * (2 * sums + 4 * size[0] + 2 * size[1]) + 4 * size[0] * size[1] * sums + 1)
 
     def now(self) -> tuple[float, float, bool]:
-        """Place of the bodies' time between both stored ones, wave height by the ramp, and True if sums are valid."""
+        """Time of the bodies as a share of the way between both stored times, factor of wave height by the ramp, and
+        True if the stored sums hold then."""
         time, there = self.water.before, self.water.waves
         others = self.begun != there.begun
         if others:
@@ -136,11 +139,11 @@ class Window:
 
     @property
     def current(self) -> tuple[float, float]:
-        """Velocity of the water along x and z [m/s], which carries the waves."""
+        """Velocity (x, z) [m/s] of the current, which carries the waves."""
         return self.water.current
 
     def set_waves(self, sea: waves.Components) -> None:
-        """Set the amplitudes of these waves at each level, and the span between the two stored times."""
+        """Set the amplitudes of these waves at each level, and the time between the two stored times."""
         a, k, omega, g = sea.amplitude, sea.wavenumber, sea.omega, sea.gravity
         kx, kz = sea.wavevector.T
         cosines, sines = [a], [a * omega]
@@ -155,7 +158,7 @@ class Window:
         self.clock[None] = self.span
 
     def lay(self, centre: tuple[float, float], heading: tuple[float, float]) -> None:
-        """Sum the waves anew on a lattice around `centre` x, z [m], its first axis along unit vector `heading`."""
+        """Sum the waves at the nodes of a lattice around `centre` x, z [m], first axis along unit vector `heading`."""
         sea, time = self.water.waves.sea, self.water.before
         self.start = time
         kx, kz = sea.wavevector.T
@@ -170,7 +173,8 @@ class Window:
 
     @ti.kernel
     def add_up(self, cosine: Doubles2, sine: Doubles2):
-        """Sum n waves at nodes; `cosine`, `sine` (4, n) of first angles at both times, of steps along and across."""
+        """Sum n waves at all nodes at both times. Rows of `cosine`, `sine` (4, n): angles at the first node at both
+        times, and their steps along and across."""
         # Cosines and sines along the first axis, at both times, and across it: one rotation a node.
         for n in range(self.n):
             along = tm.vec2(cosine[ANGLE_ALONG, n], sine[ANGLE_ALONG, n])
@@ -201,13 +205,13 @@ class Window:
 
     @ti.func
     def elevation(self, i, k, late):
-        """Elevation [m] at node i, k, a share `late` of the way from the first stored time to the second."""
+        """Elevation [m] at node i, k; `late`: share of the way from the first stored time to the second."""
         growth = self.growth[0, i, k], self.growth[1, i, k]
         return self.interpolate(self.level[0, i, k], self.level[1, i, k], growth[0], growth[1], late)
 
     @ti.func
     def moving(self, i, k, l, late):
-        """Velocity [m/s] and acceleration [m/s2] at node i, k, level l, a share `late` between the stored times."""
+        """Velocity [m/s] and acceleration [m/s2] at node i, k and level l; `late` as in `elevation`."""
         first, last = self.speed[0, i, k, l], self.speed[1, i, k, l]
         pulled, pulls = self.pull[0, i, k, l], self.pull[1, i, k, l]
         mean = (last - first) / self.clock[None]
@@ -216,6 +220,6 @@ class Window:
 
     @ti.func
     def interpolate(self, first, last, growth, grows, late):
-        """Hermite cubic at share `late` between values `first`, `last` with rates of change `growth`, `grows` [1/s]."""
+        """Hermite cubic in time between `first` and `last`, with rates of change `growth` and `grows` [1/s]."""
         way, back, span = late * late * (3.0 - 2.0 * late), 1.0 - late, self.clock[None]
         return (1.0 - way) * first + way * last + span * late * back * (back * growth - late * grows)

@@ -21,7 +21,7 @@ CLOCK_COLUMNS = ("late", "first_x", "first_z", "centre_x", "centre_z")  # the la
 
 @ti.func
 def cubic_weights(s):
-    """Cubic weights (4,) of adjacent values, a share s from second to third (Keys 1981, IEEE Trans. ASSP 29)."""
+    """Cubic weights (4,) of adjacent values at a share s from second to third (Keys 1981, IEEE Trans. ASSP 29)."""
     return tm.vec4(
         0.5 * s * (-1.0 + s * (2.0 - s)),
         0.5 * (2.0 + s * s * (3.0 * s - 5.0)),
@@ -32,7 +32,7 @@ def cubic_weights(s):
 
 @in_kernels
 class Sheet:
-    """Waves of a tile as fields for kernels; beyond the tile the water is calm, or periodic if the sheet `repeats`."""
+    """Waves on a tile as Taichi fields. Beyond the tile the water is calm, or periodic if the sheet `repeats`."""
 
     left_out: ClassVar[tuple[str, ...]] = ("profiles",)
     now: ClassVar[int] = 0  # row of the clock: at the end of the water's last step,
@@ -52,7 +52,7 @@ class Sheet:
         self.profiles = [profiles(tile.k, -d, tile.depth) for d in self.depths]
 
     def write_modes(self, slot: int, e: np.ndarray, potential: np.ndarray, growth: np.ndarray) -> None:
-        """Write Fourier modes of elevation, potential at the still surface and its rate of change to `slot` 0 or 1."""
+        """Store waves in `slot` 0 or 1 (two times) from Fourier modes: elevation e, potential and its rate `growth`."""
         tile, modes = self.tile, [e]
         for c, s in self.profiles:
             for of in (potential, growth):
@@ -63,7 +63,7 @@ class Sheet:
         self.store_values(slot, values)
 
     def set_clock(self, shares: tuple[float, float], drifts: np.ndarray, centre: np.ndarray) -> None:
-        """Set `shares` of the way to slot 1, `drifts` (2, 2) [m] now and before, and the tile's `centre` (2,) [m]."""
+        """Set shares of the way from slot 0 to 1, `drifts` (2, 2) [m], each now and before, and `centre` (2,) [m]."""
         tile = self.tile
         size = np.array([tile.side, tile.width])
         first = np.array([axis[0] for axis in tile.nodes()]) + size * np.round(centre / size)
@@ -72,7 +72,7 @@ class Sheet:
 
     @ti.kernel
     def store_values(self, slot: int, values: ti.types.ndarray(ndim=3)):  # type: ignore[valid-type]
-        """Copy `values` to one slot: elevation, then three velocities and three accelerations of each level."""
+        """Copy `values` to a slot: elevation, then three velocities and three accelerations at each level."""
         for i, k in ti.ndrange(self.cells, self.rows):
             self.level[slot, i, k] = values[0, i, k]
             for l in range(SHEET_LEVELS):
@@ -82,7 +82,7 @@ class Sheet:
 
     @ti.func
     def locate_cell(self, x, z, when: Template):
-        """Indices of the cell at x, z [m], shares of the way to the next, 1 if covered; `when` as in `elevation`."""
+        """Indices of the cell at x, z [m], shares of the way to the next, True if covered; `when` as in `elevation`."""
         a, b = (x - self.clock[when, 1]) / self.cell, (z - self.clock[when, 2]) / self.cell
         i, k = int(ti.floor(a)), int(ti.floor(b))
         there = True
@@ -117,17 +117,17 @@ class Sheet:
 
     @ti.func
     def velocity(self, x, z, depth, when: Template):
-        """Velocity [m/s] at x, z [m] and a depth [m] of the stretched column; `when` as for `elevation`."""
+        """Velocity [m/s] at x, z [m] and a Wheeler-stretched depth [m]; `when` as in `elevation`."""
         return self.interpolate(self.speed, x, z, depth, when)
 
     @ti.func
     def acceleration(self, x, z, depth, when: Template):
-        """Acceleration [m/s2] at x, z [m] and a depth [m] of the stretched column; `when` as for `elevation`."""
+        """Acceleration [m/s2] at x, z [m] and a Wheeler-stretched depth [m]; `when` as in `elevation`."""
         return self.interpolate(self.pull, x, z, depth, when)
 
     @ti.func
     def interpolate(self, field: Template, x, z, depth, when: Template):
-        """Vector of a field at x, z and a depth [m]: bilinear in the cell, cubic over levels, linear in time."""
+        """Vector of a field at x, z, depth [m]: bilinear in the cell, cubic over levels, linear in time."""
         i, k, a, b, there = self.locate_cell(x, z, when)
         total, late = tm.vec3(0.0), ti.cast(self.clock[when, 0], float)
         if there:

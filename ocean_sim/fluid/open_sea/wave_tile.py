@@ -77,16 +77,17 @@ class Tile:
 
     @cached_property
     def smoothing(self) -> np.ndarray:
-        """Factor (cells, columns) of each mode that smooths a field by a Gaussian as wide as a cell."""
+        """Factor (cells, columns) of each Fourier mode that smooths a field by a Gaussian one cell wide."""
         return np.exp(-0.5 * (self.k * self.cell) ** 2)
 
     @cached_property
     def turn_cache(self) -> dict[float, tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """Factors of `evolve` by the last step dt [s]: cos omega dt, and sin omega dt times omega / g and g / omega."""
+        """Factors for `evolve`, cached for the last dt [s]: cos(omega dt), sin(omega dt) times omega / g and g /
+        omega."""
         return {}
 
     def evolve(self, e: np.ndarray, p: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
-        """Advance the modes e of elevation and p of potential by dt [s] without pressure; the mean level stays."""
+        """Fourier modes e of elevation and p of potential, dt [s] later without pressure; the mean level stays."""
         if dt not in self.turn_cache:
             self.turn_cache.clear()
             omega, g = self.omega, self.gravity
@@ -98,7 +99,7 @@ class Tile:
 
     @cached_property
     def directed_modes(self) -> np.ndarray:
-        """Mask (cells, columns): 0 for the shortest modes along either axis, whose slope is undefined, else 1."""
+        """Mask (cells, columns): 0 for the shortest Fourier modes along an axis, whose slope is undefined, else 1."""
         clear = np.ones(self.k.shape)
         if self.cells % 2 == 0:
             clear[self.cells // 2] = 0.0
@@ -123,12 +124,12 @@ class Tile:
         return irfft(ifft(modes, axis=-2, workers=1), n=self.rows, axis=-1, workers=1)
 
     def slopes(self, modes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Modes of the derivatives along x and z of a field with these modes."""
+        """Fourier modes of the derivatives along x and z of a field with these modes."""
         clear = self.directed_modes * modes
         return 1j * self.kx * clear, 1j * self.kz * clear
 
     def nodes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Coordinates of the middles of the cells along x (cells,) and along z (rows,) [m], around the origin."""
+        """Coordinates of the cells' centres along x (cells,) and z (rows,) [m], around the origin."""
         x = (np.arange(self.cells) + 0.5) * self.cell - 0.5 * self.side
         z = (np.arange(self.rows) + 0.5) * self.cell - 0.5 * self.width
         return x, z
@@ -140,7 +141,7 @@ class Tile:
         return whole.astype(int), at - whole
 
     def spread_modes(self, points: np.ndarray, amounts: np.ndarray) -> np.ndarray:
-        """Modes of the density per area [amount/m2] of amounts (m,) at points x, z (m, 2) [m], smoothed over a cell."""
+        """Fourier modes of the density [amount/m2] of amounts (m,) at points x, z (m, 2) [m], spread over a cell."""
         whole, share = self.cell_corner(points)
         i, k = whole.T % np.array([[self.cells], [self.rows]])
         (right, top), (left, bottom) = share.T, 1.0 - share.T
@@ -152,8 +153,8 @@ class Tile:
         return self.smoothing / self.cell**2 * self.to_modes(total.reshape(self.shape))
 
     def displaced_modes(self, points: np.ndarray, volumes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Modes of the volume per area [m] of volumes (m,) [m3] at x, z, depth (m, 3) [m]: as it is, and as the surface
-        feels it, weighted by cosh k (h - depth) / cosh kh, linear between two depths of Gauss's rule."""
+        """Fourier modes of displaced volume per area [m], by volumes (m,) [m3] at x, z, depth (m, 3) [m]: itself, and
+        as the surface feels it, times cosh k (h - depth) / cosh kh, linear between two depths of Gauss's rule."""
         depth, deepest = points[:, 2], max(float(points[:, 2].max(initial=0.0)), 1e-9)
         low = (depth / deepest - UPPER_NODE) / (LOWER_NODE - UPPER_NODE)
         upper, lower = (self.spread_modes(points[:, :2], part * volumes) for part in (1.0 - low, low))
@@ -186,7 +187,7 @@ class Tile:
 
 
 class TileModes(NamedTuple):
-    """Fourier modes (cells, columns) on a tile: elevation, potential at the still surface, and its rate of change."""
+    """Fourier modes (cells, columns) on a tile: elevation, potential at the still level, and its rate of change."""
 
     e: np.ndarray
     potential: np.ndarray
@@ -194,7 +195,7 @@ class TileModes(NamedTuple):
 
 
 class OnTile:
-    """Interface of waves on a tile, read at times [s] and points x, z (m, 2) [m] in axes that move with the current."""
+    """Interface of waves on a tile, at times [s] and points x, z (m, 2) [m] in axes that move with the current."""
 
     tile: Tile
 
@@ -211,14 +212,15 @@ class OnTile:
         return self.tile.interpolate(self.tile.to_values(self.modes_at(time).e), points)
 
     def heads(self, points: np.ndarray, y: np.ndarray, time: float) -> np.ndarray:
-        """Dynamic pressure head (m,) [m] at x, z (m, 2), Wheeler-stretched heights y (m,) [m], summed mode by mode."""
+        """Pressure heads (m,) [m] of the waves at x, z (m, 2), Wheeler-stretched heights y (m,) [m], mode by mode."""
         growth, found = self.modes_at(time).growth, np.zeros(len(points))
         for n, level, _ in self.point_modes(points, y):
             found[n] = -(level * growth).real.sum() / self.tile.gravity
         return found
 
     def velocities(self, points: np.ndarray, y: np.ndarray, time: float) -> np.ndarray:
-        """Velocities (m, 3) [m/s] at x, z (m, 2), Wheeler heights y (m,) [m]; interpolated for many on the surface."""
+        """Velocities (m, 3) [m/s] at x, z (m, 2) and Wheeler-stretched heights y (m,) [m]. They are summed mode by
+        mode, but interpolated between cells for many points on the surface."""
         tile, potential, found = self.tile, self.modes_at(time).potential, np.zeros((len(points), 3))
         if len(points) >= MIN_LATTICE_POINTS and not y.any():
             rising = tile.omega**2 / tile.gravity * tile.directed_modes * potential
@@ -231,8 +233,8 @@ class OnTile:
         return found
 
     def point_modes(self, points: np.ndarray, y: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-        """Yield the index of each point x, z [m] and factors (cells, columns) of the modes there at its height y [m]:
-        one array for horizontal velocity and pressure, one (times k [1/m]) for vertical velocity."""
+        """Yield each point's index and factors (cells, columns) of the Fourier modes at its x, z and height y [m]: for
+        horizontal velocity and pressure, and (times k [1/m]) for vertical velocity."""
         tile, first = self.tile, np.array([axis[0] for axis in self.tile.nodes()])
         twice = np.where((np.arange(tile.k.shape[1]) == 0) | (2 * np.arange(tile.k.shape[1]) == tile.rows), 1.0, 2.0)
         scale = twice * tile.directed_modes / (tile.cells * tile.rows)
@@ -247,7 +249,7 @@ class OnTile:
 
 
 def cubic_weights(s: np.ndarray) -> list[np.ndarray]:
-    """Four weights (m,) of cubic interpolation between four values, at shares s (m,) from the second to the third."""
+    """Four weights (m,) of adjacent values in cubic interpolation, at shares s (m,) from second to third."""
     return [
         0.5 * s * (-1.0 + s * (2.0 - s)),
         0.5 * (2.0 + s * s * (3.0 * s - 5.0)),
@@ -257,23 +259,23 @@ def cubic_weights(s: np.ndarray) -> list[np.ndarray]:
 
 
 class Layer:
-    """Linear waves on a tile around a centre, which follows the ship or wind that makes them."""
+    """Linear waves on a tile whose centre follows the ship or wind that makes them."""
 
     def __init__(self, tile: Tile, rim: bool = True) -> None:
         self.tile, self.rim = tile, rim
         self.eta, self.phi = np.zeros(tile.shape), np.zeros(tile.shape)  # [m], [m2/s]
         self.centre = np.zeros(2)  # x, z in the axes of the water [m]
         self.pressure = np.zeros(tile.k.shape, dtype=complex)
-        """Modes of the pressure over the density that acts now [m2/s2]; without its mean, as the mean level stays."""
+        """Fourier modes of the present pressure / density [m2/s2]; without mean, as the mean level stays."""
 
     def set_pressure(self, pressure: np.ndarray) -> None:
-        """Set the pressure on the surface by the modes of the pressure over the density [m2/s2], without its mean."""
+        """Set the pressure on the surface by Fourier modes of pressure / density [m2/s2]; its mean is dropped."""
         self.pressure = np.array(pressure, dtype=complex)
         self.pressure[0, 0] = 0.0
 
     @cached_property
     def damping_rate(self) -> np.ndarray:
-        """Decay rate (cells, rows) [1/s] in the rim: square of the distance into it, to RIM_DAMPING_RATIO omega."""
+        """Decay rate (cells, rows) [1/s] in the tile's rim: RIM_DAMPING_RATIO omega times squared relative depth."""
         tile, (x, z) = self.tile, self.tile.nodes()
         far = np.abs(x)[:, None] / (0.5 * tile.side) + 0.0 * z
         if tile.rows > 1:
@@ -284,11 +286,11 @@ class Layer:
 
     @cached_property
     def damping_cache(self) -> dict[float, np.ndarray]:
-        """Damping factor (cells, rows) of the rim in one step, by the last step's length [s]."""
+        """Factors (cells, rows) by which a step damps waves in the rim, cached for the last step's length [s]."""
         return {}
 
     def begin(self, pressure: np.ndarray, centre: np.ndarray, dt: float) -> None:
-        """Start at rest around `centre` under a pressure over the density (modes [m2/s2]), kept by steps of dt [s]."""
+        """Start at rest around `centre`, under a `pressure` / density (Fourier modes [m2/s2]), for steps of dt [s]."""
         tile, half = self.tile, 0.5 * dt * self.tile.omega
         rest = np.divide(half, np.tan(half), out=np.ones(half.shape), where=half > 0.0) / tile.gravity
         self.set_pressure(pressure)
@@ -296,7 +298,7 @@ class Layer:
         self.eta, self.phi = tile.to_values(-rest * self.pressure), np.zeros(tile.shape)
 
     def advance(self, dt: float, pressure: np.ndarray, centre: np.ndarray) -> None:
-        """Advance by dt [s], half under the old and half under the new `pressure` (modes [m2/s2]); damp the rim."""
+        """Advance by dt [s], half under the old and half under the new `pressure` / density; damp the rim."""
         tile = self.tile
         e, p = self.propagate(dt)
         self.set_pressure(pressure)
@@ -312,11 +314,11 @@ class Layer:
             self.eta -= self.eta.mean()
 
     def propagate(self, dt: float) -> tuple[np.ndarray, np.ndarray]:
-        """Modes of elevation and potential dt [s] later, before the second half of the pressure acts."""
+        """Fourier modes of elevation and potential dt [s] later, before the second half of the pressure acts."""
         tile = self.tile
         return tile.evolve(tile.to_modes(self.eta), tile.to_modes(self.phi) - 0.5 * dt * self.pressure, dt)
 
     def covers(self, points: np.ndarray) -> np.ndarray:
-        """Mask (m,) of the points x, z (m, 2) [m] on the tile around its centre."""
+        """Mask (m,) of the points x, z (m, 2) [m] that lie on the tile around its present centre."""
         half = 0.5 * np.array([self.tile.side, self.tile.width if self.tile.rows > 1 else np.inf])
         return np.all(np.abs(points - self.centre) < half, axis=1)

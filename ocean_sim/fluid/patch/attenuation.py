@@ -31,7 +31,7 @@ class Attenuation:
     """Fit for travelling waves; None: this one serves for them too."""
 
     def share(self, k: float, depth: float, height: float, spacing: float, standing: bool) -> float:
-        """Added viscosity over h c for waves, `standing` or not: k [rad/m], `height`, `depth`, and `spacing` [m]."""
+        """Viscosity added to waves of wavenumber k [rad/m], over h c; `height`, `depth`, `spacing` in [m]."""
         if self.travelling is not None and not standing:
             return self.travelling.share(k, depth, height, spacing, standing)
         of_layers = self.flat / sqrt(tanh(k * depth)) + self.steep * (height / spacing) ** 1.5 * k * spacing
@@ -40,20 +40,20 @@ class Attenuation:
 
 @dataclass(frozen=True)
 class Delay:
-    """Share by which a scheme lengthens the period of waves, low / (1 + high (H / dx)^3) (k dx)^2; fitted to waves that
-    travel in slices of 10 and 20 layers, k depth pi, H 0.6 to 1.9 dx."""
+    """Share by which a scheme lengthens the period of waves, low / (1 + high (H / dx)^3) (k dx)^2, as in Attenuation.
+    Fitted to travelling waves in slices of 10 and 20 layers, k depth pi, H 0.6 to 1.9 dx."""
 
     low: float
     high: float = 0.0
 
     def share(self, k: np.ndarray, height: float, spacing: float) -> np.ndarray:
-        """Relative delay (n,) of waves of wavenumbers k (n,) [rad/m] in a sea of a height [m], at a spacing [m]."""
+        """Share (n,) by which periods grow; k (n,) [rad/m]: wavenumbers; `height` of the sea and `spacing` [m]."""
         return self.low / (1.0 + self.high * (height / spacing) ** 3) * (k * spacing) ** 2
 
 
 @dataclass(frozen=True)
 class Train:
-    """Waves of one sea, travelling or standing, that a scheme attenuates."""
+    """Waves of one sea, travelling or standing, to be attenuated by a scheme."""
 
     sea: waves.Components
     standing: bool
@@ -73,14 +73,14 @@ class Train:
         return float(variance[lengths < (1.0 - 1e-9) * length].sum() / variance.sum())
 
     def height_loss(self, viscosity: float) -> tuple[float, float]:
-        """Shares of the wave height lost to a viscosity [m2/s] in one period, and over one wavelength travelled."""
+        """Shares of the wave height lost by a viscosity [m2/s] in one period, and over one wavelength travelled."""
         sea, k = self.sea, 2.0 * pi / self.sea.wavelength
         rate, speed = 2.0 * viscosity * k**2, float(waves.group_speed(k, sea.depth, sea.gravity))
         return 1.0 - exp(-rate * sea.period), 1.0 - exp(-rate * sea.wavelength / speed)
 
 
 def wave_trains(lattice: Lattice) -> Iterator[Train]:
-    """Yield the waves of a scene: of its sea, wavemaker or initial state, and those that absorbing sides let pass."""
+    """Yield the waves of a scene: those of its sea, wavemaker or initial state, and those from absorbing sides."""
     basin, initial = lattice.basin, lattice.config.initial
     if any(waves.basin_faults(basin)):
         return

@@ -39,7 +39,7 @@ MIN_PATCH_WAVES = 3  # shortest patch [wavelengths]: one and a half for the rims
 
 @dataclass(frozen=True)
 class RelaxationBand:
-    """Relaxation zone in the rim of a patch of open sea, and the sea towards which it relaxes the water."""
+    """Relaxation zone in the rim of a patch of open sea, and the sea to whose velocity it relaxes the water."""
 
     lattice: Lattice
     width: float  # [m] on either side of the seam
@@ -56,8 +56,8 @@ class RelaxationBand:
         return tuple(period for period in self.lattice.basin.periods if period)
 
     def height_profile(self, with_waves: float) -> tuple[np.ndarray, np.ndarray] | None:
-        """Distances (n,) [m] from a ship along the highest waves, and their complex height there over the sea's; None
-        if losses are unknown. `with_waves`: her speed along them over their group speed."""
+        """Distances (n,) [m] from a ship along the highest waves, and the waves' complex height there (with phase) over
+        the sea's; None if losses are unknown. `with_waves`: her speed along them over their group speed."""
         if self.sea is None or self.losses is None:
             return None
         loss, feed = (complex(of[self.sea.highest]) for of in (self.losses, self.feed))
@@ -85,13 +85,13 @@ class RelaxationBand:
         return xi, height
 
     def height_at_ship(self, with_waves: float) -> complex | None:
-        """Complex height of the highest waves at the ship over that of the sea; None if the loss is unknown."""
+        """Complex height of the highest waves at the ship over the sea's, see `height_profile`; None if unknown."""
         found = self.height_profile(with_waves)
         return complex(found[1][PATCH_PIECES // 2]) if found is not None else None
 
     @property
     def wake_transmission(self) -> float:
-        """Share of the highest waves' height that passes the rim; in calm water, of waves 4/3 rim widths long."""
+        """Share of wave height that passes the rim: highest waves, or in calm water waves 4/3 rim widths long."""
         basin, calm = self.lattice.basin, 2.0 * pi * RIM_WIDTH_WAVES / self.width
         k = calm if self.sea is None else float(self.sea.wavenumber[self.sea.highest])
         group = float(waves.group_speed(k, basin.depth, waves.downward_gravity(basin)))
@@ -103,7 +103,7 @@ class RelaxationBand:
         return f"{found}, heading {sea.heading_deg:.4g} deg" if len(self.sides) > 1 else found
 
     def fit_change(self) -> str | None:
-        """Advice if fitting the highest waves to the patch changes them much, else None."""
+        """Advice if making the highest waves periodic on the patch changes them much, else None."""
         if self.sea is None or self.requested is None:
             return None
         k, fits = (of.wavevector[of.highest] for of in (self.requested, self.sea))
@@ -121,13 +121,13 @@ class RelaxationBand:
 
     @property
     def unresolved_share(self) -> float:
-        """Share of the requested variance that lies in waves too short for the particle spacing."""
+        """Share of the requested sea's variance in waves too short for the particle spacing."""
         if self.sea is None or self.requested is None:
             return 0.0
         return max(0.0, 1.0 - (self.sea.significant_height / self.requested.significant_height) ** 2)
 
     def resolution_note(self) -> str | None:
-        """Sentence on the remaining wave height if some waves are too short for the particles, else None."""
+        """Sentence on the wave height that is left if some waves are too short for the particles, else None."""
         share = self.unresolved_share
         if self.sea is None or self.requested is None or share < VARIANCE_ROUNDING:
             return None
@@ -138,7 +138,7 @@ class RelaxationBand:
         )
 
     def statements(self) -> Iterator[str]:
-        """Yield sentences on the patch and its sea in numbers."""
+        """Yield sentences that describe the patch, its rim and its sea."""
         head = f"a patch of open sea: its rim is {self.width:.3g} m wide on either side, rate {self.rate:.3g} 1/s"
         live = "particles are a sea for films and figures; for a live ship take fluid.kind: spectral_sea"
         if self.sea is None:
@@ -168,7 +168,7 @@ class RelaxationBand:
         )
 
     def warnings(self, duration: float) -> Iterator[str]:
-        """Warn of a badly sized patch, for a run of this duration [s]."""
+        """Yield warnings of a badly sized patch, for a run of this duration [s]."""
         if self.sea is not None:
             yield from waves.cut_short(duration, self.sea.ramp)
         if (changed := self.fit_change()) is not None:
@@ -193,7 +193,7 @@ class RelaxationBand:
                 yield f"the sea has {abs(there):.2g} of its height at a ship {who}, by a 1-D model"
 
     def ships_in_rim(self, ships: Mapping[str, np.ndarray]) -> Iterator[str]:
-        """Warn of ships, x, z [m] by name, that start in the relaxation zone, opposite the middle of all ships."""
+        """Yield a warning for each of these ships (x, z [m] by name) that starts in the relaxation zone."""
         if len(ships) < 2:
             return
         at, periods = np.array(list(ships.values())), np.array(self.lattice.basin.periods)[[0, 2]]
@@ -205,13 +205,13 @@ class RelaxationBand:
 
 
 def rim_depth(away: np.ndarray, periods: np.ndarray, width: float) -> np.ndarray:
-    """Depth (n,) [m] in a zone of `width` [m] at x, z (n, 2) [m] from a patch's centre or repeat; negative outside."""
+    """Depth (n,) [m] in a rim of `width` [m], negative outside; `away` (n, 2) [m]: x, z from the patch's centre."""
     depth = np.abs(away - whole_sides(away, periods)) - (0.5 * periods - width)
     return np.where(periods > 0.0, depth, -np.inf).max(axis=-1)
 
 
 def relaxation_band(lattice: Lattice) -> RelaxationBand | None:
-    """Make the relaxation zone for the water on a lattice; None if the water is no patch of open sea."""
+    """Make the relaxation zone for the water on a lattice; None if it is no patch of open sea."""
     basin = lattice.basin
     if basin.sea is None:
         return None
@@ -233,7 +233,7 @@ def relaxation_band(lattice: Lattice) -> RelaxationBand | None:
 
 
 def tile_cells(band: RelaxationBand) -> tuple[int, int]:
-    """Numbers of cells along x and z of the tile on which a nonlinear sea evolves: about as many as particles."""
+    """Numbers of cells along x and z of the tile for a nonlinear sea: about one per particle spacing."""
     basin = band.lattice.basin
     share = width_over_length(basin.periods)
     assert share is not None
@@ -243,7 +243,7 @@ def tile_cells(band: RelaxationBand) -> tuple[int, int]:
 
 
 def stokes_shift(sea: waves.Components) -> float:
-    """Relative rise of the frequency of a regular wave by its own height (Stokes, third order); 0 for random waves."""
+    """Relative rise of a regular wave's frequency by its height (Stokes, third order); 0 for random waves."""
     if sea.random:
         return 0.0
     steepness = float(sea.wavenumber[0] * np.sqrt((sea.amplitude**2).sum()))

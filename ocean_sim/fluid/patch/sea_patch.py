@@ -32,20 +32,20 @@ NODE_VALUES = 6  # values of a node: velocity [m/s] and its feed [m/s2]
 
 
 def wave_counts(band: RelaxationBand, sea: Components) -> np.ndarray:
-    """Number (n, 2) of periods of each wave along the sides of the patch."""
+    """Number (n, 2) of wavelengths of each wave along the patch's sides x and z."""
     return np.round(sea.wavevector * np.array(band.lattice.basin.periods)[::2] / (2.0 * np.pi)).astype(int)
 
 
 class Depths(NamedTuple):
-    """Levels of a SeaTable: ever farther apart down to `deepest`, and one `above` the still level [m]."""
+    """Levels of a SeaTable [m]: down to `deepest`, ever further apart, and one level `above` still water."""
 
     deepest: float
     above: float
     bed: float  # the depth of the water
 
     def profiles(self, k: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """Yield, level by level, the horizontal and vertical velocity of waves with wavenumbers k (n,) [rad/m], over
-        the amplitude g k / omega of the velocity at the still level."""
+        """Yield for each level the horizontal and vertical velocity (n,) of waves with wavenumbers k (n,) [rad/m], over
+        their velocity amplitude g k / omega at the still level."""
         for level in range(TABLE_LEVELS):
             yield waves.profiles(k, -self.deepest * (level / (TABLE_LEVELS - 1)) ** 2, self.bed)
         (c, s), slope = waves.profiles(k, 0.0, self.bed), np.tanh(k * self.bed)
@@ -53,7 +53,7 @@ class Depths(NamedTuple):
 
 
 class PlaneWaveSource:
-    """Linear sea, a sum of plane waves, as source of a SeaTable, before its ramp is applied."""
+    """Linear sea (a sum of plane waves) that fills a SeaTable; the table applies the ramp."""
 
     left_out: ClassVar[tuple[str, ...]] = ("shapes", "places")
 
@@ -68,7 +68,7 @@ class PlaneWaveSource:
         """(levels, values, n) contribution of each wave at the lower corner of the patch and phase 0."""
 
     def modes(self, time: float) -> np.ndarray:
-        """Complex modes (levels, values, nodes x, nodes z) of velocity and feed at a time [s], never decreasing."""
+        """Fourier modes (levels, values, nodes x, nodes z) of velocity and feed at a time [s] not before the last."""
         found = np.zeros((TABLE_LEVELS + 1, NODE_VALUES, *self.count), dtype=np.complex128)
         origin_phase = np.exp(1j * np.mod(self.sea.phase - self.sea.omega * time, 2.0 * np.pi))
         found[:, :, self.places[0], self.places[1]] = self.shapes * origin_phase
@@ -76,10 +76,9 @@ class PlaneWaveSource:
 
 
 class SteepSource:
-    """Nonlinear sea on a tile over the patch, one cell a particle spacing, as source of a SeaTable. The feed is the
-    share f of the velocity of each wave. Of modes E of the elevation and P of the potential, waves along the wavevector
-    have the potential P / 2 - i g E / (2 omega) and take f, waves against it the conjugate of f; the sum is Re f P + Im
-    f g E / omega."""
+    """Nonlinear sea on a tile over the patch, a cell for each particle spacing, that fills a SeaTable. A wave's feed is
+    a share f of its velocity. Modes E of elevation, P of potential hold waves along the wavevector (P / 2 - i g E / (2
+    omega), share f) and against it (conjugate of f); the sum is Re f P + Im f g E / omega."""
 
     left_out: ClassVar[tuple[str, ...]] = ("shapes", "feed_factors", "origin_phase", "places")
 
@@ -102,7 +101,7 @@ class SteepSource:
         self.places = (along % count[0])[:, None], (np.arange(tile.columns) % count[1])[None, :]
 
     def modes(self, time: float) -> np.ndarray:
-        """Advance the nonlinear sea to a time [s], and return its modes and their feed."""
+        """Advance the nonlinear sea to a time [s]; return Fourier modes of its velocity and feed."""
         left = time - self.sea.time
         for _ in range(steps := int(np.ceil(left / self.step - 1e-9))):
             self.sea.advance(left / steps)
@@ -122,7 +121,7 @@ class SteepSource:
 
 
 def feed_factors(band: RelaxationBand, sea: Components, tile: Tile) -> tuple[np.ndarray, np.ndarray]:
-    """Factors Re f and Im f g / omega (cells, columns) of a tile's modes, from the waves' feed f by wavenumber."""
+    """Factors Re f and Im f g / omega (cells, columns) of a tile's Fourier modes, from the waves' feed f [1/s]."""
     order = np.argsort(sea.wavenumber)
     k, f = sea.wavenumber[order], band.feed[order]
     real, imaginary = (np.interp(tile.k, k, of) for of in (f.real, f.imag))
@@ -147,7 +146,7 @@ def table_bytes(band: RelaxationBand, sea: Components, word: int) -> int:
 
 @in_kernels
 class SeaTable:
-    """Table, over a patch at one time, of the sea's velocity and feed (acceleration against the scheme's losses)."""
+    """Table over a patch of the sea's velocity, and of its feed (acceleration against losses by the scheme)."""
 
     def __init__(self, band: RelaxationBand, sea: Components) -> None:
         basin, self.sea = band.lattice.basin, sea
@@ -167,7 +166,7 @@ class SeaTable:
         self.write_slot(1, self.every)
 
     def write_slot(self, slot: int, time: float) -> None:
-        """Write the sea at a time [s] into slot 0 or 1, the two times between which the table is interpolated."""
+        """Write the sea at a time [s] to slot 0 or 1; the table is interpolated between the times of both slots."""
         from scipy.fft import ifft2
 
         modes, sea = self.source.modes(time), self.sea
@@ -178,7 +177,7 @@ class SeaTable:
         self.store_slot(slot, np.ascontiguousarray(values.transpose(2, 3, 0, 1), dtype=to_numpy_type(self.now.dtype)))
 
     def advance(self, time: float) -> None:
-        """Interpolate the table to a time [s], after writing the slots that have become due."""
+        """Interpolate the table to a time [s], once the slots around this time are written."""
         share = time / self.every - self.begun
         while share > 1.0 + 1e-9:
             self.begun, share = self.begun + 1, share - 1.0
@@ -199,7 +198,7 @@ class SeaTable:
 
     @ti.kernel
     def interpolate_slots(self, share: float):
-        """Interpolate the table between both slots, a share of the way from slot 0 to 1."""
+        """Interpolate the table between its slots, at a share of the way from slot 0 to 1."""
         for i, k in ti.ndrange(*self.count):
             for l, c in ti.ndrange(TABLE_LEVELS + 1, NODE_VALUES):
                 self.now[i, k, l, c] = tm.mix(self.slots[0, i, k, l, c], self.slots[1, i, k, l, c], share)
@@ -232,7 +231,7 @@ class SeaTable:
 
     @ti.func
     def sample(self, x):
-        """Velocity of the sea [m/s] and its feed [m/s2] at x [m], as six numbers."""
+        """Velocity of the sea [m/s] and its feed [m/s2] at x [m], six numbers."""
         n, m = ti.static(self.count)
         level, share = self.level_weights(x.y)
         i, along = self.node_weights(x.x, 0)
@@ -249,7 +248,7 @@ class SeaTable:
 
     @ti.func
     def sample_column(self, i, k, level, share):
-        """Velocity and feed, six numbers, at node i, k of the patch; `share`: weights of the four levels."""
+        """Velocity and feed (six numbers) at node i, k; `level`, `share`: indices and weights of four levels."""
         total = ti.Vector.zero(float, NODE_VALUES)
         for l in ti.static(range(4)):
             for c in ti.static(range(NODE_VALUES)):
@@ -259,7 +258,7 @@ class SeaTable:
 
 @in_kernels
 class SeaRim:
-    """Forcing of particles by band and feed; the band lies opposite the ships' middle, or opposite a moving point."""
+    """Forcing of particles by relaxation zone and feed. The zone lies opposite the ships' middle, or a moving point."""
 
     left_out: ClassVar[tuple[str, ...]] = ("ships",)
 
@@ -278,38 +277,38 @@ class SeaRim:
         self.advance(0.0)
 
     def follow(self, ships: Sequence[Displacing]) -> None:
-        """Keep the band opposite the middle of these ships from now on."""
+        """Keep the relaxation zone opposite the middle of these ships from now on."""
         self.ships = tuple(ships)
         self.place_band(0.0)
 
     def centre_at(self, time: float) -> np.ndarray:
-        """Point x, z (2,) in the world [m] opposite the band at a time [s]: the ships' middle, or a moving point."""
+        """Centre x, z (2,) in the world [m] of the patch at a time [s]: the ships' middle, or a moving point."""
         if self.ships:
             return np.mean([ship.body.position[[0, 2]] for ship in self.ships], axis=0)
         return self.velocity * time
 
     def on_patch(self, points: np.ndarray) -> np.ndarray:
-        """Periodic repeats (..., 2) of points x, z [m] on the patch around the origin; 0 on an axis without period."""
+        """Periodic repeats (..., 2) on the patch around the origin of points x, z [m]; 0 on an axis without period."""
         return np.where(self.periods > 0.0, points - whole_sides(points, self.periods), 0.0)
 
     def place_band(self, time: float) -> None:
-        """Move the band to its place at a time [s]."""
+        """Move the relaxation zone to its position at a time [s]."""
         at = self.on_patch(self.centre_at(time))
         self.middle.from_numpy(at.astype(to_numpy_type(self.middle.dtype)))
 
     def contains(self, points: np.ndarray, time: float) -> np.ndarray:
-        """Mask (m,) of the points x, z (m, 2) in the world [m] that lie in the band at a time [s]."""
+        """Mask (m,) of the points x, z (m, 2) in the world [m] that lie in the relaxation zone at a time [s]."""
         return rim_depth(points - self.centre_at(time), self.periods, self.width) > 0.0
 
     def advance(self, time: float) -> None:
-        """Move the band, and interpolate the table of the sea, to a time [s]."""
+        """Move the relaxation zone and interpolate the table of the sea to a time [s]."""
         self.place_band(time)
         if self.waving:
             self.table.advance(time)
 
     @ti.func
     def rim_share(self, x):
-        """Depth of x [m] in the band over its width: 0 outside, 1 at the seam opposite the ships."""
+        """Depth of x [m] in the relaxation zone over its width: 0 outside, 1 at the seam opposite the ships."""
         far = 0.0
         for axis, k, period in ti.static(self.axes):
             xi = x[k] - self.middle[axis]
@@ -319,7 +318,7 @@ class SeaRim:
 
     @ti.func
     def acceleration(self, x, v, dt):
-        """Acceleration [m/s2] by the sea over dt [s] of a particle at x [m] that would else end the step at v [m/s]."""
+        """Acceleration [m/s2] by the sea over dt [s], at x [m]; v: velocity [m/s] at the step's end without it."""
         s, a = self.rim_share(x), tm.vec3(0.0)
         # The relaxation is implicit in time: no step overshoots the sea, however strong the rate.
         if s > 0.0 or ti.static(self.fed):

@@ -44,7 +44,7 @@ class Pull:
         return np.array(self.frame[FRAME_PUSH]) if self.moving else self.gravity + self.body_force
 
     def advance(self, time: float) -> None:
-        """Set the motion of the tank to that at a time [s]."""
+        """Set acceleration and rotation of the tank to those at a time [s]."""
         if self.moving:
             frame = self.motion.at(time)
             self.frame[FRAME_PUSH] = frame.push(self.gravity) + self.body_force
@@ -63,16 +63,16 @@ class Pull:
 
     @ti.func
     def at_rest(self, x):
-        """Acceleration [m/s2] of water at rest at x [m], which pressure balances; zero along a periodic axis."""
+        """Acceleration [m/s2] of water at rest at x [m], to be balanced by pressure; zero along periodic axes."""
         return self.held * self.at(x, tm.vec3(0.0))
 
 
 @in_kernels
 class Relief:
-    """Heights of a bed at even nodes, bilinear between them, and how far up its samples reach."""
+    """Uneven bed: heights on a regular grid, bilinear between, and how high its boundary particles act."""
 
     def __init__(self, ground: Ground, spacing: float, support: float) -> None:
-        """`spacing`: of the particles [m]; `support`: reach of the samples [m]."""
+        """Tabulate the bed. `spacing`: of the particles [m]; `support`: reach of the bed's boundary particles [m]."""
         from scipy.ndimage import grey_dilation
 
         size = np.array([ground.x[-1] - ground.x[0], ground.z[-1] - ground.z[0]])
@@ -95,19 +95,19 @@ class Relief:
 
     @ti.func
     def cell(self, x):
-        """Place of x [m] in steps from the first node, and the indices of the cell under it."""
+        """Coordinates of x [m] in grid steps from the first node, and the indices of the grid cell."""
         at = (tm.vec2(x.x, x.z) - self.first) * self.per_step
         return at, tm.clamp(int(ti.floor(at)), 0, self.last)
 
     @ti.func
     def is_reached(self, x):
-        """True if samples of the bed may lie within their reach of x [m]."""
+        """True if boundary particles of the bed may lie within a support of x [m]."""
         _at, c = self.cell(x)
         return x.y < self.reach[c.x, c.y]
 
     @ti.func
     def distance(self, x):
-        """Distance [m] of x [m] from the bed as if it were plane there, negative inside; and the bed's normal."""
+        """Distance [m] of x [m] from the bed's tangent plane, negative below it; and the plane's unit normal."""
         at, c = self.cell(x)
         f = tm.clamp(at - c, 0.0, 1.0)
         low = tm.vec2(self.height[c.x, c.y], self.height[c.x + 1, c.y])
@@ -124,7 +124,7 @@ class Bed:
     """Friction of a rough bed on the lowest row of particles."""
 
     def __init__(self, bed: Floor, lattice: Lattice, smoothing: Smoothing, relief: Relief | None) -> None:
-        """`relief`: heights of a bed with a shape, else None."""
+        """`relief`: heights of an uneven bed; None for a flat one."""
         self.level, self.row, self.z0 = lattice.basin.lower[1], lattice.row, bed.z0  # [m]
         self.logarithmic, self.in_row = bed.roughness is not None, bed.drag(0.5 * self.row)
         self.flat = relief is None
@@ -143,10 +143,10 @@ class Bed:
 
     @ti.func
     def push(self, x, v, dt, row, images):
-        """Acceleration [m/s2] by bed friction over dt [s] at x [m] for a velocity v [m/s] without it: by the solution u
-        / (1 + k |u| dt) of du/dt = -k |u| u, k = drag share / row. No step turns the water round. `row`,
-        `images`: sums over the neighbours and their images as of Stencil.row_on_bed, by which the share is less where
-        the row is not full; a bed of another shape has no images."""
+        """Acceleration [m/s2] by bed friction over dt [s] at x [m]; v: velocity [m/s] without friction. Solves du/dt =
+        -k |u| u, k = drag share / row, exactly, so that no step reverses the flow. `row`, `images`: sums of r^2 grad W
+        as in Stencil.row_on_bed over neighbours and images (none at an uneven bed); the share is less if they lack
+        particles."""
         z, along, filled = x.y - self.level, tm.vec3(v.x, 0.0, v.z), row
         if ti.static(self.flat):
             filled += images

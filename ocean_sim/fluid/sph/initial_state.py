@@ -37,7 +37,7 @@ MAX_STANDING_STEEPNESS = 0.218  # height over wavelength, over tanh(kh), of a st
 
 
 class Start(Model):
-    """The keys of every initial state."""
+    """Keys common to all initial states."""
 
     def sea(self, basin: Basin) -> waves.Components | None:
         """Waves of this state; None for a state without waves."""
@@ -65,7 +65,7 @@ class StandingWave(Start):
         return self
 
     def sea(self, basin: Basin) -> waves.Components:
-        """Two equal waves that travel against each other: A cos k(x - x_min) cos omega t, or sin omega t."""
+        """Two equal waves in opposite directions: together A cos k(x - x_min) cos omega t, or sin omega t."""
         half = (self.amplitude or (self.height or 0.0) / 2.0) / 2.0
         k = self.mode * pi / basin.config.length
         shift, late = -k * basin.lower[0], 0.5 * pi if self.phase == "flat" else 0.0
@@ -87,7 +87,7 @@ class StandingWave(Start):
             yield ("mode",), f"x is periodic: the mode must be even, got {self.mode}"
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
-        """Positions (n, 3), velocities (n, 3) and pressures (n,) at time 0 of water that would rest at `positions`."""
+        """Positions (n, 3), velocities (n, 3), pressures (n,) at time 0 of water that at rest lies at `positions`."""
         return displaced_state(self.sea(basin), positions, basin, density)
 
 
@@ -103,7 +103,7 @@ class RegularWave(Start):
     """Direction of travel: 0 along +z, 90 along +x; by default 0, in 2-D 90."""
 
     def sea(self, basin: Basin) -> waves.Components:
-        """The wave as its keys give it, before it is fitted to the basin."""
+        """Wave as the keys state it, before it is fitted to the basin."""
         towards = waves.heading_vector(self.heading_deg, basin.dimension)
         return waves.regular_wave(self.height, self.period, towards, basin.depth, waves.downward_gravity(basin))
 
@@ -135,7 +135,7 @@ class RandomWaves(Start):
     """Spectrum of the waves."""
 
     def sea(self, basin: Basin) -> waves.Components:
-        """The waves as the spectrum gives them, before they are fitted to the basin."""
+        """Waves as the spectrum states them, before they are fitted to the basin."""
         towards = waves.heading_vector(self.spectrum.heading_deg, basin.dimension)
         return self.spectrum.components(towards, basin.depth, waves.downward_gravity(basin))
 
@@ -173,7 +173,7 @@ class TaylorGreen(Start):
                 yield ("kind",), f"{sentence} (basin.walls: {{{'xy'[axis]}: periodic}})"
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
-        """Positions with disorder, velocities and pressures at time 0 of particles at `positions` (n, 3) [m]."""
+        """Positions (randomly disturbed), velocities and pressures at time 0 of particles at `positions` (n, 3) [m]."""
         a, b = 2.0 * pi / basin.config.length, 2.0 * pi / basin.depth
         kick = numpy_uniform3(self.seed, DISORDER_STREAM, np.arange(len(positions)), 0) * (1.0, 1.0, 0.0)
         placed = wrap_positions(positions + self.disorder * mean_spacing(positions, basin) * kick, basin)
@@ -192,7 +192,7 @@ class FromFile(Start):
     without z and w."""
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Columns (n,) of the file, by name without unit; raises Unreadable if they are not numbers or ambiguous."""
+        """Columns (n,) of the file by name without unit; raise Unreadable if not numbers, or a name is ambiguous."""
         found = read_npz(self.path) if self.path.endswith(".npz") else csv_file.Table(self.path)
         unnumbered = [name for name, column in found.items() if column.dtype.kind not in "iuf" or column.ndim > 1]
         if unnumbered:
@@ -251,7 +251,7 @@ Initial = Annotated[StandingWave | RegularWave | RandomWaves | TaylorGreen | Fro
 def start_state(
     initial: Initial | None, positions: np.ndarray, basin: Basin, density: float, surface: float | np.ndarray = 0.0
 ) -> State:
-    """Positions (n, 3) [m], velocities (n, 3) [m/s], pressures (n,) [Pa] at the start; `surface` of still water [m]."""
+    """Positions (n, 3) [m], velocities (n, 3) [m/s], pressures (n,) [Pa] at time 0; `surface`: still level [m]."""
     if initial is not None:
         return initial.state(positions, basin, density)
     sea = patch_waves(basin, mean_spacing(positions, basin)) if basin.sea is not None else None
@@ -280,7 +280,7 @@ def still_pressure(positions: np.ndarray, basin: Basin, density: float, surface:
 
 
 def displaced_state(sea: waves.Components, positions: np.ndarray, basin: Basin, density: float) -> State:
-    """Positions, velocities and pressures in these waves, at time 0, of water that rests at `positions` (n, 3) [m]."""
+    """State at time 0, in these waves, of water that at rest lies at `positions` (n, 3) [m], by linear theory."""
     placed, leap = positions.astype(float), 1.0 / FLOW_STEPS
     for _ in range(FLOW_STEPS):
         a = waves.displacement(sea, placed)
@@ -294,7 +294,7 @@ def displaced_state(sea: waves.Components, positions: np.ndarray, basin: Basin, 
 
 
 def bearable_waves(sea: waves.Components, height: float, shortest: float = 0.0) -> waves.Components:
-    """Random waves of a `height` [m], none below `shortest` [m] or k > 2 / Hs (Stansberg et al. 2008), rescaled."""
+    """Random waves scaled to a `height` [m], none below `shortest` [m] or of k > 2 / Hs (Stansberg et al. 2008)."""
     k = sea.wavenumber
     found = sea.select((k < 2.0 / height) & (shortest * k < 2.0 * pi))
     share = np.linalg.norm(sea.amplitude) / np.linalg.norm(found.amplitude)
@@ -307,7 +307,7 @@ def fitted_waves(sea: waves.Components, basin: Basin) -> waves.Components:
 
 
 def patch_waves(basin: Basin, spacing: float) -> waves.Components | None:
-    """Waves of the sea fitted to a patch, without random ones too short for a `spacing` [m]; None in calm water."""
+    """Waves of the sea made periodic on its patch, without random ones too short for a `spacing` [m]; or None."""
     sea = basin.sea.plane_waves(basin) if basin.sea is not None else None
     if sea is None or basin.sea is None:
         return None
@@ -345,6 +345,6 @@ def mean_spacing(positions: np.ndarray, basin: Basin) -> float:
 
 
 def column_vectors(columns: dict[str, np.ndarray], names: str, basin: Basin) -> np.ndarray:
-    """Vectors (n, 3) of the columns named by the letters of `names`; in 2-D the third component is 0."""
+    """Vectors (n, 3) from the columns whose names are the letters of `names`; in 2-D the third component is 0."""
     flat = np.zeros_like(columns[names[0]])
     return np.stack([columns[names[0]], columns[names[1]], flat if basin.dimension == 2 else columns[names[2]]], axis=1)

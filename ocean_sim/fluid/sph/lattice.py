@@ -22,7 +22,7 @@ MARGIN_SPACINGS = 8.0  # [spacings] around a solid, as far as the water that mak
 
 @dataclass(frozen=True)
 class Lattice:
-    """Cubic lattice of particles that fills the boxes of water, half a spacing away from every face."""
+    """Cubic lattice of the first particles. It fills the boxes of water, half a spacing away from their faces."""
 
     config: Any  # a WaterConfig, which makes the lattice
     basin: Basin
@@ -45,7 +45,7 @@ class Lattice:
 
     @cached_property
     def spacing(self) -> float:
-        """Distance between particles [m]; for a budget of particles, the finest lattice found that keeps it."""
+        """Distance between particles [m]: as given, or the least found that keeps to the key `particles`."""
         if self.config.spacing is not None:
             return self.config.spacing
         assert self.config.particles is not None
@@ -59,18 +59,18 @@ class Lattice:
         return spacing
 
     def box_counts(self, spacing: float) -> list[np.ndarray]:
-        """Numbers (3,) of particles along x, y and z in each box, at about this spacing [m]."""
+        """Numbers (3,) of particles along x, y, z in each box of water, about `spacing` [m] apart."""
         counts = [np.maximum(1, np.round((up - low) / spacing)).astype(int) for low, up in self.boxes]
         return [np.append(count[:2], 1) if self.basin.dimension == 2 else count for count in counts]
 
     @cached_property
     def counts(self) -> list[np.ndarray]:
-        """Numbers (3,) of particles along x, y and z in each box."""
+        """Numbers (3,) of particles along x, y, z in each box of water."""
         return self.box_counts(self.spacing)
 
     @cached_property
     def n(self) -> int:
-        """Number of particles; with an emitter, the most there will be."""
+        """Number of particles; with an emitter, the largest number there can be."""
         return self.config.emitter.cap if self.config.emitter is not None else self.start_count
 
     @cached_property
@@ -103,7 +103,7 @@ class Lattice:
 
     @property
     def row(self) -> float:
-        """Thickness of the lowest row of particles [m]."""
+        """Thickness [m] of the lowest layer of particles."""
         rows = [(low[1], (up[1] - low[1]) / count[1]) for (low, up), count in zip(self.boxes, self.counts, strict=True)]
         return float(min(rows)[1]) if rows else self.spacing
 
@@ -126,7 +126,7 @@ class Lattice:
         return float(np.max(surface - bed, initial=0.0))
 
     def column_ends(self) -> np.ndarray:
-        """Heights (2, n) [m] of foot (bed, obstacle) and surface of each particle's column; stacked boxes are one."""
+        """Heights (2, n) [m] of bottom and surface of the water column at each particle; stacked boxes count as one."""
         if self.given is not None:
             return np.repeat([[self.basin.lower[1]], [0.0]], len(self.given), axis=1)
         heights = np.array([(low[1], up[1]) for low, up in self.boxes]).reshape(-1, 2)
@@ -154,7 +154,7 @@ class Lattice:
 
     @cached_property
     def full_positions(self) -> np.ndarray:
-        """Positions (m, 3) [m] of a lattice that fills the boxes, bodies ignored; x runs fastest."""
+        """Positions (m, 3) [m] of the lattice as if there were no bodies; x runs fastest."""
         parts = [np.empty((0, 3))]
         for (low, up), count in zip(self.boxes, self.counts, strict=True):
             x, y, z = (middles_of(low[k], up[k], count[k]) for k in range(3))
@@ -164,7 +164,7 @@ class Lattice:
 
     @cached_property
     def room_for_bodies(self) -> tuple[np.ndarray, np.ndarray]:
-        """Mask (m,) of lattice points outside bodies, and positions (m, 3) [m], moved off all bodies but boxes."""
+        """Mask (m,) of lattice points outside bodies, and positions (m, 3) [m] pressed away from bodies (not boxes)."""
         wet, positions = ~in_boxes(self.full_positions, self.basin), self.full_positions
         for solid in self.basin.solids:
             nearest = shifts(positions, solid.origin[[0, 2]], self.basin.periods)
@@ -176,7 +176,7 @@ class Lattice:
 
     @property
     def packed(self) -> "packing.Lattice":
-        """Spacing, volume of a particle and kernel, for bodies that take room in the lattice."""
+        """Spacing, particle volume and kernel, as needed to press particles away from bodies."""
         from ocean_sim.basin.solids import packing
 
         volume = self.mass / self.config.rest_density
@@ -189,7 +189,8 @@ class Lattice:
         return [(low + [x, 0.0, z], up + [x, 0.0, z]) for x, z in ways for low, up in self.boxes]
 
     def points_beyond(self, solid: Solid) -> np.ndarray:
-        """Points (m, 3) [m] outside all boxes, within MARGIN_SPACINGS of a solid, that continue the first near it."""
+        """Points (m, 3) [m] around a solid, outside all boxes, that continue the lattice of the first box near it. They
+        reach MARGIN_SPACINGS from the solid."""
         d, found = self.basin.dimension, np.empty((0, 3))
         low_end, high_end = solid.extent + np.array([[-1.0], [1.0]]) * MARGIN_SPACINGS * self.spacing
         counts = self.counts * (len(self.repeated_boxes) // len(self.counts))
@@ -207,7 +208,7 @@ class Lattice:
 
     @cached_property
     def wet_mask(self) -> np.ndarray:
-        """Mask (m,) of the points of the full lattice that hold water, see `room_for_bodies`."""
+        """Mask (m,) of `full_positions` that hold water, outside obstacles and bodies."""
         ground = self.basin.ground
         if ground is None or len(self.basin.solids) > 1:
             return self.room_for_bodies[0]

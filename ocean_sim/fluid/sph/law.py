@@ -21,7 +21,7 @@ NO_COLUMN = -1
 
 @dataclass(frozen=True)
 class WalkOptions:
-    """Options with which the walk over neighbours sums a law."""
+    """Options of a law that tell the neighbour walk how to sum it."""
 
     apart: bool = False  # True if the sum over images in the sides is kept by itself, as `beyond`
     padded: bool = False
@@ -34,7 +34,7 @@ class WalkOptions:
 
 @in_kernels
 class Law(ABC):
-    """Base class of all pair laws; its defaults suit a law that reads positions only. All functions are ti.funcs."""
+    """Base class of pair laws (sums over neighbours), all ti.funcs; defaults suit a law that reads positions only."""
 
     row: Columns = Columns(position=3)
     """Columns that are read of a particle, `own`, and of a neighbour, `other`; the position comes first."""
@@ -47,32 +47,32 @@ class Law(ABC):
     solid: Any  # SampleSum of the boundary
 
     def add_bodies(self, boundary: Any) -> None:
-        """Sum also over the samples of a Boundary's solid bodies; None: there are none. Call once `terms` are set."""
+        """Sum over the boundary particles of solid bodies, too; None: no bodies. Call once `terms` are set."""
         if boundary is not None:
             self.bodies, self.boundary, self.solid = True, boundary, boundary.sample_sum(self)
 
     @ti.func
     def prefactor(self, own):
-        """Factor of the whole sum: `factor`, and in some laws fields of the particle's own row."""
+        """Factor of the whole sum: `factor`, in some laws times field values `own` of the particle."""
         return self.factor
 
     @ti.func  # noqa: B027
     def begin(self, group):
-        """Prepare the sums of a group of cells before its first particle; most laws have nothing to prepare."""
+        """Reset what the law sums over a group of particles, before its first; most laws have nothing to reset."""
 
     @ti.func
     def image(self, other, mirror):
-        """Field values of the image of a neighbour (values `other`) in a flat side, given by its `mirror` matrix."""
+        """Field values of the image of a neighbour, with values `other`, in the flat side of this `mirror` matrix."""
         return mirror_position(mirror, other)
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values of sample s of a solid body, at d [m] in a `mirror` from the particle with values `own`."""
+        """Field values that boundary particle s, seen at d [m] in a `mirror`, shows to a particle with values `own`."""
         return own + d
 
     @abstractmethod
     def pair(self, own: Any, other: Any) -> Any:
-        """Term of one neighbour, without the prefactor; `own`, `other`: field values of particle and neighbour."""
+        """Contribution of one neighbour, without prefactor; `own`, `other`: field values of particle and neighbour."""
 
     @abstractmethod
     def finish(self, i: Any, own: Any, total: Any, beyond: Any, group: Any) -> None:
@@ -80,7 +80,7 @@ class Law(ABC):
 
     @ti.func
     def with_bodies(self, total, x, own):
-        """Sum `total` of a law plus its terms over the samples of solid bodies around x [m]."""
+        """Sum `total` of a law plus the contributions of boundary particles around x [m]."""
         both = total
         if ti.static(self.bodies):
             both += self.solid.total(x, own)

@@ -18,8 +18,8 @@ if TYPE_CHECKING:  # it is imported only where there are bodies
 
 @in_kernels
 class Force(Law):
-    """Base class of pair laws that push particles. Its `row` begins with `position`, `velocity` and `pressure`; its
-    `terms` have `push`; where friction is summed apart, `rub`; over a rough bed, `filled`."""
+    """Base class of pair laws that push particles. Its field values (`row`) begin with position, velocity and pressure.
+    Its sums (`terms`) have `push`; if friction is summed apart `rub`; over a rough bed `filled`."""
 
     stores_pressure_work: ClassVar[bool] = False
     """True if the work of pressure on images and bodies becomes internal energy of the water, not work of walls."""
@@ -39,11 +39,11 @@ class Force(Law):
 
     @abstractmethod
     def acceleration(self, own: Any, total: Any) -> Any:
-        """Acceleration [m/s2] of a particle with row `own` by its sum `total`."""
+        """Acceleration [m/s2] of a particle with field values `own`, from the law's sum `total`."""
 
     @ti.func
     def wall_acceleration(self, own, total):
-        """Part of the acceleration [m/s2] by a sum `total` whose work is booked under walls."""
+        """Acceleration [m/s2] by a sum `total`, as far as its work is booked under walls."""
         a = self.acceleration(own, total)
         if ti.static(self.stores_pressure_work):
             a = self.prefactor(own) * vec3(total, self.terms.rub)
@@ -51,17 +51,17 @@ class Force(Law):
 
     @ti.func
     def pressure_rise(self, head):
-        """Rise of the value in the row's column `pressure` for a rise `head` [m2/s2] of p / rho."""
+        """Rise of the law's pressure column for a rise `head` [m2/s2] of p / rho."""
         return self.fluid.rest_density * head
 
     @ti.func
     def begin(self, group):
-        """Reset the extremes of speed and acceleration of a group."""
+        """Reset the largest speed and acceleration of a group of particles."""
         self.fluid.accounts.begin_motion(group)
 
     @ti.func
     def image(self, other, mirror):
-        """Field values of a neighbour's image: velocity mirrored by the slip, pressure continued hydrostatically."""
+        """Field values of a neighbour's image: velocity mirrored by the wall's slip, pressure continued by gravity."""
         x, image = vec3(other, self.row.position), mirror_row(mirror, other)
         pull = self.fluid.pull.at_rest(mirror_midpoint(mirror, x))
         image[self.row.pressure] += self.pressure_rise(hydrostatic_offset(mirror, x, pull))
@@ -69,21 +69,21 @@ class Force(Law):
 
     @ti.func
     def rubbing_sample(self, own, s, d, mirror):
-        """Field values of sample s of a solid body, at d [m], with its velocity in friction; others as in `own`."""
+        """Field values of boundary particle s at d [m]: its velocity for friction; pressure and others as `own`."""
         return row_at(own, d, self.boundary.rubbing_velocity(vec3(own, self.row.velocity), s, mirror))
 
     @ti.func
     def react(self, dt):
-        """Sum the forces of the water on solid bodies over dt [s]; call it at the top of a kernel."""
+        """Sum the forces of the water on solid bodies over dt [s]; call it at a kernel's top level."""
         if ti.static(self.fluid.bodies):
             self.boundary.react(self.reaction, dt)
 
 
 @in_kernels
 class MomentumLaw(Force):
-    """Momentum equation of a particle (2.25): neighbours, walls, wind, gravity, a hull, a bed, a sea. A scheme adds the
-    row that is read (position, velocity, a pressure in its own form), the terms of a pair (`pair`, by `row_of_terms`),
-    the prefactor of their sum, and how a pressure continues (`pressure_rise`)."""
+    """Momentum equation of a particle (thesis eq. 2.25). A scheme adds (a) the field values that are read: position,
+    velocity, its own form of pressure, (b) the forces of a neighbour (`pair`, by `row_of_terms`), (c) the prefactor of
+    their sum, (d) the form's change by a head (`pressure_rise`)."""
 
     drifted: ClassVar[float] = 0.0
     """Part of a step that the particles have gone before they are pushed; with their new velocity they go the rest."""
@@ -96,7 +96,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def row_of_terms(self, weight, push, rub, shear, x_ij):
-        """Terms of a pair in order of `terms`: `push`, `rub` (all dissipation), `shear` (friction); times `weight`."""
+        """Columns of `terms` for a neighbour, times `weight`: `push`, `rub` (all dissipation), `shear` (friction)."""
         total = ti.Vector.zero(float, self.terms.size)
         if ti.static(self.fluid.rubs):
             total[self.terms.filled] = self.fluid.smoothing.pair_gradient(x_ij).dot(x_ij)
@@ -111,7 +111,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def continued_sample(self, own, s, d, mirror):
-        """Field values of sample s of a solid body: the particle's own pressure, continued by Boundary.head."""
+        """Field values of boundary particle s: the own particle's pressure, continued to d [m] by Boundary.head."""
         other = self.rubbing_sample(own, s, d, mirror)
         a = tm.vec3([own[self.row.size + k] for k in ti.static(range(3))])
         head = self.boundary.head(vec3(own, self.row.position), a, s, d, mirror)
@@ -131,7 +131,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Accelerate particle i by all forces (2.25), move it as far as walls let it, and book the step."""
+        """Accelerate particle i by all forces (thesis eq. 2.25), move it, stop it at walls, and record the budget."""
         fluid, dt = self.fluid, self.fluid.dt[None]
         x, v = vec3(own, self.row.position), vec3(own, self.row.velocity)
         if ti.static(fluid.bodies):
@@ -147,7 +147,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def kick(self, i, own, total, beyond, dt):
-        """Acceleration [m/s2] of particle i (2.25), and its parts: by water, walls, wind, gravity, hulls, bed, sea."""
+        """Acceleration [m/s2] of particle i, and its parts: by water, walls, wind, gravity, hulls, bed, sea."""
         fluid, x, v = self.fluid, vec3(own, self.row.position), vec3(own, self.row.velocity)
         a_water, a_walls = self.acceleration(own, total), self.acceleration(own, beyond)
         a_wind = fluid.wind_acceleration(i, x, v)
@@ -165,7 +165,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def constrain(self, i, x, v, dt):
-        """Position [m] after a step without and with walls, velocity [m/s], and 1 if the motion limit slowed it."""
+        """Position [m] after a step without and with walls, velocity [m/s], and 1 if the motion limit acted, else 0."""
         fluid, walls = self.fluid, self.fluid.walls
         pushed, fast = walls.limit_motion(walls.relax(x, v, dt), dt)
         x_free = x + fluid.grid.whole_quanta(i, ti.static(1.0 - self.drifted) * dt * pushed)
@@ -174,7 +174,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def remember_acceleration(self, i, own, total, beyond, parts: Template):
-        """Store the acceleration of particle i by gravity and pressure alone, for bodies to continue its pressure."""
+        """Store the acceleration of particle i by gravity and pressure, by which bodies continue its pressure."""
         a_water, a_walls = parts[:2]
         a = self.fluid.pull.at_rest(vec3(own, self.row.position)) + a_water + a_walls
         if ti.static(self.sheared):
@@ -184,7 +184,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def book_step(self, group, own, total, beyond, a, parts: Template, x_free, x_new, v_new, dt):
-        """Book impulse and work of each force term in row `group`; a, parts: of `kick`; x_free, ...: of `constrain`."""
+        """Add impulse and work of each force on a particle to row `group`; arguments as from `kick`, `constrain`."""
         fluid, m = self.fluid, ti.static(self.fluid.particles.mass)
         accounts = fluid.accounts
         x, v = vec3(own, self.row.position), vec3(own, self.row.velocity)
@@ -209,7 +209,7 @@ class MomentumLaw(Force):
 
 @in_kernels
 class PairSph(Sph):
-    """Scheme of symplectic Euler steps: a `momentum` law moves particles, a `density` law sums density and pressure."""
+    """Scheme of symplectic Euler steps: the law `momentum` moves particles, `density` sums density and pressure."""
 
     momentum: MomentumLaw
     density: Law
@@ -231,7 +231,7 @@ class PairSph(Sph):
 
     @ti.kernel
     def settle(self, summary: Array):
-        """Sort the particles, sum their density and pressure, and reduce extremes to `summary`."""
+        """Sort the particles, sum their density and pressure, and reduce extremes to `summary`; move nothing."""
         self.grid.sort()
         self.neighbours.walk(self.density, True)
         self.accounts.summarise(summary)

@@ -32,7 +32,7 @@ if TYPE_CHECKING:  # it is imported only where a sea is around
 
 @in_kernels
 class ParticleWater(ParticleFluid):
-    """Base of particle water, sorted by cell between steps; a kind adds motion (`step`) and fields (`arrive`)."""
+    """Base of water of particles, sorted by cell between steps. A kind adds `step` (motion), `arrive` (fields)."""
 
     particles: Particles
     around: PointSum
@@ -102,19 +102,19 @@ class ParticleWater(ParticleFluid):
         self.accounts.idle = tuple(term for term in self.accounts.idle if term != budget.SHIP)
 
     def add_ships(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
-        """Let a patch of open sea follow these ships; return this water for each."""
+        """Let a patch of open sea follow these ships; all of them feel this same water."""
         if self.joined and ships:
             self.rim.follow(ships)
         return super().add_ships(ships)
 
     @ti.func
     def exposed_area(self, i):
-        """Exposed area of particle i times its outward normal [m2]: zero, unless a scheme computes it."""
+        """Area of particle i exposed to air, times its outward normal [m2]; here zero, some schemes compute it."""
         return tm.vec3(0.0)
 
     @ti.func
     def surface_bend(self, i):
-        """Second derivatives of the surface's height at particle i times a depth [1], see Exposure.bend_of; zero."""
+        """Second derivatives of the surface's height at particle i times a depth, as in Exposure.bend_of; here zero."""
         return tm.vec3(0.0)
 
     @ti.func
@@ -149,7 +149,7 @@ class ParticleWater(ParticleFluid):
 
     @abstractmethod
     def arrive(self) -> None:
-        """Sort the particles at their present positions, update all their fields, and sum up extremes."""
+        """Sort the particles at their present positions, compute all their fields, and reduce extremes."""
 
     @abstractmethod
     def step(self, dt: float) -> None:
@@ -165,7 +165,7 @@ class ParticleWater(ParticleFluid):
             self.rim.advance(self.time)
 
     def emit(self) -> None:
-        """Add the particles that left the emitter during the step, and book their momentum and energy."""
+        """Add the particles that left the emitter in the last step; record their momentum and energy."""
         if self.jet is None:
             return
         first, last = self.particles.count.now, self.jet.particle_count(self.time)
@@ -207,7 +207,7 @@ class ParticleWater(ParticleFluid):
             self.grid.stage_state(i, self.particles.position.at(i), self.particles.velocity.at(i))
 
     def budget(self) -> dict[str, np.ndarray]:
-        """Impulse [N s], work [J] of each term, (4,) each, by name; an emitter's work is all energy of its water."""
+        """Impulse [N s], work [J] of each force, (4,), by name; an emitter's work is all energy of its water."""
         total = self.accounts.totals()
         if total and self.jet is not None:
             total["emitter"] = np.append(self.emitted_impulse, self.emitted_work)

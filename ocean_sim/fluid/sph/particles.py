@@ -16,7 +16,7 @@ GAP_TYPE = ti.i32
 
 
 def staggered_field(dtype: Any, n: int) -> Any:
-    """Field of n numbers; a gap follows a page or more, lest numbers of a particle compete for a cache line."""
+    """Field of n numbers, with a gap behind it so that fields of a particle do not compete for a cache line."""
     field = ti.field(dtype, shape=n)
     size = n * np.dtype(to_numpy_type(field.dtype)).itemsize
     if size >= PAGE_BYTES and (gap := (CACHE_LINE_BYTES - size) % (2 * CACHE_LINE_BYTES)):
@@ -25,7 +25,7 @@ def staggered_field(dtype: Any, n: int) -> Any:
 
 
 class Snapshot(NamedTuple):
-    """State of n particles at one time, in storage order."""
+    """State of n particles at one time, in the order of storage (by cell)."""
 
     position: np.ndarray  # (n, 3) [m]
     velocity: np.ndarray  # (n, 3) [m/s]
@@ -35,7 +35,7 @@ class Snapshot(NamedTuple):
 
 @in_kernels
 class Count:
-    """Number of particles now (`now`), and the most there will be (`most`), if an emitter adds some."""
+    """Number of particles now (`now`) and at most (`most`); they differ if an emitter adds some."""
 
     def __init__(self, now: int, most: int) -> None:
         self.now, self.most, self.grows = now, most, most > now
@@ -57,7 +57,7 @@ class Count:
 
 
 class Growing(ScalarField):
-    """Field of one number per particle, with room for those still to come, which `to_numpy` and `from_numpy` omit."""
+    """Field of one number per particle, with room for particles to come, which its NumPy arrays leave out."""
 
     def __init__(self, field: ScalarField, count: Count) -> None:
         super().__init__(field.vars[0])
@@ -73,7 +73,7 @@ class Growing(ScalarField):
 
 
 def numbers(dtype: type, count: Count) -> ti.Field:
-    """Make a field of one number per particle, with room for the most there will be."""
+    """Make a field of one number per particle, with room for the largest number of particles."""
     field = staggered_field(dtype, count.most)
     return Growing(field, count) if count.grows else field
 
@@ -176,7 +176,7 @@ class Particles:
             number[i], pressure[i] = self.id[i], self.pressure[i]
 
     def in_box(self, middle: np.ndarray, scale: np.ndarray, most: float, every: int) -> np.ndarray:
-        """Every `every`-th particle, as (m, 4): (x - `middle`) * `scale`, rounded within +-`most`; speed [m/s]."""
+        """Every `every`-th particle as (m, 4): (x - `middle`) * `scale`, rounded, within +-`most`, and speed [m/s]."""
         rows: np.ndarray = np.empty((-(-self.count.now // every), 4), self.position.precision)
         self.put_in_box(rows, self.count.now, tm.vec3(*middle), tm.vec3(*scale), most, every)
         return rows

@@ -22,7 +22,7 @@ ERROR_REDUCTION = 0.5
 
 @in_kernels
 class Compression(KeptLaw):
-    """Pair law for each particle's residual r and next pressure (Bender & Koschier 2015, eqs. 6, 7, 12, 13)."""
+    """Pair law for each particle's density error r and next pressure (Bender & Koschier 2015, eqs. 6, 7, 12, 13)."""
 
     row, terms = Columns(position=3, velocity=3), Columns(rate=1)  # the row of what is summed over samples of bodies
 
@@ -34,7 +34,7 @@ class Compression(KeptLaw):
 
     @ti.func
     def begin(self, group):
-        """Reset the sums of errors of a group of particles."""
+        """Reset the sums of density errors of a group of particles."""
         self.fluid.rows.clear(group)
 
     @ti.func
@@ -43,24 +43,24 @@ class Compression(KeptLaw):
 
     @ti.func
     def kept_pair(self, own, other, gradient):
-        """Term of the density rate by a pair: v_ij . grad W over the constant of grad W; `own`, `other`: velocities."""
+        """Density rate by one neighbour: v_ij . grad W over the kernel's constant; `own`, `other`: velocities."""
         return ti.Vector([gradient.dot(own - other)])
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Position and velocity of sample s of a solid body, which moves with the body, at d [m] in a mirror."""
+        """Position and velocity of boundary particle s, which moves with its body, seen at d [m] in a mirror."""
         return row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
 
     @ti.func
     def pair(self, own, other):
-        """Term of a sample of a solid body: v_ij . grad W without its constant."""
+        """Density rate by one boundary particle: v_ij . grad W; the kernel's constant comes later."""
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         v_ij = vec3(own, self.row.velocity) - vec3(other, self.row.velocity)
         return ti.Vector([v_ij.dot(self.fluid.smoothing.pair_gradient(x_ij))])
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Complete the sum of particle i by solid bodies, then compute its residual and next pressure."""
+        """Complete the density rate of particle i by solid bodies; compute its density error and next pressure."""
         fluid, rate = self.fluid, total[self.terms.rate] + beyond[self.terms.rate]
         if ti.static(fluid.bodies):
             x = tm.vec3([component[i] for component in ti.static(tuple(fluid.particles.position))])
@@ -71,7 +71,7 @@ class Compression(KeptLaw):
 
     @ti.func
     def judge_particle(self, i, rate, group):
-        """Compute residual and next pressure of particle i from `rate`, its sum over pairs; count its errors."""
+        """Compute density error and next pressure of particle i from its density `rate`; sum errors of its group."""
         fluid, solver, dt = self.fluid, self.solver, self.fluid.dt[None]
         r = dt * self.rate * rate
         if ti.static(solver.restores):
@@ -93,7 +93,7 @@ class Compression(KeptLaw):
 
 @in_kernels
 class Push(KeptLaw):
-    """Pair law for the velocity under all pressures of a step, adjoint of Compression; summed anew against rounding."""
+    """Pair law for velocities under all pressures, transpose of Compression; summed in full, against rounding."""
 
     row, terms = Columns(position=3, pressure=1), Columns(push=3)  # the row of what is summed over samples of bodies
 
@@ -104,28 +104,28 @@ class Push(KeptLaw):
 
     @ti.func
     def kept_image(self, other, name, away):
-        """Pressure of the image of a neighbour, equal to the neighbour's own."""
+        """Pressure of the mirror image of a neighbour, equal to the neighbour's own."""
         return other
 
     @ti.func
     def kept_pair(self, own, other, gradient):
-        """Term of a pair: the sum of both pressures times grad W without its constant."""
+        """Contribution of one neighbour to the pressure force: (p_i + p_j) grad W; the constant factor comes later."""
         return (own[0] + other[0]) * gradient
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values of sample s of a solid body, at d [m]: a pressure of 0, since bodies have none of their own."""
+        """Position and pressure of boundary particle s at d [m]; the pressure is 0, as bodies have no own."""
         return tm.vec4(vec3(own, self.row.position) + d, 0.0)
 
     @ti.func
     def pair(self, own, other):
-        """Term of a sample of a solid body: the sum of both pressures times grad W without its constant."""
+        """Contribution of one boundary particle to the pressure force: (p_i + p_j) grad W; constants come later."""
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         return (own[self.row.pressure] + other[self.row.pressure]) * self.fluid.smoothing.pair_gradient(x_ij)
 
     @ti.func
     def body_total(self, i, own):
-        """Sum of the terms of all samples of solid bodies around particle i."""
+        """Pressure force of all boundary particles on particle i; the constant factor comes later."""
         total = tm.vec3(0.0)
         if ti.static(self.fluid.bodies):
             x = tm.vec3([component[i] for component in ti.static(tuple(self.fluid.particles.position))])
@@ -134,7 +134,7 @@ class Push(KeptLaw):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Store the velocity of particle i under the added pressures, and take over the pressure of this iteration."""
+        """Store the velocity of particle i under the added pressures, and its pressure in this iteration."""
         fluid, solver = self.fluid, self.solver
         scale = fluid.dt[None] * fluid.pressing
         push = total + beyond + self.body_total(i, own)
@@ -145,7 +145,7 @@ class Push(KeptLaw):
 
 @in_kernels
 class Account(Push):
-    """Pair law that books the impulses of the pressures added by a solver in the momentum budget."""
+    """Pair law that adds the impulses of a solver's pressures to the momentum budget."""
 
     def __init__(self, fluid: Any, solver: "Solver") -> None:
         super().__init__(fluid, solver)
@@ -153,13 +153,13 @@ class Account(Push):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Book the change of velocity of particle i by the added pressures."""
+        """Record the change of velocity of particle i by the solver's pressures."""
         self.fluid.apply_pressures(i, self.fluid.dt[None], total, beyond + self.body_total(i, own))
 
 
 @in_kernels
 class Solver:
-    """One of two pressure solvers: its pressures [Pa], the velocity [m/s] that they change, and iteration counts."""
+    """One of two pressure solvers (divergence, density): pressures [Pa], velocity they change, iteration counts."""
 
     def __init__(
         self,
@@ -185,21 +185,21 @@ class Solver:
         self.iterations, self.error, self.unsolved = 0, 0.0, 0  # since the start: all, the worst, and steps above
 
     def error_goal(self, first: float, dt: float, calm: bool) -> float:
-        """Error at which iterations stop, in a step of dt [s] that begins with the error `first`. In water that is not
-        `calm` this is the tolerance, except in brief steps: pressing out the compression at once would add speed."""
+        """Error at which iterations stop, in a step of dt [s] that begins with the error `first`: the tolerance, or
+        less in `calm` water and in brief steps, where pressing out the compression at once would add speed."""
         brief = dt < self.brief
         least = self.least * (dt / self.brief) ** 2 if brief else self.least
         return min(self.tolerance, max(least, ERROR_REDUCTION * first)) if calm or brief else self.tolerance
 
     def record_step(self, iterations: int, error: float) -> None:
-        """Add the iterations of a step, and its remaining error, to the record of the run."""
+        """Add a step's iterations and its remaining error to the record of the run."""
         self.last_iterations, self.last_error = iterations, error
         self.iterations, self.error = self.iterations + iterations, max(self.error, error)
         self.unsolved += not error <= self.tolerance
 
     @ti.func
     def start_pressure(self, i):
-        """Pressure [Pa] of particle i before the step; 0 in the density solver."""
+        """Pressure [Pa] of particle i from which the solver starts; 0 in the density solver."""
         p = 0.0
         if ti.static(not self.restores):
             p = self.start[i]

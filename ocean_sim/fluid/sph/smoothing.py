@@ -21,7 +21,7 @@ NOTABLE_RIGIDITY = 0.01  # share of a wave's period that is worth saying
 
 @ti.func
 def positive(x):
-    """The larger of x and 0, in one instruction; out of range of a kernel means weight zero."""
+    """The larger of x and 0, in one instruction; it makes kernels zero beyond their support."""
     return ti.select(x > 0.0, x, 0.0)
 
 
@@ -44,7 +44,7 @@ def polynomial(t, power: Template, terms: Template):
 
 @dataclass(frozen=True)
 class Kernel:
-    """A kernel with grad W = -slope t^power (terms[0] + terms[1] t + ...) x, t = 1 - r/support inside the support."""
+    """Kernel with grad W = -slope t^power (terms[0] + terms[1] t + ...) x, t = 1 - r/support, zero where t < 0."""
 
     power: int
     terms: tuple[float, ...]
@@ -59,7 +59,7 @@ class Kernel:
     @property
     def value_terms(self) -> tuple[float, ...]:
         """Coefficients of W = slope support^2 t^(power + 1) (value_terms[0] + value_terms[1] t + ...), by integrating
-        (1 - t) times `gradient` inwards from the end of the support."""
+        (1 - t) times `gradient` from the end of the support inwards."""
         inwards = np.polynomial.Polynomial(self.terms) * np.polynomial.Polynomial([1.0, -1.0])
         return tuple(float(term) / (self.power + k + 1) for k, term in enumerate(inwards.coef))
 
@@ -74,7 +74,7 @@ class Kernel:
         return (1.0 - t) * falls - self.gradient(t)
 
     def slope(self, dimension: int, support: float) -> float:
-        """Constant of grad W with which W integrates to 1 [m^-5], in 2-D [m^-4], by the integral of -r W'."""
+        """Constant of grad W [m^-5], in 2-D [m^-4], with which W integrates to 1."""
         d = dimension
         moments = (
             term * factorial(self.power + k) * factorial(d + 1) / factorial(self.power + k + d + 2)
@@ -124,12 +124,12 @@ class Smoothing:
 
     @property
     def slope(self) -> float:
-        """Constant of grad W = -slope shape_gradient x_ij [m^-5], in 2-D [m^-4]."""
+        """Constant of grad W = -slope shape_gradient x_ij, if W integrates to 1 [m^-5], in 2-D [m^-4]."""
         return self.kernel.slope(self.dimension, self.support)
 
     @ti.func
     def difference(self, own, other, first: Template):
-        """Difference own - other of three columns from `first` on; in 2-D the third is 0 and not computed."""
+        """Vector own - other of three columns of field values from `first` on; in 2-D its third component is 0."""
         return tm.vec3(
             [own[first + k] - other[first + k] if ti.static(k < self.dimension) else 0.0 for k in ti.static(range(3))]
         )
@@ -141,12 +141,12 @@ class Smoothing:
 
     @ti.func
     def shape_gradient(self, r):
-        """Shape of grad W, over -slope x_ij, at a distance r [m]; no division by r, so r = 0 does no harm."""
+        """Shape of grad W, i.e. grad W over -slope x_ij, at distance r [m]; free of division by r, so r = 0 is fine."""
         return polynomial(self.support_share(r), self.kernel.power, self.kernel.terms)
 
     @ti.func
     def shape_value(self, r):
-        """Shape of W, over slope support^2, at a distance r [m]."""
+        """Shape of W, i.e. W over slope support^2, at a distance r [m]."""
         return polynomial(self.support_share(r), self.kernel.power + 1, self.kernel.value_terms)
 
     @ti.func
@@ -168,14 +168,14 @@ class Smoothing:
 
 @dataclass(frozen=True)
 class Stencil:
-    """Moments of a kernel on a cubic lattice of particles; the constant of the kernel gives it the rest density."""
+    """Sums of a kernel over a cubic lattice of particles, whose density fixes the kernel's constant."""
 
     smoothing: Smoothing
     spacing: float  # [m]
 
     @cached_property
     def offsets(self) -> np.ndarray:
-        """Positions (n, d) [m] of lattice neighbours relative to a particle, and of itself."""
+        """Positions (n, d) [m] of a particle's neighbours on the lattice, itself included, relative to it."""
         last = int(self.smoothing.support / self.spacing) + 1
         return self.spacing * np.array(list(product(range(-last, last + 1), repeat=self.smoothing.dimension)), float)
 
@@ -206,25 +206,25 @@ class Stencil:
 
     @property
     def filled_gain(self) -> float:
-        """Gradient that the lattice's sum gives for a unit gradient if W integrates to 1: about 1 inside."""
+        """Ratio of a gradient that a sum over the lattice gives to the true one if W integrates to 1: about 1."""
         return self.gain * self.smoothing.slope / self.slope
 
     @property
     def gain(self) -> float:
-        """Gradient that the lattice's sum gives for a unit gradient; forces are divided by it."""
+        """Ratio of a gradient that a sum over the lattice gives to the true one; forces are divided by it."""
         return self.slope * self.volume * float(self.gradient @ self.offsets[:, 0] ** 2)
 
     @property
     def top_deficit(self) -> float:
-        """Relative density deficit in the top row of a lattice, over the gradient of the share of water there [m]."""
+        """Relative lack of density in a lattice's top row, over the gradient of the share of water there [m]."""
         above = self.offsets[:, 1] > 0.5 * self.spacing
         lack = self.smoothing.support**2 * float(self.value[above].sum())
         return lack / float(self.gradient[above] @ self.offsets[above, 1])
 
     @property
     def surface_deficit(self) -> tuple[float, float]:
-        """Numbers a and b of the share of a kernel beyond a flat surface, a e - b e^2: e is the support times the
-        gradient of the share of water. A parabola through the two top rows of a lattice."""
+        """Coefficients a, b of the share of a kernel beyond a flat surface, a e - b e^2, where e is the support times
+        the gradient of the share of water. The parabola passes through the two top rows of a lattice."""
         up, weight = self.offsets[:, 1], self.gradient * (self.offsets**2).sum(axis=1)
         edges: list[float] = []
         ratios: list[float] = []
@@ -237,14 +237,14 @@ class Stencil:
         return ratios[0] + bend * edges[0], bend
 
     def row_on_bed(self, mirrored: bool) -> float:
-        """Sum of r^2 times `gradient` [m2] over a row of the lattice and, if `mirrored`, its image in a bed below."""
+        """Sum of r^2 times `gradient` [m2] over one layer of the lattice and, if `mirrored`, its image in the bed."""
         lowest = -1.5 if mirrored else -0.5
         rows = (self.offsets[:, 1] < 0.5 * self.spacing) & (self.offsets[:, 1] > lowest * self.spacing)
         return float(self.gradient[rows] @ (self.offsets[rows] ** 2).sum(axis=1))
 
     @property
     def skin_depth(self) -> float:
-        """Mean depth [m] below the surface of the area that a half-space of the lattice exposes."""
+        """Mean depth [m] below the surface of the areas that a lattice, filling half of space, exposes to the air."""
         up = np.maximum(self.offsets[:, 1], 0.0)
         exposed = self.gradient * up  # by the row that is seen from `up` below: each counts for all rows less deep
         rows = np.rint(up / self.spacing)
@@ -262,7 +262,7 @@ class Stencil:
 
     @property
     def stiffest_mode(self) -> float:
-        """Largest eigenvalue of A / A_ii of the pressure solver, over plane waves along lattice axes and diagonals."""
+        """Largest eigenvalue of the pressure solver's A / A_ii, over plane waves along lattice axes and diagonals."""
         largest = 0.0
         for wave in product(np.linspace(0.0, np.pi, 13), repeat=self.smoothing.dimension):
             gradients = (self.slope * self.gradient * np.sin(self.offsets @ wave / self.spacing)) @ self.offsets
@@ -271,16 +271,16 @@ class Stencil:
 
     @property
     def lattice_bonds(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Positions of the neighbours over the spacing, and W'' and W' / r there, without the kernel's constant."""
+        """Positions of the neighbours over the spacing, and W'' and W' / r there without the kernel's constant."""
         there = (self.t > 0.0) & (self.t < 1.0)
         return self.offsets[there] / self.spacing, self.smoothing.kernel.curvature(self.t[there]), -self.gradient[there]
 
     @property
     def rigidity(self) -> float:
         """Shear modulus of the lattice over its pressure, mean of shear along axes and diagonals; 0 in water. It
-        shortens the period of small waves by about this share. Under a uniform pressure pairs repel as by a potential W
-        (Born & Huang 1954), and sum (W'' - W' / r) (a . x)^2 (b . x)^2 / r^2 + W' / r (b . x)^2 over the neighbours is
-        the modulus of shear along a on planes across b, where the sum of -W' / r (b . x)^2 is the pressure."""
+        shortens the period of small waves by about this share. Pairs under a uniform pressure repel as by a potential W
+        (Born & Huang 1954): shear along a on planes across b has the modulus sum (W'' - W' / r) (a . x)^2 (b . x)^2 /
+        r^2 + W' / r (b . x)^2 over the neighbours, if the pressure is the sum of -W' / r (b . x)^2."""
         x, along, across = self.lattice_bonds
         r2 = (x**2).sum(axis=1)
         pairs = (x[:, 0] ** 2, x[:, 1] ** 2), (0.5 * (x[:, 0] + x[:, 1]) ** 2, 0.5 * (x[:, 0] - x[:, 1]) ** 2)

@@ -117,19 +117,19 @@ class SphConfig(WaterConfig):
         return found
 
     def most_particles(self, preflight: Preflight) -> int:
-        """Largest number of particles, roughly, whose neighbours can be counted in 32 bits."""
+        """Largest number of particles (roughly) whose neighbours can be counted in 32 bits."""
         sizes = self.untouched_sizes(preflight)
         counted = sizes.plan.highest_index(sizes, self.neighbours_kept(preflight.tank))
         return min(MOST_PARTICLES, sizes.lattice.n * MAX_COUNT // max(counted, 1))
 
     def untouched_sizes(self, preflight: Preflight) -> GridSize:
-        """Sizes of the grid and lists (GridSize) for the lattice as it would be without floating bodies."""
+        """Sizes of grid and lists (GridSize) for the lattice as it would be without floating bodies."""
         lattice = preflight.untouched
         assert isinstance(lattice, Lattice)
         return self.list_size(lattice, preflight.arch, 1)
 
     def neighbours_kept(self, basin: Basin) -> int:
-        """Number of neighbours of a particle on the lattice if the scheme keeps pairs for a step, else 0."""
+        """Number of neighbours of a lattice particle if the scheme stores pairs for a step, else 0."""
         return 0
 
     def count_problems(self, preflight: Preflight) -> Iterator[str]:
@@ -164,7 +164,7 @@ class SphConfig(WaterConfig):
             yield from around.warnings(preflight.duration)
             yield from around.ships_in_rim(places)
         for name, zone in product(places, damping):
-            if zone.axis != 1 and zone.holds(places[name][zone.axis // 2]):
+            if zone.axis != 1 and zone.contains(places[name][zone.axis // 2]):
                 yield f"{called(name)} starts in the zone before absorbing side {zone.side}, which damps waves"
         yield from of_zones(damping)
         yield from self.scale_warnings(lattice, preflight.support)
@@ -215,7 +215,7 @@ class SphConfig(WaterConfig):
         return []
 
     def weight_warnings(self, basin: Basin, duration: float) -> Iterator[str]:
-        """Warn if gravity along the basin, a body force or the tank's motion notably compress the water."""
+        """Yield a warning if gravity along the basin, a body force or the tank's motion compress the water much."""
         still = np.add(basin.gravity, self.body_force)
         motion = basin.config.motion.build() if basin.config.motion is not None else None
         times = np.linspace(0.0, duration, MOTION_SAMPLES)
@@ -233,7 +233,7 @@ class SphConfig(WaterConfig):
         yield f"{pulled} of the water and {squeezed}: levels and pressures are off by as much; {wanted}"
 
     def list_size(self, lattice: Lattice, arch: str, reads: int, carried: int = 0) -> GridSize:
-        """Sizes of grid and lists on a backend: laws read at most `reads` fields, sorts move `carried` numbers more."""
+        """Sizes of grid and lists on a backend. `reads`: most fields a law reads; `carried`: fields sorted along."""
         support = self.ratio(lattice.basin) * lattice.spacing
         carried += self.told_to_bodies if has_bodies(lattice.basin) else 0
         return GridSize(lattice, support, PLANS[arch], carried, reads)
@@ -313,7 +313,8 @@ class SphConfig(WaterConfig):
 
 
 def scheme_ledger(preflight: Preflight, sizes: GridSize, numbers: int, what: str, told: int = 0) -> Iterator[LedgerRow]:
-    """Yield a scheme's rows of the memory ledger: `numbers` (`what`) a particle besides its id, `told` for bodies."""
+    """Yield a scheme's rows of the memory ledger. `numbers`: per particle, besides its id (`what` names them); `told`:
+    numbers per particle that bodies read."""
     n, lattice, word, wind = sizes.lattice.n, sizes.lattice, preflight.word, preflight.wind
     yield LedgerRow("fluid", f"{n} particles", (numbers * word + 4) * n, what)
     yield LedgerRow("fluid", f"grid of {sizes.cell_count} cells", sizes.bytes(word), f"support {sizes.support:g} m")
@@ -335,7 +336,7 @@ def scheme_ledger(preflight: Preflight, sizes: GridSize, numbers: int, what: str
 
 
 def sea_ledger(lattice: Lattice, word: int) -> Iterator[LedgerRow]:
-    """Yield rows of the memory ledger for the sea around a patch of particles; `word`: size of a `float` [bytes]."""
+    """Yield rows of the memory ledger for the sea around a patch of particles; `word`: bytes of a `float`."""
     around = relaxation_band(lattice)
     if around is not None and around.sea is not None:
         from ocean_sim.fluid.patch.sea_patch import table_bytes
@@ -348,7 +349,7 @@ def sea_ledger(lattice: Lattice, word: int) -> Iterator[LedgerRow]:
 
 
 def body_ledger(grid: GridSize, word: int, accounts: bool, told: int) -> Iterator[LedgerRow]:
-    """Yield rows for solid bodies; `told`: numbers a particle carries for them; `accounts`: True to sum work."""
+    """Yield ledger rows of solid bodies. `told`: numbers per particle that they read; `accounts`: True to sum work."""
     from ocean_sim.fluid.bodies.boundary import any_moves, fixed_bodies, floating_bodies, memory
 
     lattice, common = grid.lattice, (grid.cell_count, word * told * grid.lattice.n)  # counted with the first bodies
@@ -366,14 +367,14 @@ def body_ledger(grid: GridSize, word: int, accounts: bool, told: int) -> Iterato
 
 
 def has_bodies(basin: Basin) -> bool:
-    """True if solid bodies act on the water by samples: obstacles, or floating bodies that pair sums include."""
+    """True if solid bodies act on the water by boundary particles: obstacles, a shaped bed, some floating bodies."""
     return bool(basin.config.obstacles or any(solid.is_sampled for solid in basin.solids))
 
 
 def step_limits(
     smoothing: Smoothing, sound_speed: float, viscosity: float, speed: float, acceleration: float
 ) -> Limits:
-    """Time step limits by the formulae of `Limits`; sound speed [m/s], kinematic viscosity [m2/s], acceleration."""
+    """Limits of the time step as in `Limits`: speeds [m/s], kinematic viscosity [m2/s], acceleration [m/s2]."""
     h = smoothing.length
     return Limits(
         acoustic=h / (sound_speed + speed),
@@ -415,11 +416,11 @@ class Sph(ParticleWater):
 
     @property
     def listed_positions(self) -> tuple[ti.Field, ...]:
-        """Fields x, y and z of the positions [m] by which the walk lists candidates."""
+        """Fields x, y, z of the positions [m] by which the neighbour walk lists candidates."""
         return tuple(self.particles.position)
 
     def advance_boundaries(self, dt: float) -> None:
-        """Move tank, walls, gates and sea for a step of dt [s], and renew exposed areas if they are due."""
+        """Move tank, walls, gates and sea for a step of dt [s]; recompute exposed areas if they are due."""
         if self.exposed:
             self.exposure.renew_if_due(dt, self.status.max_speed + self.reference_speed)
         super().advance_boundaries(dt)
@@ -439,7 +440,7 @@ class Sph(ParticleWater):
 
     @property
     def impulse(self) -> dict[str, np.ndarray]:
-        """Impulse (3,) [N s] by force term, obstacles and floating bodies apart from walls; empty if not summed."""
+        """Impulse (3,) [N s] by force; obstacles and floating bodies are listed besides walls; empty if not summed."""
         total = super().impulse
         if total and self.boundary is not None:
             given, fixed = -self.boundary.impulses(), self.boundary.given
@@ -450,7 +451,7 @@ class Sph(ParticleWater):
 
     @property
     def work(self) -> dict[str, float]:
-        """Work [J] by force term, with moving bodies apart from walls; empty if not summed."""
+        """Work [J] by force; moving bodies are listed besides walls; empty if not summed."""
         total = super().work
         if total and self.boundary is not None and self.boundary.working:
             (done, counted), fixed = self.boundary.works().T, self.boundary.given
@@ -461,7 +462,7 @@ class Sph(ParticleWater):
 
     @ti.func
     def damp_crowded(self, i, share):
-        """Limit the stored acceleration of particle i where bodies fill a large `share` of its kernel."""
+        """Limit the stored acceleration of particle i where bodies fill a large `share` of its kernel's space."""
         for component in ti.static(self.last_acceleration):
             component[i] *= tm.min(1.0, CROWDED_SHARE / tm.max(share, CROWDED_SHARE))
 

@@ -78,7 +78,7 @@ class WaterConfig(FluidConfig):
         return self
 
     def sums_impulses(self, read: bool) -> bool:
-        """True if the key `impulses` asks for sums; independent of `read`, since no observer changes a step."""
+        """True if the key `impulses` asks for sums, whether or not an observer reads them (`read`)."""
         return self.impulses
 
     def statements(self, preflight: Preflight) -> Iterator[str]:
@@ -134,7 +134,7 @@ class WaterConfig(FluidConfig):
                 )
 
     def losses(self, lattice: Lattice, sea: Components) -> np.ndarray | None:
-        """Complex decay rate (n,) [1/s] of each wave (imaginary: minus the fall of its frequency); None if unknown."""
+        """Complex decay rate (n,) [1/s] of each wave, imaginary part minus its loss of frequency; None if unknown."""
         return None
 
     @property
@@ -146,7 +146,7 @@ class WaterConfig(FluidConfig):
         return self.emitter is not None
 
     def start_lattice(self, preflight: Preflight) -> Lattice:
-        """Lattice on which this water starts in a scene, floating bodies considered."""
+        """Lattice on which this water starts in a scene, with room made for floating bodies."""
         lattice = preflight.lattice
         assert isinstance(lattice, Lattice)
         return lattice
@@ -160,7 +160,7 @@ class WaterConfig(FluidConfig):
         return MOST_PARTICLES
 
     def fitting_spacing(self, preflight: Preflight) -> str:
-        """Words on the least spacing [m] whose particles fit into this machine, by the memory of a coarse lattice."""
+        """Words on the least spacing [m] that fits this machine's memory, scaled from a coarse lattice."""
         volume, d = cast(Lattice, preflight.untouched).volume, preflight.tank.dimension
         coarse = self.model_copy(update={"spacing": (volume / COARSE_PARTICLES) ** (1.0 / d), "particles": None})
         there = replace(preflight, parts={**preflight.parts, "fluid": coarse})
@@ -169,7 +169,7 @@ class WaterConfig(FluidConfig):
         return f"fluid.spacing from {1.01 * (volume / most) ** (1.0 / d):.3g} m on fits this machine"
 
     def lattice(self, basin: Basin) -> Lattice:
-        """Lattice on which the particles start; nothing is allocated yet."""
+        """Lattice on which the particles start in this basin; nothing is allocated yet."""
         return Lattice(self, basin)
 
     def problems(self, preflight: Preflight) -> Faults:

@@ -215,7 +215,7 @@ class Helm(Model):
 
 
 class Crew:
-    """Orders of a scene: throttle and rudder [rad] over time, or the autopilot's."""
+    """Crew that follows a scene's orders: throttle and rudder [rad] given over time, or by the autopilot."""
 
     def __init__(self, controls: Controls) -> None:
         self.course = controls.autopilot if isinstance(controls, Autopilot) else None
@@ -321,6 +321,6 @@ class Person:
 
 
 def rate_limited(now: float, wanted: float, rate: float | None, dt: float, limit: float) -> float:
-    """Position of an actuator dt [s] after `now`: nearer to `wanted`, at most `rate` a second, within +-`limit`."""
+    """Position of an actuator dt [s] after `now`: moved to `wanted` by at most `rate` a second, within +-`limit`."""
     wanted = min(max(wanted, -limit), limit)
     return wanted if rate is None else now + min(max(wanted - now, -rate * dt), rate * dt)

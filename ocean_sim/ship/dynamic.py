@@ -164,7 +164,7 @@ class SeakeepingConfig(FloatingConfig):
 
 
 class SeakeepingShip(FloatingShip):
-    """A hull of cubes with added mass and, by a radiation table, with forces of radiated and scattered waves."""
+    """Ship of cubes with added mass and, where she has a radiation table, forces of radiated and scattered waves."""
 
     samples_depth: ClassVar[bool] = True
 

@@ -432,9 +432,9 @@ class Immersion(NamedTuple):
 
 
 def linear_across(wet: Wetted, flat: Wetted, turn: np.ndarray) -> Wetted:
-    """Copy of `wet` with the horizontal wave force, yaw moment and water motion of `flat`, the same hull level at rest.
-    They are linear in the waves there, so the mean force of drift is not counted twice. `turn`: (3, 3) matrix from the
-    body axes of `flat` to those of the hull."""
+    """Copy of `wet` with the horizontal wave force, yaw moment and water motion of `flat`, the same hull afloat at
+    rest. They are linear in the waves there, so the mean force of drift is not counted twice. `turn`: (3, 3) matrix
+    from the body axes of `flat` to those of the hull."""
     wave = wet.wave.copy()
     wave[0, [0, 2]], wave[1, 1] = flat.wave[0, [0, 2]], flat.wave[1, 1]
     velocity, acceleration = ((moved.reshape(2, 3) @ turn.T).ravel() for moved in (flat.velocity, flat.acceleration))

@@ -97,7 +97,7 @@ class Between:
         self.part = np.maximum(0.0, (time - start) / self.step)  # of the step that is over
 
     def interpolated_track(self) -> Track:
-        """Track at these times by cubic Hermite interpolation; place and velocity continuous, of third order."""
+        """Track at these times by cubic Hermite interpolation, third-order, with continuous position and velocity."""
         (before, after), s, step = self.ends, self.part, self.step
         moved = after.place - before.place
         start, end = step * before.velocity - moved, step * after.velocity - moved

@@ -100,7 +100,7 @@ class MmgHull:
         self.terms = [[(*map(name.count, "vbr"), c) for name, c in terms.items()] for terms in hull]
 
     def scaled_motion(self, nu: np.ndarray) -> tuple[float, float, float]:
-        """Speed U [m/s] that forces are scaled with, v' and r', at a velocity (6,) through the water."""
+        """Speed U [m/s] that scales forces, and dimensionless v' and r', at a velocity (6,) through the water."""
         u, v, *_, r = nu.tolist()
         speed = max(hypot(u, v), 0.5 * self.length * abs(r), 1e-6)
         return speed, v / speed, r * self.length / speed

@@ -59,7 +59,7 @@ class Propeller(Model):
         return bare if throttle >= 0.0 else self.astern * bare
 
     def slipstream_speed(self, thrust: float, speed: float, density: float) -> float:
-        """Speed at the rudder [m/s] at a speed ahead [m/s], by SLIPSTREAM_SHARE of an actuator disc's increase."""
+        """Flow speed at the rudder [m/s]: `speed` ahead and SLIPSTREAM_SHARE of the increase by an actuator disc."""
         if self.diameter is None or thrust <= 0.0 or speed < 0.0:
             return speed
         far = sqrt(speed**2 + 8.0 * thrust / (pi * density * self.diameter**2))

@@ -271,9 +271,9 @@ def in_axis_order(data: Any, name: str, axes: tuple[str, ...]) -> np.ndarray:
 
 
 class Scattering:
-    """Force on one hull by the arriving waves that she scatters. Held in water that moves with w she feels X(omega) =
-    (B - i omega A) w, which gives w. Under way she meets w at the frequency of encounter, with A and B there; her
-    velocity times the momentum from the waves adds a moment (table 2 of Salvesen, Tuck & Faltinsen 1970)."""
+    """Force on one hull by the arriving waves that she scatters. Held fixed in water that moves with w she feels
+    X(omega) = (B - i omega A) w, which gives w. Under way she meets w at the frequency of encounter, with A and B
+    there; her velocity times the waves' momentum adds a moment (table 2 of Salvesen, Tuck & Faltinsen 1970)."""
 
     def __init__(self, table: BemTable) -> None:
         assert table.scattered is not None

@@ -58,7 +58,7 @@ class Ikeda(Model):
 
 
 class Form(NamedTuple):
-    """Ratios of a rolling hull, arguments of the regressions of roll damping."""
+    """Dimensions and ratios of a rolling hull, arguments of the regressions of roll damping."""
 
     length: float  # of the waterline [m]
     breadth: float  # [m]
@@ -115,7 +115,7 @@ def ratios_beyond(form: Form) -> list[str]:
 
 
 def damping_components(form: Form, amplitude: float, viscosity: float, gravity: float) -> Components:
-    """Roll damping at an amplitude [deg], viscosity [m2/s], gravity [m/s2]; ratios are held within their limits."""
+    """Roll damping at an amplitude [deg], `viscosity` [m2/s]; ratios of the form are clipped to their limits."""
     held = (float(np.clip(value, *regressions()["limits"][name])) for name, value in form.limited_ratios.items())
     cb, cm, bd, og, frequency, *keels = held
     return Components(

@@ -55,8 +55,8 @@ def mean_path(time: np.ndarray, place: np.ndarray, period: float) -> tuple[np.nd
 
 
 def waves_at(sea: Components, time: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """Elevation [m] and wave slope (n, 2) of a fully grown sea at x, z (n, 2) [m] and times (n,) [s]. The slope is
-    wavenumber times elevation."""
+    """Elevation [m] and wave slope (n, 2) of a fully grown sea at x, z (n, 2) [m] and times (n,) [s]. The slope is the
+    sum of each wave's elevation times its wavenumber, so it is in phase with the crests."""
     found = np.zeros((2, len(time)))
     for a, k, omega, phase, size in zip(sea.amplitude, sea.wavevector, sea.omega, sea.phase, sea.wavenumber):
         found += np.outer([a, a * size], np.cos(place @ k - omega * time + phase))

@@ -100,7 +100,7 @@ class Rudder(Model):
 
 
 class Row(Model):
-    """Orders at one time; between rows they change linearly."""
+    """Throttle and rudder ordered at one time; between such rows they change linearly."""
 
     time: float = quantity("s", ge=0.0)
     """Time at which these orders hold; before the first row and after the last, that row holds."""
@@ -111,7 +111,7 @@ class Row(Model):
 
 
 class Track(Model):
-    """Orders over time, from a file."""
+    """Throttle and rudder ordered over time, from a file."""
 
     file: FileName
     """A CSV file with columns time_s, throttle, rudder_rad."""

@@ -31,7 +31,7 @@ LIMIT_TEXTS = {
 
 
 class Cue(NamedTuple):
-    """Poses that a washout requests, and scaled motion to be felt, row by row along FLU: x forward, y left, z up."""
+    """Request of a washout: poses, and scaled motion to be felt, row by row along FLU axes: x forward, y left, z up."""
 
     pose: np.ndarray  # (n, 6) x, y, z [m] from neutral, roll, pitch, yaw [rad]: Rz(yaw) Ry(pitch) Rx(roll)
     limited: np.ndarray  # (n,) sum of the limits that acted
@@ -71,8 +71,8 @@ class Washout(Protocol):
     plans_legs: bool  # True if its poses keep the legs within their stroke
 
     def follow(self, ride: Ride, ahead: Ride | None = None) -> Cue:
-        """Platform poses requested for the next rows of ship motion; the state of the filter is kept between calls.
-        `ahead`: rows after those, up to `look_ahead` of the Config."""
+        """Platform poses requested for the next rows of ship motion; the filter's state is kept between calls. `ahead`:
+        the rows after them, up to `look_ahead` of the Config."""
 
 
 class WashoutConfig(Protocol):
@@ -83,10 +83,10 @@ class WashoutConfig(Protocol):
 
     @property
     def look_ahead(self) -> float:
-        """Time [s] by which it must know the ship's motion beforehand."""
+        """Time [s] by which the washout must know the ship's motion in advance."""
 
     def build(self, every: float, geometry: Geometry, travel: np.ndarray) -> Washout:
-        """Washout for a time between rows [s], a platform, and its `travel` (3, 2): lowest and highest x, y, z [m]."""
+        """Washout for rows `every` [s] and a platform; `travel` (3, 2): its lowest and highest x, y, z [m]."""
 
 
 class Platform(Protocol):
@@ -101,4 +101,4 @@ class Platform(Protocol):
         for `Washout.follow`."""
 
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
-        """Commands back to neutral after the last poses `past` (2, 6); `time` [s] and `seq`: of the last one's row."""
+        """Commands back to neutral after the last two poses `past` (2, 6), the last at `time` [s] in row `seq`."""

@@ -47,7 +47,7 @@ class Config(PlatformConfig):
         return preset(info.field_name, value) if isinstance(value, str) else value
 
     def mismatches(self, preflight: Preflight) -> Faults:
-        """A ship that is not there, or a washout that looks ahead of the run."""
+        """Yield faults (key, sentence): a ship that is missing, or a washout that needs motion ahead of a run."""
         yield from super().mismatches(preflight)
         if cast(WashoutConfig, self.washout).look_ahead > 0.0:
             yield ("washout",), "predictive looks ahead, in a finished log: use `ocean-sim platform RUN`"
@@ -118,8 +118,8 @@ class HexapodPlatform:
         return Commands(ride.time, ride.seq, pose, legs, velocity, force, rate, limited, cue)
 
     def best(self, done: Commands) -> Commands:
-        """Commands of the best ride for the motion that the washout of a ride `done` asked for; raises SolverMissing,
-        and Failed where there is none."""
+        """Commands of the best ride that is possible for the motion that the washout requested in the ride `done`;
+        raises SolverMissing, and Failed where there is none."""
         rows = np.column_stack([done.time, done.cue.force, done.cue.rate])
         pose = leg_programme.best_poses(self.geometry, self.hexapod, rows)
         legs, none = self.hexapod.legs(pose), np.zeros(len(pose), dtype=int)
@@ -175,8 +175,8 @@ class HexapodPlatform:
 
 
 def felt_by_differences(known: np.ndarray, every: float) -> tuple[np.ndarray, np.ndarray]:
-    """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] on a platform, in its axes, from backward differences of
-    poses (n + 2, 6) `every` [s], from the third on: acceleration lags by one row, the rate by half a row."""
+    """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] felt on a platform, in its axes, at the last n of poses (n +
+    2, 6) `every` [s]. By backward differences, so acceleration lags by one row and the rate by half a row."""
     rates = np.diff(known, axis=0)[1:, 3:] / every
     acceleration = np.diff(known[:, :3], n=2, axis=0) / every**2
     return felt_motion(known[2:], acceleration, rates)

@@ -23,20 +23,20 @@ NO_FORCE = np.zeros((2, 3))  # a part that does not act
 
 @dataclass(frozen=True)
 class Load:
-    """Force [N] and torque about the centre of mass [N m] of each of n parts of a ship's load, world axes (4.27)."""
+    """Forces on a ship by part, as `wave`: force [N] and torque about the centre of mass [N m], world axes (4.27)."""
 
     parts: np.ndarray  # in the order of the ship's `parts`
 
     @classmethod
     def of(cls, forces: dict[str, np.ndarray], names: tuple[str, ...] = PARTS) -> "Load":
-        """Load of the (2, 3) `forces` by part, 0 for others in `names`; raises ValueError for an unknown part."""
+        """Load of (2, 3) `forces` by part, 0 for other parts in `names`; raises ValueError for one not in `names`."""
         for name in forces:
             if name not in names:
                 raise ValueError(f"a ship with a force {name!r} must name it in `parts`, which are {', '.join(names)}")
         return cls(np.concatenate([forces.get(name, NO_FORCE) for name in names]).reshape(-1, 2, 3))
 
     def plus(self, name: str, more: np.ndarray) -> "Load":
-        """Copy of this load with the (2, 3) force and torque `more` added to the part `name`, one of PARTS."""
+        """Copy of this load in which `more`, a (2, 3) force and torque, is added to the part `name`, one of PARTS."""
         parts = self.parts.copy()
         parts[PARTS.index(name)] += more
         return Load(parts)
@@ -95,7 +95,7 @@ class Outline(NamedTuple):
         return max(least, 0.0)
 
     def images(self, other: "Outline", periods: Sequence[float]) -> list["Outline"]:
-        """Copies of this outline in a basin of `periods` (3,) [m]: the nearest to `other`, and its neighbours."""
+        """Periodic copies of this outline, `periods` (3,) [m] apart: the one nearest to `other`, and all next to it."""
         apart = other.plan.mean(axis=0) - self.plan.mean(axis=0)
         sides = np.array(periods[::2])
         next_to = product(*([-side, 0.0, side] if side else [0.0] for side in sides))
@@ -147,7 +147,7 @@ class Ship(Protocol):
         """Plan-view outline and height range of the hull at its present pose; None where the ship has no shape."""
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
-        """(m, 3) x, z and depths [m] and (m,) volumes [m3] of the water that the hull displaces; m may be 0."""
+        """Water that the hull displaces, in m pieces: x, z and depth (m, 3) [m], volume (m,) [m3]; m may be 0."""
         return np.zeros((0, 3)), np.zeros(0)
 
     def limits(self) -> "Limits":

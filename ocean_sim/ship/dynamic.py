@@ -67,7 +67,7 @@ class SeakeepingConfig(FloatingConfig):
         return self.added_mass.diagonal(still)
 
     def added_mass_at_infinity(self, still: Hydrostatics) -> np.ndarray:
-        """(6,) added mass [kg], inertia [kg m2] at infinite frequency by the table; else `added_mass_diagonal`."""
+        """(6,) added mass [kg], [kg m2] at infinite frequency by the radiation table, else `added_mass_diagonal`."""
         added = self.added_mass_diagonal(still)
         if self.table is not None:
             added[self.table.numbers] = np.diag(self.table.impulse_response.added)
@@ -164,7 +164,7 @@ class SeakeepingConfig(FloatingConfig):
 
 
 class SeakeepingShip(FloatingShip):
-    """A hull of cubes with added mass and, by a radiation table, with forces of radiated and scattered waves."""
+    """Ship of cubes with added mass and, where she has a radiation table, forces of radiated and scattered waves."""
 
     samples_depth: ClassVar[bool] = True
 
@@ -197,14 +197,15 @@ class SeakeepingShip(FloatingShip):
         return now.share * to_world(resisted, now.axes)
 
     def drift_velocity(self, now: Immersion) -> np.ndarray:
-        """(6,) velocity [m/s], [rad/s] of water for added mass: the current's in motions with waves in the table."""
+        """(6,) velocity [m/s], [rad/s] of the water relative to which added mass moves, body axes: of current and
+        waves, but of the current alone in motions whose wave force is in the table."""
         if self.scattering is None:
             return now.wet.velocity
         stream = np.concatenate([now.body.matrix.T @ self.stream, np.zeros(3)])
         return self.through * now.wet.velocity + (1.0 - self.through) * stream
 
-    def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """`forces` by part plus added mass: its reaction to the hull in `damping`, to the water's motion in `wave`."""
+    def with_added_mass(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Forces by part with scattering and reactions of added mass: to the hull in `damping`, to water in `wave`."""
         force, torque = np.concatenate(list(forces.values())).reshape(-1, 2, 3).sum(axis=0)
         wet = now.wet
         if self.scattering is not None and self.sea is not None:

@@ -182,7 +182,8 @@ class Manoeuvring(Vessel):
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
         """All forces and torques of the model about the centre of mass, by the velocity relative to the water (Fossen
-        2021, ch. 10). A steady current changes no acceleration in world axes; that of waves carries her."""
+        2021, ch. 10). A steady current changes no acceleration in world axes; water that waves move carries her
+        along."""
         model, body = self.model, self.centred_body
         pitch, yaw, roll = body.angles
         r, omega, turning, inertia = body.matrix, body.rates, body.rates, body.inertia_body
@@ -224,7 +225,7 @@ class Manoeuvring(Vessel):
         return Load.of({name: load @ r.T for name, load in shared.items()}, self.parts)
 
     def about_centre(self, load: np.ndarray) -> np.ndarray:
-        """(2, 3) force [N], torque [N m] about the centre of mass, body axes, of a (6,) load about the origin."""
+        """(2, 3) force [N], torque [N m] about the centre of mass, body axes, of a SNAME load (6,) about the origin."""
         force, torque = from_frame("ned", load[:3]), from_frame("ned", load[3:])
         return np.stack([force, torque - np.cross(self.arm, force)])
 

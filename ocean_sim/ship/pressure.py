@@ -69,7 +69,7 @@ class Config(FloatingConfig):
             yield f"the hull is {thin:.2g} spacings thin: water on either side acts on that on the other"
 
     def statements(self, preflight: Preflight) -> list[str]:
-        """Sentence on how far the ship heaves as the first rows of particles settle; empty if that is little."""
+        """Sentence on how far she heaves as particles beside the hull settle at first; empty if that is little."""
         draught, spacing = self.hydrostatics_of(preflight).draught, preflight.spacing
         if spacing is None or isinf(draught) or REST_SWING * spacing < STATED_SWING * draught:
             return []
@@ -80,7 +80,7 @@ class Config(FloatingConfig):
         ]
 
     def ledger(self, preflight: Preflight) -> tuple[LedgerRow, ...]:
-        """No rows of memory: the fluid counts the samples of the hull among its own."""
+        """No rows of the memory ledger: the fluid counts the hull's boundary particles among its own."""
         return ()
 
     def build(self, name: str, basin: Basin, fluid: Fluid) -> Ship:

@@ -45,7 +45,7 @@ class Thesis(FloatingShip):
         self.columns = Columns(self.hydrostatics, basin)
 
     def forces(self, now: Immersion) -> dict[str, np.ndarray]:
-        """(2, 3) force [N] and torque [N m] by name of part: buoyancy by columns of water, no wave force."""
+        """(2, 3) force [N] and torque [N m] by part of the load: buoyancy by columns of water, no wave force."""
         surface = now.surface if self.contact is None else self.water
         self.columns.sum_columns(surface, self.body.position, self.body.matrix)
         carried = self.columns.out.to_numpy().sum(axis=0).reshape(2, 3)
@@ -64,7 +64,7 @@ class Columns:
     """Squares of a hull's bottom, each of which carries the weight of the column of water above it (5.3)."""
 
     def __init__(self, still: Hydrostatics, basin: Basin) -> None:
-        """Make a square of each upright stack of the hull's cubes."""
+        """Make one square of the bottom for each upright stack of the hull's cubes."""
         cubes, size = still.voxels, still.voxels.size
         down = np.round(cubes.centre[:, [0, 2]] / size[[0, 2]] * 2.0).astype(int)
         _, column = np.unique(down, axis=0, return_inverse=True)
@@ -88,7 +88,7 @@ class Columns:
 
     @ti.kernel
     def sum_columns(self, surface: Template, position: tm.vec3, turn: tm.mat3):
-        """Write force [N] and torque [N m] of each column to `out`; `position`: of the body, `turn`: to world axes."""
+        """Write force [N], torque [N m] of each column to `out`; `position` of the body, `turn` from its axes."""
         for k in range(self.n):
             arm = turn @ self.bottom[k]
             x = position + arm

@@ -192,7 +192,7 @@ class SmoothPose:
         return now - self.line[-1][0] if self.line else np.inf
 
     def accept(self, packet: wire.Packet, now: float) -> None:
-        """Take over a packet that came at `now` [s], unless it is out of order, which is counted."""
+        """Use a packet that came at `now` [s]; one that is out of order is only counted."""
         self.came += 1
         if self.last is None:
             self.returned = now
@@ -314,7 +314,7 @@ class Receiver(SmoothPose):
         return lengths, speeds
 
     def report(self) -> bytes:
-        """Packed report to the sender: leg lengths, number and time of the last accepted packet, and if stopped."""
+        """Packed report to the sender: leg lengths, number and time of the last accepted packet, stopped or not."""
         seq, moment = (self.last.seq, self.last.time) if self.last is not None else (0, 0.0)
         return wire.pack_report(wire.LegReport(seq, moment, tuple(self.legs.length.tolist()), self.glide is not None))
 

@@ -90,7 +90,7 @@ class Hexapod:
         return low
 
     def leg_vectors(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Legs from base to platform and joints from the platform's origin: vectors (n, 6, 3) [m] in floor axes."""
+        """Vectors (n, 6, 3) [m] of legs from base to platform, and of joints from the platform's origin; floor axes."""
         arm = self.joints @ np.swapaxes(rotation_matrices(pose[:, 3:]), 1, 2)
         leg = pose[:, None, :3] + [0.0, 0.0, self.neutral_height] + arm - self.base
         return leg, arm
@@ -100,7 +100,7 @@ class Hexapod:
         return np.sqrt((self.leg_vectors(pose)[0] ** 2).sum(axis=2))
 
     def jacobian(self, pose: np.ndarray) -> np.ndarray:
-        """Jacobians (n, 6, 6) at poses (n, 6): leg speeds by velocity and turn rate, floor axes; rows (u, R p x u)."""
+        """Jacobians (n, 6, 6) at poses (n, 6): leg speeds by velocity, turn rate in floor axes; rows (u, R p x u)."""
         leg, arm = self.leg_vectors(pose)
         along = leg / np.sqrt((leg**2).sum(axis=2))[:, :, None]
         return np.concatenate([along, np.cross(arm, along)], axis=2)
@@ -172,7 +172,7 @@ def rotation_matrices(angles: np.ndarray) -> np.ndarray:
 
 
 def rates_to_turn(angles: np.ndarray) -> np.ndarray:
-    """Matrices (n, 3, 3) at angles (n, 3) [rad] from rates of roll, pitch, yaw to the spin in axes at rest."""
+    """Matrices (n, 3, 3) at `angles` (n, 3) [rad]: from rates of roll, pitch, yaw to angular velocity, floor axes."""
     (_, b, c), (_, cb, cc) = np.sin(angles).T, np.cos(angles).T
     zero, one = np.zeros_like(b), np.ones_like(b)
     return np.array([[cc * cb, -c, zero], [c * cb, cc, zero], [-b, zero, one]]).transpose(2, 0, 1)

@@ -47,8 +47,9 @@ class LegTrack(NamedTuple):
 
 
 def sensed_modes(every: float) -> list[tuple[np.ndarray, np.ndarray, float]]:
-    """Residues (2,), poles (2,) and direct share of the six digital filters for rows `every` [s], between which the
-    error is linear: from an error of specific force [m/s2] or rate [rad/s] to its sensed size over the threshold."""
+    """Residues (2,), poles (2,) and direct share of six digital filters, one for each component of motion, in rows
+    `every` [s] with linear errors between: from an error of specific force [m/s2] or rate [rad/s] to its sensed size
+    over the threshold."""
     from scipy.signal import cont2discrete, residuez
 
     sampled = [cont2discrete(organ, every, method="foh") for organ in (OTOLITH_FILTER, CANAL_FILTER)]
@@ -58,8 +59,8 @@ def sensed_modes(every: float) -> list[tuple[np.ndarray, np.ndarray, float]]:
 
 
 def sensed_error(error: np.ndarray, every: float, state: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Sensed sizes (n, 6), over their thresholds, of errors (n, 6) of specific force [m/s2] and rate [rad/s] in rows
-    `every` [s], and the last values (6, 2) of the modes, which begin at `state`."""
+    """Sensed sizes, over thresholds, of errors (n, 6) of specific force [m/s2] and rate [rad/s] in rows `every` [s],
+    and the last values (6, 2) of the filters' modes. `state`: these before the first row, by default 0."""
     from scipy.signal import lfilter
 
     sizes, last = np.zeros(error.shape), np.zeros((6, 2)) if state is None else state.copy()
@@ -78,12 +79,12 @@ def motion_at(rows: np.ndarray, times: np.ndarray) -> np.ndarray:
 
 
 def felt_at(motion: np.ndarray) -> np.ndarray:
-    """Specific force [m/s2] and angular rate [rad/s] (n, 6) for motions (n, 18), as in LegTrack."""
+    """Specific force [m/s2] and angular rate [rad/s] (n, 6) felt on a platform in `motion` (n, 18), as in LegTrack."""
     return np.hstack(felt_motion(motion[:, :6], motion[:, 12:15], motion[:, 9:12]))
 
 
 def derivatives(law: Callable[[np.ndarray], np.ndarray], at: np.ndarray) -> np.ndarray:
-    """Derivatives (n, k, m) of a law from (n, m) to (n, k) by central differences."""
+    """Derivatives (n, k, m), by central differences, of a function `law` of rows (n, m) with values (n, k)."""
     steps = DERIVATIVE_STEP * np.eye(at.shape[1])
     return np.stack([(law(at + step) - law(at - step)) / (2.0 * DERIVATIVE_STEP) for step in steps], axis=2)
 
@@ -98,7 +99,7 @@ def spline_matrices(n: int) -> list[Any]:
 
 
 def spline_values(points: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Values (k, 6) of splines with control points (n + 2, 6) at places `at` (k,), in knots from the first."""
+    """Values (k, 6) of splines with control points (n + 2, 6) at `at` (k,), counted in knots from the first."""
     knot = np.clip(at.astype(int), 0, len(points) - 4)
     u = (at - knot)[:, None]
     weights = (1.0 - u) ** 3, 3.0 * u**3 - 6.0 * u**2 + 4.0, -3.0 * u**3 + 3.0 * u**2 + 3.0 * u + 1.0, u**3
@@ -106,7 +107,7 @@ def spline_values(points: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 def leg_track(hexapod: Hexapod, points: np.ndarray, guess: np.ndarray) -> LegTrack:
-    """Motion at the knots of leg splines with control points (n + 2, 6) [m]; `guess` (n, 6): poses near theirs."""
+    """Motion at n knots of leg-length splines with control points (n + 2, 6) [m]; `guess` (n, 6): poses near it."""
     lengths, speeds, accelerations = (matrix @ points for matrix in spline_matrices(len(points) - 2))
     pose = hexapod.pose(lengths, guess)
     by_length = np.linalg.inv(hexapod.pose_jacobian(pose))
@@ -119,7 +120,7 @@ def leg_track(hexapod: Hexapod, points: np.ndarray, guess: np.ndarray) -> LegTra
 
 
 def felt_by_points(track: LegTrack) -> list[Any]:
-    """Sparse (n, 6 n + 12) derivatives of the six components of felt motion by control points, leg after leg."""
+    """Derivatives of felt motion by control points, leg after leg: six sparse (n, 6 n + 12), one for each component."""
     from scipy.sparse import diags_array, hstack
 
     of_pose, of_rate, of_second = np.split(derivatives(felt_at, track.motion), 3, axis=2)
@@ -154,9 +155,9 @@ def solve_programme(
 ) -> np.ndarray:
     """Best control points (n + 2, 6) [m] for specific force [m/s2] and rate [rad/s] asked for at knots (n, 6).
 
-    Motion is linear about the `past` (n + 2, 6), whose first REST_POINTS stay; `guess` (n, 6): poses near its; `state`
-    (6, 2) of the organs before the first knot; the last `still_points` are equal. Raises SolverMissing, and Failed
-    where there are none.
+    Motion is linear about the solution before, `past` (n + 2, 6), whose first REST_POINTS stay. `guess` (n, 6): poses
+    near it; `state` (6, 2): modes of the organs before the first knot; `tolerance`: of the solver; `still_points`:
+    number of last points that are equal. Raises SolverMissing, and Failed without a solution.
     """
     clarabel = load_solver()
     from scipy.sparse import block_array, block_diag, csr_array, diags_array, eye_array, kron
@@ -208,7 +209,7 @@ def solve_programme(
 
 
 class LegPlan:
-    """Plan of the legs over the knots ahead, from neutral on, in windows that go on from one another."""
+    """Plan of the legs over the knots ahead, at first from neutral; each window begins where the last one was left."""
 
     def __init__(self, geometry: Geometry, hexapod: Hexapod, still_points: int = 1) -> None:
         """`still_points`: how many of the last control points are equal; REST_POINTS for a plan that ends at rest."""
@@ -218,8 +219,8 @@ class LegPlan:
         self.state = np.zeros((6, 2))  # of the organs before the first knot
 
     def improve(self, asked: np.ndarray, tolerances: Sequence[float]) -> None:
-        """Plan for motion asked for at knots (n, 6) by a programme for each tolerance, each about the solution of the
-        one before; raises SolverMissing, and Failed where there is no plan."""
+        """Plan for motion asked for at knots (n, 6): solve the programme once for each tolerance, linear about the
+        solution before; raises SolverMissing, and Failed where there is no plan."""
         self.points, self.motion = extended(self.points, len(asked) + 2), extended(self.motion, len(asked))
         for tolerance in tolerances:
             guess = self.motion[:, :6]
@@ -229,19 +230,19 @@ class LegPlan:
             self.motion = leg_track(self.hexapod, self.points, guess).motion
 
     def leave(self, asked: np.ndarray) -> None:
-        """Leave the first k knots behind, after the organs felt their difference from motion asked for (k, 6)."""
+        """Drop the first k knots, once the organs have sensed the difference of their motion from `asked` (k, 6)."""
         k = len(asked)
         self.state = sensed_error(felt_at(self.motion[:k]) - asked, KNOT_INTERVAL, self.state)[1]
         self.points, self.motion = self.points[k:], self.motion[k:]
 
     def poses(self, at: np.ndarray) -> np.ndarray:
-        """Poses (k, 6) at places (k,), in knots from the first."""
+        """Poses (k, 6) at `at` (k,), counted in knots from the first."""
         guess = self.motion[np.minimum(at.astype(int), len(self.motion) - 1), :6]
         return self.hexapod.pose(spline_values(self.points, at), guess)
 
 
 def extended(rows: np.ndarray, count: int) -> np.ndarray:
-    """The first `count` rows, and where there are fewer the last one again."""
+    """The first `count` rows; if there are fewer, the last one is repeated."""
     return rows[np.minimum(np.arange(count), len(rows) - 1)]
 
 

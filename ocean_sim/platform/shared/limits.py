@@ -32,8 +32,8 @@ class Workspace:
         self.ends = hexapod.excursions()  # (6, 2) [m, rad]
 
     def usage(self, pose: np.ndarray) -> np.ndarray:
-        """Fraction (n,) of the stroke that poses (n, 6) use, as a 32-norm over the legs: smooth where another leg
-        becomes the most extended, and up to 6 % more than that leg uses."""
+        """Fraction (n,) of the stroke that poses (n, 6) use: a smooth maximum over the legs, their 32-norm, which
+        exceeds that of the most extended leg by up to 6 %."""
         strokes = self.hexapod.strokes(pose)
         most = strokes.max(axis=1)
         whole = ((strokes / np.maximum(most, USAGE_TOLERANCE)[:, None]) ** USAGE_NORM).sum(axis=1)
@@ -60,8 +60,8 @@ class Workspace:
         return kept, limited
 
     def scale_factor(self, fixed: np.ndarray, moving: np.ndarray, knee: np.ndarray) -> np.ndarray:
-        """Factors (n,) f so that poses `fixed` + f `moving` (n, 6) use at most a fraction of the stroke softened above
-        `knee` (n,), as by `soften_usage`; f is 1 for a usage below that."""
+        """Factors (n,) f by which poses `fixed` + f `moving` (n, 6) use no more of the stroke than `soften_usage` makes
+        of their usage with a `knee` (n,); f is 1 below the knee."""
         usage, factor = self.usage(fixed + moving), np.ones(len(fixed))
         far = usage > knee
         if far.any():
@@ -70,8 +70,8 @@ class Workspace:
         return factor
 
     def usage_factor(self, goal: np.ndarray, fixed: np.ndarray, moving: np.ndarray, usage: np.ndarray) -> np.ndarray:
-        """Factors (n,) f for which `fixed` + f `moving` (n, 6) use the fraction `goal` (n,) of the stroke, by false
-        position (Illinois); `usage` (n,) is that for f = 1."""
+        """Factors (n,) f by which poses `fixed` + f `moving` (n, 6) use the fraction `goal` (n,) of the stroke. By
+        false position (Illinois) from f = 1, where they use `usage` (n,)."""
         low, high = np.zeros(len(goal)), np.ones(len(goal))
         below, above = np.minimum(self.usage(fixed) - goal, -USAGE_TOLERANCE), usage - goal + USAGE_TOLERANCE
         guess = (low * above - high * below) / (above - below)
@@ -87,7 +87,7 @@ class Workspace:
         return guess
 
     def condition_factor(self, pose: np.ndarray) -> np.ndarray:
-        """Factors (n,) on poses (n, 6) just below those at which the condition number first exceeds its limit."""
+        """Factors (n,) on poses (n, 6) just below the smallest at which the condition number exceeds its limit."""
         low, high = np.zeros(len(pose)), np.ones(len(pose))
         out = np.zeros(len(pose), dtype=bool)
         for part in np.linspace(0.0, 1.0, 17)[1:]:
@@ -174,7 +174,7 @@ class Governor:
         return self.hexapod.jacobian(pose)[0] @ np.concatenate([motion[:3], turning])
 
     def chase_step(self, step: np.ndarray) -> int:
-        """Let a late platform chase its target, moving at `step` (6,) [m/s, rad/s], for a row; returns limit bits."""
+        """Move a late platform for a row to its target, which moves at `step` (6,) [m/s, rad/s]; return limit bits."""
         dt, a = self.every, self.catch_up
         behind = self.target - self.pose
         far = self.motion_size(behind)
@@ -190,7 +190,7 @@ class Governor:
         return (LEG_SPEED_LIMIT if share < 1.0 else 0) | (LEG_ACCELERATION_LIMIT if hard > 1.0 or share >= 1.0 else 0)
 
     def stoppable_velocity(self, velocity: np.ndarray) -> np.ndarray:
-        """Pose velocity (6,) between braking and `velocity` (6,) [m/s, rad/s]: the nearest to it that allows a stop."""
+        """Pose velocity (6,) [m/s, rad/s] that allows a stop: from braking as far towards `velocity` as it can be."""
         size = max(self.motion_size(self.velocity), USAGE_TOLERANCE)
         braked = self.velocity * max(0.0, 1.0 - self.brake * self.every / size)
         fits, part, step = 0.0, 1.0, 0.5
@@ -217,7 +217,7 @@ class Governor:
 
 
 class Legs:
-    """Speed and acceleration limits of six legs that follow wanted lengths as fast as they can.
+    """Six legs that follow wanted lengths as fast as their limits of speed and acceleration allow.
 
     A leg that fell behind catches up at a speed from which it can still stop in time, then follows exactly again.
     """
@@ -225,7 +225,7 @@ class Legs:
     def __init__(
         self, geometry: Geometry, every: float, length: np.ndarray, velocity: np.ndarray | None = None
     ) -> None:
-        """`every`: time between rows [s]; `length` (6,) [m] and `velocity` (6,) [m/s], by default 0: at the start."""
+        """`every`: time between rows [s]; `length` (6,) [m], `velocity` (6,) [m/s], default 0: at the start."""
         self.speed, self.acceleration, self.every = geometry.leg_speed, geometry.leg_acceleration, every
         self.target, self.length = length, length
         self.velocity = np.zeros(6) if velocity is None else velocity
@@ -258,7 +258,7 @@ class Legs:
         return there and not fast and not hard
 
     def chase_step(self, target: np.ndarray, wanted: np.ndarray) -> int:
-        """Let late legs chase lengths `target` (6,) [m], moving at `wanted` (6,) [m/s], one row; returns limit bits."""
+        """Move late legs for one row to lengths `target` (6,) [m], moving at `wanted` (6,) [m/s]; return limit bits."""
         dt, a = self.every, self.acceleration
         behind = self.target - self.length
         brake = np.sqrt((0.5 * a * dt) ** 2 + 2.0 * a * np.abs(behind)) - 0.5 * a * dt  # stops in whole rows

@@ -46,7 +46,7 @@ def ride_metrics(ride: Ride, done: Commands, hexapod: Hexapod, every: float) -> 
 
 
 def possible_shares(done: Commands, best: Commands, every: float) -> list[Metric]:
-    """Sensed error of the best ride over that of the ride `done`, of all motion and by component: 1 is the best."""
+    """Sensed errors of the rides `done` and `best`, and their ratio best over done: of all motion, by component."""
     scaled, sizes = np.hstack([done.cue.force, done.cue.rate]), []
     for ride in (best, done):
         sensed = leg_programme.sensed_error(felt_motions(ride.pose, every) - scaled, every)[0]
@@ -101,13 +101,13 @@ def best_delay(felt: np.ndarray, scaled: np.ndarray, every: float) -> float:
 
 
 def motion_gain(felt: np.ndarray, given: np.ndarray, every: float) -> float:
-    """Gain from signal `given` (n,) to `felt` (n,) by cross-correlation at the best delay, blind to other motion."""
+    """Gain from signal `given` (n,) to `felt` (n,): largest cross-correlation over the square sum of `given`."""
     products = delayed_products(felt, given, every)
     return float(products.max() / np.sum((given - given.mean()) ** 2))
 
 
 def delayed_products(felt: np.ndarray, given: np.ndarray, every: float) -> np.ndarray:
-    """Cross-correlation (2 m + 1,) of two signals (n,) at delays of -m to m rows `every` [s]; one NaN if constant."""
+    """Cross-correlation (2 m + 1,) of signals (n,) at delays up to m rows `every` [s]; one NaN if one is constant."""
     from scipy.signal import correlate
 
     a, b = felt - felt.mean(), given - given.mean()

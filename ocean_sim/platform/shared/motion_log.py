@@ -74,7 +74,7 @@ class Ride(NamedTuple):
     attitude: np.ndarray  # (n, 3) roll, pitch, yaw [rad]: Rz(yaw) Ry(pitch) Rx(roll) turns body to world
 
     def rows(self, first: int, last: int) -> "Ride":
-        """Part of the ride from row `first` to before row `last`."""
+        """Copy of the ride's rows from `first` to before `last`."""
         return Ride(*(column[first:last] for column in self))
 
     def chunks(self, ahead: int = 0) -> Iterator[tuple["Ride", "Ride"]]:

@@ -94,7 +94,7 @@ class Tilt:
     """Tilt angle by which gravity stands in for the slow part of a specific force, at a limited rate."""
 
     def __init__(self, frequency: float, rate: float, every: float) -> None:
-        """`frequency`: low-pass corner [rad/s]; `rate`: highest of the tilt [rad/s]; `every`: time between rows [s]."""
+        """`frequency`: low-pass corner [rad/s]; `rate`: largest tilt rate [rad/s]; `every`: time between rows [s]."""
         self.slow = Filter([], second_order(frequency, 1.0), frequency**2, every)
         self.step, self.angle = rate * every, 0.0
 
@@ -153,7 +153,7 @@ class Washing:
         return np.clip(wanted, -limit, limit)
 
     def lasting_force(self, ride: Ride) -> np.ndarray:
-        """Scaled specific force (n, 2) [m/s2] along x and y for the tilt, without gravity by angles shown directly."""
+        """Scaled specific force (n, 2) [m/s2] along x, y for the tilt, less gravity of angles that are followed."""
         force, own = ride.specific_force[:, :2].copy(), rest_force(ride.attitude)
         if self.turns[1] is None:
             force[:, 0] -= own[:, 0]
@@ -164,7 +164,7 @@ class Washing:
 
 
 def scaled_motion(ride: Ride, force_scale: Vector3, rotation_scale: Vector3) -> tuple[np.ndarray, np.ndarray]:
-    """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] to be felt: the ship's by the scales of a washout."""
+    """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] to be felt: the ship's, times the scales of a washout."""
     inertial = (ride.specific_force - rest_force(ride.attitude)) * force_scale
     return inertial + rest_force(ride.attitude * rotation_scale), ride.rate * rotation_scale
 

@@ -39,7 +39,8 @@ class Travel:
     def __init__(
         self, frequency: float, damping: float, back: float, every: float, ends: Sequence[float] = (-inf, inf)
     ) -> None:
-        """`frequency`, `back` [rad/s]: corners of two high-passes (`back` 0: only one); `ends`: of the travel [m]."""
+        """`frequency` [rad/s], `damping`: of a second-order high-pass; `back` [rad/s]: corner of a first-order one, 0
+        for none; `ends`: of the travel [m]."""
         poles, zeros = second_order(frequency, damping), []
         if back > 0.0:  # s^3 / ((s^2 + 2 zeta omega s + omega^2) (s + omega_b)), integrated twice
             poles, zeros = [*poles, complex(-back)], [0.0]

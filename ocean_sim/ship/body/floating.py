@@ -62,7 +62,7 @@ class DriftFile(Model):
     @field_validator("table")
     @classmethod
     def _whole_table(cls, file: str) -> str:
-        """Validate the file by reading it; raises ValueError if that fails."""
+        """Check that the file holds a readable table of drift forces; raises ValueError if not."""
         from ocean_sim.ship.forces.drift import read_table
 
         read_table(file)
@@ -129,11 +129,11 @@ class FloatingConfig(VesselConfig):
         return self.in_still_water(-preflight.tank.gravity[1], preflight.fluid.rest_density)
 
     def added_mass_diagonal(self, still: Hydrostatics) -> np.ndarray:
-        """(6,) added mass [kg] and inertia [kg m2] of the law of motion, in the order of `Motions`; default 0."""
+        """(6,) added mass [kg] and inertia [kg m2] in the equation of motion, in the order of `Motions`; default 0."""
         return np.zeros(6)
 
     def resistance(self, still: Hydrostatics) -> Resistance | None:
-        """Damping law of the hull; None (the default) if nothing but particles slows it down."""
+        """Damping law of the hull; None (the default) if only particles slow it down."""
         return None
 
     def floats(self, preflight: Preflight) -> Afloat:
@@ -165,7 +165,7 @@ class FloatingConfig(VesselConfig):
         return "" if self.drift is None else self.drift if isinstance(self.drift, str) else "table"
 
     def drift_force(self, still: Hydrostatics, sea: ClosedForm, body: RigidBody) -> "Drift | None":
-        """Drift of a hull, a `body`, in a sea in closed form; None without the key `drift`, or if she cannot float."""
+        """Drift force of `sea` on this ship, `body` at first; None without the key `drift`, or if she cannot float."""
         if self.drift is None or isinf(still.draught):
             return None
         from ocean_sim.ship.forces import drift
@@ -184,12 +184,12 @@ class FloatingConfig(VesselConfig):
         return Solid(self.whole_hull.shape, *place, False, False, body=body, reach=reach)
 
     def above_unsettled_water(self, body: RigidBody, preflight: Preflight) -> RigidBody:
-        """A body with a given height, raised by as much as the water will settle, so no gap opens; others unchanged."""
+        """Copy of `body`; if its height is given, raised by how far the water will settle, so that no gap opens."""
         rise = 0.0 if self.afloat_at_first else preflight.fluid.settling(preflight)
         return replace(body, position=body.position + [0.0, rise, 0.0])
 
     def oversize(self, basin: Basin) -> str:
-        """Message on a hull that is longer or broader than the basin; empty if it is not."""
+        """Sentence on a hull that is longer or broader than the basin; empty if it fits."""
         beam, _, length = np.ptp(self.whole_hull.shape.bounds(), axis=0)
         ahead, abeam = abs(cos(radians(self.heading_deg))), abs(sin(radians(self.heading_deg)))
         spans = {"x": max(length * abeam, beam * ahead), "z": max(length * ahead, beam * abeam)}
@@ -382,7 +382,7 @@ class FloatingConfig(VesselConfig):
 
 
 def afloat_pose(still: Hydrostatics) -> tuple[float, np.ndarray]:
-    """Height of the centre of mass [m] and quaternion (4,) of a ship at rest; upright without a balance, or awash."""
+    """Height of the centre of mass [m], quaternion (4,) of a ship at rest; upright if she has no balance or sinks."""
     if isinf(still.draught):
         return float(still.matter.centre[1] - still.voxels.centre[:, 1].max()), euler_quaternion(0.0, 0.0, 0.0)
     found = rest_angles(still)
@@ -397,7 +397,7 @@ def rest_angles(still: Hydrostatics) -> np.ndarray | None:
     """(2,) pitch and roll [rad] at which a floating hull balances, upright if it can; None if beyond MAX_LEAN."""
 
     def levers(angle: np.ndarray) -> np.ndarray:
-        """(2,) distances [m] ahead and to port of buoyancy from the centre of mass; `angle`: pitch and roll [rad]."""
+        """(2,) distances [m] ahead and to port from centre of mass to buoyancy; `angle`: pitch and roll [rad]."""
         return still.buoyancy_offset(lean_matrix(angle))[::-1]
 
     upright = np.zeros(2)
@@ -432,8 +432,9 @@ class Immersion(NamedTuple):
 
 
 def linear_across(wet: Wetted, flat: Wetted, turn: np.ndarray) -> Wetted:
-    """Sums `wet` of a hull whose horizontal wave force and whose water's motion are those of the hull at rest, `flat`:
-    linear in the waves, so that their mean force is not counted twice. `turn`: (3, 3) from the axes of `flat`."""
+    """Copy of `wet` with the horizontal wave force, yaw moment and water motion of `flat`, the same hull afloat at
+    rest. They are linear in the waves there, so the mean force of drift is not counted twice. `turn`: (3, 3) matrix
+    from the body axes of `flat` to those of the hull."""
     wave = wet.wave.copy()
     wave[0, [0, 2]], wave[1, 1] = flat.wave[0, [0, 2]], flat.wave[1, 1]
     velocity, acceleration = ((moved.reshape(2, 3) @ turn.T).ravel() for moved in (flat.velocity, flat.acceleration))
@@ -441,7 +442,7 @@ def linear_across(wet: Wetted, flat: Wetted, turn: np.ndarray) -> Wetted:
 
 
 class FloatingShip(Vessel):
-    """Base of ships whose hull is cubes in the water, with all forces but damping, which derived kinds add."""
+    """Base class of ships whose hull is divided into cubes; it sums all forces but damping, which derived kinds add."""
 
     samples_depth: ClassVar[bool] = False  # True if it asks the water under its surface, which a closed form answers
     slamming: Slamming | None = None  # of a hull that falls into the water; particles push one themselves
@@ -512,16 +513,16 @@ class FloatingShip(Vessel):
         if self.slamming is not None:
             self.rising = small_linalg.dot(body.rows[1], motion[:3].tolist())
             self.upwards = wet.buoyancy / max(float(wet.buoyancy[0, 1]), 1e-9)
-        return Load.of(self.answered(now, self.forces(now)), self.parts)
+        return Load.of(self.with_added_mass(now, self.forces(now)), self.parts)
 
     def level_body(self, body: RigidBody, place: np.ndarray, velocity: np.ndarray) -> RigidBody:
-        """The body as it floats at rest at a place [m], with a velocity [m/s] and the same heading."""
+        """Copy of `body` afloat at rest, at x, z of `place` [m], with the same heading and a `velocity` [m/s]."""
         height, trim = self.rest
         turn = quaternion_product(euler_quaternion(0.0, body.angles[1], 0.0), trim)
         return replace(body, position=np.array([place[0], height, place[2]]), velocity=velocity, orientation=turn)
 
     def forces(self, now: Immersion) -> dict[str, np.ndarray]:
-        """(2, 3) force [N], torque [N m] of each part, world axes, without the reaction of added mass."""
+        """Force [N] and torque [N m], (2, 3), by part of the load, world axes, without the reaction of added mass."""
         wet, density, damping = now.wet, self.hydrostatics.density, self.damping(now)
         if self.slamming is not None:
             damping = damping + self.slamming.heave_drag(self.wet, self.rising) * self.upwards
@@ -542,8 +543,8 @@ class FloatingShip(Vessel):
         """(2, 3) damping force [N] and torque [N m], world axes; zero unless a kind overrides it."""
         return np.zeros((2, 3))
 
-    def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """The `forces` by part, and the reaction of added mass to them; unchanged in kinds without added mass."""
+    def with_added_mass(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Forces by part with the reaction of added mass; this base class has none and returns `forces` unchanged."""
         return forces
 
     def advance(self, load: Load, dt: float) -> None:

@@ -86,7 +86,7 @@ def to_world(load: np.ndarray, body: RigidBody) -> np.ndarray:
 
 
 def for_arrays(law: Callable[..., Any]) -> Callable[..., np.ndarray]:
-    """A law of `small_linalg` for arrays (k,), many times as quick as NumPy's, or for n vectors in columns (k, n)."""
+    """Make a function of `small_linalg` take arrays: (k,), many times as quick as NumPy's, or n vectors as (k, n)."""
     return lambda *vectors: np.array(law(*(v.tolist() if v.ndim == 1 else list(v) for v in vectors)))
 
 
@@ -131,14 +131,14 @@ def euler_angles(q: np.ndarray) -> np.ndarray:
 
 
 def with_spin(body: RigidBody, omega: np.ndarray) -> RigidBody:
-    """The body with another angular velocity, world axes [rad/s], and its angular momentum by (4.19)."""
+    """Copy of `body` with the angular velocity `omega`, world axes [rad/s]: its angular momentum follows by (4.19)."""
     turn = body.matrix
     return replace(body, angular_momentum=turn @ body.inertia_body @ turn.T @ omega)
 
 
 def advance_body(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: float) -> RigidBody:
-    """The body dt [s] later under a force [N] and a torque about the centre of mass [N m]: (4.22), with the new
-    velocity in (4.23), which for an oscillator neither gains nor loses energy, and (4.25) at the midpoint."""
+    """Body dt [s] later under a force [N] and a torque about its centre of mass [N m], by (4.22) to (4.25). The new
+    velocity moves it, so an oscillator neither gains nor loses energy; its rotation is that at the midpoint."""
     inertia, start = body.inertia_body.tolist(), body.orientation.tolist()
     momentum = small_linalg.plus(body.angular_momentum.tolist(), small_linalg.times(dt, torque.tolist()))
     now = small_linalg.spin_of(body.rows, momentum, inertia)
@@ -152,8 +152,8 @@ def advance_body(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: flo
 
 
 def thesis_advance(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: float) -> RigidBody:
-    """The body dt [s] later by (4.22), (4.23) and (4.25) of the thesis as printed: forward Euler, from the velocities
-    of the step's beginning. Algorithm 7 prints v = a dt, x = v dt; the increments of (4.22) and (4.23) are meant."""
+    """Body dt [s] later by (4.22), (4.23) and (4.25) of the thesis as printed: forward Euler, with the velocities at
+    the start of the step. Algorithm 7 prints v = a dt, x = v dt; here they are increments, as in (4.22) and (4.23)."""
     r, omega = body.matrix, body.angular_velocity
     inertia = r @ body.inertia_body @ r.T
     faster = omega + np.linalg.solve(inertia, torque - cross(omega, inertia @ omega)) * dt
@@ -169,8 +169,8 @@ def thesis_advance(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: f
 
 
 def hold_motions(body: RigidBody, free: np.ndarray) -> RigidBody:
-    """Copy of a body with zero velocity in motions not `free`, (6,) booleans by `Motions`: sway and surge along the
-    ship's heading, heave along the vertical, turns about the body's axes."""
+    """Copy of a body without velocity in motions that are not `free`, (6,) booleans in the order of `Motions`. Sway and
+    surge are along the ship's heading, heave is vertical, and turns are about the body's axes."""
     if False not in free.tolist():
         return body
     r, heading = body.matrix, axis_rotation(1, body.angles[1])
@@ -183,7 +183,7 @@ def hold_motions(body: RigidBody, free: np.ndarray) -> RigidBody:
 
 
 def guide_step(before: RigidBody, after: RigidBody, free: np.ndarray, dt: float) -> RigidBody:
-    """Copy of `after`, the body dt [s] after `before`, moved in `free` motions alone, so that others do not creep."""
+    """Copy of `after`, the body dt [s] after `before`, moved only in its `free` motions (6,), so no others creep."""
     if False not in free.tolist():
         return after
     heading, rates = axis_rotation(1, before.angles[1]), np.where(free[3:], after.rates, 0.0)

@@ -19,7 +19,7 @@ class Track(NamedTuple):
     velocity: np.ndarray
 
     def moments(self, number: np.ndarray) -> "Track":
-        """Part of the track: its moments with the indices `number` (m,)."""
+        """Track with only the moments whose indices are `number` (m,)."""
         return Track(self.time[number], self.place[:, number], self.velocity[:, number])
 
 
@@ -40,7 +40,8 @@ class Attitude(NamedTuple):
         return self.matrix[0] * vector[0] + self.matrix[1] * vector[1] + self.matrix[2] * vector[2]
 
     def point_acceleration(self, arm: np.ndarray, acceleration: np.ndarray, turning: np.ndarray) -> np.ndarray:
-        """(3, n) acceleration [m/s2] of a point at `arm` [m], body axes, by the centre's and `turning` [rad/s2]."""
+        """(3, n) acceleration [m/s2] of a point at `arm` [m], body axes, of a body with a linear `acceleration` [m/s2]
+        and an angular acceleration `turning` [rad/s2]."""
         away = self.matrix[:, 0] * arm[0] + self.matrix[:, 1] * arm[1] + self.matrix[:, 2] * arm[2]
         return acceleration + cross(turning, away) + cross(self.spin, cross(self.spin, away))
 
@@ -64,15 +65,16 @@ def first_derivative(velocity: np.ndarray, spin: np.ndarray, orientation: np.nda
 def second_derivative(
     acceleration: np.ndarray, turning: np.ndarray, spin: np.ndarray, orientation: np.ndarray
 ) -> np.ndarray:
-    """(7, n) second time derivatives of position and quaternion, from linear and angular acceleration and `spin`."""
+    """(7, n) second time derivatives of position and quaternion; `turning`: angular acceleration, `spin`: velocity."""
     x, y, z = spin
     turned = quaternion_product(pure_quaternion(turning), orientation) - 0.5 * (x * x + y * y + z * z) * orientation
     return np.concatenate([acceleration, 0.5 * turned])
 
 
 def join_moments(time: np.ndarray, place: np.ndarray, bends: np.ndarray, first: np.ndarray) -> Track:
-    """Track through places (7, n) at times (n,) [s]: velocities are the mean over a step, corrected by second
-    derivatives `bends` (7, n), linear over it. `first`: (7,) velocity at the first moment, or NaN to estimate it."""
+    """Track through positions and quaternions `place` (7, n) at times (n,) [s]. Its velocities are the means over
+    steps, corrected by second derivatives `bends` (7, n), which are linear over a step. `first`: (7,) velocity at the
+    first moment, or NaN to estimate it."""
     step = time[1:] - time[:-1]
     mean = (place[:, 1:] - place[:, :-1]) / step
     if np.isnan(first).any():
@@ -95,7 +97,7 @@ class Between:
         self.part = np.maximum(0.0, (time - start) / self.step)  # of the step that is over
 
     def interpolated_track(self) -> Track:
-        """Track at these times by cubic Hermite interpolation; place and velocity continuous, of third order."""
+        """Track at these times by cubic Hermite interpolation, third-order, with continuous position and velocity."""
         (before, after), s, step = self.ends, self.part, self.step
         moved = after.place - before.place
         start, end = step * before.velocity - moved, step * after.velocity - moved

@@ -76,10 +76,10 @@ class VesselConfig(Helm, ShipConfig):
                 yield ("position",), where
 
     def warnings(self, preflight: Preflight) -> Iterator[str]:
-        yield from self.lost_at_first()
+        yield from self.ignored_velocity_warnings()
         yield from self.late_orders(preflight.duration)
 
-    def lost_at_first(self) -> Iterator[str]:
+    def ignored_velocity_warnings(self) -> Iterator[str]:
         """Warn of initial velocities and rates in motions that are not free, which are ignored."""
         heading = axis_rotation(1, radians(self.heading_deg + self.attitude_deg[1]))
         motion = dict(zip(Motions._fields, [*(heading.T @ np.array(self.velocity)), *self.rates], strict=True))
@@ -96,7 +96,8 @@ class VesselConfig(Helm, ShipConfig):
         return len(self.position) == 2
 
     def body_at_start(self, matter: Matter, height: float, trim: np.ndarray) -> RigidBody:
-        """Rigid body at the start; `height` of its centre [m] and `trim`, a quaternion, where the config gives none."""
+        """Rigid body at the start. `height` of its centre of mass [m] and `trim`, its quaternion afloat, count where
+        the config gives none."""
         pitch, yaw, roll = (radians(angle) for angle in self.attitude_deg)
         turn = euler_quaternion(pitch, yaw + radians(self.heading_deg), roll)
         if not (pitch or roll):
@@ -107,7 +108,7 @@ class VesselConfig(Helm, ShipConfig):
         return with_spin(body, rotate_vector(turn, np.array(self.rates)))
 
     def settled_body(self, body: RigidBody, fluid: Fluid) -> RigidBody:
-        """Initial body in settled water: lowered with the surface if afloat, else at its given height."""
+        """Copy of the initial body in settled water: lowered with the surface if afloat, else at its given height."""
         x, y, z = body.position
         level = y - fluid.surface_drop if self.afloat_at_first else self.position[1]
         return replace(body, position=np.array([x, level, z]))
@@ -117,7 +118,7 @@ class Actuators:
     """Propeller and rudder of one ship, and the crew that orders them."""
 
     def __init__(self, config: Helm, propeller: Propeller | None, rudder: Rudder | None, centre: np.ndarray) -> None:
-        """`centre`: the centre of mass from the hull's origin [m]."""
+        """`config`: keys of orders or of a pilot; `centre`: centre of mass from the hull's origin [m]."""
         self.crew: Crew | Helmsman | Person = config.crew()
         self.propeller, self.rudder_blade, self.centre = propeller, rudder, centre
         pushing = np.zeros(3) if propeller is None or propeller.position is None else propeller.position - centre
@@ -131,7 +132,7 @@ class Actuators:
         return self.rudder_blade.limit if self.rudder_blade else radians(90.0)
 
     def steer(self, body: RigidBody, dt: float, ahead: float = 0.0) -> None:
-        """Move throttle and rudder over dt [s] to the orders at `ahead` [s] after its start; dt 0: at once."""
+        """Move throttle and rudder for dt [s] towards the orders of `ahead` [s] from now; with dt 0, there at once."""
         throttle, rudder = self.crew.order(self.time + ahead, body)
         blade, screw = self.rudder_blade, self.propeller
         self.throttle = rate_limited(self.throttle, throttle, screw.rate if screw and dt else None, dt, 1.0)
@@ -139,7 +140,8 @@ class Actuators:
         self.time += dt
 
     def load(self, motion: np.ndarray, density: float, wet: float) -> dict[str, np.ndarray]:
-        """(2, 3) force [N], torque [N m] of propeller and rudder, body axes, at `motion` (6,) in water; times `wet`."""
+        """Force [N], torque [N m] (2, 3) of propeller and rudder by name, body axes, at a velocity `motion` (6,) in
+        water of a `density` [kg/m3]; `wet`: factor from 0 to 1 for a hull that is partly out of the water."""
         found, thrust = {}, 0.0
         velocity, rates = motion[:3].tolist(), motion[3:].tolist()
         if self.propeller is not None:
@@ -170,7 +172,7 @@ def placed_outline(corners: np.ndarray, body: RigidBody) -> Outline:
 
 
 class Vessel(Ship):
-    """Base class of ships: body, actuators, last load, named points, and the step in time. Each kind gives `load`."""
+    """Base class of ships: body, actuators, last load, named points, and the step in time. Kinds implement `load`."""
 
     left_out: ClassVar[tuple[str, ...]] = ("outline_corners",)  # of its shape, made again when asked for
     prompt: ClassVar[bool] = False  # whether a step ends with the orders of its end, not of its beginning
@@ -193,13 +195,13 @@ class Vessel(Ship):
         actuators.steer(body, 0.0)
 
     def moor(self, lines: list[Mooring], points: Mapping[str, tuple[float, ...]]) -> None:
-        """Moor the ship by any lines and fenders at her named `points`; their force is the load's part `mooring`."""
+        """Moor the ship by lines and fenders at her named `points`; the part `mooring` of her load is their force."""
         if lines:
             self.moorings = Moorings(lines, points, self.actuators.centre, self.body)
             self.add_part("mooring")
 
     def add_part(self, name: str) -> None:
-        """Add a part of this name to those of the ship's load."""
+        """Add `name` to the names of the forces that make up the ship's load."""
         self.parts = (*self.parts, name)
         self.last = Load.of({}, self.parts)
 
@@ -236,7 +238,7 @@ class Vessel(Ship):
 
     @property
     def centred_body(self) -> RigidBody:
-        """The body with velocities at the time of its position; those of the integrator are half a step older."""
+        """Copy of the body with velocities at the time of its position; the integrator's are half a step older."""
         body, (of, faster, more) = self.body, self.gained
         if of is not body:
             return body

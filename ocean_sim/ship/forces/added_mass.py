@@ -93,7 +93,7 @@ def by_rule(hull: Hydrostatics) -> np.ndarray:
 
 
 def equivalent_breadth_4(hull: Hydrostatics, breadth: np.ndarray, draught: np.ndarray) -> np.ndarray:
-    """(n,) breadth^4 [m4] of plates with the added roll inertia of equally full sections, `breadth` by `draught`."""
+    """(n,) breadth^4 [m4] of flat plates with the added inertia in roll of sections of a `breadth`, `draught` [m]."""
     full = min(hull.needed_volume, hull.voxels.volume) / float((breadth * draught).sum() * hull.voxels.size[2])
     share = min(max((full - pi / 4.0) / (1.0 - pi / 4.0), 0.0), 1.0)
     deep = np.minimum(draught / np.maximum(breadth, 1e-9), DRAUGHT_RATIOS[-1])
@@ -117,12 +117,13 @@ def water_reaction(
     surge: np.ndarray,
     free: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Reactions of added mass, (2, 3) force [N] and torque [N m], world axes: to the hull's motion, and by the water's
-    own. By Kirchhoff's equations with the added mass (6,) of each motion in body axes and any `between` them, (6, 6)
-    symmetric, diagonal 0; `force`, `torque`: the rest of the load; `drift`, `surge`: the water's own velocity and
-    acceleration (6,). These turn with the hull, so the relative velocity also changes by omega x `drift` (Fossen 2021,
-    10.3). Solved with the hull's, lest a light body be harder than a heavy one. Motions that are not `free` (6,) have
-    no acceleration."""
+    """Reactions of added mass to the hull's motion and to the water's, (2, 3) force [N], torque [N m] each, world axes.
+
+    Kirchhoff's equations, solved together with the hull's, so that a hull lighter than its added mass stays stable. In
+    body axes, (6,): added mass `added`, coupled by `between` (6, 6), symmetric with diagonal 0; velocity `drift` and
+    acceleration `surge` of the water. `force`, `torque`: all other loads. Motions not `free` (6,) have no acceleration.
+    The axes turn, so the relative velocity also changes by omega x `drift` (Fossen 2021, 10.3).
+    """
     r, inertia, water = body.rows, body.inertia_body.tolist(), added.tolist()
     v, omega = body.own_velocity, body.own_spin
     (stream, swirl), (pull, pull_turn) = line_and_turn(drift), line_and_turn(surge)
@@ -150,7 +151,8 @@ def line_and_turn(motion: np.ndarray) -> tuple[list[float], list[float]]:
 
 
 def water_momentum(water: list[float], between: np.ndarray | None, line: Vector, turn: Vector) -> tuple[Three, Three]:
-    """Momentum (linear, angular) of added mass `water` (6,) at a velocity `line`, `turn`; rates at an acceleration."""
+    """Linear and angular momentum of added mass `water` (6,), with coupling `between` (6, 6), at a linear and an
+    angular velocity `line` and `turn`; with accelerations in their place, the rates of change."""
     own = times_each(water[:3], line), times_each(water[3:], turn)
     if between is None:
         return own
@@ -161,7 +163,8 @@ def water_momentum(water: list[float], between: np.ndarray | None, line: Vector,
 def joint_acceleration(
     mass: float, inertia: Rows, water: list[float], between: np.ndarray | None, push: Vector, twisting: Vector
 ) -> tuple[Vector, Vector]:
-    """Linear [m/s2], angular [rad/s2] acceleration of a hull with added mass under a `push` [N], `twisting` [N m]."""
+    """Linear [m/s2] and angular [rad/s2] acceleration of a hull together with its added mass `water` (6,), coupled by
+    `between` (6, 6), under a force `push` [N] and a torque `twisting` [N m]."""
     x, y, z = water[3:]
     (p, q, r), (s, t, u), (v, w, o) = inertia
     whole = (p + x, q, r), (s, t + y, u), (v, w, o + z)
@@ -190,8 +193,8 @@ class Slamming:
         return min(float(np.interp(volume, self.volumes, self.masses)), self.usual)
 
     def push(self, volume: float, speed: float, dt: float) -> float:
-        """Slamming force upwards [N] in a step of dt [s] that begins at a volume under water [m3] and a vertical speed
-        relative to the water [m/s]; the speed V becomes V (m + A before) / (m + A now)."""
+        """Slamming force upwards [N] in a step of dt [s] that begins with a `volume` under water [m3] and a vertical
+        `speed` V relative to the water [m/s], which becomes V (m + A before) / (m + A now)."""
         if volume == 0.0:
             self.entering, self.moved = True, 0.0
         if not self.entering:
@@ -208,7 +211,7 @@ class Slamming:
 
 
 def entry_curve(hull: Hydrostatics) -> tuple[np.ndarray, np.ndarray]:
-    """Volumes under water [m3] of an upright hull, layer by layer of its cubes, and its added mass in heave [kg]."""
+    """Volumes under water [m3], and added mass in heave [kg], of an upright hull that enters the water."""
     v = hull.voxels
     lower = v.centre[:, 1:].min(axis=0)
     layer, slice_ = np.round((v.centre[:, 1:] - lower) / v.size[1:]).astype(int).T

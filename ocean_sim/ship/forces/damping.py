@@ -53,8 +53,9 @@ class Resistance:
     def __init__(
         self, config: Damping, hull: Hydrostatics, added: np.ndarray, radiated: Collection[str] = (), munk: float = 0.0
     ) -> None:
-        """`added`: (6,) added mass that oscillates with the hull; `radiated`: motions whose waves a table has, to which
-        no rule adds; `munk`: added mass of sway less surge [kg] of a kind whose own motion has no Munk's moment."""
+        """`added`: (6,) added mass that oscillates with the hull; `radiated`: motions whose wave damping a table gives,
+        not the rules; `munk`: added mass of sway less surge [kg], for Munk's moment in kinds that move without added
+        mass."""
         whole, stiffness = hull.inertia, hull.stiffness
         extra, self.radiated, self.cross_flow = Motions(*added), radiated, config.cross_flow
         self.linear: dict[str, float] = {}
@@ -121,7 +122,7 @@ class Resistance:
 
 
 class CrossFlow:
-    """Cross-flow drag c |v + r z| (v + r z) of sections at z: on either side of zero flow a sum of moments of c."""
+    """Cross-flow drag: sum of c w |w| over sections at z in a flow w = v + r z, by moments of c (sums of c z^k)."""
 
     def __init__(self, z: np.ndarray, c: np.ndarray) -> None:
         """`z`: positions (n,) of sections from stern to bow [m]; `c`: their drag coefficients (n,) [N s2/m2]."""

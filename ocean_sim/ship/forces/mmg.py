@@ -100,13 +100,13 @@ class MmgHull:
         self.terms = [[(*map(name.count, "vbr"), c) for name, c in terms.items()] for terms in hull]
 
     def scaled_motion(self, nu: np.ndarray) -> tuple[float, float, float]:
-        """Speed U [m/s] that forces are scaled with, v' and r', at a velocity (6,) through the water."""
+        """Speed U [m/s] that scales forces, and dimensionless v' and r', at a velocity (6,) through the water."""
         u, v, *_, r = nu.tolist()
         speed = max(hypot(u, v), 0.5 * self.length * abs(r), 1e-6)
         return speed, v / speed, r * self.length / speed
 
     def drag_load(self, nu: np.ndarray) -> np.ndarray:
-        """Load of the hull (eqs. 7 and 8), and linear damping of heave, roll and pitch."""
+        """Load of the hull (Yasukawa & Yoshimura 2015, eqs. 7 and 8), and linear damping of heave, roll and pitch."""
         speed, aside, turning = self.scaled_motion(nu)
         drift = -asin(aside)
         ahead, across, turn = (sum(c * aside**v * drift**b * turning**r for v, b, r, c in row) for row in self.terms)
@@ -117,7 +117,7 @@ class MmgHull:
         return load
 
     def centripetal_load(self, nu: np.ndarray) -> np.ndarray:
-        """Centripetal load of ship and added mass, on the left of eq. 4; the hull's moment contains Munk's."""
+        """Centripetal load of hull and added mass (Yasukawa & Yoshimura 2015, eq. 4); Munk's is in `drag_load`."""
         u, v, r = nu[0], nu[1], nu[5]
         across = -(self.mass + self.added[1]) * v * r - self.lever * r**2
         return np.array([across, (self.mass + self.added[0]) * u * r, 0.0, 0.0, 0.0, self.lever * u * r])
@@ -127,7 +127,7 @@ class MmgHull:
         return np.array([max(throttle, 0.0) * self.config.propeller.revolutions])
 
     def inflow_speed(self, nu: np.ndarray) -> float:
-        """Speed (1 - w) u of the water at the propeller [m/s] (eq. 16); 0 astern."""
+        """Speed (1 - w) u of water at the propeller [m/s] (Yasukawa & Yoshimura 2015, eq. 16); 0 going astern."""
         screw, (_, aside, turning) = self.config.propeller, self.scaled_motion(nu)
         angle = asin(-aside) - PROPELLER_POSITION * turning
         fading, below, above = screw.wake_change
@@ -135,20 +135,20 @@ class MmgHull:
         return (1.0 - screw.hull[1]) * (1.0 + change) * max(nu[0], 0.0)
 
     def bare_thrust(self, inflow: float, revolutions: float) -> float:
-        """Thrust [N] without its deduction, at a speed of the water [m/s] and revolutions [1/s] (eqs. 10 to 12)."""
+        """Open-water thrust [N] at `inflow` [m/s], `revolutions` [1/s] (Yasukawa & Yoshimura 2015, eqs. 10 to 12)."""
         (k_0, k_1, k_2), diameter = self.config.propeller.thrust, self.config.propeller.diameter
         tip = revolutions * diameter
         return self.density * diameter**2 * (k_0 * tip**2 + k_1 * tip * inflow + k_2 * inflow**2)
 
     def stream_speed(self, inflow: float, thrust: float) -> float:
-        """Speed u_R along the rudder [m/s] at an `inflow` of the propeller [m/s] and its thrust [N] (eq. 24)."""
+        """Speed [m/s] along the rudder, by the propeller's inflow and thrust (Yasukawa & Yoshimura 2015, eq. 24)."""
         (ratio, kept), diameter = self.blade.stream, self.config.propeller.diameter
         far = sqrt(inflow**2 + 8.0 * max(thrust, 0.0) / (pi * self.density * diameter**2))
         share = diameter / self.blade.height
         return ratio * sqrt(share * (inflow + kept * (far - inflow)) ** 2 + (1.0 - share) * inflow**2)
 
     def driving_loads(self, nu: np.ndarray, revolutions: np.ndarray, rudder: float) -> dict[str, np.ndarray]:
-        """Loads of the propeller, and of the rudder at an angle [rad] to port (eqs. 9, 18 to 23)."""
+        """Loads of propeller and rudder by name; `rudder`: [rad] to port (Yasukawa & Yoshimura 2015, eqs. 9, 18-23)."""
         (below, above, arm), (lost, pushed, where) = self.blade.straightening, self.blade.interaction
         speed, aside, turning = self.scaled_motion(nu)
         inflow = self.inflow_speed(nu)

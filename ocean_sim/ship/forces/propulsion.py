@@ -59,7 +59,7 @@ class Propeller(Model):
         return bare if throttle >= 0.0 else self.astern * bare
 
     def slipstream_speed(self, thrust: float, speed: float, density: float) -> float:
-        """Speed at the rudder [m/s] at a speed ahead [m/s], by SLIPSTREAM_SHARE of an actuator disc's increase."""
+        """Flow speed at the rudder [m/s]: `speed` ahead and SLIPSTREAM_SHARE of the increase by an actuator disc."""
         if self.diameter is None or thrust <= 0.0 or speed < 0.0:
             return speed
         far = sqrt(speed**2 + 8.0 * thrust / (pi * density * self.diameter**2))
@@ -100,7 +100,7 @@ class Rudder(Model):
 
 
 class Row(Model):
-    """Orders at one time; between rows they change linearly."""
+    """Throttle and rudder ordered at one time; between such rows they change linearly."""
 
     time: float = quantity("s", ge=0.0)
     """Time at which these orders hold; before the first row and after the last, that row holds."""
@@ -111,7 +111,7 @@ class Row(Model):
 
 
 class Track(Model):
-    """Orders over time, from a file."""
+    """Throttle and rudder ordered over time, from a file."""
 
     file: FileName
     """A CSV file with columns time_s, throttle, rudder_rad."""
@@ -215,7 +215,7 @@ class Helm(Model):
 
 
 class Crew:
-    """Orders of a scene: throttle and rudder [rad] over time, or the autopilot's."""
+    """Crew that follows a scene's orders: throttle and rudder [rad] given over time, or by the autopilot."""
 
     def __init__(self, controls: Controls) -> None:
         self.course = controls.autopilot if isinstance(controls, Autopilot) else None
@@ -321,6 +321,6 @@ class Person:
 
 
 def rate_limited(now: float, wanted: float, rate: float | None, dt: float, limit: float) -> float:
-    """Position of an actuator dt [s] after `now`: nearer to `wanted`, at most `rate` a second, within +-`limit`."""
+    """Position of an actuator dt [s] after `now`: moved to `wanted` by at most `rate` a second, within +-`limit`."""
     wanted = min(max(wanted, -limit), limit)
     return wanted if rate is None else now + min(max(wanted - now, -rate * dt), rate * dt)

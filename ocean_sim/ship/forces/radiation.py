@@ -64,14 +64,14 @@ HEADING_STEP = 0.02  # [rad] of a turn, after which forces are looked up anew
 
 
 class Scattered(NamedTuple):
-    """Diffraction force, Re(X exp(-i omega t)), of waves of unit amplitude with their crest at the centre of mass."""
+    """Diffraction force Re(X exp(-i omega t)) by waves of unit amplitude, crest at the centre of mass at t = 0."""
 
     headings: np.ndarray  # (h,) to which waves go, from that of the ship [deg], rising
     force: np.ndarray  # (6, h, n) [N/m], [N m/m], of the `Motions`
 
 
 class Response(NamedTuple):
-    """Impulse response of some motions by the waves that the hull radiates."""
+    """Impulse response of m motions by radiated waves: K, L and A(infinity) of this module's equations."""
 
     times: np.ndarray  # (n,) since a push [s]
     kernels: np.ndarray  # (m, m, n) K [kg/s2], [kg m/s2], [kg m2/s2]
@@ -81,7 +81,7 @@ class Response(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class BemTable:
-    """Hydrodynamic coefficients of some motions over frequency; coupling is symmetric, 0 where a table does not say."""
+    """Hydrodynamic coefficients of some motions over frequency; coupling is symmetric, 0 where the table has none."""
 
     omega: np.ndarray  # (n,) [rad/s]
     motions: list[str]
@@ -93,7 +93,7 @@ class BemTable:
 
     @cached_property
     def numbers(self) -> list[int]:
-        """Number of each motion among `Motions`."""
+        """Index in `Motions` of each motion of the table."""
         return [Motions._fields.index(motion) for motion in self.motions]
 
     def has_coupling(self, one: str, other: str) -> bool:
@@ -103,7 +103,7 @@ class BemTable:
 
     @property
     def unphysical_entries(self) -> Iterator[str]:
-        """Yield sentences on entries that no hull has: waves that would give energy, negative added mass."""
+        """Yield sentences on entries that no hull has: damping that would give energy, negative added mass."""
         own = np.diag_indices(len(self.numbers))
         most = np.sqrt(np.abs(self.damping[own]).max(axis=1))
         lowest = np.linalg.eigvalsh(np.moveaxis(self.damping, 2, 0) / np.outer(most, most))[:, 0]
@@ -118,7 +118,7 @@ class BemTable:
 
     @cached_property
     def impulse_response(self) -> Response:
-        """Impulse response of the table's motions, until less than FORGOTTEN_SHARE of it is left."""
+        """Impulse response of the table's motions, until all kernels fall below FORGOTTEN_SHARE of their largest."""
         from scipy.integrate import cumulative_trapezoid
 
         omega, apart = self.omega, np.diff(self.omega, prepend=0.0).max()
@@ -140,7 +140,7 @@ class BemTable:
         return Response(times, kernels, whole - whole[:, :, -1:], added)
 
     def retardation_kernel(self, times: np.ndarray, damping: np.ndarray) -> np.ndarray:
-        """Kernel K (n,) at times (n,) [s]; beyond the table damping falls on by a power of the frequency."""
+        """Kernel K (n,) at times (n,) [s] of `damping` over frequency, which falls by a power law beyond the table."""
         from scipy.interpolate import PchipInterpolator
 
         omega = self.omega
@@ -203,7 +203,7 @@ def read_csv_table(file: str) -> BemTable:
 
 
 def scattering_columns(table: dict[str, np.ndarray]) -> Iterator[tuple[str, tuple[int, float, complex]]]:
-    """Yield the columns named like `heave_scattered_90_re`: name, and number of the motion, heading [deg], 1 or i."""
+    """Yield columns like `heave_scattered_90_re`: name, (index in `Motions`, heading [deg], 1 if `re`, i if `im`)."""
     for column in table:
         motion, _, rest = column.partition("_scattered_")
         heading, _, part = rest.rpartition("_")
@@ -252,7 +252,7 @@ def read_capytaine(file: str) -> BemTable:
 
 
 def symmetric_part(file: str, names: list[str], matrix: np.ndarray) -> np.ndarray:
-    """(m, m, n) mean of an entry of `matrix` and its mirror image; raises Unreadable beyond RECIPROCITY_TOLERANCE."""
+    """(m, m, n) mean of `matrix` and its transpose; raises Unreadable if they differ beyond RECIPROCITY_TOLERANCE."""
     most = np.sqrt(np.abs(matrix[np.diag_indices(len(names))]).max(axis=1))
     mirrored = matrix.transpose(1, 0, 2)
     apart = np.median(np.abs(matrix - mirrored), axis=2) / np.maximum(np.outer(most, most), 1e-300)
@@ -271,9 +271,9 @@ def in_axis_order(data: Any, name: str, axes: tuple[str, ...]) -> np.ndarray:
 
 
 class Scattering:
-    """Force on one hull by the waves that it scatters, as waves arrive. Held against the water's own motion w, a hull
-    feels X(omega) = (B - i omega A) w. A hull under way meets the same w at another frequency, with A and B of that;
-    the momentum given to it turns it as it moves on (table 2 of Salvesen, Tuck & Faltinsen)."""
+    """Force on one hull by the arriving waves that she scatters. Held fixed in water that moves with w she feels
+    X(omega) = (B - i omega A) w, which gives w. Under way she meets w at the frequency of encounter, with A and B
+    there; her velocity times the waves' momentum adds a moment (table 2 of Salvesen, Tuck & Faltinsen 1970)."""
 
     def __init__(self, table: BemTable) -> None:
         assert table.scattered is not None
@@ -284,7 +284,7 @@ class Scattering:
         self.known: tuple[float, np.ndarray, np.ndarray] | None = None  # a heading, frequencies, what is given (6, n)
 
     def load(self, waves: Arriving, yaw: float, velocity: np.ndarray) -> np.ndarray:
-        """(2, 3) scattering force [N], torque [N m], world axes; `yaw` [rad], `velocity` in the water (3,) [m/s]."""
+        """(2, 3) scattering force [N] and torque [N m], world axes; `yaw` [rad], `velocity` through the water [m/s]."""
         known, still = self.known, waves.omega
         if known is None or abs(yaw - known[0]) > HEADING_STEP or not np.array_equal(still, known[1]):
             # Momentum that waves of unit amplitude give a hull at rest, divided by its `complex_inertia`.
@@ -299,14 +299,14 @@ class Scattering:
         return rate
 
     def complex_inertia(self, omega: np.ndarray) -> np.ndarray:
-        """(6, n) A + i B / omega [kg], [kg m2] at frequencies (n,) [rad/s] of motions in the table; 1 of others."""
+        """(6, n) A + i B / omega [kg], [kg m2] at frequencies (n,) [rad/s]; 1 for motions that the table lacks."""
         found, met = np.ones((6, len(omega)), dtype=complex), np.abs(omega)
         for number, added, lost in zip(self.numbers, self.added, self.lost, strict=True):
             found[number] = np.interp(met, self.omega, added) + 1j * np.sign(omega) * np.interp(met, self.omega, lost)
         return found
 
     def unit_wave_forces(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
-        """(6, n) complex forces per unit amplitude, by frequency and relative heading [deg]; mirrored beyond 180."""
+        """(6, n) complex forces per unit amplitude by frequency and relative heading [deg]; beyond 180 by symmetry."""
         headings, force = self.scattered
         angle, turned = heading % 360.0, np.ones((6, len(heading)))
         if headings.max() <= 180.0:
@@ -321,7 +321,7 @@ class Scattering:
 
 
 def at_headings(angle: np.ndarray, headings: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """(n,) values at angles (n,) [deg], linear between those (h, n) at headings (h,); the nearest ones beyond."""
+    """(n,) values at angles (n,) [deg], linear between `values` (h, n) at `headings` (h,); the nearest ones beyond."""
     each = np.arange(len(angle))
     if len(headings) == 1:
         return values[0, each]
@@ -332,7 +332,7 @@ def at_headings(angle: np.ndarray, headings: np.ndarray, values: np.ndarray) -> 
 
 
 def checked_table(file: str) -> BemTable:
-    """Read the table of a hull that radiates; raises ValueError as `read_bem_table`, or if it gives too little."""
+    """Read a table and check that it suffices for radiation; raises ValueError if not, or as `read_bem_table` does."""
     table = read_bem_table(file)
     omega, back = table.omega, np.flatnonzero(np.diff(table.omega, prepend=0.0) <= 0.0)
     if not MIN_FREQUENCIES <= len(omega) <= MAX_FREQUENCIES:
@@ -350,7 +350,7 @@ def checked_table(file: str) -> BemTable:
 
 
 class Memory:
-    """Radiation force on one hull by the waves of its past motions (Cummins 1962)."""
+    """Radiation force on one hull: a memory of the waves that her past motions made (Cummins 1962)."""
 
     def __init__(self, table: BemTable) -> None:
         self.impulse_response, self.numbers = table.impulse_response, np.array(table.numbers)
@@ -359,7 +359,7 @@ class Memory:
         self.when, self.moved = np.zeros(0), np.zeros((0, len(table.numbers)))  # [s], [m/s] or [rad/s]
 
     def load(self, time: float, motion: np.ndarray) -> np.ndarray:
-        """(2, 3) radiation force [N], torque [N m] at a time [s] and velocity relative to the water (6,), body axes."""
+        """(2, 3) radiation force [N], torque [N m], body axes, at a time [s] and velocity (6,) through the water."""
         times = np.append(self.when, time)
         moved = np.concatenate([self.moved, motion[None, self.numbers]])
         known, ago, rate, momentum = self.impulse_response, time - times, np.zeros(6), np.zeros(6)

@@ -35,7 +35,7 @@ def regressions() -> dict[str, Any]:
 
 
 def polynomial_at(coefficients: Sequence[Any], x: float, *others: float) -> float:
-    """Value of a polynomial in x whose coefficients stand by falling powers, and are polynomials in any `others`."""
+    """Value at x of a polynomial: `coefficients` by falling powers, each itself a polynomial in `others`, if any."""
     return float(np.polyval([polynomial_at(row, *others) for row in coefficients] if others else coefficients, x))
 
 
@@ -58,7 +58,7 @@ class Ikeda(Model):
 
 
 class Form(NamedTuple):
-    """Ratios of a rolling hull, arguments of the regressions of roll damping."""
+    """Dimensions and ratios of a rolling hull, arguments of the regressions of roll damping."""
 
     length: float  # of the waterline [m]
     breadth: float  # [m]
@@ -87,7 +87,7 @@ class Components(NamedTuple):
 
 
 def form_of(hull: Hydrostatics, omega: float, keels: BilgeKeels | None) -> Form:
-    """Form of a hull that rolls at a frequency [rad/s], with its bilge keels, if any."""
+    """Form of a hull that rolls at a frequency `omega` [rad/s], with its bilge keels, if any."""
     _, breadth, draught = hull.stations
     length, broad = hull.length, float(breadth.max())
     deep = float(draught.max())
@@ -115,12 +115,12 @@ def ratios_beyond(form: Form) -> list[str]:
 
 
 def damping_components(form: Form, amplitude: float, viscosity: float, gravity: float) -> Components:
-    """Roll damping at an amplitude [deg], viscosity [m2/s], gravity [m/s2]; ratios are held within their limits."""
+    """Roll damping at an amplitude [deg], `viscosity` [m2/s]; ratios of the form are clipped to their limits."""
     held = (float(np.clip(value, *regressions()["limits"][name])) for name, value in form.limited_ratios.items())
     cb, cm, bd, og, frequency, *keels = held
     return Components(
         skin_friction(form, amplitude, viscosity, gravity),
-        waves_made(cb, cm, bd, og, frequency),
+        wave_damping(cb, cm, bd, og, frequency),
         eddy_damping(cb, cm, bd, og, amplitude) * frequency,
         keel_damping(cb, cm, bd, og, amplitude, keels[1], keels[0]) * frequency if keels else 0.0,
     )
@@ -137,9 +137,10 @@ def skin_friction(form: Form, amplitude: float, viscosity: float, gravity: float
     return moment / (cb * deep * broad**3) * sqrt(broad / (2.0 * gravity))
 
 
-def waves_made(cb: float, cm: float, bd: float, og: float, frequency: float) -> float:
-    """Roll damping by waves without forward speed, in the units of `Components`, by C_B, C_M, `bd` (breadth over
-    draught), `og` (depth of the centre of mass over draught), and `frequency`, omega sqrt(B / 2g)."""
+def wave_damping(cb: float, cm: float, bd: float, og: float, frequency: float) -> float:
+    """Roll damping by waves of a hull without forward speed, in the units of `Components`. `cb`, `cm`: block and
+    midship coefficient; `bd`: breadth over draught; `og`: depth of the centre of mass over draught; `frequency`: omega
+    sqrt(B / 2g)."""
     if frequency == 0.0:
         return 0.0
     over, of = 1.0 - og, regressions()
@@ -152,7 +153,7 @@ def waves_made(cb: float, cm: float, bd: float, og: float, frequency: float) -> 
 
 
 def eddy_damping(cb: float, cm: float, bd: float, og: float, amplitude: float) -> float:
-    """Eddy damping at an amplitude [deg] over the frequency; cb to og as in `waves_made`; 0 from cb 0.84 on."""
+    """Eddy damping divided by frequency, at an amplitude [deg]; cb to og as in `wave_damping`; 0 from cb 0.84 on."""
     form = max((-0.0182 * cb + 0.0155) * (bd - 1.8) ** 3 + polynomial_at(regressions()["eddies_form"], cb), 0.0)
     axis = (3.98 * cb - 5.1525) * (-0.2 * bd + 1.6) * og
     axis *= (0.9717 * cb**2 - 1.55 * cb + 0.723) * og + 0.04567 * cb + 0.9408
@@ -163,7 +164,8 @@ def eddy_damping(cb: float, cm: float, bd: float, og: float, amplitude: float) -
 
 
 def keel_damping(cb: float, cm: float, bd: float, og: float, amplitude: float, long: float, broad: float) -> float:
-    """Bilge keels' damping at an amplitude [deg] over the frequency; `long`, `broad`: of the keels over the hull's."""
+    """Bilge keel damping divided by frequency, at an amplitude [deg]; cb to og as in `wave_damping`; `long`, `broad`:
+    length and breadth of a keel over those of the hull."""
     form = (-0.3651 * cb + 0.3907) * (bd - 2.83) ** 2 - 2.21 * cb + 2.632
     swing = 0.00255 * amplitude**2 + 0.122 * amplitude + 0.4794
     size = (-0.8913 * broad**2 - 0.0733 * broad) * long**2
@@ -174,7 +176,7 @@ def keel_damping(cb: float, cm: float, bd: float, og: float, amplitude: float, l
 
 
 def lift_damping(form: Form, density: float) -> float:
-    """Moment of roll damping by the hull's lift, over the rate of roll and the speed ahead [N s2 rad-1]."""
+    """Roll damping by lift of the hull: moment divided by rate of roll and speed ahead [N s2 rad-1]."""
     length, broad, deep, _, cm, _, _, _ = form
     held = min(max(cm, 0.91), 0.99)
     slope = 2.0 * pi * deep / length
@@ -184,11 +186,11 @@ def lift_damping(form: Form, density: float) -> float:
 
 
 class RollDamping:
-    """Roll damping of one hull: moments over the rate, over its square, and over rate times speed ahead."""
+    """Roll damping of one hull: coefficients of the roll rate, of its square, and of the rate times the speed ahead."""
 
     def __init__(self, config: Ikeda, hull: Hydrostatics, added: float, waves: bool) -> None:
-        """`added`: added inertia in roll [kg m2]; `waves`: True if the hull's own waves are part of it, False if a
-        table of radiation has them. A hull without righting moment has lift damping alone."""
+        """`added`: added inertia in roll [kg m2]; `waves`: True to include damping by the hull's own waves, False if a
+        radiation table gives it. A hull without righting moment has lift damping alone."""
         stiffness = hull.stiffness["roll"]
         omega = sqrt(max(stiffness, 0.0) / (hull.inertia["roll"] + added))
         self.keels = config.bilge_keels

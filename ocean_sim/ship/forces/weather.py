@@ -38,8 +38,9 @@ class Windage(Model):
 def wave_motion(
     waves: Arriving, yaw: float, velocity: np.ndarray, box: tuple[float, float, float], depth: float
 ) -> np.ndarray:
-    """(3, 6) velocity [m/s], [rad/s], acceleration seen from the ship, and place of the surface [m], [rad], SNAME axes;
-    `box`: length, breadth, draught [m]; `depth` of the water [m]; she moves through it at a velocity (3,) [m/s]."""
+    """(3, 6) in SNAME axes: mean velocity of the water in the ship's box [m/s], [rad/s], its rate of change seen from
+    her, and surface height and slope [m], [rad]. `yaw`: her heading [rad]; `velocity`: hers through the water (3,)
+    [m/s]; `box`: length, breadth, draught [m]; `depth`: of the water [m]."""
     (length, breadth, draught), k, angle = box, waves.wavenumber, waves.heading - yaw
     along, aside = k * np.cos(angle), k * np.sin(angle)
     across = np.sinc(aside * breadth / (2.0 * np.pi))

@@ -46,7 +46,7 @@ FACE_COLUMNS = Columns(
 
 
 class Wetted(NamedTuple):
-    """Sums over a hull's cubes: forces [N] and torques [N m] by part, world axes; wet volume, water's motion."""
+    """Sums over a hull's cubes: force [N] and torque [N m] (2, 3) by part, world axes; wet volume, water's motion."""
 
     buoyancy: np.ndarray
     wave: np.ndarray
@@ -109,7 +109,7 @@ class Cubes:
     def sum_forces(
         self, body: RigidBody, around: SurroundingWater | SurroundingSea, water: Surface | Fluid, wind: Wind
     ) -> Wetted:
-        """Loads of water and wind on the hull at the pose of a body; `around`: samples of the `water` there."""
+        """Loads of water and wind on the hull at the pose of `body`; `around`: the lattice that samples `water`."""
         table = self.table
         write_pose(table[0], body)
         around.place(body, table[0])
@@ -131,7 +131,7 @@ class Cubes:
     def displaced_water(
         self, body: RigidBody, around: SurroundingWater | SurroundingSea
     ) -> tuple[np.ndarray, np.ndarray]:
-        """x, z, depth (m, 3) [m] and volumes (m,) [m3] of cubes' wet parts, in the last load's water, moved on."""
+        """x, z, depth (m, 3) [m], volume (m,) [m3] of the cubes' wet parts, in the water of the last load, moved on."""
         write_pose(self.table[0], body)
         middle = around.middle_now()
         self.table[0, [pose.position, pose.position + 2]] -= middle
@@ -141,7 +141,7 @@ class Cubes:
 
     @ti.kernel
     def find_immersed(self, around: Template, table: Array2, found: Array2):
-        """Write x, z, depth [m] and volume [m3] of the wet part of each cube to `found` (n, 4); pose in `table`."""
+        """Write x, z, depth [m], volume [m3] of each cube's wet part to `found` (n, 4), at the pose in `table`."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for block in range(self.blocks):
             position, turn = row_vector(table, pose.position), row_matrix(table)
@@ -156,7 +156,7 @@ class Cubes:
 
     @ti.kernel
     def sum_blocks(self, around: Template, water: Template, wind: Template, table: Array2):
-        """Sample `water` by `around`, then write sums of SUM_COLUMNS over each block of cubes to its row of `table`."""
+        """Sample `water` on the lattice `around`; sum SUM_COLUMNS over each block of cubes to its row of `table`."""
         around.read_water(water, table)
         wind.set_clock(ti.cast(table[0, ROW_COLUMNS.since], float), ti.cast(table[0, ROW_COLUMNS.step], float))
         ti.loop_config(serialize=ti.static(runs_alone()))
@@ -191,7 +191,8 @@ class Cubes:
         velocity,
         omega,
     ):
-        """Add loads of water and wind on cube k to its block's `total`; cubes `tall` [m]; `middle` of the lattice."""
+        """Add loads of water and wind on cube k to its block's `total`. `tall`: height of the turned cubes [m];
+        `middle`: x, z of the lattice [m]; `position`, `turn`, `velocity`, `omega`: of the hull."""
         arm = turn @ self.arm[k]
         x, wet = position + arm, 0.0
         if x.y - 0.5 * tall < water.frame[HIGHEST_LEVEL]:
@@ -206,7 +207,7 @@ class Cubes:
 
     @ti.func
     def add_water(self, total: Template, k, water: Template, tall, arm, x, turn: Template):
-        """Add the water's loads on cube k, `tall` [m], at x, `arm` from the centre, to `total`; return its wet part."""
+        """Add the water's loads on cube k at x, `tall` [m], `arm` from the centre of mass; return its wet share."""
         corner = water.cell_at(x.x, x.z)
         eta, slope = water.surface_at(corner)
         depth = eta - x.y
@@ -250,7 +251,7 @@ class Cubes:
 
     @ti.func
     def add_motion(self, total: Template, column: Template, own, face, moved):
-        """Add the water's motion `moved` times a cube's `face` (3,) to `total`, and its moments about the centre."""
+        """Add the water's motion `moved` times a cube's `face` areas, and its moments at `own`, to `total`."""
         for c in ti.static(range(3)):
             self.add_number(total, column + c, face[c] * moved[c])
         self.add_number(total, column + 3, -face.y * own.z * moved.y)
@@ -259,7 +260,8 @@ class Cubes:
 
 
 def as_one_body(moved: list[float], faces: list[float], size: list[float]) -> np.ndarray:
-    """(6,) rigid-body motion by least squares of the water's `moved` (6,), weighted by `faces` (FACE_COLUMNS)."""
+    """(6,) motion of the rigid body that fits the water's best, by least squares. `moved` (6,): sums of the water's
+    motion times areas, and their moments; `faces`: FACE_COLUMNS; `size`: sides of a cube [m]."""
     x, y, z, turned_x, turned_y, turned_z = moved
     area_x, area_y, area_z = (max(area, 1e-12) for area in faces[:3])
     ahead, ahead_x, aside = faces[3] / area_y, faces[4] / area_x, faces[5] / area_y

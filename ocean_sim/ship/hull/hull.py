@@ -63,12 +63,12 @@ class Hull(Model):
 
     @property
     def smallest_side(self) -> float:
-        """Least side [m] of cubes that are tried: that of CUBE_BUDGET cubes in the box around the hull."""
+        """Smallest side [m] of cubes that is tried: CUBE_BUDGET such cubes fill the box around the hull."""
         lower, upper = self.shape.bounds()
         return float((upper - lower).prod() / CUBE_BUDGET) ** (1.0 / 3.0)
 
     def in_cubes(self, side: float, density: float, gravity: float, flat: float = MAX_FLATNESS) -> Hydrostatics:
-        """Hydrostatics in such water, by cubes `side` [m] high and up to `flat` times as long; raises ValueError."""
+        """Hydrostatics by cubes `side` [m] high and up to `flat` times as long; raises ValueError without a mass."""
         cubes = voxels(self.shape, side, flat)
         if self.mass is None:
             raise ValueError("has no mass; give mass [kg]")

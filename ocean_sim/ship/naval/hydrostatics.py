@@ -168,8 +168,8 @@ class Hydrostatics:
         return found
 
     @cached_property
-    def at_the_water(self) -> np.ndarray:
-        """(n,) volume [m3] of each cube in the layer a quarter of its height above and below the still water."""
+    def waterline_volumes(self) -> np.ndarray:
+        """(n,) volume [m3] of each cube within a quarter of a cube's height above and below the still water."""
         step = 0.25 * self.voxels.size[1]
         return self.wet_volumes(UPRIGHT, self.waterline + step) - self.wet_volumes(UPRIGHT, self.waterline - step)
 
@@ -182,12 +182,12 @@ class Hydrostatics:
         lowest = np.full(n, level)
         np.minimum.at(lowest, number, self.keel + tall * v.cells[:, 1])
         along = v.lower[2] + long * (np.arange(n) + 0.5)
-        return along, np.bincount(number, self.at_the_water, n) / (0.5 * tall * long), level - lowest
+        return along, np.bincount(number, self.waterline_volumes, n) / (0.5 * tall * long), level - lowest
 
     @cached_property
     def waterline_ends(self) -> tuple[float, float]:
-        """Positions along z of the stern and of the bow at the still water [m], within the slices at the ends: a
-        transom reaches twice as far into its slice as the centroid of the wet part there, a wedge three times."""
+        """Positions along z [m] of stern and bow at the still water. Each lies in the outermost slice, beyond its inner
+        side by twice the distance of the centroid of the wet part for a transom, by three times for a wedge."""
         along, breadth, _ = self.stations
         number, _ = self.cube_slices
         long = float(self.voxels.size[2])
@@ -195,7 +195,7 @@ class Hydrostatics:
         def waterline_end(k: int, way: int) -> float:
             """Position along z [m] of the waterline's end in slice k; `way`: 1 bow, -1 stern."""
             inner, there = float(along[k]) - 0.5 * way * long, number == k
-            middle = np.average(self.voxels.centre[there, 2], weights=self.at_the_water[there])
+            middle = np.average(self.voxels.centre[there, 2], weights=self.waterline_volumes[there])
             reach = 2.0 * abs(float(middle) - inner)
             bluntness = float(breadth[k] * long / (reach * max(breadth[k - way], breadth[k])))  # a wedge's is 3/4
             return inner + way * reach * min(max(3.0 - 2.0 * bluntness, 1.0), 1.5)
@@ -260,7 +260,7 @@ def metacentric_heights(shape: SolidShape, still: Hydrostatics) -> tuple[float, 
 
 
 def float_level(wet_under: Callable[[float], Wet], needed: float, low: float, high: float) -> tuple[float, Wet]:
-    """Level [m] from `low` to `high` [m] with the volume needed [m3] below, and its wet part: Newton, else halving."""
+    """Level [m] from `low` to `high` with the volume `needed` [m3] below, and the wet part: Newton, else bisection."""
     level, last = 0.5 * (low + high), LEVEL_ROUNDING * (high - low)
     for _ in range(MAX_LEVEL_STEPS):
         wet = wet_under(level)
@@ -275,22 +275,22 @@ def float_level(wet_under: Callable[[float], Wet], needed: float, low: float, hi
 
 
 def wet_part(faces: np.ndarray, level: float) -> Wet:
-    """Wet part of closed faces (n, 3, 3) [m] that look outwards, under a level [m]."""
+    """Wet part of a closed surface of outward faces (n, 3, 3) [m], under a level [m]."""
     cut = faces_below(faces - [0.0, level, 0.0])
     upwards = 0.5 * np.cross(cut[:, 1] - cut[:, 0], cut[:, 2] - cut[:, 0])[:, 1]  # area times n_y [m2]
     x, y, z = np.moveaxis(0.5 * (cut + np.roll(cut, -1, axis=1)), 2, 0)  # middles of the edges: exact to second order
 
-    def over(values: np.ndarray) -> float:
-        """Integral over the wet faces, weighted by n_y, of values (m, 3) at the middles of edges."""
+    def face_integral(values: np.ndarray) -> float:
+        """Integral over the wet faces, weighted by n_y, of `values` (m, 3) at the middles of their edges."""
         return float(upwards @ values.mean(axis=1))
 
     plane = [np.ones_like(x), x, z, x * x, z * z]
-    area, *moments = (-over(values) for values in plane)
-    return Wet(over(y), 0.5 * over(y * y), area, np.array(moments[:2]), np.array(moments[2:]))
+    area, *moments = (-face_integral(values) for values in plane)
+    return Wet(face_integral(y), 0.5 * face_integral(y * y), area, np.array(moments[:2]), np.array(moments[2:]))
 
 
 def columns_under(mesh: ClosedMesh, level: float) -> Wet:
-    """Wet part of a mesh whose faces pass through each other, by its columns and the lines across its waterplane."""
+    """Wet part of a mesh whose faces pass through each other, by columns of volume and lines across the waterplane."""
     volume, below = (mesh.column_integral(lambda y: np.minimum(y - level, 0.0) ** n / n) for n in (1, 2))
     positions, along = gauss_points(mesh.vertices[:, 2])
     line, port, starboard = inside_stretches(mesh.triangles[..., [2, 0, 1]], positions, np.array([level]))
@@ -301,7 +301,7 @@ def columns_under(mesh: ClosedMesh, level: float) -> Wet:
 
 
 def faces_below(faces: np.ndarray) -> np.ndarray:
-    """(m, 3, 3) triangles that sum to the part of faces (n, 3, 3) under y = 0; tips to subtract are reversed."""
+    """(m, 3, 3) triangles that add up to the part of faces (n, 3, 3) below y = 0; reversed ones subtract tips above."""
     over = faces[..., 1] > 0.0
     number = np.count_nonzero(over, axis=1)
     cut = number % 3 > 0
@@ -325,7 +325,7 @@ def squat_factor(speed: float, depth: float) -> float:
 
 
 class Slender(NamedTuple):
-    """Squat of a slender hull in shallow open water, per F^2 / sqrt(1 - F^2) (Tuck 1966)."""
+    """Squat of a slender hull in shallow open water (Tuck 1966); without `at_speed` per F^2 / sqrt(1 - F^2)."""
 
     sinkage: float  # of the centre of her waterplane [m]
     trim: float  # bow down [rad]
@@ -344,9 +344,9 @@ class Slender(NamedTuple):
 
 
 def slender_squat(hull: Hydrostatics) -> Slender:
-    """Squat of a hull by its breadth B and its area S under water along its length: the pressure of the flow past S
-    pulls at the waterplane by rho g F^2 / (2 pi sqrt(1 - F^2)) times the double integral of B'(x) S'(y) log|x - y|, and
-    turns it by that with the lever of B in place of B (Tuck 1966, J. Fluid Mech. 26, 81)."""
+    """Squat of a hull by its breadth B and wet section area S along its length (Tuck 1966, J. Fluid Mech. 26, 81). The
+    flow past S pulls the waterplane down by rho g F^2 / (2 pi sqrt(1 - F^2)) times the double integral of B'(x) S'(y)
+    log|x - y|; for the trimming moment B is multiplied by its lever."""
     along, breadth, _ = hull.stations
     half = 0.5 * hull.voxels.size[2]
     wet = np.flatnonzero(breadth > 0.0)
@@ -357,15 +357,15 @@ def slender_squat(hull: Hydrostatics) -> Slender:
     apart = np.abs(x[:, None] - x)
     kernel = 0.5 * apart**2 * np.log(np.where(apart > 0.0, apart, 1.0)) - 0.75 * apart**2  # log, integrated twice
 
-    def bends(values: np.ndarray) -> np.ndarray:
-        """Change of slope at each node of straight lines between the nodes."""
+    def slope_changes(values: np.ndarray) -> np.ndarray:
+        """Change of slope at each point x of the polyline through `values`."""
         return np.diff(np.diff(values) / np.diff(x), prepend=0.0, append=0.0)
 
-    def pulled(values: np.ndarray) -> float:
+    def pull_integral(values: np.ndarray) -> float:
         """Double integral of `slender_squat` with `values` in place of B, times rho g / (2 pi)."""
-        return -float(bends(values) @ kernel @ bends(s)) * hull.density * hull.gravity / (2.0 * pi)
+        return -float(slope_changes(values) @ kernel @ slope_changes(s)) * hull.density * hull.gravity / (2.0 * pi)
 
     stiff = hull.stiffness
     blunt = bool(max(s[1], s[-2]) > BLUNT_AREA * s.max())
     levers = (centre - float(x[0]), float(x[-1]) - centre)
-    return Slender(-pulled(b) / stiff["heave"], -pulled((x - centre) * b) / stiff["pitch"], levers, blunt)
+    return Slender(-pull_integral(b) / stiff["heave"], -pull_integral((x - centre) * b) / stiff["pitch"], levers, blunt)

@@ -27,7 +27,7 @@ TRUSTED_COHERENCE = 0.8
 
 
 class Response(NamedTuple):
-    """Complex response (m, 6) of MOTION_NAMES at m encounter frequencies, with coherence, and wave spectrum."""
+    """Complex response (m, 6) of MOTION_NAMES at m encounter frequencies, its coherence, and the wave spectrum."""
 
     omega: np.ndarray  # (m,) encounter frequency [rad/s]
     wave_density: np.ndarray  # (m,) [m2 s], over frequency in Hz; of a regular wave NaN
@@ -36,8 +36,8 @@ class Response(NamedTuple):
 
 
 def ship_motions(position: np.ndarray, angles: np.ndarray) -> np.ndarray:
-    """MOTION_NAMES (n, 6) about the mean path, along axes of the mean heading, from surge, sway, heave (n, 3) [m] along
-    fixed axes and roll, pitch, yaw (n, 3) [rad]: x forward, y to port, z up."""
+    """Motions (n, 6) in the order of MOTION_NAMES, along axes of the mean heading. `position`: surge, sway, heave (n,
+    3) [m] along fixed axes, x forward, y to port, z up; `angles`: roll, pitch, yaw (n, 3) [rad]."""
     yaw = np.unwrap(angles[:, 2])
     cos, sin = np.cos(yaw.mean()), np.sin(yaw.mean())
     across = position[:, :2] @ np.array([[cos, -sin], [sin, cos]])
@@ -45,8 +45,7 @@ def ship_motions(position: np.ndarray, angles: np.ndarray) -> np.ndarray:
 
 
 def mean_path(time: np.ndarray, place: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
-    """Path (n, 2) [m] through places (n, 2) at times (n,) [s], without what is as quick as waves of a period [s]; and
-    its mean velocity (2,) [m/s]."""
+    """Path (n, 2) [m]: `place` (n, 2) at times (n,) [s] smoothed over `period` [s]; and mean velocity (2,) [m/s]."""
     from scipy.ndimage import gaussian_filter1d
 
     base = np.column_stack([np.ones_like(time), time])
@@ -56,8 +55,8 @@ def mean_path(time: np.ndarray, place: np.ndarray, period: float) -> tuple[np.nd
 
 
 def waves_at(sea: Components, time: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """Elevation [m] and wave slope (n, 2) of a sea past its ramp, at places (n, 2) x, z [m] and times (n,) [s]; the
-    slope, wavenumber times amplitude, is in phase with the crests."""
+    """Elevation [m] and wave slope (n, 2) of a fully grown sea at x, z (n, 2) [m] and times (n,) [s]. The slope is the
+    sum of each wave's elevation times its wavenumber, so it is in phase with the crests."""
     found = np.zeros((2, len(time)))
     for a, k, omega, phase, size in zip(sea.amplitude, sea.wavevector, sea.omega, sea.phase, sea.wavenumber):
         found += np.outer([a, a * size], np.cos(place @ k - omega * time + phase))
@@ -65,7 +64,7 @@ def waves_at(sea: Components, time: np.ndarray, place: np.ndarray) -> np.ndarray
 
 
 def irregular_response(waves: np.ndarray, motions: np.ndarray, every: float, period: float) -> Response:
-    """Response by cross spectra of waves (n, 2), elevation [m] and slope, and motions (n, 6) in rows `every` [s];
+    """Response by cross spectra of `waves` (n, 2), elevation [m] and slope, and `motions` (n, 6), in rows `every` [s].
     `period` [s]: of the spectral peak. Raises Refused for a record that is too short."""
     from scipy.signal import csd, detrend
 
@@ -86,7 +85,7 @@ def irregular_response(waves: np.ndarray, motions: np.ndarray, every: float, per
 
 
 def regular_response(waves: np.ndarray, motions: np.ndarray, time: np.ndarray, omega: float) -> Response:
-    """Response to a regular wave of an encounter frequency [rad/s] by harmonics fitted to whole records (n, ...)."""
+    """Response to a regular wave of encounter frequency `omega` [rad/s], from harmonics fitted to whole records."""
     base = np.column_stack([np.cos(omega * time), np.sin(omega * time), np.ones_like(time), time])
     values = np.hstack([waves, motions])
     fit = np.linalg.lstsq(base, values, rcond=None)[0]

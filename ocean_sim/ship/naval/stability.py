@@ -166,7 +166,7 @@ class Stability:
 
     @cached_property
     def water_levels(self) -> dict[float, tuple[np.ndarray, float]]:
-        """Unit vector upwards (3,), hull's axes, and height of the water along it [m], by heel to both sides [deg]."""
+        """Water surface by heel to both sides [deg]: upward unit vector (3,), hull's axes, and height along it [m]."""
         heels = [side * heel for heel in self.heels.tolist() for side in (1.0, -1.0)]
         ups = {heel: axis_rotation(2, radians(heel))[1] for heel in heels}
         return {heel: (up, self.still.water_level(up)) for heel, up in ups.items()}

@@ -31,7 +31,8 @@ class Solid(ShapedSolid):
         return self.carve_room(positions, boxes, lattice.spacing)
 
     def carve_room(self, positions: np.ndarray, boxes: Boxes, spacing: float) -> dict[str, np.ndarray]:
-        """Room for a hull without samples: particles `gone` and `near`, and positions [m] of these, `moved` off."""
+        """Make room for a hull without boundary particles: indices of the particles `gone` from inside her and of those
+        `near`, and the positions [m] to which the latter are `moved`."""
         values, first, step = self.lattice(spacing)
         distance, order = self.deepest_first((positions - self.origin) @ self.turn + self.centre, spacing)
         gone = np.zeros(len(positions), dtype=bool)
@@ -39,7 +40,7 @@ class Solid(ShapedSolid):
         slopes = np.gradient(values["distance"], *step)
 
         def off(points: np.ndarray) -> np.ndarray:
-            """(m, 3) points, those nearer to the hull than half a spacing moved to that distance."""
+            """(m, 3) points [m], those nearer to the hull than half a spacing moved out to that distance."""
             at = ((points - self.origin) @ self.turn + self.centre - first) / step
             away = lattice_values(values["distance"], at, 2.0 * spacing)
             return points + np.maximum(START_GAP * spacing - away, 0.0)[:, None] * face_normals(slopes, at, self.turn.T)
@@ -53,9 +54,9 @@ def pack_particles(
     free: np.ndarray, others: np.ndarray, spacing: float, off: Callable[[np.ndarray], np.ndarray]
 ) -> np.ndarray:
     """(m, 3) positions of the `free` particles near a hull, moved so that they neither touch it nor crowd each other or
-    the `others` (k, 3), which stay; `off` moves points off the hull. Those nearer than a spacing push each other half
-    of the way apart, again and again (particle packing, Colagrossi et al. 2012, Comput. Phys. Commun. 183), within the
-    heights of the water around; crowded ones would burst into the hull at once."""
+    the `others` (k, 3), which stay; crowded ones would burst into the hull at once. `off` moves points off the hull. In
+    sweeps, particles nearer than `spacing` push each other apart (particle packing, Colagrossi et al. 2012, Comput.
+    Phys. Commun. 183), but not beyond the heights of the water around."""
     from scipy.spatial import cKDTree
 
     if len(free) == 0:

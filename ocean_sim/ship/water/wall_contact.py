@@ -27,7 +27,7 @@ class Sides:
     def __init__(
         self, shape: SolidShape, centre: np.ndarray, basin: Basin, room: float = 0.0, axes: tuple[int, ...] = (0, 1, 2)
     ) -> None:
-        """`centre` of mass from the hull's origin, `room`: gap to each side [m]; only sides across `axes` count."""
+        """`centre` of mass from the hull's origin, `room` to leave at each side [m]; only sides across `axes` count."""
         self.points = convex_corners(shape) - centre  # body axes [m]
         self.middle: list[float] = (0.5 * (self.points.max(axis=0) + self.points.min(axis=0))).tolist()
         self.half: list[float] = (0.5 * np.ptp(self.points, axis=0)).tolist()  # of the box around them [m]
@@ -52,7 +52,7 @@ class Sides:
         return any(way * (position[axis] - side) < reach[axis] + along for axis, way, side in stops)
 
     def penetrations(self, body: RigidBody) -> list[tuple[int, float, np.ndarray]]:
-        """Axis, inward direction (1 or -1), depths (n,) [m] of corners beyond each side; a shaped bed last."""
+        """Axis, inward direction (1 or -1), depths (n,) [m] of corners beyond each side in turn; a shaped bed last."""
         positions = self.points @ body.matrix.T + body.position
         found = [(axis, way, way * (side - positions[:, axis])) for axis, way, side in self.stops]
         if self.ground is not None:
@@ -66,14 +66,14 @@ class Sides:
         return self.ground.normals(at[None, [0, 2]])[0]
 
     def moved_inside(self, body: RigidBody) -> RigidBody:
-        """The body moved back by the penetration of its deepest corner, until the hull only touches the sides."""
+        """Copy of `body`, moved back by the depth of its deepest corner, until the hull only touches the sides."""
         move = np.zeros(3)
         for axis, way, depth in self.penetrations(body):
             move[axis] += way * max(0.0, float(depth.max()))
         return replace(body, position=body.position + move) if move.any() else body
 
     def with_impulses(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> Load:
-        """Load plus impulses of walls and bed over dt [s], in `wave`; `after` gives the body dt later under a load."""
+        """Copy of `load` with impulses of walls and bed over dt [s] in `wave`; `after(load)`: the body dt later."""
         body = after(load)
         normals, arms = [], []
         self.bed = False
@@ -90,7 +90,8 @@ class Sides:
         return load.plus("wave", total / dt)
 
     def contact_impulses(self, body: RigidBody, normals: np.ndarray, arms: np.ndarray) -> np.ndarray:
-        """(2, 3) impulse [N s], moment [N m s] that stop points at `arms` (n, 3) [m] against `normals`, in sweeps."""
+        """(2, 3) impulse [N s], moment [N m s] of sides with `normals` (n, 3) that stop points at `arms` (n, 3) [m]
+        from the centre of mass. Points are taken one by one, again and again."""
         turn = body.matrix
         inverse_inertia = turn @ np.linalg.inv(body.inertia_body) @ turn.T
         velocity, omega = body.velocity.copy(), body.angular_velocity.copy()
@@ -118,6 +119,6 @@ class Sides:
 
 
 def effective_mass(mass: float, inverse_inertia: np.ndarray, arm: np.ndarray, along: np.ndarray) -> float:
-    """Ratio [kg] of an impulse at `arm` [m] along a unit vector to the change of speed; world axes."""
+    """Mass [kg] of a body at `arm` [m]: impulse `along` a unit vector over the speed that it adds there; world axes."""
     lever = cross(arm, along)
     return float(1.0 / (1.0 / mass + lever @ inverse_inertia @ lever))

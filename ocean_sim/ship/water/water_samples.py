@@ -36,7 +36,7 @@ ROW_COLUMNS = Columns(**POSE_COLUMNS, since=1, step=1, middle=2, heading=2, late
 
 
 def write_pose(row: np.ndarray, body: RigidBody) -> None:
-    """Write pose and velocities of a body, world axes, into the first numbers of a row."""
+    """Write pose and velocities of a body, world axes, to a row of numbers, as POSE_COLUMNS say."""
     across, up, ahead = body.rows
     row[: pose.size] = *body.position.tolist(), *across, *up, *ahead, *body.velocity.tolist(), *body.spin
 
@@ -54,7 +54,7 @@ def row_matrix(table: Template):
 
 
 class SampleLattice:
-    """Lattice around a hull that turns with its heading, and the height of the water at its nodes."""
+    """Lattice of nodes around a hull, turned with her heading, and the height of the water at each node."""
 
     samples_depth: ClassVar[bool]  # True if the water is asked under its surface, too
     middle: tuple[float, float] = (0.0, 0.0)  # x, z from which kernels count places [m]
@@ -62,7 +62,7 @@ class SampleLattice:
     frame: ti.Field  # x, z of the middle [m], cosine and sine of the heading, highest level [m]
 
     def size_lattice(self, length: float, breadth: float, height: float, rim: float = 0.0) -> None:
-        """Make the fields of a lattice for a hull of this size [m], and `rim` [m] beyond."""
+        """Allocate the fields of a lattice that covers a hull of this size [m], and `rim` [m] beyond."""
         self.half = tuple(LATTICE_REACH * np.hypot(side / 2, height) + rim for side in (length, breadth))  # [m]
         self.step = (2.0 * self.half[0] / (NODES_ALONG - 1), 2.0 * self.half[1] / (NODES_ACROSS - 1))  # [m]
         self.level = ti.field(float, shape=(NODES_ALONG, NODES_ACROSS))
@@ -74,7 +74,7 @@ class SampleLattice:
         return word * (NODES_ALONG * NODES_ACROSS + HIGHEST_LEVEL + 1)
 
     def place(self, body: RigidBody, row: np.ndarray) -> None:
-        """Place the lattice around a body and write it to `row`, as ROW_COLUMNS say; nothing by default."""
+        """Move the lattice to a body, and write its own pose to `row`, as ROW_COLUMNS say; by default do nothing."""
 
     def middle_now(self) -> np.ndarray:
         """(2,) x, z [m] of the lattice's middle after the bodies have taken their step."""
@@ -82,14 +82,14 @@ class SampleLattice:
 
     @ti.func
     def node_place(self, n, sine, cosine):
-        """Indices of node n along and across the lattice, and its x, z [m] from the middle; sine, cosine of heading."""
+        """Indices of node n along and across the lattice, and its x, z from the middle [m]; sine, cosine of heading."""
         i, k = n // NODES_ACROSS, n % NODES_ACROSS
         along, across = i * self.step[0] - self.half[0], k * self.step[1] - self.half[1]
         return i, k, along * sine + across * cosine, along * cosine - across * sine
 
     @ti.func
     def keep_frame(self, x, z, sine, cosine):
-        """Store position and heading of the lattice, and its highest level. Call it at the top of a kernel."""
+        """Store middle x, z [m], heading and highest level of the lattice. Call it at the top of a kernel."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             self.frame[0], self.frame[1], self.frame[2], self.frame[3] = x, z, cosine, sine
@@ -100,7 +100,7 @@ class SampleLattice:
 
     @ti.func
     def cell_at(self, x, z):
-        """Indices of the node below x, z [m], along and across, and shares of the distance to the next node."""
+        """Cell of x, z [m] in the lattice: indices of its first node along and across, and place in it, 0 to 1 each."""
         dx, dz = x - self.frame[0], z - self.frame[1]
         a = (dx * self.frame[3] + dz * self.frame[2] + self.half[0]) / self.step[0]
         b = (dx * self.frame[2] - dz * self.frame[3] + self.half[1]) / self.step[1]
@@ -115,7 +115,7 @@ class SampleLattice:
 
     @ti.func
     def surface_at(self, corner: Template):
-        """Elevation [m] in a cell, and force over displaced weight of long waves, where the surface alone is known."""
+        """Elevation [m] at a position from `cell_at`, and long waves' force over displaced weight: minus the slope."""
         i, k, a, b = corner
         here, left = self.level[i, k], self.level[i, k + 1]
         ahead, across = self.level[i + 1, k], self.level[i + 1, k + 1]
@@ -127,7 +127,7 @@ class SampleLattice:
 
 @in_kernels
 class SurroundingWater(SampleLattice):
-    """A surface over particles, or that of a closed form alone, sampled anew each time around the hull's position."""
+    """Height of the water around a hull, of particles or closed form, sampled anew around her at each load."""
 
     samples_depth = False
     left_out: ClassVar[tuple[str, ...]] = ("others",)  # the water keeps them
@@ -141,7 +141,8 @@ class SurroundingWater(SampleLattice):
         rim: float = 0.0,
         others: Sequence[Contact] = (),
     ) -> None:
-        """Sizes [m]; `hollow`: distances from a hull that keeps particles out, to `rim` [m]; `others`: all such."""
+        """Size of the hull [m]. `hollow`: distance to a hull that keeps particles out, so that the surface sags up to
+        `rim` [m] from her; `others`: contacts of all such hulls."""
         self.size_lattice(length, breadth, height, rim)
         self.hollow = hollow is not None
         if hollow is not None:
@@ -154,7 +155,7 @@ class SurroundingWater(SampleLattice):
 
     @ti.func
     def read_water(self, water: Template, table: Template):
-        """Sample the elevation of `water` around a ship at the pose in row 0 of `table`, at the top of a kernel."""
+        """Sample the elevation of `water` around a hull at the pose in `table`. Call it at the top of a kernel."""
         position, turn = row_vector(table, pose.position), row_matrix(table)
         ahead, heading = tm.vec2(turn[0, 2], turn[2, 2]), tm.vec2(0.0, 1.0)
         if ahead.norm() > 0.0:
@@ -191,7 +192,7 @@ class SurroundingWater(SampleLattice):
 
 @in_kernels
 class SurroundingSea(SampleLattice):
-    """Water in closed form: its height, and its velocity and acceleration on levels of the unstretched column."""
+    """Closed-form water around a hull: its height, and on levels below still water its velocity and acceleration."""
 
     samples_depth = True
 
@@ -260,7 +261,8 @@ class SurroundingSea(SampleLattice):
 
     @ti.func
     def motion_at(self, corner: Template, eta, depth):
-        """(6,) velocity [m/s] and acceleration over gravity of the water, in a cell at a depth [m] under `eta` [m]."""
+        """(6,) velocity [m/s], acceleration over gravity of water at `corner`, from `cell_at`, `depth` below `eta`
+        [m]."""
         h = ti.static(self.window.depth)
         stretched = h * depth / ti.max(h + eta, 1e-6 * h)  # Wheeler's
         level = tm.clamp(stretched / self.layer, 0.0, DEPTH_LEVELS - 1.0)
@@ -270,6 +272,6 @@ class SurroundingSea(SampleLattice):
 
     @ti.func
     def on_level(self, i, k, a, b, l):
-        """(6,) velocity [m/s] and acceleration over gravity on depth level l, in the cell i, k, a, b of `cell_at`."""
+        """(6,) velocity [m/s], acceleration over gravity on depth level l, at a position i, k, a, b from `cell_at`."""
         near = (1.0 - b) * self.moved[i, k, l] + b * self.moved[i, k + 1, l]
         return (1.0 - a) * near + a * ((1.0 - b) * self.moved[i + 1, k, l] + b * self.moved[i + 1, k + 1, l])

@@ -58,7 +58,8 @@ class MovingHull:
     def __init__(
         self, distance: Distance, bounds: np.ndarray, reach: float, periods: tuple[float, ...], gravity: float
     ) -> None:
-        """`bounds` (2, 3) from the centre of mass [m], `reach` of the push [m]. Set `water` after construction."""
+        """`bounds` (2, 3): box around the hull from its centre of mass [m]; `reach` of the push [m]; `periods` of the
+        basin [m], 0 across closed sides. Set `water` after construction."""
         self.distance, self.reach, self.periods, self.gravity = distance, reach, periods, gravity
         self.middle, self.half = tm.vec3(bounds.mean(axis=0)), tm.vec3(0.5 * np.ptp(bounds, axis=0))  # [m]
         self.pose = ti.field(float, shape=BOX_COLUMNS.size)
@@ -113,7 +114,7 @@ class MovingHull:
 
     @ti.func
     def sample(self, d, turn: Template):
-        """Normal, distance [m], thinning [1/m] of `Distance.at`, at d from the centre of mass; all in world axes."""
+        """Normal, distance [m], -(integral of grad W over the hull) [1/m] at d from the centre of mass; world axes."""
         normal, away, thinning = self.distance.at(turn.transpose() @ d)
         return turn @ normal, away, turn @ thinning
 
@@ -125,7 +126,7 @@ class MovingHull:
 
     @ti.func
     def push(self, x, ahead):
-        """Acceleration [m/s2] of water at x [m] by a hull that has moved on from its pose for `ahead` [s]."""
+        """Acceleration [m/s2] of water at x [m] by the hull's push; she has moved on from her pose for `ahead` [s]."""
         d, a = self.offset_to(x), tm.vec3(0.0)
         if self.is_near(d, self.reach):
             d -= ahead * self.point_velocity(d)
@@ -151,8 +152,8 @@ class Contact(Model):
 
 @in_kernels
 class WaveContact:
-    """Contact of a hull with the particles: call `collide_step` in every step. Particles that touch it are found cell
-    by cell of the grid into which they are sorted."""
+    """Contact of a hull with the particles; call `collide_step` in every step. The particles that touch the hull are
+    found through the cells of the fluid's grid."""
 
     def __init__(
         self, config: Contact, shape: SolidShape, centre: np.ndarray, basin: Basin, fluid: ParticleFluid, gravity: float
@@ -174,13 +175,13 @@ class WaveContact:
         self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s], [J]
 
     def begin(self, body: RigidBody) -> None:
-        """Set the hull's first pose, and compile the push's kernel before the run by a push that moves nothing."""
+        """Set the hull's first pose, and compile the kernel of collisions before the run, by a call without any."""
         write_pose(self.table[0], body)
         self.push_particles(self.table)
 
     def collide_step(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> tuple[Load, RigidBody]:
-        """Load plus the collisions of a step of dt [s], in `wave`, and the body after it, as `after` gives it for a
-        load. The particles move off the hull."""
+        """Collide particles with the hull in a step of dt [s], and move them off her. Returns `load` with the
+        collisions added in `wave`, and the body after the step; `after(load)`: the body that a load leads to."""
         trial, table = after(load), self.table
         write_pose(table[0], trial)
         self.find_touching(table)
@@ -211,7 +212,7 @@ class WaveContact:
 
     @ti.kernel
     def find_touching(self, table: Array2):
-        """List the particles near the hull, and write the sums over those that touch it to `table`."""
+        """List the particles near the hull, and sum those that touch it to `table`, as FOUND_COLUMNS say."""
         self.hull.take_pose(table)
         if ti.static(self.serial):
             ti.loop_config(serialize=True)
@@ -224,8 +225,8 @@ class WaveContact:
 
     @ti.func
     def cell_range(self, k: Template):
-        """First cell along axis k that the box around the hull reaches, and number of cells, with a margin for
-        particles that a scheme which sorts in the middle of its step has moved on from their cell."""
+        """First cell along axis k that the box around the hull reaches, and number of cells. A margin is added for
+        particles that have left their cell, as some schemes sort them in the middle of a step."""
         pose = ti.static(self.hull.pose)
         position, centre = pose[ti.static(BOX_COLUMNS.position + k)], pose[ti.static(BOX_COLUMNS.middle + k)]
         middle = position + centre - self.grid.lower[k]
@@ -243,7 +244,7 @@ class WaveContact:
 
     @ti.func
     def home_cell(self, cell, k: Template):
-        """Cell inside the grid, along axis k, of which a cell beyond a periodic side is the image."""
+        """Cell inside the grid, along axis k, for a cell that may lie beyond a periodic side."""
         if ti.static(self.hull.periods[k] > 0.0):
             n = ti.static(self.grid.cells[k] - 2)
             cell = (cell - 1) - n * int(ti.floor((cell - 1) / n)) + 1
@@ -251,7 +252,7 @@ class WaveContact:
 
     @ti.func
     def find_in_layer(self, layer, table: Template):
-        """List and sum particles as `find_touching`, in one layer of cells across z."""
+        """List and sum particles as `find_touching` does, for one layer of cells across z."""
         total, count = ti.Vector.zero(ti.f64, FOUND_COLUMNS.size), 0
         first_x, across = self.cell_range(0)
         first_y, down = self.cell_range(1)
@@ -270,7 +271,7 @@ class WaveContact:
 
     @ti.func
     def list_particle(self, total: Template, i, to):
-        """List particle i at index `to` if it is near; add it to `total` if it touches; returns 1 if it is near."""
+        """List particle i at index `to` if near the hull; add it to `total` if it touches; return 1 if near, else 0."""
         near, d = 0, self.hull.offset_to(self.particles.position.at(i))
         if self.hull.is_near(d, self.spacing):
             normal, away, _thinning = self.hull.sample(d, self.hull.rotation())
@@ -283,7 +284,7 @@ class WaveContact:
 
     @ti.func
     def add_touching(self, total: Template, normal, d, v):
-        """Add a particle at d from the hull's centre, v its relative velocity, to the sums of collision equations."""
+        """Add a particle at d from the hull's centre, with velocity v relative to it, to the collision sums b and A."""
         total[FOUND_COLUMNS.touching] += 1.0
         speed = v.dot(normal)
         if speed < 0.0:
@@ -299,7 +300,7 @@ class WaveContact:
 
     @ti.kernel
     def push_particles(self, table: Array2):
-        """Collide listed particles with the hull as it will move; sum impulse, moment and work to `table`."""
+        """Collide listed particles with the hull after the step; write impulse, moment and work to `table`."""
         self.hull.take_pose(table)
         ti.loop_config(serialize=True)
         for _ in range(1):
@@ -316,8 +317,8 @@ class WaveContact:
 
     @ti.func
     def collide_particle(self, total: Template, i, first, spin, slipping):
-        """Collide particle i with the hull, which had velocity `first` and `spin` before the step; move it off; add
-        impulse, moment and work to `total`. `slipping`: factor on the friction's change of velocity."""
+        """Collide particle i with the hull and move it off; add impulse, moment and work to `total`. `first`, `spin`:
+        velocities of the hull without collisions; `slipping`: factor on the change of velocity by friction."""
         x, v = self.particles.position.at(i), self.particles.velocity.at(i)
         d = self.hull.offset_to(x)
         normal, away, _thinning = self.hull.sample(d, self.hull.rotation())
@@ -343,7 +344,7 @@ class WaveContact:
 
     @ti.func
     def move_off(self, i, x):
-        """Move particle i from x [m] off the hull, by quanta of the grid, not through walls; returns that shift [m]."""
+        """Move particle i from x [m] off the hull, in quanta of the grid, not through walls; return its shift [m]."""
         start, turn = x, self.hull.rotation()
         for _ in range(EXIT_STEPS):
             normal, away, _thinning = self.hull.sample(self.hull.offset_to(x), turn)

@@ -174,11 +174,11 @@ def errors_against(result: Result, reference: Result) -> dict[str, float | None]
                 stem, unit = name.rsplit("_", 1)
                 found[f"{afloat.get(table, '')}{stem}_rms_{unit}"] = apart
             if table == "gauges":
-                found |= _of_waves(name.removesuffix("_m"), own, other)
+                found |= _wave_errors(name.removesuffix("_m"), own, other)
     return found | ({"legs_rms_m": float(np.sqrt(np.mean(np.square(legs))))} if legs else {})
 
 
-def _of_waves(gauge: str, own: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> dict[str, float | None]:
+def _wave_errors(gauge: str, own: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> dict[str, float | None]:
     """Differences of wave heights [m] and period [s] at a gauge, by name, between two tables; None without a wave."""
     a, b = (scene_run.wave_heights(gauge, table["time_s"], table[f"{gauge}_m"]) for table in (own, other))
     return {key: abs(a[key] - b[key]) if a[key] is not None and b[key] is not None else None for key in b}  # type: ignore[operator]

@@ -86,10 +86,10 @@ class Spot(Point):
 
 def grid_points(quick: bool, scene: str | None = None) -> list[Spot]:
     """All runs of all maps, with the study's own scenes or a user's `scene`; raises SceneError for an invalid scene."""
-    return [spot for axis in EXTREME_AXES for spot in _of_axis(axis, quick, scene)]
+    return [spot for axis in EXTREME_AXES for spot in _axis_points(axis, quick, scene)]
 
 
-def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
+def _axis_points(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
     """Yield the runs of one map, or none if it does not apply to the user's scene."""
     afloat, theirs = axis.of == "ship", None if scene is None else load(scene).fluid
     if theirs is not None and (afloat or not theirs.made_of_particles):

@@ -84,11 +84,11 @@ class CasePoint(Point):
 
 def study_points(quick: bool) -> list[CasePoint]:
     """All runs of the study, the cheap ones of all cases first."""
-    found = [point for trial in TRIAL_CASES if trial.quick or not quick for point in _of_trial(trial, quick)]
+    found = [point for trial in TRIAL_CASES if trial.quick or not quick for point in _trial_points(trial, quick)]
     return sorted(found, key=lambda point: (not point.coarse, point.settings.get("resolution", 1.0) < 1.0))
 
 
-def _of_trial(trial: Trial, quick: bool) -> Iterator[CasePoint]:
+def _trial_points(trial: Trial, quick: bool) -> Iterator[CasePoint]:
     """Yield the runs of one case: every scheme, at each resolution, and with each other setting changed."""
 
     def point(scheme: str, coarse: bool, settings: dict[str, Any]) -> CasePoint:
@@ -97,7 +97,7 @@ def _of_trial(trial: Trial, quick: bool) -> Iterator[CasePoint]:
         return CasePoint(order, trial, scheme, coarse, settings)
 
     for scheme in trial.schemes:
-        slot = problem_of(trial.case, trial.set_up, True, scheme).slot
+        slot = find_problem(trial.case, trial.set_up, True, scheme).slot
         for coarse, factor in _case_levels(trial, quick) if slot in RESOLVED_SLOTS else [(True, 1.0)]:
             yield point(scheme, coarse, {} if factor == 1.0 else {"resolution": factor})
         if trial.case in PLAN["quick"]["cases"] or not quick:
@@ -111,7 +111,7 @@ def _case_levels(trial: Trial, quick: bool) -> list[tuple[bool, float]]:
     """Resolutions of a case, (coarse set-up or not, factor on its spacing), from coarse to fine, each spacing once."""
     spacings: dict[float, tuple[bool, float]] = {}
     for coarse, factor in RESOLUTION_LEVELS[:QUICK_LEVELS] if quick else RESOLUTION_LEVELS:
-        spacing = problem_of(trial.case, trial.set_up, coarse, trial.schemes[0]).scene["fluid"]["spacing"] * factor
+        spacing = find_problem(trial.case, trial.set_up, coarse, trial.schemes[0]).scene["fluid"]["spacing"] * factor
         spacings.setdefault(round(spacing, 9), (coarse, factor))
     return list(spacings.values())
 
@@ -120,7 +120,7 @@ def _is_other_setting(point: CasePoint) -> bool:
     """True if the scheme reads the settings of the point, and they differ from its defaults."""
     if not all(reads_key(point.scheme, key) for key in point.settings):
         return False
-    problem = problem_of(point.trial.case, point.trial.set_up, point.coarse, point.scheme)
+    problem = find_problem(point.trial.case, point.trial.set_up, point.coarse, point.scheme)
     try:
         return problem.load(point.scheme, point.settings).resolved() != problem.load(point.scheme).resolved()
     except SceneError:
@@ -169,7 +169,7 @@ def equal_cost_rows(rows: list[dict[str, Any]], speed: str) -> list[dict[str, An
     return found
 
 
-def problem_of(case: str, set_up: str, coarse: bool, scheme: str) -> Problem:
+def find_problem(case: str, set_up: str, coarse: bool, scheme: str) -> Problem:
     """Set-up `set_up` of a validation case, slow or not; if several have this name, the first that fits the scheme."""
     found = [problem for problem in problems(case, slow=True, coarse=coarse) if problem.name == set_up]
     return next(problem for problem in found if problem.schemes_for([scheme]))
@@ -177,7 +177,7 @@ def problem_of(case: str, set_up: str, coarse: bool, scheme: str) -> Problem:
 
 def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
     """Run the set-up of an order on one thread, several times; outcome, errors (equal in all runs) and median costs."""
-    problem = problem_of(order["case"], order["set_up"], order["coarse"], order["scheme"])
+    problem = find_problem(order["case"], order["set_up"], order["coarse"], order["scheme"])
     watched: dict[str, Any] = {"runtime.threads": 1}
     if problem.slot == "fluid":
         watched["health"] = {}  # a run of particles that leaves the physical world is a failure

@@ -28,7 +28,8 @@ class Heights(NamedTuple):
     y: np.ndarray
 
     def around(self, sides: Sequence[tuple[float, float]]) -> "Heights":
-        """Part of the grid for a basin: between `sides`, (lowest, highest) [m] along x and z, and a point beyond."""
+        """Part of the grid that covers a basin: the points between its `sides`, (lowest, highest) [m] along x and z,
+        and the next point beyond each."""
         (i, k), (j, n) = (
             (max(np.searchsorted(nodes, low, "right") - 1, 0), np.searchsorted(nodes, up) + 1)
             for nodes, (low, up) in zip((self.x, self.z), sides)

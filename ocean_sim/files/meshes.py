@@ -192,7 +192,7 @@ class Series(AbstractContextManager["Series"]):
             self.steps[name].append(self.begins[name])
 
     def write_cells(self, cells: np.ndarray, points: int) -> None:
-        """Append cells (m, corners), indices of so many points, as a VTK part that later moments can share."""
+        """Append cells (m, corners), indices of so many `points`, as a VTK part, which later moments can share."""
         self.append("NumberOfPoints", np.array([points]))
         self.begins = {"CellOffsets": [0] * len(CELL_CORNERS), "ConnectivityIdOffsets": [0] * len(CELL_CORNERS)}
         for k, (name, corners) in enumerate(CELL_CORNERS.items()):

@@ -30,8 +30,8 @@ def is_unfinished(name: str) -> bool:
 
 
 def foreign_names(folder: Path, *ours: str) -> list[str]:
-    """Names in a folder that match none of the patterns `ours`. Empty if the folder is missing, or is Ocean Sim's own:
-    it holds a manifest, or a file named as the first pattern."""
+    """Names in a folder that match none of the patterns `ours`, such as `*.png`. Empty if the folder is missing, or if
+    Ocean Sim has written there before: a manifest or a file named as the first pattern is in it."""
     if not folder.is_dir() or any((folder / mark).exists() for mark in (MANIFEST_FILE, *ours[:1])):
         return []
     names = sorted(path.name for path in folder.iterdir())
@@ -40,8 +40,8 @@ def foreign_names(folder: Path, *ours: str) -> list[str]:
 
 
 def claim_folder(out: Path, *ours: str, named: str = "") -> "Claim":
-    """Claim (lock) a folder for writing. Raises Refused if `out` is a file, or, if patterns `ours` are given, holds
-    foreign files (see `foreign_names`); the message calls it `named`. Other errors as in `Claim`."""
+    """Claim (lock) a folder for writing. Raises Refused if `out` is a file, or holds files that match none of the name
+    patterns `ours`, if any (see `foreign_names`); the message calls it `named`. Other errors as in `Claim`."""
     named = named or str(out)
     if out.exists() and not out.is_dir():
         raise Refused(f"{named}: this is a file, not a folder")

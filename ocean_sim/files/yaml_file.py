@@ -50,7 +50,7 @@ class Problem(NamedTuple):
     suggestion: str | None = None
 
     def __str__(self) -> str:
-        """Line of an error message: `file:line:column: key: message`, without missing parts."""
+        """Line of an error message, `file:line:column: key: message`; items that are None are left out."""
         return ": ".join([":".join(str(p) for p in self[:3] if p is not None), *filter(None, [self.key]), self.message])
 
 

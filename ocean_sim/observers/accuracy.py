@@ -93,7 +93,7 @@ class Accuracy(Observer, of=Config):
         return meaning | {solver: solvers[solver] for solver in self.solvers}
 
     def balances(self, simulation: Simulation, totals: Totals) -> list[float]:
-        """Values of BALANCE_COLUMNS, then impulse [N s] and work [J] of each force since the start."""
+        """Values of the columns BALANCE_COLUMNS, then impulse [N s] and work [J] of each force since the start."""
         fluid = with_particles(simulation.fluid)
         n, mass = fluid.particles.count.now, fluid.particles.mass
         impulse, work, internal = fluid.impulse, fluid.work, fluid.internal_energy()

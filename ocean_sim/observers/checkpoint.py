@@ -82,7 +82,7 @@ class Checkpoint(Observer, of=Config):
 
 
 def roots(simulation: Simulation) -> dict[str, Any]:
-    """Objects from which a checkpoint reaches all others to save: the simulation, the observers named in the scene."""
+    """Objects through which a checkpoint finds all that it saves: the simulation, and observers named in the scene."""
     named = simulation.scene.observers
     return {"simulation": simulation, "observers": dict(zip(named, simulation.observers[: len(named)]))}
 

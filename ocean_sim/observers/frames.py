@@ -265,8 +265,8 @@ class Frames(Observer, of=Config):
             self.advance_foam(time, elevation, velocity, wind)
 
     def advance_foam(self, time: float, elevation: np.ndarray | None, velocity: np.ndarray, wind: float) -> None:
-        """Advance the foam to a `time` [s], carried with a `velocity` (nx, nz, 3) [m/s]. Unless `elevation` (nx, nz)
-        [m] is None, new foam forms on its crests, until as much is white as is usual at a `wind` speed [m/s]."""
+        """Advance the foam to a `time` [s]: carry it with the `velocity` (nx, nz, 3) [m/s], and form new foam on crests
+        of the heights `elevation` (nx, nz) [m], unless None, up to the cover usual at this `wind` speed [m/s]."""
         assert self.white is not None
         source = None
         if elevation is not None and velocity.any():  # a column before its release does not break
@@ -275,7 +275,8 @@ class Frames(Observer, of=Config):
         self.white.advance(time, velocity[..., [0, 2]], source, wanted)
 
     def origin(self) -> np.ndarray:
-        """(2,) x, z [m] of the middle of a frame's grid: near the ships in 3-D, in whole cells; else of the basin."""
+        """(2,) x, z [m] of a frame's middle: in 3-D it follows the ships by whole cells; without any, the basin's
+        origin."""
         return middle_cell(self.ships, self.cell) if self.ships and self.cell.all() else np.zeros(2)
 
     def resumed(self, changed: str) -> None:

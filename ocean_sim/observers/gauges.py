@@ -31,7 +31,7 @@ RIDING_PHRASE = " from the middle of what it rides with"
 
 
 class Wave(Model):
-    """A gauge of the height of the water, fixed or riding: moving with a ship or the patch of open sea."""
+    """A gauge of the height of the water, which may ride: move with a ship or a patch of open sea."""
 
     at: Column = quantity("m")
     """Place [x, z]; in 2-D [x]."""
@@ -41,8 +41,8 @@ class Wave(Model):
 
 
 class Runup(Model):
-    """A gauge of the height to which water runs up the bed, along a line over it: the highest place that the water
-    touches, with no dry gap down to the lowest."""
+    """A gauge of the height to which water runs up the bed along a line: the highest point of the bed that is wet, if
+    all points below it on the line are wet, too."""
 
     along: Literal["x", "z"] = "x"
     """The axis along which the water runs up."""
@@ -66,7 +66,8 @@ class Runup(Model):
 
 
 class Sensor(Model):
-    """A pressure sensor, fixed or riding (moving with a ship or the patch), which may have a face flush with a wall."""
+    """A pressure sensor, which may have a face flush with a wall, and may ride: move with a ship or a patch of open
+    sea."""
 
     at: Point = quantity("m")
     """The middle of its face [x, y, z]; in 2-D [x, y]."""

@@ -65,7 +65,8 @@ class Config(PeriodicConfig):
 
 
 class Health(OutcomeObserver, of=Config):
-    """Checks the water after every step and raises Diverged; logs start, limits, clipping and end in events.jsonl."""
+    """Checks the water after every step and raises Diverged if it left the physical world; events.jsonl lists the run's
+    events."""
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.config, self.every, self.simulation = config, config.every, simulation

@@ -217,7 +217,7 @@ class DrawingProcess:
         self.told, self.given = self.child.stdin, self.child.stdout
 
     def say_over(self, over: threading.Event | None = None) -> None:
-        """Tell the drawing process that the run is over; if given, wait for the event `over` first."""
+        """Tell the drawing process that the run is over; with an event `over`, wait for that first."""
         if over is not None:
             over.wait()
         with suppress(OSError, ValueError):  # it has ended
@@ -240,7 +240,7 @@ class DrawingProcess:
 
 
 class Drawer(DrawingProcess):
-    """Child process that draws pictures by orders (`Order`). It leads a Unix session, which `stop` ends as a whole."""
+    """Child process that draws the pictures of some `Order`s, in a Unix session of its own, which `stop` ends."""
 
     def __init__(self, orders: Sequence[Order], progress: Progress | None = None, goes_on: bool = False) -> None:
         """Start the child. `goes_on`: True if the run still writes frames, until `finish` is called.
@@ -312,7 +312,7 @@ def painter_count(pictures: float) -> int:
 
 
 def draw_apart(orders: Sequence[Order], progress: Progress | None = None) -> None:
-    """Draw the pictures of orders in a child process and wait for it; raises OpenGLMissing or RenderFailed."""
+    """Draw pictures by `orders` in a child process and wait for it; raises OpenGLMissing or RenderFailed."""
     Drawer(orders, progress).finish()
 
 
@@ -364,7 +364,8 @@ def still_name(time: float) -> str:
 
 
 def draw_order(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]:
-    """Draw an order; yields (film pictures drawn, film pictures in all or 0). `over`: event set when the run ends."""
+    """Draw the pictures that an `Order` describes; yields (film pictures drawn, film pictures in all, 0 while unknown).
+    `over`: event that is set when the run ends."""
     out = Path(order.out)
     out.mkdir(parents=True, exist_ok=True)
     with ExitStack() as stack:
@@ -388,7 +389,7 @@ def draw_order(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]
 
 
 def begin_picture(order: Order, over: threading.Event) -> tuple[Picture, "ComingFrames"]:
-    """Picture, set up for the run of an order, and the frame files still to come; `over` as in `draw_order`."""
+    """Picture ready to draw frames of the run in an `Order`, and the frame files to come; `over` as in `draw_order`."""
     folder = Path(order.folder)
     with open_frame(folder / "frames" / "grid.npz") as file:
         grid = dict(file)
@@ -445,7 +446,7 @@ class ComingFrames:
 
 
 class Painter(DrawingProcess, AbstractContextManager["Painter"]):
-    """Second process that draws every other picture of a film (or every n-th); this process reads them from a pipe."""
+    """Further process that draws its share of a film's pictures, taking turns; this process reads them from a pipe."""
 
     def __init__(self, order: Order, over: threading.Event, turn: int) -> None:
         """Start the process. `over`: as in `draw_order`; `turn`: its number, from 1; this process has number 0."""

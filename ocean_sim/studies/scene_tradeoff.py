@@ -116,8 +116,8 @@ def finest_setting(key: str, values: list[Any]) -> Any:
 
 
 def setting_grid(scene: str, profile: str | None, sets: dict[str, Node], vary: Varied, quick: bool) -> list[Setting]:
-    """Settings of all combinations of the values in `vary`, the finest marked. Each has a scene for each of so many
-    seeds (SEED_COUNTS), and one more to confirm the best setting. Raises SceneError."""
+    """Settings of all combinations of the values in `vary`, the finest marked. Each has SEED_COUNTS scenes that differ
+    in their seed, and one more to confirm the best setting. Raises SceneError."""
     count = prod(map(len, vary.values()))
     if not 2 <= count <= MOST_SETTINGS:
         location = Location("--vary")

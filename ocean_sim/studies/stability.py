@@ -139,8 +139,8 @@ def verdict_of(
 
 
 def energy_gain(accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool) -> float:
-    """Greatest gain of energy beyond work of the wind (if `driven`), over mass times squared reference speed; 0 without
-    a table. No other work is subtracted: walls at rest do none, whatever a scheme books for single forces."""
+    """Greatest gain of energy that no work explains, over mass times squared reference speed; 0 without a table. Only
+    work of the wind, if `driven`, is subtracted: walls at rest do none, whatever a scheme books for single forces."""
     if not len(accuracy.get("kinetic_energy_J", ())):
         return 0.0
     names = ("kinetic_energy_J", "potential_energy_J", "internal_energy_J")

@@ -100,7 +100,8 @@ def _grid_settings(node: Node) -> Iterator[Settings]:
 
 
 def _locate_problem(plan: Node, settings: Settings, found: Problem) -> Problem:
-    """Copy of a scene's problem, located in the plan if it has no line or concerns a key that the plan sets."""
+    """Copy of a scene's problem, moved to the line of the plan file that caused it, if it has no line of its own or the
+    plan sets its key."""
     touched = [value for key, value in settings.items() if key.split(".")[0] == found.key.split(".")[0]]
     if found.line is not None and found.file != plan.location.file and touched:
         message = f"{found.message} (together with {found.file}:{found.line})"

@@ -147,7 +147,7 @@ def pareto_front(pairs: list[tuple[float, float]]) -> list[int]:
 def equal_cost_rows(rows: list[dict[str, Any]], speed: str) -> list[dict[str, Any]]:
     """Rows with the best run of each scheme in each case, at equal time (column `speed`) or equal number of particles.
 
-    Equal time is the cheapest run of the slowest scheme; equal numbers are compared for default settings only."""
+    Equal time is that of the slowest scheme's cheapest run; equal numbers are compared for default settings only."""
     done = [row for row in rows if row.get("error") is not None and row.get(speed)]
     found = []
     for case in dict.fromkeys(row["case"] for row in done):
@@ -175,7 +175,8 @@ def find_problem(case: str, set_up: str, coarse: bool, scheme: str) -> Problem:
 
 
 def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Run the set-up of an order on one thread, several times; outcome, errors (equal each time), median costs."""
+    """Run the set-up in an order (job description) on one thread, repeatedly; outcome, errors, which are equal in all
+    runs, and median costs."""
     problem = find_problem(order["case"], order["set_up"], order["coarse"], order["scheme"])
     watched: dict[str, Any] = {"runtime.threads": 1}
     if problem.slot == "fluid":
@@ -217,7 +218,7 @@ def measure_run(problem: Problem, order: dict[str, Any], scene: Any) -> dict[str
 
 
 def error_row(order: dict[str, Any], promise: Promise, number: Number) -> dict[str, Any]:
-    """Row of one quantity of a case: value, reference, error, unit, tolerance, and `ok` if the error is tolerated."""
+    """Row of one quantity of a case: value, reference, error, unit, tolerance, and `ok` if the error is within it."""
     found = promise.row(order["case"], order["scheme"], *number)
     kept = ("quantity", "value", "reference", "error", "unit", "tolerance", "ok")
     numbers = plain_values({key: found[key] for key in ("value", "reference", "error")})

@@ -95,7 +95,7 @@ def run_probe(script: str) -> dict[str, Any]:
 
 
 def opengl_row() -> dict[str, Any]:
-    """Fact on OpenGL without a screen: `ok` if it can be used, `detail` its kind of window, or the problem."""
+    """Fact on OpenGL, for drawing without a screen: `ok` if available, `detail` the kind of window or the problem."""
     script = "from ocean_sim.pictures.stage.opengl import probe, window; print(json.dumps([probe(), window()]))"
     fact = run_probe(f"import json; {script}")
     if not fact["ok"]:

@@ -178,8 +178,8 @@ def write_commands(
     frame: str | None,
     film: bool,
 ) -> list[Path]:
-    """Write the platform's commands `done`, those of the `best` ride, metrics `found` and pictures into the folder
-    `out`, moved there only when all are complete; return the paths."""
+    """Write commands `done`, those of the `best` ride, metrics `found` and pictures; return their paths. Files are
+    moved into the folder `out` only when all are complete."""
     with TemporaryDirectory(prefix=".platform-", dir=out) as draft:
         folder = Path(draft)
         seed = {"seed": log.table.head["seed"]} if "seed" in log.table.head else {}

@@ -62,7 +62,8 @@ def level_ratio(position: np.ndarray, spacing: float, basin: Basin, time: float)
 
 class Symmetry:
     """Check that water which begins symmetric about x = 0 or z = 0 stays so: twins are particles that mirror each
-    other. Rounding parts twins in 50 steps by up to 3e-5 spacings (2.5e-3 with a pressure solver), and more later."""
+    other. Rounding separates twins, in 50 steps by up to 3e-5 spacings (2.5e-3 with a pressure solver), later by
+    more."""
 
     def __init__(self, simulation: Simulation) -> None:
         basin, self.twins = simulation.basin, dict[int, np.ndarray]()
@@ -177,10 +178,10 @@ def stored_by_weight(simulation: Simulation) -> float:
 
 
 def energy_scale(simulation: Simulation) -> float:
-    """Energy [J] with which a gain is compared: that which the water's weight stores by compression and, in a patch of
-    open sea, that of its waves; for incompressible water, a hundredth of mass times reference speed squared. Over an
-    uneven bed, and for incompressible water, the energy that lifts the water by a spacing is added, as particles
-    settle."""
+    """Energy [J] with which a gain of energy is compared: that which water at rest stores as its weight compresses it,
+    plus over an uneven bed the energy to lift it by a spacing, or in a patch of open sea that of its waves.
+    Incompressible water: 1 % of mass times reference speed squared, plus that lift. Settling water moves by a share of
+    a spacing."""
     basin, particles = simulation.basin, with_particles(simulation.fluid).particles
     compresses = simulation.fluid.sound_speed > 0.0 and not simulation.fluid.solvers
     stored = stored_by_weight(simulation) if compresses else 0.0

@@ -71,7 +71,8 @@ def run_order(config: SceneConfig, threads: int | None = None) -> dict[str, Any]
 
 
 def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Run the scene of an order; returns its outcome (`stopped` with a reason if it diverged), costs and measures."""
+    """Run the scene in an order (job description); returns outcome (`stopped` if it diverged), reason, costs,
+    measures."""
     began, processor, reason = perf_counter(), process_time(), ""
     asked = order["machine"]["threads"]
     more = {"runtime.threads": asked} if asked and not order["scene"]["runtime"]["threads"] else {}

@@ -53,7 +53,7 @@ def slowdown(order: dict[str, Any], row: dict[str, Any]) -> float | None:
 
 
 def slowdown_warning(scene: str, times: float) -> str | None:
-    """Warning if a step takes `times` as long as before and this exceeds STATED_SLOWDOWN; else None."""
+    """Warning if a step takes `times` as long as before, and `times` exceeds STATED_SLOWDOWN; else None."""
     if times <= STATED_SLOWDOWN:
         return None
     return (

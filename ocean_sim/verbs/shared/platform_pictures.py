@@ -120,7 +120,7 @@ def draw_best(done: Commands, best: Commands, hexapod: Hexapod) -> Any:
 
 
 def label_axes(axis: Any, title: str, columns: int) -> None:
-    """Add a grid, a title, and a legend in so many columns above the axes, where it hides no curve."""
+    """Add a grid, a title, and above the axes, where it hides no curve, a legend in so many columns."""
     axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, ncol=columns, fontsize=8, frameon=False)
     axis.set_title(title, fontsize=9, loc="right")
     axis.grid(alpha=0.3)
@@ -202,7 +202,7 @@ def draw_strips(hexapod: Hexapod) -> Any:
     return picture
 
 
-def snapshot(points: np.ndarray) -> np.ndarray:
+def project_points(points: np.ndarray) -> np.ndarray:
     """Picture coordinates (n, 2) of points (n, 3), seen from starboard, a little ahead and above; forward is right."""
     turn, rise = np.radians(35.0), np.radians(15.0)
     along = points[:, 0] * np.cos(turn) - points[:, 1] * np.sin(turn)
@@ -216,7 +216,7 @@ def draw_stand(axis: Any, hexapod: Hexapod, pose: np.ndarray, offset: float = 0.
     cylinders = moved * (0.8 * hexapod.low / np.linalg.norm(moved, axis=1))[:, None]  # 0.8 of the shortest leg long
     below = moved - [0.0, 0.0, PLATE_THICKNESS * hexapod.neutral_height]
     rings = (0.0 * moved, resting, moved, below, cylinders)
-    base, rest, top, under, ends = (snapshot(hexapod.base + ring) + [offset, 0.0] for ring in rings)
+    base, rest, top, under, ends = (project_points(hexapod.base + ring) + [offset, 0.0] for ring in rings)
     axis.fill(*base.T, color="#c9d3d9", lw=1.5, ec="#4a5a66")
     axis.fill(*rest.T, fill=False, lw=0.8, ls=":", ec="#4a5a66")
     for foot, end, head in zip(base, ends, top):

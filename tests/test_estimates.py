@@ -15,7 +15,7 @@ from ocean_sim.__main__ import run_command_line
 from ocean_sim.observers import render
 from ocean_sim.pictures.stage import opengl
 from ocean_sim.reading.scene import load
-from ocean_sim.verbs.check import memory_taken, preflight, wall_time
+from ocean_sim.verbs.check import memory_text, preflight, wall_time
 from ocean_sim.verbs.shared import history
 from tests.processes import children
 
@@ -139,8 +139,8 @@ def test_memory_has_a_row_of_the_processes_that_draw(monkeypatch):
     one, whole = of_pictures(COLUMN), preflight(load(COLUMN | DRAWN))
     without = preflight(load(COLUMN | DRAWN, {"render": None}))
     assert whole["memory_mb"] - without["memory_mb"] == pytest.approx(one / 1e6) == whole["pictures_mb"]
-    assert memory_taken(whole).endswith(f" MB ({one / 1e6:.0f} of them for pictures)")
-    assert memory_taken(without).endswith(" MB")
+    assert memory_text(whole).endswith(f" MB ({one / 1e6:.0f} of them for pictures)")
+    assert memory_text(without).endswith(" MB")
     assert of_pictures(COLUMN, frames=None) == 0 and of_pictures(COLUMN, **{"render.film": False}) < one
     assert one < of_pictures(COLUMN, **{"render.size": [1280, 720]})
     assert one < of_pictures(COLUMN, **{"render.quality": "final"})

@@ -15,8 +15,8 @@ DRAFT_PATTERN = r"\..+\.\d+\.tmp(\..+)?"  # names of unfinished files, with the 
 
 @contextmanager
 def atomic_write(path: Path) -> Iterator[Path]:
-    """Yield the path of a temporary file next to `path`, renamed to `path` at the end of the block and deleted if the
-    block fails. If `path` is a symbolic link, its target is replaced; a pipe or a device is yielded itself."""
+    """Yield the path of a temporary file next to `path`; at the end of the block it is renamed to `path`, or deleted if
+    the block fails. The target of a symbolic link is replaced; a pipe or a device is yielded itself."""
     if path.exists() and not path.is_file():
         with file_named_in_errors(path):
             yield path
@@ -33,7 +33,7 @@ def atomic_write(path: Path) -> Iterator[Path]:
 
 
 def write_file(path: Path, content: str | bytes | memoryview) -> None:
-    """Write a text, in UTF-8, or bytes into a file, whose folder is made if missing."""
+    """Write a text, as UTF-8, or bytes into a file; its folder is created if missing."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with atomic_write(path) as draft:
         draft.write_bytes(content.encode() if isinstance(content, str) else content)
@@ -45,14 +45,14 @@ def write_facts(path: Path, data: dict[str, Any]) -> None:
 
 
 def save_figure(figure: Any, path: Path, dpi: int = 100) -> None:
-    """Write a Matplotlib figure into a picture file, whose folder is made if missing."""
+    """Save a Matplotlib figure as a picture file; its folder is created if missing."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with atomic_write(path) as draft:
         figure.savefig(draft, dpi=dpi)
 
 
 class file_named_in_errors:
-    """Context manager that names `path` in an OSError of its block that names no file or the temporary one, `draft`."""
+    """Context manager that puts `path` into an OSError of its block that names no file, or names the file `draft`."""
 
     def __init__(self, path: str | Path, draft: str | Path | None = None) -> None:
         self.path, self.unknown = path, (None, str(draft))
@@ -73,7 +73,7 @@ def require_disk_space(path: Path, size: int) -> None:
 
 @contextmanager
 def reserve_disk_space(folder: Path) -> Iterator[None]:
-    """Occupy RESERVE_BYTES of a folder's disk in the block, freed at its end: space for a run's last messages."""
+    """Occupy RESERVE_BYTES of a folder's disk during the block; freed at its end, they have room for last messages."""
     path = folder / RESERVE_FILE
     try:
         with suppress(OSError), path.open("wb") as file:  # a disk as full as that will not be written to for long

@@ -21,14 +21,15 @@ CHECKS = (Checked("Heights of a bed, `basin.floor.grid`: CSV, .asc or .nc", (GRI
 
 
 class Heights(NamedTuple):
-    """Heights `y` (n, m) [m] at regular nodes x (n,) and z (m,) [m]; NaN where one is missing."""
+    """Heights `y` (n, m) [m] of a sea bed on a regular grid x (n,), z (m,) [m]; NaN where one is missing."""
 
     x: np.ndarray
     z: np.ndarray
     y: np.ndarray
 
     def around(self, sides: Sequence[tuple[float, float]]) -> "Heights":
-        """Heights at the nodes between the `sides`, lowest and highest place [m] along x and z, and the next beyond."""
+        """Part of the grid that covers a basin: the points between its `sides`, (lowest, highest) [m] along x and z,
+        and the next point beyond each."""
         (i, k), (j, n) = (
             (max(np.searchsorted(nodes, low, "right") - 1, 0), np.searchsorted(nodes, up) + 1)
             for nodes, (low, up) in zip((self.x, self.z), sides)
@@ -37,8 +38,8 @@ class Heights(NamedTuple):
 
 
 def read_heights(path: str | Path, centre: Sequence[float]) -> Heights:
-    """Heights of a bed in a file, from its place `centre` (2,) [m] on: a table with columns x_m, z_m, y_m; or a map,
-    an ESRI ASCII grid or netCDF 3, whose north becomes +z and whose east -x. Raises Unreadable."""
+    """Heights of a bed in a file, with `centre` (2,) [m] as origin: a table with columns x_m, z_m, y_m, or a map (ESRI
+    ASCII grid, netCDF 3), whose north becomes +z and whose east -x. Raises Unreadable."""
     ending = Path(path).suffix.lower()
     read = _read_esri if ending in ESRI_ENDINGS else _read_netcdf if ending in NETCDF_ENDINGS else _read_table
     x, z, y = read(path)
@@ -55,12 +56,12 @@ def read_heights(path: str | Path, centre: Sequence[float]) -> Heights:
 
 
 def is_map(path: str | Path) -> bool:
-    """True if places in this file are east and north."""
+    """True if coordinates in this kind of file are east and north, not x and z."""
     return Path(path).suffix.lower() in (*ESRI_ENDINGS, *NETCDF_ENDINGS)
 
 
 def _read_table(path: str | Path) -> Heights:
-    """Heights in a table with a row for each node, in any order."""
+    """Heights in a table with a row for each grid point, in any order."""
     along, across, height = Table(path).finite("x_m", "z_m", "y_m")
     x, i = np.unique(along, return_inverse=True)
     z, j = np.unique(across, return_inverse=True)
@@ -72,7 +73,7 @@ def _read_table(path: str | Path) -> Heights:
 
 
 def _read_esri(path: str | Path) -> Heights:
-    """Heights in an ESRI ASCII grid: the northernmost row first, corners or centres of cells in its head."""
+    """Heights in an ESRI ASCII grid: rows from north to south; its header gives the corner or the centre of a cell."""
     words, head = read_text(path).split(), dict[str, float]()
     try:
         while words[0][:1].isalpha():
@@ -92,7 +93,7 @@ def _read_esri(path: str | Path) -> Heights:
 
 
 def _read_netcdf(path: str | Path) -> Heights:
-    """Heights in the only variable of two dimensions of a netCDF 3 file, whose dimensions have variables."""
+    """Heights in a netCDF 3 file: its only variable of two dimensions, both of which have coordinate variables."""
     try:
         with open_netcdf(path) as file:
             (flat,) = [each for each in file.variables.values() if len(each.dimensions) == 2]

@@ -56,7 +56,7 @@ CHECKS = (
 
 
 class Lines(NamedTuple):
-    """Parts of a CSV text: `head`, its comments `key: value`; `heading`, the line of column names; `rows`, the rest."""
+    """Parts of a CSV text: `head`, comments `key: value`; `heading`, the line of column names; `rows`, other lines."""
 
     head: dict[str, str]
     heading: str
@@ -72,14 +72,14 @@ def split_lines(text: str) -> Lines:
 
 
 class Table(dict[str, np.ndarray]):
-    """Columns (n,) by name of a CSV file that a user named, float64, NaN where a cell is not a number. Raises
-    Unreadable, a ValueError, if the file breaks a rule of CHECKS or has no row."""
+    """Columns (n,) by name of a CSV file that a user named, float64, NaN if a cell is no number. Raises Unreadable, a
+    ValueError, if the file breaks a rule in CHECKS or has no row."""
 
     __eq__ = object.__eq__  # a scene that keeps its table is compared by what is written, not by arrays
     __hash__ = object.__hash__  # type: ignore[assignment]
 
     def __init__(self, path: str | Path, renamed: dict[str, str] | None = None) -> None:
-        """`renamed`: names that columns get, by their names in the file, which has to have them."""
+        """`renamed`: new names of columns, by their names in the file; Unreadable if one is not there."""
         self.path = path
         self.head, names, self.rows = split_lines(input_file.read_text(path))
         if names.lower().startswith("sep=") and self.rows:  # as spreadsheets begin a file
@@ -103,7 +103,7 @@ class Table(dict[str, np.ndarray]):
         return [cell.replace(",", ".") if self.comma and DECIMAL_NUMBER.fullmatch(cell) else cell for cell in found]
 
     def has_decimal_commas(self) -> bool:
-        """True if numbers have a decimal comma, False if a point or none; raises Unreadable where a file mixes them."""
+        """True if numbers have a decimal comma, False if a point; raises Unreadable if a file mixes them."""
         found: dict[str, str] = {}
         for k, row in enumerate(self.rows, 1):
             found = {
@@ -115,7 +115,7 @@ class Table(dict[str, np.ndarray]):
         return "," in found
 
     def finite(self, *wanted: str, since: int = 0) -> list[np.ndarray]:
-        """The wanted columns (n,), in order; raises Unreadable if one is missing, or not finite from row `since` on."""
+        """The `wanted` columns (n,); raises Unreadable if one is missing, or not finite from row `since` on."""
         self.require(*wanted)
         wrong = np.argwhere(~np.isfinite([self[name][since:] for name in wanted]).T)
         if len(wrong):
@@ -126,21 +126,21 @@ class Table(dict[str, np.ndarray]):
         return [self[name] for name in wanted]
 
     def require(self, *wanted: str) -> None:
-        """Raise Unreadable, with all that are missing, unless the table has columns of these names."""
+        """Raise Unreadable, naming all that are missing, unless the table has these columns."""
         if missing := [name for name in wanted if name not in self.names]:
             there = quoted_piece(", ".join(self.names), 80)
             lacks = f"it has no column {' and no column '.join(missing)}"
             raise NAMED_COLUMNS_RULE.broken(self.path, f"{lacks}, but {there}")
 
     def replace_columns(self, columns: dict[str, np.ndarray]) -> None:
-        """Hold these columns (n,) alone, and rows of their numbers."""
+        """Replace all columns by these (n,), and the rows of text by rows of their numbers."""
         self.clear()
         self.update(columns)
         self.names, self.separator, self.comma = [*columns], ",", False
         self.rows = [",".join(f"{value:.12g}" for value in row) for row in zip(*columns.values())]
 
     def resolution(self, name: str) -> float:
-        """Step to which a column's numbers are rounded, in its unit, by their written digits and double precision."""
+        """Step to which a column's numbers are rounded, in its unit, judged by digits written and double precision."""
         k, most = self.names.index(name), max(float(np.abs(self[name]).max()), 1e-300)
         written = [self.cells(row)[k].strip("+-").lower().partition("e")[0] for row in self.rows]
         decimals = max(len(cell.partition(".")[2]) for cell in written)
@@ -148,7 +148,7 @@ class Table(dict[str, np.ndarray]):
         return float(max(10.0**-decimals, 10.0 ** (np.ceil(np.log10(most)) - digits), 4.0 * np.spacing(most)))
 
     def series(self, *wanted: str, fewest: int = 1) -> list[np.ndarray]:
-        """Times (n,) [s] and wanted columns (n,); raises Unreadable unless all finite, times rise and n >= `fewest`."""
+        """Times (n,) [s] and `wanted` columns (n,); raises Unreadable unless finite, times rise and n >= `fewest`."""
         time, *found = self.finite(TIME_COLUMN, *wanted)
         if len(time) < fewest:
             raise WHOLE_TABLE_RULE.broken(self.path, f"it has {len(time)} rows, and a smooth path needs {fewest}")
@@ -159,7 +159,7 @@ class Table(dict[str, np.ndarray]):
         return [time, *found]
 
     def like_radians(self) -> list[str]:
-        """Warnings of columns named *_deg whose values could be radians: none beyond 2 pi, not all whole numbers."""
+        """Warnings on columns named *_deg that may be radians: all within 2 pi, and not all whole numbers."""
         angles = {name: values for name, values in self.items() if name.endswith("_deg")}
         found = [name for name, each in angles.items() if np.abs(each).max() <= 2.0 * np.pi and (each % 1.0).any()]
         where = input_file.display_path(self.path)
@@ -167,8 +167,8 @@ class Table(dict[str, np.ndarray]):
 
 
 def unreached_times_warning(what: str, times: np.ndarray, duration: float, instead: str) -> list[str]:
-    """Warning, in a list, if no time (n,) [s] of table `what` is in the run of this duration [s], else empty;
-    `instead`: its effect in words, {} the row that holds, `first` or `last`."""
+    """List of a warning if no time (n,) [s] of table `what` lies within a run of this duration [s], else empty.
+    `instead`: text on the effect, in which {} stands for the row used, `first` or `last`."""
     first, last = float(times[0]), float(times[-1])
     if last < 0.0:
         return [f"{what} ends at {last:.12g} s, before the run begins: {instead.format('last')}; {TIMES_REACHED_RULE}"]
@@ -177,7 +177,7 @@ def unreached_times_warning(what: str, times: np.ndarray, duration: float, inste
 
 
 def find_separator(names: str, row: str) -> str:
-    """Separator that gives heading `names` and first `row` equally many cells, or one in the heading, or a comma."""
+    """Separator that splits `names` and the first `row` into equally many cells, else one in `names`, else a comma."""
     bare = [QUOTED_CELL.sub('""', line) for line in (names, row)]
     for each in CELL_SEPARATORS:
         counts = [len(line.split(each.strip(" ") or None)) for line in bare]
@@ -195,7 +195,7 @@ def read_columns(path: str | Path) -> dict[str, np.ndarray]:
 
 
 def read_columns_if_any(path: Path) -> dict[str, np.ndarray]:
-    """Columns (n,) by name of a run's time series; empty if the file is missing, unreadable, without rows or times."""
+    """Columns (n,) by name of a run's time series; empty if the file is missing, unreadable, or lacks rows or times."""
     with suppress(ValueError):  # no line of names: killed at once
         found = read_columns(path) if path.exists() else {}
         return found if len(found.get(TIME_COLUMN, ())) else {}
@@ -209,7 +209,7 @@ def read_records(text: str) -> list[dict[str, str]]:
 
 
 def write_table(path: Path, names: Iterable[str], rows: Iterable[Iterable[object]], **notes: str) -> None:
-    """Write a CSV file atomically: `notes` as comments `# key: note`, the names, the rows; None is an empty cell."""
+    """Write a CSV file atomically: `notes` as comment lines, column names, rows; None becomes an empty cell."""
     with atomic_write(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
         file.writelines(f"# {key}: {note}\n" for key, note in notes.items())
         csv.writer(file, lineterminator="\n").writerows([list(names), *rows])
@@ -218,8 +218,8 @@ def write_table(path: Path, names: Iterable[str], rows: Iterable[Iterable[object
 def build_columns(
     path: str | Path, names: list[str], rows: list[str], cells_of: Callable, column_of: Callable
 ) -> dict[str, np.ndarray]:
-    """Columns (n,) by name, parsed at once if all cells are numbers. Else `cells_of(row)` splits a row into cells, and
-    `column_of(name, cells)` converts a column. Raises Unreadable, with `path` in the message."""
+    """Columns (n,) by name, from lines of text; fast if all cells are numbers. Else `cells_of(row)` splits a row into
+    cells, and `column_of(name, cells)` converts a column. Raises Unreadable, with `path` in the message."""
     if (name := first_duplicate(names)) is not None:
         raise WHOLE_TABLE_RULE.broken(path, f"it has two columns {quoted_piece(name)}")
     with suppress(ValueError):  # some cell is not a number, or some row is not whole
@@ -235,7 +235,7 @@ def build_columns(
 
 
 def number_or_word_column(_: str, found: Sequence[str]) -> np.ndarray:
-    """Cells of a column as float64 (n,), NaN where empty, or as text (n,) if a cell is a word; for `build_columns`."""
+    """Column (n,) as float64, NaN for empty cells, or as text if any cell is a word; for `build_columns`."""
     try:
         return np.array([float(cell.strip() or "nan") for cell in found])
     except ValueError:
@@ -243,7 +243,7 @@ def number_or_word_column(_: str, found: Sequence[str]) -> np.ndarray:
 
 
 def numeric_column(name: str, found: Sequence[str]) -> np.ndarray:
-    """Cells as float64 (n,), NaN if no number; ISO dates as seconds since the first. For `build_columns`."""
+    """Column (n,) as float64, NaN if no number; ISO dates become seconds since the first one. For `build_columns`."""
     if name == TIME_COLUMN:
         with suppress(ValueError):
             dates = [datetime.fromisoformat(cell) for cell in found if "T" in cell or ":" in cell]
@@ -261,7 +261,7 @@ def parse_number(cell: str) -> float:
 
 
 def split_cells(line: str, separator: str = ",") -> list[str]:
-    """Cells of a line as text, without the double quotes around them."""
+    """Cells of a line as text; double quotes around a cell are removed."""
     return next(csv.reader([line], delimiter=separator)) if '"' in line else line.split(separator)
 
 
@@ -270,5 +270,5 @@ def first_duplicate(names: list[str]) -> str | None:
 
 
 def quoted_piece(text: str, most: int = 40) -> str:
-    """Text in quotes for messages, cut to `most` characters."""
+    """Text in quotation marks for messages, cut to `most` characters."""
     return repr(text if len(text) <= most else f"{text[: most - 3]}...")

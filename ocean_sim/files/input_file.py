@@ -41,19 +41,19 @@ class Unreadable(Refused, ValueError):
 
 
 class Rule(str):
-    """Sentence, without its full stop, that states a rule for input files; it ends the error message of a breach."""
+    """Sentence, without its full stop, that states a rule for input files; error messages on a breach end with it."""
 
     @property
     def sentence(self) -> str:
         return self[0].upper() + self[1:]
 
     def broken(self, path: str | Path, found: str) -> Unreadable:
-        """The error to raise for a file that breaks the rule; `found`: the offending content, in words."""
+        """Error to raise for a file that breaks the rule; `found`: words on the content that does."""
         return Unreadable(path, f"{found} {self.sentence}." if found.endswith("?") else f"{found}; {self}")
 
 
 class Checked(NamedTuple):
-    """Title of a group of input files and the rules that their reader checks, for the docs; collected in `CHECKS`."""
+    """Entry of the documentation on input files: title of a group of files, and the rules that are checked for them."""
 
     title: str
     rules: tuple[Rule, ...]
@@ -79,7 +79,7 @@ def display_path(path: str | Path) -> str:
 
 
 def size_of(path: str | Path, most: int = MAX_FILE_BYTES) -> int:
-    """Size of a regular file [bytes]; raises Unreadable for a folder or more than `most` bytes, OSError if missing."""
+    """Size of a regular file [bytes]. Raises Unreadable for a folder or more than `most` bytes, OSError if missing."""
     found = os.stat(path)
     if S_ISDIR(found.st_mode):
         raise Unreadable(path, "this is a folder, not a file")
@@ -91,7 +91,7 @@ def size_of(path: str | Path, most: int = MAX_FILE_BYTES) -> int:
 
 
 def read_bytes(path: str | Path, most: int = MAX_FILE_BYTES) -> bytes:
-    """Content of a regular file, up to its stated size; raises Unreadable if missing or larger than `most` bytes."""
+    """Content of a regular file; raises Unreadable if the file is missing or has more than `most` bytes."""
     try:
         size = size_of(path, most)
         with Path(path).open("rb") as file:
@@ -105,7 +105,7 @@ def read_bytes(path: str | Path, most: int = MAX_FILE_BYTES) -> bytes:
 
 
 def near_name(path: str | Path) -> str:
-    """End of a message on a missing file: the file in its folder that is named nearly alike, or nothing."""
+    """End of a message on a missing file: the file in its folder with the most similar name; or empty."""
     with suppress(OSError):
         near = get_close_matches(Path(path).name, os.listdir(Path(path).parent), n=1, cutoff=0.8)
         return f"; did you mean {near[0]!r}?" if near else ""
@@ -136,7 +136,7 @@ def read_json(path: str | Path) -> Any:
 
 
 def read_json_object(path: str | Path) -> dict[str, Any]:
-    """The object in a JSON file; an empty dict where the file is missing, damaged or holds another value."""
+    """The object in a JSON file as a dict; empty if the file is missing, damaged or holds another type of value."""
     with suppress(Unreadable):
         found = read_json(path)
         return found if isinstance(found, dict) else {}
@@ -158,7 +158,7 @@ def read_npz(path: str | Path) -> dict[str, np.ndarray]:
 
 
 def open_netcdf(path: str | Path) -> Any:
-    """NetCDF 3 file at a path, with scaled and masked values; raises Unreadable, or SciPy's errors if damaged."""
+    """NetCDF 3 file, opened with values scaled and masked; raises Unreadable, or SciPy's errors if it is damaged."""
     from scipy.io import netcdf_file
 
     data = read_bytes(path)
@@ -168,8 +168,8 @@ def open_netcdf(path: str | Path) -> Any:
 
 
 def read_data_set(group: Any, name: str, kinds: str = NUMBER_KINDS, most: int = MAX_FILE_BYTES) -> np.ndarray:
-    """Array of the data set `name` in an HDF5 group. Raises ValueError, before unpacking, if it is missing, its NumPy
-    kind is not among `kinds` or it exceeds `most` bytes; h5py raises its own errors for a damaged file."""
+    """Array of the data set `name` in an HDF5 group. Raises ValueError, before unpacking, if it is missing, larger than
+    `most` bytes, or of a NumPy kind that is not in `kinds`; h5py raises its own errors for a damaged file."""
     import h5py
 
     own = isinstance(group.get(name, getlink=True), h5py.HardLink)  # a link leads to any file, or to itself
@@ -193,11 +193,11 @@ def file_digest(path: str | Path) -> str:
 
 
 class InputName(str):
-    """Name of a file in a scene whose content affects the numbers of a run; see `input_names`."""
+    """Name of a file in a scene whose content changes the results of a run; `input_names` collects them."""
 
 
 def input_names(dumped: Any) -> Iterator[str]:
-    """Yield each InputName inside `dumped`, the nested dicts and lists of a model's dump."""
+    """Yield each InputName in `dumped`, nested dicts and lists as a pydantic model dumps them."""
     if isinstance(dumped, InputName):
         yield str(dumped)
     elif isinstance(dumped, dict | list | tuple):
@@ -206,7 +206,7 @@ def input_names(dumped: Any) -> Iterator[str]:
 
 
 def relative_to_scene(name: str, info: ValidationInfo) -> str:
-    """A file name in a scene joined to the scene's folder, if it was loaded from a file; a pydantic validator."""
+    """File name in a scene, joined to the folder of the scene's file if there is one; a pydantic validator."""
     folder = (info.context or {}).get(SCENE_FOLDER_KEY)
     return name if folder is None or not name else str(Path(folder, name))
 

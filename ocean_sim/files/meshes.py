@@ -27,8 +27,8 @@ OFFSET_NAMES = ("PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOff
 
 
 def save_ply(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: dict[str, np.ndarray]) -> Path:
-    """Write points (n, 3) [m], triangles (m, 3) if any, and fields (n,) or (n, 3) as PLY; return the path. `Normals`
-    become nx, ny, nz, `RGB` or else `foam` (grey) 8-bit colours, other vectors name_x, name_y, name_z."""
+    """Write points (n, 3) [m], triangles (m, 3) if any, and fields of points, (n,) or (n, 3), as PLY; returns the path.
+    `Normals` become nx, ny, nz; `RGB` (or else grey `foam`) 8-bit colours; other vectors name_x, name_y, name_z."""
     columns: dict[str, np.ndarray] = dict(zip(AXIS_NAMES, points.T))
     if "Normals" in fields:
         columns |= {f"n{axis}": values for axis, values in zip(AXIS_NAMES, fields["Normals"].T)}
@@ -54,7 +54,7 @@ def save_ply(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: d
 
 
 def ply_type(values: np.ndarray) -> str:
-    """NumPy type code in which an array is written to PLY: 8-bit or 32-bit integers, or 32-bit floats."""
+    """NumPy type code of an array in a PLY file: 8-bit or 32-bit integers, or 32-bit floats."""
     if values.dtype == np.uint8:
         return "|u1"
     return "<i4" if values.dtype.kind in "iu" else "<f4"
@@ -64,7 +64,7 @@ class Glb:
     """Writer of a binary glTF file of meshes that move: add meshes and animations, then call `save`."""
 
     def __init__(self, times: np.ndarray) -> None:
-        """`times`: moments (k,) [s] at which the values of all animations are given."""
+        """`times`: moments (k,) [s] for which all animations give values."""
         self.data = bytearray()
         self.tree: dict[str, Any] = {
             "asset": {"version": "2.0", "generator": "ocean-sim"},
@@ -80,7 +80,7 @@ class Glb:
         self.times = self.accessor(np.asarray(times, np.float32), bounds=True)
 
     def accessor(self, values: np.ndarray, bounds: bool = False) -> int:
-        """Store an array (n,) or (n, components), with minimum and maximum if `bounds`; return its accessor's index."""
+        """Store an array (n,) or (n, components), with its range if `bounds`; returns the index of its accessor."""
         values = np.ascontiguousarray(values)
         self.data += b"\0" * (-len(self.data) % 4)
         views, accessors = self.tree["bufferViews"], self.tree["accessors"]
@@ -100,8 +100,8 @@ class Glb:
     def mesh(
         self, name: str, points: np.ndarray, faces: np.ndarray, colour: np.ndarray, moved: np.ndarray | None = None
     ) -> int:
-        """Add a mesh of points (n, 3) [m] and triangles (m, 3) of linear RGB `colour` (3,) or (n, 3), and return its
-        node's index. `moved` (k, n, 3), if given: the points at the k moments."""
+        """Add a mesh of points (n, 3) [m] and triangles (m, 3), of linear RGB `colour` (3,) or (n, 3); returns the
+        index of its node. `moved` (k, n, 3): the points at each of the k moments, if they change."""
         traits = {"POSITION": self.accessor(points.astype(np.float32), bounds=True)}
         base = [1.0, 1.0, 1.0, 1.0]
         if colour.ndim == 2:
@@ -125,8 +125,8 @@ class Glb:
         return len(self.tree["nodes"]) - 1
 
     def show_at_moments(self, nodes: dict[int, int], moments: int) -> None:
-        """Show each node (`nodes`: moment's index to node's index) at its moment only, of so many `moments`: at others
-        its scale is zero, which hides it (glTF 2.0, 3.5.2)."""
+        """Show each node at one moment only; `nodes`: index of moment to index of node; `moments`: their number. At
+        other moments its scale is zero, which hides it (glTF 2.0, section 3.5.2)."""
         for k, node in nodes.items():
             seen = np.zeros((moments, 3), np.float32)
             seen[k] = 1.0
@@ -134,8 +134,8 @@ class Glb:
             self.animate(node, "scale", seen, "STEP")
 
     def animate(self, node: int, path: str, values: np.ndarray, between: str = "LINEAR") -> None:
-        """Animate a property (`path`) of a node over the k moments: `translation` (k, 3) [m], `rotation` (k, 4)
-        quaternions x, y, z, w, `scale` (k, 3) or `weights`; `between`: glTF's name of the interpolation."""
+        """Animate the property `path` of a node over the k moments: `translation` (k, 3) [m], `rotation` (k, 4),
+        quaternions x, y, z, w, `scale` (k, 3) or `weights`. `between`: glTF's name of the interpolation."""
         run = self.tree["animations"][0]
         sampler = {"input": self.times, "output": self.accessor(values.astype(np.float32)), "interpolation": between}
         run["samplers"].append(sampler)
@@ -156,8 +156,8 @@ class Glb:
 
 
 class Series(AbstractContextManager["Series"]):
-    """Writer of a VTKHDF file of points, cells and fields, one moment after the other; equal cells are written once.
-    A context manager; `add` raises OSError before the disk is full, since HDF5 would end the process."""
+    """Writer of a VTKHDF file of points, cells and fields at successive moments; cells that do not change are stored
+    once. A context manager. `add` raises OSError before the disk is full, since HDF5 would end the process."""
 
     def __init__(self, path: Path, topology: str) -> None:
         """`path`: the file to create; `topology`: kind of the cells, a key of CELL_CORNERS."""
@@ -175,7 +175,7 @@ class Series(AbstractContextManager["Series"]):
         self.fields: list[str] = []
 
     def add(self, time: float, points: np.ndarray, cells: np.ndarray, **fields: np.ndarray) -> None:
-        """Append a moment [s]: points (n, 3) [m], cells (m, corners) of point indices, fields (n, ...) by name."""
+        """Append a moment, `time` [s]: points (n, 3) [m], cells (m, corners) of point indices, fields (n, ...)."""
         taken = points.nbytes + cells.nbytes + sum(values.nbytes for values in fields.values())
         require_disk_space(self.path, taken + HDF5_UNWRITTEN_BYTES)
         before = len(self.root["Points"]) if self.times else 0
@@ -192,7 +192,7 @@ class Series(AbstractContextManager["Series"]):
             self.steps[name].append(self.begins[name])
 
     def write_cells(self, cells: np.ndarray, points: int) -> None:
-        """Append cells (m, corners) of indices of so many points as a new VTK part, which later moments may share."""
+        """Append cells (m, corners), indices of so many `points`, as a VTK part, which later moments can share."""
         self.append("NumberOfPoints", np.array([points]))
         self.begins = {"CellOffsets": [0] * len(CELL_CORNERS), "ConnectivityIdOffsets": [0] * len(CELL_CORNERS)}
         for k, (name, corners) in enumerate(CELL_CORNERS.items()):
@@ -207,7 +207,7 @@ class Series(AbstractContextManager["Series"]):
         self.cells, self.held, self.parts = cells, points, self.parts + 1
 
     def append(self, name: str, values: np.ndarray) -> None:
-        """Append `values` (m, ...) as rows of the HDF5 data set `name`, which is created if missing."""
+        """Append `values` (m, ...) to the HDF5 data set `name` as new rows; the data set is created if missing."""
         if name not in self.root:
             chunk = (max(1, min(len(values), 65536)), *values.shape[1:])
             self.root.create_dataset(name, data=values, maxshape=(None, *values.shape[1:]), chunks=chunk)
@@ -217,7 +217,7 @@ class Series(AbstractContextManager["Series"]):
         rows[len(rows) - len(values) :] = values
 
     def finish(self) -> None:
-        """Write the group `Steps` of VTKHDF: the times [s], and the row at which each moment's arrays begin."""
+        """Write the group `Steps` of VTKHDF: times [s], and the row at which the arrays of each moment begin."""
         group = self.root.create_group("Steps")
         group.attrs["NSteps"] = len(self.times)
         group["Values"] = np.array(self.times)

@@ -25,13 +25,13 @@ MAX_CLAIM_TRIES = 1000  # times that others may remove a folder just before it i
 
 
 def is_unfinished(name: str) -> bool:
-    """True if a file of this name is a draft of `atomic_write` or a reserve of disk space, left by a killed process."""
+    """True if a file of this name is a temporary one of `atomic_write`, or reserved disk space, of a killed process."""
     return re.fullmatch(DRAFT_PATTERN, name) is not None or name == RESERVE_FILE
 
 
 def foreign_names(folder: Path, *ours: str) -> list[str]:
-    """Names in a folder that match none of the patterns `ours`. Empty if the folder is missing, or if Ocean Sim has
-    written there before: it holds a manifest or a file named as the first pattern."""
+    """Names in a folder that match none of the patterns `ours`, such as `*.png`. Empty if the folder is missing, or if
+    Ocean Sim has written there before: a manifest or a file named as the first pattern is in it."""
     if not folder.is_dir() or any((folder / mark).exists() for mark in (MANIFEST_FILE, *ours[:1])):
         return []
     names = sorted(path.name for path in folder.iterdir())
@@ -40,8 +40,8 @@ def foreign_names(folder: Path, *ours: str) -> list[str]:
 
 
 def claim_folder(out: Path, *ours: str, named: str = "") -> "Claim":
-    """Claim a folder for writing. Raises Refused, with the folder called `named`, if `out` is a file or, given patterns
-    `ours`, holds other things (see `foreign_names`); else errors as in `Claim`."""
+    """Claim (lock) a folder for writing. Raises Refused if `out` is a file, or holds files that match none of the name
+    patterns `ours`, if any (see `foreign_names`); the message calls it `named`. Other errors as in `Claim`."""
     named = named or str(out)
     if out.exists() and not out.is_dir():
         raise Refused(f"{named}: this is a file, not a folder")
@@ -56,11 +56,11 @@ class FolderClaimed(Refused):
 
 
 class Claim:
-    """Exclusive right to write into a folder, created if missing; a context manager. Its lock ends with the process.
+    """Lock on a folder, created if missing, in which only this process may then write; a context manager. It ends with
+    the process.
 
-    Drafts of killed processes are removed, and at the end the folder, if new and empty. Raises FolderClaimed if another
-    process holds it, Refused if none can be created there, and Lacking if the file system has no locks.
-    """
+    Temporary files of killed processes are deleted, and at the end the folder, if new and empty. Raises FolderClaimed
+    if another process has it, Refused if it cannot be created, Lacking if its file system has no locks."""
 
     def __init__(self, folder: Path) -> None:
         self.folder, self.path, self.made = folder, folder / LOCK_FILE, not folder.exists()
@@ -73,7 +73,7 @@ class Claim:
                 left.unlink()
 
     def acquire_lock(self) -> int:
-        """Create and lock the lock file, again if another process deletes it meanwhile; return its descriptor."""
+        """Create and lock the lock file, again if another process deletes it meanwhile; returns its file descriptor."""
         for _ in range(MAX_CLAIM_TRIES):
             try:
                 self.folder.mkdir(parents=True, exist_ok=True)
@@ -120,7 +120,7 @@ class Claim:
 
 
 def read_manifest(folder: Path) -> dict[str, Any]:
-    """The manifest in a run folder as a dict; empty where it is missing or unreadable."""
+    """The manifest in a run folder as a dict; empty if it is missing or unreadable."""
     return input_file.read_json_object(folder / MANIFEST_FILE)
 
 
@@ -131,7 +131,7 @@ def listed_files(manifest: dict[str, Any]) -> list[str]:
 
 
 def matching_files(folder: Path, entries: Iterable[str]) -> set[Path]:
-    """Paths of files in a folder that match entries of a manifest; entries that lead out of the folder are ignored."""
+    """Paths of files in a folder that match `entries` of a manifest; entries that lead out of it are ignored."""
     names: dict[Path, list[str]] = {}
     for path in map(Path, entries):
         if not path.is_absolute() and ".." not in path.parts:
@@ -145,8 +145,8 @@ def matching_files(folder: Path, entries: Iterable[str]) -> set[Path]:
 
 
 def delete_run(folder: Path, coming: Iterable[str] = ()) -> None:
-    """Delete the files that the manifest in a folder lists, and subfolders left empty. Raises Refused, before any
-    deletion, if a file that it does not list matches an entry of `coming`, the files of the new run."""
+    """Delete the files listed by the manifest in a folder, and subfolders left empty. Raises Refused, before any
+    deletion, if an unlisted file matches an entry of `coming`, the files of the new run."""
     ours = matching_files(folder, listed_files(read_manifest(folder)))
     for other in sorted(matching_files(folder, coming) - ours):
         raise Refused(f"{other}: this file is not of the run that is there, and the new run would replace it; move it")

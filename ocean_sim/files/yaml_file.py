@@ -32,7 +32,7 @@ UNQUOTED_WORD = re.compile(r"[A-Za-z]([ :]?[\w.'/-])*")  # text that needs no qu
 
 
 class Location(NamedTuple):
-    """File, line and column of a piece of text; line and column count from 1, and are None outside a file."""
+    """File, line and column of a piece of text; line and column start at 1, and are None outside a file."""
 
     file: str
     line: int | None = None
@@ -40,7 +40,7 @@ class Location(NamedTuple):
 
 
 class Problem(NamedTuple):
-    """One mistake of a user: file, line, column, key, message, and the likeliest replacement or None."""
+    """One mistake of a user: file, line, column, key, message, and the likeliest correction or None."""
 
     file: str
     line: int | None
@@ -50,7 +50,7 @@ class Problem(NamedTuple):
     suggestion: str | None = None
 
     def __str__(self) -> str:
-        """Line of an error message: `file:line:column: key: message`, without missing parts."""
+        """Line of an error message, `file:line:column: key: message`; items that are None are left out."""
         return ": ".join([":".join(str(p) for p in self[:3] if p is not None), *filter(None, [self.key]), self.message])
 
 
@@ -91,7 +91,7 @@ def problem_at(location: Location, key: str, message: str, suggestion: str | Non
 
 @dataclass(frozen=True)
 class Node:
-    """A YAML value (`data`: dict of nodes, list of nodes, or plain value) with its location and that of its key."""
+    """A YAML value with its location and that of its key; `data` is a dict or list of nodes, or a plain value."""
 
     data: Any
     location: Location
@@ -102,7 +102,7 @@ class Node:
         return isinstance(self.data, dict)
 
     def child(self, step: str | int) -> "Node | None":
-        """The node under a key, or at an index of a list; None where there is none."""
+        """The node under a key or list index; None if there is none."""
         if isinstance(self.data, dict):
             return self.data.get(step)
         if isinstance(self.data, list) and isinstance(step, int) and 0 <= step < len(self.data):
@@ -123,7 +123,7 @@ class Node:
 
 
 def node_of(data: Any, location: Location) -> Node:
-    """Plain data (dicts, lists, NumPy arrays, scalars) as nodes of one location; nodes in it keep their own."""
+    """Node for plain data (dicts, lists, arrays, scalars), all at one location; nodes inside keep theirs."""
     if isinstance(data, Node):
         return data
     if isinstance(data, dict):
@@ -136,7 +136,7 @@ def node_of(data: Any, location: Location) -> Node:
 
 
 def merge_nodes(below: Node, above: Node) -> Node:
-    """Merge `above` over `below`: mappings key by key, at all depths; any other value above replaces that below."""
+    """Merge `above` over `below`: mappings key by key, at all depths; other values of `above` replace those below."""
     if not (below.is_mapping and above.is_mapping):
         return above
     data = dict(below.data)
@@ -146,7 +146,7 @@ def merge_nodes(below: Node, above: Node) -> Node:
 
 
 def read_mapping(path: Path, name: str | None = None) -> Node:
-    """The mapping in a YAML file, which errors call `name` (by default its path); raises SceneError."""
+    """Mapping (keys and values) in a YAML file; errors call the file `name`, by default its path. Raises SceneError."""
     name = name or display_path(path)
     try:
         return parse_mapping(read_text(path, MAX_TEXT_BYTES), name)
@@ -155,7 +155,7 @@ def read_mapping(path: Path, name: str | None = None) -> Node:
 
 
 def parse_mapping(content: str, name: str) -> Node:
-    """The mapping in a YAML text, called `name` in errors; raises SceneError if it is no YAML or no mapping."""
+    """Mapping (keys and values) in a YAML text, called `name` in errors; raises SceneError if it is anything else."""
     node = parse_yaml(content, Location(name, 1, 1))
     if node.data is None:
         raise SceneError([problem_at(Location(name, 1, 1), "", "this file is empty; a mapping was expected")])
@@ -166,7 +166,7 @@ def parse_mapping(content: str, name: str) -> Node:
 
 
 def parse_setting(text: str) -> tuple[str, Node]:
-    """Dotted key and value (parsed as YAML) of a command-line setting `key=value`; raises SceneError."""
+    """Dotted key and value of a command-line setting `key=value`, the value parsed as YAML; raises SceneError."""
     key, equals, value = text.partition("=")
     location = Location(f"--set {text}")
     if not equals or not key.strip():
@@ -177,7 +177,7 @@ def parse_setting(text: str) -> tuple[str, Node]:
 
 
 def parse_yaml(text: str, start: Location) -> Node:
-    """Parse a YAML text, whose beginning has the location `start`, into nodes with locations. Raises SceneError."""
+    """Parse a YAML text into nodes; `start`: location of its first character. Raises SceneError."""
     import yaml
 
     try:
@@ -201,13 +201,13 @@ def parse_yaml(text: str, start: Location) -> Node:
 
 
 def mark_location(start: Location, mark: Any) -> Location:
-    """Location of a PyYAML mark (line and column from 0) in a text; the text's own, `start`, if that has no line."""
+    """Location of a PyYAML mark (line and column from 0) in a text; `start`, the text's own, if that has no line."""
     return start if start.line is None or mark is None else Location(start.file, mark.line + 1, mark.column + 1)
 
 
 @cache
 def yaml_loaders() -> tuple[Any, ...]:
-    """Loaders of PyYAML to try in turn: libyaml's, ten times as fast, where present, then the one in Python."""
+    """PyYAML's loaders to try in turn: libyaml's (ten times as fast) if present, then the one in Python."""
     import yaml
 
     bases = (yaml.CBaseLoader, yaml.BaseLoader) if yaml.__with_libyaml__ else (yaml.BaseLoader,)
@@ -215,13 +215,13 @@ def yaml_loaders() -> tuple[Any, ...]:
 
 
 def core_tag(loader: Any, kind: Any, text: str, implicit: Any) -> str:
-    """Type (null, bool, int, float or str) of an untagged scalar by the core schema of YAML 1.2; PyYAML calls it."""
+    """Type of an untagged scalar (null, bool, int, float or str) by the core schema of YAML 1.2; PyYAML calls this."""
     match = CORE_SCHEMA.fullmatch(text) if kind.id == "scalar" and implicit[0] else None
     return str(match.lastgroup) if match is not None else "str"
 
 
 def composed_tree(text: str, start: Location, candidates: Sequence[Any]) -> Any:
-    """PyYAML's tree of a text by the first of `candidates`, or if it fails the next; raises SceneError if too deep."""
+    """PyYAML's tree of a text, by the first loader of `candidates` that succeeds; raises SceneError if too deep."""
     import yaml
     from yaml.events import CollectionEndEvent, CollectionStartEvent
 
@@ -242,7 +242,7 @@ def composed_tree(text: str, start: Location, candidates: Sequence[Any]) -> Any:
 
 
 def unprintable_character(text: str, error: Any, start: Location) -> Problem:
-    """Problem of a character that YAML does not allow, with its location; `error`: PyYAML's ReaderError."""
+    """Problem that reports a character which YAML does not allow, with its location; `error`: PyYAML's ReaderError."""
     character = text[error.position : error.position + 1] or "?"
     before = text[: error.position].splitlines() or [""]
     location = start if start.line is None else Location(start.file, len(before), len(before[-1]) + 1)
@@ -262,7 +262,7 @@ def in_yaml(value: Any) -> str:
 
 
 def describe_value(value: Any) -> str:
-    """A plain value as text for messages, of at most 60 characters; of mappings and lists only the type."""
+    """Text on a value for messages, at most 60 characters long: of mappings and lists only the type."""
     if value is None or isinstance(value, bool):
         return in_yaml(value)
     if isinstance(value, dict):
@@ -277,7 +277,7 @@ def describe_value(value: Any) -> str:
 
 
 class _Reader:
-    """Converter of PyYAML's node tree to nodes with locations; merge keys are refused, as YAML 1.2 has none."""
+    """Converter of PyYAML's tree to nodes with locations; merge keys (<<) are refused, as YAML 1.2 has none."""
 
     def __init__(self, start: Location) -> None:
         self.start = start
@@ -289,12 +289,12 @@ class _Reader:
         return mark_location(self.start, tree.start_mark)
 
     def refuse(self, tree: Any, key: str, message: str) -> Node:
-        """Add a problem at a PyYAML node to `problems`, and return a node without a value in its place."""
+        """Add a problem at a PyYAML node to `problems`; returns a node without a value to stand in its place."""
         self.problems.append(problem_at(self.location(tree), key, message))
         return Node(None, self.location(tree), self.location(tree))
 
     def node(self, tree: Any, key: Any = None, path: str = "") -> Node:
-        """Convert a PyYAML node and all inside it; `key`: PyYAML node of its key; `path`: dotted key for messages."""
+        """Convert a PyYAML node and all in it; `key`: PyYAML node of its key; `path`: dotted key for messages."""
         location = self.location(tree)
         key_location = self.location(key) if key is not None else location
         if key is not None and tree.id == "scalar" and tree.value == "":
@@ -316,7 +316,7 @@ class _Reader:
         return Node(data, location, key_location)
 
     def mapping(self, tree: Any, path: str) -> dict[str, Node]:
-        """Convert a PyYAML mapping to nodes by key; keys that are no words or are repeated are refused."""
+        """Convert a PyYAML mapping to nodes by key; keys that are not words or occur twice are refused."""
         data: dict[str, Node] = {}
         for key, value in tree.value:
             if key.id != "scalar" or not key.value.isprintable() or len(key.value) > MAX_KEY_LENGTH:
@@ -335,7 +335,7 @@ class _Reader:
         return data
 
     def scalar(self, tree: Any, path: str) -> Any:
-        """Value of a PyYAML scalar by its type: None, bool, int, float or text; None after a problem."""
+        """Convert a PyYAML scalar by its type to None, bool, int, float or text; None after a problem."""
         kind = str(tree.tag).removeprefix("tag:yaml.org,2002:")
         text = tree.value
         if kind == "null":

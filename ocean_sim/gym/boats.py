@@ -18,7 +18,7 @@ WAVE_COUNT = 20  # of a random sea
 
 @dataclass(frozen=True)
 class Boat:
-    """Parameters of a boat: size, periods, damping, speed and rudder; by default of a yacht of 15 m and 30 t."""
+    """Parameters of a boat: size, periods, damping, speed and rudder; by default those of a yacht of 15 m and 30 t."""
 
     length: float = 15.0  # [m]
     breadth: float = 4.6  # [m]
@@ -38,7 +38,7 @@ class Boats:
     """Motion of n equal boats, each in a sea of m plane waves of her own."""
 
     def __init__(self, boat: Boat, n: int, m: int, depth: float) -> None:
-        """`n` boats, each with room for `m` waves, in water of one depth [m]; `begin` sets their seas."""
+        """`n` boats with `m` waves each, in water of one depth [m]; `begin` sets their seas."""
         self.boat, self.depth = boat, depth
         self.amplitude, self.phase, self.omega = np.zeros((n, m)), np.zeros((n, m)), np.ones((n, m))
         self.wavevector = np.ones((n, m, 2))
@@ -64,8 +64,8 @@ class Boats:
         return self.velocity[:, 1:]
 
     def begin(self, which: np.ndarray, seas: Sequence[waves.Components], heading: np.ndarray, speed: float) -> None:
-        """Start the boats in the mask `which` (n,) at the origin at `speed` [m/s], without heave, roll or pitch; each
-        takes the next of `seas` and of `heading` [rad]."""
+        """Start the boats in the mask `which` (n,) at the origin, with `speed` [m/s], without heave, roll or pitch;
+        they get the seas and headings [rad] in order."""
         for k, sea in zip(np.flatnonzero(which), seas):
             self.amplitude[k], self.phase[k], self.omega[k] = sea.amplitude, sea.phase, sea.omega
             self.wavevector[k] = sea.wavevector
@@ -78,7 +78,8 @@ class Boats:
         return np.stack([np.sin(self.heading), np.cos(self.heading)], axis=1)
 
     def wave_phases(self, place: np.ndarray, later: float) -> np.ndarray:
-        """Phases (n, m) [rad] of each boat's waves at her place (n, 2), x and z [m], `later` [s] from now."""
+        """Phases (n, m) [rad] of each boat's waves at `place` (n, 2), x and z [m] of a point each, `later` [s] from
+        now."""
         x, z = place[:, 0, None], place[:, 1, None]
         k = self.wavevector
         turns = k[:, :, 0] * x + k[:, :, 1] * z - self.omega * (self.time[:, None] + later) + self.phase
@@ -87,13 +88,14 @@ class Boats:
         return np.float32(2.0 * np.pi) * turns.astype(np.float32)
 
     def elevation_at_bow(self, later: float) -> np.ndarray:
-        """Elevation (n,) [m] at the bow `later` [s] from now, if the boat keeps her course and speed."""
+        """Elevation (n,) [m] under the bow `later` [s] from now, if the boat keeps her course and speed."""
         ahead = self.bow_direction()
         bow = self.place + ahead * (0.5 * self.boat.length + self.speed * later)[:, None]
         return (self.amplitude * np.cos(self.wave_phases(bow, later))).sum(axis=1)
 
     def wave_forcing(self) -> tuple[np.ndarray, np.ndarray]:
-        """Heave [m], roll and pitch [rad] (n, 3) in balance with the waves now; rate of turn (n,) [rad/s] by waves."""
+        """Heave [m], roll, pitch [rad] (n, 3) at rest in the waves of this moment; yaw rate (n,) [rad/s] by
+        waves."""
         ahead, boat = self.bow_direction(), self.boat
         along = (self.wavevector * ahead[:, None]).sum(axis=2)
         across = self.wavevector[:, :, 0] * ahead[:, 1, None] - self.wavevector[:, :, 1] * ahead[:, 0, None]  # to port
@@ -127,14 +129,14 @@ class Boats:
 
 
 def random_sea(height: float, period: float, heading_deg: float, depth: float, seed: int) -> waves.Components:
-    """WAVE_COUNT waves by `seed`: significant height [m], peak period [s], mean direction [deg], depth of water [m]."""
+    """Random sea of plane waves: significant height [m], peak period [s], mean direction [deg], water depth [m]."""
     sea = waves.Spectrum(significant_wave_height=1.0, peak_period=period, heading_deg=heading_deg, seed=seed)
     whole = sea.components(waves.heading_vector(heading_deg, 3), depth, count=WAVE_COUNT)
     return replace(whole, amplitude=height * whole.amplitude)
 
 
 def mean_over(half: np.ndarray) -> np.ndarray:
-    """Ratio of a wave's mean over a length to its middle value: sin(a) / a, a = `half`, phase [rad] over half of it."""
+    """Mean of a wave over a length, over its value in the middle: sin(a) / a; `half`: a, its phase [rad] at the end."""
     a = half.astype(np.float32)
     a = np.where(np.abs(a) < 1e-4, np.float32(1e-4), a)
     return np.sin(a) / a

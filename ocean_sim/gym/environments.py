@@ -43,7 +43,7 @@ def action_space() -> spaces.Box:
 
 
 class OceanVectorEnv(VectorEnv):
-    """Gymnasium environment of many boats, each in a random sea of her own; done boats restart at their next step."""
+    """Gymnasium environment of many boats, each in her own random sea; a boat that is done restarts one step later."""
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
 
@@ -55,7 +55,7 @@ class OceanVectorEnv(VectorEnv):
         period: float = 6.0,
         depth: float = 50.0,
     ) -> None:
-        """`height`, `period`: significant height [m] (0: calm), peak period [s] of the seas; `depth`: of water [m]."""
+        """Seas of significant `height` [m] (0: calm) and peak `period` [s] over a water `depth` [m]."""
         number("height", height, "m", 0.0)
         number("period", period, "s", MIN_PERIOD_AND_DEPTH)
         number("depth", depth, "m", MIN_PERIOD_AND_DEPTH)
@@ -77,7 +77,7 @@ class OceanVectorEnv(VectorEnv):
         return self.observations(), self.info()
 
     def begin(self, which: np.ndarray) -> None:
-        """Start an episode of the boats in mask `which` (n,): new sea, heading, heading to steer; at cruise speed."""
+        """Start an episode of the boats in mask `which` (n,), at cruise speed: new sea, heading, heading to steer."""
         count = int(which.sum())
         random = self.np_random
         headings, seeds = random.uniform(0.0, 360.0, count), random.integers(0, 2**31, count)
@@ -90,7 +90,7 @@ class OceanVectorEnv(VectorEnv):
         self.steps[which], self.done[which] = 0, False
 
     def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """Advance all boats by TIME_STEP with actions (n, 2), helm and throttle; return observations, rewards,
+        """Advance all boats by TIME_STEP with helm and throttle, `actions` (n, 2); returns observations, rewards,
         capsized, out of time, info. Raises Unsuited for another shape, ValueError for a value that is not finite."""
         actions = row_array("actions", actions, "helm, throttle")
         if len(actions) != self.num_envs:
@@ -112,13 +112,13 @@ class OceanVectorEnv(VectorEnv):
         return self.observations(), reward, over, late, self.info()
 
     def info(self) -> dict[str, Any]:
-        """Dict of `position` (n, 2), x and z [m], `heading` (n,) [rad], and Gymnasium's mask (n,) of each, all True."""
+        """Dict of `position` (n, 2), x and z [m], `heading` (n,) [rad], and a mask of each, all True, for Gymnasium."""
         known = np.ones(self.num_envs, dtype=bool)
         found = {"position": self.boats.place.copy(), "heading": self.boats.heading.copy()}
         return found | {f"_{name}": known for name in found}
 
     def observations(self) -> np.ndarray:
-        """Observations (n, OBSERVATION_SIZE) of all boats now, in the order of the module's docstring."""
+        """Observations (n, OBSERVATION_SIZE) of all boats; the module's docstring gives their order."""
         boats, off = self.boats, self.boats.heading - self.asked
         motions = [np.sin(off), np.cos(off), boats.speed / self.boat.cruise, boats.yaw_rate]
         motions += [*boats.rates.T, *boats.angles.T, boats.heave]
@@ -146,7 +146,7 @@ class OceanEnv(gymnasium.Env):
         return self.many.observations()[0], self.info()
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Advance by TIME_STEP with helm and throttle (2,); return observation, reward, capsized, out of time, info."""
+        """Advance by TIME_STEP with helm, throttle (2,); returns observation, reward, capsized, out of time, info."""
         seen, reward, over, late, _ = self.many.step(np.asarray(action)[None])
         return seen[0], float(reward[0]), bool(over[0]), bool(late[0]), self.info()
 

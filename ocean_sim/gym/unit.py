@@ -28,7 +28,7 @@ PARAMETERS = {"significant_height": 1.0, "peak_period": 6.0, "heading_deg": 0.0,
 
 
 class OceanBoat(Fmi2Slave):
-    """Functional mock-up unit of one boat; a communication step is cut into steps of at most MAX_STEP [s]."""
+    """Functional mock-up unit of one boat; it divides the master's steps into steps of at most MAX_STEP [s]."""
 
     author = "Ocean Sim"
     description = "A boat in a random sea"
@@ -54,7 +54,7 @@ class OceanBoat(Fmi2Slave):
         self.set_outputs()
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Advance the boat by `step_size` [s]; False, FMI's error, if an input is no number or the step is negative."""
+        """Advance the boat by `step_size` [s]; returns False (FMI: error) unless all is finite, and the step >= 0."""
         if not np.isfinite([self.helm, self.throttle, step_size]).all() or step_size < 0.0:
             return False
         orders = np.clip(float(self.helm), -1.0, 1.0), np.clip(float(self.throttle), 0.0, 1.0)
@@ -73,7 +73,8 @@ class OceanBoat(Fmi2Slave):
 
 
 def main(words: Sequence[str]) -> int:
-    """Write `OceanBoat.fmu` into the folder that the command-line words name; return the exit code, 2 on errors."""
+    """Write `OceanBoat.fmu` into the folder that the command line, `words`, names; returns the exit code, 2 on
+    error."""
     from pythonfmu.builder import FmuBuilder
 
     if len(words) > 1 or any(word.startswith("-") for word in words):

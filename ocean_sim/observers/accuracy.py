@@ -43,7 +43,8 @@ class Config(PeriodicConfig):
 
 
 class Accuracy(Observer, of=Config):
-    """Writes accuracy.csv: errors and balances of all water in float64; without particles, work and the time step."""
+    """Writes accuracy.csv: errors and balances summed over all water, in float64. Water without particles has only the
+    work of each force and the time step."""
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.every = config.every
@@ -83,7 +84,7 @@ class Accuracy(Observer, of=Config):
         )
 
     def column_meaning(self) -> dict[str, object]:
-        """Meaning of each column of accuracy.csv, or group of columns, by name, for the comment lines of the file."""
+        """Comment lines of accuracy.csv: the meaning of each column, or group of columns, by name."""
         given = " + ".join(f"work_{term}" for term in self.balance.outer_terms) or "0"
         if self.balance.driven:
             given += " + (work_gravity + potential energy gained), the work of forces that have no potential"
@@ -92,7 +93,7 @@ class Accuracy(Observer, of=Config):
         return meaning | {solver: solvers[solver] for solver in self.solvers}
 
     def balances(self, simulation: Simulation, totals: Totals) -> list[float]:
-        """Values of BALANCE_COLUMNS, then impulse [N s] and work [J] of each force since the start."""
+        """Values of the columns BALANCE_COLUMNS, then impulse [N s] and work [J] of each force since the start."""
         fluid = with_particles(simulation.fluid)
         n, mass = fluid.particles.count.now, fluid.particles.mass
         impulse, work, internal = fluid.impulse, fluid.work, fluid.internal_energy()
@@ -141,7 +142,8 @@ class Accuracy(Observer, of=Config):
 
 
 def highest_particles(basin: Basin, fluid: ParticleFluid) -> np.ndarray:
-    """(m, 3) points [m] half a spacing above the highest particle of each column of water, two spacings wide."""
+    """(m, 3) points [m]: the water is cut into vertical columns two spacings wide, and each column that has particles
+    gives the point half a spacing above its highest one."""
     x = fluid.particles.snapshot().position
     lower, size = np.array(basin.lower)[[0, 2]], np.subtract(basin.upper, basin.lower)[[0, 2]]
     counts = np.maximum(1, (size / (SURFACE_COLUMN_WIDTH * fluid.spacing) + 1.0e-6).astype(int))
@@ -155,6 +157,6 @@ def highest_particles(basin: Basin, fluid: ParticleFluid) -> np.ndarray:
 
 
 def surface_fit(surface: Surface, points: np.ndarray) -> tuple[float, float]:
-    """Mean and root mean square [m] of the height of a surface minus that of points x, y, z (m, 3) [m]."""
+    """Mean and root mean square [m] of the height of the drawn `surface` minus the heights of `points` (m, 3) [m]."""
     away = surface.elevations(points[:, [0, 2]]) - points[:, 1]
     return float(away.mean()), float(np.sqrt(np.square(away).mean()))

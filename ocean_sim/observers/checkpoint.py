@@ -82,7 +82,7 @@ class Checkpoint(Observer, of=Config):
 
 
 def roots(simulation: Simulation) -> dict[str, Any]:
-    """Objects from which a checkpoint saves all others: the simulation, and the observers that the scene names."""
+    """Objects through which a checkpoint finds all that it saves: the simulation, and observers named in the scene."""
     named = simulation.scene.observers
     return {"simulation": simulation, "observers": dict(zip(named, simulation.observers[: len(named)]))}
 
@@ -93,9 +93,9 @@ def versions() -> dict[str, str | None]:
 
 
 def restore(simulation: Simulation, kept: checkpoint_file.Checkpoint, folder: Path, changed: str = "") -> None:
-    """Put a newly built simulation into the state of a checkpoint of the same scene, with its files in `folder`.
-    `changed`: differences of this program from the one that made the checkpoint, which are written into every table.
-    Raises Mismatch; then nothing in the folder has changed, and the simulation is of no use."""
+    """Put a newly built simulation into the state of `kept`, a checkpoint of the same scene; its files are in `folder`.
+    `changed`: text on how the program differs from the one that made the checkpoint; every CSV file gets it. Raises
+    Mismatch: then the folder is unchanged, and the simulation must not be used."""
     try:
         state = Restorer(roots(simulation), kept.tree, kept.arrays, folder)
         state.cut()

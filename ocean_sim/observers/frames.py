@@ -57,7 +57,7 @@ class Config(PeriodicConfig):
     """Keep the positions and velocities of the particles, which `export` and pictures of particles need."""
 
     def point_count(self, preflight: Preflight) -> int:
-        """Number of points at which a frame stores the height of the water."""
+        """Number of grid points at which a frame stores the height of the water."""
         return grid_size(preflight.tank, self.spacing or preflight.fluid.point_spacing(preflight))
 
     def mismatches(self, preflight: Preflight) -> Problems:
@@ -153,8 +153,9 @@ class Frames(Observer, of=Config):
     def foam_arrays(
         self, simulation: Simulation, points: np.ndarray, elevation: np.ndarray, snapshot: "Snapshot | None"
     ) -> dict[str, np.ndarray]:
-        """Foam arrays of a frame at points x, z (n, 2) with heights `elevation` (nx, nz) [m]: white share, displacement
-        of its texture [m], velocity [m/s], drops; white share of the sea unless the water models it."""
+        """Foam arrays of a frame, by name: white share, displacement of the foam's texture [m], velocity [m/s], drops,
+        and the sea's white share unless the water models it. `points` (n, 2): x, z [m]; `elevation` (nx, nz): heights
+        [m]."""
         assert self.white is not None
         origin = points[0] - self.points[0]
         for field in (self.white, self.left):
@@ -184,8 +185,8 @@ class Frames(Observer, of=Config):
         return shown | {"surface_velocity": velocity}
 
     def leave_wakes(self, time: float, low: np.ndarray, velocity: np.ndarray) -> None:
-        """Advance the foam of wakes to a time [s], carried with a velocity (nx, nz, 2) [m/s], and whiten the water over
-        which the sterns of ships have gone since; `low` (2,): first of the points x, z [m]."""
+        """Advance the foam of ships' wakes to a `time` [s]: carry it with the surface `velocity` (nx, nz, 2) [m/s], and
+        add new foam where sterns have passed since the last call. `low` (2,): x, z [m] of the first grid point."""
         step = time - self.left.time
         self.left.advance(time, velocity, None)
         for ship, (breadth, length) in zip(self.ships, self.sizes, strict=True):
@@ -200,8 +201,8 @@ class Frames(Observer, of=Config):
     def fly_drops(
         self, simulation: Simulation, place: np.ndarray, velocity: np.ndarray, snapshot: "Snapshot | None", wind: float
     ) -> np.ndarray:
-        """Parcels (n, 9) of drops in the air (see `spray.Spray`), from the surface at points `place` (nx, nz, 3) [m]
-        with velocities (nx, nz, 3) [m/s], the particles and the `wind` at 10 m [m/s]."""
+        """Advance the spray; returns its drops, (n, 9) as in `spray.Spray`. They leave foam, fast particles and bows.
+        `place`, `velocity` (nx, nz, 3): surface points [m], their velocities [m/s]; `wind`: speed at 10 m [m/s]."""
         from scipy.ndimage import minimum_filter
 
         assert self.white is not None
@@ -236,7 +237,8 @@ class Frames(Observer, of=Config):
     def breaking_heights(
         self, simulation: Simulation, points: np.ndarray, elevation: np.ndarray, origin: np.ndarray
     ) -> np.ndarray:
-        """Heights (nx, nz) [m] at `points` around `origin` without ships, at whose hulls false foam would gather."""
+        """Heights (nx, nz) [m] from which breaking is judged: `elevation` at `points` x, z (n, 2) around `origin`,
+        without the disturbance by ships, whose hulls would count as breaking crests."""
         if not self.ships:
             return elevation
         undisturbed = simulation.fluid.undisturbed_elevations(points, elevation.ravel())
@@ -252,7 +254,7 @@ class Frames(Observer, of=Config):
         return foam.levelled_heights(elevation, inside.reshape(self.shape), widest / self.cell)
 
     def whiten_past_sea(self, simulation: Simulation, points: np.ndarray) -> None:
-        """Form the foam of a sea in closed form at points x, z (n, 2) [m] from its past: all would else begin now."""
+        """Form the foam that a sea in closed form would have left at points x, z (n, 2) [m] before the run began."""
         sea, begins = simulation.fluid.plane_waves, simulation.time
         if sea is None or sea.ramp_share(begins) < 1.0:
             return
@@ -263,8 +265,8 @@ class Frames(Observer, of=Config):
             self.advance_foam(time, elevation, velocity, wind)
 
     def advance_foam(self, time: float, elevation: np.ndarray | None, velocity: np.ndarray, wind: float) -> None:
-        """Advance the foam to a time [s], carried with a velocity (nx, nz, 3) [m/s]. New foam forms on crests of the
-        heights `elevation` (nx, nz) [m], unless None, up to the cover that belongs to a wind speed `wind` [m/s]."""
+        """Advance the foam to a `time` [s]: carry it with the `velocity` (nx, nz, 3) [m/s], and form new foam on crests
+        of the heights `elevation` (nx, nz) [m], unless None, up to the cover usual at this `wind` speed [m/s]."""
         assert self.white is not None
         source = None
         if elevation is not None and velocity.any():  # a column before its release does not break
@@ -273,11 +275,12 @@ class Frames(Observer, of=Config):
         self.white.advance(time, velocity[..., [0, 2]], source, wanted)
 
     def origin(self) -> np.ndarray:
-        """(2,) x, z [m] of the middle of a frame's points: near the ships in 3-D, by whole cells; else of the basin."""
+        """(2,) x, z [m] of a frame's middle: in 3-D it follows the ships by whole cells; without any, the basin's
+        origin."""
         return middle_cell(self.ships, self.cell) if self.ships and self.cell.all() else np.zeros(2)
 
     def resumed(self, changed: str) -> None:
-        """Delete frames later than the state from which the run continues."""
+        """Delete the frames that are later than the checkpoint from which the run continues."""
         for path in self.folder.glob("frame_*.npz"):
             if int(path.stem.removeprefix("frame_")) >= self.count:
                 path.unlink()
@@ -290,7 +293,8 @@ class Frames(Observer, of=Config):
 
 
 def move_triangles(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) -> "Mesh":
-    """Copy of a surface mesh between periodic sides, each triangle moved by whole periods next to `origin` x, z [m]."""
+    """Copy of a surface `mesh` in a periodic basin, each triangle moved by whole periods to its image nearest to
+    `origin` (x, z) [m]. `period`: of the basin along each axis [m], 0 if none."""
     corners = mesh.vertices[mesh.triangles]
     shift = np.repeat(shifts(corners.mean(axis=1), origin, period), 3, axis=0)
     at = np.column_stack([mesh.triangles.ravel(), np.round(shift, 6)])
@@ -302,8 +306,8 @@ def move_triangles(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) ->
 
 
 def topmost_velocity(snapshot: "Snapshot", points: np.ndarray, top: np.ndarray, period: Sequence[float]) -> np.ndarray:
-    """(nx, nz, 3) mean velocity [m/s] of the particles above the heights `top` (nx, nz) [m] in the cells of `points`
-    (n, 2), or in the eight cells around where one has none; `period`: of the basin along each axis [m], 0 if none."""
+    """(nx, nz, 3) mean velocity [m/s] of the particles above the heights `top` (nx, nz) [m], in each cell of `points`
+    (n, 2); an empty cell takes that of its neighbours. `period`: of the basin along each axis [m], 0 if none."""
     high = np.flatnonzero(snapshot.position[:, 1] > top.min())  # all others lie lower
     x = snapshot.position.take(high, axis=0).astype(float)
     if any(period):
@@ -320,7 +324,8 @@ def topmost_velocity(snapshot: "Snapshot", points: np.ndarray, top: np.ndarray, 
 
 
 def fill_unknown(values: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """(nx, nz, m) values; one not `known` (nx, nz) becomes the mean of known ones in the 8 cells around, else 0."""
+    """Copy of `values` (nx, nz, m) with gaps filled: a value that is not `known` (nx, nz) becomes the mean of the known
+    ones in the 8 cells around, or 0 without any."""
     from scipy.ndimage import uniform_filter
 
     if known.all():

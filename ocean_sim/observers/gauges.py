@@ -31,7 +31,7 @@ RIDING_PHRASE = " from the middle of what it rides with"
 
 
 class Wave(Model):
-    """A gauge of the height of the water, which may ride."""
+    """A gauge of the height of the water, which may ride: move with a ship or a patch of open sea."""
 
     at: Column = quantity("m")
     """Place [x, z]; in 2-D [x]."""
@@ -41,8 +41,8 @@ class Wave(Model):
 
 
 class Runup(Model):
-    """A gauge of the height to which water runs up the bed, along a line over it: the highest place that the water
-    touches, with no dry gap down to the lowest."""
+    """A gauge of the height to which water runs up the bed along a line: the highest point of the bed that is wet, if
+    all points below it on the line are wet, too."""
 
     along: Literal["x", "z"] = "x"
     """The axis along which the water runs up."""
@@ -50,7 +50,7 @@ class Runup(Model):
     """Coordinate of the line across that axis; null: the middle of the basin."""
 
     def problem(self, basin: Basin) -> str | None:
-        """Reason that nothing can run up along this line of a basin; None if it can."""
+        """Reason why no run-up can be measured along this line in a basin; None if it can."""
         if basin.ground is None:
             return "this bed is flat: water runs up one with basin.floor.profile"
         if basin.dimension == 2 and (self.along == "z" or self.at is not None):
@@ -58,7 +58,7 @@ class Runup(Model):
         return None if self.at is None else outside_reason((self.at,), "z" if self.along == "x" else "x", basin)
 
     def height(self, position: np.ndarray, basin: Basin, spacing: float) -> float:
-        """Height [m] that particles at `position` (n, 3) [m] of a `spacing` [m] reach on the bed; NaN without any."""
+        """Highest point [m] of the bed that the water reaches on this line; NaN if dry. `position`: (n, 3) [m]."""
         assert basin.ground is not None  # see `problem`
         along, across = (0, 2) if self.along == "x" else (2, 0)
         beside = position[np.abs(position[:, across] - (self.at or 0.0)) <= spacing]
@@ -66,7 +66,8 @@ class Runup(Model):
 
 
 class Sensor(Model):
-    """A pressure sensor, which may have a face flush with a wall, and may ride."""
+    """A pressure sensor, which may have a face flush with a wall, and may ride: move with a ship or a patch of open
+    sea."""
 
     at: Point = quantity("m")
     """The middle of its face [x, y, z]; in 2-D [x, y]."""
@@ -80,14 +81,14 @@ class Sensor(Model):
     without turning."""
 
     def face_normal(self, basin: Basin) -> np.ndarray | None:
-        """(3,) unit normal of the sensor's face; None if neither key `normal` nor a side or obstacle determines one."""
+        """(3,) unit normal of the sensor's face: key `normal`, else that of the nearest wall; None without both."""
         if self.normal is not None:
             across = in_space(self.normal)
             return across / np.linalg.norm(across) if across.any() else None
         return nearest_normal(in_space(self.at), basin)
 
     def face_points(self, basin: Basin) -> np.ndarray:
-        """(n, 3) points [m] on the face whose mean pressure the sensor reads; without a diameter only its middle."""
+        """(n, 3) points [m] on the sensor's face; it reads their mean pressure. Without a diameter, only its middle."""
         middle, across = in_space(self.at), self.face_normal(basin)
         if not self.diameter or across is None:
             return middle[None]
@@ -111,7 +112,7 @@ def disc_points() -> np.ndarray:
 
 
 def nearest_normal(point: np.ndarray, basin: Basin) -> np.ndarray | None:
-    """(3,) unit normal of the side, face of an obstacle or place of the bed nearest to a point (3,) [m], or None."""
+    """(3,) unit normal of the side, obstacle face or spot of the bed nearest to a point (3,) [m]; None without any."""
     found = [(abs(point[side.axis] - side.position), np.eye(3)[side.axis]) for side in basin.sides]
     for low, high in basin.fixed:
         beyond = np.maximum(np.maximum(np.array(low) - point, point - np.array(high)), 0.0)
@@ -172,7 +173,7 @@ class Config(PeriodicConfig):
         return [*waves, *(("pressure", name) for name, sensor in self.sensors.items() if sensor.rides)]
 
     def misplaced_gauges(self, basin: Basin) -> Problems:
-        """Faults (key, sentence) of gauges outside the water, or with an impossible face or line, in this basin."""
+        """Problems (key, sentence) of gauges that are outside the water or have an impossible face or line."""
         points: dict[Key, tuple[tuple[float, ...], str]]
         points = {("elevation", name): (wave.at, "xz") for name, wave in self.waves.items()}
         sensors: dict[Key, Sensor] = {("pressure", name): sensor for name, sensor in self.sensors.items()}
@@ -187,12 +188,12 @@ class Config(PeriodicConfig):
 
     @property
     def waves(self) -> dict[str, Wave]:
-        """Gauges of elevation by name; a point in the scene becomes a fixed gauge there."""
+        """Wave gauges by name; a point given in the scene becomes a fixed gauge at that point."""
         return {n: w if isinstance(w, Wave) else Wave(at=w) for n, w in self.elevation.items()}
 
     @property
     def sensors(self) -> dict[str, Sensor]:
-        """Pressure sensors by name; a point in the scene becomes a sensor there without a face."""
+        """Pressure sensors by name; a point given in the scene becomes a sensor at that point without a face."""
         return {n: s if isinstance(s, Sensor) else Sensor(at=s) for n, s in self.pressure.items()}
 
 
@@ -206,7 +207,8 @@ def riding_problem(preflight: Preflight) -> str | None:
 
 
 def outside_reason(point: tuple[float, ...], axes: str, basin: Basin) -> str | None:
-    """Reason that a point (coordinates along `axes`) is outside the basin; None if inside, or above an open one."""
+    """Reason why a point, by its coordinates along `axes`, is outside the basin; None if inside, or above an open
+    one."""
     wanted = axes if basin.dimension == 3 else axes.replace("z", "")
     if len(point) != len(wanted):
         slice_ = "" if basin.dimension == 3 else ", the basin is 2-D"
@@ -222,7 +224,7 @@ def outside_reason(point: tuple[float, ...], axes: str, basin: Basin) -> str | N
 
 
 def face_problem(sensor: Sensor, basin: Basin) -> str | None:
-    """Reason that a sensor, whose middle is in the basin, cannot have the face of its keys; None if it can."""
+    """Reason why a sensor whose middle is in the basin cannot have the face that its keys describe; None if it can."""
     wanted = "xyz"[: basin.dimension]
     if sensor.normal is not None and len(sensor.normal) != len(wanted):
         return f"the normal {list(sensor.normal)} should be [{', '.join(wanted)}]"
@@ -241,7 +243,7 @@ def face_problem(sensor: Sensor, basin: Basin) -> str | None:
 
 
 def sensor_description(sensor: Sensor, points: int) -> str:
-    """Text on a sensor's position and face for the comment lines of gauges.csv; `points`: their number in its mean."""
+    """Text on a sensor's position and face for the comment lines of gauges.csv; `points`: their number on its face."""
     place = f"{list(sensor.at)} m{RIDING_PHRASE if sensor.rides else ''}"
     if points == 1:
         return f"pressure at {place}"
@@ -249,7 +251,7 @@ def sensor_description(sensor: Sensor, points: int) -> str:
 
 
 def hydrostatic_offset(simulation: Simulation) -> dict[str, object]:
-    """Comment line of the table, by name, on the sinking of the surface by the water's own weight; empty if none."""
+    """Comment line of gauges.csv, by name: how far the water's own weight lowers the surface; empty if it does not."""
     if not simulation.fluid.surface_drop:
         return {}
     by = f"{simulation.fluid.surface_drop:.4g} m where it is deepest, g h^2 / (2 c^2) of a column of height h"
@@ -257,7 +259,8 @@ def hydrostatic_offset(simulation: Simulation) -> dict[str, object]:
 
 
 def dry_tops(obstacles: Sequence[Corners], columns: np.ndarray, heights: np.ndarray) -> np.ndarray:
-    """(n,) `heights` [m] of the water at columns x, z (n, 2) [m], or of the top of an obstacle that is dry there."""
+    """(n,) heights [m] that gauges read at columns x, z (n, 2) [m]: the top of an obstacle that stands there above the
+    water, else the water's own, `heights`. `obstacles`: lower and upper corners of boxes."""
     for low, up in sorted(obstacles, key=lambda box: box[0][1]):
         over = ((columns >= np.array(low)[[0, 2]]) & (columns <= np.array(up)[[0, 2]])).all(axis=1)
         heights = np.where(over & (heights >= low[1] - BOX_ROUNDING) & (heights < up[1]), up[1], heights)

@@ -65,7 +65,8 @@ class Config(PeriodicConfig):
 
 
 class Health(OutcomeObserver, of=Config):
-    """Checks the water after every step and raises Diverged; logs start, limits, clipping and end in events.jsonl."""
+    """Checks the water after every step and raises Diverged if it left the physical world; events.jsonl lists the run's
+    events."""
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.config, self.every, self.simulation = config, config.every, simulation
@@ -143,7 +144,7 @@ class Health(OutcomeObserver, of=Config):
             self.note_clipping(simulation)
 
     def begin(self, simulation: Simulation) -> None:
-        """Store energies, momentum, level and symmetry of the first state, with which later states are compared."""
+        """Store energies, momentum, water level and symmetry of the first state, to compare later ones with."""
         self.begun = True
         water = with_particles(simulation.fluid)
         totals, particles = water.totals(), water.particles
@@ -164,22 +165,22 @@ class Health(OutcomeObserver, of=Config):
                 self.unexplained_energy(self.balance, totals)
 
     def is_suspicious(self) -> bool:
-        """True if speed or density, by the summary of the last step, is out of bounds or not a number."""
+        """True if the greatest speed or density of the last step, which the fluid reports, is out of bounds or NaN."""
         status = self.simulation.fluid.status
         dense = self.is_too_dense(status.max_density) or self.has_no_density(status.min_density)
         return not status.finite or not status.max_speed <= self.max_speed or dense
 
     def is_too_dense(self, density: float) -> bool:
-        """True if a density [kg/m3] exceeds its bound; a fluid without sound speed may have any density."""
+        """True if a density [kg/m3] exceeds its bound; a fluid without sound speed has no bound."""
         fluid = self.simulation.fluid
         return fluid.sound_speed > 0.0 and not density <= self.config.max_density_ratio * fluid.rest_density
 
     def has_no_density(self, density: float) -> bool:
-        """True if a density [kg/m3] is not positive, as a scheme that integrates the density can make it."""
+        """True if a density [kg/m3] is zero or negative, which can happen where a scheme integrates density in time."""
         return self.simulation.fluid.sound_speed > 0.0 and not density > 0.0
 
     def violations(self) -> Iterator[str]:
-        """Yield a sentence for each violated bound, worst kind first; record lesser faults of the water as events."""
+        """Yield a sentence for each violated bound, worst kind first; faults too small to end the run become events."""
         fluid, basin = with_particles(self.simulation.fluid), self.simulation.basin
         particles, totals = fluid.particles, fluid.totals()
         within = bool((totals.lower >= self.lower).all() and (totals.upper <= self.upper).all())
@@ -210,7 +211,7 @@ class Health(OutcomeObserver, of=Config):
         yield from self.energy_violations(totals)
 
     def violations_of_particles(self) -> Iterator[str]:
-        """Yield a sentence about each bound that a particle violates, after a check of every particle."""
+        """Yield a sentence for each bound that some particle violates; reads all particles, so it is slow."""
         fluid = with_particles(self.simulation.fluid)
         particles, status = fluid.particles, fluid.status
         position = particles.position.to_numpy().astype(np.float64)
@@ -252,20 +253,20 @@ class Health(OutcomeObserver, of=Config):
             self.reported.append(name)
 
     def report_excess(self, name: str, measure: str, value: float, bound: float) -> None:
-        """Record an event of this name, the first time only, if the size of a measured value exceeds its bound."""
+        """Record the event `name`, the first time only, if abs(value) exceeds `bound`; `measure`: the value's name."""
         if not abs(value) <= bound:
             self.record_once(name, **{measure: float(f"{value:.3g}")}, bound=bound)
 
     def record_change(self, kind: str, value: object, name: str, **facts: object) -> None:
-        """Record the event `name` if the `value` of a kind has changed, at most every EVENT_INTERVAL for each."""
+        """Record the event `name` if `value` has changed; at most one in EVENT_INTERVAL [s] of each `kind`, a key."""
         due = self.simulation.time >= self.event_times[kind] + EVENT_INTERVAL
         if due and value != self.recorded[kind]:
             self.record_event(name, **facts)
             self.event_times[kind], self.recorded[kind] = self.simulation.time, value
 
     def note_work(self, totals: Totals) -> None:
-        """Record an event if the water has energy that no force has given: over its energy scale, the highest kinetic
-        energy so far and the work of what drives it, gravity included."""
+        """Record an event if the water has too much energy that no force has given, as a share of its energy scale plus
+        the highest kinetic energy so far plus the work of the forces that drive it, gravity included."""
         if self.balance is not None and not self.simulation.fluid.status.clipped:
             work, moving = self.simulation.fluid.work, kinetic_and_potential(self.simulation, totals)[0]
             self.highest_motion = max(self.highest_motion, moving)
@@ -274,7 +275,7 @@ class Health(OutcomeObserver, of=Config):
             self.report_excess("energy that no work has given", "over_all_work", share, WORK_REPORTED)
 
     def unexplained_energy(self, balance: Balance, totals: Totals) -> float:
-        """Energy [J] that no force has given to the water since the first check, or since a change of stiffness."""
+        """Energy [J] gained by the water minus the work of forces, since the first check or a change of stiffness."""
         fluid = self.simulation.fluid
         if fluid.sound_speed != self.stiffness:  # a person has changed the stiffness
             balance.at_first, self.stiffness = None, fluid.sound_speed
@@ -286,8 +287,8 @@ class Health(OutcomeObserver, of=Config):
         return sum(kinetic_and_potential(self.simulation, totals)), self.simulation.fluid.internal_energy()
 
     def energy_violations(self, totals: Totals) -> Iterator[str]:
-        """Yield a sentence for each excess of energy that no force has given: an unstable scheme makes energy long
-        before a particle is out of bounds, and the first lattice of a stiff one turns compression into motion."""
+        """Yield a sentence for each excess of energy over the work of forces. An unstable scheme gains energy long
+        before a particle is out of bounds; in stiff water the first lattice may turn its compression into motion."""
         if self.judges_energy:
             fluid, bound = self.simulation.fluid, self.config.max_energy_gain
             scale = with_particles(fluid).particles.mass * self.n * fluid.reference_speed**2
@@ -305,17 +306,17 @@ class Health(OutcomeObserver, of=Config):
                 yield self.failure_sentence(what, self.suggest_cure())
 
     def failure_sentence(self, what: str, cure: str) -> str:
-        """Sentence for the user on the failure `what`, its time and cure, and the file of the last good state."""
+        """Sentence for the user: the failure `what`, its time, how to avoid it (`cure`), the last good frame file."""
         simulation = self.simulation
         return f"{what}, t = {simulation.time:.4f} s, step {simulation.steps}; {cure}{self.name_last_frame()}"
 
     def describe_failure(self, what: str, position: np.ndarray, worst: Iterable[int]) -> str:
-        """Sentence for the user on the failure `what`, with positions [m] of the worst particles, given by index."""
+        """Sentence for the user: the failure `what`, and `position` [m] of the particles with indices `worst`."""
         where = "".join(f" at ({', '.join(f'{x:.4g}' for x in position[i])}) m" for i in worst)
         return self.failure_sentence(f"{what}{where}", self.suggest_cure())
 
     def suggest_cure(self) -> str:
-        """Advice to the user against the likeliest cause of a failure, such as a stiffness or a shorter step."""
+        """Advice to the user on avoiding the likeliest cause of a failure, such as a stiffness or a shorter step."""
         fluid, basin, scene = self.simulation.fluid, self.simulation.basin, self.simulation.scene
         pull = float(np.linalg.norm(basin.gravity))
         if fluid.sound_speed == 0.0:
@@ -341,7 +342,7 @@ class Health(OutcomeObserver, of=Config):
         return f"; the last picture before is frames/{frames[-1].name}" if frames else ""
 
     def judge_hulls(self, simulation: Simulation) -> None:
-        """Raise Diverged if two hulls overlap, since contact between hulls is not modelled."""
+        """Raise Diverged if the hulls of two ships overlap: contact between hulls is not modelled."""
         if len(simulation.ships) < 2:
             return
         outlines = [(name, ship.outline()) for name, ship in simulation.ships.items()]
@@ -357,7 +358,7 @@ class Health(OutcomeObserver, of=Config):
                 raise Diverged(self.failure_sentence(f"{what} ({x:.4g}, {z:.4g}) m", cure))
 
     def note_rim(self, simulation: Simulation) -> None:
-        """Record an event if one of several ships is in the patch's rim, the relaxation zone to the open sea."""
+        """Record an event if one of several ships is in the patch's rim, where water is relaxed to the open sea."""
         if len(simulation.ships) < 2:
             return
         at = np.array([ship.body.position[[0, 2]] for ship in simulation.ships.values()])
@@ -367,7 +368,7 @@ class Health(OutcomeObserver, of=Config):
                 self.record_once(event, **ship_facts(name, ship))
 
     def note_ships(self, simulation: Simulation) -> None:
-        """Record an event if a keel touches the bed, a whole hull leaves the water, or meets it again."""
+        """Record an event for each ship whose keel touches the bed, or which leaves the water or meets it again."""
         for name, ship in simulation.ships.items():
             grounding, flight = f"grounding of {name}", f"flight of {name}"
             if ship.airborne:
@@ -381,7 +382,7 @@ class Health(OutcomeObserver, of=Config):
             self.record_change(flight, ship.airborne, event, **facts, speed_m_s=speed)
 
     def note_clipping(self, simulation: Simulation) -> None:
-        """Record an event if `motion_limit` has held more particles back."""
+        """Record an event if `motion_limit`, the limit on a particle's step, has held more particles back."""
         clipped = simulation.fluid.status.clipped
         if simulation.outcome != "running":
             self.event_times["clipped"] = -EVENT_INTERVAL
@@ -397,7 +398,7 @@ class Health(OutcomeObserver, of=Config):
             self.events.close()
 
     def amend(self) -> None:
-        """Write the end of the run once more, as the last event."""
+        """Write the event of the run's end once more, since files made after the run may have changed the outcome."""
         if self.events is not None:
             self.events = Path(self.events.name).open("a", encoding="utf-8")
             self.close()

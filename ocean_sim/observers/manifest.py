@@ -56,7 +56,7 @@ class Manifest(OutcomeObserver, of=Config):
         self.write()
 
     def resumed(self, changed: str) -> None:
-        """Add to the manifest the time at which the run was resumed, and the change of the program since."""
+        """Add to the manifest the time at which the run was resumed, and `changed`, how the program differs since."""
         before, now = input_file.read_json(self.path), round(self.simulation.time, 9)
         self.facts["resumed_s"] = [*before.get("resumed_s", []), now]
         changes = [each for each in before.get("changed", []) if each["from_s"] < now]
@@ -83,7 +83,7 @@ class Manifest(OutcomeObserver, of=Config):
         self.close()
 
     def write(self) -> None:
-        """Write the manifest; files that other programs have added to its list stay in it."""
+        """Write the manifest; files that other programs have added to the list on disk since stay in it."""
         if before := run_files.read_manifest(self.path.parent):
             self.facts["files"] = sorted({*self.facts["files"], *run_files.listed_files(before)})
         write_facts(self.path, self.facts)
@@ -94,7 +94,7 @@ def sha256(data: bytes) -> str:
 
 
 def state_sha256(simulation: Simulation) -> str:
-    """SHA-256 of the final particles, by id, and ships; without particles, of heights along the basin's diagonal."""
+    """SHA-256 of the final particles, sorted by id, and ships; without particles, of heights along a basin diagonal."""
     particles = simulation.fluid.particles
     if particles is None:
         points = np.linspace(simulation.basin.lower, simulation.basin.upper, 101)[:, [0, 2]]

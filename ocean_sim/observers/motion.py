@@ -46,7 +46,7 @@ def log_name(ship: str) -> str:
 
 
 def log_columns(parts: tuple[str, ...]) -> tuple[str, ...]:
-    """Column names of the motion log of a ship whose load is the sum of these parts, such as `buoyancy`."""
+    """Column names of a ship's motion log; `parts`: names of the parts of her load, such as `buoyancy`."""
     return (
         "time_s",
         "seq",
@@ -115,8 +115,8 @@ class Motion(Observer, of=Config):
 
 
 class Log:
-    """Motion log of one ship. Its rows, computed in batches unless awaited, are interpolated between moments: states of
-    the ship after a step. A load is known one step later, as a step computes it at its beginning."""
+    """Motion log of one ship. It stores her state after each step (a "moment") and interpolates rows between moments,
+    in batches unless another observer waits for them. The load at a moment is known only after the next step."""
 
     last: "tuple[float, RigidBody, tuple[float, float]] | None"  # the newest time, body and orders
 
@@ -146,7 +146,7 @@ class Log:
         self.last = simulation.time, self.ship.body, self.ship.orders
 
     def complete(self, simulation: Simulation) -> None:
-        """Store the last state of the ship, whose load is known only now, and write the rows that it completes."""
+        """Store the moment before this one, whose load is known only now, and write the rows that it completes."""
         if self.last is None:
             return
         (time, body, orders), ship = self.last, self.ship
@@ -167,7 +167,7 @@ class Log:
             self.write(simulation)
 
     def write(self, simulation: Simulation) -> None:
-        """Write the due rows, interpolated between stored states of the ship; the last one begins the next batch."""
+        """Write all due rows, interpolated between the stored moments; the last moment begins the next batch."""
         moments = self.moments[: self.seen]
         moments[:, QUATERNION] = continuous_signs(moments[:, QUATERNION].T).T
         columns = moments[:, : MOMENT.size].T
@@ -189,14 +189,15 @@ class Log:
             self.hand_rows_on(rows, simulation)
 
     def hand_rows_on(self, rows: list[str], simulation: Simulation) -> None:
-        """Give the text of new rows to the observers that take them, as numbers rounded like those in the file."""
+        """Give new rows to the observers that take the motion log, as numbers rounded like those in the file."""
         for observer in (each for each in simulation.observers if isinstance(each, TakesMotion)):
             cells = [row.split(",", self.motion_columns)[: self.motion_columns] for row in rows]
             table = np.array([[float(number) for number in row] for row in cells]).T
             observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)
 
     def load_table(self, body: Attitude, acceleration: np.ndarray, turning: np.ndarray, rest: np.ndarray) -> np.ndarray:
-        """(n, m) accelerations, specific forces, loads, orders at n moments; `rest`: orders and loads (n, k)."""
+        """(n, m) accelerations, specific forces, loads and orders at n moments. `acceleration`, `turning` (3, n):
+        linear [m/s2] and angular [rad/s2]; `rest` (n, k): throttle, rudder, then each part of the load."""
         felt = body.point_acceleration(self.arm, acceleration, turning)
         specific = to_frame(self.frame, body.to_body(felt - self.gravity[:, None]).T)
         orders, parts = rest[:, :2], rest[:, 2:].reshape(len(rest), -1, 6)
@@ -206,7 +207,7 @@ class Log:
         return np.concatenate([along, specific, loads.reshape(len(rest), -1), orders], axis=1)
 
     def motion_table(self, track: Track) -> np.ndarray:
-        """(16, n) positions [m], angles [rad], quaternions, velocities [m/s], rates [rad/s] in the log's frame."""
+        """(16, n) positions [m], angles [rad], quaternions, velocities [m/s], rates [rad/s], in the log's axes."""
         body, signs = attitude_of(track), self.signs[:, None]
         q = body.orientation
         pose, speed = (track.place[:3], body.angles), (track.velocity[:3], body.to_body(body.spin))
@@ -214,7 +215,7 @@ class Log:
         return np.concatenate([*(signs * x for x in pose), *turn, *(signs * x for x in speed)])
 
     def close(self, simulation: Simulation) -> None:
-        """Write the last rows, with the load of the step before, and close the file."""
+        """Write the last rows, for which the load of the step before is taken, and close the file."""
         self.complete(simulation)
         if self.due:
             self.write(simulation)

@@ -27,7 +27,7 @@ def heading(every: float, frame: str = PLATFORM_FRAME) -> dict[str, object]:
 
 
 class PlatformLog(Observer, TakesMotion, of=Config):
-    """Writes platform.csv from rows of the motion log, equal to that of `ocean-sim platform` from the whole log."""
+    """Writes platform.csv during a run, with the rows that `ocean-sim platform` makes from the whole motion log."""
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         scene, self.simulation = simulation.scene, simulation

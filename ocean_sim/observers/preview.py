@@ -57,7 +57,7 @@ class Config(PeriodicConfig):
         return [] if self.ship is None else preflight.unknown_ship(self.ship)
 
     def first_panel(self) -> Panel:
-        """Panel with the camera, content and ship of these keys."""
+        """Panel (controls of the window) with the camera, content and ship that these keys choose."""
         return Panel(self.camera, self.content, self.ship or "", hidden=not self.panel)
 
 
@@ -93,7 +93,7 @@ class Preview(Observer, of=Config):
 
 
 class Buffer:
-    """Taichi field of vectors or whole numbers that GGUI reads; it grows if more values are put into it."""
+    """Taichi field of vectors or whole numbers from which GGUI draws; it grows if more values are put into it."""
 
     def __init__(self, length: int = 3) -> None:
         """`length`: components of each vector; 0: a field of whole numbers."""
@@ -101,7 +101,7 @@ class Buffer:
         self.field: Any = None
 
     def put(self, values: np.ndarray) -> int:
-        """Copy (n, length) or (n,) values into the field; returns n. The rest repeats the last, as GGUI may draw it."""
+        """Copy (n, length) or (n,) values into the field; returns n. The last fills the rest, which GGUI may draw."""
         n = len(values)
         if self.field is None or self.field.shape[0] < n:
             room = max(64, 2 ** int(np.ceil(np.log2(max(n, 1)))))
@@ -114,8 +114,8 @@ class Buffer:
 
 
 class Mesh:
-    """Triangles in plain colours, in GGUI's buffers, placed by one unit transform: without any, GGUI's shader adds an
-    uninitialised buffer times zero, and a NaN in it makes the triangles vanish from the picture."""
+    """Triangles in plain colours, in fields that GGUI reads. They are drawn with one identity transform: without any,
+    GGUI's shader adds an uninitialised buffer times zero, and a NaN in it makes triangles vanish."""
 
     def __init__(self) -> None:
         self.transform = ti.Matrix.field(4, 4, ti.f32, 1)
@@ -123,7 +123,7 @@ class Mesh:
         self.vertices, self.normals, self.colours, self.corners = Buffer(), Buffer(), Buffer(), Buffer(0)
 
     def show(self, scene: Any, patch: Patch | None, wires: bool = False) -> None:
-        """Add a patch of triangles, unless None, to a scene of GGUI; `wires`: True to draw only their edges."""
+        """Add the triangles of a patch, unless None, to a GGUI scene; `wires`: True to draw only their edges."""
         if patch is None:
             return
         self.normals.put(np.broadcast_to([0.0, 1.0, 0.0], patch.vertices.shape))  # plain colours need none, GGUI does
@@ -167,7 +167,7 @@ class Screen:
         self.cursor: tuple[float, float] | None = None
 
     def watch(self, simulation: Simulation, panel: Panel) -> None:
-        """Draw a simulation from now on; the panel gets its cameras, contents and ships."""
+        """Draw this simulation from now on, and offer its cameras, contents and ships in the panel."""
         self.simulation, self.scene = simulation, PreviewScene(simulation)
         panel.offer(self.scene.cameras, self.scene.contents, tuple(simulation.ships))
 
@@ -205,7 +205,7 @@ class Screen:
                 box.text(panel.text(self.simulation, None if balls is None else self.scene.fastest, pace))
 
     def point_camera(self, panel: Panel) -> np.ndarray:
-        """Set the window's camera as the panel chooses it; returns the eye point (3,) [m]."""
+        """Place the window's camera as the panel chooses; returns the position of the eye (3,) [m]."""
         width, height = self.size
         covered = 0.0 if panel.hidden else (PANEL_WIDTH + 2 * PANEL_EDGE) / width
         camera = self.scene.camera(panel, width / height, covered)
@@ -219,7 +219,7 @@ class Screen:
         return camera.eye
 
     def show_balls(self, positions: np.ndarray, colours: np.ndarray, radius: float, eye: np.ndarray) -> None:
-        """Draw lit balls of a radius [m] for an eye [m], after the plain scene, which these lights would change."""
+        """Draw lit balls of a `radius` [m] for an eye [m]; call it last, as its lights would change all before."""
         self.lit.set_camera(self.camera)
         self.lit.ambient_light((0.55, 0.55, 0.55))
         self.lit.point_light(pos=tuple(eye + [-200.0, 300.0, -100.0]), color=(0.6, 0.6, 0.6))
@@ -229,11 +229,11 @@ class Screen:
         self.canvas.scene(self.lit)
 
     def image(self) -> np.ndarray:
-        """Picture (width, height, 3) in the window, 8-bit RGB; its first pixel is the lower left corner."""
+        """Picture (width, height, 3) in the window, 8-bit RGB; pixel [0, 0] is the lower left corner."""
         return (255.0 * self.window.get_image_buffer_as_numpy()[..., :3] + 0.5).astype(np.uint8)
 
     def listen(self, panel: Panel, seconds: float) -> None:
-        """Apply keys and mouse to the panel, as they were used in the last `seconds` of wall time."""
+        """Apply the user's keys and mouse moves to the panel; `seconds`: wall time since the last call."""
         panel.closed = panel.closed or not self.window.running
         for event in self.window.get_events(ti.ui.PRESS):
             panel.press(event.key)
@@ -251,7 +251,7 @@ class Screen:
             self.window.show()
 
     def close(self) -> None:
-        """Release the window, the scenes first: they live on its graphics device."""
+        """Release the window; its scenes come first, since they use its graphics device."""
         self.plain = self.lit = self.canvas = self.camera = None
         self.window.destroy()
         self.window = None

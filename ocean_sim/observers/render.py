@@ -92,7 +92,7 @@ class Config(Drawing, PeriodicConfig):
         return [f"render: stills at {times} s are never drawn: the run ends at {preflight.duration:g} s"]
 
     def film_pictures(self, duration: float, kept: float) -> int:
-        """Number of film pictures of a run of this duration [s] with frames `kept` [s] apart; 0 without a film."""
+        """Number of film pictures, 0 without a film, for a run of this duration [s] with frames `kept` [s] apart."""
         return int(duration / max(self.every, kept) * (1.0 + 1e-9)) + 1 if self.film else 0
 
     def pictures(self, preflight: Preflight) -> int | None:
@@ -111,7 +111,7 @@ class Config(Drawing, PeriodicConfig):
         return alone * wall + by_turns * wall_by_turns
 
     def scenery(self, preflight: Preflight) -> str:
-        """Kind of scenery in the pictures (a key of PROCESS_BYTES), as far as it is known without a frame."""
+        """Kind of scenery that pictures will show, a key of PROCESS_BYTES, as far as the scene alone tells."""
         tank, water = preflight.tank, preflight.untouched
         if self.particles or tank.dimension == 2:
             return "particles"
@@ -138,13 +138,13 @@ class Config(Drawing, PeriodicConfig):
 
 
 def config_options(config: Config, folder: Path) -> dict[str, Any]:
-    """Options of `render_run` from a config; `every` is at least the interval between the frames in the folder."""
+    """Options of `render_run` from a config; `every` is at least the interval between the frame files in the folder."""
     with open_frame(folder / "frames" / "grid.npz") as grid:
         return config.model_dump() | {"every": max(config.every, float(grid["every"]))}
 
 
 class Render(OutcomeObserver, of=Config):
-    """Draws film.mp4 while the run goes on, and all other pictures when it is over; then writes report.html again."""
+    """Draws film.mp4 while the run goes on and all other pictures after it; then writes report.html again."""
 
     left_out = ("drawer", "progress", "every")  # of the process that goes on
 
@@ -196,7 +196,7 @@ class Render(OutcomeObserver, of=Config):
 
 
 class Request(Model):
-    """Request to a drawing process: its orders."""
+    """Input of a drawing process, in JSON: the pictures to draw, as a list of Order."""
 
     orders: Sequence[Order]
     goes_on: bool
@@ -206,10 +206,10 @@ class Request(Model):
 
 
 class DrawingProcess:
-    """Process that draws a request; its standard input breaks when this process ends, however that comes."""
+    """Process that draws a `Request`. It is given a pipe as standard input, which breaks if this process dies."""
 
     def __init__(self, request: Request, **how: Any) -> None:
-        """`how`: for Popen."""
+        """Start the process; `how`: further arguments of subprocess.Popen."""
         command, pipe = [sys.executable, "-m", "ocean_sim.observers.render", request.model_dump_json()], subprocess.PIPE
         self.errors = tempfile.TemporaryFile("w+")
         self.child = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=self.errors, **how)
@@ -217,7 +217,7 @@ class DrawingProcess:
         self.told, self.given = self.child.stdin, self.child.stdout
 
     def say_over(self, over: threading.Event | None = None) -> None:
-        """Tell the process that the run is over, or wait for that event first."""
+        """Tell the drawing process that the run is over; with an event `over`, wait for that first."""
         if over is not None:
             over.wait()
         with suppress(OSError, ValueError):  # it has ended
@@ -225,7 +225,7 @@ class DrawingProcess:
             self.told.flush()
 
     def failure(self) -> RenderFailed:
-        """Exception for the process that has ended too early, with its signal or the last line of its errors."""
+        """Exception for a process that has ended too early: names its signal, or the last line of its errors."""
         if self.child.returncode < 0:
             opengl.forget()
             return RenderFailed(f"the drawing process died (signal {-self.child.returncode}); {OpenGLMissing()}")
@@ -240,12 +240,12 @@ class DrawingProcess:
 
 
 class Drawer(DrawingProcess):
-    """Child process that draws picture orders; it leads a session of its own with the processes that it starts."""
+    """Child process that draws the pictures of some `Order`s, in a Unix session of its own, which `stop` ends."""
 
     def __init__(self, orders: Sequence[Order], progress: Progress | None = None, goes_on: bool = False) -> None:
         """Start the child. `goes_on`: True if the run still writes frames, until `finish` is called.
 
-        Raises RenderFailed for an order that its run cannot fulfil, OpenGLMissing if nothing can be drawn here."""
+        Raises RenderFailed if the run of an order lacks what it needs, OpenGLMissing if this machine cannot draw."""
         for order in orders:
             stills = () if goes_on else order.stills
             if sentence := obstacle_to_pictures(Path(order.folder), order.camera, stills, order.ship):
@@ -260,7 +260,7 @@ class Drawer(DrawingProcess):
         self.reader.start()
 
     def follow(self) -> None:
-        """Report the child's progress lines ("pictures 3 of 600") until it ends; total 0: unknown. Runs in a thread."""
+        """Report the child's progress lines ("pictures 3 of 600", 0 for unknown) until it ends. Runs in a thread."""
         for line in self.given:
             words = line.split()
             if self.progress is not None and words[:1] == [b"pictures"]:
@@ -290,8 +290,8 @@ class Drawer(DrawingProcess):
 
 
 def render_run(folder: Path, *, out: Path | None = None, progress: Progress | None = None, **asked: Any) -> list[Path]:
-    """Draw preview.png, and film, stills and strip if asked, into `out`; returns the files. `asked`: fields of Order.
-    Raises OpenGLMissing or RenderFailed."""
+    """Draw preview.png, and the film, stills and strip that are asked for, into `out` (default: `folder`), and return
+    all files. `asked`: fields of Order by name. Raises OpenGLMissing or RenderFailed."""
     order = order_of(folder, out=out, **asked)
     draw_apart([order], progress)
     names = ["preview.png"] * order.preview + [still_name(time) for time in order.stills]
@@ -300,7 +300,8 @@ def render_run(folder: Path, *, out: Path | None = None, progress: Progress | No
 
 
 def order_of(folder: Path, *, out: Path | None = None, every: float = 0.033, **asked: Any) -> Order:
-    """Order for pictures of a run into `out`, by default its folder; `every` [s], `asked`: fields of Order."""
+    """Order (description of pictures to draw) for the run in `folder`, into `out` or else that folder. `every`: time
+    between film pictures [s]; `asked`: other fields of Order by name."""
     by_turns = {"painters": painter_count(run_scene(folder).get("duration", 0.0) / every)}
     return Order(folder=str(folder), out=str(out or folder), every=every, **by_turns | asked)
 
@@ -311,14 +312,14 @@ def painter_count(pictures: float) -> int:
 
 
 def draw_apart(orders: Sequence[Order], progress: Progress | None = None) -> None:
-    """Draw orders in a child process and wait for it; raises OpenGLMissing or RenderFailed."""
+    """Draw pictures by `orders` in a child process and wait for it; raises OpenGLMissing or RenderFailed."""
     Drawer(orders, progress).finish()
 
 
 def obstacle_to_pictures(
     folder: Path, camera: CameraName, stills: Sequence[float], ship: str | None = None
 ) -> str | None:
-    """Reason why a run has no picture from a camera, of a ship or at a time in `stills` [s]; None if it has."""
+    """Reason why a run has no picture from this camera, of this ship or at times `stills` [s]; None if it has all."""
     files, ground = frame_files(folder), folder / "frames" / "grid.npz"
     if not files or not ground.is_file():
         return f"{folder} has no frames to draw; run with the observer `frames`"
@@ -334,21 +335,21 @@ def obstacle_to_pictures(
 
 
 def times_without_frame(files: Sequence[Path], stills: Sequence[float]) -> list[float]:
-    """Times in `stills` [s] that are farther than the mean interval between frames from every frame."""
+    """Times in `stills` [s] with no frame file near: all are farther away than the mean interval between frames."""
     start, end = FrameLog([files[0], files[-1]]).span
     interval = (end - start) / max(1, len(files) - 1) + 1e-6
     return [time for time in stills if not start - interval <= time <= end + interval]
 
 
 def no_picture_sentence(files: Sequence[Path], missing: Sequence[float]) -> str:
-    """Sentence that there is no picture at the first of the `missing` times [s], and the time span of the frames."""
+    """Sentence that there is no frame at the first of the `missing` times [s], with the time span of the frames."""
     start, end = FrameLog([files[0], files[-1]]).span
     return f"there is no picture at {missing[0]:g} s; the frames of this run reach from {start:g} to {end:g} s"
 
 
 def variants(folder: Path, time: float, switched: Sequence[dict[str, Any]], **options: Any) -> np.ndarray:
-    """(n, height, width, 3) pictures of a run at a time [s], 8-bit RGB, for figures: one for each dict in `switched` of
-    fields of Order, which may name another `folder` or, as `stills: (time,)`, time. One process draws all."""
+    """(n, height, width, 3) pictures, 8-bit RGB, of a run at a `time` [s] for figures: one per dict in `switched`. A
+    dict sets fields of Order by name for its picture, even `folder` or `stills`; `options` set fields for all."""
     import imageio.v2 as imageio
 
     given: dict[str, Any] = {"folder": str(folder), "film": False, "preview": False, "stills": (time,)} | options
@@ -363,7 +364,8 @@ def still_name(time: float) -> str:
 
 
 def draw_order(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]:
-    """Draw an order; yields numbers of drawn and of all film pictures (0: unknown). `over`: set when the run ends."""
+    """Draw the pictures that an `Order` describes; yields (film pictures drawn, film pictures in all, 0 while unknown).
+    `over`: event that is set when the run ends."""
     out = Path(order.out)
     out.mkdir(parents=True, exist_ok=True)
     with ExitStack() as stack:
@@ -387,7 +389,7 @@ def draw_order(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]
 
 
 def begin_picture(order: Order, over: threading.Event) -> tuple[Picture, "ComingFrames"]:
-    """Picture ready to draw frames of an order's run, and the coming frames; `over` as in `draw_order`."""
+    """Picture ready to draw frames of the run in an `Order`, and the frame files to come; `over` as in `draw_order`."""
     folder = Path(order.folder)
     with open_frame(folder / "frames" / "grid.npz") as file:
         grid = dict(file)
@@ -399,12 +401,12 @@ def begin_picture(order: Order, over: threading.Event) -> tuple[Picture, "Coming
 
 
 def sample_files(files: list[Path]) -> list[Path]:
-    """About sixty of many frame files, evenly chosen, from which a run is surveyed."""
+    """About sixty of many frame files, evenly chosen, from which the range of a whole run is estimated."""
     return files[:: max(1, len(files) // 60)]
 
 
 class ComingFrames:
-    """Frame files of a run that is still going on, found as the run writes them; `over`: set at the end of the run."""
+    """Frame files of a run that may still be going on, found as it writes them; event `over` is set when it ends."""
 
     def __init__(self, folder: Path, over: threading.Event) -> None:
         self.folder, self.over = folder, over
@@ -412,7 +414,7 @@ class ComingFrames:
         self.look()
 
     def look(self) -> None:
-        """Add new frame files to `log`; set `ended` if the run was over before the search, so that none is missed."""
+        """Add new frame files to `log`; set `ended` if the run was over before this search, which then is the last."""
         ended, number = self.over.is_set(), len(self.log.files)
         if ended:
             known = {path.name for path in self.log.files}
@@ -428,7 +430,7 @@ class ComingFrames:
         self.look()
 
     def chosen(self, every: float) -> Iterator[tuple[Path, int]]:
-        """Yield the frame file of each picture of a film, `every` [s] apart, and their number, 0 while unknown."""
+        """Yield (frame file, total number, 0 while unknown) for each picture of a film, `every` [s] apart."""
         done = 0
         while True:
             ended, there = self.ended, len(self.log.files)
@@ -444,10 +446,10 @@ class ComingFrames:
 
 
 class Painter(DrawingProcess, AbstractContextManager["Painter"]):
-    """Another process that draws a film by turns with this one, which reads the pictures from a pipe."""
+    """Further process that draws its share of a film's pictures, taking turns; this process reads them from a pipe."""
 
     def __init__(self, order: Order, over: threading.Event, turn: int) -> None:
-        """Start the process; `over` as in `draw_order`; `turn`: its number, from 1; this process has number 0."""
+        """Start the process. `over`: as in `draw_order`; `turn`: its number, from 1; this process has number 0."""
         super().__init__(Request(orders=[order], goes_on=not over.is_set(), turn=turn))
         self.shape = *order.size[::-1], 3
         if not over.is_set():
@@ -469,8 +471,8 @@ class Painter(DrawingProcess, AbstractContextManager["Painter"]):
 
 
 def film_turns(coming: ComingFrames, every: float, of: int) -> Iterator[tuple[Path, int, int | None]]:
-    """Yield, for each picture of a film, its frame file, the number of pictures (0 while unknown), and the number of
-    the process, among `of` that draw in turn, that draws it; None for a picture equal to the one before."""
+    """Yield, for each picture of a film: (a) its frame file, (b) the number of pictures in all, 0 while unknown, (c)
+    the number, below `of`, of the process that draws it, or None if it equals the picture before."""
     shown, turn = None, 0
     for file, total in coming.chosen(every):
         yield file, total, None if file == shown else turn % of
@@ -480,7 +482,7 @@ def film_turns(coming: ComingFrames, every: float, of: int) -> Iterator[tuple[Pa
 def write_film(
     path: Path, order: Order, picture: Picture, coming: ComingFrames, others: Sequence[Painter]
 ) -> Iterator[tuple[int, int]]:
-    """Write a film in real time (H.264), and a sheet of small pictures from it; yields progress as `draw_order`."""
+    """Write a film in real time (H.264), and a sheet of small pictures from it; yields numbers as `draw_order` does."""
     with atomic_write(path) as draft:
         moments, image = Moments(), np.zeros(0)
         with film_writer(draft, order.every) as writer:
@@ -494,7 +496,7 @@ def write_film(
 
 
 def hand_over(order: Order, over: threading.Event, turn: int) -> None:
-    """Draw the pictures of a film that are the turn of this process, and write their pixels to the standard output."""
+    """Draw the film pictures that `film_turns` gives to process `turn`, and write their pixels to standard output."""
     with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as pixels:
         os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # for what else is printed
         picture, coming = begin_picture(order, over)
@@ -514,7 +516,7 @@ def join_film(pictures: list[Path], path: Path, every: float) -> None:
 
 
 def film_writer(path: Path, every: float) -> Any:
-    """Writer (imageio) of a film file, to which pictures are appended, each shown for `every` [s]."""
+    """imageio writer of a film file; each picture appended to it is shown for `every` [s]."""
     import imageio.v2 as imageio
 
     return imageio.get_writer(
@@ -537,7 +539,7 @@ def save_png(path: Path, image: np.ndarray) -> None:
 
 
 def hurry_when_over(over: threading.Event) -> None:
-    """Wait until the run is over, then end the niceness of this session; runs in a thread."""
+    """Wait until the run is over, then give this process and its children normal priority; runs in a thread."""
     over.wait()
     yield_to_others(0)
 

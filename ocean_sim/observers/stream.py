@@ -49,8 +49,8 @@ class Config(ObserverConfig):
 
 
 class Stream(Observer, TakesCommands, of=Config):
-    """Sends the rows of platform.csv by UDP. A run faster than real time waits; in a slower one the receiver holds its
-    pose. At the end the platform returns to neutral."""
+    """Sends the rows of platform.csv by UDP at the pace of simulated time: a run faster than real time waits, and while
+    a slower one computes, the receiver keeps its last pose. At the end the platform returns to neutral."""
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         scene = simulation.scene
@@ -72,7 +72,7 @@ class Stream(Observer, TakesCommands, of=Config):
             self.sender.send(packet)
 
     def close(self) -> None:
-        """Send the way back to neutral, print the jitter of the packets, and close the socket."""
+        """Send the poses that lead back to neutral, print the jitter of the packets' times, and close the socket."""
         if len(self.past):
             self.send(self.platform.return_home(self.past[[0, -1]], self.time, self.seq))
         latency = self.sender.latency()

@@ -31,8 +31,8 @@ class Mark(NamedTuple):
 
 
 class Timings(Observer, of=Config):
-    """Measures the wall time of the stages of every step; timings.csv has their means since the row before. The first
-    step compiles kernels: its time stands apart, as `first_step_s`, and no mean contains it."""
+    """Measures the wall time of each stage of every step (pressure, ships ...); timings.csv holds means per row. The
+    first step compiles kernels: its time is given as `first_step_s`, and no mean contains it."""
 
     left_out = ("stage_times", "began", "first_step", "first_step_s", "start", "last")  # values of a clock
 
@@ -54,7 +54,7 @@ class Timings(Observer, of=Config):
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Measure the wall time of a stage, the body of the `with` block; replaces `simulation.stage`."""
+        """Context manager that measures the wall time of a stage, its block; it replaces `simulation.stage`."""
         self.sync()
         entered = perf_counter()
         if self.start is None:
@@ -65,7 +65,7 @@ class Timings(Observer, of=Config):
             self.stage_times[name] += perf_counter() - entered
 
     def warm_up(self, name: str, now: float) -> None:
-        """Note when the first step starts and ends, as a stage of this name begins at wall time `now` [s]."""
+        """Note the start and the end of the first step, seen as stage `name` begins at wall time `now` [s]."""
         if self.began is not None and self.simulation.steps > self.first_step:
             self.first_step_s = now - self.began
             self.start = self.last = self.take_mark(now)
@@ -80,7 +80,7 @@ class Timings(Observer, of=Config):
             self.write_row()
 
     def write_row(self) -> None:
-        """Write a row of means since the row before, if a step was taken and there is a run folder."""
+        """Write a row of means since the row before, if there was a step since and the run has a folder."""
         now = self.take_mark(perf_counter())
         if self.folder is None or self.last is None or self.start is None or now.steps == self.last.steps:
             return
@@ -100,8 +100,8 @@ class Timings(Observer, of=Config):
         self.last = now
 
     def stage_means(self, before: Mark, after: Mark) -> tuple[float, dict[str, float]]:
-        """Simulated over wall time between two marks, and mean wall time [ms/step] of each stage by name; of `other`:
-        choosing the time step, progress bars, the loop itself."""
+        """Real-time factor between two marks, and mean wall time [ms/step] of each stage by name. Stage `other` is the
+        rest: choosing the time step, progress bars, the loop itself."""
         wall, steps = after.wall - before.wall, after.steps - before.steps
         taken = {name: after.stages.get(name, 0.0) - before.stages.get(name, 0.0) for name in self.names}
         taken["other"] = max(0.0, wall - sum(taken.values()))
@@ -114,7 +114,7 @@ class Timings(Observer, of=Config):
 
 
 def synchronization(arch: str) -> Callable[[], None]:
-    """Function that waits until all launched kernels are done; a no-op on a processor, where each launch waits."""
+    """Function that waits until all launched kernels are done. On a processor it does nothing, as each launch waits."""
     if arch in ("cpu", "x64", "arm64"):
         return lambda: None
     return ti.sync

@@ -52,7 +52,7 @@ class Config(PeriodicConfig):
 
 
 class Tracers(Observer, of=Config):
-    """Writes tracers.csv: position and velocity of each tagged particle, paths unwrapped across periodic sides."""
+    """Writes tracers.csv: position and velocity of each tagged particle; paths are unwrapped across periodic sides."""
 
     last: np.ndarray | None
 

@@ -45,14 +45,14 @@ Varied = dict[str, list[Node]]
 
 @dataclass(frozen=True)
 class Budget:
-    """Time limit of a run on an idle machine: per 1/60 s simulated [ms], per second simulated [s], or in all [s]."""
+    """Time limit of a run: per frame of 1/60 s simulated [ms], per simulated second [s], or for the whole run [s]."""
 
     name: str
     most: float
 
     @classmethod
     def of(cls, text: str) -> "Budget":
-        """Budget from a text: `realtime`, or a time such as 16ms or 30s. Raises Unsuited for any other."""
+        """Budget from a text: `realtime`, `16ms` (per frame) or `30s` (whole run). Raises Unsuited for other texts."""
         found = re.fullmatch(r"(\d+(?:\.\d+)?)(ms|s)|realtime", text.strip())
         if found is None or (found[1] and float(found[1]) <= 0.0):
             takes = "give realtime, or a time as in 16ms (of 1/60 s simulated) or 30s (in all)"
@@ -60,20 +60,20 @@ class Budget:
         return cls(text.strip(), float(found[1]) if found[1] else 1.0)
 
     def seconds(self, row: dict[str, Any]) -> float | None:
-        """Time [s] that a run (a row of costs) took per simulated second, or for a budget in seconds in all with
-        compilation: the less of wall and processor time, as waiting or several cores raise one. None without both."""
+        """Time [s] per simulated second, or of the whole run if that is limited, from the costs in `row`: the less of
+        wall and processor time, since waiting raises one and several cores the other. None without both."""
         unit = "per_s" if self.name == "realtime" or self.name.endswith("ms") else "s"
         return min(filter(None, (row.get(f"wall_{unit}"), row.get(f"cpu_{unit}"))), default=None)
 
     def spent(self, row: dict[str, Any]) -> float | None:
-        """Time that a run (a row of costs) took, in the unit of the limit `most`; None if unknown."""
+        """Time that a run took, from the costs in `row`, in the unit of the limit `most`; None if unknown."""
         cost = self.seconds(row)
         return 1e3 * cost / 60.0 if cost is not None and self.name.endswith("ms") else cost
 
 
 @dataclass(frozen=True)
 class Setting:
-    """One combination of the varied values, by key, with one scene for each seed; `finest` marks the reference."""
+    """One combination of values of the varied keys, with a scene for each seed; `finest` marks the reference."""
 
     values: dict[str, Any]
     scenes: tuple[SceneConfig, ...]
@@ -90,7 +90,7 @@ class Setting:
 
 
 def vary_setting(texts: list[str]) -> Varied:
-    """Parse texts KEY=A,B,C into values by key; raises SceneError if a text is malformed."""
+    """Values to try, by key, parsed from texts KEY=A,B,C; raises SceneError if one is malformed."""
     found: Varied = {}
     for text in texts:
         key, equals, values = text.partition("=")
@@ -105,7 +105,7 @@ def vary_setting(texts: list[str]) -> Varied:
 
 
 def finest_setting(key: str, values: list[Any]) -> Any:
-    """Finest of the values of a key: last in a known order, greatest for keys MORE_IS_FINER, else the least number."""
+    """Finest value of a key: the last in a known order, the greatest for keys in MORE_IS_FINER, else the least."""
     place, _, name = key.rpartition(".")
     if key in FROM_COARSE or (slot_of(place) in SLOTS and name == "kind"):
         order = FROM_COARSE.get(key) or from_coarse(slot_of(place))
@@ -116,8 +116,8 @@ def finest_setting(key: str, values: list[Any]) -> Any:
 
 
 def setting_grid(scene: str, profile: str | None, sets: dict[str, Node], vary: Varied, quick: bool) -> list[Setting]:
-    """Settings of all combinations of the values in `vary`, the finest marked, each with scenes for SEED_COUNTS seeds
-    and for one more, with which the best setting is confirmed; raises SceneError."""
+    """Settings of all combinations of the values in `vary`, the finest marked. Each has SEED_COUNTS scenes that differ
+    in their seed, and one more to confirm the best setting. Raises SceneError."""
     count = prod(map(len, vary.values()))
     if not 2 <= count <= MOST_SETTINGS:
         location = Location("--vary")
@@ -142,7 +142,7 @@ def setting_grid(scene: str, profile: str | None, sets: dict[str, Node], vary: V
 
 
 def _with_seed(scene: str, profile: str | None, sets: dict[str, Node], count: int) -> tuple[SceneConfig, ...]:
-    """Scenes with `count` successive seeds and without pictures; one without ships and gauges gets a gauge."""
+    """Scenes with `count` successive seeds, without pictures; a scene without ships and gauges gets a gauge."""
     quiet: dict[str, Any] = dict.fromkeys(scene_run.PICTURE_OBSERVERS) | sets
     first = load(scene, quiet, profile)
     if not first.ships and "gauges" not in first.observers:
@@ -174,12 +174,12 @@ def errors_against(result: Result, reference: Result) -> dict[str, float | None]
                 stem, unit = name.rsplit("_", 1)
                 found[f"{afloat.get(table, '')}{stem}_rms_{unit}"] = apart
             if table == "gauges":
-                found |= _of_waves(name.removesuffix("_m"), own, other)
+                found |= _wave_errors(name.removesuffix("_m"), own, other)
     return found | ({"legs_rms_m": float(np.sqrt(np.mean(np.square(legs))))} if legs else {})
 
 
-def _of_waves(gauge: str, own: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> dict[str, float | None]:
-    """Differences of wave heights [m] and period [s] at a gauge, by name, between two tables; None without a wave."""
+def _wave_errors(gauge: str, own: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> dict[str, float | None]:
+    """Differences of wave heights [m] and period [s] at a gauge between two tables, by name; None without waves."""
     a, b = (scene_run.wave_heights(gauge, table["time_s"], table[f"{gauge}_m"]) for table in (own, other))
     return {key: abs(a[key] - b[key]) if a[key] is not None and b[key] is not None else None for key in b}  # type: ignore[operator]
 
@@ -187,7 +187,7 @@ def _of_waves(gauge: str, own: dict[str, np.ndarray], other: dict[str, np.ndarra
 def rms_difference(
     time: np.ndarray, values: np.ndarray, other_time: np.ndarray, others: np.ndarray, whole: float = np.inf
 ) -> float:
-    """Rms difference of two records at their shared times, NaN if none; `whole`: full turn [rad] of an angle."""
+    """Rms difference of two records at shared times, NaN if none; `whole`: full turn [rad] if the values are angles."""
     shared = other_time[(other_time >= time[0]) & (other_time <= time[-1])]
     gap = np.interp(shared, time, values) - np.interp(shared, other_time, others)
     if np.isfinite(whole):
@@ -198,7 +198,8 @@ def rms_difference(
 def tradeoff_summary(
     setting: Setting, answers: list[dict[str, Any]], apart: list[dict[str, float | None]]
 ) -> dict[str, Any]:
-    """Row of a setting: median costs of `answers`, mean and spread over seeds of errors `apart`; None if one failed."""
+    """Row of a setting: medians of the costs in `answers` (one per seed), mean and spread of the errors in `apart`;
+    errors are None if a run failed."""
     lost = next((answer for answer in answers if answer["outcome"] != "done"), None)
     row: dict[str, Any] = dict(setting.values) | {
         "setting": setting.line(),
@@ -218,7 +219,7 @@ def tradeoff_summary(
 
 
 def measure_names(rows: list[dict[str, Any]]) -> list[str]:
-    """Names of all errors in the rows, in the order leg lengths, motions, elevations, wave heights, periods."""
+    """Names of all errors in the rows, ordered: leg lengths, motions, elevations, wave heights, periods."""
     names = [name.removesuffix("_spread") for row in rows for name in row if name.endswith("_spread")]
     motions = [f"{name}_rms" for name in ("heave", "pitch", "roll", "surge", "sway", "yaw")]
     order = ["legs_rms", *motions, "_rms_", "_hs_", "_hm0_", "_tz_"]
@@ -226,7 +227,7 @@ def measure_names(rows: list[dict[str, Any]]) -> list[str]:
 
 
 def measure_label(name: str) -> str:
-    """Words on an error that `errors_against` names: `rms error of gauge `end` [m]` of `end_rms_m`."""
+    """Label of an error named by `errors_against`: "rms error of gauge `end` [m]" for `end_rms_m`."""
     stem, unit = name.rsplit("_", 1)
     of, _, kind = stem.rpartition("_")
     moves = of.rpartition("_")[2] in (*Motions._fields, "legs")
@@ -234,7 +235,8 @@ def measure_label(name: str) -> str:
 
 
 def best_setting(rows: list[dict[str, Any]], by: str, budget: Budget) -> dict[str, Any] | None:
-    """Cheapest row within the budget whose error, column `by`, exceeds the least by at most the spread; else None."""
+    """Cheapest row within the budget whose error, column `by`, is the least to within the spread over seeds; or
+    None."""
     able = [row for row in rows if row.get(by) is not None and (budget.spent(row) or np.inf) <= budget.most]
     if not able:
         return None
@@ -247,7 +249,7 @@ def best_setting(rows: list[dict[str, Any]], by: str, budget: Budget) -> dict[st
 
 
 def clock_note(rows: list[dict[str, Any]]) -> str:
-    """Sentence for the user if wall and processor time differ by more than a factor CLOCKS_APART, else empty."""
+    """Sentence for the user if wall and processor time differ by a factor of CLOCKS_APART or more; else empty."""
     shares = [row["wall_per_s"] / row["cpu_per_s"] for row in rows if row["wall_per_s"] and row["cpu_per_s"]]
     share = median(shares) if shares else 1.0
     if 1.0 / CLOCKS_APART <= share <= CLOCKS_APART:

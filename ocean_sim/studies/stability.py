@@ -38,7 +38,7 @@ LIMIT_LINES = {"acoustic": ("h / c", "-"), "viscous": ("h² / nu", "--"), "force
 
 
 class Axis(Model):
-    """Setting that a stability map varies: name, scene key, unit, and its values in the quick and in the full study."""
+    """Quantity that a stability map varies: name, scene key, unit, and values for the quick and the full study."""
 
     name: str
     key: str
@@ -49,7 +49,7 @@ class Axis(Model):
     quick_steps: list[float] = STEP_FACTORS["quick"]
 
     def settings(self, value: float) -> dict[str, Any]:
-        """Scene settings by key that give the varied quantity this value."""
+        """Scene settings, by key, that give the varied quantity this value."""
         if self.name == "wind":
             everywhere = [{"kind": "box", "half_size": [1e4, 1e4, 1e4]}]
             volume = {"include": everywhere, "acceleration": [value, 0.0, 0.0]}
@@ -75,7 +75,7 @@ class Spot(Point):
     scene: SceneConfig
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
-        """One row: setting, time step, limits of the time step, verdict with its reason, and clock times."""
+        """One row: setting, time step, its limits, verdict with reason, and clock times."""
         accuracy, driven = unwrapped_table(run, "accuracy"), self.axis.name == "wind"
         outcome, why, numbers = verdict_of(answer, accuracy, self.scene, driven)
         point = {"map": self.axis.name, "scheme": self.scheme, "key": self.axis.key, "value": self.value}
@@ -85,12 +85,12 @@ class Spot(Point):
 
 
 def grid_points(quick: bool, scene: str | None = None) -> list[Spot]:
-    """All runs of all maps, with the study's own scenes or a user's `scene`; raises SceneError for an invalid scene."""
-    return [spot for axis in EXTREME_AXES for spot in _of_axis(axis, quick, scene)]
+    """All runs of all maps, of the study's own scenes, or of a user's `scene` (SceneError if that is invalid)."""
+    return [spot for axis in EXTREME_AXES for spot in _axis_points(axis, quick, scene)]
 
 
-def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
-    """Yield the runs of one map, or none if it does not apply to the user's scene."""
+def _axis_points(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
+    """Yield the runs of one map; none if it does not apply to the user's scene."""
     afloat, theirs = axis.of == "ship", None if scene is None else load(scene).fluid
     if theirs is not None and (afloat or not theirs.made_of_particles):
         return  # a hull has a mass of its own, and water without particles cannot become unstable
@@ -120,7 +120,8 @@ def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
 def verdict_of(
     answer: dict[str, Any], accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool
 ) -> tuple[str, str, dict[str, float]]:
-    """Verdict (of VERDICT_WORDS), its reason, and energy gain and greatest mean compression; `driven`: a wind acts."""
+    """Verdict (one of VERDICT_WORDS) on a run, its reason, and by name its energy gain and greatest mean compression.
+    `accuracy`: columns of accuracy.csv; `driven`: True if wind drives the water."""
     gain = energy_gain(accuracy, scene, driven)
     dense = float(np.max(accuracy.get("compression_mean", [0.0]), initial=0.0))
     numbers = {"energy_gain": gain, "compression_mean": dense}
@@ -138,8 +139,8 @@ def verdict_of(
 
 
 def energy_gain(accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool) -> float:
-    """Largest unexplained gain of energy over mass times squared reference speed, 0 without a table; `driven`: wind
-    work is subtracted. Walls at rest do no work, whatever a scheme books for single forces."""
+    """Greatest gain of energy that no work explains, over mass times squared reference speed; 0 without a table. Only
+    work of the wind, if `driven`, is subtracted: walls at rest do none, whatever a scheme books for single forces."""
     if not len(accuracy.get("kinetic_energy_J", ())):
         return 0.0
     names = ("kinetic_energy_J", "potential_energy_J", "internal_energy_J")
@@ -152,7 +153,7 @@ def energy_gain(accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: boo
 
 
 def map_summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """One row for each scheme and value of a map: longest stable step, shortest unstable step, and limits."""
+    """Rows of a summary, one per scheme and value of a map: longest stable step, shortest unstable step, and limits."""
     found = []
     for key in dict.fromkeys((row["map"], row["scheme"], row["value"]) for row in rows):
         here = [row for row in rows if (row["map"], row["scheme"], row["value"]) == key]

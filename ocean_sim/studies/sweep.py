@@ -52,20 +52,20 @@ class PlanConfig(Model):
 
 @dataclass(frozen=True)
 class Planned(Point):
-    """Run of a plan: its own settings, and its scene, as they were when the plan was read."""
+    """One run of a plan, with its own settings and its scene as they were when the plan was read."""
 
     settings: dict[str, Any]
     scene: SceneConfig
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
-        """One row: settings and answer of the run; clock times stand last, as only they change from call to call."""
+        """One row: settings and answer of the run; clock times stand last, since only they vary when it is repeated."""
         head = {"run": run.folder.name} | self.settings
         facts = {key: value for key, value in answer.items() if key not in CLOCK_COLUMNS}
         return [head | facts | {key: answer.get(key) for key in CLOCK_COLUMNS}]
 
 
 def read_plan(path: Path, threads: int | None = None) -> list[Planned]:
-    """Read the runs of a plan file; `threads`: for scenes that set none. Raises SceneError with all problems."""
+    """Runs in a plan file; `threads`: for scenes that set none. Raises SceneError with all problems."""
     node = read_mapping(path)
     plan, problems = checked(PlanConfig, node), list[Problem]()
     count = max(1, len(plan.list)) * prod(map(len, plan.grid.values())) * max(1, len(plan.seeds))
@@ -89,7 +89,7 @@ def read_plan(path: Path, threads: int | None = None) -> list[Planned]:
 
 
 def _grid_settings(node: Node) -> Iterator[Settings]:
-    """Yield the settings of each run of a plan, by key; each value knows its line in the plan file."""
+    """Yield the settings of each run of a plan, by key; each value is a node that knows its line in the file."""
     listed, grid, seeds = (node.child(key) for key in ("list", "grid", "seeds"))
     groups = [group.data for group in listed.data] if listed is not None else [{}]
     keys = list(grid.data) if grid is not None else []
@@ -100,7 +100,8 @@ def _grid_settings(node: Node) -> Iterator[Settings]:
 
 
 def _locate_problem(plan: Node, settings: Settings, found: Problem) -> Problem:
-    """Copy of `found`, a scene's problem, located in the plan if it has no line or concerns a key that the plan set."""
+    """Copy of a scene's problem, moved to the line of the plan file that caused it, if it has no line of its own or the
+    plan sets its key."""
     touched = [value for key, value in settings.items() if key.split(".")[0] == found.key.split(".")[0]]
     if found.line is not None and found.file != plan.location.file and touched:
         message = f"{found.message} (together with {found.file}:{found.line})"

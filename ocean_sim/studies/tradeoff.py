@@ -37,7 +37,7 @@ SURFACE_FRAMES = WARM_UP_STEPS + 3 * BLOCK_STEPS * TIMED_PARTS  # by which a sur
 
 
 class Trial(Model):
-    """A validation case, and the one of its errors that pictures show; the table of the study holds all of them."""
+    """A validation case and the `quantity` whose error pictures show; the study's table has all its quantities."""
 
     case: str
     quantity: str
@@ -50,7 +50,7 @@ class Trial(Model):
 
     @property
     def schemes(self) -> Sequence[str]:
-        """Names of the schemes, kinds of the slot `slot`, with which the case is run."""
+        """Names of the schemes (kinds of the slot `slot`) with which the case is run."""
         return self.only or compared(self.slot)
 
 
@@ -59,7 +59,7 @@ TRIAL_CASES = tuple(Trial(**keys) for keys in PLAN["trials"])
 
 @dataclass(frozen=True)
 class CasePoint(Point):
-    """One run of the study: a case under a scheme, at a resolution, with at most one other setting changed."""
+    """One run: a validation case with a scheme and a resolution, and at most one other setting changed."""
 
     trial: Trial
     scheme: str
@@ -77,18 +77,18 @@ class CasePoint(Point):
 
     @property
     def changed(self) -> str:
-        """Setting other than resolution that differs from the default, as text `key=value`; empty if none does."""
+        """Changed setting other than the resolution, as text `key=value`; empty if there is none."""
         rest = {key: value for key, value in self.settings.items() if key != "resolution"}
         return ", ".join(f"{key}={value}" for key, value in rest.items())
 
 
 def study_points(quick: bool) -> list[CasePoint]:
-    """All runs of the study, the cheap ones of all cases first."""
-    found = [point for trial in TRIAL_CASES if trial.quick or not quick for point in _of_trial(trial, quick)]
+    """All runs of the study, the cheap (coarse) ones of all cases first."""
+    found = [point for trial in TRIAL_CASES if trial.quick or not quick for point in _trial_points(trial, quick)]
     return sorted(found, key=lambda point: (not point.coarse, point.settings.get("resolution", 1.0) < 1.0))
 
 
-def _of_trial(trial: Trial, quick: bool) -> Iterator[CasePoint]:
+def _trial_points(trial: Trial, quick: bool) -> Iterator[CasePoint]:
     """Yield the runs of one case: every scheme, at each resolution, and with each other setting changed."""
 
     def point(scheme: str, coarse: bool, settings: dict[str, Any]) -> CasePoint:
@@ -97,7 +97,7 @@ def _of_trial(trial: Trial, quick: bool) -> Iterator[CasePoint]:
         return CasePoint(order, trial, scheme, coarse, settings)
 
     for scheme in trial.schemes:
-        slot = problem_of(trial.case, trial.set_up, True, scheme).slot
+        slot = find_problem(trial.case, trial.set_up, True, scheme).slot
         for coarse, factor in _case_levels(trial, quick) if slot in RESOLVED_SLOTS else [(True, 1.0)]:
             yield point(scheme, coarse, {} if factor == 1.0 else {"resolution": factor})
         if trial.case in PLAN["quick"]["cases"] or not quick:
@@ -108,10 +108,10 @@ def _of_trial(trial: Trial, quick: bool) -> Iterator[CasePoint]:
 
 
 def _case_levels(trial: Trial, quick: bool) -> list[tuple[bool, float]]:
-    """Resolutions of a case, (coarse set-up or not, factor on its spacing), from coarse to fine, each spacing once."""
+    """Resolutions of a case, from coarse to fine: (coarse set-up or not, factor on its spacing), no spacing twice."""
     spacings: dict[float, tuple[bool, float]] = {}
     for coarse, factor in RESOLUTION_LEVELS[:QUICK_LEVELS] if quick else RESOLUTION_LEVELS:
-        spacing = problem_of(trial.case, trial.set_up, coarse, trial.schemes[0]).scene["fluid"]["spacing"] * factor
+        spacing = find_problem(trial.case, trial.set_up, coarse, trial.schemes[0]).scene["fluid"]["spacing"] * factor
         spacings.setdefault(round(spacing, 9), (coarse, factor))
     return list(spacings.values())
 
@@ -120,7 +120,7 @@ def _is_other_setting(point: CasePoint) -> bool:
     """True if the scheme reads the settings of the point, and they differ from its defaults."""
     if not all(reads_key(point.scheme, key) for key in point.settings):
         return False
-    problem = problem_of(point.trial.case, point.trial.set_up, point.coarse, point.scheme)
+    problem = find_problem(point.trial.case, point.trial.set_up, point.coarse, point.scheme)
     try:
         return problem.load(point.scheme, point.settings).resolved() != problem.load(point.scheme).resolved()
     except SceneError:
@@ -128,14 +128,14 @@ def _is_other_setting(point: CasePoint) -> bool:
 
 
 def clock_column(rows: list[dict[str, Any]]) -> str:
-    """Name of the column by which speed is compared: wall time, or processor time if the machine was busy."""
+    """Name of the column that measures speed: wall time, or processor time if other work kept the machine busy."""
     done = [row for row in rows if row.get("wall_per_s") and row.get("cpu_per_s")]
     shares = sorted(row["wall_per_s"] / row["cpu_per_s"] for row in done)
     return "cpu_per_s" if shares and shares[len(shares) // 2] > BUSY_CLOCK_RATIO else "wall_per_s"
 
 
 def pareto_front(pairs: list[tuple[float, float]]) -> list[int]:
-    """Indices of pairs (cost, error) on the Pareto front: no other is as good in both and better in one."""
+    """Indices of the pairs (cost, error) for which no other pair is as good in both and better in one."""
     order = sorted(range(len(pairs)), key=lambda k: pairs[k])
     kept: list[int] = []
     for k in order:
@@ -145,10 +145,9 @@ def pareto_front(pairs: list[tuple[float, float]]) -> list[int]:
 
 
 def equal_cost_rows(rows: list[dict[str, Any]], speed: str) -> list[dict[str, Any]]:
-    """Best row of each scheme in each case, at equal time (column `speed`) and at equal numbers of particles.
+    """Rows with the best run of each scheme in each case, at equal time (column `speed`) or equal number of particles.
 
-    Equal time is that of the slowest scheme's cheapest run; equal numbers are compared with default settings only.
-    """
+    Equal time is that of the slowest scheme's cheapest run; equal numbers are compared for default settings only."""
     done = [row for row in rows if row.get("error") is not None and row.get(speed)]
     found = []
     for case in dict.fromkeys(row["case"] for row in done):
@@ -169,15 +168,16 @@ def equal_cost_rows(rows: list[dict[str, Any]], speed: str) -> list[dict[str, An
     return found
 
 
-def problem_of(case: str, set_up: str, coarse: bool, scheme: str) -> Problem:
-    """Set-up `set_up` of a validation case, slow or not; if several have this name, the first that fits the scheme."""
+def find_problem(case: str, set_up: str, coarse: bool, scheme: str) -> Problem:
+    """Set-up of a validation case by its name `set_up`; of several with this name, the first that has the scheme."""
     found = [problem for problem in problems(case, slow=True, coarse=coarse) if problem.name == set_up]
     return next(problem for problem in found if problem.schemes_for([scheme]))
 
 
 def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Run the set-up of an order on one thread, several times; outcome, errors (equal in all runs) and median costs."""
-    problem = problem_of(order["case"], order["set_up"], order["coarse"], order["scheme"])
+    """Run the set-up in an order (job description) on one thread, repeatedly; outcome, errors, which are equal in all
+    runs, and median costs."""
+    problem = find_problem(order["case"], order["set_up"], order["coarse"], order["scheme"])
     watched: dict[str, Any] = {"runtime.threads": 1}
     if problem.slot == "fluid":
         watched["health"] = {}  # a run of particles that leaves the physical world is a failure
@@ -195,7 +195,7 @@ def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def measure_run(problem: Problem, order: dict[str, Any], scene: Any) -> dict[str, Any]:
-    """Run a set-up once with a scene; returns outcome, errors by quantity, particles, time step and costs."""
+    """Run a set-up once; returns outcome, errors by quantity, number of particles, time step and costs."""
     with Clocked(scene) as simulation:
         try:
             found, reason = problem.measure(simulation).numbers, ""
@@ -218,7 +218,7 @@ def measure_run(problem: Problem, order: dict[str, Any], scene: Any) -> dict[str
 
 
 def error_row(order: dict[str, Any], promise: Promise, number: Number) -> dict[str, Any]:
-    """Row of a promised quantity: value, reference, error, unit, tolerance, and `ok` if it is within tolerance."""
+    """Row of one quantity of a case: value, reference, error, unit, tolerance, and `ok` if the error is within it."""
     found = promise.row(order["case"], order["scheme"], *number)
     kept = ("quantity", "value", "reference", "error", "unit", "tolerance", "ok")
     numbers = plain_values({key: found[key] for key in ("value", "reference", "error")})
@@ -226,7 +226,7 @@ def error_row(order: dict[str, Any], promise: Promise, number: Number) -> dict[s
 
 
 def neighbour_count(fluid: Fluid) -> float | None:
-    """Mean number of neighbours of a particle at present; None for water without particles, or after it diverged."""
+    """Mean number of neighbours of a particle now; None for water without particles, or after it diverged."""
     water = fluid.of_particles
     if water is None:
         return None

@@ -73,7 +73,7 @@ def bench(
 
 
 def measure_in_child(order: dict[str, Any], cold: bool) -> dict[str, Any]:
-    """Answer of `bench-one` to `order` (scene, options), run in a child process; `cold`: with an empty kernel cache."""
+    """Measure `order` (scene, options) by `bench-one` in a child process; `cold`: with an empty kernel cache."""
     with tempfile.TemporaryDirectory() as empty:
         environment = os.environ | ({"XDG_CACHE_HOME": empty} if cold else {})
         command = [sys.executable, "-m", "ocean_sim", "bench-one", "--json"]
@@ -137,7 +137,8 @@ def bench_one(order: str) -> None:
 
 
 def time_block(simulation: "Simulation", sync: Callable[[], None]) -> tuple[int, float, float, float]:
-    """Steps of MIN_BLOCK_SECONDS or more: number, wall, processor and simulated time [s]; `sync` awaits kernels."""
+    """Step for MIN_BLOCK_SECONDS; number of steps, and wall, processor and simulated time [s]. `sync` awaits
+    kernels."""
     steps, wall, cpu, simulated = 0, perf_counter(), process_time(), simulation.time
     while perf_counter() - wall < MIN_BLOCK_SECONDS:
         simulation.step()

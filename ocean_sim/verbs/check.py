@@ -60,8 +60,8 @@ def check(
 
 
 def preflight(config: SceneConfig) -> dict[str, Any]:
-    """Facts of a scene as JSON data: particles, memory, time step, wall time, ships, warnings; `urgent` are those that
-    may end a run."""
+    """Facts of a scene as JSON data: particles, memory, time step, wall time, ships, warnings; those under `urgent` may
+    end a run."""
     known, rows, urgent = config.preflight, config.ledger(), []
     particles = known.particles
     memory = runtime.base_memory(particles) + sum(row.bytes for row in rows)
@@ -110,7 +110,7 @@ def picture_time(config: SceneConfig) -> float:
 
 
 def particle_room(config: SceneConfig, rows: list[LedgerRow], particles: int) -> dict[str, int | None]:
-    """Bytes per particle, and number of particles that fits into memory, by ledger `rows`; None without particles."""
+    """Bytes per particle, and number of particles that memory can hold, by ledger `rows`; None without particles."""
     if not particles:
         return {"bytes_a_particle": None, "most_particles": None}
     water = sum(row.bytes for row in rows if row.part == "fluid")
@@ -145,15 +145,16 @@ def ship_facts(config: SceneConfig) -> dict[str, dict[str, Any]]:
     }
 
 
-def resolves(spacings: float) -> str:
-    """Say whether water of particles resolves a ship with so many spacings in her draught."""
+def resolution_text(spacings: float) -> str:
+    """Text on whether particles resolve a ship whose draught is so many spacings."""
     from ocean_sim.ship.body.floating import RESOLVED_SPACINGS
 
     return "the water resolves her" if spacings >= RESOLVED_SPACINGS else "the water does not resolve her"
 
 
 def ledger_rows(found: dict[str, Any], config: SceneConfig) -> list[dict[str, Any]]:
-    """Memory ledger of `preflight` (`found`) as dicts; the first row of a part lists the kernels of the whole part."""
+    """Memory ledger in the facts `found` of `preflight` as dicts. The first row of each part of the scene, such as
+    `fluid`, lists the kernels of that part, too."""
     parts, listed, rows = {"basin": config.basin} | config.parts(), set(), []
     for row in found["ledger"]:
         kernels = None if row.part in listed else runtime.kernels_in(type(parts[row.part]).__module__)
@@ -176,29 +177,29 @@ def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
     return f"{about}, by the last run of {water} on this machine"
 
 
-def memory_taken(found: dict[str, Any]) -> str:
-    """Memory of a run in words, from the facts `found` of `preflight`, with the part of it that pictures take."""
+def memory_text(found: dict[str, Any]) -> str:
+    """Text on the memory of a run, and how much of it pictures take, from `found`, the facts of `preflight`."""
     pictures = f" ({found['pictures_mb']:.0f} of them for pictures)" if found["pictures_mb"] else ""
     return f"{found['memory_mb']:.0f} MB{pictures}"
 
 
 def preflight_lines(found: dict[str, Any], config: SceneConfig, listed: str = "") -> str:
-    """Answer of `check` on the facts `found` of `preflight`, as text: verdict, wall time, memory, steps and files.
-    `listed`: where the warnings are."""
+    """Text that `check` prints on `found`, the facts of `preflight`: verdict, wall time, memory, steps and files.
+    `listed`: text on where the warnings are listed."""
     count = len(found["warnings"])
     steps = f"{found['particles']} particles in steps of {found['time_step']:.3g} s in still water"
     lines = [
         config.title or "untitled",
         "valid" + (f"; {count} warning{'s' if count > 1 else ''}{listed}" if count else ""),
         f"takes {wall_time(found, config)}",
-        f"needs {memory_taken(found)} of memory: {steps} (limit: {found['limited_by']})",
+        f"needs {memory_text(found)} of memory: {steps} (limit: {found['limited_by']})",
         f"writes {' '.join(config.files())}",
     ]
     return "\n".join(lines)
 
 
 def ship_lines(found: dict[str, Any]) -> list[str]:
-    """Lines on displacement, draught, metacentric heights and periods of each ship, by `preflight` (`found`)."""
+    """Lines on displacement, draught, metacentric heights and periods of each ship, from the facts of `preflight`."""
     lines = []
     for name, ship in found["ships"].items():
         if ship["draught_m"] is None:
@@ -206,7 +207,7 @@ def ship_lines(found: dict[str, Any]) -> list[str]:
         periods = ", ".join(f"{motion} {t:.3g} s" for motion, t in ship["periods_s"].items() if t is not None)
         own, across = ship["gm_of_faces_m"], ship["draught_spacings"]
         faces = "" if own is None else f" (by the faces of her hull {own:.3g} m)"
-        resolved = "" if across is None else f" ({across:.3g} spacings: {resolves(across)})"
+        resolved = "" if across is None else f" ({across:.3g} spacings: {resolution_text(across)})"
         lines.append(
             f"{called(name)}: {figures(ship['displacement_kg'])} kg, draught {ship['draught_m']:.3g} m{resolved}, "
             f"GM {ship['gm_m']:.3g} m{faces}, longitudinal GM {ship['gm_longitudinal_m']:.3g} m; "
@@ -216,7 +217,7 @@ def ship_lines(found: dict[str, Any]) -> list[str]:
 
 
 def print_ledger(found: dict[str, Any], ledger: list[dict[str, Any]], config: SceneConfig) -> None:
-    """Print memory and kernels part by part (`ledger`, of `ledger_rows`), room and stable time step (`found`)."""
+    """Print memory and kernels of each part of a scene (`ledger`, of `ledger_rows`), room and time step (`found`)."""
     stable = f"{found['stable_time_step']:.4g} s in still water, limited by: {found['stable_limited_by']}"
     on_card = config.runtime.arch in runtime.GRAPHICS_CARD_CHOICES
     room = f"{(CARD_BYTES if on_card else machine.memory_limit()) / 1e9:.1f} GB of {'a card' if on_card else 'memory'}"

@@ -56,7 +56,7 @@ def _row(fact: dict[str, Any]) -> list[str]:
 
 
 def examine_machine() -> dict[str, Any]:
-    """All facts of the answer of `doctor`: backends, graphics, memory, versions."""
+    """Facts that `doctor` reports, by topic: backends, graphics, memory, versions."""
     backends = {arch: run_probe(BACKEND_PROBE.format(arch=arch)) for arch in BACKEND_NAMES}
     cache = backends["cpu"]["detail"] if backends["cpu"]["ok"] else None
     for fact in backends.values():
@@ -78,7 +78,7 @@ def examine_machine() -> dict[str, Any]:
 
 
 def run_probe(script: str) -> dict[str, Any]:
-    """Run a Python script in a child process, which may crash: `ok` if it succeeded, and as `detail` its last line."""
+    """Run a Python script in a child process, as it may crash: `ok` if it succeeds, `detail` is its last line."""
     try:
         quiet = os.environ | {"ENABLE_TAICHI_HEADER_PRINT": "False"}
         options: dict[str, Any] = {"capture_output": True, "text": True, "timeout": PROBE_SECONDS, "env": quiet}
@@ -95,7 +95,7 @@ def run_probe(script: str) -> dict[str, Any]:
 
 
 def opengl_row() -> dict[str, Any]:
-    """Fact on OpenGL for drawing without a screen: `ok` if available, and `detail`, its window or the problem."""
+    """Fact on OpenGL, for drawing without a screen: `ok` if available, `detail` the kind of window or the problem."""
     script = "from ocean_sim.pictures.stage.opengl import probe, window; print(json.dumps([probe(), window()]))"
     fact = run_probe(f"import json; {script}")
     if not fact["ok"]:
@@ -105,7 +105,7 @@ def opengl_row() -> dict[str, Any]:
 
 
 def vector_row() -> dict[str, Any]:
-    """Fact on the kernels' vector instructions: `ok` if as wide as suits the processor, and `detail` in words."""
+    """Fact on the kernels' vector instructions: `ok` if as wide as the processor allows, `detail` in words."""
     fact, room = run_probe(VECTOR_PROBE), machine.max_vector_width()
     if not fact["ok"]:
         return fact

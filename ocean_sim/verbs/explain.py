@@ -40,7 +40,7 @@ def explain(
         whole = {each.path for each in scene_keys()}
         shorter = {path.partition(".")[0] for path in whole} | {path.rpartition(".")[2] for path in whole}
         end = keys_elsewhere(asked.rpartition(".")[2]) or choice_sentence(asked, sorted(whole | shorter))[0]
-        end = likeliest_beside(asked) or end or "; `ocean-sim list` shows all there is to choose from"
+        end = suggestion_ending(asked) or end or "; `ocean-sim list` shows all there is to choose from"
         raise console.Refused(f"there is no key {key!r}{end}")
     told = lambda key: {name: getattr(key, name) for name in SHOWN}
     console.answer([{"key": paths[0], "keys": paths} | told(each) for each, paths in same])
@@ -54,20 +54,20 @@ def explain(
 
 
 def preset_choice(word: str) -> tuple[str, str] | None:
-    """Slot and name of a preset or kind given as `ship.yacht` or `yacht`; None if it is neither."""
+    """Slot and name of a preset or kind given as `ship.yacht` or `yacht`; None if the word names neither."""
     slot, _, name = word.rpartition(".")
     return next(((each, name) for each in SLOTS if slot in ("", each) and name in known_names(each)), None)
 
 
 def with_preset_value(key: Key, slot: str, name: str) -> Key:
-    """The key with the value that preset `name` of a slot gives it as its default; unchanged if it gives none."""
+    """The key with its default replaced by the value that preset `name` of a slot sets; unchanged if it sets none."""
     own = choice_of(slot, node_of(name, Location(name))).base.plain()
     value = own.get(key.path.split(".")[2])
     return key if value is None else key._replace(default=in_yaml(value))
 
 
 def by_kind(word: str) -> str:
-    """Path of a key with a preset in it replaced by its kind: `ship.dynamic.position` for `ship.yacht.position`."""
+    """Path of a key in which the preset is replaced by its kind: `ship.dynamic.position` for `ship.yacht.position`."""
     slot, _, rest = word.partition(".")
     name, dot, below = rest.partition(".")
     if preset_choice(f"{slot}.{name}") is None:
@@ -75,8 +75,8 @@ def by_kind(word: str) -> str:
     return f"{slot}.{kind_named(slot, name)}{dot}{below}"
 
 
-def likeliest_beside(word: str) -> str:
-    """End of an error message that suggests a key or kind beside the word: `wind.u10` for `wind.speed`; or empty."""
+def suggestion_ending(word: str) -> str:
+    """End of an error message: the key or kind next to `word` most like it, `wind.u10` for `wind.u`; or empty."""
     above, _, last = word.rpartition(".")
     beside = by_kind(above)
     there = {key.path.rpartition(".")[2] for key in keys_at(beside)} - {beside.rpartition(".")[2]} if above else set()
@@ -86,7 +86,7 @@ def likeliest_beside(word: str) -> str:
 
 
 def group_alike(found: list[Key]) -> list[tuple[Key, list[str]]]:
-    """Groups of keys that are equal but for their kind: for each group its first key, and the paths of all."""
+    """Groups of keys that differ only in the kind that has them: of each group the first key, and the paths of all."""
     same: dict[tuple[Any, ...], tuple[Key, list[str]]] = {}
     for key in found:
         name = key.path.split(".")
@@ -96,7 +96,7 @@ def group_alike(found: list[Key]) -> list[tuple[Key, list[str]]]:
 
 
 def key_lines(key: Key, paths: list[str]) -> list[str]:
-    """Lines of text that describe a key in full; `paths`: all paths at which it is found."""
+    """Lines of text that describe a key in full; `paths`: all paths that lead to it, one for each kind."""
     bounds = f", {key.range}" if key.range else ""
     slot = paths[0].partition(".")[0]
     owners = list(dict.fromkeys(path.split(".")[1] for path in paths)) if slot in SLOTS else []

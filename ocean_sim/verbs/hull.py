@@ -36,7 +36,7 @@ BLOCK_FROUDE = 0.3  # speed over sqrt(g L) at full throttle of a ship to paste
 EMPTY_ANSWER = dict.fromkeys(("volume_m3", "displacement_kg", "draught_m", "kb_m", "bm_m", "gm_m"))
 
 
-class Asked(NamedTuple):
+class HullOptions(NamedTuple):
     """Options of `ocean-sim hull`: mass, centre, density and others that change the hull or its description."""
 
     mass: float | None = None  # [kg]
@@ -52,8 +52,8 @@ class Asked(NamedTuple):
     bow: AxisName | None = None  # axis of a mesh file that points to the bow
     scale: float | None = None  # metres per unit of a mesh file
 
-    def agree(self, loading: Path | None) -> None:
-        """Raise Refused if an option is not finite, or mass or centre is stated twice; `loading`: file of --loading."""
+    def require_consistent(self, loading: Path | None) -> None:
+        """Raise Refused if an option is not finite, or mass or centre is given twice; `loading`: file of --loading."""
         for name, value in self._asdict().items():
             if name not in ("up", "bow") and not np.isfinite([] if value is None else value).all():
                 raise console.Refused(f"--{name.replace('_', '-')}: expected finite numbers")
@@ -100,15 +100,15 @@ def hull(
     at, keels = number_list("--cg", cg, "0,1.2,-0.3"), number_list("--bilge-keels", bilge_keels, "12,0.3")
     if keels is not None and min(keels) <= 0.0:
         raise console.Refused(f"--bilge-keels: {bilge_keels!r} is not like 12,0.3")
-    asked = Asked(mass, draught, kg, at, density or 0.0, cells, cross, keels, depth, up, bow, scale)
-    asked.agree(loading)
+    asked = HullOptions(mass, draught, kg, at, density or 0.0, cells, cross, keels, depth, up, bow, scale)
+    asked.require_consistent(loading)
     if out is not None and out.suffix.lower() not in PICTURE_SUFFIXES:
         raise console.Refused(
             f"--out: {out} is no picture's name: end it in {', '.join(PICTURE_SUFFIXES[:-1])} or {PICTURE_SUFFIXES[-1]}"
         )
     condition = None if loading is None else checked(Loading, read_mapping(loading))
     try:
-        shape, of_water, fitted = found_hull(name, ship, asked)
+        shape, of_water, fitted = find_hull(name, ship, asked)
         asked = asked._replace(density=asked.density or of_water, bilge_keels=asked.bilge_keels or fitted)
         found, notes = hull_report(shape, asked, condition, name)
     except ValueError as error:
@@ -127,9 +127,9 @@ def hull(
     return 0
 
 
-def found_hull(name: str, ship: str | None, asked: Asked) -> tuple[Hull, float, tuple[float, float] | None]:
-    """The hull called `name` (in configs/hull/ or configs/ship/, a mesh file, or `ship` of a scene), density of the
-    water [kg/m3], length and breadth of the bilge keels [m] or None. Raises ValueError, SceneError or Refused."""
+def find_hull(name: str, ship: str | None, asked: HullOptions) -> tuple[Hull, float, tuple[float, float] | None]:
+    """Hull called `name` (in configs/hull/ or configs/ship/, a mesh file, or of `ship` in a scene), density of its
+    water [kg/m3], and length and breadth of its bilge keels [m] or None. Raises ValueError, SceneError or Refused."""
     scene = Path(name).suffix in (".yaml", ".yml") or (library("scenes") / f"{name}.yaml").is_file()
     if ship is not None and not scene:
         raise console.Refused(f"--ship names one of the ships of a scene, and {name} is none")
@@ -166,8 +166,8 @@ def found_hull(name: str, ship: str | None, asked: Asked) -> tuple[Hull, float, 
     return chosen.whole_hull, config.fluid.rest_density, None if keels is None else (keels.length, keels.breadth)
 
 
-def load_ship(shape: Hull, asked: Asked, condition: Loading | None, notes: list[str]) -> Hull:
-    """The hull with mass and centre of mass from options or loading condition; values assumed are added to `notes`."""
+def load_ship(shape: Hull, asked: HullOptions, condition: Loading | None, notes: list[str]) -> Hull:
+    """The hull with mass and centre of mass from options or loading condition; assumed ones are told in `notes`."""
     mass, centre = asked.mass or shape.mass, shape.centre_of_mass
     lower, upper = shape.shape.bounds()
     keel, height = float(lower[1]), float(upper[1] - lower[1])
@@ -175,7 +175,7 @@ def load_ship(shape: Hull, asked: Asked, condition: Loading | None, notes: list[
         mass, at = condition.matter
         centre = (float(at[0]), float(at[1]), float(at[2]))
     if asked.draught is not None:
-        mass = mass_at(shape, asked)
+        mass = mass_at_draught(shape, asked)
         notes.append(f"at a draught of {asked.draught:g} m it carries {mass:.5g} kg")
     if mass is None:
         mass = ASSUMED_DENSITY_RATIO * asked.density * voxels(shape.shape, height / FIRST_GUESS_CUBES).volume
@@ -191,8 +191,8 @@ def load_ship(shape: Hull, asked: Asked, condition: Loading | None, notes: list[
     return shape.model_copy(update={"mass": mass, "centre_of_mass": centre})
 
 
-def mass_at(shape: Hull, asked: Asked) -> float:
-    """Mass [kg] of the water that the hull displaces upright at the draught in the options; raises Refused."""
+def mass_at_draught(shape: Hull, asked: HullOptions) -> float:
+    """Mass [kg] of the water displaced by the upright hull at the draught in the options; raises Refused."""
     assert asked.draught is not None
     height = float(np.ptp(shape.shape.bounds(), axis=0)[1])
     if not asked.draught < height:
@@ -202,8 +202,10 @@ def mass_at(shape: Hull, asked: Asked) -> float:
     return asked.density * float(still.wet_volumes(hydrostatics.UPRIGHT, still.keel + asked.draught).sum())
 
 
-def hull_report(shape: Hull, asked: Asked, condition: Loading | None, name: str) -> tuple[dict[str, Any], list[str]]:
-    """Facts of a hull in its loading condition as JSON data, with notes and problems; and the notes, as sentences."""
+def hull_report(
+    shape: Hull, asked: HullOptions, condition: Loading | None, name: str
+) -> tuple[dict[str, Any], list[str]]:
+    """Facts of a hull in its loading condition as JSON data, and the notes among them, as a list of sentences."""
     notes: list[str] = []
     problems: list[str] = []
     solid = shape.shape.closed_mesh()
@@ -236,18 +238,18 @@ def hull_report(shape: Hull, asked: Asked, condition: Loading | None, name: str)
     damped, beyond = roll_damping_rows(afloat, asked)
     sunk, blunt = squat_rows(afloat, asked.depth)
     notes += [*beyond, *blunt]
-    found = stated_balance(afloat, stability, asked.cross) | {"roll_damping": damped, "squat": sunk}
+    found = balance_facts(afloat, stability, asked.cross) | {"roll_damping": damped, "squat": sunk}
     facts["gm_of_faces_m"] = afloat.gm_of_faces
     found["scene"] = ship_block(name, shape, afloat, asked)
     return facts | found | {"notes": notes, "problems": problems}, notes
 
 
-def ship_block(name: str, shape: Hull, afloat: hydrostatics.Hydrostatics, asked: Asked) -> str:
-    """YAML of a ship with this hull for a scene; propeller and rudder by rule. Empty for one that a scene has already.
+def ship_block(name: str, shape: Hull, afloat: hydrostatics.Hydrostatics, asked: HullOptions) -> str:
+    """YAML of a ship with this hull, to be put into a scene; propeller and rudder by rule. Empty if she is from a
+    scene.
 
-    Full throttle is for a Froude number of BLOCK_FROUDE against the resistance by rule, the rudder half as large again
-    as the least of DNV (1975), T L / 100 (1 + 25 (B / L)^2).
-    """
+    The propeller at full throttle reaches a Froude number of BLOCK_FROUDE against the resistance by rule. The rudder is
+    half as large again as the least area of DNV (1975), T L / 100 (1 + 25 (B / L)^2)."""
     solid = shape.shape
     if not isinstance(solid, MeshFile) and name not in named("hull"):
         return ""
@@ -272,7 +274,7 @@ def ship_block(name: str, shape: Hull, afloat: hydrostatics.Hydrostatics, asked:
 
 
 def outlying_parts(shape: Hull, afloat: hydrostatics.Hydrostatics, condition: Loading | None) -> list[str]:
-    """Sentences on weights, openings or a centre of mass that lie outside the hull."""
+    """Sentences on weights and openings of a loading condition, and a centre of mass, that lie outside the hull."""
     lower, upper = (np.array(corner) for corner in shape.shape.bounds())
     centre, found = afloat.matter.centre, [] if condition is None else [*condition.outside_hull(lower, upper)]
     if (np.maximum(lower - centre, centre - upper) > 0.0).any():
@@ -283,7 +285,7 @@ def outlying_parts(shape: Hull, afloat: hydrostatics.Hydrostatics, condition: Lo
 
 
 def stability_problems(stability: Stability) -> list[str]:
-    """Sentences on why a ship does not float upright at rest: instability, no equilibrium, flooding; else none."""
+    """Sentences on why a ship does not float upright at rest: unstable, no equilibrium, flooded. Empty if she does."""
     found = []
     if stability.gm <= 0.0:
         ends = "no lever rights her" if stability.rest_heel is None else f"she lolls to {stability.rest_heel:.1f} deg"
@@ -297,8 +299,10 @@ def stability_problems(stability: Stability) -> list[str]:
     return found
 
 
-def roll_damping_rows(afloat: hydrostatics.Hydrostatics, asked: Asked) -> tuple[list[dict[str, float]], list[str]]:
-    """Roll damping by components (Ikeda) as shares of critical, a row per amplitude; and warnings out of its range."""
+def roll_damping_rows(
+    afloat: hydrostatics.Hydrostatics, asked: HullOptions
+) -> tuple[list[dict[str, float]], list[str]]:
+    """Roll damping by components (Ikeda) as shares of critical, a row per amplitude; warnings if out of its range."""
     keels = None if asked.bilge_keels is None else BilgeKeels(length=asked.bilge_keels[0], breadth=asked.bilge_keels[1])
     if keels is not None and keels.length > afloat.length:
         long = f"{keels.length:g} m are longer than her waterline of {afloat.length:.3g} m"
@@ -332,7 +336,7 @@ def squat_rows(afloat: hydrostatics.Hydrostatics, depth: float | None) -> tuple[
     return rows, [blunt] if law.blunt else []
 
 
-def stated_balance(afloat: hydrostatics.Hydrostatics, stability: Stability, cross: bool) -> dict[str, Any]:
+def balance_facts(afloat: hydrostatics.Hydrostatics, stability: Stability, cross: bool) -> dict[str, Any]:
     """Draught, GM, trim, righting levers, criteria and natural periods as JSON data; `cross`: also cross curves."""
     kb = afloat.kb
     kg = float(afloat.matter.centre[1]) - afloat.keel
@@ -369,7 +373,7 @@ def stated_balance(afloat: hydrostatics.Hydrostatics, stability: Stability, cros
 
 
 def balance_at_rest(afloat: hydrostatics.Hydrostatics) -> dict[str, float | None]:
-    """Draughts fore and aft [m], trim and heel [deg], > 0 with bow and starboard down; None without equilibrium."""
+    """Draughts fore, aft [m], trim (bow down > 0), heel (starboard down > 0) [deg]; None without equilibrium."""
     angles, names = rest_angles(afloat), ("draught_fore_m", "draught_aft_m", "trim_deg", "heel_deg")
     if angles is None:
         return dict.fromkeys(names)
@@ -433,7 +437,7 @@ def print_report(name: str, found: dict[str, Any], notes: list[str], picture: Pa
 
 
 def draw_hull(path: Path, shape: Hull, found: dict[str, Any]) -> None:
-    """Draw righting levers from `found`, the facts of a hull, and her lines with the waterline, into a picture file."""
+    """Draw righting levers, from the facts `found` of a hull, and her lines with the waterline, into a picture file."""
     from matplotlib.collections import LineCollection
     from matplotlib.figure import Figure
     from trimesh import Trimesh

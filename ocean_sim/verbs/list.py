@@ -31,7 +31,7 @@ def list_choices(
 
 
 def section_rows(section: str) -> list[dict[str, str]]:
-    """Names in a section of `ocean-sim list` (a slot, `scenes`, `cases` ...), each a dict with class and sentence."""
+    """Rows of a section of `ocean-sim list` (`scenes`, or a slot such as `wind`): dicts of name, class and sentence."""
     folder = library("configs") / ("run" if section == "profiles" else section)
     if section == "scenes":
         folder = library("scenes")

@@ -67,7 +67,7 @@ def platform(
         laid = [*(sets or []), *([] if ramp is None else [f"ramp={ramp!r}"])]
         config = platform_config(geometry, washout, laid)
         sender = open_sender(stream, packets, key) if stream is not None else None
-        ride, said = read_motion_log(log, frame, own_columns(columns), units == "deg", axes)
+        ride, said = read_motion_log(log, frame, parse_columns(columns), units == "deg", axes)
         machine = config.build(ride.every)
         look_ahead = cast(WashoutConfig, config.washout).look_ahead
         ahead = round(look_ahead / ride.every)
@@ -109,7 +109,7 @@ def platform(
 
 
 def platform_config(geometry: str, washout: str, sets: Sequence[str] = ()) -> Config:
-    """Config of a platform by geometry and washout (names, files), `key=value` settings; raises SceneError, Refused."""
+    """Config of a platform by geometry and washout (names or files) and settings; raises SceneError, Refused."""
     nodes = {"geometry": platform_choice("geometry", geometry), "washout": platform_choice("washout", washout)}
     whole = node_of(nodes, Location("--geometry, --washout"))
     for key, value in console.set_values([*sets]).items():
@@ -120,7 +120,7 @@ def platform_config(geometry: str, washout: str, sets: Sequence[str] = ()) -> Co
 
 
 def platform_choice(what: str, name: str) -> Node:
-    """The mapping in configs/WHAT/NAME.yaml, or in the YAML file `name` of the user; raises SceneError or Refused."""
+    """Keys in the file configs/WHAT/NAME.yaml, or in a user's YAML file `name`; raises SceneError or Refused."""
     if name in named(what):
         return read_mapping(library("configs") / what / f"{name}.yaml")
     if Path(name).suffix in (".yaml", ".yml"):
@@ -129,7 +129,7 @@ def platform_choice(what: str, name: str) -> Node:
 
 
 def open_sender(stream: str, packets: str, key: Path | None) -> datagrams.Sender:
-    """Sender of packets of a format to an address `stream`, signed with the content of file `key`; raises Refused."""
+    """Sender of packets in the format `packets` to the address `stream`, signed by the file `key`; raises Refused."""
     try:
         secret = b"" if key is None else datagrams.read_key(str(key))
         return datagrams.Sender(stream, packets, secret)
@@ -141,8 +141,8 @@ def open_sender(stream: str, packets: str, key: Path | None) -> datagrams.Sender
         raise console.Refused(f"--stream: {stream}: {error.strerror}") from None
 
 
-def own_columns(text: str | None) -> dict[str, str] | None:
-    """Names of a log's columns by key, from the option --columns such as `time=t,heave=z`; raises Refused."""
+def parse_columns(text: str | None) -> dict[str, str] | None:
+    """Names of a log's columns by our key, from a text such as `time=t,heave=z` of --columns; raises Refused."""
     if text is None:
         return None
     pairs = [word.partition("=")[::2] for word in text.split(",")]
@@ -156,8 +156,8 @@ def own_columns(text: str | None) -> dict[str, str] | None:
 def read_motion_log(
     log: Path, frame: str | None, columns: dict[str, str] | None = None, degrees: bool = False, axes: str = "ship"
 ) -> tuple[MotionLog, list[str]]:
-    """The motion log in a CSV file or run folder, checked to be convertible to axes `frame`, with sentences on what was
-    derived; the others are for a log of a person, by COLUMN_KEYS. Raises Refused."""
+    """Motion log from a CSV file or run folder, and sentences on columns that were derived. `frame`: axes to which it
+    must be convertible. `columns` (by COLUMN_KEYS), `degrees`, `axes`: for a log of other software. Raises Refused."""
     path = log / "motion.csv" if log.is_dir() else log
     if log.is_dir() and (log / "manifest.json").is_file() and not any(log.glob("motion*.csv")):
         raise console.Refused(f"{log}: this run has no motion log: its scene has no ship, or motion: null")
@@ -181,8 +181,8 @@ def write_commands(
     frame: str | None,
     film: bool,
 ) -> list[Path]:
-    """Write commands `done`, those of the `best` ride, metrics `found` and pictures of a ride into `out`, at once when
-    complete; return paths."""
+    """Write commands `done`, those of the `best` ride, metrics `found` and pictures; return their paths. Files are
+    moved into the folder `out` only when all are complete."""
     with TemporaryDirectory(prefix=".platform-", dir=out) as draft:
         folder = Path(draft)
         seed = {"seed": log.table.head["seed"]} if "seed" in log.table.head else {}
@@ -218,14 +218,14 @@ def write_leg_reports(out: Path, sender: datagrams.Sender) -> list[Path]:
 
 
 def commands_table(path: Path, head: dict[str, Any], columns: Sequence[str], rows: Any) -> None:
-    """Write rows as a CSV file in the format of runs, atomically; `head`: comments by key."""
+    """Write rows as a CSV file in the format of a run's files, atomically; `head`: its comment lines by name."""
     with atomic_write(path) as draft, closing(CsvFile(draft, head, columns)) as csv:
         for row in rows:
             csv.row(row)
 
 
 def stream_ride(sender: datagrams.Sender, done: Commands, machine: HexapodPlatform, frame: str) -> datagrams.Jitter:
-    """Send each row of `done` (commands) at its time, then, even after Ctrl-C, the return to neutral; return jitter."""
+    """Send each row of commands at its time, then, even after Ctrl-C, the way back to neutral; returns the jitter."""
     try:
         for packet in wire.row_packets(done, frame):
             sender.send(packet)

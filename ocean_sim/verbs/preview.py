@@ -70,7 +70,7 @@ class Session:
     """A scene that runs in a preview window under the user's control, or is drawn into files."""
 
     def __init__(self, config: SceneConfig, folder: Path, shown: bool) -> None:
-        """`folder`: of pictures and snapshots; `shown`: in a window."""
+        """`folder`: for pictures and snapshots; `shown`: True to draw in a window on the screen."""
         self.config, self.folder, self.shown = config, folder, shown
         look = config.observers.get("preview")
         self.look = look if isinstance(look, Config) else Config(size=(1280, 720))
@@ -82,12 +82,12 @@ class Session:
         self.pictures = self.snapshots = 0
 
     def open(self, show: bool) -> None:
-        """Open a window, or with `show` false a hidden one, on the simulation."""
+        """Open a window that shows the simulation, on the screen or, with `show` false, hidden."""
         self.screen = Screen(self.look, show)
         self.screen.watch(self.simulation, self.panel)
 
     def film(self, frames: int) -> None:
-        """Write `frames` numbered pictures, `preview.every` s of simulated time apart, and join them to a film."""
+        """Write so many numbered pictures, one every `preview.every` s of simulated time, and a film of them."""
         self.open(show=False)
         self.folder.mkdir(parents=True, exist_ok=True)
         bar = Bar(frames)
@@ -111,7 +111,7 @@ class Session:
             render.join_film(sorted(self.folder.glob("[0-9]*.png")), self.folder / "film.mp4", every)
 
     def play(self) -> None:
-        """Step, draw and obey the user until the window is closed."""
+        """Step, draw and follow the user's input, until the window is closed."""
         self.open(show=True)
         last = perf_counter()
         while not self.panel.closed:
@@ -132,7 +132,7 @@ class Session:
             self.pictures += 1
 
     def obey(self) -> None:
-        """Carry out the user's requests since the last picture: helm and reset."""
+        """Carry out what the user asked for since the last picture: to take the helm, or a reset."""
         panel = self.panel
         if panel.take("helm") and panel.ship:
             panel.person = self.simulation.ships[panel.ship].hand_over()
@@ -140,7 +140,7 @@ class Session:
             self.reset()
 
     def reset(self) -> None:
-        """Restart the scene, in a new window if Taichi has to restart."""
+        """Restart the scene; if Taichi itself has to restart, open a new window."""
         self.panel.message = ""
         with runtime.Fields():  # something stays open, for which Taichi goes on, and the window with it
             self.simulation.close()
@@ -154,7 +154,7 @@ class Session:
             self.screen.watch(self.simulation, self.panel)
 
     def advance(self, span: float) -> None:
-        """Step over a span of simulated time [s], or less if that takes too long; by one step if the user asked so."""
+        """Advance by `span` [s] of simulated time, less if that takes too long; one step if the user asked so."""
         panel, begin = self.panel, perf_counter()
         until = self.simulation.time + span
         single = panel.take("step")
@@ -173,7 +173,7 @@ class Session:
         self.scratch.cleanup()
 
     def build(self) -> Simulation:
-        """Build the simulation; in a window, observers of a scene with `stream` drive its motion platform meanwhile."""
+        """Build the simulation; with a window, it also drives the motion platform of a scene that has `stream`."""
         if not self.shown or "stream" not in self.config.observers:
             return Simulation(self.config)
         observers = self.config.observers.items()

@@ -84,8 +84,8 @@ def rao(
 def measured_response(
     run: Path, config: SceneConfig, ship: str, begin: float
 ) -> tuple[Response, np.ndarray, dict[str, Any]]:
-    """Response of a ship in a run from `begin` [s] on; its closed form (m, 2), NaN without one; and direction of the
-    waves from her bow [deg], her speed [m/s] and warnings. Raises Refused where there are no waves, or too few."""
+    """Response of a ship in a run from `begin` [s] on; its closed form (m, 2), NaN without one; and, by name, direction
+    of the waves from her bow [deg], her speed [m/s] and warnings. Raises Refused if waves are absent or too few."""
     log = motion_log.read_log(run / log_name(ship))
     sea, time, warnings = wave_field(config).sea, log.ride.time, []
     if not sea.amplitude.any():
@@ -118,7 +118,7 @@ def measured_response(
 
 
 def response_lines(found: Response) -> list[list[str]]:
-    """Cells with ratio and phase at some frequencies, in brackets where the coherence is low, - where nothing moves."""
+    """Table rows of amplitude ratio and phase over frequency; in brackets if coherence is low, - if nothing moves."""
     lines = []
     for k in range(0, len(found.omega), -(-len(found.omega) // MAX_ROWS)):
         cells = [f"{abs(ratio):.3f} {np.degrees(np.angle(ratio)):+.0f}" for ratio in found.ratio[k]]
@@ -129,7 +129,7 @@ def response_lines(found: Response) -> list[list[str]]:
 
 
 def draw_response(path: Path, found: Response, closed: np.ndarray) -> None:
-    """Draw the six responses over the frequency, with coherence; grey where that is below TRUSTED_COHERENCE."""
+    """Draw the six responses and the coherence over frequency; grey where coherence is below TRUSTED_COHERENCE."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(11.0, 6.5), layout="constrained")

@@ -75,7 +75,7 @@ def render(
 
 
 def picture_size(text: str | None) -> list[int] | None:
-    """Width and height [pixels] of a text such as `1280x720`, None without one; raises Refused."""
+    """Width and height [pixels] from a text such as `1280x720`; None if there is no text; raises Refused."""
     if text is None:
         return None
     words = text.lower().split("x")
@@ -114,7 +114,7 @@ def export(
 
 
 def require_frames(folder: Path) -> None:
-    """Raise Refused where a folder is no run folder, or its run has kept no frames."""
+    """Raise Refused if a folder is no run folder, or its run has no frame files."""
     if not (folder / MANIFEST_FILE).is_file():
         raise console.Refused(f"{folder}: this is not a run folder (there is no {MANIFEST_FILE})")
     if not any((folder / "frames").glob("*")):
@@ -129,7 +129,7 @@ def warn_unless_ended(folder: Path) -> None:
 
 
 def list_files(files: list[Path]) -> None:
-    """Print file names, if more than MAX_FILE_LINES only some; as JSON all of them."""
+    """Print file names, at most MAX_FILE_LINES of them; as JSON, print all."""
     console.answer({"files": files})
     shown = [str(file) for file in files]
     if len(shown) > MAX_FILE_LINES:

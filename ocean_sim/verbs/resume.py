@@ -78,8 +78,8 @@ def resume_claimed(folder: Path, until: float | None, anyway: bool, quiet: bool)
 def continue_run(
     config: SceneConfig, kept: checkpoint_file.Checkpoint, folder: Path, progress: Progress, changed: str = ""
 ) -> Result:
-    """Run on from the checkpoint `kept`. The simulation is built in a temporary folder, so that the run folder is
-    unchanged until the checkpoint is restored; `changed`: changes of the program in words."""
+    """Continue a run from the checkpoint `kept`; `changed`: text on how the program has changed since. The simulation
+    is built in a temporary folder, so that the run folder is untouched until the checkpoint is restored."""
     from ocean_sim.observers.checkpoint import restore
     from ocean_sim.state.snapshot import FileShortened, Mismatch
 
@@ -103,7 +103,7 @@ def continue_run(
 
 
 def manifest_of(folder: Path) -> dict[str, Any]:
-    """The manifest of a run folder as a dict; raises Refused if it is damaged or of something else."""
+    """The manifest of a run folder as a dict; raises Refused if it is damaged or not from a run."""
     path = folder / MANIFEST_FILE
     try:
         manifest = input_file.read_json(path)
@@ -115,7 +115,7 @@ def manifest_of(folder: Path) -> dict[str, Any]:
 
 
 def scene_of(folder: Path, manifest: dict[str, Any], until: float | None) -> SceneConfig:
-    """The scene in a run's manifest, with `until` [s] as its duration if given; raises Refused or SceneError."""
+    """The scene in a run's manifest, its duration replaced by `until` [s] if given; raises Refused or SceneError."""
     try:
         return load(manifest["scene"], {} if until is None else {"duration": until_node(until)})
     except SceneError as error:
@@ -126,14 +126,14 @@ def scene_of(folder: Path, manifest: dict[str, Any], until: float | None) -> Sce
 
 
 def library_of(manifest: dict[str, Any], config: SceneConfig) -> str | None:
-    """Kernel library that a run needs, by its scene or the versions in its manifest; None where neither names one."""
+    """Kernel library, Taichi or Quadrants, that a run needs, by its scene or manifest; None if neither names one."""
     versions = manifest.get("versions")
     known = [name for name in (TAICHI, QUADRANTS) if isinstance(versions, dict) and name in versions]
     return config.runtime.library or next(iter(known), None)
 
 
 def never_begun(folder: Path, config: SceneConfig) -> bool:
-    """True if a run with checkpoints ended before the first, having written no more than its initial state."""
+    """True if a run with checkpoints ended before the first one, and wrote nothing but its initial state."""
     if "checkpoint" not in config.observers or any(checkpoint_file.checkpoint_files(folder)):
         return False
     tables = (split_lines(input_file.read_text(path)) for path in folder.glob("*.csv"))
@@ -162,8 +162,8 @@ def newest_checkpoint(folder: Path, config: SceneConfig) -> checkpoint_file.Chec
 def check_checkpoint(
     folder: Path, kept: checkpoint_file.Checkpoint, scene: dict[str, Any], until: float | None, anyway: bool
 ) -> str:
-    """Changes of the program since the checkpoint, in words. Raises Refused if there are any, except `anyway`, if the
-    scene differs in more than its duration, or if the checkpoint is later than `until` [s]."""
+    """Changes of the program since the checkpoint `kept`, in words. Raises Refused (a) if there are any, unless
+    `anyway`, (b) if `scene` differs in more than its duration, (c) if the checkpoint is later than `until` [s]."""
     changed = program_changes(kept.made)
     if changed and not anyway:
         cure = "its results may differ; --anyway continues, and marks every file"
@@ -179,7 +179,7 @@ def check_checkpoint(
 
 
 def program_changes(made: dict[str, Any]) -> str:
-    """Differences in words of this program from `made`, a checkpoint's versions and source hashes; empty if none."""
+    """Text on how this program differs from `made`, a checkpoint's versions and source hashes; empty if it does not."""
     from ocean_sim.observers.checkpoint import versions
 
     now, then, library = versions(), made.get("sources") or {}, other_library(made)
@@ -196,20 +196,20 @@ def program_changes(made: dict[str, Any]) -> str:
 
 
 def other_library(made: dict[str, Any]) -> str:
-    """Kernel library and version in `made`, a checkpoint's versions, if this process uses another one; else empty."""
+    """Kernel library and version in a checkpoint's versions, `made`, if this process uses another one; else empty."""
     used = (name for name in (TAICHI, QUADRANTS) if name in made and LIBRARY_NAME not in made)
     return next((f"{name} {made[name]}" for name in used), "")
 
 
 def scene_differences(kept: Any, now: Any) -> str:
-    """Differences in words of nested dicts, of a checkpoint and now, at most MAX_SHOWN_DIFFERENCES; empty if none."""
+    """Text on where nested dicts, a checkpoint's `kept` and `now`, differ, MAX_SHOWN_DIFFERENCES at most; or empty."""
     found = list(differing_keys(kept, now, ""))
     more = f", and {len(found) - MAX_SHOWN_DIFFERENCES} more" if len(found) > MAX_SHOWN_DIFFERENCES else ""
     return ", ".join(found[:MAX_SHOWN_DIFFERENCES]) + more
 
 
 def differing_keys(kept: Any, now: Any, key: str) -> Any:
-    """Yield a sentence for each key in which nested dicts, of a checkpoint and now, differ; `key`: path of both."""
+    """Yield a sentence for each key in which the nested dicts `kept` and `now` differ; `key`: dotted path to both."""
     if isinstance(kept, dict) and isinstance(now, dict):
         for name in sorted({*kept, *now}):
             yield from differing_keys(kept.get(name), now.get(name), f"{key}.{name}".lstrip("."))

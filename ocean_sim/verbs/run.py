@@ -64,7 +64,7 @@ def report_run(
     folder: Path,
     quiet: bool = False,
 ) -> None:
-    """Carry out a run by `made()`, store its time per step and print its results; raises Stopped if interrupted."""
+    """Carry out a run by calling `made`, store its time per step, print its results; raises Stopped if interrupted."""
     try:
         result = made()
     except KeyboardInterrupt:
@@ -77,7 +77,7 @@ def report_run(
 
 
 def stopped_run(progress: Progress, folder: Path) -> console.Stopped:
-    """The error to raise for an interrupted run; it tells the simulated time, the files and how to continue."""
+    """Error to raise for an interrupted run: tells the simulated time reached, the files, and how to continue."""
     progress.close()
     if progress.over:
         later = f"`ocean-sim render {folder}` draws them"
@@ -96,8 +96,8 @@ def until_node(until: float) -> Node:
 
 
 def run_folder(stem: str, out: Path | None, overwrite: bool, coming: Iterable[str] = ()) -> Claim:
-    """Claim `out`, or else the first unused of runs/STEM, runs/STEM-2, ..., for a run that writes the files `coming`.
-    Raises Refused if another run (unless `overwrite`) or other files are there."""
+    """Claim (lock) `out`, or else the first unused of runs/STEM, runs/STEM-2, ..., for a run that writes the files
+    `coming`. Raises Refused if another run (unless `overwrite`) or other files are there."""
     if out is None:
         folders = (Path("runs") / (stem if k == 1 else f"{stem}-{k}") for k in count(1))
         return next(filter(None, map(unused_folder, folders)))
@@ -105,7 +105,7 @@ def run_folder(stem: str, out: Path | None, overwrite: bool, coming: Iterable[st
 
 
 def unused_folder(folder: Path) -> Claim | None:
-    """Claim a folder; None if it holds a run or other files, or another process has claimed it."""
+    """Claim (lock) a folder; None if it holds a run or other files, or another process has claimed it."""
     try:
         claim = None if (folder / MANIFEST_FILE).exists() or foreign_names(folder, FIRST_FILE) else Claim(folder)
     except FolderClaimed:
@@ -132,8 +132,8 @@ def run_facts(result: Any, config: SceneConfig) -> dict[str, Any]:
 
 
 def balance_remarks(columns: dict[str, Any], spacing: float | None) -> list[str]:
-    """Sentences on a surface that has left the particles (`spacing` [m] apart) and on energy that is not accounted for,
-    from the columns of accuracy.csv; empty if all is well."""
+    """Sentences on a drawn surface that has left the particles and on energy gained without work, from the `columns` of
+    accuracy.csv; empty if all is well. `spacing`: of the particles [m]."""
     found, offset = [], columns.get("surface_offset_m", [0.0])
     apart = abs(offset[-1] - offset[0])
     if spacing is not None and apart > OFFSET_STATED * spacing:
@@ -154,7 +154,7 @@ def balance_remarks(columns: dict[str, Any], spacing: float | None) -> list[str]
 
 
 def run_summary(facts: dict[str, Any]) -> str:
-    """Text for people at the end of a run, from the facts of `run_facts` and `Progress.summary`."""
+    """Text printed at the end of a run, from the facts of `run_facts` and `Progress.summary`."""
     factor, limits = f"{figures(facts['real_time_factor'], 2)} x real time after the start", facts["limited_by"]
     end, since = f"{facts['simulated_s']:.3g} s simulated", facts["since_s"]
     span = f"t = {since:.3g} s to {end}" if since else end

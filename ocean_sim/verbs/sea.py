@@ -97,7 +97,7 @@ def describe_file(path: Path, time: str | None, point: int, spreading: Spreading
 
 
 def draw_spectrum(path: Path, title: str, table: DirectionalSpectrum, parts: Sequence[DirectionalSpectrum]) -> None:
-    """Draw density [m2/(Hz deg)] over direction, from which waves come, and frequency [Hz], and number the parts."""
+    """Draw density [m2/(Hz deg)] over frequency [Hz] and direction of origin, and number the wave systems, `parts`."""
     from matplotlib.colors import PowerNorm
     from matplotlib.figure import Figure
 

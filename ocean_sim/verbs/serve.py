@@ -70,14 +70,14 @@ def play_scene(source: "Source", host: str, port: int | None, show: bool, out: P
 
 
 def scene_rows() -> list[dict[str, str]]:
-    """Packaged scenes as in `section_rows`, each with the file of the gallery's `picture` of it, or an empty name."""
+    """Packaged scenes as rows of `section_rows`, each with the file name of its gallery `picture`, or an empty one."""
     listed = read_mapping(library("figures") / "gallery" / "gallery.yaml").plain()["pictures"]
     shown = {entry["scene"]: entry["picture"] for entry in reversed(listed)}  # the first of each
     return [row | {"picture": shown.get(row["name"], "")} for row in section_rows("scenes")]
 
 
 def live_files(title: str) -> dict[str, Any]:
-    """Files of a live simulation's page by address: content type, and function that returns the content."""
+    """Files of a live simulation's page by address: (content type, function that returns the content)."""
     from ocean_sim.reading.schema import scene_schema
     from ocean_sim.viewer.still import page_document, sky_packet
 
@@ -110,14 +110,14 @@ def watch_runs(runs: list[Path], host: str, port: int | None, show: bool) -> Non
 
 
 def access_token(host: str) -> str:
-    """Random token for the page's address if other machines can reach the host, else empty."""
+    """Random token to put into the page's address if other machines can reach `host`; else empty."""
     from ocean_sim.viewer.server import LOCAL_HOSTS
 
     return "" if host in LOCAL_HOSTS else secrets.token_urlsafe(24)
 
 
 def announce_page(server: Any, show: bool, more: str) -> None:
-    """Print a page's address and the hint `more`, and open it in a browser if `show` and there is a screen."""
+    """Print a page's address and the hint `more`; open it in a browser if `show` is true and there is a screen."""
     stops = "Ctrl-C stops" + (f"; {more}" if more else "")
     console.reply({"address": server.address}, f"{server.address}\n{stops}")
     has_screen = sys.platform == "darwin" or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")

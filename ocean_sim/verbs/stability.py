@@ -44,7 +44,7 @@ def stability(
 
 
 def print_map(lines: list[dict[str, Any]], table: list[dict[str, Any]], out: Path) -> None:
-    """Print the limits of stability (`lines`), points of `table` degraded or without a verdict, and verdict counts."""
+    """Print the limits of stability (`lines`), points of `table` that are degraded or lack a verdict, and counts."""
     names = list(lines[0])
     title = (
         "steps over courant's own in still water; numbers: the longest stable step over h / c, h^2 / nu, sqrt(h / a)"

@@ -57,17 +57,17 @@ def tradeoff(
         folder = out or Path("runs") / "tradeoff" / Path(scene).stem
         with console.claim(folder, *STUDY_FILES):
             limit, varied = None if budget is None else Budget.of(budget), vary_setting(vary or [EVERY_PROFILE])
-            of_scene(setting_grid(scene, profile, console.set_values(sets), varied, quick), limit, by, quick, folder)
+            study_scene(setting_grid(scene, profile, console.set_values(sets), varied, quick), limit, by, quick, folder)
         return
     for name, given in (("vary", vary), ("budget", budget), ("by", by), ("profile", profile), ("set", sets)):
         if given:
             raise console.Refused(f"--{name} needs a scene, as in ocean-sim tradeoff SCENE --{name} ...")
     beside = () if out else ("*",)  # studies of scenes
     with console.claim(out or Path("runs/tradeoff"), *STUDY_FILES, *beside) as folder:
-        of_cases(quick, workers, folder)
+        study_cases(quick, workers, folder)
 
 
-def of_cases(quick: bool, workers: int | None, out: Path) -> None:
+def study_cases(quick: bool, workers: int | None, out: Path) -> None:
     """Measure cost and accuracy of the validation cases; write tradeoff.csv, equal.csv and a picture per case."""
     plan = study_points(quick)
     console.say(f"{len(plan)} runs of {len({point.trial.case for point in plan})} cases, each on one thread")
@@ -94,7 +94,7 @@ def of_cases(quick: bool, workers: int | None, out: Path) -> None:
 
 
 def print_settings(title: str, rows: list[dict[str, Any]], speed: str) -> None:
-    """Print the runs of a case, the cheapest by column `speed` first; a star marks those on the Pareto front."""
+    """Print the runs of a case, the cheapest by the column `speed` first; stars mark the Pareto front."""
     done = [row for row in rows if row.get("error") is not None and row.get(speed)]
     best = {id(done[k]) for k in pareto_front([(row[speed], abs(row["error"])) for row in done])}
     lost = [row for row in rows if row.get("error") is None]
@@ -105,7 +105,7 @@ def print_settings(title: str, rows: list[dict[str, Any]], speed: str) -> None:
     console.table(f"\n{title}", list(CASE_COLUMNS), lines)
 
 
-def of_scene(plan: list[Setting], limit: Budget | None, by: str | None, quick: bool, out: Path) -> None:
+def study_scene(plan: list[Setting], limit: Budget | None, by: str | None, quick: bool, out: Path) -> None:
     """Run a scene with every setting and seed, one run at a time; write tradeoff.csv, seeds.csv and a picture."""
     seeds = SEED_COUNTS[quick] if any(setting.scenes[0].wind.is_random for setting in plan) else 1
     if not console.json_asked:
@@ -143,7 +143,8 @@ def of_scene(plan: list[Setting], limit: Budget | None, by: str | None, quick: b
 
 
 def compare_with_finest(plan: list[Setting], seeds: int, runs: list[dict[str, Any]]) -> tuple[list, list]:
-    """A row per setting, and one per run (`seeds` runs each), with errors against the finest setting of equal seed."""
+    """Errors against the run with the finest setting and equal seed: rows for settings, rows for runs (`seeds`
+    each)."""
     groups = [runs[n * seeds : (n + 1) * seeds] for n in range(len(plan))]
     finest = next(group for setting, group in zip(plan, groups) if setting.finest)
     rows, single = [], []
@@ -162,7 +163,7 @@ def compare_with_finest(plan: list[Setting], seeds: int, runs: list[dict[str, An
 def confirmed_setting(
     plan: list[Setting], rows: list[dict[str, Any]], judge: str, limit: Budget, seeds: int, out: Path
 ) -> dict[str, Any] | None:
-    """The best setting within the budget, by the error `judge`, that stays so in a run with a new seed; else None."""
+    """Best setting within the budget `limit`, by the error `judge`; None unless a run with a new seed confirms it."""
     left, again = list(rows), out / "runs" / "again"
     shutil.rmtree(again, ignore_errors=True)  # an earlier study's
     reference = next(setting for setting in plan if setting.finest)
@@ -182,7 +183,7 @@ def confirmed_setting(
 
 
 def budget_verdict(found: dict[str, Any] | None, rows: list[dict[str, Any]], judge: str, limit: Budget) -> str:
-    """Text with the best setting within the budget, or the reason why there is none."""
+    """Text on `found`, the best setting within the budget, or if it is None on the reason why there is none."""
     if found is not None:
         return (
             f"most accurate within {limit.name}, by the {measure_label(judge)}: {found['setting']}\n"

@@ -59,7 +59,7 @@ def validate(
                 if name not in known:
                     raise console.Refused(f"there is no {what} {name!r}{choice_sentence(name, known)[0]}")
         overrides = console.set_values(sets)
-        plan = {case: pairs_of(case, schemes, slow, coarse) for case in wanted}
+        plan = {case: scheme_pairs(case, schemes, slow, coarse) for case in wanted}
         for case in (name for name in cases if name in wanted):  # a pattern takes what there is
             if not problems(case, slow=slow, coarse=coarse):
                 if not problems(case, slow=True, coarse=coarse):
@@ -79,7 +79,7 @@ def validate(
             write_junit(junit, rows)
         missed = [row for row in rows if not row["ok"]]
         console.answer(rows)
-        for sentence in left_out(plan, schemes, coarse):
+        for sentence in omission_sentences(plan, schemes, coarse):
             console.say(f"\n{sentence}")
         promised = sum(row["tolerance"] is not None for row in rows)
         kept = f"{promised - len(missed)} of {promised} tolerances kept"
@@ -89,8 +89,8 @@ def validate(
         return 1 if missed else 0
 
 
-def pairs_of(case: str, schemes: list[str], slow: bool, coarse: bool) -> list[tuple[Problem, str]]:
-    """Pairs of a set-up of a case and a scheme under which it runs, scheme by scheme."""
+def scheme_pairs(case: str, schemes: list[str], slow: bool, coarse: bool) -> list[tuple[Problem, str]]:
+    """Pairs (set-up, scheme): each set-up of a case with each scheme under which it runs, sorted by scheme."""
     pairs = [
         (problem, scheme)
         for problem in problems(case, slow=slow, coarse=coarse)
@@ -107,7 +107,7 @@ def case_answer(order: Order) -> list[dict[str, Any]]:
     """Run the case of an `Order` under its schemes, draw its picture, and return a row for each result."""
     case, schemes, slow, coarse, sets, out = order
     overrides, rows, runs = console.set_values(sets), [], []
-    for problem, scheme in pairs_of(case, schemes, slow, coarse):
+    for problem, scheme in scheme_pairs(case, schemes, slow, coarse):
         found, finding = problem.run(case, scheme, overrides)
         rows += found
         runs.append((problem, scheme, finding))
@@ -116,7 +116,7 @@ def case_answer(order: Order) -> list[dict[str, Any]]:
 
 
 def case_answers(orders: list[Order], workers: int) -> Iterator[list[dict[str, Any]]]:
-    """Yield the rows of each case in order, run in `workers` processes that share the cores, or if 1 in this one."""
+    """Yield the rows of each case in order, run in `workers` processes that share the cores (1: in this process)."""
     workers = min(workers, len(orders))
     if workers < 2:
         yield from map(case_answer, orders)
@@ -138,15 +138,15 @@ def case_answers(orders: list[Order], workers: int) -> Iterator[list[dict[str, A
 
 
 def prepare_worker() -> None:
-    """Prepare a worker process to end with its parent, and silently on Ctrl-C; the pool calls this in each worker."""
+    """Let this worker process end with its parent, and silently on Ctrl-C; the pool calls this in each worker."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     parent = parent_process()
     assert parent is not None
     exit_after(parent.join)
 
 
-def left_out(plan: dict[str, list[tuple[Problem, str]]], schemes: list[str], coarse: bool) -> Iterator[str]:
-    """Yield sentences on the cases of a plan of which some or all set-ups were left out, and why."""
+def omission_sentences(plan: dict[str, list[tuple[Problem, str]]], schemes: list[str], coarse: bool) -> Iterator[str]:
+    """Yield sentences on cases of which some or all set-ups do not run, and why; `plan`: those that do, by case."""
     slow: dict[str, list[str]] = {}
     for case, pairs in plan.items():
         ran = {problem.name for problem, _ in pairs}
@@ -177,7 +177,7 @@ def row_line(row: dict[str, Any]) -> list[str]:
 
 
 def write_junit(path: Path, rows: list[dict[str, Any]]) -> None:
-    """Write the rows as JUnit XML: a suite per case, a test per row, skipped if the row has no tolerance."""
+    """Write the rows as JUnit XML: a suite per case and a test per row, marked as skipped if it has no tolerance."""
     from xml.etree.ElementTree import Element, ElementTree, SubElement, indent
 
     suites = Element("testsuites", tests=str(len(rows)), failures=str(sum(not row["ok"] for row in rows)))
@@ -199,7 +199,7 @@ def write_junit(path: Path, rows: list[dict[str, Any]]) -> None:
 
 
 def draw_case(path: Path, case: str, runs: list[tuple[Problem, str, Finding]]) -> None:
-    """Draw runs (set-up, scheme, finding) of a case into a file; none is written if no run has curves or diverged."""
+    """Draw runs (set-up, scheme, finding) of a case into a file; no file if no run has curves or diverged."""
     from matplotlib.figure import Figure
 
     panels = list(dict.fromkeys(problem.name for problem, _, found in runs if found.measured or not found.numbers))
@@ -229,7 +229,7 @@ def draw_case(path: Path, case: str, runs: list[tuple[Problem, str, Finding]]) -
 
 
 def plot_curve(axes: Any, curve: Curve, label: str, colour: str, n: int) -> None:
-    """Plot a curve as a line or points on Matplotlib axes; `n`: index of its style in LINE_STYLES or MARKER_STYLES."""
+    """Plot a curve as a line or points on Matplotlib axes; `n`: index in LINE_STYLES or MARKER_STYLES."""
     dots = {"linestyle": "none", "marker": MARKER_STYLES[n % len(MARKER_STYLES)], "markersize": 3}
     line = {"linestyle": LINE_STYLES[n % len(LINE_STYLES)], "linewidth": 1.2}
     axes.plot(curve.x, curve.y, label=label, color=colour, **(dots if curve.points else line))

@@ -65,13 +65,13 @@ def waves(
     write_columns(files[1], {"frequency_Hz": frequency} | {f"{name}_m2_s": d for name, d in densities.items()})
     if not console.draw_if_able(draw_waves, files[2], time, heights, frequency, densities):
         files.pop()
-    surface = surface_of(path.parent, begin)
+    surface = read_surface(path.parent, begin)
     if surface is not None:
         files.append(folder / "surface.csv")
         columns = {"time_s": surface.time, "circulation_m2_s": surface.circulation, "white_cap_cover": surface.cover}
         write_columns(files[-1], {name: values for name, values in columns.items() if values is not None})
     run_files.add_to_manifest(path.parent, files)
-    treated = {name: treatment_of(treatment, time, height) for name, height in heights.items()}
+    treated = {name: treatment_facts(treatment, time, height) for name, height in heights.items()}
     whole_run = ({} if surface is None else surface.means()) | pressure_gain(path)
     console.answer({name: sea.numbers() | treated[name] | whole_run for name, sea in found.items()})
     print_waves(found, path, treatment, time)
@@ -93,8 +93,8 @@ def waves(
     console.say("\n".join(str(file) for file in files))
 
 
-def surface_of(folder: Path, begin: float) -> SurfaceRecord | None:
-    """Circulation and white-cap cover in a run's frames from `begin` [s] on; None if it has none that can be read."""
+def read_surface(folder: Path, begin: float) -> SurfaceRecord | None:
+    """Circulation and white-cap cover in a run's frames from `begin` [s] on; None if no frames can be read."""
     if not (folder / "frames" / "grid.npz").is_file():
         return None
     try:
@@ -108,7 +108,7 @@ def surface_of(folder: Path, begin: float) -> SurfaceRecord | None:
 
 
 def surface_sentence(surface: SurfaceRecord) -> str:
-    """Means over time of white-cap cover and circulation, as text."""
+    """Sentences on the mean white-cap cover and the mean circulation in a record."""
     cover = f"white caps on {100.0 * surface.cover.mean():.3g} % of the surface on average, "
     cover += f"{100.0 * surface.cover.max():.3g} % at most: where it falls faster than {BREAKING_ACCELERATION:g} g "
     cover += f"by waves of {surface.shortest:.3g} m and longer, four points of the frames"
@@ -120,8 +120,8 @@ def surface_sentence(surface: SurfaceRecord) -> str:
 
 
 def particle_orbits(path: Path, folder: Path, begin: float, period: float | None) -> list[Path]:
-    """Print the orbits of tracers (file `path`) from `begin` [s] on, in waves of a period [s], and write orbits.csv;
-    return its path in a list, which is empty, after a message, if there are none."""
+    """Print the orbits of tracers in the file `path` from `begin` [s] on, under waves of a period [s], and write
+    orbits.csv. Return a list of that path, or print why there are none and return an empty list."""
     if period is None:
         console.say(f"{path}: no orbits, as no gauge's record resolves a peak period")
         return []
@@ -154,8 +154,8 @@ def read_record(run: Path) -> Path:
     return path
 
 
-def treatment_of(treatment: record.Treatment, time: np.ndarray, height: np.ndarray) -> dict[str, Any]:
-    """Facts on the treatment of a record (n,): trend removed [m/s], hysteresis [m], warnings; each if there is one."""
+def treatment_facts(treatment: record.Treatment, time: np.ndarray, height: np.ndarray) -> dict[str, Any]:
+    """Treatment of a record (n,), by name: trend removed [m/s], hysteresis [m], warnings; each only if there is one."""
     even = record.even_samples(time, height)
     warnings = [*filter(None, (record.missing_samples(time), record.slow_part(*even, treatment)))]
     found: dict[str, Any] = {"trend_m_s": record.linear_trend(*even)} if treatment.detrended else {}
@@ -164,13 +164,13 @@ def treatment_of(treatment: record.Treatment, time: np.ndarray, height: np.ndarr
 
 
 def wind_config(path: Path) -> dict[str, Any] | None:
-    """The wind in the scene of a run as a dict, by the path of its gauge record; None if unknown."""
+    """The wind section of a run's scene as a dict, found by the path of its gauge record; None if unknown."""
     wind = run_scene(path.parent).get("wind")
     return wind if isinstance(wind, dict) and "kind" in wind else None
 
 
 def pressure_gain(path: Path) -> dict[str, float]:
-    """Gain of a stress wind, and of its pressure if set separately, by column name; empty for other winds."""
+    """Gain of a wind of kind `stress`, and of its pressure if set separately, by column name; empty for other winds."""
     wind = wind_config(path) or {}
     if wind.get("kind") != "stress":
         return {}
@@ -178,7 +178,7 @@ def pressure_gain(path: Path) -> dict[str, float]:
     return {"wind_gain": wind["gain"]} | ({} if own is None else {"wind_pressure_gain": own})
 
 
-def wind_of(path: Path) -> str | None:
+def wind_text(path: Path) -> str | None:
     """Description in words of the run's wind with its gain; None if unknown."""
     wind = wind_config(path)
     if wind is None:
@@ -206,12 +206,12 @@ def print_waves(found: dict[str, record.Sea], path: Path, treatment: record.Trea
     beyond = f" of waves that go {treatment.hysteresis:g} m below and above" if treatment.hysteresis else ""
     counted = f"H1/3, Tz and Hmax between zero up-crossings{beyond}"
     console.say(f"moments up to {record.CUT_OFF_PEAKS:g} peak frequencies; {counted}")
-    if (wind := wind_of(path)) is not None:
+    if (wind := wind_text(path)) is not None:
         console.say(wind)
 
 
 def sampling_facts(errors: list[float]) -> list[str]:
-    """Sentence, in a list, on the errors (shares) of gauges' significant wave heights; empty for regular waves."""
+    """List of one sentence on the standard errors (shares) of significant wave heights; empty for regular waves."""
     irregular = sorted(error for error in errors if error < record.REGULAR_ERROR)
     if not irregular:
         return []
@@ -220,7 +220,7 @@ def sampling_facts(errors: list[float]) -> list[str]:
 
 
 def record_shortcomings(sea: record.Sea, treatment: record.Treatment) -> list[str]:
-    """Sentences on statistics for which a record is too short."""
+    """Sentences on those statistics for which a record is too short."""
     if not sea.waves:
         if sea.hm0_m and treatment.hysteresis:
             return [f"the record holds no wave that goes {treatment.hysteresis:g} m below and above zero"]

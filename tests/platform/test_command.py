@@ -74,7 +74,7 @@ def drawn():
 def test_a_workspace_is_drawn_whole(drawn, one, other):
     """All that two motions reach together lies inside its picture, and each alone reaches the ends that are known."""
     _, machine = drawn
-    across, up, usage = platform_pictures.reached_range(machine, one, other)
+    across, up, usage = platform_pictures.stroke_usage_grid(machine, one, other)
     inside = usage <= 1.0
     assert inside.any() and not (inside[0].any() or inside[-1].any() or inside[:, 0].any() or inside[:, -1].any())
     for values, motion in ((across, one), (up, other)):

@@ -18,14 +18,15 @@ UNSTORED_SCALE = 0.01  # of the mass times the square of the reference speed, wh
 
 
 def surely_inside(totals: Totals, basin: Basin) -> bool:
-    """True if the bounds in `totals` show that no particle is outside the basin; else each has to be checked."""
+    """True if the bounding box in `totals` proves all particles inside the basin; else each has to be checked."""
     low, up = basin.stops()
     flat = not basin.config.obstacles and basin.ground is None
     return flat and bool((totals.lower >= low).all() and (totals.upper <= up).all())
 
 
 def distance_outside(position: np.ndarray, basin: Basin, time: float, spacing: float) -> np.ndarray:
-    """(n,) distance [m] of particles a `spacing` [m] apart beyond walls or inside an obstacle at a time [s], or 0."""
+    """(n,) distance [m] of particles (n, 3) beyond walls or inside an obstacle at a time [s]; 0 for those in the
+    water."""
     low, up = (np.array(stop) for stop in basin.stops())
     distance = np.linalg.norm(position - np.clip(position, low, up), axis=1)
     for least, most in basin.obstacles_at(time):
@@ -38,8 +39,9 @@ def distance_outside(position: np.ndarray, basin: Basin, time: float, spacing: f
 
 
 def level_ratio(position: np.ndarray, spacing: float, basin: Basin, time: float) -> float:
-    """Height over the bed of the centre of mass of particles (n, 3) [m], over that at rest, with the water of each
-    column of three spacings on the bed at rest density, one layer at least; NaN if a position is not finite."""
+    """Height over the bed of the centre of mass of particles (n, 3) [m], over the same at rest, where the particles of
+    each column of three spacings lie at rest density on the bed, one layer at least; NaN if a position is not
+    finite."""
     if not np.isfinite(position).all():
         return float("nan")
     axes = [0, 2][: basin.dimension - 1]
@@ -59,8 +61,9 @@ def level_ratio(position: np.ndarray, spacing: float, basin: Basin, time: float)
 
 
 class Symmetry:
-    """Pairs of particles (twins) that mirror each other in x = 0 or in z = 0, in water that begins symmetric. In 50
-    steps rounding parts them by up to 3e-5 spacings, by 2.5e-3 if pressures are solved for; the distance grows on."""
+    """Check that water which begins symmetric about x = 0 or z = 0 stays so: twins are particles that mirror each
+    other. Rounding separates twins, in 50 steps by up to 3e-5 spacings (2.5e-3 with a pressure solver), later by
+    more."""
 
     def __init__(self, simulation: Simulation) -> None:
         basin, self.twins = simulation.basin, dict[int, np.ndarray]()
@@ -80,7 +83,7 @@ class Symmetry:
                 self.twins[axis] = twin
 
     def largest_distance(self, simulation: Simulation) -> float:
-        """Largest distance [spacings] of a particle from the mirror image of its twin; 0 without twins."""
+        """Largest distance [spacings] between a particle and the mirror image of its twin; 0 without twins."""
         if not self.twins:
             return 0.0
         place, _ = sorted_by_id(simulation)
@@ -101,7 +104,7 @@ def mirrored(vectors: np.ndarray, axis: int) -> np.ndarray:
 
 
 def is_symmetric(basin: Basin, axis: int) -> bool:
-    """True if gravity, walls and boxes equal their mirror images across `axis`, and there is no mesh."""
+    """True if gravity, walls and boxes equal their mirror images across `axis` = 0, and there is no mesh."""
     name = "xyz"[axis]
     walls = basin.walls.at(f"{name}_min") == basin.walls.at(f"{name}_max")
     boxes = {tuple(np.round([*low, *up], 9)) for low, up in basin.obstacles}
@@ -114,13 +117,13 @@ def is_symmetric(basin: Basin, axis: int) -> bool:
 
 
 class Momentum:
-    """Compares the momentum that the water gains from now on with the impulses of all forces (the fluid sums them)."""
+    """Check of momentum: compares the gain of the water since this object was made with the impulses of all forces."""
 
     def __init__(self, simulation: Simulation) -> None:
         self.first = self.unexplained(simulation, with_particles(simulation.fluid).totals())
 
     def unexplained(self, simulation: Simulation, totals: Totals) -> np.ndarray:
-        """(3,) momentum [kg m/s] that no force has given since the fluid was built; `totals`: of its particles."""
+        """(3,) momentum [kg m/s] minus all impulses since the fluid was built; `totals`: sums over the particles."""
         moving = with_particles(simulation.fluid).particles.mass * totals.velocity
         return moving - sum(simulation.fluid.impulse.values(), np.zeros(3))
 
@@ -137,19 +140,19 @@ class Momentum:
 
 
 class Balance:
-    """Compares the energy gained by the particles with the work of all forces, which the fluid has to sum."""
+    """Check of energy: compares the energy gained by the particles with the work of all forces."""
 
     at_first: float | None
 
     def __init__(self, simulation: Simulation, working: Sequence[str]) -> None:
-        """`working`: names of the forces whose work is summed, in the order in which they are added."""
+        """`working`: names of the forces whose work is summed, in the order of the sum."""
         inner = CONVERSION_TERMS[: 1 if simulation.fluid.solvers else 2]  # incompressible water stores no energy
         self.outer_terms = [term for term in working if term not in inner]  # they give and take energy
         self.driven = not simulation.basin.has_potential(simulation.scene.fluid.steady_force)
         self.at_first = None
 
     def residual(self, energy: float, potential_energy: float, work: dict[str, float]) -> float:
-        """Gain of `energy` [J] since the first call that no force has given; `work`: of each force so far [J]."""
+        """Gain of `energy` [J] since the first call minus the work of forces; `work`: of each so far [J]."""
         given = sum(work[term] for term in self.outer_terms)
         if self.driven:
             given += work.get("gravity", 0.0) + potential_energy
@@ -159,7 +162,7 @@ class Balance:
 
 
 def kinetic_and_potential(simulation: Simulation, totals: Totals) -> tuple[float, float]:
-    """Kinetic energy, and potential energy in gravity, zero at the origin [J], of all particles, from their totals."""
+    """Kinetic energy, and potential energy in gravity (zero at the origin), both [J], from sums over all particles."""
     mass = with_particles(simulation.fluid).particles.mass
     with np.errstate(invalid="ignore"):  # infinite is NaN along axes without gravity
         lifted = -mass * float(totals.position @ np.array(simulation.basin.gravity))
@@ -167,7 +170,7 @@ def kinetic_and_potential(simulation: Simulation, totals: Totals) -> tuple[float
 
 
 def stored_by_weight(simulation: Simulation) -> float:
-    """Greatest energy [J] of compression by the water's weight, at rest: (g depth)^2 / (6 c^2) per kilogram."""
+    """Energy [J] that water at rest stores as its weight compresses it, at most: (g depth)^2 / (6 c^2) per kilogram."""
     fluid, basin = simulation.fluid, simulation.basin
     particles = with_particles(fluid).particles
     head = float(np.linalg.norm(basin.gravity)) * basin.depth  # [m2/s2]
@@ -175,10 +178,10 @@ def stored_by_weight(simulation: Simulation) -> float:
 
 
 def energy_scale(simulation: Simulation) -> float:
-    """Energy [J] in water at rest to which a gain is compared: that which its weight stores by compression, and in a
-    patch of open sea that of its waves; where none is stored, a hundredth of mass times reference speed squared. Over
-    a bed with a shape, and where none is stored, also the energy that lifts the water by a spacing: packed particles
-    and solved water move by hundredths of one as their lattice gives way."""
+    """Energy [J] with which a gain of energy is compared: that which water at rest stores as its weight compresses it,
+    plus over an uneven bed the energy to lift it by a spacing, or in a patch of open sea that of its waves.
+    Incompressible water: 1 % of mass times reference speed squared, plus that lift. Settling water moves by a share of
+    a spacing."""
     basin, particles = simulation.basin, with_particles(simulation.fluid).particles
     compresses = simulation.fluid.sound_speed > 0.0 and not simulation.fluid.solvers
     stored = stored_by_weight(simulation) if compresses else 0.0
@@ -196,12 +199,11 @@ def energy_scale(simulation: Simulation) -> float:
 
 
 def separable_work_terms(simulation: Simulation) -> list[str]:
-    """Names of the forces whose summed work is the energy given to the water; empty where that is unknown.
+    """Names of the forces whose work adds up to the energy given to the water; empty where no such sum is known.
 
-    Water that solves for its pressure stores no energy in it: pressure and walls give elsewhere the energy that
-    pressure takes. Their sum holds the error of the solver and the work of the walls. The two cannot be separated where
-    walls drive the water, and the list is empty.
-    """
+    In water with a pressure solver, pressure stores no energy: energy that pressure takes at one place it gives back at
+    another, or at walls. The sum over both holds the error of the solver plus the work of the walls, which cannot be
+    told apart where walls drive the water: then the list is empty."""
     fluid = simulation.fluid
     if not fluid.solvers:
         return list(fluid.work)

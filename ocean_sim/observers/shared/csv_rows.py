@@ -28,24 +28,24 @@ TIME_TOLERANCE = 1.0e-9  # of `every`: a time so little short of a multiple has 
 
 
 def heading(simulation: "Simulation", rate: str, **more: object) -> dict[str, object]:
-    """Comment lines, by name, at the top of every CSV file of a run; `rate`: text on its rows; `more`: other lines."""
+    """Comment lines, by name, at the top of each CSV file of a run; `rate`: text on its rows; `more`: further lines."""
     axes = "right-handed, x and z horizontal, y up, origin at the centre of the still surface"
     return {"frame": "world", "axes": axes, "rate": rate, "seed": simulation.scene.seed, **more}
 
 
 def legend(name: str, **known: object) -> dict[str, object]:
-    """Comment lines, by name, on the columns of a CSV file: a section of LEGEND_FILE with `known` values filled in."""
+    """Comment lines that explain the columns of a CSV file: section `name` of LEGEND_FILE, `known` values filled in."""
     return {key: text.format(**known) for key, text in read_mapping(LEGEND_FILE).plain()[name].items()}
 
 
 @lru_cache(maxsize=1000)
 def row_format(kinds: tuple[type, ...]) -> str:
-    """Format string of a row of values of these types: real numbers have nine significant digits on every machine."""
+    """Format string for a row of values of these types; real numbers get nine significant digits on every machine."""
     return ",".join("%.9g" if issubclass(kind, REAL_TYPES) else "%s" for kind in kinds)
 
 
 class CsvFile:
-    """Growing CSV file. Each row reaches the disk whole, so that a killed run leaves whole lines."""
+    """CSV file that grows by rows. Each row is written at once, so that a killed run leaves no broken line."""
 
     def __init__(self, path: Path, heading: Mapping[str, object], columns: Sequence[str]) -> None:
         """Create the file with its comment lines, `heading` by name, and the line of column names."""
@@ -70,7 +70,7 @@ class CsvFile:
 
 
 class Multiples:
-    """Counter of the multiples of `every` [s] that simulated time reaches, each once, from the first call on."""
+    """Counter of the multiples of `every` [s] that simulated time passes. It counts from the first call on."""
 
     next: int | None
 
@@ -79,7 +79,7 @@ class Multiples:
         self.next = None
 
     def reached(self, time: float) -> range:
-        """Numbers k of the multiples k * every that time [s] has reached since the last call."""
+        """Integers k for which k * every has been passed since the last call, up to and including `time` [s]."""
         if self.next is None:
             self.next = math.ceil(time / self.every - TIME_TOLERANCE)
         end = math.floor(time / self.every + TIME_TOLERANCE) + 1
@@ -89,7 +89,7 @@ class Multiples:
 
 
 class Sample(NamedTuple):
-    """Row at a time [s]: `values` interpolated linearly between two states, `held` from the earlier state."""
+    """Row at a time [s]: `values` are interpolated linearly between two states, `held` come from the earlier one."""
 
     time: float
     values: np.ndarray
@@ -97,20 +97,20 @@ class Sample(NamedTuple):
 
 
 class Sampled:
-    """Sampler of a vector at multiples of `every` [s], linear between steps, second-order in the time step. It needs
-    the last state before and the first after each multiple; names and counts keep their value of the state before."""
+    """Sampler of a vector at multiples of `every` [s], for any time steps: `values` are interpolated linearly between
+    the states before and after, `held` (names, counts) come from the state before. Second-order in the time step."""
 
     before: Sample | None
 
     def __init__(self, every: float, most: float = math.inf) -> None:
-        """`most`: number of multiples that one step may pass; of more, only the first and the last have rows."""
+        """`most`: if one step passes more multiples than this, only the first and the last of them give rows."""
         self.every, self.most = every, most
         self.multiples = Multiples(every)
         self.before = None
 
     def rows(self, time: float, values: np.ndarray, held: tuple = ()) -> list[Sample]:
-        """Store the state at `time` [s] (`values`, `held`); return samples at multiples since the last call, of more
-        than `most` the first and last: `values` on the line between both states, `held` of the earlier."""
+        """Store the state (`values`, `held`) at `time` [s]; return a sample for each multiple of `every` since the last
+        call, or only the first and last of more than `most`."""
         now = Sample(time, np.asarray(values, dtype=np.float64), held)
         passed = self.multiples.reached(time)
         shown = passed if len(passed) <= self.most else (passed[0], passed[-1])
@@ -120,7 +120,8 @@ class Sampled:
 
 
 def interpolated(before: Sample, after: Sample, time: float) -> Sample:
-    """Sample at `time` [s] on the straight line between two samples; its `held` is that of `before` until `after`."""
+    """Sample at `time` [s] on the line between two samples; its `held` is that of `before`, at the end that of
+    `after`."""
     if time >= after.time or after.time <= before.time:
         return Sample(time, after.values, after.held)
     part = max(0.0, (time - before.time) / (after.time - before.time))
@@ -128,17 +129,17 @@ def interpolated(before: Sample, after: Sample, time: float) -> Sample:
 
 
 class TakesMotion:
-    """Base of an observer that gets each new row of a ship's motion log, in the order of time, without the loads."""
+    """Base of an observer that receives each new row of a ship's motion log, in the order of time, without loads."""
 
     at_once = False  # True: it gets each row as soon as it is known, not many together
 
     def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
-        """Receive new rows of the log of this ship, an array for each column, in the axes of `frame`."""
+        """Receive new rows of this ship's motion log, an array for each column, in the axes of `frame`."""
         raise NotImplementedError
 
 
 class TakesCommands:
-    """Base of an observer that gets each row of platform.csv, the commands of the platform, in the order of time."""
+    """Base of an observer that receives each row of platform.csv, the commands of a motion platform, in turn."""
 
     def take_commands(self, rows: "Commands") -> None:
         """Receive new commands of the motion platform."""

@@ -28,7 +28,7 @@ PAGE_FILE = Path(__file__).with_suffix(".html")  # template of a page, with its 
 
 
 def html_page(title: str, outcome: str, parts: Iterable[str]) -> str:
-    """HTML text of a page with a title, the HTML of an outcome, links to all headings, and the HTML parts below."""
+    """HTML text of a page: title, `outcome` of the run (HTML), links to all headings, then `parts` (HTML) in order."""
     edges = {"left": LEFT, "top": TOP, "width": PLOT_WIDTH, "low": PLOT_HEIGHT - BOTTOM}
     body, numbers, page = "\n".join(parts), count(1), Template(PAGE_FILE.read_text(encoding="utf-8"))
     headings = enumerate(re.findall("<h2>(.*?)</h2>", body), 1)
@@ -38,7 +38,7 @@ def html_page(title: str, outcome: str, parts: Iterable[str]) -> str:
 
 
 def html_table(rows: Iterable[Sequence[object]], heads: Sequence[str] = (), row_names: bool = True) -> str:
-    """HTML table of rows under a line of heads, if there are any; `row_names`: first cells are names of rows."""
+    """HTML table of `rows` of cells below a row of `heads`, if given; `row_names`: True if first cells are headings."""
     across = "".join(f'<th scope="col">{html.escape(name)}</th>' for name in heads)
     top = [f"<tr>{across}</tr>"] if heads else []
     body = []
@@ -50,7 +50,7 @@ def html_table(rows: Iterable[Sequence[object]], heads: Sequence[str] = (), row_
 
 
 def embedded_picture(path: Path, caption: str, link: str | None = None) -> str:
-    """HTML of a picture in the page, at most MAX_PICTURE_WIDTH wide; empty if the file cannot be read."""
+    """HTML of a picture stored in the page, at most MAX_PICTURE_WIDTH wide; empty if the file cannot be read."""
     if not path.exists():
         return ""
     from PIL import Image, UnidentifiedImageError
@@ -74,7 +74,7 @@ def embedded_picture(path: Path, caption: str, link: str | None = None) -> str:
 
 
 def scene_text(value: Any, indent: str = "") -> str:
-    """YAML text of a scene, one key a line, each after `indent`, without keys that are null."""
+    """YAML text of a scene, one key a line, each line after `indent`; keys whose value is null are left out."""
     lines = []
     for key, inner in value.items():
         if inner is None:
@@ -89,7 +89,7 @@ def scene_text(value: Any, indent: str = "") -> str:
 
 
 def round_ticks(low: float, high: float, about: int = 6) -> np.ndarray:
-    """Round numbers between `low` and `high`, `about` so many: 1, 2 or 5 times a power of ten apart; never -0."""
+    """About so many round numbers between `low` and `high`, never -0; their step is 1, 2 or 5 times a power of ten."""
     raw = (high - low) / about
     power = 10.0 ** np.floor(np.log10(raw))
     step = next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= raw * (1.0 - 1e-9))
@@ -97,7 +97,7 @@ def round_ticks(low: float, high: float, about: int = 6) -> np.ndarray:
 
 
 def axis_range(values: np.ndarray) -> tuple[float, float]:
-    """Ends of an axis: least and greatest value with a margin; NaN does not count."""
+    """Lower and upper end of an axis: least and greatest of `values`, ignoring NaN, with a margin."""
     finite = values[np.isfinite(values)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
     gap = 0.05 * (high - low) or 0.05 * abs(high) or 1.0
@@ -105,7 +105,7 @@ def axis_range(values: np.ndarray) -> tuple[float, float]:
 
 
 def range_without_spikes(values: np.ndarray) -> tuple[float, float]:
-    """Least and greatest value that a plot shows: of all values, or without a few spikes that flatten the rest."""
+    """Least and greatest value that a plot shows: of all values, or without a few spikes that flatten the curve."""
     finite = values[np.isfinite(values)]
     if not finite.size:
         return -np.inf, np.inf
@@ -117,7 +117,7 @@ def range_without_spikes(values: np.ndarray) -> tuple[float, float]:
 
 
 def keep_crests(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Times and values of a curve thinned to MAX_POINTS points, the least and greatest of many intervals."""
+    """Curve thinned to MAX_POINTS times and values: the least and greatest value of each of many equal intervals."""
     if len(time) <= MAX_POINTS:
         return time, values
     kept = []
@@ -138,7 +138,7 @@ def curve_stroke(k: int) -> str:
 def draw_curves(
     time: np.ndarray, series: Mapping[str, np.ndarray], label: str, limits: Mapping[str, float] | None = None
 ) -> str:
-    """HTML figure of curves by name over time [s], with lines at limits and spikes cut; empty if all are 0 or NaN."""
+    """HTML figure of curves by name over time [s], spikes cut, with lines at `limits`; empty if all are 0 or NaN."""
     everything = np.concatenate(list(series.values()))
     if not np.nan_to_num(everything).any():
         return ""

@@ -25,14 +25,14 @@ Table = Mapping[str, np.ndarray]
 
 
 def write_report(folder: Path) -> Path:
-    """Write report.html of a run folder, however the run ended; returns its path."""
+    """Write report.html of a run folder, whether the run succeeded or failed; returns its path."""
     run, path = Run(folder), folder / "report.html"
     write_file(path, html_page(run.title, run.outcome(), run.parts()))
     return path
 
 
 class Run:
-    """Run folder, and the HTML parts that report.html shows of it; a missing or incomplete file is left out."""
+    """A run folder, and the pieces of HTML that report.html shows of it; missing or incomplete files are skipped."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -112,7 +112,7 @@ class Run:
             yield f"<h2>Warnings</h2>\n<ul>{rows}</ul>"
 
     def plots(self) -> Iterator[str]:
-        """Yield the sections of PLAN_FILE, of the tables that the run has."""
+        """Yield the HTML of each section of plots in PLAN_FILE whose table the run has written."""
         motion, *others = read_mapping(PLAN_FILE).plain().items()
         ships = self.scene.get("ships", {})
         several = [(f"motion_{name}", motion[1] | {"title": f"Motions of {name}"}) for name in ships]
@@ -159,7 +159,7 @@ class Run:
 
 
 def whole_lines(path: Path) -> list[dict[str, Any]]:
-    """Objects in the lines of a JSON-lines file, up to its first incomplete line; empty if there is no file."""
+    """Objects in the lines of a JSON-lines file, up to the first incomplete line; empty if there is no file."""
     objects = []
     for line in input_file.read_text(path).splitlines() if path.is_file() else ():
         try:
@@ -170,7 +170,8 @@ def whole_lines(path: Path) -> list[dict[str, Any]]:
 
 
 def draw(log: Table, plot: Mapping[str, Any], limits: Mapping[str, float]) -> str:
-    """HTML of a plot over time that PLAN_FILE describes, from a table of the run; empty without a curve."""
+    """HTML of one plot over time. `plot`: its entry in PLAN_FILE; `log`: table of the run that has its columns;
+    `limits`: values by name for its horizontal lines. Empty if there is no curve."""
     columns, shown = plot["curves"], {name: limits[name] for name in plot.get("limits", ()) if name in limits}
     columns = columns_like(log, columns) if isinstance(columns, str) else columns
     series = {name: plot.get("times", 1.0) * log[column] for name, column in columns.items() if column in log}
@@ -180,14 +181,14 @@ def draw(log: Table, plot: Mapping[str, Any], limits: Mapping[str, float]) -> st
 
 
 def columns_like(log: Table, pattern: str) -> dict[str, str]:
-    """Names of columns like a pattern with one *, by the part of the name that stands for it."""
+    """Columns of a table that match a pattern with one *, such as `*_m`, by the text that the * stands for."""
     begin, end = pattern.split("*")
     named = [column for column in log if column.startswith(begin) and column.endswith(end)]
     return {column.removeprefix(begin).removesuffix(end): column for column in named}
 
 
 def with_derived_columns(log: Table) -> Table:
-    """The table with yaw unwrapped, and with the rudder in units of 10 degrees and horizontal impulses added."""
+    """The table with yaw unwrapped and two more kinds of column: rudder in tens of degrees, and horizontal impulses."""
     more = {"yaw_rad": np.unwrap(log["yaw_rad"])} if "yaw_rad" in log else {}
     more |= {"rudder_10_deg": 0.1 * DEGREES * log["rudder_rad"]} if "rudder_rad" in log else {}
     for name, column in columns_like(log, "impulse_*_x_Ns").items():
@@ -224,7 +225,7 @@ EXTRAS = {"elevations": elevation_table, "stages": stage_table, "share at a limi
 
 
 def wave_trains(part: dict[str, Any]) -> Iterator[str]:
-    """Yield a sentence about each wave train of a sea or a fluid, from its keys in the scene as data (`part`)."""
+    """Yield a sentence about each wave train of a sea or a fluid; `part`: its section of the scene as plain data."""
     spectrum, components = part.get("spectrum"), part.get("components")
     sources = [each for each in (spectrum, components) if isinstance(each, dict)]
     yield from (f"spectrum of {each['file']}" for each in sources if "file" in each)
@@ -241,12 +242,12 @@ def wave_trains(part: dict[str, Any]) -> Iterator[str]:
 
 
 def heading_text(waves: dict[str, Any]) -> str:
-    """Clause on the direction in which waves travel; empty if the scene gives none."""
+    """Clause on the direction in which `waves` (their section of the scene) travel; empty if the scene gives none."""
     towards = waves.get("heading_deg")
     return "" if towards is None else f", heading {towards:g} deg"
 
 
 def event_details(event: dict[str, Any]) -> str:
-    """Text of the facts of an event, apart from its time, step and name."""
+    """Text of an event's facts; its time, step and name, which are in columns of their own, are left out."""
     facts = {key: value for key, value in event.items() if key not in ("time_s", "step", "event") and value is not None}
     return ", ".join(f"{k} {v:.5g}" if isinstance(v, float) else f"{k} {v}" for k, v in facts.items())

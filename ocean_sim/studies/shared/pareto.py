@@ -20,7 +20,7 @@ MIN_DRAWN_ERROR = 1e-6  # an error of nothing still has a position on a logarith
 
 
 def draw_pareto(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> None:
-    """Draw a picture file for one case: error over time (column `speed` of the rows), and over particles if any."""
+    """Draw errors of a case into a picture file: over time (column `speed`), and over number of particles if any."""
     from matplotlib.figure import Figure
 
     of = f" of {trial.work}" if trial.work else ""
@@ -40,7 +40,7 @@ def draw_pareto(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str
 
 
 def draw_panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
-    """Draw the error of a case over column `key` of its rows, with the Pareto front and failed runs, into `axes`."""
+    """Draw the errors of a case over column `key` of its rows, Pareto front and failed runs into Matplotlib axes."""
     axes.set_xscale("log")
     axes.set_yscale("log")
     there = [row for row in rows if row.get(key)]
@@ -75,12 +75,12 @@ def label_log_axis(axis: Any) -> None:
 
 
 def drawn_error(row: dict[str, Any]) -> float:
-    """Absolute error of a row, at least MIN_DRAWN_ERROR so that a logarithmic axis can show it."""
+    """Absolute error of a row, but at least MIN_DRAWN_ERROR, so that a logarithmic axis can show it."""
     return max(abs(row["error"]), MIN_DRAWN_ERROR)
 
 
 def scatter_points(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
-    """Draw rows over column `key`: full points joined by lines for default settings, hollow ones for other settings."""
+    """Draw rows over column `key`: full points joined by lines for default settings, hollow points for others."""
     for n, scheme in enumerate(trial.schemes):
         own = [row for row in rows if row["scheme"] == scheme]
         look = {"color": SERIES[n % len(SERIES)], "marker": MARK_SHAPES[n % len(MARK_SHAPES)]}
@@ -99,13 +99,13 @@ def scatter_points(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]
 
 
 def name_points(axes: Any, name: str, at: tuple[float, float], **look: Any) -> None:
-    """Write a name near the point `at`, in data coordinates, until `shift_apart` places it; `look`: text properties."""
+    """Write a name near the point `at` (data coordinates); `shift_apart` places it later; `look`: text properties."""
     line = {"arrowstyle": "-", "lw": 0.3, "color": "0.6", "shrinkA": 0.0, "shrinkB": 2.0}
     axes.annotate(name, at, NAME_SHIFTS[0], textcoords="offset points", arrowprops=line, in_layout=False, **look)
 
 
 def shift_apart(figure: Any) -> None:
-    """Move the names of points in a figure so that they hide neither each other nor points, within their panel."""
+    """Move the names of points in a figure until they cover neither each other nor points; they stay in their panel."""
     from matplotlib.text import Annotation, Text
     from matplotlib.transforms import Bbox
 
@@ -138,7 +138,7 @@ def list_failures(axes: Any, key: str, schemes: Sequence[str], rows: list[dict[s
 
 
 def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget: Budget | None) -> None:
-    """Draw settings of one scene into a file: a panel of time and error for each of `names`, seed spread and budget."""
+    """Draw a scene's settings into a file: a panel of time against each error of `names`, seed spread and budget."""
     from matplotlib.figure import Figure
 
     names = [name for name in names if any(row.get(name) is not None for row in rows)]

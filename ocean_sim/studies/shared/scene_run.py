@@ -23,7 +23,7 @@ PICTURE_OBSERVERS = ("render", "frames", "report")  # a study makes none unless 
 
 
 class Clocked(Simulation):
-    """Simulation that records the simulated, wall and processor time of each step, excluding the work of observers."""
+    """Simulation that records the simulated, wall and processor time of each step, without the work of observers."""
 
     def __init__(self, *given: Any) -> None:
         self.spent: list[tuple[float, float, float]] = []
@@ -45,32 +45,34 @@ class Clocked(Simulation):
         self.spent.append((FRAME_SECONDS, perf_counter() - wall, process_time() - cpu))
 
     def costs(self) -> list[dict[str, float]]:
-        """Costs (see `median_cost`) of TIMED_PARTS interleaved parts of the run; a disturbance rarely hits two."""
+        """Costs (as `mean_cost`) of TIMED_PARTS interleaved parts of the run; a disturbance rarely hits two."""
         parts = [
             [step for k, step in enumerate(self.spent[WARM_UP_STEPS:]) if k // BLOCK_STEPS % TIMED_PARTS == n]
             for n in range(TIMED_PARTS)
         ]
-        return [median_cost(steps) for steps in parts if steps]
+        return [mean_cost(steps) for steps in parts if steps]
 
     def cost(self) -> dict[str, float | None]:
-        """Costs (see `median_cost`) of all steps after the first WARM_UP_STEPS; all are None without such steps."""
+        """Costs of all steps after the first WARM_UP_STEPS (as `mean_cost`); None each if there are no such steps."""
         steps = self.spent[WARM_UP_STEPS:]
-        return median_cost(steps) if steps else dict.fromkeys(("wall_per_s", "cpu_per_s", "time_step_s"))  # type: ignore[return-value]
+        return mean_cost(steps) if steps else dict.fromkeys(("wall_per_s", "cpu_per_s", "time_step_s"))  # type: ignore[return-value]
 
 
-def median_cost(steps: list[tuple[float, float, float]]) -> dict[str, float]:
-    """Wall and processor time per simulated second, and mean time step [s], of steps (simulated, wall, processor)."""
+def mean_cost(steps: list[tuple[float, float, float]]) -> dict[str, float]:
+    """Wall and processor time per simulated second, and mean time step [s]; `steps`: simulated, wall, processor
+    time."""
     simulated, wall, cpu = (sum(column) for column in zip(*steps))
     return {"wall_per_s": wall / simulated, "cpu_per_s": cpu / simulated, "time_step_s": simulated / len(steps)}
 
 
 def run_order(config: SceneConfig, threads: int | None = None) -> dict[str, Any]:
-    """Order (job description as plain data) to run a scene; `threads`: number of them if the scene does not set it."""
+    """Order (job description as plain data) to run a scene; `threads`: number of threads if the scene sets none."""
     return {"task": __name__, "scene": config.resolved(), "inputs": config.inputs(), "machine": {"threads": threads}}
 
 
 def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Run the scene of an order; outcome (`stopped`, with a reason, if it diverged), costs and measures."""
+    """Run the scene in an order (job description); returns outcome (`stopped` if it diverged), reason, costs,
+    measures."""
     began, processor, reason = perf_counter(), process_time(), ""
     asked = order["machine"]["threads"]
     more = {"runtime.threads": asked} if asked and not order["scene"]["runtime"]["threads"] else {}
@@ -97,7 +99,7 @@ def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def run_measures(result: Result) -> dict[str, float | None]:
-    """Measures of a run from its tables, by name: waves at gauges, compression, energies, motions, leg lengths."""
+    """Measures of a run from its files, by name: waves at gauges, compression, energies, motions, leg lengths."""
     found: dict[str, float | None] = {}
     gauges = unwrapped_table(result, "gauges")
     for name, height in gauges.items():
@@ -120,7 +122,7 @@ def run_measures(result: Result) -> dict[str, float | None]:
 
 
 def motion_tables(result: Result) -> dict[str, str]:
-    """Names of a run's motion logs, each with the prefix of its measures: the ship's name, or nothing if alone."""
+    """Names of a run's motion logs, each with the prefix of its measures: the ship's name, or empty if she is alone."""
     logs = sorted(path.stem for path in result.folder.glob("motion_*.csv"))
     return {"motion": ""} | {log: f"{log.removeprefix('motion_')}_" for log in logs}
 
@@ -132,7 +134,7 @@ def unwrapped_table(result: Result, name: str) -> dict[str, np.ndarray]:
 
 
 def wave_heights(gauge: str, time: np.ndarray, height: np.ndarray) -> dict[str, float | None]:
-    """Wave heights hs and hm0 [m] and mean period tz [s], by names that begin with the gauge; None without a wave."""
+    """Wave heights hs, hm0 [m] and mean period tz [s], by names that begin with the gauge's; None without waves."""
     try:
         sea = measure_record(time, height)
     except Unmeasurable:

@@ -46,7 +46,7 @@ class ClusterMissing(Lacking):
 
 
 def run_address(order: dict[str, Any]) -> str:
-    """Name of the folder of an order: hash of its content, without MACHINE_KEY, and of the package."""
+    """Folder name of an order (job description): hash of its content, except MACHINE_KEY, and of the package."""
     content = {key: value for key, value in order.items() if key != MACHINE_KEY}
     return hashlib.sha256(
         json.dumps([installed_version("ocean-sim") or "", program_hash(), content], sort_keys=True).encode()
@@ -56,11 +56,11 @@ def run_address(order: dict[str, Any]) -> str:
 def run_answers(
     orders: list[dict[str, Any]], out: Path, workers: int, scheduler: str | None = None, limit: float | None = None
 ) -> Iterator[tuple[int, dict[str, Any]]]:
-    """Yield (index in the list, answer) of each order once it has an answer; those with one from earlier calls first.
+    """Yield (index in the list, answer) of each order (job description), as soon as its run has given an answer (dict
+    of results). Answers from earlier calls come first.
 
-    `scheduler`: address of a Dask cluster, else `workers` processes of this machine run at once; `limit`: wall time [s]
-    after which a run is ended, and has failed. Equal orders are run once. Raises ClusterMissing.
-    """
+    `scheduler`: address of a Dask cluster; without one, `workers` processes of this machine. `limit`: wall time [s]
+    after which a run is ended and fails. Equal orders are run once. Raises ClusterMissing."""
     indices: dict[str, list[int]] = {}
     for k, order in enumerate(orders):
         indices.setdefault(run_address(order), []).append(k)
@@ -91,7 +91,7 @@ def run_answers(
 
 
 def perform_run(order: dict[str, Any], folder: str, limit: float | None = None) -> dict[str, Any]:
-    """Answer of an order: read from its folder, or else computed by a child process within `limit` [s] of wall time."""
+    """Answer (dict of results) of an order: from its folder, or by a child process within `limit` [s] of wall time."""
     run = Path(folder)
     kept = input_file.read_json_object(run / ANSWER_FILE)
     if kept:
@@ -125,13 +125,13 @@ def perform_run(order: dict[str, Any], folder: str, limit: float | None = None) 
 
 
 def failure_row(reason: str, wall: float | None = None) -> dict[str, Any]:
-    """Answer for a run that gave none: the outcome `failed`, the reason, and wall time [s]."""
+    """Answer that stands for a run which gave none: the outcome `failed`, the reason, and wall time [s]."""
     return {"outcome": "failed", "reason": reason, "wall_s": wall}
 
 
 @contextmanager
 def _make_executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
-    """Context with an executor of orders: local threads that wait for child processes, or a remote Dask cluster."""
+    """Context with an executor of orders: threads that wait for child processes, or a Dask cluster elsewhere."""
     if scheduler is None:
         with ThreadPoolExecutor(workers) as pool:
             yield pool
@@ -158,7 +158,7 @@ def _death_reason(code: int, errors: str) -> str:
 
 
 def _run_child(folder: Path) -> None:
-    """Run the order in a folder, as a child process, and write its answer; a refusal goes to standard error."""
+    """Run the order in a folder, in this child process, and write its answer; a refusal goes to standard error."""
     exit_with_parent()
     with stoppable(), Claim(folder):
         order = input_file.read_json(folder / ORDER_FILE)
@@ -170,19 +170,19 @@ def _run_child(folder: Path) -> None:
 
 @dataclass(frozen=True)
 class Point:
-    """One run of a study: its order (job description as plain data), for the process that executes it."""
+    """One run of a study; `order` describes it as plain data for the process that carries it out."""
 
     order: dict[str, Any]
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
-        """Rows of the study's table from the answer of this run and its result folder, which may be empty; by default
-        one, with the folder under the key `run`."""
+        """Rows in the study's table for this run, from its `answer` (dict of results) and its folder, which may be
+        empty; by default one row, with the folder under the key `run`."""
         return [answer | {"run": run}]
 
 
 @dataclass
 class Study:
-    """Runs (points) of a study, and the table rows of those that are done; each run has a folder below `folder`."""
+    """Runs (points) of a study and the table rows of finished ones; each run has a subfolder of `folder`."""
 
     points: Sequence[Point]
     folder: Path
@@ -193,7 +193,7 @@ class Study:
     found: dict[int, list[dict[str, Any]]] = field(default_factory=dict)  # rows by number of the point
 
     def run(self) -> Iterator[int]:
-        """Run all points that have no answer yet; yield the number of finished points after each."""
+        """Carry out all points that have no answer yet; yield the number of finished points after each."""
         orders = [point.order for point in self.points]
         for k, answer in run_answers(orders, self.folder, self.workers, self.scheduler, self.limit):
             self.found[k] = self.points[k].rows(answer, Result(self.folder / run_address(orders[k])))
@@ -207,7 +207,7 @@ class Study:
 
 
 def write_table(path: Path, rows: list[dict[str, Any]]) -> None:
-    """Write rows as a CSV file with their keys as columns; None is left empty, lists, mappings, booleans are JSON."""
+    """Write rows as a CSV file, a column per key. None is an empty cell; lists, dicts and booleans are JSON."""
     columns = list(dict.fromkeys(key for row in rows for key in row))
     in_json = lambda value: json.dumps(value) if isinstance(value, dict | list | tuple | bool) else value
     csv_file.write_table(path, columns, ([in_json(row.get(name)) for name in columns] for row in rows))

@@ -17,7 +17,7 @@ FILM_CURE = "; Ctrl-C leaves it out, and so does --set render=null from the star
 
 
 class Bar:
-    """Progress of work from 0 to `total`, as a bar on a terminal, else in lines; nothing is shown if `quiet`."""
+    """Progress of work from 0 to `total`: a bar on a terminal, lines of text elsewhere, nothing if `quiet`."""
 
     def __init__(self, total: float, quiet: bool = False) -> None:
         self.total, self.quiet = total, quiet or console.json_asked
@@ -30,7 +30,7 @@ class Bar:
         return not self.quiet and now - self.shown >= BAR_SECONDS
 
     def show(self, done: float, text: str) -> None:
-        """Redraw the bar at `done` with `text`; without a terminal, print a line if enough is done since the last."""
+        """Redraw the bar at `done` with a text; without a terminal, print a line if enough was done since the last."""
         if self.quiet:
             return
         now, share = perf_counter(), min(1.0, done / self.total)
@@ -60,16 +60,16 @@ class Bar:
 
 
 class Drawing:
-    """Progress bar for the pictures of a film; it once prints an estimate of the time left, after the first ones."""
+    """Progress bar for the pictures of a film; after the first ones it prints, once, an estimate of the time left."""
 
     def __init__(self, quiet: bool = False, cure: str = "") -> None:
-        """`cure`: hint printed after the estimate on how to leave the film out."""
+        """`cure`: hint on how to do without the film, printed after the estimate."""
         self.bar, self.cure = Bar(1.0, quiet), cure
         self.first: tuple[float, int] | None = None  # wall time [s], and pictures that were drawn by then
         self.estimated = self.bar.quiet
 
     def __call__(self, done: int, total: int) -> None:
-        """Show that `done` of `total` pictures are drawn; the callback of a film."""
+        """Show that `done` of `total` pictures are drawn; the drawing of a film calls this after each picture."""
         now = perf_counter()
         self.first = self.first or (now, done)
         left = self.left(now, done, total)
@@ -93,7 +93,7 @@ class Drawing:
 
 
 def rows_of(study: "Study") -> list[dict[str, Any]]:
-    """Run all points of a study under a progress bar and return its table rows; raises Stopped on Ctrl-C."""
+    """Run all points (single runs) of a study with a progress bar; returns its table rows. Raises Stopped on Ctrl-C."""
     total, began = len(study.points), perf_counter()
     bar = Bar(max(1.0, total))
     try:

@@ -30,7 +30,7 @@ NAMED_OUTPUT = file_named_in_errors("standard output")
 
 
 class Outlet(FileIO):
-    """A standard stream that discards output once its reader is gone (as with `| head`): the command goes on."""
+    """Standard stream that discards output once nobody reads it (as after `| head`), so that the command goes on."""
 
     over: ClassVar = False  # the command has ended, and what went wrong is told
 
@@ -49,14 +49,14 @@ class Stopped(Failed):
 
 
 class Anew(BaseException):
-    """Request to restart the command with another kernel library; no Exception, so that no handler catches it."""
+    """Request to restart the command with another kernel library; not an Exception, so that no handler catches it."""
 
     def __init__(self, library: str) -> None:
         super().__init__(library)
         self.library = library
 
     def begin(self, arguments: list[str]) -> None:
-        """Replace this process by the same command with the other library; does not return."""
+        """Replace this process by the same command (`arguments`) with the other library; does not return."""
         from ocean_sim import kernel_library
 
         for stream in (sys.stdout, sys.stderr):
@@ -66,7 +66,7 @@ class Anew(BaseException):
 
 
 def open_streams() -> None:
-    """Prepare the standard streams: closed ones, characters that the encoding lacks and closed pipes raise no error."""
+    """Prepare the standard streams, so that closed ones, closed pipes and unknown characters raise no error."""
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         stream = getattr(sys, name)
         if stream is None:
@@ -79,38 +79,38 @@ def open_streams() -> None:
 
 
 def say(text: str = "") -> None:
-    """Print a line to standard output, control characters escaped, unless JSON is asked for."""
+    """Print a line to standard output, with control characters escaped; nothing if the user asked for JSON."""
     if not json_asked:
         with NAMED_OUTPUT:
             print(escape_controls(text), flush=True)
 
 
 def complain(text: str) -> None:
-    """Print a message, cut to MAX_COMPLAINT_BYTES, to standard error; nothing happens if that is closed."""
+    """Print a message, cut to MAX_COMPLAINT_BYTES, to standard error; a closed stream is ignored."""
     with suppress(OSError):  # there may be nobody to tell
         print(shorten(escape_controls(text), MAX_COMPLAINT_BYTES), file=sys.stderr, flush=True)
 
 
 def escape_controls(text: str) -> str:
-    """Text with unprintable characters, except line breaks, as escape sequences, which no terminal obeys."""
+    """Text whose unprintable characters, except line breaks, are escape sequences, so that no terminal obeys them."""
     return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
 
 
 def answer(data: Any) -> None:
-    """Print the answer of a command to standard output as JSON, if that is asked for, with NaN and infinity as null."""
+    """Print `data` as JSON, NaN and infinity as null, to standard output, if the user asked for JSON; else nothing."""
     if json_asked:
         with NAMED_OUTPUT:
             print(json.dumps(_plain(data), indent=2, ensure_ascii=False, allow_nan=False), flush=True)
 
 
 def reply(data: Any, text: str) -> None:
-    """Print the result of a command: `data` as JSON, if that is asked for, or `text`."""
+    """Print the result of a command: `data` as JSON if the user asked for JSON, else `text`."""
     answer(data)
     say(text)
 
 
 def _plain(value: Any) -> Any:
-    """Value as JSON takes it: paths as text, NumPy values as numbers, NaN and infinity as null."""
+    """Copy of a value that JSON can express: paths become text, NumPy values numbers, NaN and infinity null."""
     if isinstance(value, dict):
         return {str(key): _plain(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
@@ -123,7 +123,7 @@ def _plain(value: Any) -> Any:
 
 
 def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
-    """Print a table, its rows lists of cell texts, with numbers aligned to the right, unless JSON is asked for."""
+    """Print a table from rows of cell texts, numbers aligned to the right; nothing if the user asked for JSON."""
     if json_asked:
         return
     from rich.console import Console
@@ -169,12 +169,12 @@ def set_values(sets: list[str] | None) -> dict[str, Node]:
 
 
 def claim(out: Path, *ours: str) -> Claim:
-    """Claim the folder of the option `--out`, which may hold files named as the patterns `ours`; see `claim_folder`."""
+    """Claim (lock) the folder of `--out`; it may hold files that match the patterns `ours`; see `claim_folder`."""
     return claim_folder(out, *ours, named=f"--out {out}")
 
 
 def draw_if_able(draw: Callable[..., object], *about: Any) -> bool:
-    """Call `draw(*about)` and return True; without the extra `pictures`, complain once and return False."""
+    """Call `draw(*about)` and return True; without the extra `pictures`, print a complaint (once) and return False."""
     missing = missing_extra("pictures")
     if missing is None:
         draw(*about)
@@ -185,8 +185,8 @@ def draw_if_able(draw: Callable[..., object], *about: Any) -> bool:
 
 
 def checkout_module(name: str, what: str) -> ModuleType:
-    """Import a module that lies beside the package in a checkout of the project; raises Refused, with a sentence that
-    begins with `what`, elsewhere."""
+    """Import a module that exists only in a checkout of the project, beside the package. Elsewhere raises Refused;
+    `what` begins the message."""
     from ocean_sim.parts import PACKAGE
 
     checkout, path = PACKAGE.parent, Path(name.replace(".", "/"))
@@ -208,8 +208,8 @@ def duration(seconds: float) -> str:
 def must_compute_with(
     library: str | None, asked: str = "runtime.library", cure: str = ", or leave the key out"
 ) -> None:
-    """Raise Anew if another kernel library is asked for than this process uses, unless the environment fixes it, or
-    Lacking if that one is not installed. `asked` and `cure`: beginning and end of the message."""
+    """Raise Anew (restart) if this process uses another kernel library than `library`, unless the environment fixes it.
+    Raise Lacking, with a message that begins with `asked` and ends with `cure`, if `library` is not installed."""
     from ocean_sim import kernel_library
 
     if library in (None, kernel_library.LIBRARY_NAME) or kernel_library.LIBRARY_VARIABLE in os.environ:

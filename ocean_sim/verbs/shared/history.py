@@ -20,12 +20,12 @@ SPEED_KEY = "particle_steps_per_cpu_s"
 
 
 def bench_file() -> Path:
-    """Path of the JSON file with the last speeds that `bench` measured, by their conditions (see `slowdown`)."""
+    """Path of the JSON file with the speeds that `bench` has measured, by conditions such as scene and processor."""
     return machine.cache_directory() / "bench_speeds.json"
 
 
 def rate_file() -> Path:
-    """Path of the JSON file with last runs' wall times [s] per step, and particle if any, by `rate_conditions`."""
+    """Path of the JSON file with wall times [s] per step (and particle, if any) of past runs, by `rate_conditions`."""
     return machine.cache_directory() / "step_rates.json"
 
 
@@ -42,8 +42,8 @@ def processor_name() -> str:
 
 
 def slowdown(order: dict[str, Any], row: dict[str, Any]) -> float | None:
-    """Ratio of the processor time per step in `row`, measured by `order`, to the median of earlier ones under equal
-    conditions (processor, library, scene ...), None if there are too few; then store the new one."""
+    """Processor time per step in `row`, measured by `order` of `bench`, over the median of earlier ones under equal
+    conditions (processor, library, scene ...); None if these are too few. Stores the new measurement."""
     of_row = [row[key] for key in ("library", "particles", "threads")]
     conditions = json.dumps([processor_name(), *of_row, *(order[key] for key in ("scene", "profile", "sets"))])
     known = read_json_object(bench_file()).get(conditions)
@@ -53,7 +53,7 @@ def slowdown(order: dict[str, Any], row: dict[str, Any]) -> float | None:
 
 
 def slowdown_warning(scene: str, times: float) -> str | None:
-    """Warning if a step takes `times` as long as before and that is over STATED_SLOWDOWN, else None."""
+    """Warning if a step takes `times` as long as before, and `times` exceeds STATED_SLOWDOWN; else None."""
     if times <= STATED_SLOWDOWN:
         return None
     return (
@@ -63,7 +63,7 @@ def slowdown_warning(scene: str, times: float) -> str | None:
 
 
 def rate_conditions(config: SceneConfig) -> str:
-    """Key common to runs with similar times per particle and step: water, backend, library, threads, processor."""
+    """Key under which runs of similar speed are stored: water, backend, precision, library, threads and processor."""
     runtime = config.runtime
     threads = f"{runtime.threads or machine.available_cores()} threads"
     library = runtime.library or kernel_library.LIBRARY_NAME
@@ -80,5 +80,5 @@ def step_time(config: SceneConfig) -> tuple[float, bool]:
 
 
 def keep_step_time(config: SceneConfig, seconds: float) -> None:
-    """Store the mean wall time of a step, `seconds`, for estimates of later runs in `step_time`."""
+    """Store the mean wall time of a step, `seconds`, from which `step_time` estimates later runs."""
     keep_measurement(rate_file(), rate_conditions(config), seconds / max(config.preflight.particles, 1))

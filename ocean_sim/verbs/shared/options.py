@@ -51,7 +51,7 @@ Quiet = Annotated[bool, typer.Option("--quiet", help="Print only the run folder,
 
 
 def number_list(option: str, text: str | None, like: str = "") -> list[float] | None:
-    """Numbers in the text of an option, as many as in `like` (such as `1,2.5`); None if not given; raises Refused."""
+    """Numbers in the text of an option, as many as in the example `like`; None without a text; raises Refused."""
     try:
         found = None if text is None else [float(word) for word in text.split(",")]
     except ValueError:

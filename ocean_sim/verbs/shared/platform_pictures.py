@@ -29,8 +29,8 @@ PLATE_THICKNESS = 0.025  # of the drawn platform, as a part of its height
 def draw_pictures(
     folder: Path, done: Commands, best: Commands | None, config: Config, machine: HexapodPlatform, film: bool
 ) -> None:
-    """Draw motion.png, legs.png, workspace.png, strips.png, best.png if there is a `best` ride, and film.gif if `film`,
-    of a ride to a folder."""
+    """Draw pictures of a ride (`done`) into a folder: motion.png, legs.png, workspace.png and strips.png, best.png if
+    there is a `best` ride, and film.gif if `film` is true."""
     span = liveliest_span(done, machine, MAX_CURVE_SECONDS)
     shown = done.select(span)
     curves = [(draw_motion(shown), "motion.png"), (draw_legs(shown, config.geometry), "legs.png")]
@@ -58,7 +58,7 @@ def liveliest_span(done: Commands, machine: HexapodPlatform, seconds: float) -> 
 
 
 def new_figure(rows: int, columns: int, size: tuple[float, float], **more: Any) -> tuple[Any, np.ndarray]:
-    """Matplotlib figure of `size` [inch] and its axes as an array (rows, columns); `more`: arguments of `subplots`."""
+    """Matplotlib figure of `size` [inch], and its axes as an array (rows, columns); `more`: for `plt.subplots`."""
     from matplotlib.figure import Figure
 
     picture = Figure(figsize=size, layout="tight")
@@ -66,12 +66,12 @@ def new_figure(rows: int, columns: int, size: tuple[float, float], **more: Any) 
 
 
 def in_degrees(pose: np.ndarray) -> np.ndarray:
-    """Poses (n, 6) [m, rad] with their three angles in degrees."""
+    """Copy of poses (n, 6) [m, rad] with their three angles in degrees."""
     return np.hstack([pose[:, :3], np.degrees(pose[:, 3:])])
 
 
 def draw_motion(done: Commands) -> Any:
-    """Matplotlib figure of pose, specific force and rates over time; dashed: scaled ship motion; shaded: limited."""
+    """Figure of pose, specific force and rates over time; dashed: the scaled motion of the ship; shaded: at a limit."""
     picture, axes = new_figure(4, 1, (10, 11.5), sharex=True)
     pose, resting = in_degrees(done.pose), [0.0, 0.0, GRAVITY]
     for axis, columns in ((axes[0, 0], range(3)), (axes[1, 0], range(3, 6))):
@@ -94,7 +94,7 @@ def draw_motion(done: Commands) -> Any:
 
 
 def draw_best(done: Commands, best: Commands, hexapod: Hexapod) -> Any:
-    """Matplotlib figure of felt against asked specific force and turns, and of the stroke used, of both rides."""
+    """Figure comparing two rides: specific force and rates that the rider feels and should feel, and stroke used."""
     picture, axes = new_figure(4, 2, (13, 11), sharex=True)
     shown = (("with the washout", done, "#d1601f"), ("best ride", best, "#0b6e8a"))
     for k in range(6):
@@ -120,14 +120,14 @@ def draw_best(done: Commands, best: Commands, hexapod: Hexapod) -> Any:
 
 
 def label_axes(axis: Any, title: str, columns: int) -> None:
-    """Add a grid, a title, and a legend in so many columns above the axes, where it hides no curve."""
+    """Add a grid, a title, and above the axes, where it hides no curve, a legend in so many columns."""
     axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, ncol=columns, fontsize=8, frameon=False)
     axis.set_title(title, fontsize=9, loc="right")
     axis.grid(alpha=0.3)
 
 
 def draw_legs(done: Commands, geometry: Any) -> Any:
-    """Matplotlib figure of leg lengths [m] and speeds [m/s] over time, with their limits."""
+    """Figure of leg lengths [m] and leg speeds [m/s] over time, with their limits."""
     picture, axes = new_figure(2, 1, (10, 6.5), sharex=True)
     ends = (geometry.shortest + geometry.buffer, geometry.longest - geometry.buffer)
     speeds = (-geometry.leg_speed, geometry.leg_speed)
@@ -146,11 +146,11 @@ def draw_legs(done: Commands, geometry: Any) -> Any:
 
 
 def draw_workspace(done: Commands, machine: HexapodPlatform) -> Any:
-    """Matplotlib figure of the reach in pairs of motions, the other four neutral, with the path of the ride."""
+    """Figure of the poses within reach, for pairs of motions with the other four neutral, and the path of the ride."""
     picture, axes = new_figure(2, 3, (14, 8.5))
     pose = in_degrees(done.pose)
     for axis, (one, other) in zip(axes.flat, WORKSPACE_PAIRS):
-        across, up, usage = reached_range(machine, one, other)
+        across, up, usage = stroke_usage_grid(machine, one, other)
         levels = [0.0, 0.25, 0.5, 0.75, 1.0]
         shades = axis.contourf(across, up, usage, levels, cmap="Blues_r", alpha=0.6)
         axis.contour(across, up, usage, [1.0], colors="k", linewidths=1.0)
@@ -166,8 +166,9 @@ def draw_workspace(done: Commands, machine: HexapodPlatform) -> Any:
     return picture
 
 
-def reached_range(machine: HexapodPlatform, one: int, other: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Grids of one shape: motions `one` and `other` (pose columns) [m, deg], part of stroke used there, 2: singular."""
+def stroke_usage_grid(machine: HexapodPlatform, one: int, other: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Grids of one shape: values of two motions, pose columns `one` and `other` [m, deg], and the share of the legs'
+    stroke that each pose uses (above 1: out of reach; 2 also for near-singular poses)."""
     size = np.ones(2)
     ends = in_degrees(machine.workspace.ends.T).T
     while True:
@@ -186,7 +187,7 @@ def reached_range(machine: HexapodPlatform, one: int, other: int) -> tuple[np.nd
 
 
 def draw_strips(hexapod: Hexapod) -> Any:
-    """Matplotlib figure of Figure 6-10 of the thesis: the hexapod in one swing each of pitch, roll and yaw."""
+    """Figure 6-10 of the thesis: the hexapod in one swing each of pitch, roll and yaw."""
     picture, axes = new_figure(3, 1, (12, 9))
     apart, height = 2.6 * float(np.abs(hexapod.base).max()), hexapod.neutral_height
     for axis, (name, motion) in zip(axes[:, 0], STRIP_ROWS):
@@ -201,7 +202,7 @@ def draw_strips(hexapod: Hexapod) -> Any:
     return picture
 
 
-def snapshot(points: np.ndarray) -> np.ndarray:
+def project_points(points: np.ndarray) -> np.ndarray:
     """Picture coordinates (n, 2) of points (n, 3), seen from starboard, a little ahead and above; forward is right."""
     turn, rise = np.radians(35.0), np.radians(15.0)
     along = points[:, 0] * np.cos(turn) - points[:, 1] * np.sin(turn)
@@ -215,7 +216,7 @@ def draw_stand(axis: Any, hexapod: Hexapod, pose: np.ndarray, offset: float = 0.
     cylinders = moved * (0.8 * hexapod.low / np.linalg.norm(moved, axis=1))[:, None]  # 0.8 of the shortest leg long
     below = moved - [0.0, 0.0, PLATE_THICKNESS * hexapod.neutral_height]
     rings = (0.0 * moved, resting, moved, below, cylinders)
-    base, rest, top, under, ends = (snapshot(hexapod.base + ring) + [offset, 0.0] for ring in rings)
+    base, rest, top, under, ends = (project_points(hexapod.base + ring) + [offset, 0.0] for ring in rings)
     axis.fill(*base.T, color="#c9d3d9", lw=1.5, ec="#4a5a66")
     axis.fill(*rest.T, fill=False, lw=0.8, ls=":", ec="#4a5a66")
     for foot, end, head in zip(base, ends, top):
@@ -229,7 +230,7 @@ def draw_stand(axis: Any, hexapod: Hexapod, pose: np.ndarray, offset: float = 0.
 
 
 def write_film(path: Path, done: Commands, machine: HexapodPlatform) -> None:
-    """Write a GIF film of the hexapod in the ride's liveliest seconds, at true speed."""
+    """Write a GIF film of the hexapod in the ride's seconds of most motion, at true speed."""
     from matplotlib.animation import PillowWriter
 
     picture, axes = new_figure(1, 1, (5, 5))
@@ -247,7 +248,7 @@ def write_film(path: Path, done: Commands, machine: HexapodPlatform) -> None:
 
 
 def film_rows(done: Commands, machine: HexapodPlatform) -> np.ndarray:
-    """Numbers of the ride's rows that a film shows, one for each of its frames, within the liveliest seconds."""
+    """Indices of the rows that a film shows, one for each picture, within the seconds of most motion."""
     span = liveliest_span(done, machine, FILM_SECONDS)
     frames = max(1, round((span.stop - span.start) * machine.every * FRAME_RATE))
     rows = span.start + np.round(np.arange(frames) / FRAME_RATE / machine.every).astype(int)

@@ -17,7 +17,7 @@ MIN_TIMED_STEPS, MAX_TIMED_STEPS = 20, 400  # of which the time of a step is the
 
 
 def kernel_notice() -> str:
-    """Sentence on loading or compiling kernels, and on those that Taichi has dropped from its cache since last time."""
+    """Sentence on loading or compiling kernels, and on kernels that Taichi has dropped from its cache meanwhile."""
     cache = kernel_cache()
     count, note = sum(1 for _ in cache.glob("*.tic")), cache.with_suffix(".count")
     if count == 0:
@@ -32,10 +32,10 @@ def kernel_notice() -> str:
 
 
 class Progress(OutcomeObserver):
-    """Observer that shows simulated time, speed and time left, and counts which limits set the time steps."""
+    """Observer that shows simulated time, speed and time left, and counts which limits have set the time steps."""
 
     def __init__(self, duration: float, quiet: bool, since: float = 0.0) -> None:
-        """`duration` [s]: simulated time at the end; `since` [s]: that at which the run starts or goes on."""
+        """`duration`: simulated time at the end [s]; `since`: simulated time at which this process starts [s]."""
         self.bar, self.drawing = Bar(duration, quiet), Drawing(quiet, FILM_CURE)
         self.duration, self.since, self.attending = duration, since, False
         self.began = perf_counter()
@@ -46,7 +46,7 @@ class Progress(OutcomeObserver):
         self.unsolved: dict[str, int] = {}  # steps of each solver that ended above its tolerance
 
     def observe(self, simulation: Simulation) -> None:
-        """Record time and limit of the step just made, and show them if the bar is due; called after each step."""
+        """Record time and limit of the last step, and show them if the bar is due; called after each step."""
         now = perf_counter()
         self.time, self.steps = simulation.time, simulation.steps
         self.wall = now - self.began
@@ -81,7 +81,7 @@ class Progress(OutcomeObserver):
         return f", {figures(self.factor, 2)} x real time, {console.duration(left)} left{drawn}"
 
     def draw(self, done: int, total: int) -> None:
-        """Record that `done` of `total` pictures are drawn; `total` is 0 while unknown during the run."""
+        """Record that `done` of `total` pictures are drawn; during the run the total is unknown, and 0."""
         self.pictures = done
         if total:
             self.bar.close()
@@ -97,13 +97,13 @@ class Progress(OutcomeObserver):
 
     @property
     def step_time(self) -> float | None:
-        """Median wall time [s] of the last steps, to which kernels compiled late add nothing; None for too few."""
+        """Median wall time [s] of the last steps, so that late compilation does not count; None if they are too few."""
         if len(self.ends) <= MIN_TIMED_STEPS:
             return None
         return float(np.median(np.diff(self.ends)))
 
     def summary(self) -> dict[str, Any]:
-        """Counts, times and limits of the run as JSON data, to be called once all files and pictures are finished."""
+        """Counts, times and limits of the run as JSON data; call it once all files and pictures are finished."""
         start = self.wall if self.first is None else self.first[0] - self.began
         after = perf_counter() - self.began - self.wall
         wall = {"start": start, "steps": self.wall - start, "pictures": after, "total": self.wall + after}

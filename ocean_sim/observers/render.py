@@ -78,6 +78,10 @@ class Config(Drawing, PeriodicConfig):
     every: float = quantity("s", 0.033, gt=0.0)
     """Simulated time between pictures of the film, which runs in real time; there are no more than frames."""
 
+    def files_of(self, preflight: Preflight) -> tuple[str, ...]:
+        asked = {"strip.png": self.strip, "still_*.png": self.stills, "film.mp4": self.film, MOMENTS_FILE: self.film}
+        return tuple(name for name in super().files_of(preflight) if asked.get(name, True))
+
     def mismatches(self, preflight: Preflight) -> Problems:
         return [] if self.ship is None else preflight.unknown_ship(self.ship)
 

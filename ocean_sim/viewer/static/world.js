@@ -342,10 +342,10 @@ class World {
       gl.drawArrays(gl.TRIANGLES, 0, what.count);
     };
     const at = (x, y, z) => V.add(ship.helm, [x * u, y * u, z * u]), box = (p, half, paint) => draw(painter.box, sized(at(...p), V.scale(half, u)), paint);
-    box([0, -0.62, 1.05], [2.4, 0.2, 0.34], [0.30, 0.33, 0.36, 1]);
+    box([0, -0.82, 1.05], [2.4, 0.2, 0.34], [0.30, 0.33, 0.36, 1]);
     box([0, 0.80, 1.3], [2.4, 0.09, 0.3], [0.80, 0.81, 0.80, 1]);
-    for (const x of [-1.9, -0.7, 0.7, 1.9]) draw(painter.rod, along(at(x, -0.5, 1.36), at(0.97 * x, 0.75, 1.2), 0.03 * u), [0.80, 0.81, 0.80, 1]);
-    const rim = (k, r) => { const a = (k * Math.PI) / 8 - 4 * rudder; return at(r * Math.sin(a), -0.52 + 0.8 * r * Math.cos(a), 0.66 + 0.5 * r * Math.cos(a)); };
+    for (const x of [-1.9, -0.7, 0.7, 1.9]) draw(painter.rod, along(at(x, -0.64, 1.37), at(0.97 * x, 0.75, 1.2), 0.03 * u), [0.80, 0.81, 0.80, 1]);
+    const rim = (k, r) => { const a = (k * Math.PI) / 8 - 4 * rudder; return at(r * Math.sin(a), -0.40 + 0.8 * r * Math.cos(a), 0.86 + 0.5 * r * Math.cos(a)); };
     for (let k = 0; k < 16; k++) {
       draw(painter.rod, along(rim(k, 0.2), rim(k + 1, 0.2), 0.012 * u), [0.52, 0.38, 0.24, 1]);
       if (k % 2 === 0) draw(painter.rod, along(rim(k, 0), rim(k, 0.26), 0.008 * u), [0.52, 0.38, 0.24, 1]);

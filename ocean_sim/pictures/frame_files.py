@@ -1,4 +1,5 @@
-"""Frame files of a run, and the arrays that a run keeps once beside them."""
+"""Frame files of a run (frames/frame_*.npz), and the arrays that a run saves only once beside them
+(frames/grid.npz)."""
 
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator
@@ -54,12 +55,12 @@ def frame_path(folder: Path, number: int) -> Path:
 
 
 def ship_keys(file: Iterable[str], ending: str) -> list[str]:
-    """Keys of the ships that have an array with this ending in a file: its name without the ending."""
+    """Keys of the ships in a frame or grid file: the names of its arrays that end in `ending`, without that ending."""
     return [name.removesuffix(ending) for name in file if name.endswith(ending)]
 
 
 class Frame:
-    """Contents of one frame file: heights, foam, ships, wind, and particles and surface mesh if the run kept them."""
+    """Contents of one frame file: heights, foam, ships, wind; particles and surface mesh if the run saved them."""
 
     def __init__(self, path: Path) -> None:
         with open_frame(path) as file:
@@ -90,12 +91,12 @@ class Frame:
 
     @property
     def place(self) -> np.ndarray:
-        """Origin (3,) [m] in the world of the frame's heights, at the level of still water."""
+        """Origin (3,) [m] of the frame's grid of heights in the world, at the level of still water."""
         return np.insert(self.origin, 1, 0.0)
 
     @property
     def folds(self) -> bool:
-        """True if the surface mesh folds over: some triangle does not face up, so that a point has several heights."""
+        """True if the surface mesh folds over: some triangle does not face up, so a point x, z has several heights."""
         if self.mesh is None:
             return False
         a, b, c = (self.mesh[0][self.mesh[1][:, k]] for k in range(3))
@@ -109,7 +110,7 @@ def read_elevation(path: Path) -> np.ndarray:
 
 
 class FrameLog:
-    """Times of all frames of a run so far, and tracks of its ships; other arrays of the frames are not loaded."""
+    """Times of all frames of a run so far, and the poses of its ships at these times; loads no other arrays."""
 
     def __init__(self, files: list[Path]) -> None:
         self.files: list[Path] = []
@@ -146,15 +147,15 @@ class FrameLog:
 
 
 def film_frames(times: np.ndarray, every: float, ended: bool = True) -> list[int]:
-    """Indices of the frames in a film: those nearest to the first time and to every `every` [s] after it; before a run
-    has `ended`, only those that its later frames cannot change."""
+    """Indices of the frames in a film: the frame nearest to the first time, and to every `every` [s] after it. While
+    the run goes on (`ended` False), only those that later frames cannot replace."""
     moments = np.arange(times[0], times[-1] + 0.5 * every, every)
     return [int(np.abs(times - moment).argmin()) for moment in moments if ended or moment <= times[-1]]
 
 
 def ends_afloat(frame: Frame, grid: Any) -> np.ndarray:
-    """Water height [m] and immersion of the centre line [m] at both ends of each ship (ends, 2) in a frame; `grid`:
-    arrays that a run saves once."""
+    """Water height [m] and depth of the centre line under water [m] at bow and stern of each ship in a frame (ends, 2);
+    `grid`: arrays that a run saves once."""
     ends = [np.zeros((0, 3))]
     for key, (position, turn) in frame.ships.items():
         ends.append(position + np.outer([-0.5, 0.5], np.ptp(grid[f"{key}_vertices"][:, 2]) * turn[:, 2]))
@@ -164,9 +165,9 @@ def ends_afloat(frame: Frame, grid: Any) -> np.ndarray:
 
 
 def survey_run(files: list[Path], grid: Any) -> tuple[Frame, float]:
-    """Frame for a still picture, and highest 99th percentile of particle speeds [m/s] in a frame. The still has the
-    highest waves of those frames of a run's second half, a STILL_SHARE, in which the water at the ships rises and their
-    ends are immersed most nearly as in the mean; `grid`: arrays that a run saves once."""
+    """Frame for the still picture of a run, and the highest 99th percentile of particle speeds [m/s] in any frame. From
+    the second half, STILL_SHARE of the frames is kept, in which water rises at the ships and they float nearest to
+    their mean immersion; the one with the highest waves wins."""
     waves, speed, ends = [], [0.1], []
     for frame in map(Frame, files):  # one at a time: a frame of a large run is large
         waves.append(float(frame.elevation.std()))
@@ -183,20 +184,20 @@ def survey_run(files: list[Path], grid: Any) -> tuple[Frame, float]:
 
 
 def middle_cell(ships: Collection["Ship"], cell: np.ndarray) -> np.ndarray:
-    """Mean position x, z (2,) [m] of ships, rounded to whole cells with sides `cell` (2,) [m]."""
+    """Mean position x, z (2,) [m] of ships, rounded to a multiple of the `cell` sides (2,) [m]."""
     middle = np.mean([ship.body.position[[0, 2]] for ship in ships], axis=0)
     return cell * np.round(middle / cell)
 
 
 def basin_slab(basin: "Basin", axis: int, *ends: float) -> np.ndarray:
-    """Corners (2, 3) [m] of a tank between two ends [m] along an axis, from its bed to the top of its walls."""
+    """Corners (2, 3) [m] of a tank's slice between two `ends` [m] on an axis, from the bed to the top of the walls."""
     corners = np.array([basin.lower, basin.upper], dtype=float)
     corners[1, 1], corners[:, axis] = FREEBOARD_SHARE * basin.depth, sorted(ends)
     return corners
 
 
 def grid_arrays(simulation: "Simulation", x: np.ndarray, z: np.ndarray) -> dict[str, Any]:
-    """Arrays that a run saves once: basin and fittings, plane waves, hulls, and coordinates x, z [m] of the heights."""
+    """Arrays that a run saves once: basin, fittings, plane waves, hulls, and coordinates x, z [m] of the heights."""
     basin, fluid, scene = simulation.basin, simulation.fluid, simulation.scene
     arrays: dict[str, Any] = {
         "x": x,
@@ -229,7 +230,7 @@ def grid_arrays(simulation: "Simulation", x: np.ndarray, z: np.ndarray) -> dict[
 
 
 def kept_ground(grid: Any) -> "Ground | None":
-    """Bed of any shape from the arrays that a run saves once; None if it is flat."""
+    """Bed that is not flat, rebuilt from the arrays that a run saves once (`grid`); None if the bed is flat."""
     if "ground_y" not in grid:
         return None
     from ocean_sim.basin.ground import Ground

@@ -1,4 +1,5 @@
-"""The drawn and felt surface of the water: every module of this folder is a kind that a scene may name."""
+"""The surface of the water, for pictures, gauges and ships. Every module of this folder is a kind of surface that a
+scene may name under `surface.kind`."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -14,7 +15,7 @@ AREA_AND_VOLUME = {"surface_area_m2": "of what faces the air", "surface_volume_m
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Triangles of the water's surface, which face away from the water; none in 2-D."""
+    """Triangle mesh of the water's surface, its faces away from the water; without triangles in 2-D."""
 
     vertices: np.ndarray  # (n, 3) [m]
     triangles: np.ndarray  # (m, 3) corners, numbers of vertices, anticlockwise seen from outside the water
@@ -22,7 +23,7 @@ class Mesh:
 
     @property
     def vector_areas(self) -> np.ndarray:
-        """(m, 3) area times outward normal of each triangle [m2]."""
+        """Area vector (m, 3) [m2] of each triangle: outward unit normal times area."""
         a, b, c = (self.vertices[self.triangles[:, k]].astype(float) for k in range(3))
         return 0.5 * np.cross(b - a, c - a)
 
@@ -32,14 +33,14 @@ class Mesh:
         return float(np.linalg.norm(self.vector_areas, axis=1).sum())
 
     def volume(self, bed: float = 0.0) -> float:
-        """Volume inside a closed mesh, or between a sheet and a flat bed at this height [m3]: the flux of (0, y - bed,
-        0), which passes neither upright sides nor the bed."""
+        """Volume [m3] inside a closed mesh, or between a sheet and a flat bed at height `bed` [m]. It is the flux
+        through the mesh of (0, y - bed, 0), which upright sides and the bed do not contribute to."""
         height = self.vertices[:, 1].astype(float)[self.triangles].mean(axis=1) - bed
         return float((height * self.vector_areas[:, 1]).sum())
 
 
 def sheet(x: np.ndarray, z: np.ndarray, height: np.ndarray) -> Mesh:
-    """Mesh of heights (len(x), len(z)) [m] over a grid: two triangles a cell, normals by central differences."""
+    """Mesh of heights (nx, nz) [m] on the grid of `x` (nx,) and `z` (nz,) [m]: two triangles a cell, with normals."""
     along = [np.gradient(height, at, axis=k) if len(at) > 1 else 0.0 * height for k, at in enumerate((x, z))]
     normals = np.stack([-along[0], np.ones_like(height), -along[1]], axis=-1).reshape(-1, 3)
     positions = np.meshgrid(x, z, indexing="ij")
@@ -52,7 +53,7 @@ def sheet(x: np.ndarray, z: np.ndarray, height: np.ndarray) -> Mesh:
 
 @lru_cache(maxsize=4)  # a sheet that moves keeps them
 def cell_triangles(nx: int, nz: int) -> np.ndarray:
-    """Vertex numbers (m, 3), two triangles for each cell of a grid of nx x nz points; read-only, as it is cached."""
+    """Vertex numbers (m, 3) of two triangles per cell of a grid of nx x nz points; cached, and so read-only."""
     number = np.arange(nx * nz, dtype=np.int32).reshape(nx, nz)
     a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
     corners = np.concatenate([np.stack([a, d, b], axis=1), np.stack([b, d, c], axis=1)])
@@ -61,13 +62,13 @@ def cell_triangles(nx: int, nz: int) -> np.ndarray:
 
 
 class Surface(Protocol):
-    """The surface of the water. It reads the particles and never writes them; `elevation` is callable from a kernel.
-    `shared/heights.py` is a grid of heights to build one on."""
+    """Interface of every kind of water surface. A surface reads the particles and never writes them; kernels may call
+    `elevation`. `shared/heights.py` offers a grid of heights to build one on."""
 
     measured: dict[str, str]  # further columns of accuracy.csv, and what they hold
 
     def follow(self, particles: "Particles", dt: float) -> None:
-        """Update the surface after particles have moved by a step of dt [s]; called once a step."""
+        """Bring the surface up to date after the particles have moved by one time step `dt` [s]; called once a step."""
 
     def elevation(self, x, z):
         """ti.func: height of the surface [m] above the still water, continuous in x and z [m]; the bed where it is dry.
@@ -77,7 +78,7 @@ class Surface(Protocol):
         """Heights (m,) [m] above the still water at points x, z (m, 2) [m], from Python."""
 
     def mesh(self) -> Mesh:
-        """The surface as triangles, computed anew by each call."""
+        """Triangle mesh of the surface, computed anew at each call."""
 
     def measures(self) -> list[float]:
-        """Values of the columns of accuracy.csv that the class names in `measured`, in their order."""
+        """Values for the extra columns of accuracy.csv, in the order in which `measured` names them."""

@@ -100,7 +100,7 @@ class Config(SurfaceConfig):
 
 @in_kernels
 class Cloth:
-    """A sheet of nodes, which have a height, and the springs between them; node (i, k) has the number i nz + k."""
+    """Sheet of nodes that move up and down only, joined by springs; node (i, k) along x, z has the number i nz + k."""
 
     def __init__(self, config: Config, basin: Basin, fluid: Fluid) -> None:
         water = with_particles(fluid)
@@ -141,7 +141,7 @@ class Cloth:
 
     @ti.kernel
     def update(self, dt: float):
-        """Advance the sheet by dt [s]: carry nodes on, move them to the water, apply springs. dt 0: lay it at rest."""
+        """Advance the sheet by dt [s]: carry nodes on, move them to the water, apply springs. dt 0: at rest after."""
         for n in self.height:
             way = dt * self.speed[n] * tm.exp(-ti.static(self.config.damping) * dt)
             most = ti.static(MAX_CARRY * self.thickness)
@@ -166,7 +166,7 @@ class Cloth:
 
     @ti.func
     def moved_to_water(self, n, y):
-        """Height [m] of node n after Newton steps, which never overshoot, from y [m] towards the surface."""
+        """Height [m] of node n moved by Newton steps, which never overshoot, from height y [m] to the surface."""
         p, start, moves = self.heights.column_place(n), y, 0
         while moves < MAX_MOVES:
             share = self.around.total(tm.vec3(p.x, y, p.y), self.contact, 0.0)  # of the water within a thickness
@@ -178,8 +178,8 @@ class Cloth:
 
     @ti.func
     def spring_pull(self, n, dt):
-        """Upward acceleration [m/s2] of node n by its springs, implicit over a step of dt: -sum k C C' / (1 +
-        2 dt^2 sum k (C'^2 + C C'')), with C the stretch of a spring, C' and C'' its derivatives by height of node n."""
+        """Upward acceleration [m/s2] of node n by its springs, implicit over a step of dt: -sum k C C' / (1 + 2 dt^2
+        sum k (C'^2 + C C'')); k: stiffness, C: stretch of a spring, C', C'': its derivatives by the node's height."""
         i, k = n // self.nodes[1], n % self.nodes[1]
         force, hessian = 0.0, 0.0
         for di, dk, stiffness in ti.static(self.springs):
@@ -224,27 +224,28 @@ class Cloth:
 
 @in_kernels
 class Contact:
-    """Pair sum: share of water within `thickness` [m] of a point, and its upward gradient [1/m]."""
+    """Pair sum over particles within `thickness` [m] of a point: smoothed share of water, its upward gradient [1/m]."""
 
     sums = 2
 
     def __init__(self, dimension: int, thickness: float, spacing: float) -> None:
-        """`thickness`: radius of the smoothing kernel [m]; `spacing` of the particles at rest [m]."""
+        """`thickness`: radius of the smoothing kernel [m]; `spacing`: of the particles at rest [m]."""
         self.dimension, self.thickness, self.spacing = dimension, thickness, spacing
         constant = {2: 4.0 / (pi * thickness**8), 3: 315.0 / (64.0 * pi * thickness**9)}[dimension]
         self.constant = constant * spacing**dimension
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Share of water, and its upward gradient [1/m], by particle j at d [m] from the point."""
+        """Contribution of particle j, at d [m] from the point, to the share of water and its gradient [1/m]."""
         w = self.thickness * self.thickness - d.dot(d)
         w = ti.select(w > 0.0, w, 0.0)
         return ti.static(self.constant) * w * w * ti.Vector([w, 6.0 * d.y])
 
     @cached_property
     def over_a_lattice(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Shares of water near flat water whose particles lie on a lattice: (h,) rising heights [m], (p, h) shares at p
-        positions between the particles, and (p,) weights of positions, of which mirror images count once."""
+        """Shares of water near the surface of flat water whose particles lie on a lattice: (a) heights (h,) of the
+        point [m], rising; (b) shares (p, h) at p horizontal positions between particles; (c) weights (p,) of these
+        positions, which make up for mirrored ones that are left out."""
         reach = self.thickness / self.spacing
         n = ceil(reach) + 1
         height = np.linspace(-n, n, LATTICE_HEIGHTS)
@@ -265,7 +266,7 @@ class Contact:
         return height * self.spacing, shares, weight / weight.sum()
 
     def surface_height(self, share: float) -> float:
-        """Height [m] over flat water on a lattice above which the water's share is below `share`; mean of positions."""
+        """Height [m] over flat water, on a lattice, above which the share of water is below `share`; mean over x, z."""
         height, shares, weight = self.over_a_lattice
         k = LATTICE_HEIGHTS - 1 - np.argmax(shares[:, ::-1] >= share, axis=1)
         k = np.minimum(k, LATTICE_HEIGHTS - 2)
@@ -275,7 +276,7 @@ class Contact:
 
     @cached_property
     def at_surface(self) -> float:
-        """Smoothed share of water at the surface of flat water on a lattice, mean over positions."""
+        """Smoothed share of water on the surface of flat water on a lattice; nodes move to where it has this value."""
         low, high = 0.05, 0.95
         for _ in range(40):
             middle = 0.5 * (low + high)
@@ -284,6 +285,6 @@ class Contact:
 
     @cached_property
     def steepness(self) -> float:
-        """Steepest fall with height of the share through a flat surface [1/m]."""
+        """Steepest decrease of the share of water with height [1/m] through a flat surface."""
         height, shares, weight = self.over_a_lattice
         return float(-np.gradient(weight @ shares, height).min())

@@ -125,7 +125,8 @@ class Config(SurfaceConfig):
 
 @in_kernels
 class MarchingCubes:
-    """Surface where the smoothed share of water is `isovalue`: triangles and column heights, computed when read."""
+    """Surface on which the smoothed share of water equals `isovalue`. Triangles, and the height of the highest water in
+    each column, are computed only when they are read."""
 
     left_out = ("followed", "read_by_kernel")  # of checkpoints: what this simulation's kernels are compiled for
 
@@ -153,15 +154,15 @@ class MarchingCubes:
         )
 
     def follow(self, particles: "Particles", dt: float) -> None:
-        """Note that the particles have moved by a step of dt [s]. Heights are computed at once if a kernel reads them,
-        and in the first step, in which one may be compiled."""
+        """Note that the particles have moved by one time step; the heights are then out of date. They are recomputed at
+        once if a kernel reads them, and in the first step, in which such a kernel may be compiled."""
         self.moment += 1
         if self.read_by_kernel or not self.followed:
             self.update_heights()
         self.followed = True
 
     def update_field(self) -> None:
-        """Recompute the field of shares of water if particles have moved since it was computed."""
+        """Recompute the share of water at the nodes if particles have moved since it was last computed."""
         if self.sampled != self.moment:
             self.outside = self.map.sort_particles()
             self.map.mark_rows(self.isosurface.rows)
@@ -170,30 +171,30 @@ class MarchingCubes:
             self.sampled = self.moment
 
     def update_heights(self) -> None:
-        """Recompute the heights if particles have moved since they were computed."""
+        """Recompute the column heights if particles have moved since they were last computed."""
         if self.levelled != self.moment:
             self.update_field()
             self.find_heights()
             self.levelled = self.moment
 
     def mesh(self) -> Mesh:
-        """Closed surface of the water, with its parts along walls and bed."""
+        """Closed surface of the water: also along walls and bed."""
         return self.cut_surface(0)[0]
 
     def free_surface(self) -> Mesh:
-        """Surface of the water that faces the air, open at walls and bed."""
+        """Surface between water and air alone, open at walls and bed."""
         return self.cut_surface(self.goes_on)[0]
 
     def measures(self) -> list[float]:
-        """Area [m2], volume [m3], ambiguous share, and number of particles above the grid."""
+        """Area [m2], volume [m3], share of ambiguous cubes, and number of particles above the grid."""
         mesh, counts = self.cut_surface(self.goes_on)
         return [mesh.area, mesh.volume(self.bed), counts.ambiguous_share, float(self.outside)]
 
-    def cut_surface(self, goes_on: int) -> tuple[Mesh, Counts]:
-        """Triangulate the surface, open at sides with a bit set in `goes_on` (see `Isosurface.pad_field`); return it
-        and its counts. Raises Diverged for more than `most_triangles` triangles."""
+    def cut_surface(self, open_sides: int) -> tuple[Mesh, Counts]:
+        """Triangulate the surface and return mesh and counts. `open_sides`: bits of the sides at which it stays open
+        (see `Isosurface.pad_field`). Raises Diverged for more than `most_triangles` triangles."""
         self.update_field()
-        self.isosurface.pad_field(goes_on)
+        self.isosurface.pad_field(open_sides)
         counts = self.isosurface.count_surface()
         if counts.triangles > self.config.most_triangles:
             raise Diverged(
@@ -204,7 +205,7 @@ class MarchingCubes:
 
     @ti.kernel
     def find_heights(self):
-        """Set each column's height: the highest zero of the field, between a wet and a dry node; else the bed."""
+        """Set each column's height to the highest point where its water ends in air, or to the bed if it is dry."""
         ny, value = ti.static(self.nodes.inner[1], self.isosurface.value)
         for n in self.heights.height:
             i, k = n // self.heights.count[1], n % self.heights.count[1]
@@ -221,7 +222,7 @@ class MarchingCubes:
             self.heights.height[n] = height
 
     def read_by_a_kernel(self) -> bool:
-        """Note that the kernel being compiled reads heights; always True. Raises RuntimeError for old heights."""
+        """Note that the kernel being compiled reads heights; always True. Raises RuntimeError if they are outdated."""
         self.read_by_kernel = True
         if self.levelled != self.moment:
             raise RuntimeError("heights are out of date: call `update_heights` before the first kernel that reads them")
@@ -229,7 +230,7 @@ class MarchingCubes:
 
     @ti.func
     def elevation(self, x, z):
-        """Height of the highest water of the column [m], bilinear between columns of nodes; the bed where it is dry."""
+        """Height [m] of the highest water at x, z [m], bilinear between columns of nodes; the bed's where it is dry."""
         ti.static(self.read_by_a_kernel())
         return self.heights.height_at(x, z)
 
@@ -239,16 +240,18 @@ class MarchingCubes:
 
 
 def flat_share(radius: float, spacing: float) -> float:
-    """Mean share of water in the plane half a spacing above the top layer of a cubic lattice: where flat water ends.
+    """Smoothed share of water half a spacing above the top layer of a cubic lattice: where flat water ends. Mean over
+    x, z.
 
-    Averaged over the plane each layer at distance u radius counts 315/256 (1 - u^2)^4, the integral of poly6 over it.
-    """
+    A layer u radii below counts 315/256 (1 - u^2)^4, the integral of the poly6 kernel over it, times spacing over
+    radius."""
     u = (np.arange(int(radius / spacing) + 1) + 0.5) * spacing / radius
     return float(315.0 / 256.0 * spacing / radius * (np.maximum(1.0 - u * u, 0.0) ** 4).sum())
 
 
 def point_images(basin: Basin, nodes: Nodes) -> np.ndarray:
-    """(3, AXIS_IMAGES, 2) sign and offset [m] of every image of a point on each axis; OPEN where there is none."""
+    """Mirror images and periodic copies of a point: image = sign * x + offset. Returns sign and offset [m] as (3,
+    AXIS_IMAGES, 2), for each axis and image; the offset OPEN marks an image that does not exist."""
     still = {(side.axis, side.upper) for side in basin.sides if side.piston is None}
     found = np.full((3, AXIS_IMAGES, 2), (1.0, OPEN))
     found[:, 0, 1] = 0.0
@@ -266,10 +269,10 @@ def point_images(basin: Basin, nodes: Nodes) -> np.ndarray:
 
 @in_kernels
 class DensityMap:
-    """Particles sorted into bins at least a radius wide, and smoothed shares of water from sums over them."""
+    """Smoothed shares of water at points, from sums over particles sorted into bins at least one radius wide."""
 
     def __init__(self, particles: "Particles", basin: Basin, nodes: Nodes, radius: float) -> None:
-        """`radius` [m] of the sphere in which a particle counts."""
+        """`nodes`: whose box the bins fill; `radius`: of the smoothing kernel, in which a particle counts [m]."""
         self.particles, self.nodes, self.radius = particles, nodes, radius
         self.n, self.squared = particles.n, radius * radius
         self.constant = particles.mass / particles.rest_density * 315.0 / (64.0 * pi * radius**9)
@@ -285,13 +288,13 @@ class DensityMap:
 
     @staticmethod
     def bins_of(nodes: Nodes, radius: float) -> tuple[int, int, int]:
-        """Numbers of bins on each axis, each at least a radius wide."""
+        """Numbers of bins along x, y and z in the box of `nodes`, each bin at least `radius` [m] wide."""
         nx, ny, nz = (max(1, int((up - low) / radius + 1.0e-9)) for low, up in zip(nodes.lower, nodes.upper))
         return nx, ny, nz
 
     @classmethod
     def bytes(cls, n: int, nodes: Nodes, radius: float, word: int) -> int:
-        """Memory of the fields for n particles [bytes]; `word` is the size of a `float` [bytes]."""
+        """Memory [bytes] that the fields take for n particles; `word`: size of a `float` [bytes]."""
         return (3 * word + 4) * n + 8 * (int(np.prod(cls.bins_of(nodes, radius))) + 1) + word * 6 * AXIS_IMAGES
 
     @ti.func
@@ -306,7 +309,7 @@ class DensityMap:
 
     @ti.kernel
     def sort_particles(self) -> int:
-        """Stable counting sort of the particles in the box by bin; returns how many are outside."""
+        """Sort the particles in the box by bin (stable counting sort); returns the number of those outside."""
         p, bins = self.particles.position, ti.static(self.bins[0] * self.bins[1] * self.bins[2])
         outside = 0
         ti.loop_config(serialize=True)
@@ -334,7 +337,7 @@ class DensityMap:
 
     @ti.func
     def shares_along(self, x, step, run: Template):
-        """Shares of water at `run` successive points from x on, `step` [m] apart along x, which may lie anywhere."""
+        """Shares of water (run,) at `run` points in a row: at x (3,) [m], and at every `step` [m] along x after it."""
         total = ti.Vector.zero(float, run)
         for c in range(AXIS_IMAGES):
             z = self.image[2, c, 0] * x.z + self.image[2, c, 1]
@@ -352,13 +355,14 @@ class DensityMap:
 
     @ti.func
     def in_reach(self, first, last, axis: Template):
-        """True if particles may lie within a radius of the range from `first` to `last` [m] on an axis."""
+        """True if `first` to `last` [m] on an axis comes within a radius of the box that holds the particles."""
         low, high = self.lower[axis] - self.radius, self.upper[axis] + self.radius
         return tm.max(first, last) > low and tm.min(first, last) < high
 
     @ti.func
     def gather_bins(self, x, last, step, run: Template):
-        """Sums (run,) of (radius^2 - r^2)^3 [m6] over particles near the points from x to `last`, `step` [m] apart."""
+        """Sums (run,) of (radius^2 - r^2)^3 [m6] over the particles within one radius of each point of a row from x to
+        `last` [m], `step` [m] apart; r is the distance."""
         total, here, there = ti.Vector.zero(float, run), self.bin_of(x), self.bin_of(last)
         low = tm.max(tm.min(here, there) - 1, 0)
         high = tm.min(tm.max(here, there) + 1, tm.ivec3(self.bins) - 1)
@@ -376,8 +380,8 @@ class DensityMap:
 
     @ti.kernel
     def mark_rows(self, rows: Template):
-        """Mark the rows of nodes within a radius and one node spacing of any particle, so that the nodes around every
-        wet one are marked, too; a row beyond a side is as near as the row next to it."""
+        """Mark the rows of nodes within one radius plus one node spacing of any particle, so that all neighbours of wet
+        nodes are marked too. A row beyond a side counts as the row next to it."""
         for row in rows.near:
             inner = tm.clamp(tm.ivec2(row % rows.across, row // rows.across) - 1, 0, tm.ivec2(self.nodes.inner[1:]) - 1)
             y = self.lower.y + self.width.y * (inner.x + 0.5)
@@ -386,7 +390,7 @@ class DensityMap:
 
     @ti.func
     def particles_near(self, y, z):
-        """True if particles lie in the bins around the row of nodes at y, z [m] or rows next to it, or their images."""
+        """True if particles are in the bins around a row of nodes at y, z [m], its next rows, or images of these."""
         found = 0
         for c in range(AXIS_IMAGES):
             along = self.image[2, c, 0] * z + self.image[2, c, 1]
@@ -406,14 +410,14 @@ class DensityMap:
 
     @ti.kernel
     def fill_rows(self, rows: Template, value: Template, level: float):
-        """Write the share of water less `level` to `value`, the field at the nodes of the stored `rows` in the box."""
+        """Write share of water minus `level` to `value`, the field at the nodes, for all stored `rows` in the box."""
         for g in range(ROW_GROUPS * TASK_ITERATIONS):
             if g % TASK_ITERATIONS == 0:
                 self.fill_group(g // TASK_ITERATIONS, rows, value, level)
 
     @ti.func
     def fill_group(self, group, rows: Template, value: Template, level):
-        """Part of `fill_rows` that one thread does: every ROW_GROUPS-th stored row, from row `group` on."""
+        """Do one thread's part of `fill_rows`: every ROW_GROUPS-th stored row, beginning with row `group`."""
         nx, ny, nz = ti.static(self.nodes.inner)
         for turn in range((rows.count[None] - group + ROW_GROUPS - 1) // ROW_GROUPS):
             n = group + turn * ROW_GROUPS

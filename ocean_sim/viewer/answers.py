@@ -31,7 +31,8 @@ def key_table(scene: SceneConfig) -> list[dict[str, Any]]:
 
 
 def model_rows(place: str, path: str, model: BaseModel) -> list[dict[str, Any]]:
-    """Rows as in `key_table` for a model and those in it; `place`: path in the scene; `path`: in the list of keys."""
+    """Rows of `key_table` for a config model and its sub-models; `place`, `path`: its path in the scene, in the
+    keys."""
     rows: list[dict[str, Any]] = []
     for name in type(model).model_fields:
         value, known = getattr(model, name), by_path().get(f"{path}.{name}")
@@ -43,12 +44,12 @@ def model_rows(place: str, path: str, model: BaseModel) -> list[dict[str, Any]]:
 
 
 def key_row(known: Key, key: str, value: Any) -> dict[str, Any]:
-    """Row of `key_table` for a known key, with its value in the scene."""
+    """Row of `key_table` for one key, `known` from the key list, with its value in the scene."""
     return {"key": key, "value": value} | {name: getattr(known, name) for name in SHOWN_TRAITS}
 
 
 def answer_waves(fluid: Fluid, now: float, asked: Waves) -> dict[str, Any]:
-    """Answer to a wave query at `now` [s]: `time` [s] and `values`, one a point, null if dry. May raise Refused."""
+    """Reply to a wave query at `now` [s]: `time` [s] and `values` per point, null where dry. May raise Refused."""
     time, sea = now if asked.time is None else asked.time, fluid.plane_waves
     if asked.verb == "field":
         if sea is None:
@@ -72,7 +73,7 @@ def answer_waves(fluid: Fluid, now: float, asked: Waves) -> dict[str, Any]:
 
 
 def surface_normals(fluid: Fluid, points: np.ndarray) -> np.ndarray:
-    """Upward unit normals (n, 3) of the water surface at points x, z (n, 2) [m], by central differences."""
+    """Upward unit normals (n, 3) of the water surface at points x, z (n, 2) [m], by central differences of heights."""
     step = SLOPE_STEP * fluid.spacing
     rises = [fluid.elevations(points + step * along) - fluid.elevations(points - step * along) for along in np.eye(2)]
     found = np.stack([-rises[0], np.full(len(points), 2.0 * step), -rises[1]], axis=1)
@@ -80,7 +81,7 @@ def surface_normals(fluid: Fluid, points: np.ndarray) -> np.ndarray:
 
 
 def json_numbers(values: np.ndarray) -> list[Any]:
-    """Array as nested lists for JSON, rounded to six decimals; null for numbers that are not finite."""
+    """Nested lists of an array for JSON, rounded to six decimals; null for numbers that are not finite."""
     rows = np.round(np.asarray(values, dtype=float), 6)
     whole = rows.astype(object)
     whole[~np.isfinite(rows)] = None

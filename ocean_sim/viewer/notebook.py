@@ -16,14 +16,14 @@ from ocean_sim.viewer.watch import Watch
 
 
 class View:
-    """Output of a notebook cell that shows the page; `address` opens it in any browser, and is empty for a replay."""
+    """Output of a notebook cell that shows the page; `address` opens it in a browser, and is empty for a replay."""
 
     def __init__(self, source: str, height: int, address: str = "", server: Server | None = None) -> None:
-        """`source`: HTML attribute with the content of the frame; `height` [pixels]; `server`: of a live view."""
+        """`source`: HTML attribute that holds or names the page; `height`: in pixels; `server`: of a live view."""
         self.source, self.height, self.address, self.server = source, height, address, server
 
     def _repr_html_(self) -> str:
-        """HTML of a frame that shows the page, which the notebook calls for."""
+        """HTML of a frame that shows the page; called by the notebook."""
         style = f"width:100%;height:{self.height}px;border:0;border-radius:12px"
         return f'<iframe {self.source} style="{style}" allow="fullscreen; xr-spatial-tracking"></iframe>'
 
@@ -38,12 +38,11 @@ class View:
 
 
 def view(what: "Simulation | Result | str | Path", height: int = 560) -> View:
-    """Page of a simulation, live as it is stepped, or replay of a run folder; `height` [pixels].
+    """Show a simulation live while it is stepped, or a run folder as a replay, in a notebook; `height` [pixels].
 
-    A live view has its own server on this machine until it is closed. Its address holds a random token, since a
-    notebook at any address may show it in a frame. A replay lies whole in the notebook: it needs no server, as on
-    Colab, and is there when the notebook is opened again.
-    """
+    A live view has its own server on this machine until it is closed; its address holds a random token, since any page
+    may show it in a frame. A replay is stored whole in the notebook: it needs no server, as on Colab, and is still
+    there when the notebook is opened again."""
     number("height", height, "pixels", 1.0)
     if isinstance(what, Simulation):
         document = page_document("Ocean Sim", {"mode": "live"})

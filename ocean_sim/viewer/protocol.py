@@ -53,21 +53,21 @@ class BadMessage(Refused):
 
 
 class Act(Model):
-    """Command of a button of the page. `take` and `leave` are about the helm, which one page has at a time; any other
-    command that changes the simulation takes a free helm."""
+    """Command of a button of the page. `take` and `leave` concern the helm, which one page has at a time. Other
+    commands that change the simulation take the helm if it is free."""
 
     do: Literal["pause", "play", "step", "reset", "record", "stop", "take", "leave", "scene", "scenes", "keys"]
 
 
 class Speed(Model):
-    """Command to limit the speed of the simulation: most simulated over real time; 0: as fast as possible."""
+    """Command to limit the speed of play: simulated time over real time; 0: as fast as possible."""
 
     do: Literal["speed"]
     value: float = Field(ge=0.0, le=100.0)
 
 
 class Slide(Model):
-    """Command to move the slider with the label `key` to a value; the running simulation continues with it."""
+    """Command to move the slider labelled `key` to a value, while the simulation runs on."""
 
     do: Literal["slide"]
     key: Word
@@ -75,7 +75,7 @@ class Slide(Model):
 
 
 class Steer(Model):
-    """Command to steer a ship by hand from now on: throttle, -1 to 1, and rudder [rad, positive turns to port]."""
+    """Command to steer a ship by hand from now on: throttle, -1 to 1, and rudder [rad], positive to port."""
 
     do: Literal["steer"]
     ship: Word
@@ -84,7 +84,7 @@ class Steer(Model):
 
 
 class Route(Model):
-    """Command to a pilot to steer a ship along waypoints x, z [m] at a speed [m/s]; no points: rudder amidships."""
+    """Command to steer a ship by autopilot along waypoints x, z [m] at a speed [m/s]; no points: rudder amidships."""
 
     do: Literal["route"]
     ship: Word
@@ -93,14 +93,14 @@ class Route(Model):
 
 
 class Choose(Model):
-    """Command to choose another wind preset, with which the scene starts anew, or to play a packaged scene, by name."""
+    """Command to restart the scene with another wind preset, or to play a packaged scene, chosen by name."""
 
     do: Literal["wind", "open"]
     name: Word
 
 
 class Change(Model):
-    """Command to set a key of the scene to a value given as YAML, as by `--set`; the scene starts anew."""
+    """Command to set a key of the scene to a value written in YAML, as `--set` does, and restart the scene."""
 
     do: Literal["change"]
     key: Word
@@ -108,14 +108,14 @@ class Change(Model):
 
 
 class Write(Model):
-    """Request to check the text of a scene, which the server answers with `problems`, or command to play it."""
+    """Scene text from the page's editor: a request to check it, answered by `problems`, or a command to play it."""
 
     do: Literal["check", "apply"]
     text: Text
 
 
 class Save(Model):
-    """Command to write the scene that is played into a new file of this name."""
+    """Command to save the scene being played as a new file of this name."""
 
     do: Literal["save"]
     name: Name
@@ -142,7 +142,7 @@ _COMMAND_ADAPTER: TypeAdapter[Command] = TypeAdapter(Annotated[Command, Field(di
 
 
 def parse_command(text: str) -> Command:
-    """Command in a text message from a page; raises BadMessage if the text follows the format of no command."""
+    """Command in a text message of a page; raises BadMessage if it matches the format of no command."""
     try:
         return _COMMAND_ADAPTER.validate_json(text)
     except (ValidationError, RecursionError) as error:
@@ -154,7 +154,7 @@ def parse_command(text: str) -> Command:
 
 
 def packet(kind: str, arrays: Mapping[str, np.ndarray], boxes: Mapping[str, Any] | None = None, **header: Any) -> bytes:
-    """Binary packet of this kind; `header`: more entries of its header; `boxes`: more entries of arrays, by name."""
+    """Binary packet of this kind; `boxes`: extra header entries of arrays, by name; `header`: other header entries."""
     rows, data = [], []
     for name, array in arrays.items():
         whole = np.ascontiguousarray(array)
@@ -168,12 +168,12 @@ def packet(kind: str, arrays: Mapping[str, np.ndarray], boxes: Mapping[str, Any]
 
 
 def box_scale(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Middle of a box (3,) [m], and steps per metre along each axis (3,), for positions as 16-bit integers."""
+    """Middle (3,) [m] of a box, and steps per metre (3,) of 16-bit integers that span it along each axis."""
     return 0.5 * (high + low), FULL_SCALE / np.maximum(0.5 * (high - low), 1e-9)
 
 
 def box_positions(positions: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Positions (..., 3) [m] as 16-bit integers, -32767 at the corner `low` of a box to 32767 at `high`, clipped."""
+    """Positions (..., 3) [m] as 16-bit integers: -32767 at the corner `low` of a box to 32767 at `high`, clipped."""
     middle, scale = (array.astype(positions.dtype) for array in box_scale(low, high))
     share = np.clip((positions - middle) * scale, -FULL_SCALE, FULL_SCALE)
     return np.nan_to_num(np.rint(share)).astype(np.int16)

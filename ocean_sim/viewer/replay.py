@@ -1,4 +1,4 @@
-"""Replay of a finished run: its static part and all of its frames as two packets, and a page that contains them."""
+"""Replay of a finished run in a browser: all its frames as one packet, and a page that contains it."""
 
 import csv
 import re
@@ -31,7 +31,7 @@ PLOTTED_FILE = Path(__file__).with_name("plotted_columns.csv")  # columns of log
 
 
 class Recorded:
-    """Frames and logs of a run folder, read for a replay; raises Refused if the folder is no run, or has no frames."""
+    """Frames and logs of a run folder, read for a replay; raises Refused if it is no run folder or has no frames."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -50,7 +50,7 @@ class Recorded:
 
     @property
     def strides(self) -> tuple[int, int]:
-        """Strides along x and z by which the grid of heights is thinned, to at most MAX_CELLS along each."""
+        """Strides along x and z that thin the grid of heights to at most MAX_CELLS along each axis."""
         return tuple(-(-len(self.grid[axis]) // MAX_CELLS) for axis in "xz")  # type: ignore[return-value]
 
     def still(self) -> bytes:
@@ -58,7 +58,7 @@ class Recorded:
 
     @cached_property
     def setting(self) -> StaticScene:
-        """Static part of this run: water, basin and ships, and the list of plotted numbers."""
+        """Static part of the replay: water, basin, ships, and the list of plotted numbers."""
         (i, j), first = self.strides, Frame(self.files[0])
         grid = self.grid | {"x": self.grid["x"][::i], "z": self.grid["z"][::j]}
         surface = bool(grid["has_surface"]) or len(grid["z"]) == 1
@@ -68,7 +68,7 @@ class Recorded:
         return setting
 
     def stream(self) -> bytes:
-        """Packet of kind `replay`: all frames of this run, deflated, with particles thinned to fit MAX_STREAM_BYTES."""
+        """Packet of kind `replay`: all frames, compressed, with particles thinned to fit MAX_STREAM_BYTES."""
         setting, (i, j) = self.setting, self.strides
         low, high = setting.box
         times, heights, foams, poses, origins, particles, speeds, drops = [], [], [], [], [], [], [], []
@@ -137,7 +137,8 @@ class Recorded:
 
     @staticmethod
     def sorted_by_id(values: np.ndarray, order: np.ndarray) -> np.ndarray:
-        """Rows (ids, k) of values (n, k) of particles at the index of their ids `order` (n,); NaN for missing ids."""
+        """Rows (ids, k), one per id, from rows `values` (n, k) of particles in any order; NaN for ids that are missing.
+        `order` (n,): index in the result for each row."""
         found = np.full((int(order.max()) + 1 if len(order) else 0, values.shape[1]), np.nan, np.float32)
         found[order] = values
         return found
@@ -150,7 +151,7 @@ class Recorded:
         return [*position.tolist(), *Rotation.from_matrix(turn).as_quat(canonical=True)[[3, 0, 1, 2]].tolist()]
 
     def plotted_numbers(self, times: np.ndarray) -> tuple[list[dict[str, str]], np.ndarray]:
-        """Plotted time series of the run: name, label, unit and group of each, and values (moments, k) at times [s]."""
+        """Time series to plot: name, label, unit and group of each, and their values (moments, k) at times [s]."""
         rows, columns = [], []
         with PLOTTED_FILE.open(encoding="utf-8") as file:
             known = list(csv.DictReader(file))
@@ -169,7 +170,7 @@ class Recorded:
         return rows, np.array(columns).T.reshape(len(times), -1)
 
     def platform_commands(self, times: np.ndarray) -> np.ndarray | None:
-        """Poses [m, rad] and leg lengths [m] (moments, 12) of the motion platform at times [s]; None without one."""
+        """Poses [m, rad] and leg lengths [m] (moments, 12) of a motion platform at times [s]; None without one."""
         log = csv_file.read_columns_if_any(self.folder / "platform.csv")
         names = ("x_m", "y_m", "z_m", "roll_rad", "pitch_rad", "yaw_rad", *(f"leg{k}_m" for k in range(1, 7)))
         if not all(name in log for name in names):
@@ -178,7 +179,7 @@ class Recorded:
 
 
 def replay_file(folders: list[Path], path: Path) -> Path:
-    """Write the replay of a run folder, or of two side by side, as one HTML file without others; returns its path."""
+    """Write a replay of one run folder, or of two side by side, as one self-contained HTML file; returns its path."""
     runs = [Recorded(folder) for folder in folders]
     data = {"sky": sky_packet()}
     for k, run in enumerate(runs):

@@ -55,14 +55,14 @@ File = Callable[[], bytes]  # the content of an address
 
 
 class Order(NamedTuple):
-    """Command of a page, and the number of the watcher (page) that sent it."""
+    """Command from a page, with the number of the watcher (open page) that sent it."""
 
     watcher: int
     command: Command
 
 
 class Watcher:
-    """Open page: its number and socket, and the texts and packets to send to it."""
+    """Open page: its number, its socket, and the texts and packets still to be sent to it."""
 
     def __init__(self, number: int, socket: "web.WebSocketResponse") -> None:
         self.number, self.socket = number, socket
@@ -73,7 +73,7 @@ class Watcher:
         self.allowance, self.asked = float(MESSAGE_BURST), monotonic()
 
     def may_ask(self) -> bool:
-        """Count one more message of this page; True if it is within the allowed rate."""
+        """Count one more message from this page; True if it keeps within the allowed rate."""
         now = monotonic()
         self.allowance = min(MESSAGE_BURST, self.allowance + MESSAGE_RATE * (now - self.asked))
         self.asked = now
@@ -82,14 +82,14 @@ class Watcher:
 
 
 def is_own_failure(record: logging.LogRecord) -> bool:
-    """True for log records to keep: all except those of requests that are not HTTP. Filter of the server's log."""
+    """True for log records to keep: all but those of requests that are not HTTP. Filter of the web server's log."""
     from aiohttp.http_exceptions import HttpProcessingError
 
     return not (record.exc_info and isinstance(record.exc_info[1], HttpProcessingError))
 
 
 class Connections:
-    """Factory of aiohttp's protocols (one for each connection) that limits the number of open connections."""
+    """Factory of aiohttp protocols, one for each connection, that limits the number of open connections."""
 
     def __init__(self, protocols: "web.Server") -> None:
         self.protocols = protocols
@@ -132,7 +132,7 @@ class Closing(asyncio.Protocol):
 
 
 class Server(AbstractContextManager["Server"]):
-    """Web server that shows pages a simulation, by its `Watch`, and collects their commands; a context manager."""
+    """Web server that shows a simulation on open pages and collects their commands; a context manager."""
 
     def __init__(
         self,
@@ -144,7 +144,7 @@ class Server(AbstractContextManager["Server"]):
         framed: bool = False,
     ) -> None:
         """`files`: content type and content by path; `token`: secret of the address, or empty; `hello`: first message
-        to a page; `framed`: other pages may frame it. Raises Lacking without aiohttp, Refused if the port is taken."""
+        to a page; `framed`: other sites may frame it. Raises Lacking without aiohttp, Refused if the port is taken."""
         try:
             import aiohttp.web  # noqa: F401
         except ImportError:
@@ -179,11 +179,11 @@ class Server(AbstractContextManager["Server"]):
     # in the thread of the simulation
 
     def begin(self, still: bytes) -> None:
-        """Send the static part of a new simulation, a packet `still`, to all pages."""
+        """Send all pages the static part of a new simulation, a packet of kind `still`."""
         self.loop.call_soon_threadsafe(self.keep_packets, still, None)
 
     def show(self, frame: bytes) -> None:
-        """Send a packet `frame` to all pages, in place of one that a page has not yet got."""
+        """Send all pages a packet of kind `frame`; it replaces one that a page has not yet received."""
         self.fresh = False
         self.loop.call_soon_threadsafe(self.keep_packets, None, frame)
 
@@ -192,7 +192,7 @@ class Server(AbstractContextManager["Server"]):
         self.loop.call_soon_threadsafe(self.queue_text, watcher, message)
 
     def orders(self) -> list[Order]:
-        """Commands that have arrived since the last call, which are removed from the inbox."""
+        """Take the commands that have arrived since the last call out of the inbox, and return them."""
         return [self.inbox.popleft() for _ in range(len(self.inbox))]
 
     def close(self) -> None:
@@ -207,7 +207,7 @@ class Server(AbstractContextManager["Server"]):
     # in its own thread
 
     def run_loop(self) -> None:
-        """Serve until the server is stopped; main function of its thread."""
+        """Serve pages until the server is stopped; main function of the server's thread."""
         try:
             with asyncio.Runner(loop_factory=lambda: self.loop) as runner:
                 runner.run(self.serve())
@@ -215,7 +215,7 @@ class Server(AbstractContextManager["Server"]):
             self.ready.set()
 
     async def serve(self) -> None:
-        """Serve pages at the port until `stopping` is set, then close them; sets `failure` if no port is free."""
+        """Serve pages at the port until `stopping` is set, then close them; sets `failure` if the port is taken."""
         from aiohttp import web
 
         self.stopping = asyncio.Event()
@@ -225,7 +225,7 @@ class Server(AbstractContextManager["Server"]):
             return await self.guard_request(request, handler)
 
         async def protect(request: web.Request, response: web.StreamResponse) -> None:
-            """Add the security headers to a response; called before each is sent."""
+            """Add security headers to a response; called before each one is sent."""
             response.headers.update(ANSWER_HEADERS)
             response.headers["Content-Security-Policy"] = self.policy.format(socket=f"ws://{request.host}")
 
@@ -266,7 +266,7 @@ class Server(AbstractContextManager["Server"]):
                     await watcher.socket.close(code=1001, message=b"the server has stopped")
 
     def handle_loop_failure(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-        """Log once that no more files can be opened, since asyncio tries again; leave other exceptions to asyncio."""
+        """Log once that too many files are open, since asyncio tries again; leave other failures to asyncio."""
         failure = context.get("exception")
         if not (isinstance(failure, OSError) and failure.errno in NO_FILES):
             loop.default_exception_handler(context)
@@ -275,7 +275,7 @@ class Server(AbstractContextManager["Server"]):
             self.log.error(f"{failure.strerror}: new pages wait until others are closed; raise `ulimit -n`")
 
     async def guard_request(self, request: "web.Request", handler: Any) -> Any:
-        """Refuse a request without the token; if there is none, one from another site or by another host name."""
+        """Refuse a request without the token; or, on a server without one, from another site or for another host."""
         from aiohttp import web
 
         if self.token:
@@ -293,7 +293,7 @@ class Server(AbstractContextManager["Server"]):
             self.connections.answering.discard(request.protocol)
 
     async def serve_file(self, request: "web.Request") -> Any:
-        """Response with the content of a path in `files`, made once; 404 if making it raises Failed."""
+        """Response with the content of a path in `files`, computed once; 404 if computing it raises Failed."""
         from aiohttp import web
 
         kind, content = self.files[request.path]
@@ -349,7 +349,7 @@ class Server(AbstractContextManager["Server"]):
         return socket
 
     def receive(self, watcher: Watcher, text: str) -> None:
-        """Handle a page's message: give the helm, or queue the command; raises BadMessage to close the connection."""
+        """Handle a page's message: hand over the helm, or queue the command. BadMessage closes the connection."""
         if not watcher.may_ask():
             raise BadMessage("too many messages")
         order = parse_command(text)
@@ -370,7 +370,7 @@ class Server(AbstractContextManager["Server"]):
         self.queue_text(watcher.number, {"type": "said", "text": text, "bad": True})
 
     def take_helm(self, number: int) -> bool:
-        """Give the page of this number the helm if it is free or its holder is idle; True if the page has it now."""
+        """Hand the helm to the page of this number if it is free or its holder is idle; True if the page has it now."""
         now = monotonic()
         if self.helm in (0, number) or now - self.touched > HELM_IDLE_SECONDS:
             before, self.helm, self.touched = self.helm, number, now
@@ -379,11 +379,11 @@ class Server(AbstractContextManager["Server"]):
         return self.helm == number
 
     def tell_helm(self) -> None:
-        """Tell all pages the number of the page that has the helm."""
+        """Tell all pages which page, by number, has the helm."""
         self.queue_text(None, {"type": "helm", "holder": self.helm, "watchers": len(self.all)})
 
     def queue_text(self, number: int | None, message: dict[str, Any]) -> None:
-        """Queue a message for the page of this number, or for all (None), and keep the last `panel` for new pages."""
+        """Queue a message for the page of this number, or for all (None); keep the last `panel` for new pages."""
         if message.get("type") == "panel" and number is None:
             self.panel = message
         text = json.dumps(message, allow_nan=False, default=str)
@@ -392,13 +392,13 @@ class Server(AbstractContextManager["Server"]):
             watcher.woken.set()
 
     def keep_packets(self, still: bytes | None, frame: bytes | None) -> None:
-        """Store the newest frame for all pages, or a new static part, which discards the last frame."""
+        """Store the newest frame for all pages; or a new static part, which discards the frame before it."""
         self.still, self.frame = still or self.still, frame
         for watcher in self.all.values():
             watcher.woken.set()
 
     async def send_to(self, watcher: Watcher) -> None:
-        """Send new texts and packets to a page as fast as it accepts them; closes its socket if it accepts none."""
+        """Send a page its new texts and packets as fast as it accepts them; close its socket if it stops accepting."""
         watcher.woken.set()
         with suppress(ConnectionError, TimeoutError):
             while True:

@@ -1,4 +1,5 @@
-"""Session of a scene that pages control: it steps in the thread that built it, and executes their commands."""
+"""Session of a scene that open pages control. It steps the simulation in the thread that built it, and executes the
+pages' commands between steps."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -37,7 +38,7 @@ MAX_LAG = 0.1  # [s] of wall time, of a simulation that is too slow for its spee
 
 
 class Source(NamedTuple):
-    """Scene that a session plays: its text, name and folder, profile and overrides."""
+    """Scene to play, as text: with its name and folder, profile and overrides."""
 
     text: str
     name: str
@@ -47,24 +48,24 @@ class Source(NamedTuple):
 
     @classmethod
     def of(cls, scene: str | Path, profile: str | None = None, overrides: Mapping[str, Any] | None = None) -> "Source":
-        """Read a scene (path of a file, or name of a packaged scene) as text; profile and overrides apply on `load`."""
+        """Source from a scene file's path or a packaged scene's name; profile and overrides are applied by `load`."""
         path = scene_path(scene)
         return cls(input_file.read_text(path, MAX_TEXT_BYTES), path.stem, path.parent, profile, dict(overrides or {}))
 
     def load(self) -> SceneConfig:
-        """Scene that the text describes; raises SceneError with every problem, located in the text."""
+        """Config of the scene in the text; raises SceneError with all problems and their positions in the text."""
         return load_text(self.text, self.name, self.folder, dict(self.overrides), self.profile)
 
 
 class Session(AbstractContextManager["Session"]):
-    """Plays one simulation after another, each with a `Watch` that shows it, and obeys the pages; a context manager."""
+    """Player of one scene after another, shown on pages by a `Watch`; executes their commands. A context manager."""
 
     simulation: Simulation
 
     def __init__(
         self, source: Source, server: Server, out: Path, described: Callable[[], list[dict[str, str]]]
     ) -> None:
-        """Start a scene. `out`: folder of records and saved scenes; `described`: table of the packaged scenes."""
+        """Start a scene. `out`: folder of records and saved scenes; `described`: lists the packaged scenes."""
         self.source, self.server, self.out, self.described = source, server, out, described
         self.paused, self.message = False, ""  # and a sentence about the last failure
         self.winds, self.wind = [*named("wind"), "still"], ""  # names of presets, and of the one that blows
@@ -82,7 +83,7 @@ class Session(AbstractContextManager["Session"]):
         self.start(load_within_memory(source))
 
     def start(self, config: SceneConfig, folder: Path | None = None) -> None:
-        """Build a simulation of this scene; its files go to a temporary folder unless one is given."""
+        """Build the simulation of a scene; its files go to `folder`, or to a temporary folder."""
         self.config = config
         if folder is None:
             self.away = TemporaryDirectory(prefix="ocean-sim-")
@@ -102,7 +103,7 @@ class Session(AbstractContextManager["Session"]):
         self.watch.show(perf_counter())
 
     def end(self) -> None:
-        """Close the simulation, which completes a record, and remove or release its folder."""
+        """Close the simulation: complete its record, if any, and remove or release its folder."""
         if not self.plays:
             return
         simulation, claim, touched, away = self.simulation, self.claim, self.touched, self.away
@@ -121,7 +122,7 @@ class Session(AbstractContextManager["Session"]):
                     run_files.add_to_manifest(claim.folder, [claim.folder / "touched.txt"])
 
     def play(self) -> None:
-        """Execute commands of the pages and step, until an interrupt or until `done` is set."""
+        """Execute the pages' commands and step, until a keyboard interrupt or until `done` is set."""
         last = perf_counter()
         while not self.done:
             now = perf_counter()
@@ -131,7 +132,7 @@ class Session(AbstractContextManager["Session"]):
             self.advance(wall)
 
     def advance(self, wall: float) -> None:
-        """Step, for at most STEP_BUDGET, to keep up with the wall time `wall` [s] since the last call, or wait."""
+        """Step, for at most STEP_BUDGET, to keep up with the real time `wall` [s] since the last call, or wait."""
         begin = perf_counter()
         if self.paused or not (self.simulation.steps or self.server.watchers):  # the first step waits for a page
             if self.server.fresh and self.server.watchers:
@@ -147,7 +148,8 @@ class Session(AbstractContextManager["Session"]):
             self.server.arrived.wait(min(-self.due / self.speed, IDLE_WAIT))
 
     def step(self) -> None:
-        """Take one time step; pause if it diverges, or ends the scene; end a complete record, or one not written."""
+        """Take one time step. Pause if it diverges, or if it reaches the scene's end, which also completes a record. A
+        record that cannot be written ends."""
         simulation, ending = self.simulation, self.simulation.time < self.config.duration
         try:
             simulation.run(simulation.time + 0.5 * simulation.next_dt)
@@ -171,7 +173,7 @@ class Session(AbstractContextManager["Session"]):
             self.tell_panel()
 
     def follow_routes(self) -> None:
-        """Tell the pages when a ship begins another leg of her route; at its end put the rudder amidships."""
+        """Tell the pages when a ship begins the next leg of her route; at the route's end, put her rudder amidships."""
         simulation = self.simulation
         for name, pilot in list(self.pilots.items()):
             if pilot.has_arrived(simulation.ships[name].body):
@@ -183,7 +185,7 @@ class Session(AbstractContextManager["Session"]):
                 self.tell_panel()
 
     def obey(self) -> None:
-        """Execute the commands that have come; of those that replace one another, as of a slider, only the newest."""
+        """Execute the pages' new commands; of those that replace each other, as of one slider, only the last."""
         orders = self.server.orders()
         last = {replacement_key(order): k for k, order in enumerate(orders)}
         changed = False
@@ -207,7 +209,7 @@ class Session(AbstractContextManager["Session"]):
                 self.watch.show(perf_counter())
 
     def execute(self, order: Order) -> bool:
-        """Execute a command; True if the pages have to be sent the panel. Raises Failed if it cannot be executed."""
+        """Execute a command; True if the pages need a new panel message. Raises Failed if it cannot be executed."""
         command = order.command
         match command:
             case p.Act(do="pause" | "play"):
@@ -276,7 +278,7 @@ class Session(AbstractContextManager["Session"]):
         return command.do not in (*p.QUERY_NAMES, "save")
 
     def hand_steering(self, name: str) -> "Person":
-        """Hand steering of the ship of this name, instead of other control; raises Failed if there is no such ship."""
+        """Put the ship of this name under hand steering, and return its `Person`; raises Failed without such a ship."""
         ship = self.ship_named(name)
         self.pilots.pop(name, None)
         if name not in self.persons:
@@ -284,7 +286,7 @@ class Session(AbstractContextManager["Session"]):
         return self.persons[name]
 
     def steer_amidships(self, name: str) -> None:
-        """Steer a ship by hand, throttle as it is and rudder amidships; raises Failed if there is no such ship."""
+        """Steer a ship by hand: rudder amidships, throttle as it is. Raises Failed if there is no ship of this name."""
         person = self.hand_steering(name)
         person.give(person.throttle, 0.0)
 
@@ -294,7 +296,8 @@ class Session(AbstractContextManager["Session"]):
         return self.simulation.ships[name]
 
     def rebuild(self, source: Source, folder: Path | None = None) -> bool:
-        """Play a source; True on success. The present scene goes on if loading raises, restarts if building fails."""
+        """Play a source in place of the present one; True on success. If loading fails, the present scene goes on; if
+        building fails, it restarts."""
         more = {} if folder is None else {"render": None}
         config = load_within_memory(source._replace(overrides={**source.overrides, **more}))
         self.say("building anew ...")
@@ -318,7 +321,7 @@ class Session(AbstractContextManager["Session"]):
         return built
 
     def record(self) -> None:
-        """Start the scene anew with a run folder that stays, and tell the pages its name."""
+        """Restart the scene with its files in a run folder that is kept, and tell the pages the folder's name."""
         folder = next(path for k in range(1, 10_000) if not (path := self.out / f"{self.source.name}-{k}").exists())
         claim = Claim(folder)
         with ExitStack() as failed:
@@ -332,12 +335,12 @@ class Session(AbstractContextManager["Session"]):
         self.say(f"recording {self.config.duration:g} s into {folder}")
 
     def note_setting(self, what: str) -> None:
-        """Note a setting made by hand, the text `what`, in the record, if there is one: the scene there lacks it."""
+        """Note in the record, if there is one, a setting `what` made by hand, since the recorded scene lacks it."""
         if self.claim is not None and self.plays:
             self.touched.append(f"t = {self.simulation.time:.6f} s: {what}")
 
     def check_text(self, watcher: int, text: str) -> None:
-        """Check the text of a scene from an editor, and send its problems, or none, to the page of this number."""
+        """Check a scene's text from the editor, and send the problems, if any, to the page of this number."""
         try:
             self.source._replace(text=text, overrides={}).load()
         except SceneError as error:
@@ -350,7 +353,7 @@ class Session(AbstractContextManager["Session"]):
         self.server.tell(watcher, type="problems", problems=rows)
 
     def save_scene(self, name: str) -> None:
-        """Save the played scene: its text, or all keys if some were overridden; raises Failed if the file exists."""
+        """Save the scene being played: its text, or all keys if some are overridden; Failed if the file exists."""
         path = self.out / f"{name}.yaml"
         if path.exists():
             raise Failed(f"{path}: there is such a file already; choose another name")
@@ -369,7 +372,7 @@ class Session(AbstractContextManager["Session"]):
         self.server.tell(watcher, type="waves", id=asked.id, verb=asked.verb, **found)
 
     def tell_scene(self, watcher: int | None) -> None:
-        """Send the text and overrides of the scene that is played to the page of this number, or to all (None)."""
+        """Send text and overrides of the scene being played to the page of this number, or to all (None)."""
         laid = [f"{key}={plain_value(value)}" for key, value in self.source.overrides.items()]
         self.server.tell(watcher, type="scene", name=self.source.name, text=self.source.text, sets=laid)
 
@@ -378,7 +381,7 @@ class Session(AbstractContextManager["Session"]):
         self.server.tell(watcher, type="said", text=text, bad=bad)
 
     def tell_panel(self) -> None:
-        """Send the panel to all pages: settings and their values, sliders, and ships."""
+        """Send all pages the state of the panel: settings and their values, sliders, and ships."""
         sliders = [{"label": s.label, "value": s.value, "low": s.low, "high": s.high} for s in self.sliders]
         ahead = {name: pilot.ahead for name, pilot in self.pilots.items()}  # waypoints [m] of those who sail a route
         setting = self.watch.setting
@@ -409,7 +412,7 @@ class Session(AbstractContextManager["Session"]):
 
 
 def load_within_memory(source: Source) -> SceneConfig:
-    """Scene of a source; raises SceneError if it is wrong, and Refused if it needs more memory than is available."""
+    """Config of a source's scene; raises SceneError if it is wrong, Refused if it needs more memory than there is."""
     config = source.load()
     parts = [row.bytes for row in config.ledger() if row.part not in config.observers]
     taken, left = base_memory(config.preflight.particles) + sum(parts), machine.available_memory()
@@ -422,7 +425,7 @@ def load_within_memory(source: Source) -> SceneConfig:
 
 
 def wind_name(source: Source) -> str:
-    """Name of the wind preset of a source, or SCENE_WIND if its wind is not a preset."""
+    """Name of the wind preset that a source uses, or SCENE_WIND if its wind is not a preset."""
     written = parse_mapping(source.text, source.name).data.get("wind")
     wind = source.overrides.get("wind", written)
     name = plain_value(wind)
@@ -432,12 +435,12 @@ def wind_name(source: Source) -> str:
 
 
 def plain_value(value: Any) -> Any:
-    """Value of an override as plain data, without its position in the text."""
+    """Value of an override as plain data, without its position in a file."""
     return value.plain() if isinstance(value, Node) else value
 
 
 def replacement_key(order: Order) -> tuple[str, ...]:
-    """Key that is equal for commands of which the newest replaces the others; its first word is empty if none do."""
+    """Key shared by commands of which only the last counts; its first word is empty for commands that all count."""
     command = order.command
     if isinstance(command, p.Slide):
         return ("slide", command.key)

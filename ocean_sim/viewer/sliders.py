@@ -12,7 +12,7 @@ from ocean_sim.time_step import TimeStep
 
 @dataclass
 class Slider:
-    """Slider of the page: a number between two ends; `apply` passes a new value to the running simulation."""
+    """Slider of the page: a number between two limits; `apply` passes a new value to the running simulation."""
 
     label: str
     value: float
@@ -21,7 +21,7 @@ class Slider:
     apply: Callable[[float], None]
 
     def move(self, value: float) -> bool:
-        """Set the value, clipped to the ends, and apply it; True if it changed by more than single precision."""
+        """Set the value, clipped to the limits, and apply it; True if it changed by more than single precision."""
         value = min(max(value, self.low), self.high)
         if np.float32(value) == np.float32(self.value):
             return False
@@ -31,7 +31,7 @@ class Slider:
 
 
 def sliders_of(simulation: Simulation) -> list[Slider]:
-    """Sliders for all numbers of a simulation that may change while it runs: wind, water, time step."""
+    """Sliders for all numbers that may change while a simulation runs: of wind, water and time step."""
     found, fluid, time_step = [], simulation.fluid, simulation.time_step
     if not simulation.scene.wind.still:
         found.append(Slider("wind strength, x the preset", 1.0, 0.0, 3.0, simulation.wind.strengthen))

@@ -1,7 +1,6 @@
-"""The page, and the static part of a simulation, sent once: basin, ships as triangles, surrounding sea, shaders.
+"""The viewer's page, and the static part of a simulation, which is sent once: basin, ships, surrounding sea, shaders.
 
-The page is one document that holds its style and its programs, and may hold a replay.
-"""
+The page is one HTML document with its style and programs in it; it may also contain a replay."""
 
 import base64
 import html
@@ -37,7 +36,7 @@ RIPPLE_LENGTHS = 0.02, 3.0  # [m] least and greatest length of the longest rippl
 
 
 class StaticScene:
-    """Static part of a simulation or a replay, sent to a page once: its water, basin and ships."""
+    """Static part of a simulation or replay, sent to a page once: water, basin and ships."""
 
     def __init__(
         self,
@@ -48,8 +47,8 @@ class StaticScene:
         surface: bool,
         particles: int,
     ) -> None:
-        """`grid`: arrays as in frames/grid.npz; `scene`: resolved scene; `waves`: plane waves of water in closed form,
-        else None; `surface`: True if there are heights to show; `particles`: number of those shown."""
+        """`grid`: arrays of frames/grid.npz; `scene`: resolved scene; `waves`: plane waves of water in closed form, or
+        None; `surface`: True if there are heights to show; `particles`: number of particles to show."""
         self.scene, self.title, self.waves, self.surface, self.particles = scene, title, waves, surface, particles
         names = "lower", "upper", "x", "z"  # corners of the basin; of the heights, from their origin [m]
         self.lower, self.upper, self.x, self.z = (np.asarray(grid[name], dtype=float) for name in names)
@@ -69,12 +68,12 @@ class StaticScene:
 
     @property
     def flat(self) -> bool:
-        """True if the water is 2-D, with heights along x only."""
+        """True if the water is 2-D: heights vary along x only."""
         return len(self.z) == 1
 
     @property
     def box(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper corner (3,) [m] of the space in which particles are shown: the basin and a margin."""
+        """Lower and upper corner (3,) [m] of the box in which particles are shown: the basin with a margin."""
         size = self.upper - self.lower
         room = np.array([0.02 * size[0], 0.0, 0.02 * size[2]])
         above = max(size[1], 0.2 * size[0])  # the still surface: room for spray
@@ -83,7 +82,7 @@ class StaticScene:
         return low, high
 
     def packet(self) -> bytes:
-        """Packet of kind `still` with this static part, deflated."""
+        """Packet of kind `still` that holds this static part, compressed."""
         arrays: dict[str, np.ndarray] = {}
         boxes: dict[str, Any] = {}
         ships = [self.ship_header(k, *ship, arrays, boxes) for k, ship in enumerate(self.models.items())]
@@ -138,7 +137,7 @@ class StaticScene:
     def ship_header(
         self, k: int, name: str, model: ShipModel, arrays: dict[str, Any], boxes: dict[str, Any]
     ) -> dict[str, Any]:
-        """Header entry of ship k; adds triangles and distances to her waterline to `arrays`, scales to `boxes`."""
+        """Header entry of ship k; adds her triangles and distances to her waterline to `arrays`, scales to `boxes`."""
         hull, corners = model.hull, model.mesh.corners.reshape(-1, 3)
         low, high = corners.min(axis=0), corners.max(axis=0)
         arrays[f"corners{k}"] = box_positions(corners, low, high)
@@ -166,7 +165,7 @@ class StaticScene:
         }
 
     def sea_header(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Header entries on the plane waves of the sea around the basin, and on the uniforms of the water shader."""
+        """Two header entries: plane waves of the sea around the basin, and uniforms of the water shader."""
         height = self.waves.significant_height if self.waves is not None else 0.5
         angle, wind = sea_state.wind_heading(self.scene, self.waves), sea_state.ripple_wind_speed(self.scene, height)
         if self.waves is not None:
@@ -197,8 +196,8 @@ WAVE_KEYS = ("kind", "height", "period", "significant_wave_height", "peak_period
 
 
 def synthetic_waves(angle: float, length: float, spacing: float) -> np.ndarray:
-    """Plane waves about a wind's angle [rad] for the sea around a basin (length, spacing [m]) that has none: rows
-    (SYNTHETIC_WAVES, 5) of amplitude [m] (in all 1 m significant height), wavevector x, z [1/m], frequency, phase."""
+    """Invented plane waves about a wind's angle [rad], for the sea around a basin (length, spacing [m]) without any.
+    Rows (SYNTHETIC_WAVES, 5): amplitude [m] (all: 1 m significant height), wavevector x, z [1/m], frequency, phase."""
     share = (np.arange(SYNTHETIC_WAVES) + 0.5) / SYNTHETIC_WAVES
     wavelength = max(4.0 * spacing, 0.08 * length) ** (1.0 - share) * (0.7 * length) ** share
     turn = 0.9 * np.sin(2.399963 * (np.arange(SYNTHETIC_WAVES) + 1.0) * 7.0)
@@ -211,7 +210,7 @@ def synthetic_waves(angle: float, length: float, spacing: float) -> np.ndarray:
 
 @cache
 def sky_packet() -> bytes:
-    """Packet of kind `sky`: the sky with its mipmaps and its haze in shared-exponent colours, deflated."""
+    """Packet of kind `sky`, compressed: the sky with its mipmaps, and its haze, as shared-exponent colours."""
     seen = sky.cloudy_sky(SKY_SIDE)
     images = {"haze": seen.haze} | {f"level{k}": image for k, image in enumerate(seen.levels)}
     lit = {name: json_numbers(value) for name, value in water_glsl.sky_uniforms(seen).items()}
@@ -230,24 +229,24 @@ def shared_exponent(image: np.ndarray) -> np.ndarray:
 
 
 def spacing_of(places: np.ndarray) -> float:
-    """Spacing [m] of evenly spaced coordinates [m]; 0 for a single one."""
+    """Spacing [m] of evenly spaced coordinates [m]; 0 if there is only one."""
     return float(places[1] - places[0]) if len(places) > 1 else 0.0
 
 
 def json_numbers(value: Any) -> Any:
-    """Number or array as a float or nested lists for JSON, with seven significant digits."""
+    """Number as a float, or array as nested lists, for JSON, with seven significant digits."""
     array = np.asarray(value, dtype=float)
     return [json_numbers(part) for part in array] if array.ndim else float(f"{float(array):.7g}")
 
 
 @cache
 def page_file(name: str) -> str:
-    """Text of a file of the page, such as index.html, in the folder `static`."""
+    """Text of one of the page's files in the folder `static`, such as index.html."""
     return (STATIC_FOLDER / name).read_text(encoding="utf-8")
 
 
 def page_document(title: str, start: dict[str, Any], data: dict[str, bytes] | None = None) -> bytes:
-    """HTML document of the page, in UTF-8. `start`: constants of its programs; `data`: packets in it, by name."""
+    """HTML document of the page, in UTF-8; `start`: constants for its programs; `data`: packets to contain, by name."""
     held = "".join(
         f'<script type="application/octet-stream" id="{name}">{base64.b64encode(content).decode()}</script>\n'
         for name, content in (data or {}).items()

@@ -1,4 +1,4 @@
-"""Live frames of a simulation for open pages, made by an observer that only reads."""
+"""Live frames of a simulation for open pages, made by an observer that only reads the simulation."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
@@ -35,7 +35,7 @@ STAGE_NAMES = ("wind", "fluid", "surface", "ship", "observers")
 
 
 class Watch(Observer, TakesMotion):
-    """Observer that sends the newest state to the open pages of a server, at most MAX_FRAME_RATE times a second."""
+    """Observer that sends the newest state to a server's open pages, at most MAX_FRAME_RATE times a second."""
 
     at_once = True
 
@@ -74,7 +74,7 @@ class Watch(Observer, TakesMotion):
         server.begin(self.setting.packet())
 
     def measure_stages(self, simulation: Simulation) -> None:
-        """Measure the wall time of each stage of a step from now on, besides any measurement already there."""
+        """Measure, from now on, the real time of each stage of a step; another measurement of them goes on."""
         inner, taken = simulation.stage, self.stage_times
 
         @contextmanager
@@ -87,7 +87,7 @@ class Watch(Observer, TakesMotion):
         simulation.stage = stage  # type: ignore[method-assign, assignment]
 
     def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
-        """Compute the platform's commands from new rows of the motion log, if they are of the ship that carries it."""
+        """Compute the platform's commands from new rows of the motion log, if they are of the ship that it follows."""
         if ship == self.ridden and self.platform is not None:
             done = self.platform.follow(ride_of(rows, frame))
             self.commands = np.concatenate([done.pose[-1], done.legs[-1]]).astype(np.float32)
@@ -98,7 +98,7 @@ class Watch(Observer, TakesMotion):
             self.show(now)
 
     def show(self, now: float) -> None:
-        """Send a frame of the present state to the server; `now`: wall time [s]."""
+        """Send a frame of the present state to the server; `now`: real time [s]."""
         self.last = now
         wall, time, steps = self.mark
         done = self.simulation.steps - steps
@@ -152,18 +152,18 @@ class Watch(Observer, TakesMotion):
 
     @property
     def is_rare_frame(self) -> bool:
-        """True if the next frame also holds arrays that most frames omit, such as the lines of wind and basin."""
+        """True if the next frame also holds arrays that most frames leave out, such as the lines of wind and basin."""
         return self.seq % RARE_FRAME_INTERVAL == 0 or self.server.fresh
 
     def origin(self) -> np.ndarray:
-        """Middle (2,) x, z [m] of the shown heights: near the ships, by whole cells, on an unbounded sea; else 0."""
+        """Middle x, z (2,) [m] of the shown heights: near the ships, in whole cells, on an unbounded sea; else 0."""
         ships = self.simulation.ships.values()
         if not (self.follows and ships):
             return np.zeros(2)
         return middle_cell(ships, np.array([places[1] - places[0] for places in (self.setting.x, self.setting.z)]))
 
     def particle_arrays(self, particles: "Particles") -> dict[str, np.ndarray]:
-        """Arrays of a frame, as integers, of shown particles by id: `particles` (n, 3) as in its box, `speed` (n,)."""
+        """Particles to show by id, as integers: `particles` (n, 3), positions in their box, and `speed` (n,)."""
         rows = particles.in_box(self.middle, self.scale, FULL_SCALE, particle_stride(particles.n))
         places, speed = rows[:, :3].astype(np.int16), rows[:, 3]
         if self.is_rare_frame and len(speed):
@@ -173,8 +173,8 @@ class Watch(Observer, TakesMotion):
         return {"particles": places, "speed": pace}
 
     def plotted_rows(self, heights: np.ndarray) -> list[tuple[str, str, str, str, float]]:
-        """Plotted numbers now: rows of name, label, unit, group and value; `heights` (n,) [m] of the water where
-        there is no ship."""
+        """Numbers to plot now: rows of name, label, unit, group and value. `heights` (n,) [m]: of the water where no
+        ship is."""
         simulation, fluid, ground = self.simulation, self.simulation.fluid, self.simulation.basin.ground
         levels = fluid.elevations(self.gauges)
         levels = levels if ground is None else ground.wet_heights(self.gauges, levels)
@@ -210,14 +210,14 @@ def without_splashes(heights: np.ndarray) -> np.ndarray:
 
 
 def under_ships(points: np.ndarray, ships: Iterable["Ship"]) -> np.ndarray:
-    """(n,) booleans: which points x, z (n, 2) [m] lie in the box around the outline of a ship."""
+    """Mask (n,) of the points x, z (n, 2) [m] that lie in the box around some ship's outline."""
     plans = [outline.plan for ship in ships if (outline := ship.outline()) is not None]
     inside = [((points > plan.min(axis=0)) & (points < plan.max(axis=0))).all(axis=1) for plan in plans]
     return np.any([np.zeros(len(points), dtype=bool), *inside], axis=0)
 
 
 def setting_of(simulation: Simulation) -> StaticScene:
-    """Static part of a simulation, for its pages: water, basin and ships."""
+    """Static part of a simulation for its pages: water, basin and ships."""
     scene, basin, fluid = simulation.scene, simulation.basin, simulation.fluid
     grid = grid_arrays(simulation, *height_grid(basin, fluid.spacing))
     surface = not basin.closed and (fluid.particles is None or fluid.sound_speed > 0.0)
@@ -226,12 +226,12 @@ def setting_of(simulation: Simulation) -> StaticScene:
 
 
 def particle_stride(n: int) -> int:
-    """Stride with which n particles are thinned for a page, to at most MAX_PARTICLES."""
+    """Stride that thins n particles for a page, to at most MAX_PARTICLES."""
     return max(1, -(-n // MAX_PARTICLES))
 
 
 def height_grid(basin: "Basin", spacing: float) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinates x and z [m], each (n,), of the heights shown: middles of cells, at most MAX_CELLS along each axis."""
+    """Coordinates x and z, each (n,) [m], of the heights to show: cell centres, at most MAX_CELLS along each axis."""
     sides = ((float(basin.lower[k]), float(basin.upper[k])) for k in (0, 2))
     x, z = (middles(low, high, max(spacing, (high - low) / MAX_CELLS)) for low, high in sides)
     return x, np.zeros(1) if basin.dimension == 2 else z

@@ -53,13 +53,13 @@ def test_the_far_sea_is_as_white_where_its_waves_are_too_short_to_be_drawn():
     x = middles(-20.0, 20.0, 1.25)
     box = {"x": x, "z": x, "lower": np.array([-20.0, -30.0, -20.0]), "upper": np.array([20.0, 0.0, 20.0])}
     surface = sea_surface.SeaSurface(box, SimpleNamespace(exact=sea, beyond=sea, angle=0.6), DRAWN)
-    surface.fan.look(5.0, 0.0, np.pi, 0.5, 0.001, 0.001, sea.amplitude)
+    surface.fan.turn_to(5.0, 0.0, np.pi, 0.5, 0.001, 0.001, sea.amplitude)
     surface.wanted = wanted
     rings = np.broadcast_to(np.arange(surface.fan.shape[0])[:, None], surface.fan.shape)
     found = []
     for time in np.arange(20) * 37.0:
         drawn = surface.fan.at(far_sea.complex_amplitudes(sea, time, HERE))
-        found.append(surface.beyond(drawn, rings, surface.fan.nodes, np.zeros(3), sea.amplitude).mean(axis=1))
+        found.append(surface.far_foam(drawn, rings, surface.fan.nodes, np.zeros(3), sea.amplitude).mean(axis=1))
     of_rings = np.mean(found, axis=0)
     distance = surface.fan.distance
     np.testing.assert_allclose(of_rings[distance > 5000.0], wanted, rtol=0.01)
@@ -132,7 +132,7 @@ def covers(name: str) -> tuple[float, float, float]:
     lower, upper = (np.array([side[0], side[2]]) for side in (tank.lower, tank.upper))
     kept = {"x": x, "z": z, "lower": np.insert(lower, 1, -tank.depth), "upper": np.insert(upper, 1, 0.0)}
     surface = sea_surface.SeaSurface(kept, SimpleNamespace(exact=sea, beyond=beyond, angle=0.6), DRAWN)
-    surface.fan.look(5.0, 0.0, np.pi, 0.5, 0.001, 0.001, beyond.amplitude)
+    surface.fan.turn_to(5.0, 0.0, np.pi, 0.5, 0.001, 0.001, beyond.amplitude)
     places, rings = surface.fan.nodes, np.broadcast_to(np.arange(surface.fan.shape[0])[:, None], surface.fan.shape)
     outside = ~((places > lower) & (places < upper)).all(axis=1).reshape(rings.shape)
     area = (
@@ -153,9 +153,9 @@ def covers(name: str) -> tuple[float, float, float]:
             frame = SimpleNamespace(time=time, elevation=elevation, origin=HERE)
             now = SeaNow(0.0, sea.significant_height, beyond, 5.0)
             fresh = surface.foam(surface.at(frame, now).convergence, field.cover)
-            basin = surface.whole(fresh, field.white, surface.nodes)
-            drawn = surface.around(frame, np.zeros(3), now)
-            around = surface.beyond(drawn, rings, surface.fan.nodes, np.zeros(3), beyond.amplitude)
+            basin = surface.blended_foam(fresh, field.white, surface.nodes)
+            drawn = surface.far_samples(frame, np.zeros(3), now)
+            around = surface.far_foam(drawn, rings, surface.fan.nodes, np.zeros(3), beyond.amplitude)
             mean = float(basin.mean())
             found.append((mean, (mean * size + (area * around).sum()) / (size + area.sum())))
     basin_mean, whole_mean = np.mean(found, axis=0)

@@ -225,7 +225,7 @@ def test_what_stands_in_the_water_is_in_the_scene(blocked):
 
 def shown_of(folder, frame) -> tuple[np.ndarray, np.ndarray]:
     """Heights of a frame, and its foam at their points, as pictures show them around ships."""
-    height, white = RunWakes(frame_files(folder), dict(np.load(folder / "frames" / "grid.npz"))).shown(frame)
+    height, white = RunWakes(frame_files(folder), dict(np.load(folder / "frames" / "grid.npz"))).water_with_ships(frame)
     return height, cell_means(white, height.shape).ravel()
 
 
@@ -380,7 +380,7 @@ def pictured(passing):
 def foam_of(sea, places) -> np.ndarray:
     """What the sea's programs take for white at places around its ship: along her hull, at her bow and in her wake."""
     map_size = np.array(sea.gap.shape[2:0:-1])
-    low, high = sea.wetted_hull("ship", *sea.frame.ships["ship"]).around()
+    low, high = sea.wetted_hull("ship", *sea.frame.ships["ship"]).foam_area()
     at = ((places - low) / (high - low) * map_size - 0.5).T[::-1]
     gap, breaking = (map_coordinates(sea.gap[0, ..., k].astype(float), at, order=1, mode="nearest") for k in range(2))
     on = ((places > low) & (places < high)).all(axis=1)

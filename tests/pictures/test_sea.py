@@ -133,7 +133,7 @@ def test_no_edge_shows_where_the_basin_ends():
     ends = np.concatenate([drawn[:, 0], drawn[-1]])
     np.testing.assert_allclose(ends, sea.level + waves.elevation(far, rim, frame.time), atol=1e-9)
     as_now = far.amplitude
-    assert fan.look(8.0, 0.0, 0.5, 0.4, 1e-3, 0.5e-3, as_now) and not fan.look(
+    assert fan.turn_to(8.0, 0.0, 0.5, 0.4, 1e-3, 0.5e-3, as_now) and not fan.turn_to(
         8.1, 0.05, 0.5, 0.4, 1e-3, 0.5e-3, 1.01 * as_now
     )
     times = np.arange(0.0, 60.0, 0.7)
@@ -147,7 +147,7 @@ def test_no_edge_shows_where_the_basin_ends():
 @pytest.mark.parametrize(("sea", "height"), [(spectrum(), 8.0), (spectrum(5), 25.0), (None, 12.0)])
 def test_the_far_sea_keeps_its_height_for_a_kilometre(sea, height):
     fan = far_sea.Fan(now(0.0).waves if sea is None else far_sea.strongest_waves(sea))
-    fan.look(height, 0.3, 0.55, 0.5, 8.5e-4, 4.25e-4, fan.sea.amplitude)
+    fan.turn_to(height, 0.3, 0.55, 0.5, 8.5e-4, 4.25e-4, fan.sea.amplitude)
     distance = np.hypot(*fan.nodes.reshape(*fan.shape, 2)[:, 0].T)
     kept = np.sqrt(((fan.sea.amplitude * fan.drawn) ** 2).sum(axis=1) / (fan.sea.amplitude**2).sum())
     assert kept[distance < 400.0].min() > 0.95
@@ -162,8 +162,8 @@ def test_the_far_sea_keeps_its_height_for_a_kilometre(sea, height):
 def test_what_is_narrower_than_a_pixel_widens_the_glint_instead():
     sea = spectrum()
     fan = far_sea.Fan(far_sea.strongest_waves(sea))
-    fan.look(8.0, 0.0, 0.55, 0.5, 8.5e-4, 4.25e-4, fan.sea.amplitude)
-    slopes, lost = 0.5 * ((fan.sea.amplitude * fan.sea.wavenumber) ** 2).sum(), fan.lost(fan.sea.amplitude)
+    fan.turn_to(8.0, 0.0, 0.55, 0.5, 8.5e-4, 4.25e-4, fan.sea.amplitude)
+    slopes, lost = 0.5 * ((fan.sea.amplitude * fan.sea.wavenumber) ** 2).sum(), fan.lost_variance(fan.sea.amplitude)
     assert lost[0] == pytest.approx(0.0, abs=1e-9) and lost[-1] == pytest.approx(0.5 * slopes)
     seen = fan.at(far_sea.complex_amplitudes(fan.sea, 2.0, HERE))
     assert not seen[-1].any() and seen[5, :, 1].any()
@@ -532,7 +532,7 @@ def test_foam_of_a_coarse_grid_is_not_round_and_covers_as_much():
     for i, k in [(12, 10), (15, 14), (18, 9), (20, 13), (14, 12), (17, 15)]:
         kept = np.zeros((len(X), len(Z)))
         kept[i - 1 : i + 2, k - 1 : k + 2] = [[0.5, 0.7, 0.5], [0.7, 1.0, 0.7], [0.5, 0.7, 0.5]]
-        both = surface.carried(kept), surface.laced(kept, surface.nodes)
+        both = surface.on_nodes(kept), surface.laced_foam(kept, surface.nodes)
         uneven.append([unevenness(surface, white) for white in both])
         cover.append([white.mean() for white in both])
     (round_spots, laced), (before, after) = np.mean(uneven, axis=0), np.mean(cover, axis=0)
@@ -642,7 +642,7 @@ def test_foam_is_thick_when_it_is_born_and_wholly_white_for_a_while():
     place = field.flecks[0].copy()
     for times, least, most in ((1.5, 0.999, 1.001), (4.0, 0.3, 0.8)):
         field.flecks[0] = 4.5 + times * (place - 4.5)
-        middle = field.shown(field.flecks[2])[8:12, 9:11]
+        middle = field.cell_shares(field.flecks[2])[8:12, 9:11]
         assert least < middle.mean() / expected < most
 
 
@@ -656,5 +656,5 @@ def test_crests_break_sooner_where_the_water_is_not_white_yet(monkeypatch):
     x = np.arange(40)[:, None] - 19.5
     drawn = np.exp(-(x**2) / 8.0) * (np.abs(np.abs(np.arange(40) - 19.5) - 10.0) < 5.0)
     field.cover = 0.3
-    made = field.broken(drawn, 0.0, 0.0)
+    made = field.breaking_foam(drawn, 0.0, 0.0)
     assert made[:, 40:].sum() > 1.05 * made[:, :40].sum() > 0.0

@@ -97,11 +97,11 @@ def test_a_bow_throws_more_the_faster_she_goes_and_as_she_plunges():
 
 def test_drops_fly_alike_in_one_step_and_in_many_and_reach_their_terminal_speed_and_the_wind():
     start = np.array([[0.0, 20.0, 0.0, 3.0, 6.0, 0.0, 1e-3, 1.0, 1e-3]])
-    once, often = spray.flown(start, 0.5, STILL), start
+    once, often = spray.fly_parcels(start, 0.5, STILL), start
     for _ in range(50):
-        often = spray.flown(often, 0.01, STILL)
+        often = spray.fly_parcels(often, 0.01, STILL)
     np.testing.assert_allclose(once, often, rtol=1e-9)
-    late = spray.flown(spray.flown(start, 20.0, np.array([10.0, 0.0])), 1e-9, STILL)
+    late = spray.fly_parcels(spray.fly_parcels(start, 20.0, np.array([10.0, 0.0])), 1e-9, STILL)
     assert late[0, 4] == pytest.approx(-6.55, abs=0.05)  # of drops of 2 mm (Gunn & Kinzer 1949, J. Meteorol. 6)
     assert late[0, 3] == pytest.approx(10.0, rel=1e-6)
 

@@ -28,9 +28,9 @@ def export_run(
     scene: str | None = None,
     z_up: bool = False,
 ) -> list[Path]:
-    """Write every `every`-th frame of a run into the folder `out` and return the files: `particles` (vtkhdf, ply),
-    `surface` (ply, vtp, vtkhdf; with a mesh of each ship at her pose) and, in one file, `scene` (usd: all that was
-    drawn; glb: water and ships). `z_up`: True for axes with z up, not y. Raises Failed if the run kept no such data."""
+    """Write every `every`-th frame of a run into the folder `out` and return the files. `particles` (vtkhdf, ply),
+    `surface` (ply, vtp, vtkhdf; a mesh of each ship too) and `scene` (usd: everything drawn, glb: water and ships) name
+    formats. `z_up`: True for axes with z up. Raises Failed if the run saved no such data."""
     frames = frame_files(folder)[::every]
     if not frames:
         raise Failed(f"{folder} has no frames; run with the observer `frames`")
@@ -54,8 +54,8 @@ def export_run(
 def export_particles(
     frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
 ) -> list[Path]:
-    """Write particles with velocity, id and pressure to one file (vtkhdf) or one file a frame (ply); returns the files.
-    Raises Failed if the frames hold none. `grid`: arrays that the run saves once."""
+    """Write position, velocity, id and pressure of particles to one file (vtkhdf) or one per frame (ply); returns the
+    files. `grid`: arrays that the run saves once. Raises Failed if the frames hold no particles."""
     if "position" not in read_npz(frames[0]):
         raise Failed("these frames hold no particles; run with frames.particles: true")
     shots = export_shots(frames, grid, z_up)
@@ -63,7 +63,7 @@ def export_particles(
 
 
 def dots_at(time: float, cloud: dict[str, np.ndarray]) -> Moment:
-    """Moment of points at a time [s]: `position` and other fields of a cloud."""
+    """Points at a time [s] as a `Moment`; `cloud`: their `position` (n, 3) [m] and further fields by name."""
     fields = {name: values for name, values in cloud.items() if name != "position"}
     return time, cloud["position"], np.arange(len(cloud["position"]))[:, None], fields
 
@@ -71,8 +71,8 @@ def dots_at(time: float, cloud: dict[str, np.ndarray]) -> Moment:
 def export_surface(
     frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
 ) -> list[Path]:
-    """Write the water's surface with foam and velocity, ships at their poses, gates, and once fixed obstacles and bed;
-    returns the files: one per object and frame (ply, vtp) or per object (vtkhdf). `grid`: arrays kept once."""
+    """Write the water's surface with foam and velocity, ships and gates at each frame, fixed obstacles and bed once.
+    Returns the files: one per object and frame (ply, vtp) or per object (vtkhdf). `grid`: arrays saved once."""
     files: dict[str, list[Moment]] = {"surface": []}
     drawn = {key: model.mesh for key, model in scene_file.ship_models(grid).items()}
     for shot in export_shots(frames, grid, z_up):
@@ -92,7 +92,7 @@ def export_surface(
             name = scene_file.file_name(key)
             files.setdefault(name, []).append((shot.time, points, numbers, {"Normals": normals, "RGB": colour}))
     turn, first = scene_file.Z_UP if z_up else np.eye(3), files["surface"][0][0]
-    for name, points, faces, _ in scene_file.still_bodies(grid):
+    for name, points, faces, _ in scene_file.fixed_bodies(grid):
         files[name] = [(first, (points @ turn.T).astype(np.float32), faces, {})]
     made = []
     for name, moments in files.items():
@@ -101,7 +101,8 @@ def export_surface(
 
 
 def save_moments(out: Path, name: str, kind: str, moments: Iterable[Moment]) -> list[Path]:
-    """Write a mesh, or points of POINT_NAMES, at several moments to `kind` files `name`; returns the files."""
+    """Write one object at several times to files `name` of the format `kind`; returns the files. It is a mesh, or
+    points alone if `name` is one of POINT_NAMES."""
     solid = name not in POINT_NAMES
     if kind == "vtkhdf":
         path = out / f"{name}.vtkhdf"
@@ -122,7 +123,8 @@ def save_moments(out: Path, name: str, kind: str, moments: Iterable[Moment]) -> 
 
 
 def save_mesh(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: dict[str, np.ndarray]) -> Path:
-    """Write one mesh, or points alone if `faces` is None, with fields at the points; returns the path."""
+    """Write one mesh, or points alone if `faces` is None, in the format of the path's ending; returns the path.
+    `fields`: values at the points, by name."""
     if path.suffix == ".ply":
         return save_ply(path, points, faces, fields)
     import pyvista

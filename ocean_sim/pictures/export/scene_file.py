@@ -38,7 +38,7 @@ Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # from ou
 
 
 class RunWakes:
-    """Wakes of all ships of a run at sea, at the points of the heights in its frames; without effect for a tank."""
+    """Waves and foam of ships to add to a run's water, which is too coarse for them; nothing is added in a tank."""
 
     def __init__(self, files: list[Path], grid: dict[str, np.ndarray]) -> None:
         keys = ship_keys(grid, "_vertices")
@@ -48,20 +48,21 @@ class RunWakes:
         self.vessels = {key: Vessel(hull.length, np.zeros(3), tracks[key]) for key, hull in self.hulls.items()}
         self.answers = "sea_answers" in grid  # the water of the run knows of its ships
 
-    def shown(self, frame: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Heights (nx, nz) [m] of a frame and shares of foam on its foam's grid, both with those of the ships added."""
+    def water_with_ships(self, frame: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        """Water heights (nx, nz) [m] of a frame, and shares of foam on its finer grid, both with those of the ships
+        added; `frame`: arrays of its file."""
         height, white = frame["elevation"].astype(float), np.maximum(frame["foam"], frame.get("left", 0.0))
         if not self.vessels:
             return height, white
         time, origin = float(frame["time"]), frame.get("origin", np.zeros(2)).astype(float)
         points = grid_points(self.x + origin[0], self.z + origin[1])
-        height += self.behind(time, points, frame.get("answer"))
+        height += self.wave_heights(time, points, frame.get("answer"))
         if not self.answers:
             for ship in self.wetted_hull(frame, height, origin):
-                height += ship.raised(points).reshape(height.shape)
+                height += ship.bow_wave_height(points).reshape(height.shape)
         x, z = (middles_of(*self.sides(k), white.shape[k]) for k in range(2))
         for ship in self.wetted_hull(frame, height, origin):
-            low, high = (ends - origin for ends in ship.around())
+            low, high = (ends - origin for ends in ship.foam_area())
             near = np.ix_((x > low[0]) & (x < high[0]), (z > low[1]) & (z < high[1]))
             along = ship.white(grid_points(x[near[0].ravel()] + origin[0], z[near[1].ravel()] + origin[1]))
             white[near] = np.maximum(white[near], along.reshape(white[near].shape))
@@ -71,22 +72,23 @@ class RunWakes:
         """Lower and upper limit [m] of the basin along x (k = 0) or z (k = 1)."""
         return float(self.grid["lower"][2 * k]), float(self.grid["upper"][2 * k])
 
-    def places(self, at: np.ndarray, origin: np.ndarray) -> np.ndarray:
-        """Positions (2, n) of points x, z (n, 2) [m] in the basin around an origin, 0 to 1 from side to side."""
+    def relative_positions(self, at: np.ndarray, origin: np.ndarray) -> np.ndarray:
+        """Relative positions (2, n) of points x, z (n, 2) [m]: 0 to 1 from side to side of a basin whose middle is at
+        `origin` x, z [m]."""
         low, high = np.transpose([self.sides(k) for k in range(2)])
         return ((at - origin - low) / (high - low)).T
 
     def wetted_hull(self, frame: dict[str, np.ndarray], height: np.ndarray, origin: np.ndarray) -> list[WettedHull]:
-        """Hulls of a frame that touch the water, whose heights (nx, nz) [m] lie around an origin x, z [m]."""
+        """Hulls that touch the water in a frame; `height` (nx, nz): of the water; `origin`: the basin's x, z [m]."""
         time, ships = float(frame["time"]), []
         for key, hull in self.hulls.items():
             pose = frame[f"{key}_position"], frame[f"{key}_turn"], self.vessels[key].speed(time)
-            ships.append(hull.wetted_hull(*pose, lambda at: read_cells(height, self.places(at, origin))))
+            ships.append(hull.wetted_hull(*pose, lambda at: read_cells(height, self.relative_positions(at, origin))))
         return [ship for ship in ships if ship.wet]
 
-    def behind(self, time: float, points: np.ndarray, answer: np.ndarray | None) -> np.ndarray:
-        """Height (nx, nz) [m] of ship waves to add to the run's water, except bow waves, at points x, z (nx nz, 2) [m];
-        `answer`: response of the run's water to its ships [m], which is limited near them, or None."""
+    def wave_heights(self, time: float, points: np.ndarray, answer: np.ndarray | None) -> np.ndarray:
+        """Height (nx, nz) [m] to add to the run's water for ship waves (bow waves excepted), at grid points x, z (nx
+        nz, 2) [m]. `answer`: response [m] of the run's own water to its ships, or None; near them it is limited."""
         shape = len(self.x), len(self.z)
         more = np.zeros(shape)
         if answer is not None:
@@ -102,7 +104,7 @@ class RunWakes:
 
 
 def shows_sea(files: list[Path], depth: float) -> bool:
-    """True if pictures of a run show an open sea; False if they show a tank. `depth` of the water [m]."""
+    """True if pictures of a run with these frames show an open sea, not a tank; `depth`: of the water [m]."""
     first = Frame(files[0])
     return not first.folds and is_open_sea(run_scene(files[0].parent.parent), first, depth)
 
@@ -121,11 +123,11 @@ class ExportShot(NamedTuple):
 
 
 def read_shot(frame: Path, grid: dict[str, np.ndarray], wakes: RunWakes) -> ExportShot:
-    """Contents of a frame to export; at sea its water gets wakes and foam. `grid`: arrays that the run saves once."""
+    """Read a frame to export; ship waves and foam are added at sea. `grid`: arrays that the run saves once."""
     data = read_npz(frame)
     raised = np.zeros(data["elevation"].shape)
     if "foam" in data and len(grid["z"]) > 1:
-        height, data["foam"] = wakes.shown(data)
+        height, data["foam"] = wakes.water_with_ships(data)
         raised, data["elevation"] = height - data["elevation"], height
     fields: dict[str, np.ndarray] = {}
     if len(grid["z"]) < 2:  # a line
@@ -133,7 +135,7 @@ def read_shot(frame: Path, grid: dict[str, np.ndarray], wakes: RunWakes) -> Expo
     elif "vertices" in data:
         points, faces, fields["Normals"] = data["vertices"], data["triangles"], data["normals"]
         if (np.cross(*np.diff(points[faces], axis=1).swapaxes(0, 1))[:, 1] > 0.0).all():  # one height above each point
-            at = wakes.places(points[:, [0, 2]], data.get("origin", np.zeros(2)))
+            at = wakes.relative_positions(points[:, [0, 2]], data.get("origin", np.zeros(2)))
             if raised.any():
                 points = points + np.outer(read_cells(raised, at), [0.0, 1.0, 0.0])
                 fields["Normals"] = surface_normals(points, faces)
@@ -181,7 +183,7 @@ def export_shots(frames: list[Path], grid: dict[str, np.ndarray], z_up: bool = F
 
 
 def values_beside(points: np.ndarray, particles: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Values (n, 3) at surface points (n, 3) [m]: distance-weighted means of `values` (m, 3) of nearby particles."""
+    """Values (n, 3) at surface points (n, 3) [m]: distance-weighted means of `values` (m, 3) at nearby particles."""
     from scipy.spatial import cKDTree
 
     away, who = cKDTree(particles).query(points, k=min(NEAREST_PARTICLES, len(particles)))
@@ -191,7 +193,7 @@ def values_beside(points: np.ndarray, particles: np.ndarray, values: np.ndarray)
 
 
 def surface_normals(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Unit normals (n, 3) of a surface at its points: means over the triangles around each, weighted by area."""
+    """Unit normals (n, 3) at the points of a mesh: area-weighted means over the triangles that share a point."""
     a, b, c = (points[faces[:, k]].astype(float) for k in range(3))
     across = np.cross(b - a, c - a)
     sums = np.stack([np.bincount(faces.ravel(), np.repeat(across[:, k], 3), len(points)) for k in range(3)], axis=1)
@@ -199,19 +201,19 @@ def surface_normals(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
 
 
 def ship_models(grid: dict[str, np.ndarray]) -> dict[str, ShipModel]:
-    """Models to draw of all ships of a run, by ship key; `grid`: arrays that the run saves once."""
+    """Ship models to draw, by ship key; `grid`: arrays that the run saves once."""
     return {key: kept_model(grid, key) for key in ship_keys(grid, "_look")}
 
 
 def box_mesh(boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Corners (n, 3) [m] and triangles (m, 3) of k boxes, given by lower and upper corners (k, 2, 3) [m]."""
+    """Corners (8 k, 3) [m] and triangles (12 k, 3) of k boxes, given by lower and upper corners (k, 2, 3) [m]."""
     points = [[box[i, 0], box[j, 1], box[k, 2]] for box in boxes for i, j, k in product((0, 1), repeat=3)]
     faces = [BOX_TRIANGLES + 8 * n for n in range(len(boxes))]
     return np.array(points, np.float32).reshape(-1, 3), np.array(faces, int).reshape(-1, 3)
 
 
-def still_bodies(grid: dict[str, np.ndarray]) -> Iterator[tuple[str, np.ndarray, np.ndarray, np.ndarray]]:
-    """Yield name, corners (n, 3) [m], triangles (m, 3) and linear RGB of fixed obstacles and of a bed with a shape."""
+def fixed_bodies(grid: dict[str, np.ndarray]) -> Iterator[tuple[str, np.ndarray, np.ndarray, np.ndarray]]:
+    """Yield name, corners (n, 3) [m], triangles (m, 3) and linear RGB: of fixed obstacles, and of a bed if not flat."""
     if len(grid["obstacles"]):
         yield "obstacles", *box_mesh(grid["obstacles"]), STONE_COLOUR
     if (ground := kept_ground(grid)) is not None:
@@ -220,12 +222,13 @@ def still_bodies(grid: dict[str, np.ndarray]) -> Iterator[tuple[str, np.ndarray,
 
 
 def file_name(key: str) -> str:
-    """Name of a ship's object in a file: her key with underscores for everything but letters and digits."""
+    """Name of a ship in an exported file: her key, with underscores for all but letters and digits."""
     return "".join(letter if letter.isalnum() else "_" for letter in key)
 
 
 def frame_rate(first: float, last: float, count: int, every: float) -> float:
-    """Frames per second of `count` frames from `first` to `last` [s]; the run kept one `every` [s], a film may skip."""
+    """Frames per second of an export of `count` frames from `first` to `last` [s]. `every`: interval [s] of the run's
+    frames, of which the export may skip some."""
     if count < 2:
         return 24.0
     apart = (last - first) / (count - 1)
@@ -233,8 +236,8 @@ def frame_rate(first: float, last: float, count: int, every: float) -> float:
 
 
 def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up: bool) -> Path:
-    """Write USD with time samples (usdc): /sea/water, /sea/obstacles, /sea/ground, /sea/gates, /sea/NAME of each ship,
-    /sea/particles, /sea/spray; in metres, at the run's frame rate. Returns the path, or raises Lacking."""
+    """Write a USD file (usdc) with time samples in metres and return its path. It holds /sea/water, obstacles, ground,
+    gates, particles, spray, and /sea/NAME of each ship. Raises Lacking without the package usd-core."""
     try:
         from pxr import Gf, Sdf, Tf, Usd, UsdGeom, Vt
     except ImportError:
@@ -253,7 +256,7 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
         stage.SetDefaultPrim(root.GetPrim())
         if z_up:
             root.AddRotateXOp().Set(90.0)
-        for name, points, faces, colour in still_bodies(grid):
+        for name, points, faces, colour in fixed_bodies(grid):
             still = UsdGeom.Mesh.Define(stage, f"/sea/{name}")
             still.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(points))
             set_triangles(still, faces.astype(np.int32).ravel(), Vt)
@@ -321,15 +324,16 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
 
 
 def set_triangles(mesh: Any, corners: np.ndarray, vt: ModuleType, *at: Any) -> None:
-    """Set a USD mesh's triangles from vertex numbers (3 m,); `vt`: USD's array types; `at`: time code, or for ever."""
+    """Set a USD mesh's triangles from vertex numbers (3 m,). `vt`: USD's module of arrays; `at`: time code from which
+    they hold; without one they hold always."""
     mesh.CreateFaceVertexCountsAttr().Set(vt.IntArray.FromNumpy(np.full(len(corners) // 3, 3, np.int32)), *at)
     mesh.CreateFaceVertexIndicesAttr().Set(vt.IntArray.FromNumpy(corners), *at)
     mesh.CreateSubdivisionSchemeAttr("none")
 
 
 def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> Path:
-    """Write binary glTF and return the path: water, obstacles, bed, moving ships. The water is one mesh that changes
-    shape, coloured by the first frame's foam, or, if its triangles change, one mesh a frame, visible at its time."""
+    """Write water, obstacles, bed and moving ships as binary glTF and return the path. The water is one mesh that
+    deforms, coloured by the first frame; if its triangles change, one mesh per frame, shown in turn."""
     from scipy.spatial.transform import Rotation
 
     shots = list(export_shots(frames, grid))
@@ -341,7 +345,7 @@ def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> P
     elif len(first.points):
         moved = np.stack([kept.points for kept in shots]) if len(shots) > 1 else None
         made.mesh("water", first.points, first.faces, water_colours(first), moved)
-    for name, points, faces, colour in still_bodies(grid):
+    for name, points, faces, colour in fixed_bodies(grid):
         made.mesh(name, points, faces, colour)
     gates = {k: kept.gates for k, kept in enumerate(shots) if len(kept.gates[0])}
     drawn = {k: made.mesh(f"gates_{k:05d}", *gate, STONE_COLOUR) for k, gate in gates.items()}
@@ -360,5 +364,5 @@ def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> P
 
 
 def water_colours(kept: ExportShot) -> np.ndarray:
-    """Linear RGB (n, 3) of the water of a frame at its points, whiter with more foam."""
+    """Linear RGB (n, 3) at the water points of a frame to export, whiter with more foam."""
     return WATER_COLOUR + kept.fields.get("foam", np.zeros(len(kept.points)))[:, None] * (FOAM_COLOUR - WATER_COLOUR)

@@ -29,7 +29,7 @@ LINE_LETTERS, MESSAGE_LINES = 38, 12
 
 @dataclass
 class Panel:
-    """Settings of a preview, and the effect of each key on them."""
+    """User settings of a preview window, and the effect of each key and mouse drag on them."""
 
     camera: str = "third_person"
     content: str = "surface"
@@ -52,7 +52,7 @@ class Panel:
     """Actions due before the next picture: step, reset, snapshot, helm."""
 
     def offer(self, cameras: tuple[str, ...], contents: tuple[str, ...], ships: tuple[str, ...]) -> None:
-        """Set the names that keys cycle through; a choice that is none of them becomes the first."""
+        """Set the names that keys cycle through; a present choice that is not among them becomes the first."""
         self.cameras, self.contents, self.ships, self.person = cameras, contents, ships, None
         chosen = (self.camera, cameras), (self.content, contents or ("surface",)), (self.ship, ships or ("",))
         self.camera, self.content, self.ship = (name if name in names else names[0] for name, names in chosen)
@@ -77,7 +77,7 @@ class Panel:
                 self.requests.add(REQUEST_KEYS[key])
 
     def hold(self, keys: set[str], seconds: float) -> None:
-        """Change throttle and rudder by helm keys held for `seconds`; request the helm first if it is not taken yet."""
+        """Change throttle and rudder by helm keys held for `seconds`; if the helm is not taken, request it first."""
         pedal, wheel = (sum(HELM_KEYS[key][k] for key in keys if key in HELM_KEYS) for k in range(2))
         if not pedal and not wheel:
             return
@@ -88,7 +88,7 @@ class Panel:
             self.requests.add("helm")
 
     def orbit(self, right: float, up: float) -> None:
-        """Turn the eye around its target by a mouse drag right and up, in shares of the picture's width and height."""
+        """Turn the eye around its target by a mouse drag; `right`, `up`: shares of the picture's width and height."""
         self.azimuth -= 3.0 * right
         self.height = min(max(self.height - 2.0 * up, MIN_EYE_HEIGHT), MAX_EYE_HEIGHT)
 
@@ -96,13 +96,13 @@ class Panel:
         self.distance = min(max(self.distance * factor, MIN_EYE_DISTANCE), MAX_EYE_DISTANCE)
 
     def take(self, action: str) -> bool:
-        """Remove an action from the requests; returns True if it was requested."""
+        """Remove an action such as "step" from the requests; True if it was requested."""
         requested = action in self.requests
         self.requests.discard(action)
         return requested
 
     def text(self, simulation: "Simulation", fastest: float | None, pace: float | None) -> str:
-        """Text of the panel; `fastest`: speed [m/s] of the last colour; `pace`: simulated over wall-clock time."""
+        """Text of the panel; `fastest`: particle speed [m/s] of the last colour; `pace`: simulated over real time."""
         state = "paused" if self.paused else "" if pace is None else f"{pace:.2g} x real time"
         water = simulation.fluid.particles
         lines = [
@@ -122,5 +122,5 @@ class Panel:
 
 
 def next_name(name: str, names: Sequence[str]) -> str:
-    """Name after `name` in a cycle through `names`; the first if `name` is not among them."""
+    """Name that follows `name` in a cycle through `names`; the first if `name` is not among them."""
     return names[(names.index(name) + 1) % len(names)] if name in names else names[0]

@@ -34,7 +34,7 @@ SPEED_COLOURS = np.array(
 
 
 class Patch(NamedTuple):
-    """Triangles to draw, with a colour at every corner."""
+    """Triangles to draw in a preview window, with a colour at every corner."""
 
     vertices: np.ndarray  # (n, 3) [m]
     triangles: np.ndarray  # (m, 3)
@@ -42,7 +42,7 @@ class Patch(NamedTuple):
 
 
 class PreviewScene:
-    """Arrays to draw of a running simulation; those that do not change are computed once."""
+    """Arrays that a preview draws of a running simulation; those that never change are computed once."""
 
     def __init__(self, simulation: "Simulation") -> None:
         self.simulation = simulation
@@ -64,26 +64,26 @@ class PreviewScene:
 
     @property
     def contents(self) -> tuple[str, ...]:
-        """Names of the contents that can be shown, out of surface, particles and both."""
+        """Names of the contents that this simulation can show, out of `surface`, `particles` and `both`."""
         particles = self.simulation.fluid.particles is not None
         shown = {"surface": self.has_surface, "particles": particles, "both": self.has_surface and particles}
         return tuple(name for name, available in shown.items() if available)
 
     @property
     def cameras(self) -> tuple[str, ...]:
-        """Names of the cameras available: helm only with a ship, and only the side view in 2-D."""
+        """Names of the cameras available: `helm` only with a ship, `side` alone in 2-D."""
         helm = ("helm",) if self.simulation.ships else ()
         return ("side",) if self.flat else ("third_person", *helm, "top", "side")
 
     @property
     def box(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper corner [m] of the water and some air above it."""
+        """Lower and upper corner (3,) [m] of the box to show: the water and some air above it."""
         top = box_top(self.simulation, max(self.lengths.values(), default=0.0))
         return self.lower, np.array([self.upper[0], top, self.upper[2]])
 
     def camera(self, panel: Panel, aspect: float, covered: float) -> Camera:
-        """Camera that the panel chooses, in a picture `aspect` times as wide as high, of which the panel covers the
-        left share `covered`: at the helm, or before the box of water and air or, in a long basin, before the ship."""
+        """Camera that the panel chooses: at the helm, before the whole box or, in a long basin, before the ship.
+        `aspect`: width over height of the picture, whose left share `covered` the panel hides."""
         ship, length = self.simulation.ships.get(panel.ship), self.lengths.get(panel.ship, 0.0)
         if panel.camera == "helm" and ship is not None:
             helm = ship.points.get("helm", np.array([0.0, 0.25 * (length or 4.0), 0.0]))
@@ -109,7 +109,7 @@ class PreviewScene:
         return Camera(eye, forward, up, None, near=0.02 * panel.distance * reach)
 
     def water_patch(self, eye: np.ndarray, solid: bool) -> Patch | None:
-        """Surface of the water, coloured for an eye (3,) [m], or None without any; `solid`: with cut sides."""
+        """Water surface, coloured for an eye (3,) [m]; None for water without one; `solid`: True for cut sides."""
         if not self.has_surface:
             return None
         heights = surface_heights(self.simulation, self.points)
@@ -124,7 +124,7 @@ class PreviewScene:
         return Patch(np.concatenate([points, self.sheet.sides(points)]), triangles, np.concatenate([colours, sides]))
 
     def folded_patch(self, heights: np.ndarray, eye: np.ndarray) -> Patch | None:
-        """Closed surface mesh, coloured for an eye (3,) [m], darker where it does not face up; None if it is empty."""
+        """Closed surface mesh, coloured for an eye (3,) [m] and darker where it faces down; None if it is empty."""
         surface = self.simulation.surface
         assert surface is not None  # only a surface folds
         mesh = surface.mesh()
@@ -139,7 +139,8 @@ class PreviewScene:
     def surface_colours(
         self, points: np.ndarray, normals: np.ndarray, heights: np.ndarray, eye: np.ndarray
     ) -> np.ndarray:
-        """Display RGB (n, 3), 0 to 1, of surface points (n, 3) [m] for an eye [m]; `heights` [m] scale the crests."""
+        """Display RGB (n, 3), 0 to 1, of surface points (n, 3) [m] with these normals, for an eye (3,) [m]. `heights`:
+        of the whole surface [m], whose deviation tells crests from troughs."""
         crest = max(2.5 * float(np.std(heights)), 0.02 * self.simulation.basin.depth)
         height = np.clip(points[:, 1] / crest, -1.0, 1.0)
         return water_shading.display_colours(water_shading.surface_light(points, normals, height, eye)) / 255.0
@@ -154,8 +155,8 @@ class PreviewScene:
         return Patch(vertices, np.arange(len(vertices)).reshape(-1, 3), colours / 255.0)
 
     def particle_balls(self) -> tuple[np.ndarray, np.ndarray] | None:
-        """Positions (n, 3) [m] and display RGB (n, 3), 0 to 1, by speed, of particles; None without any. The speed of
-        the last colour, `fastest`, never falls."""
+        """Positions (n, 3) [m] of particles and their display RGB (n, 3), 0 to 1, by speed; None without particles. The
+        speed of the brightest colour, `fastest`, only ever rises."""
         particles = self.simulation.fluid.particles
         if particles is None:
             return None

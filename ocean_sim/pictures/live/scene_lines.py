@@ -16,13 +16,13 @@ BARB_LENGTH, BARB_SPREAD = 0.28, 0.4  # over the length of an arrow, and sideway
 
 
 def box_top(simulation: "Simulation", ship_length: float) -> float:
-    """Height [m] of the air to draw over still water; `ship_length`: of the longest ship [m]."""
+    """Height [m] over still water of the top of the drawn box of air; `ship_length`: of the longest ship [m]."""
     ground = simulation.basin.ground
     return max(0.25 * simulation.basin.depth, 0.3 * ship_length, 0.0 if ground is None else float(ground.y.max()))
 
 
 def surface_heights(simulation: "Simulation", points: np.ndarray) -> np.ndarray:
-    """Heights (n,) [m] of the drawn surface at points x, z (n, 2) [m]; below a dry bed it goes on unseen."""
+    """Heights (n,) [m] of the drawn water surface at points x, z (n, 2) [m]; under a dry bed it continues, hidden."""
     fluid, ground = simulation.fluid, simulation.basin.ground
     heights = (simulation.surface or fluid).elevations(points)
     if ground is None:
@@ -32,7 +32,7 @@ def surface_heights(simulation: "Simulation", points: np.ndarray) -> np.ndarray:
 
 
 def scene_lines(simulation: "Simulation", top: float) -> tuple[np.ndarray, np.ndarray]:
-    """Ends (n, 2, 3) [m] and display RGB (n, 3) of all lines of a preview; `top`: height of the drawn air [m]."""
+    """End points (n, 2, 3) [m] and display RGB (n, 3) of all lines in a preview; `top`: height of the drawn air [m]."""
     basin, fluid, wind = simulation.basin, simulation.fluid, simulation.wind.drawing()
     lower, upper = np.array(basin.lower, dtype=float), np.array(basin.upper, dtype=float)
     flat = basin.dimension == 2
@@ -57,8 +57,8 @@ def scene_lines(simulation: "Simulation", top: float) -> tuple[np.ndarray, np.nd
 def arrow_lines(
     feet: np.ndarray, pushes: np.ndarray, lower: np.ndarray, upper: np.ndarray, height: float
 ) -> np.ndarray:
-    """Ends (n, 2, 3) [m] of the lines of wind arrows within the basin, a shaft and four barbs each, at a height [m];
-    `pushes` (m, 3): arrows, 1 the longest, that begin at `feet` (m, 3) [m]."""
+    """End points (n, 2, 3) [m] of the lines of wind arrows, a shaft and four barbs each, within a basin from `lower` to
+    `upper`, at a `height` [m]. Arrows begin at `feet` (m, 3) [m]; `pushes` (m, 3): their vectors, 1 the longest."""
     size = upper - lower
     inside = ((feet > lower) & (feet < upper) | (size <= 0.0))[:, [0, 2]].all(axis=1)
     feet, pushes = feet[inside], ARROW_LENGTH * size.max() * pushes[inside]

@@ -6,7 +6,7 @@ from functools import cache
 
 from ocean_sim import kernel_library
 from ocean_sim.conventions import Lacking
-from ocean_sim.pictures.stage.opengl import child_says
+from ocean_sim.pictures.stage.opengl import child_prints
 
 INSTALL_COMMAND = "apt-get install --no-install-recommends libx11-6 mesa-vulkan-drivers"
 PROBE_PROGRAM = """
@@ -33,14 +33,15 @@ class VulkanMissing(Lacking):
 
 @cache
 def draws(show: bool) -> bool:
-    """True if a child process survives drawing: in a window on a screen (`show`), or without one; takes a second."""
+    """True if a child process survives drawing with GGUI: in a window if `show`, else off screen; takes a second."""
     if show and sys.platform == "linux" and not any(os.environ.get(name) for name in SCREEN_VARIABLES):
         return False
-    return child_says("drawn", PROBE_PROGRAM.format(show=show))
+    return child_prints("drawn", PROBE_PROGRAM.format(show=show))
 
 
 def require(show: bool) -> None:
-    """Raise VulkanMissing, or Lacking without a screen to `show` it on, or if the kernel library has no windows."""
+    """Raise VulkanMissing if GGUI cannot draw here. Raise Lacking if the kernel library has no windows, or if `show` is
+    True (draw in a window) and there is no screen."""
     if kernel_library.LIBRARY_NAME != kernel_library.TAICHI:
         raise Lacking(
             f"a preview is drawn in a window of Taichi's, and {kernel_library.LIBRARY_NAME} has none; unset "

@@ -17,7 +17,7 @@ MIRROR_NEAR = 0.1  # [m] before the mirrored eye
 
 
 class DrawnShip:
-    """A ship in a picture, coloured at her corners in the light of sun and sky, and moved from frame to frame."""
+    """Ship in a picture of a tank, coloured at her corners in the light of sun and sky; moved from frame to frame."""
 
     def __init__(self, stage: Stage, model: ShipModel) -> None:
         self.model, (points, colours) = model, model.placed(np.zeros(3), np.eye(3))
@@ -30,10 +30,10 @@ class DrawnShip:
 
 
 class ShadedShip:
-    """A ship in a picture at sea, shaded at each pixel in the light of its sun and sky."""
+    """Ship in a picture of a sea, shaded at each pixel in the light of sun and sky; moved from frame to frame."""
 
     def __init__(self, stage: Stage, model: ShipModel, sky: Sky, above: dict[str, Any]) -> None:
-        """`above`: textures of the sky, by their sampler names."""
+        """`above`: textures of the sky, by the names of their samplers in the shader."""
         mesh = model.mesh
         self.sky, self.corners, self.normals = sky, mesh.corners.reshape(-1, 3), mesh.normals.reshape(-1, 3)
         gloss, seen = np.repeat(mesh.gloss, 3), ship_glsl.sky_shares(self.corners, self.normals)
@@ -50,7 +50,7 @@ class ShadedShip:
         stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
 
     def show(self, position: np.ndarray, turn: np.ndarray, eye: np.ndarray) -> None:
-        """Move the centre of mass to a position (3,) [m]; `turn`: (3, 3) from body to world; `eye`: of the viewer."""
+        """Move the centre of mass to a position (3,) [m]; `turn`: (3, 3) from body to world; `eye`: viewer (3,) [m]."""
         mesh = self.shaded.mesh
         mesh.points = (self.corners @ turn.T + position).astype(np.float32)
         mesh.point_data["nrm"] = (self.normals @ turn.T).astype(np.float32)
@@ -61,8 +61,8 @@ class ShadedShip:
 
 
 def spread_points(mesh: Any, step: float) -> np.ndarray:
-    """Points (n, 3) [m], single precision, spread over the triangles of a PyVista mesh up to their edges, so that all
-    of it lies within a step [m] of one."""
+    """Points (n, 3) [m], single precision, spread over a PyVista mesh so densely that every spot on it has one within
+    `step` [m]."""
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkFiltersModeling import vtkPolyDataPointSampler
 
@@ -74,7 +74,8 @@ def spread_points(mesh: Any, step: float) -> np.ndarray:
 
 
 class Mirror:
-    """Mirror image of the ships in the water: a second plotter with a mirrored eye, which cuts off submerged parts."""
+    """Mirror image of the ships in the water, drawn by a second plotter from a mirrored eye, without submerged
+    parts."""
 
     def __init__(self, stage: Stage, ships: list[water_glsl.Shaded], image: Any) -> None:
         """`ships`: actors to mirror; `image`: texture that receives the mirror image."""
@@ -83,7 +84,7 @@ class Mirror:
         width, height = stage.size
         self.stage, self.image = stage, image
         self.size = width // MIRROR_SHRINKING, height // MIRROR_SHRINKING
-        self.plotter = stage.empty(self.size)
+        self.plotter = stage.new_plotter(self.size)
         self.plotter.set_background("black")
         self.water = vtkPlane()
         self.water.SetNormal(0.0, 1.0, 0.0)
@@ -93,7 +94,7 @@ class Mirror:
             self.plotter.add_actor(twin, reset_camera=False, render=False)
 
     def show(self, level: float) -> np.ndarray:
-        """Draw the ships mirrored at a water level [m]; returns the projection (4, 4) from world to mirror image."""
+        """Draw the ships mirrored at a water level [m]; returns the matrix (4, 4) from world to mirror image."""
         eye, forward, up = self.stage.camera[:3]
         flip = np.array([1.0, -1.0, 1.0])
         camera, above = self.plotter.camera, self.stage.plotter.camera

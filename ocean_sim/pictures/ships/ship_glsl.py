@@ -26,20 +26,21 @@ SHIP_PROGRAM = shader("ship", sky, sys.modules[__name__])
 
 
 def shadow_program(k: int) -> str:
-    """GLSL program of the shadow of ship k on the water; the shadow maps of all ships are stacked in one texture."""
+    """GLSL program of the shadow that ship k casts on the water; one texture holds the shadow maps of all ships."""
     return shader("sea_shadow", sys.modules[__name__], k=k)
 
 
 class ShadowMap:
-    """Shadow map of a ship: depth, along the sun's direction, of points spread over her surface."""
+    """Shadow map of a ship: how far each of her sunlit points lies towards the sun, as an image seen from the sun."""
 
     def __init__(self, points: np.ndarray, length: float) -> None:
-        """`points`: (n, 3) in body axes [m], no pixel of the map apart; `length`: half the side of the map [m]."""
+        """`points`: (n, 3) on her surface in body axes [m], a pixel apart at most; `length`: half the map's side
+        [m]."""
         self.length, self.points = length, np.ascontiguousarray(points.T)
 
     def map(self, turn: np.ndarray, sun: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Depths (SHADOW_PIXELS, SHADOW_PIXELS, 3) [m] of the sunlit surface, along the direction to the `sun` from the
-        ship's position, in three equal channels; unit vectors of columns and rows. `turn`: from body to world."""
+        """Compute the map: distances (SHADOW_PIXELS, SHADOW_PIXELS, 3) [m] of the sunlit surface from the ship's centre
+        towards `sun`, in three equal channels; and unit vectors of its columns and rows. `turn`: from body to world."""
         from scipy.ndimage import maximum_filter
 
         right = sky.unit_vector(np.cross([0.0, 1.0, 0.0], sun))
@@ -54,8 +55,8 @@ class ShadowMap:
 
 
 def shadow_bounds(depth: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
-    """Lower and upper bounds (3,) of the shadow in a map of depths (SHADOW_PIXELS, SHADOW_PIXELS) [m]: column and row
-    as shares of the map; third, 0 and the greatest depth that lies in shadow [m]. `length`: of the `ShadowMap` [m]."""
+    """Lower and upper bounds (3,) of a shadow in a shadow map `depth` [m]: its columns and rows as shares of the map,
+    and as third numbers 0 and the greatest depth in shadow [m]. `length`: half the side of the map [m]."""
     row, column = np.nonzero(depth > UNLIT_DEPTH)
     low = np.array([column.min(), row.min()]) - SHADOW_SOFTNESS
     high = np.array([column.max(), row.max()]) + 1.0 + SHADOW_SOFTNESS

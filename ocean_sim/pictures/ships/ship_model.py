@@ -32,7 +32,7 @@ BODY_PAINTS = 4 * ("yellow",)  # of a body without a style, a box or a cylinder:
 
 
 class ShipModel(NamedTuple):
-    """Model to draw of a ship, in body axes from her centre of mass: mesh, helm and hull."""
+    """Drawn model of a ship in body axes from her centre of mass: painted mesh, helm and physical hull."""
 
     mesh: Mesh
     helm: np.ndarray  # (3,) eye of a helmsman [m]
@@ -43,7 +43,7 @@ class ShipModel(NamedTuple):
         return float(self.hull.length)
 
     def placed(self, position: np.ndarray, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Corners (n, 3) [m] of the mesh with her centre of mass at a position, three a triangle, and their 8-bit
+        """Corners (n, 3) [m] of the mesh, three per triangle, with the centre of mass at `position`, and their 8-bit
         display RGB in the light of sun and sky; `turn`: (3, 3) from body to world."""
         mesh, normals = self.mesh, self.mesh.normals.reshape(-1, 3) @ turn.T
         paint, gloss = np.repeat(mesh.colour, 3, axis=0), np.repeat(mesh.gloss, 3)[:, None]
@@ -52,12 +52,12 @@ class ShipModel(NamedTuple):
 
 
 def kept_models(grid: Mapping[str, Any]) -> dict[str, ShipModel]:
-    """Models to draw of all ships with a look, by their names, from the arrays a run saves once."""
+    """Models to draw of all ships of a run, by ship name, from the arrays that it saves once (`grid`)."""
     return {key.removeprefix(f"{SEVERAL}."): kept_model(grid, key) for key in ship_keys(grid, "_look")}
 
 
 def kept_model(grid: Mapping[str, Any], key: str) -> ShipModel:
-    """Model to draw of the ship with this key, from the arrays a run saves once; raises RenderFailed without them."""
+    """Ship model to draw, by ship key, from the arrays that a run saves once; raises RenderFailed without them."""
     if f"{key}_look" not in grid:
         raise RenderFailed("these frames are of an older version, which kept no ship to draw; run the scene again")
     names = "vertices", "triangles", "submerged", "look", "helm"
@@ -68,8 +68,8 @@ def kept_model(grid: Mapping[str, Any], key: str) -> ShipModel:
 def build_model(
     vertices: np.ndarray, triangles: np.ndarray, submerged: float, look: str, helm: np.ndarray
 ) -> ShipModel:
-    """Model to draw of a ship on a hull with vertices (n, 3) [m]; `submerged`: share of its volume under water at rest;
-    `look`: name of the hull and its kind of shape, which choose a style; `helm`: eye of the helmsman [m], or empty."""
+    """Drawn model of a ship on a hull with vertices (n, 3) [m]. `submerged`: share of its volume under water at rest;
+    `look`: names of hull and shape, by which a style is chosen; `helm`: eye of the helmsman [m], or empty."""
     hull = Hull(np.asarray(vertices, dtype=float), np.asarray(triangles, dtype=int), submerged)
     given = np.asarray(helm, dtype=float) if np.isfinite(helm).all() and np.size(helm) else None
     from_file = "mesh" in look.lower()
@@ -83,7 +83,7 @@ def build_model(
 
 @cache
 def style_of(name: str) -> dict[str, Any]:
-    """Style of a kind of ship, or the paints, as the mapping in its file in configs/look/."""
+    """Style of a kind of ship (cabins, colours), or the common paints: the contents of its file in configs/look/."""
     return dict(read_mapping(library("configs") / "look" / f"{name}.yaml").plain())
 
 
@@ -91,7 +91,7 @@ PAINTS = style_of("paints")  # linear RGB
 
 
 def styled_model(hull: Hull, style: dict[str, Any], helm: np.ndarray | None) -> ShipModel:
-    """Model to draw of a hull with bulwark, cabins and poles of a style; `helm`: eye of the helmsman [m], or None."""
+    """Drawn model of a hull with the bulwark, cabins and poles of a style; `helm`: eye of the helmsman [m], or None."""
     unit = hull.length / style["units"]
     amidships, bow, rake = (unit * length for length in style["bulwark"])
     sheer = Sheer(hull, (amidships, bow), rake)

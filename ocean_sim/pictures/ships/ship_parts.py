@@ -23,7 +23,7 @@ BULWARK_STATIONS = 49
 
 
 class Mesh(NamedTuple):
-    """Triangles that share no corners, with normals, colours and gloss."""
+    """Triangle mesh whose triangles share no corners, each with normals, colour and gloss."""
 
     corners: np.ndarray  # (m, 3, 3) [m]
     normals: np.ndarray  # (m, 3, 3) unit vectors at the corners
@@ -36,14 +36,14 @@ def merge_meshes(parts: Iterable[Mesh]) -> Mesh:
 
 
 def mirrored_pair(mesh: Mesh) -> Mesh:
-    """Mesh of a part on the port side and its mirror image on the starboard side."""
+    """Mesh of a part on the port side together with its mirror image on the starboard side."""
     mirror = np.array([-1.0, 1.0, 1.0])
     other = Mesh((mesh.corners * mirror)[:, ::-1], (mesh.normals * mirror)[:, ::-1], mesh.colour, mesh.gloss)
     return merge_meshes([mesh, other])
 
 
 def flat_mesh(corners: np.ndarray, colour: Triple, gloss: float = 0.0, middle: np.ndarray | None = None) -> Mesh:
-    """Mesh of flat triangles (m, 3, 3) of a colour and gloss; if the point `middle` is given, all face away from it."""
+    """Mesh of flat triangles (m, 3, 3) [m] of one colour and gloss; all face away from `middle`, if given [m]."""
     corners = np.array(corners, dtype=float).reshape(-1, 3, 3)
     normals = area_vectors(corners)
     if middle is not None:
@@ -55,19 +55,19 @@ def flat_mesh(corners: np.ndarray, colour: Triple, gloss: float = 0.0, middle: n
 
 
 def plain_mesh(corners: np.ndarray, normals: np.ndarray, colour: Triple, gloss: float = 0.0) -> Mesh:
-    """Mesh of triangles (m, 3, 3) [m] with normals (m, 3, 3), of one colour and gloss, without those of no area."""
+    """Mesh of triangles (m, 3, 3) [m] with normals (m, 3, 3), in one colour and gloss; drops those of zero area."""
     kept = area_vectors(corners).any(axis=1)
     m = int(kept.sum())
     return Mesh(corners[kept], normals[kept], np.tile(colour, (m, 1)), np.full(m, gloss))
 
 
 def area_vectors(corners: np.ndarray) -> np.ndarray:
-    """Normals (m, 3) of triangles (m, 3, 3) [m], as long as twice their areas [m2]."""
+    """Normals (m, 3) [m2] of triangles (m, 3, 3) [m]; their length is twice the area."""
     return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
 
 def quad_triangles(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.ndarray:
-    """Triangles (2 m, 3, 3) of m quadrilaterals, given by their corners a, b, c, d (m, 3) in order."""
+    """Triangles (2 m, 3, 3) that split m quadrilaterals with corners a, b, c, d (m, 3), in order around each."""
     return np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
 
 
@@ -77,7 +77,7 @@ def fan_triangles(outline: np.ndarray) -> np.ndarray:
 
 
 class Block:
-    """Convex body between two outlines (k, 3) of equally many points: a cabin, a funnel, a container."""
+    """Convex body between a lower and an upper outline (k, 3) [m] of equally many points, such as a cabin or funnel."""
 
     def __init__(self, bottom: np.ndarray, top: np.ndarray) -> None:
         self.bottom, self.top = np.array(bottom, dtype=float), np.array(top, dtype=float)
@@ -91,8 +91,8 @@ class Block:
         return merge_meshes([flat_mesh(sides, walls, middle=self.middle), flat_mesh(ends, lid, middle=self.middle)])
 
     def panes(self, wall: int, count: int, low: float, high: float, post: float, colour: Triple) -> Mesh:
-        """Mesh of `count` window panes in a row on wall number `wall`, between shares `low` and `high` of its height;
-        `post`: gap between panes, as a share of their pitch."""
+        """Mesh of `count` window panes in a row on wall number `wall`, between the shares `low` and `high` of its
+        height; `post`: width of the gaps, as a share of the panes' pitch."""
         k = (wall + 1) % len(self.bottom)
         a, b, c, d = self.bottom[wall], self.bottom[k], self.top[k], self.top[wall]
         out = np.cross(b - a, d - a)
@@ -110,14 +110,14 @@ class Block:
 
 
 def level_outline(corners: list[list[float]], y: float) -> np.ndarray:
-    """Outline (k, 3) [m] at a height y, along port and back along starboard, from corners (half breadth, z)."""
+    """Outline (k, 3) [m] at a height y, along port and back along starboard; `corners`: (half breadth, z) [m]."""
     port = np.insert(np.array(corners, dtype=float), 1, y, axis=1)
     starboard = (port * [-1.0, 1.0, 1.0])[::-1]
     return np.concatenate([port, starboard])
 
 
 def tube_mesh(start: Triple, end: Triple, radii: tuple[float, float], colour: Triple, sides: int = 8) -> Mesh:
-    """Mesh of a bar or cone with a number of sides between two points [m], with a radius [m] at each."""
+    """Mesh of a bar or cone from `start` to `end` [m], with a radius [m] at each and `sides` flat sides."""
     a, b = np.array(start, dtype=float), np.array(end, dtype=float)
     along = unit_vector(b - a)
     across = unit_vector(np.cross(along, [0.0, 1.0, 0.0] if abs(along[1]) < 0.9 else [1.0, 0.0, 0.0]))
@@ -152,8 +152,8 @@ def smooth_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 
 def paint_bands(values: np.ndarray, up: np.ndarray, level: float, bands: Sequence[tuple[float, Triple]]) -> Mesh:
-    """Mesh of triangles (m, 3, 6) of points [m] and normals, coloured by height and cut where colours meet. The height
-    of a point x is up . x + level [m]; `bands`: (upper limit [m], colour) from below, the last without limit."""
+    """Mesh of triangles coloured in bands by height and cut where colours meet. `values` (m, 3, 6): points [m] and
+    normals of corners; height of a point x: up . x + level [m]; `bands`: (upper limit [m], colour), from below."""
     from trimesh.intersections import slice_faces_plane
 
     vertices, normals = values.reshape(-1, 6)[:, :3], values.reshape(-1, 6)[:, 3:]
@@ -196,7 +196,7 @@ class Hull:
 
     @property
     def has_deck(self) -> bool:
-        """True if the hull has a deck for a superstructure: from end to end and more or less level."""
+        """True if the hull has a deck on which a superstructure can stand: from end to end and about level."""
         deck = self.values[self.is_deck][:, :, :3].reshape(-1, 3)
         if not len(deck):
             return False
@@ -204,7 +204,7 @@ class Hull:
         return bool(run > MIN_DECK_LENGTH * self.length and rise < MAX_DECK_RISE * self.depth)
 
     def painted(self, antifouling: Triple, boot_top: Triple, topsides: Triple, deck: Triple) -> Mesh:
-        """Mesh of the hull painted by height: antifouling, boot top, topsides; the deck, if any, in its own colour."""
+        """Mesh of the hull painted by height: antifouling, boot top, topsides; a deck, if any, has its own colour."""
         low, high = (share * self.freeboard for share in BOOT_TOP)
         sides = self.values[~self.is_deck] if self.has_deck else self.values
         bands = [(low, antifouling), (high, boot_top), (np.inf, topsides)]
@@ -248,7 +248,7 @@ class Sheer:
         return low + (high - low) * (forward**2 + 0.25 * aft**2)
 
     def bulwark_top(self, z: np.ndarray, inwards: float = 0.0, share: float = 1.0) -> np.ndarray:
-        """Line (n, 3) [m] on the port bulwark at z (n,) [m], at a share of its height, shifted `inwards` [m]."""
+        """Line (n, 3) [m] on the port bulwark at z (n,) [m], at a `share` of its height, moved `inwards` [m]."""
         s = np.clip((z - self.stern) / (self.bow - self.stern), 0.0, 1.0)
         rise = self.bulwark_height(z)
         round_half = np.maximum(self.smooth(z), self.half_breadth(z)) + 0.06 * rise * np.sin(np.pi * s**2) ** 2
@@ -256,7 +256,7 @@ class Sheer:
         return np.stack([x, self.deck_height(z) + share * rise, z + (share * self.rake - 0.7 * inwards) * s**6], axis=1)
 
     def bulwark(self, colour: Triple, inside: Triple, cap: Triple, thick: float) -> Mesh:
-        """Mesh of the bulwark, its walls `thick` [m] apart and its cap, on both sides and across blunt ends."""
+        """Mesh of the bulwark on both sides and blunt ends: two walls, `thick` [m] apart, and a cap."""
         z = self.stations
         foot = np.stack([self.half_breadth(z), self.deck_height(z), z], axis=1)
         top, inner = self.bulwark_top(z), self.bulwark_top(z, thick)
@@ -274,7 +274,7 @@ class Sheer:
         return merge_meshes(parts)
 
     def strake(self, share: float, out: float, radius: float, colour: Triple) -> Mesh:
-        """Mesh of a round bar of a radius [m] along sides and stern, `out` [m] off a share of the bulwark's height."""
+        """Mesh of a round bar along sides and stern, at a share of the bulwark's height and `out` [m] outside it."""
         port = self.bulwark_top(self.stations, share=share) + [out, 0.0, 0.0]
         port[-1] = port[-1] * [0.0, 1.0, 1.0] + [0.0, 0.0, out]
         across = port[[0]] * np.array([[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])
@@ -290,9 +290,9 @@ def smooth_strip(low: np.ndarray, high: np.ndarray, colour: Triple) -> Mesh:
 
 
 def rest_plane(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
-    """Plane of the still water at rest in body axes: normal n (3,) and d [m]; n . x + d is the height of x above it.
-    The `share` of the volume under water is given, and its centre of buoyancy lies below the centre of mass, the
-    origin. A hull without such a position within 30 degrees is taken as upright, awash at most."""
+    """Plane of the still water at rest in body axes: normal n (3,) and d [m], so that n . x + d is the height of x over
+    it. A `share` of the volume is then under water, its centre of buoyancy below the origin (the centre of mass). A
+    hull without such a plane within 30 degrees is taken as upright, awash at most."""
     from scipy.optimize import brentq, root
 
     upright = np.array([0.0, 1.0, 0.0])
@@ -308,7 +308,7 @@ def rest_plane(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
         return unit_vector(np.array([np.sin(roll), 1.0, np.sin(pitch)]))
 
     def residual(state: np.ndarray) -> np.ndarray:
-        """Relative errors (3,) of volume and of the centre of buoyancy; `state`: level over hull size, two slopes."""
+        """Relative errors (3,) of volume and centre of buoyancy; `state`: level over hull size, two slopes."""
         up = tilted(*state[1:])
         volume, *moment = submerged_moments(corners, up, size * state[0])
         arm = np.array(moment) / max(volume, 1e-12)
@@ -322,7 +322,7 @@ def rest_plane(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
 
 
 def submerged_moments(corners: np.ndarray, up: np.ndarray, level: float) -> np.ndarray:
-    """Volume [m3] and first moments [m4] (4,) of closed triangles (m, 3, 3) [m] below n . x + d = 0 (`up`, `level`)."""
+    """Volume [m3] and first moments [m4] (4,) of closed triangles (m, 3, 3) [m] where up . x + level < 0."""
     from trimesh.intersections import slice_faces_plane
 
     apex = -level * up  # on the plane, so that the cut surface adds nothing

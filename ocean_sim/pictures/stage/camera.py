@@ -36,7 +36,7 @@ NEAR_SHARE = 0.012  # lengths of a ship: what is nearer to the eye is not drawn
 
 
 class Camera(NamedTuple):
-    """View of a picture: position of the eye, directions and projection."""
+    """Camera of a picture: position of the eye, directions and projection."""
 
     eye: np.ndarray  # [m]
     forward: np.ndarray
@@ -51,7 +51,7 @@ class Camera(NamedTuple):
         return bool(self.forward[1] < MAP_DIRECTION)
 
     def spread(self, aspect: float) -> tuple[float, float]:
-        """Widest angles [rad] seen beside the heading and below the horizon, in a picture of an `aspect` ratio."""
+        """Widest angles [rad] that are seen beside the heading and below the horizon; `aspect`: width over height."""
         right = np.cross(self.forward, self.up)
         high = np.tan(np.radians(self.angle) / 2.0)
         v, u = (part.ravel() for part in np.meshgrid(np.linspace(-1.0, 1.0, 9), np.linspace(-1.0, 1.0, 9)))
@@ -68,7 +68,7 @@ class Camera(NamedTuple):
 
 @dataclass
 class Track:
-    """Poses of a ship in all frames so far; the arrays grow while the run continues."""
+    """Poses of a ship at the times of all frames so far; the arrays are replaced while the run continues."""
 
     time: np.ndarray  # (n,) [s]
     position: np.ndarray  # (n, 3) [m]
@@ -76,7 +76,7 @@ class Track:
 
 
 class Vessel(NamedTuple):
-    """Ship that a camera follows: size, helm and track."""
+    """Ship as cameras and wakes know her: size, helm and track."""
 
     length: float  # [m]
     helm: np.ndarray  # (3,) body axes from the centre of mass [m]
@@ -99,7 +99,7 @@ class Vessel(NamedTuple):
 
 
 class Operator:
-    """Moving camera of a film: its view depends on time, the ship's track until then, for `orbit` the film's span."""
+    """Moving camera of a film: gives the `Camera` for each time from the ship's track until then."""
 
     def __init__(
         self,
@@ -110,7 +110,8 @@ class Operator:
         span: tuple[float, float],
         **given: Any,
     ) -> None:
-        """`span` of the film [s]; `given`: `vessel` to follow, if `away`, `at_sea` or `whole`; `eye`, `target` [m]."""
+        """`span`: first and last time of the film [s]; `given`: `vessel` to follow; True for `away` (ships may leave
+        the basin), `at_sea`, `whole` (show all of the basin); `eye`, `target` [m] of the camera `fixed`."""
         self.name, self.lower, self.upper, self.aspect, self.span = name, lower, upper, aspect, span
         self.vessel: Vessel | None = given.get("vessel")
         self.away, self.whole = bool(given.get("away")), bool(given.get("whole"))
@@ -165,7 +166,7 @@ class Operator:
         return camera_on_box("third_person", lower, upper, self.aspect)
 
     def orbit(self, time: float) -> Camera:
-        """Camera at a time [s] that goes once around the ship, or the basin, in the course of the film."""
+        """Camera at a time [s] of the film, in which it goes once around the ship or the basin."""
         start, end = self.span
         forward = self.standing.forward
         turned = np.arctan2(-forward[0], -forward[2]) + 2.0 * np.pi * (time - start) / max(end - start, 1e-9)
@@ -181,21 +182,22 @@ class Operator:
 
 
 def camera_looking(eye: np.ndarray, target: np.ndarray, near: float | None = None) -> Camera:
-    """Camera at `eye` that looks at `target` [m], with a level horizon; `near`: least distance that is drawn [m]."""
+    """Camera at `eye` that looks at `target` [m], with a level horizon; `near`: smallest distance that is drawn [m]."""
     forward = unit_vector(target - eye)
     right = unit_vector(np.cross(forward, [0.0, 1.0, 0.0] if abs(forward[1]) < 0.999 else [0.0, 0.0, -1.0]))
     return Camera(eye, forward, np.cross(right, forward), None, near=near)
 
 
 def helm_camera(position: np.ndarray, turn: np.ndarray, helm: np.ndarray, near: float) -> Camera:
-    """Camera at a ship's helm (3,) [m], ahead and a little down; `turn`: body to world; `near`: least distance [m]."""
+    """Camera at a ship's `helm` (3,) [m] in body axes, looking ahead and a little down. `position` [m] and `turn` (3,
+    3), from body to world: of the ship; `near`: smallest distance that is drawn [m]."""
     angle = np.radians(HELM_PITCH)
     forward, up = np.array([0.0, -np.sin(angle), np.cos(angle)]), np.array([0.0, np.cos(angle), np.sin(angle)])
     return Camera(position + turn @ helm, turn @ forward, turn @ up, None, WIDE_ANGLE, near)
 
 
 def damped_track(track: Track) -> tuple[np.ndarray, np.ndarray]:
-    """Position (n, 3) [m] at still water and heading (n,) [rad] that follow a track with a first-order lag."""
+    """Positions (n, 3) [m] at water level and headings (n,) [rad] that follow a ship's track with a first-order lag."""
     heading = np.unwrap(np.arctan2(track.turn[:, 0, 2], track.turn[:, 2, 2]))
     centre = track.position * [1.0, 0.0, 1.0]
     for k in range(1, len(track.time)):
@@ -207,14 +209,14 @@ def damped_track(track: Track) -> tuple[np.ndarray, np.ndarray]:
 
 
 def camera_abeam(middle: np.ndarray, forward: np.ndarray, reach: float, aspect: float) -> Camera:
-    """Perspective camera low over the sea, which has no cut side for a parallel projection. It looks along a level
-    direction `forward` at `middle` [m], and sees `reach` [m] to either side in a picture of an `aspect` ratio."""
+    """Perspective camera low over an open sea, in place of a parallel side view. It looks along the level direction
+    `forward` at `middle` [m] and shows `reach` [m] to either side; `aspect`: width over height of the picture."""
     away = FRAME_MARGIN * reach / (np.tan(np.radians(VIEW_ANGLE / 2.0)) * aspect)
     return camera_looking(middle + away * (np.array([0.0, SIDE_EYE_HEIGHT, 0.0]) - forward), middle)
 
 
 def camera_on_box(name: CameraName, lower: np.ndarray, upper: np.ndarray, aspect: float) -> Camera:
-    """Camera `name` that sees a whole box from `lower` to `upper` [m] in a picture `aspect` times as wide as high."""
+    """Camera of this name that sees the box from `lower` to `upper` [m]; `aspect`: width over height of the picture."""
     forward, up = (unit_vector(np.array(v)) for v in VIEW_DIRECTIONS[name])
     right = unit_vector(np.cross(forward, up))
     up = np.cross(right, forward)
@@ -236,7 +238,8 @@ def eye_before(
     tangents: tuple[float, float],
     aside: float = 0.0,
 ) -> np.ndarray:
-    """Foremost eye (3,) [m] that sees points (n, 3) [m] within `tangents`; `axes`: right, up, forward."""
+    """Foremost position (3,) [m] of an eye that sees all points (n, 3) [m]; `axes`: its right, up, forward; `tangents`:
+    of half the angles of view; `aside`: by which the view is shifted to the right, as a tangent."""
     right, up, forward = axes
     x, y, away = corners @ right, corners @ up, corners @ forward
     # Planes through the eye bound the picture: each corner limits how far forward the eye may stand.

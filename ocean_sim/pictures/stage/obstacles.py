@@ -16,7 +16,8 @@ INSET_SHARE = 2.0e-3  # of the basin: a face that lies in a side of the basin is
 
 
 def sand_mesh(ground: Ground, breadth: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Bed wider than the basin: vertices (n, 3) [m], triangles, lit 8-bit colours (n, 3); `breadth` of a slice [m]."""
+    """Sand bed to draw, wider than the basin: vertices (n, 3) [m], triangles (m, 3), 8-bit RGB (n, 3). `breadth`:
+    across the drawn bed of a 2-D basin [m]."""
     corners, normals = ground.body_mesh(breadth)
     middle = ground.extent.mean(axis=0) * [1.0, 0.0, 1.0]
     vertices = middle + (corners.reshape(-1, 3) - middle) * [1.0 + INSET_SHARE, 1.0, 1.0 + INSET_SHARE]
@@ -25,10 +26,10 @@ def sand_mesh(ground: Ground, breadth: float) -> tuple[np.ndarray, np.ndarray, n
 
 
 class Obstacles:
-    """Obstacles of a basin in a picture, boxes and meshes: fixed ones are drawn once, others anew in every picture."""
+    """Obstacles of a basin in a picture. Those that never move are drawn once, the others anew in every picture."""
 
     def __init__(self, stage: Stage, grid: dict[str, np.ndarray], lower: np.ndarray, upper: np.ndarray) -> None:
-        """`grid`: arrays that a run saves once, with the fixed ones; between walls at `lower` and `upper` [m]."""
+        """`grid`: arrays that a run saves once, with fixed obstacles; `lower`, `upper`: corners of the walls [m]."""
         inset = INSET_SHARE * (upper - lower)
         self.stage, self.lower = stage, lower + inset
         self.upper = np.array([upper[0] - inset[0], np.inf, upper[2] - inset[2]])  # it may stand out of the water
@@ -40,7 +41,7 @@ class Obstacles:
         self.add("plates", self.plates + frame.plate_way, frame.moving_meshes[:0], PLATE_COLOUR)
 
     def add(self, name: str, boxes: np.ndarray, triangles: np.ndarray, paint: np.ndarray = CONCRETE_COLOUR) -> None:
-        """Draw boxes (n, 2, 3) and triangles (m, 3, 3) [m] under a name, in place of those drawn under it before."""
+        """Draw boxes (n, 2, 3) and triangles (m, 3, 3) [m] as one object of this name, in place of an earlier one."""
         plotter, pyvista = self.stage.plotter, self.stage.pyvista
         plotter.remove_actor(name, render=False)
         ends = [np.stack([np.maximum(low, self.lower), np.minimum(up, self.upper)], axis=1) for low, up in boxes]

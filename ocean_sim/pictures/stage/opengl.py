@@ -39,14 +39,14 @@ class OpenGLMissing(Lacking):
 
 
 def drawing_environment(window: str) -> dict[str, str]:
-    """Environment variables of a process that draws off screen with this VTK window class."""
+    """Environment variables for a child process that draws off screen with this class of VTK window."""
     inherited = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
     return inherited | {"VTK_DEFAULT_OPENGL_WINDOW": window, "OPENBLAS_NUM_THREADS": "1"}  # products are small
 
 
 @cache
 def window() -> str | None:
-    """Name of the VTK window class that draws off screen here, or None. A success is stored in the user's cache."""
+    """Name of the VTK window class that can draw off screen here, or None. Success is remembered in the cache."""
     if missing_extra("pictures"):
         return None
     with suppress(OpenGLMissing):
@@ -56,7 +56,7 @@ def window() -> str | None:
 
 
 def drawing_window() -> dict[str, np.ndarray]:
-    """Name of the first of WINDOW_CLASSES that draws, as an array for the cache; raises OpenGLMissing if none does."""
+    """Find the first of WINDOW_CLASSES that can draw; returns its name as an array, or raises OpenGLMissing."""
     found = next((name for name in WINDOW_CLASSES if draws(name)), None)
     if found is None:
         raise OpenGLMissing
@@ -64,23 +64,23 @@ def drawing_window() -> dict[str, np.ndarray]:
 
 
 def probe() -> str | None:
-    """Sentence that names the packages to install if pictures cannot be drawn; None if they can."""
+    """Sentence that says which packages to install for pictures; None if pictures can be drawn."""
     return None if window() else str(OpenGLMissing())
 
 
 def forget() -> None:
-    """Delete the cached window class, so that the next run tests again; called after a crash."""
+    """Delete the cached class of window, so that the next run tests again; called after a crash."""
     shutil.rmtree(cache_directory() / NOTE_FOLDER, ignore_errors=True)
     window.cache_clear()
 
 
 def draws(name: str) -> bool:
-    """True if a child process draws with this VTK window class and ends well."""
-    return child_says(f"drawn by {name}", PROBE_PROGRAM, drawing_environment(name))
+    """True if a child process can draw with this class of VTK window and ends without a crash."""
+    return child_prints(f"drawn by {name}", PROBE_PROGRAM, drawing_environment(name))
 
 
-def child_says(words: str, program: str, environment: Mapping[str, str] | None = None) -> bool:
-    """True if a child process runs a Python program, prints these words and ends well, within PROBE_SECONDS."""
+def child_prints(words: str, program: str, environment: Mapping[str, str] | None = None) -> bool:
+    """True if a child process running a Python program prints `words` and ends well, within PROBE_SECONDS."""
     command = [sys.executable, "-c", program]
     try:
         with TemporaryDirectory() as away:  # where it works, as GGUI leaves a file there

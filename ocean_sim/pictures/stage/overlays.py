@@ -19,7 +19,7 @@ MAX_BAR = 0.25  # of the width of a picture: the bar
 
 
 def add_words(stage: Stage, text: str, position: tuple[int, int]) -> Any:
-    """Add text on a dark ground, legible on foam, at x and y from the lower left corner [pixels]; returns its actor."""
+    """Add text on a dark ground; `position`: x, y from the lower left corner [pixels]. Returns its actor."""
     x, y = (stage.samples * n for n in position)
     made = stage.plotter.add_text(text, position=(x, y), font_size=9 * stage.samples, color=INK_COLOUR)
     made.prop.SetBackgroundColor(*PAPER_COLOUR)
@@ -29,7 +29,7 @@ def add_words(stage: Stage, text: str, position: tuple[int, int]) -> Any:
 
 
 def metre_pixels(stage: Stage, target: np.ndarray) -> float:
-    """Length [pixels] in the picture of one metre across it at the distance of a target (3,) [m]."""
+    """Length in the picture [pixels] of a metre that lies across the view at the distance of `target` (3,) [m]."""
     camera, half = stage.camera, stage.camera.parallel_height
     if half is None:
         half = float((target - camera.eye) @ camera.forward) * float(np.tan(np.radians(camera.angle) / 2.0))
@@ -37,7 +37,7 @@ def metre_pixels(stage: Stage, target: np.ndarray) -> float:
 
 
 class ScaleBar:
-    """Scale bar of a round number of metres, valid at the distance of a target."""
+    """Scale bar whose length is a round number of metres at the distance of a target."""
 
     def __init__(self, stage: Stage) -> None:
         self.stage = stage
@@ -62,7 +62,7 @@ class ScaleBar:
 
 
 class ArrowBar:
-    """Legend of the wind's arrows, above the scale bar: a text, and an arrow of known length."""
+    """Legend of the wind arrows, above the scale bar: an arrow of known length, and a text."""
 
     def __init__(self, stage: Stage) -> None:
         self.stage = stage
@@ -71,7 +71,7 @@ class ArrowBar:
         self.length = 0  # [pixels]
 
     def show(self, target: np.ndarray, length: float, text: str) -> None:
-        """Set the arrow's length [m], as seen at the distance of `target` [m], and its text; length 0: text alone."""
+        """Set the text and the arrow's length [m] at the distance of `target` (3,) [m]; length 0: no arrow."""
         self.length = int(round(length * metre_pixels(self.stage, target)))
         self.words.input = text
         right = self.stage.size[0] - 24
@@ -90,13 +90,13 @@ class ArrowBar:
 
 
 def round_down(value: float) -> float:
-    """Greatest of 1, 2 and 5 times a power of ten that is not above a value."""
+    """Largest of 1, 2 and 5 times a power of ten that is not above a value."""
     power = 10.0 ** floor(log10(value))
     return next(m * power for m in (5.0, 2.0, 1.0) if m * power <= value * (1.0 + 1e-9))
 
 
 class HeightBar:
-    """Colour bar of water heights on a map, between the limits beyond which the colour does not change."""
+    """Colour bar of the water heights on a map."""
 
     def __init__(self, stage: Stage) -> None:
         self.size = stage.size
@@ -105,7 +105,7 @@ class HeightBar:
         add_words(stage, HEIGHT_TITLE, (stage.size[0] - BAR_LEFT + 34, self.tick(2) + 18))
 
     def tick(self, k: int) -> int:
-        """Height [pixels] of tick k = 0, 1 or 2, the lowest first, above the lower edge of the picture."""
+        """Height [pixels] over the lower edge of the picture of tick k: 0 the lowest, 1 the middle, 2 the highest."""
         return self.size[1] - self.top - self.height + k * self.height // 2
 
     def show(self, most: float) -> None:
@@ -139,5 +139,5 @@ class Outline:
         stage.over.append(drawn)
 
     def show(self, origin: np.ndarray, heights: np.ndarray) -> None:
-        """Move the line to an origin x, z [m] and to water heights (points,) [m] along it."""
+        """Move the line to a basin at `origin` x, z [m], and to water `heights` (points,) [m] along it."""
         self.line.points = np.insert(self.around + origin, 1, heights + self.raised, axis=1).astype(np.float32)

@@ -16,7 +16,7 @@ class Particles(Content):
     """Every particle as a small ball, coloured by its speed."""
 
     def __init__(self, stage: Stage, first: Frame, spacing: float, fastest: float) -> None:
-        """`first`: first frame; `spacing` of particles [m]; `fastest`: speed [m/s] of the last colour."""
+        """`first`: first frame; `spacing`: of particles [m]; `fastest`: speed [m/s] of the brightest colour."""
         assert first.position is not None
         cloud = stage.pyvista.PolyData(first.position.astype(np.float32))
         cloud["speed [m/s]"] = np.zeros(len(first.position), np.float32)

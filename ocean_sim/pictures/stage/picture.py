@@ -31,23 +31,23 @@ MAP_CAMERAS = "top", "side"  # cameras that see the whole way of a ship that lea
 
 
 def is_foreseeable(grid: Any, order: Order) -> bool:
-    """True if no picture depends on later frames, so that they can be drawn while the run continues. Particles, whose
-    colours span the speeds of all frames, and cameras that need the end of the run do depend on them."""
+    """True if every picture can be drawn while the run continues. Two kinds need all frames first: particles, whose
+    colour scale covers the speeds of the whole run, and cameras that show the whole way or time of the run."""
     whole_way = order.camera in MAP_CAMERAS and "sea_answers" in grid
     return not (order.particles or not bool(grid["has_surface"]) or order.camera == "orbit" or whole_way)
 
 
 def swept_box(lower: np.ndarray, upper: np.ndarray, ways: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Corners [m] of the box that a basin covers as it moves with the mean of its ships, along tracks (n, 3) [m]."""
+    """Corners [m] of the box that a basin sweeps as it moves with the mean of its ships; `ways`: tracks (n, 3) [m]."""
     middle = np.mean(ways, axis=0) * [1.0, 0.0, 1.0]
     return lower + middle.min(axis=0), upper + middle.max(axis=0)
 
 
 class Picture:
-    """Plotter for all pictures of a run, built once; for each frame only its points and colours change."""
+    """Everything in the pictures of a run, built once; for each frame only points and colours change."""
 
     def __init__(self, grid: Any, order: Order, first: Frame, fastest: float, log: FrameLog) -> None:
-        """`grid`: what a run keeps once; `first` frame; `fastest`: speed [m/s] of the last colour; `log`: tracks."""
+        """`grid`: arrays saved once; `first` frame; `fastest`: speed [m/s] of the brightest colour; `log`: tracks."""
         self.order, self.grid = order, grid
         self.lower, self.upper = grid["lower"].copy(), grid["upper"].copy()
         self.sides = self.lower[[0, 2]].copy(), self.upper[[0, 2]].copy()
@@ -107,7 +107,7 @@ class Picture:
             tank_walls.add_edges(stage, *walls, grid.get("zones", NO_BOXES))
         self.obstacles = Obstacles(stage, grid, *walls)
         self.ships: Mapping[str, DrawnShip | ShadedShip] = (
-            self.content.appear(models)
+            self.content.add_ships(models)
             if isinstance(self.content, Sea)
             else {key: DrawnShip(stage, model) for key, model in models.items()}
         )
@@ -121,7 +121,7 @@ class Picture:
         self.aim()
 
     def aim(self) -> None:
-        """Set the plotter's camera to the view of the stage's camera."""
+        """Set VTK's camera to the present `Camera` of the stage."""
         camera, plotter = self.stage.camera, self.plotter
         plotter.camera.position, plotter.camera.focal_point = tuple(camera.eye), tuple(camera.eye + camera.forward)
         plotter.camera.up, plotter.camera.view_angle = tuple(camera.up), camera.angle
@@ -133,7 +133,7 @@ class Picture:
             plotter.camera.parallel_scale = camera.parallel_height
 
     def backdrop(self) -> None:
-        """Add the background: a dome of sky; in parallel projection, a gradient, or from above the ground's colour."""
+        """Add the background: a dome of sky; for a side view, a gradient; for a map, the ground's colour."""
         camera, pyvista = self.stage.camera, self.stage.pyvista
         if camera.from_above and camera.parallel_height is not None:
             self.plotter.set_background(display_colours(sky.sky_and_ground(camera.forward[None]))[0] / 255.0)
@@ -154,7 +154,7 @@ class Picture:
             self.shadow()
 
     def shadow(self) -> None:
-        """Add the soft shadow of the block of water on the ground below it, and lines on the ground."""
+        """Add to the ground the soft shadow of the block of water, and lines."""
         size, middle = self.upper - self.lower, 0.5 * (self.lower + self.upper)
         centre = middle[0], self.lower[1] - 0.02 * size[1], middle[2]  # below a dry bed
         plane = self.stage.pyvista.Plane(centre, (0.0, 1.0, 0.0), 5.0 * size[2], 5.0 * size[0], 160, 160)
@@ -198,7 +198,7 @@ class Picture:
         return image
 
     def heights_at(self, frame: Frame, positions: np.ndarray) -> np.ndarray:
-        """Drawn water heights (n,) [m] at positions x, z (n, 2) [m]; except at sea those of the nearest grid points."""
+        """Drawn water heights (n,) [m] at positions x, z (n, 2) [m]; not at sea: those of the nearest grid points."""
         if isinstance(self.content, Sea):
             return self.content.heights_at(positions)
         share = (positions - self.sides[0]) / np.maximum(self.sides[1] - self.sides[0], 1e-9)
@@ -206,7 +206,7 @@ class Picture:
         return frame.elevation[index[0], index[1]]
 
     def move(self, camera: Camera) -> None:
-        """Set the view to another camera; the sky moves with the eye."""
+        """Set the view to another camera, and centre the sky on its eye."""
         if camera is self.stage.camera:
             return
         self.stage.camera = camera
@@ -219,21 +219,21 @@ class Picture:
 
 
 def sample_means(image: np.ndarray, samples: int) -> np.ndarray:
-    """Picture (height, width, 3), 8-bit RGB, reduced by the mean over samples x samples pixels."""
+    """Picture (height, width, 3), 8-bit RGB, made smaller: each pixel is the mean of samples x samples pixels."""
     from PIL import Image
 
     return np.array(Image.fromarray(np.ascontiguousarray(image)).reduce(samples))
 
 
 class Moments:
-    """Collector of evenly spaced pictures of a film of unknown length, for a sheet; keeps at most twice those shown."""
+    """Contact sheet of a film in progress: evenly spaced pictures of it; keeps at most twice the number shown."""
 
     def __init__(self) -> None:
         self.kept: list[np.ndarray] = []
         self.seen, self.every = 0, 1  # pictures of the film, and how many of them for each that is kept
 
     def see(self, image: np.ndarray) -> None:
-        """Take the next picture (height, width, 3) of the film; every n-th is stored, made smaller; n grows."""
+        """Take in the next picture (height, width, 3); every n-th is stored, made smaller; n grows with the film."""
         if self.seen % self.every == 0:
             if len(self.kept) == 2 * SHEET_PICTURES:
                 self.kept, self.every = self.kept[::2], 2 * self.every
@@ -242,13 +242,13 @@ class Moments:
         self.seen += 1
 
     def sheet(self) -> np.ndarray:
-        """Sheet (height, width, 3) of small pictures, evenly spaced over the film so far; a short one repeats some."""
+        """Contact sheet (height, width, 3) of pictures evenly spaced over the film so far; a short one repeats some."""
         chosen = [self.kept[round(k)] for k in np.linspace(0, len(self.kept) - 1, SHEET_PICTURES)]
         rows = [picture_row(chosen[k : k + SHEET_COLUMNS], SHEET_GAP) for k in range(0, SHEET_PICTURES, SHEET_COLUMNS)]
         return picture_row([row.swapaxes(0, 1) for row in rows], SHEET_GAP).swapaxes(0, 1)
 
 
 def picture_row(pictures: Sequence[np.ndarray], gap: int) -> np.ndarray:
-    """Strip (height, width, 3) of pictures of equal height side by side, `gap` white pixels apart."""
+    """Picture (height, width, 3) of pictures of equal height in a row, with `gap` white pixels between them."""
     between = np.full((pictures[0].shape[0], gap, 3), 255, np.uint8)
     return np.concatenate([part for picture in pictures for part in (picture, between)][:-1], axis=1)

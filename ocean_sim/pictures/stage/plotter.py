@@ -1,4 +1,4 @@
-"""Stage of a picture: the plotter, and the camera that looks at it now."""
+"""Stage of a picture: the VTK plotter, and the camera that looks at it now."""
 
 from types import ModuleType
 from typing import Any
@@ -15,23 +15,23 @@ EDGE_CONTRASTS, SINGLE_PIXEL_BLUR = (0.25, 32.0 / 255.0), 0.6
 
 
 class Stage:
-    """Plotter and camera of a picture; the objects of the picture add themselves to it."""
+    """VTK plotter and camera of a picture, to which the objects in the picture add themselves."""
 
     def __init__(self, size: tuple[int, int], camera: Camera, samples: int) -> None:
-        """`size`: width and height [pixels]; `samples`: number of samples along each side of a pixel."""
+        """`size`: width and height of the picture [pixels]; `samples`: samples along each side of a pixel."""
         import pyvista
 
         self.pyvista: ModuleType = pyvista
         self.size, self.camera, self.samples = size, camera, samples
         self.over: list[Any] = []  # actors on the water or before the picture, of which the water shows none within it
         self.plotters: list[Any] = []
-        self.plotter = self.empty((samples * size[0], samples * size[1]))
+        self.plotter = self.new_plotter((samples * size[0], samples * size[1]))
         if samples == 1:
             smooth_edges(self.plotter)
         self.said = water_glsl.collect_messages()
 
-    def empty(self, size: tuple[int, int]) -> Any:
-        """New off-screen plotter of a size [pixels], without lights."""
+    def new_plotter(self, size: tuple[int, int]) -> Any:
+        """New off-screen plotter with a window of this size [pixels], without lights."""
         plotter = self.pyvista.Plotter(off_screen=True, window_size=size, lighting="none")
         plotter.disable_anti_aliasing()  # PyVista's default multiplies the time of a picture
         plotter.render_window.SetMultiSamples(0)
@@ -39,14 +39,14 @@ class Stage:
         return plotter
 
     def mesh(self, points: np.ndarray, faces: np.ndarray, **vectors: np.ndarray) -> Any:
-        """PyVista mesh of faces (m, 3) or (m, 4) between points (n, 3) [m], with vectors (n, 3) at these by name."""
+        """PyVista mesh of faces (m, 3) or (m, 4) between points (n, 3) [m]; `vectors`: by name, (n, 3) at points."""
         made = self.pyvista.PolyData.from_regular_faces(points.astype(np.float32), faces)
         for name, values in vectors.items():
             made.point_data[name] = values.astype(np.float32)
         return made
 
     def add(self, points: np.ndarray, faces: np.ndarray, colours: np.ndarray, **shown: Any) -> Any:
-        """Add and return a mesh of faces between points (n, 3) [m], in 8-bit RGB or RGBA; `shown`: more options."""
+        """Add and return a mesh of faces between points (n, 3) [m], in 8-bit RGB or RGBA; `shown`: PyVista options."""
         mesh = self.mesh(points, faces)
         mesh["colour"] = colours
         self.plotter.add_mesh(mesh, scalars="colour", rgb=True, lighting=False, **shown)
@@ -65,7 +65,7 @@ class Stage:
 
 
 def smooth_edges(plotter: Any) -> None:
-    """Smooth jagged edges in the pictures of a plotter by Lottes' FXAA (2009, NVIDIA)."""
+    """Smooth jagged edges in a plotter's pictures by FXAA (Lottes 2009, NVIDIA white paper)."""
     plotter.renderer.SetUseFXAA(True)  # PyVista takes many samples of each pixel instead, where EGL draws
     options = plotter.renderer.GetFXAAOptions()
     options.SetRelativeContrastThreshold(EDGE_CONTRASTS[0])
@@ -75,8 +75,8 @@ def smooth_edges(plotter: Any) -> None:
 
 
 class Content:
-    """Main subject of a picture: interface that a sea, a tank or particles implement."""
+    """Main subject of a picture: interface of the sea, a tank's water, and particles."""
 
     def show(self, frame: Frame) -> None:
-        """Update the subject to its state in a frame."""
+        """Change the subject to its state in a frame."""
         raise NotImplementedError

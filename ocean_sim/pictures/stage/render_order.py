@@ -17,7 +17,7 @@ class RenderFailed(Failed):
 
 
 class Drawing(Model):
-    """Options for drawing the pictures of a run that a scene may set: camera, size, frames and contents."""
+    """Options for the pictures of a run that a scene may set: camera, size, frames and contents."""
 
     camera: CameraName = "third_person"
     """`third_person` sees the whole basin, in a long one of open sea the ship; `follow` is behind the ship,
@@ -82,7 +82,7 @@ class Drawing(Model):
 
 
 class Order(Drawing):
-    """Options for drawing the pictures of a run: its folder, that of the pictures, and parts of their look."""
+    """All options for the pictures of a run: a scene's, the folders to read and write, and details of the look."""
 
     folder: str
     out: str

@@ -42,7 +42,7 @@ SUN_COSINE = np.cos(np.radians(0.6))  # of the drawn sun, wider than the true 0.
 
 
 def clear_sky(direction: np.ndarray) -> np.ndarray:
-    """Radiance (n, 3) of a clear sky in unit directions (n, 3); below the horizon it is that at the horizon."""
+    """Radiance (n, 3) of a clear sky in unit directions (n, 3); a direction below the horizon gets the horizon's."""
     up = np.clip(direction[:, 1], 0.0, 1.0)[:, None]
     towards = np.clip(direction @ SUN_DIRECTION, 0.0, 1.0)[:, None]
     low = (1.0 - up) ** 20
@@ -52,7 +52,7 @@ def clear_sky(direction: np.ndarray) -> np.ndarray:
 
 
 def sky_and_ground(direction: np.ndarray) -> np.ndarray:
-    """Radiance (n, 3) in unit directions (n, 3) of a clear sky, and of a ground that darkens downwards."""
+    """Radiance (n, 3) in unit directions (n, 3) of a clear sky, and below it of a ground that darkens downwards."""
     down = np.clip(-direction[:, 1], 0.0, 1.0)[:, None]
     flat = unit_vector(direction * [1.0, 0.0, 1.0] + [1e-12, 0.0, 0.0])  # not (0, 0, 0)
     ground = GROUND_COLOUR + (0.72 * clear_sky(flat) - GROUND_COLOUR) * np.exp(-down / 0.22)
@@ -60,7 +60,7 @@ def sky_and_ground(direction: np.ndarray) -> np.ndarray:
 
 
 def painted_light(normals: np.ndarray, paint: np.ndarray, gloss: np.ndarray | float = 0.0) -> np.ndarray:
-    """Linear RGB (n, 3) of surfaces in sun and sky; `paint`: linear RGB; `gloss` (n, 1): 1 of panes that mirror."""
+    """Linear RGB (n, 3) of surfaces of linear RGB `paint` in sun and sky; `gloss` (n, 1): 1 for panes that mirror."""
     sun = np.clip(normals @ SUN_DIRECTION, 0.0, 1.0)[:, None]
     above = 0.5 + 0.5 * normals[:, 1:2]
     ambient = FROM_BELOW + (FROM_ABOVE - FROM_BELOW) * above
@@ -69,14 +69,14 @@ def painted_light(normals: np.ndarray, paint: np.ndarray, gloss: np.ndarray | fl
 
 
 class Sky:
-    """Image (side, side, 3) of the sky's radiance, with mipmaps, in stereographic projection from the nadir: a pixel
-    takes one division, and angles are preserved. Columns go along x, rows along z, the zenith is in the middle; the
-    horizon touches the sides and repeats beyond. The side is a power of two, as the texture's smaller copies need."""
+    """Image (side, side, 3) of the sky's radiance with mipmaps, in stereographic projection from the nadir: the zenith
+    is in the middle, the horizon touches the sides and repeats beyond; x runs along columns, z along rows. A look-up
+    takes one division. `side` is a power of two."""
 
     def __init__(
         self, image: np.ndarray, sun: np.ndarray = SUN_DIRECTION, sunlight: np.ndarray = SUNLIGHT_COLOUR
     ) -> None:
-        """Make mipmaps, mean light and haze of `image`; `sun`: unit vector to it; `sunlight`: colour at the ground."""
+        """Compute mipmaps, mean light and haze of `image`; `sun`: unit vector to it; `sunlight`: its linear RGB."""
         self.image, self.sun, self.sunlight = np.asarray(image, np.float32), sun, np.asarray(sunlight, float)
         levels = [self.image.astype(float)]
         while len(levels[-1]) > 1:
@@ -110,7 +110,7 @@ class Sky:
 
 
 def bilinear_values(image: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Values (n, 3) of an image at (n, 2), 0 to 1 across it, by bilinear interpolation; constant beyond its pixels."""
+    """Values (n, 3) of an image at positions (n, 2), 0 to 1 across it, by bilinear interpolation; constant outside."""
     from scipy.ndimage import map_coordinates
 
     place = at.T[::-1] * len(image) - 0.5
@@ -118,7 +118,7 @@ def bilinear_values(image: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 def sky_directions(side: int) -> np.ndarray:
-    """Unit directions (side, side, 3) of the pixels of a sky image; those beyond the horizon are moved onto it."""
+    """Unit directions (side, side, 3) of a sky image's pixels; those beyond the horizon are moved onto it."""
     x, z = np.meshgrid(*2 * [middles_of(-1.0, 1.0, side)])
     beyond = np.maximum(np.hypot(x, z), 1.0)
     x, z = x / beyond, z / beyond
@@ -127,7 +127,7 @@ def sky_directions(side: int) -> np.ndarray:
 
 
 def cloudy_sky(side: int = 1024) -> Sky:
-    """Sky of scattered light with clouds, from the cache if possible; `side` of its image [pixels]."""
+    """Sky of scattered light with clouds, from the user's cache if it is there; `side`: of its image [pixels]."""
     arrays = cached_arrays("sky", str(side).encode(), lambda: make_sky(side))
     return Sky(arrays["image"], SUN_DIRECTION, arrays["sunlight"])
 
@@ -157,8 +157,8 @@ def make_sky(side: int) -> dict[str, np.ndarray]:
 
 
 def scattered_light(d: np.ndarray, sun: np.ndarray, steps: int = 24, inner: int = 8) -> tuple[np.ndarray, np.ndarray]:
-    """Radiance (..., 3) of light scattered once to an eye at sea level from unit directions d (..., 3), and the share
-    transmitted (Nishita et al. 1993): Rayleigh and Mie scattering; `steps`, `inner`: samples of view and sun rays."""
+    """Radiance (..., 3) of sunlight scattered once, towards an eye at sea level from unit directions d (..., 3), and
+    the share transmitted (Rayleigh and Mie; Nishita et al. 1993); `steps`, `inner`: samples of view and sun rays."""
     eye = np.array([0.0, GROUND_RADIUS + 2.0, 0.0])
     segment = distance_to_top(eye, d) / steps
     mu = d @ sun
@@ -169,7 +169,7 @@ def scattered_light(d: np.ndarray, sun: np.ndarray, steps: int = 24, inner: int 
     light_r, light_m = np.zeros(d.shape), np.zeros(d.shape)
 
     def veil(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        """Share of light transmitted (..., 3) after paths a (Rayleigh) and b (Mie), in metres of sea-level air."""
+        """Share of light (..., 3) that passes air equivalent to `a` (Rayleigh) and `b` (Mie) metres at sea level."""
         return np.exp(-(RAYLEIGH_SCATTERING * a[..., None] + 1.1 * MIE_SCATTERING * b[..., None]))
 
     for i in range(steps):
@@ -199,7 +199,8 @@ def distance_to_top(point: np.ndarray, d: np.ndarray) -> np.ndarray:
 
 
 def add_clouds(d: np.ndarray, clear: np.ndarray, sunlight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Radiance (..., 3) with clouds (warped fractal noise) before `clear`, and the share (..., 1) that they hide."""
+    """Add clouds (warped fractal noise) to the radiance `clear` (..., 3) of a sky in unit directions d (..., 3).
+    Returns the radiance (..., 3) and the share (..., 1) of it that clouds hide; `sunlight`: linear RGB."""
     cover, seed = CLOUD_COVER, CLOUD_SEED
     up = np.maximum(d[..., 1], 1e-3)
     layer = d[..., [0, 2]] / (up + 0.08)[..., None] * 1.15 + [3.1 * seed, 0.7]
@@ -217,7 +218,7 @@ def add_clouds(d: np.ndarray, clear: np.ndarray, sunlight: np.ndarray) -> tuple[
 
 
 def fractal_noise(p: np.ndarray, octaves: int, seed: int) -> np.ndarray:
-    """Noise (...), 0 to 1, at points (..., 2): octaves of value noise, each of half the amplitude before."""
+    """Noise (...), 0 to 1, at points (..., 2): `octaves` of value noise, each with half the amplitude before."""
     total, weight, amplitude = np.zeros(p.shape[:-1]), 0.0, 1.0
     for k in range(octaves):
         total += amplitude * value_noise(p * 2.03**k + 17.3 * k, seed + k)

@@ -21,7 +21,7 @@ MIN_ARROW, CROSS_SIZE = 0.02, 0.05
 
 
 class WindMarks:
-    """Marks of the wind: its volumes, arrows, and crosses for noise, drawn anew in every picture."""
+    """Marks of the wind, drawn anew in each picture: its volumes, arrows, and crosses where it is mere noise."""
 
     def __init__(self, stage: Stage, lower: np.ndarray, upper: np.ndarray) -> None:
         self.stage, self.length = stage, float(max(upper[0] - lower[0], upper[2] - lower[2]))
@@ -32,19 +32,19 @@ class WindMarks:
         self.cross = cross.compute_normals(split_vertices=True)
 
     def show(self, frame: Frame, heights: np.ndarray) -> None:
-        """Draw the wind of a frame; `heights` (n,) [m]: of the water at the arrows."""
+        """Draw the wind of a frame; `heights` (n,) [m]: of the water under the arrows."""
         self.show_volumes(frame.wind_lines, float(frame.elevation.max()))
         tails = frame.wind_tails.astype(float)
         tails[:, 1] = np.maximum(tails[:, 1], heights) + ARROW_HEIGHT * self.length
         arrows = MAX_ARROW * self.length * frame.wind_arrows.astype(float)
         size = np.linalg.norm(arrows, axis=1)
         blowing = size > MIN_ARROW * self.length
-        self.copies("arrows", self.arrow, tails[blowing], arrows[blowing])
+        self.draw_copies("arrows", self.arrow, tails[blowing], arrows[blowing])
         noise = np.tile([CROSS_SIZE * self.length, 0.0, 0.0], (int((~blowing).sum()), 1))
-        self.copies("crosses", self.cross, tails[~blowing] + [0.0, noise[:1].sum(), 0.0], noise)
+        self.draw_copies("crosses", self.cross, tails[~blowing] + [0.0, noise[:1].sum(), 0.0], noise)
 
-    def copies(self, name: str, model: object, positions: np.ndarray, along: np.ndarray) -> None:
-        """Draw copies of a model, 1 long and along x, at positions (n, 3) [m], turned and scaled to vectors (n, 3)."""
+    def draw_copies(self, name: str, model: object, positions: np.ndarray, along: np.ndarray) -> None:
+        """Draw copies of a model of length 1 along x, at positions (n, 3), turned and scaled to vectors (n, 3) [m]."""
         self.stage.plotter.remove_actor(name, render=False)
         if not len(positions):
             return
@@ -55,7 +55,7 @@ class WindMarks:
         self.stage.add(copies.points, copies.regular_faces, colours, **shown)
 
     def show_volumes(self, lines: np.ndarray, crest: float) -> None:
-        """Draw walls over outlines of wind volumes, lines (n, 2, 3) [m]; on a map only outlines above a `crest` [m]."""
+        """Draw walls over outlines of wind volumes, lines (n, 2, 3) [m]; on a map, outlines at a height `crest` [m]."""
         plotter, pyvista = self.stage.plotter, self.stage.pyvista
         on_map = self.stage.camera.from_above
         faces, ends = [], []
@@ -86,7 +86,8 @@ class WindMarks:
 
 
 def arrow_legend(frame: Frame, length: float) -> tuple[float, str]:
-    """Length [m] of a legend arrow for a round value of the wind, or 0, and its text; `length`: of the basin [m]."""
+    """Length [m] and text of the legend's arrow, which stands for a round value of the wind; length 0: no arrow.
+    `length`: longer side of the basin [m]."""
     if not (np.linalg.norm(frame.wind_arrows, axis=1) > MIN_ARROW / MAX_ARROW).any():
         return 0.0, "wind: noise alone" if len(frame.wind_tails) else "no wind"
     if frame.wind_strongest <= 0.0:
@@ -96,7 +97,7 @@ def arrow_legend(frame: Frame, length: float) -> tuple[float, str]:
 
 
 def connected_parts(lines: np.ndarray) -> list[np.ndarray]:
-    """Groups of line segments (n, 2, 3) that are connected by common ends."""
+    """Groups of line segments (n, 2, 3) [m], each connected by shared ends."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 

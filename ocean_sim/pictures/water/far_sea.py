@@ -35,20 +35,20 @@ QUARTER_STREAM, PHASE_STREAM, PLACE_STREAM = 0x5_0000, 0x5_0001, 0x5_0002  # str
 
 
 def blend_weight(nodes: np.ndarray, low: float, high: float, margin: float) -> np.ndarray:
-    """Weight (n,), 0 to 1, of nodes (n,) [m]: 1 in the middle, falling smoothly to 0 over a margin [m] at both ends."""
+    """Weight (n,), 0 to 1, of nodes (n,) [m]: 1 inside, falling smoothly to 0 over a margin [m] at both ends."""
     inside = np.clip(np.minimum(nodes - low, high - nodes) / margin, 0.0, 1.0)
     return inside * inside * (3.0 - 2.0 * inside)
 
 
 class SeaSample(NamedTuple):
-    """Heights and convergence of the sea at all nodes of a grid (nx, nz) at one time."""
+    """Heights of the sea and its convergence (downward acceleration of the surface over gravity) on a grid (nx, nz)."""
 
     height: np.ndarray  # [m]
     convergence: np.ndarray  # of the water near the surface
 
 
 class PlaneWaves:
-    """Sum of plane waves at the nodes of a tensor grid, evaluated by products of matrices."""
+    """Sum of plane waves at the nodes of a rectangular grid, evaluated by matrix products."""
 
     def __init__(self, sea: Components, x: np.ndarray, z: np.ndarray) -> None:
         """`x`, `z`: coordinates of the grid's nodes [m]."""
@@ -57,7 +57,7 @@ class PlaneWaves:
         self.along_x, self.along_z = np.exp(1j * x[:, None] * kx), np.exp(1j * z[:, None] * kz)
 
     def at(self, turning: np.ndarray) -> SeaSample:
-        """Sea at the nodes for complex amplitudes (n,) [m] of its waves at their origin (see `complex_amplitudes`)."""
+        """Sea at the nodes, for complex amplitudes `turning` (n,) [m] of the waves (see `complex_amplitudes`)."""
         x, z = self.along_x * turning, self.along_z.T
         # The real part of a product of complex matrices is two products of real ones.
         height = x.real @ z.real - x.imag @ z.imag
@@ -73,12 +73,12 @@ def complex_amplitudes(sea: Components, time: float, origin: np.ndarray) -> np.n
 
 
 def grown_waves(sea: Components, time: float) -> Components:
-    """Copy of a sea without a ramp, its amplitudes those to which the waves have grown at a time [s]."""
+    """Copy of a sea with the amplitudes that its waves have reached at a time [s] of their ramp, and without a ramp."""
     return replace(sea, amplitude=sea.ramp_share(time) * sea.amplitude, ramp=0.0)
 
 
 def strongest_waves(sea: Components, most: int = MAX_WAVES) -> Components:
-    """Copy of a sea with its `most` strongest waves only, scaled to keep the variance of all."""
+    """Copy of a sea with only its `most` strongest waves, scaled to keep the variance of the sea."""
     if len(sea.amplitude) <= most:
         return sea
     kept = np.sort(np.argsort(sea.amplitude)[::-1][:most])
@@ -87,8 +87,8 @@ def strongest_waves(sea: Components, most: int = MAX_WAVES) -> Components:
 
 
 def shortest_lengths(sea: Components) -> list[float]:
-    """Wavelengths [m] of the shortest waves to draw within each of WAVE_REACHES from the eye, rounded down to a quarter
-    of an octave, so that similar seas share a mesh."""
+    """Shortest wavelengths [m] to draw within each distance of WAVE_REACHES from the eye. They are rounded down to
+    quarters of an octave, so that similar seas share a mesh."""
     order = np.argsort(sea.wavenumber)[::-1]
     held = np.cumsum(sea.amplitude[order] ** 2)
     lengths = 2.0 * pi / np.maximum(sea.wavenumber[order], 1e-9)
@@ -99,8 +99,8 @@ def shortest_lengths(sea: Components) -> list[float]:
 
 
 def ring_distances(lengths: list[float], first: float) -> np.ndarray:
-    """Distances (n,) [m] of mesh rings around an eye, from `first` to the horizon; within each of WAVE_REACHES their
-    spacing resolves a wave of the length [m] given for it."""
+    """Distances (n,) [m] of mesh rings around an eye, from `first` to the horizon. Within each distance of WAVE_REACHES
+    their spacing resolves waves of the length [m] given in `lengths`."""
     caps = [length / NODES_PER_WAVE[1] for length in lengths]
     distances = [first]
     step = max(RING_SPACING * first, 0.02)
@@ -112,8 +112,8 @@ def ring_distances(lengths: list[float], first: float) -> np.ndarray:
 
 
 class Fan:
-    """Mesh of the far sea around an eye: nodes on rays and rings. Heights include every wave that the rings resolve;
-    slopes of waves narrower than a few pixels are left out, and widen the glint of the sun instead."""
+    """Mesh of the far sea around an eye, with nodes on rays and rings. Heights include every wave that the rings
+    resolve; slopes of waves too narrow for the pixels are left out, and widen the sun's glint instead."""
 
     def __init__(self, sea: Components) -> None:
         """`sea`: plane waves, whose amplitudes may change with time."""
@@ -124,13 +124,12 @@ class Fan:
         self.evenly = np.zeros(0, int)  # numbers of nodes near the eye, as many to each square metre
         self.belts: list[tuple[slice, np.ndarray, np.ndarray]] = []  # rings, their waves, and cosine and sine of these
 
-    def look(
+    def turn_to(
         self, height: float, heading: float, half: float, lowest: float, pixel: float, row: float, amplitude: np.ndarray
     ) -> bool:
-        """Turn the fan towards a heading [rad, from +x to +z]; returns True if its nodes have changed. `height`: of the
-        eye over the water [m]; `half`: angle seen to either side [rad]; `lowest`: angle of the lowest ray below the
-        horizon [rad]; `pixel`, `row`: angles of a pixel and of a row of samples [rad], of which each shows one ring at
-        most; `amplitude` (n,): of the waves now [m]."""
+        """Turn the fan towards a heading [rad, from +x to +z]; True if its nodes have changed. `height`: of the eye
+        over water [m]; angles [rad]: `half` seen to either side, `lowest` ray below the horizon, `pixel`, and `row` of
+        samples, which shows at most one ring; `amplitude` (n,): of the waves now [m]."""
         whole = half > 0.5 * pi
         bucket = 0.0 if whole else TURN_STEP * round(heading / TURN_STEP)
         step = 2.0 ** (np.round(2.0 * np.log2(max(height, 0.5))) / 2.0)  # heights that are alike look alike
@@ -178,25 +177,26 @@ class Fan:
             self.belts.append((belt, drawn, np.concatenate([np.cos(phase), np.sin(phase)], axis=-1)))
         return True
 
-    def seen(self, height: np.ndarray, eye: float) -> np.ndarray:
-        """Indices (bands, rays) of the visible rings: on each ray, of all rings within one row of pixels, the ring that
-        hides the others. `height` (rings, rays): of the water; `eye`: height of the eye [m]."""
+    def visible_rings(self, height: np.ndarray, eye: float) -> np.ndarray:
+        """Indices (bands, rays) of the visible rings: of the rings behind one row of pixels, on each ray the one that
+        hides the others. `height` (rings, rays): of the water [m]; `eye`: height of the eye [m]."""
         rise = (height - eye) / self.distance[:, None]
         highest = rise[self.bands].argmax(axis=1)
         return np.take_along_axis(self.bands, highest, axis=1)
 
-    def lost(self, amplitude: np.ndarray) -> np.ndarray:
-        """Variance (rings,), along each axis, of slopes too short to draw, in waves of amplitudes (n,) [m]."""
+    def lost_variance(self, amplitude: np.ndarray) -> np.ndarray:
+        """Variance (rings,) of the slopes along each axis of waves too short to draw; `amplitude` (n,): of all [m]."""
         return 0.25 * (1.0 - self.sloping**2) @ (amplitude * self.sea.wavenumber) ** 2
 
     def convergence_deviation(self, amplitude: np.ndarray) -> tuple[float, np.ndarray]:
-        """Standard deviation of convergence, of all waves, of amplitudes (n,) [m], and of those drawn on each ring."""
+        """Standard deviation of the sea's convergence: of all its waves, and (rings,) of those that are drawn on each
+        ring. `amplitude` (n,): of the waves now [m]."""
         each = 0.5 * (amplitude * self.sea.wavenumber) ** 2
         return max(float(np.sqrt(each.sum())), 1e-12), np.sqrt(self.drawn**2 @ each)
 
     def at(self, turning: np.ndarray) -> np.ndarray:
-        """Height [m], slopes along x and z, and convergence (rings, rays, 4) for complex amplitudes (n,) [m] of the
-        waves at the eye (see `complex_amplitudes`)."""
+        """Height [m], slopes along x and z, and convergence of the sea (rings, rays, 4); `turning`: complex amplitudes
+        (n,) [m] of the waves at the eye (see `complex_amplitudes`)."""
         kx, kz = self.sea.wavevector.T
         level, slope = turning * self.drawn, turning * self.sloping
         columns = np.stack([level, 1j * kx * slope, 1j * kz * slope, self.sea.wavenumber * level], axis=-1)
@@ -209,15 +209,15 @@ class Fan:
 
 
 class Modes:
-    """Plane waves that represent the standing wave modes of a basin in the sea around it. Each has the mean wavenumber
-    and heading of the modes in a range of wavenumbers and headings, and the sum of their variances. It is turned at
-    random into one of four quarters, most likely the one towards which the wind blows."""
+    """Plane waves that continue the standing waves of a basin into the sea around it. Each one replaces all modes in a
+    range of wavenumbers and headings by their mean wavenumber and total variance. Its heading is turned at random into
+    one of four quarters, most likely that of the wind."""
 
     def __init__(
         self, shape: tuple[int, ...], size: tuple[float, float], depth: float, towards: np.ndarray, seed: int = 0
     ) -> None:
-        """`shape`: of the grid of heights in the basin; `size`: of the basin along x and z [m]; `depth` [m]; `towards`
-        (2,): unit vector x, z of the wind."""
+        """`shape`: of the grid of heights in the basin; `size`: of the basin along x, z [m]; `depth`: of the water [m];
+        `towards`: unit vector x, z to which the wind blows."""
         p, q = np.indices(shape)
         self.kept = (np.hypot(p / shape[0], q / shape[1]) < MAX_MODE) & (p + q > 0)
         p, q = p[self.kept], q[self.kept]
@@ -242,7 +242,7 @@ class Modes:
         self.sea = Components(np.ones(len(n)), np.stack([sign_x * kx, sign_z * kz], axis=1), phase, depth)
 
     def variances(self, elevation: np.ndarray) -> np.ndarray:
-        """Variances (n,) [m2] of the plane waves for water heights (nx, nz) [m]; their sum is that of the heights."""
+        """Variances (n,) [m2] of the plane waves for heights (nx, nz) [m] in the basin; their sum is the heights'."""
         from scipy.fft import dctn
 
         power = dctn(elevation - elevation.mean(), type=2, norm="ortho") ** 2 / elevation.size
@@ -251,16 +251,16 @@ class Modes:
 
 
 def wind_speed_from_height(height: float) -> float:
-    """Wind speed [m/s] at which a fully grown sea has this significant height [m]: H = 0.21 U^2 / g (Pierson &
+    """Wind speed U [m/s] at which a fully grown sea has this significant height H [m]: H = 0.21 U^2 / g (Pierson &
     Moskowitz 1964, J. Geophys. Res. 69)."""
     return float(np.sqrt(GRAVITY * max(height, 0.0) / 0.21))
 
 
 def wind_speed_from_sea(sea: Components, time: float) -> float:
-    """Wind speed [m/s] at 10 m that raises a random sea as high as it has grown at a time [s]; 0 for regular waves.
+    """Wind speed [m/s] at 10 m that would raise a random sea to its height at a time [s]; 0 for regular waves.
 
-    Height and peak grow with the fetch F, g F / U^2 = X, as H g / U^2 = 0.0016 X^(1/2) and omega_p U / g = 22 X^(-1/3)
-    (Hasselmann et al. 1973, Dtsch. Hydrogr. Z. A8 12); X is eliminated. A swell, low for its period, gives little."""
+    Height H and peak omega_p grow with the fetch F, X = g F / U^2, as H g / U^2 = 0.0016 X^(1/2), omega_p U / g = 22
+    X^(-1/3) (Hasselmann et al. 1973, Dtsch. Hydrogr. Z. A8 12); X is eliminated. A low, long swell gives little."""
     energy = sea.amplitude**2
     if not sea.random or energy.sum() <= 0.0:
         return 0.0

@@ -1,4 +1,5 @@
-"""White water, or foam: on converging crests, up to a wanted cover; along hulls; and the patches that it forms."""
+"""White water, or foam, in pictures: where crests converge, up to a target cover; along hulls; and how it drifts and
+fades."""
 
 from itertools import product
 
@@ -39,54 +40,54 @@ STREAK_STRETCH, THREAD_STRETCH = 3.0, 1.5  # along the wind over across it: of b
 EDGE_BENDS = (2.3, 1.3), (1.1, 0.8), (0.6, 0.35)  # cells of a wave that bends the edges of foam, and by how much
 
 
-def crest_cover(drawn_together: np.ndarray) -> float:
-    """Share of the sea whitened by breaking crests: convergence above BREAKING_CONVERGENCE; at most MAX_COVER."""
-    return float(min((drawn_together > BREAKING_CONVERGENCE).mean(), MAX_COVER))
+def crest_cover(convergence: np.ndarray) -> float:
+    """Share of the sea where convergence exceeds BREAKING_CONVERGENCE, so that crests break; at most MAX_COVER."""
+    return float(min((convergence > BREAKING_CONVERGENCE).mean(), MAX_COVER))
 
 
-def white_shares(drawn_together: np.ndarray, wanted: float, among: np.ndarray | None = None) -> np.ndarray:
-    """Whiteness (n,), 0 to 1, of points by their convergence (n,): highest where it is strongest, `wanted` in the mean.
-    `among` (n,): sorted convergence of the points among which these are ranked; by default the points themselves."""
-    known = np.sort(drawn_together, axis=None) if among is None else among
+def white_shares(convergence: np.ndarray, wanted: float, among: np.ndarray | None = None) -> np.ndarray:
+    """Whiteness (n,), 0 to 1, of points with this convergence (n,): 1 where it is strongest, `wanted` on average.
+    `among`: sorted convergence of the points to rank them with; default: themselves."""
+    known = np.sort(convergence, axis=None) if among is None else among
     if wanted * len(known) < 1.0 or known[0] == known[-1]:  # not one of them would be white
-        return np.zeros(np.shape(drawn_together))
+        return np.zeros(np.shape(convergence))
     part = 2.0 * min(wanted, 0.5)  # of the points that are not wholly dark
-    white = np.zeros(np.shape(drawn_together))
-    some = drawn_together >= known[max(int((1.0 - part) * len(known)) - 1, 0)]
-    upper = 1.0 - np.searchsorted(known, drawn_together[some], side="right") / len(known)
+    white = np.zeros(np.shape(convergence))
+    some = convergence >= known[max(int((1.0 - part) * len(known)) - 1, 0)]
+    upper = 1.0 - np.searchsorted(known, convergence[some], side="right") / len(known)
     white[some] = np.clip(1.0 - upper / part, 0.0, 1.0)
     return white
 
 
 def monahan_cover(speed: float) -> float:
-    """White-cap cover in a wind [m/s] at 10 m (Monahan & O'Muircheartaigh 1980, J. Phys. Oceanogr. 10, (5))."""
+    """White-cap cover in a wind [m/s] at 10 m (Monahan & O'Muircheartaigh 1980, J. Phys. Oceanogr. 10, eq. 5)."""
     return 3.84e-6 * max(speed, 0.0) ** 3.41
 
 
-def smoothed_convergence(drawn_together: np.ndarray) -> np.ndarray:
+def smoothed_convergence(convergence: np.ndarray) -> np.ndarray:
     """Convergence (n, m) averaged over the width of a foam patch, to choose the crests that break. It is lowered at the
-    sides of the grid, where the mean over fewer cells varies more and most foam would begin otherwise."""
+    sides of the grid, where a mean over fewer cells varies more and would start too much foam."""
     from scipy.ndimage import gaussian_filter
 
-    whole = np.ones_like(drawn_together)
-    held, within = (gaussian_filter(of, PATCH_CELLS, mode="constant") for of in (drawn_together, whole))
+    whole = np.ones_like(convergence)
+    held, within = (gaussian_filter(of, PATCH_CELLS, mode="constant") for of in (convergence, whole))
     return np.asarray(held / within**RIM_POWER)
 
 
-def wanted_cover(drawn_together: np.ndarray, wind: float) -> float:
-    """Target cover of white water: by the wind speed [m/s], or if that is 0, by the convergence of crests."""
-    return min(monahan_cover(wind), MAX_COVER) if wind > 0.0 else crest_cover(drawn_together)
+def wanted_cover(convergence: np.ndarray, wind: float) -> float:
+    """Target cover of white water: from the wind speed [m/s], or if that is 0, from the crests' convergence."""
+    return min(monahan_cover(wind), MAX_COVER) if wind > 0.0 else crest_cover(convergence)
 
 
 class FoamField:
-    """Share of white water on a grid over time: foam is born on converging crests, is carried with the water and fades.
+    """Share of white water on a grid over time: foam begins on converging crests, drifts with the water and fades.
 
-    New patches, each as wide as a white cap, replace faded foam, so that the mean cover stays at a target from crests
-    or wind. Foam consists of flecks, each born on one of FLECKS_PER_CELL cells along each cell of the waves' grid:
-    shares on a grid would blur as they are carried."""
+    New patches, each as wide as a white cap, replace faded foam, so that the mean cover stays at a target. Foam
+    consists of flecks that move freely, since shares on a grid would blur. A fleck begins on one of the foam's cells,
+    of which there are FLECKS_PER_CELL along each side of a cell of the waves' grid."""
 
     def __init__(self, shape: tuple[int, int], cell: np.ndarray, lasts: float = FADE_SECONDS) -> None:
-        """`shape`, `cell`: numbers and sides [m] of cells of the grid of waves along x, z; `lasts` [s]: to a third."""
+        """`shape`, `cell`: number and sides [m] of the waves' cells on x, z; `lasts`: seconds of fading to a third."""
         self.cell, self.lasts, self.time = cell, lasts, 0.0
         self.origin = np.zeros(2)  # of the grid along x and z [cells of the waves]
         self.flecks = np.zeros((4, 0))  # places along x and z [cells of the waves], thickness, and what that rises to
@@ -100,21 +101,21 @@ class FoamField:
         self.started = False
 
     def due(self, time: float) -> bool:
-        """True if new foam is due at a time [s]: at the first call, and then every BREAKING_INTERVAL."""
+        """True if crests should be searched for new foam at a time [s]: at first, and then every BREAKING_INTERVAL."""
         now, before = (np.floor(moment / BREAKING_INTERVAL + 1e-6) for moment in (time, self.ticked))
         return not self.started or bool(now > before)
 
     def advance(
         self, time: float, velocity: np.ndarray, source: np.ndarray | None, wanted: float | None = None
     ) -> None:
-        """Advance the foam to a time [s], carried by the surface velocity along x and z (nx, nz, 2) [m/s]. `source`
-        (nx, nz): convergence, of which enough turns white that the mean cover stays at `wanted`; None if no foam is
-        born now. Without `wanted`, `source` is the share of white water itself."""
+        """Advance the foam to a time [s], carried by the surface velocity along x, z (nx, nz, 2) [m/s]. `source` (nx,
+        nz): convergence, where new foam keeps the mean cover at `wanted`; None: no new foam. Without `wanted`, `source`
+        is itself the share of new white water."""
         if self.started and time > self.time:
             self.carry(velocity * (time - self.time))
             self.carried *= np.exp(-(time - self.time) / GRAIN_SECONDS)
             self.fade(time - self.time)
-            self.white = self.shown(self.flecks[2])
+            self.white = self.cell_shares(self.flecks[2])
         if source is not None and wanted is None:
             made = refined_cells(source)
             fresh = np.where(made > self.white + MIN_SHARE, made, 0.0)
@@ -123,53 +124,54 @@ class FoamField:
         elif source is not None and wanted is not None and self.due(time):
             since = time - self.ticked if self.started else 0.0
             self.update_target_cover(wanted, np.exp(-since / FADE_SECONDS) if self.started else 0.0)
-            born = self.broken(source, time, since)
+            born = self.breaking_foam(source, time, since)
             if born.any():
                 self.add(born, self.white if self.started else born)
             self.ticked = time
         self.time, self.started = time, True
 
     def update_target_cover(self, wanted: float, fades: float) -> None:
-        """Update the running mean of the target cover with the new value `wanted`; `fades`: weight of the old mean."""
+        """Include `wanted` in the running mean of the target cover; `fades`: weight that is left to the mean so far."""
         before = self.called * fades
         self.called = before + 1.0 - fades if before > 0.0 or wanted > 0.0 else 0.0
         if self.called > 0.0:
             self.cover += (wanted - self.cover) * (1.0 - before / self.called)
 
-    def broken(self, drawn_together: np.ndarray, time: float, step: float) -> np.ndarray:
-        """Thickness of the new foam on the cells of white water, 0 for none, that brings the mean cover to its target;
-        `drawn_together` (nx, nz): convergence; `step`: time since the last call [s]. White water counts as less steep
-        than it is: otherwise foam would be made anew and never age where waves stand still, as behind a ship."""
-        white, least = self.shown(self.flecks[2:].max(axis=0)), PATCH_CELLS**2 / self.white.size
+    def breaking_foam(self, convergence: np.ndarray, time: float, step: float) -> np.ndarray:
+        """Thickness of new foam on the foam's cells (0: none) that brings the mean cover to its target; `step`: time
+        since the last call [s]. Cells already white count as less convergent, or foam on standing waves, as behind a
+        ship, would be renewed for ever."""
+        white, least = self.cell_shares(self.flecks[2:].max(axis=0)), PATCH_CELLS**2 / self.white.size
         lacks = self.cover - white.mean()
         self.owed = float(np.clip(self.owed + lacks * step / FADE_SECONDS, -least, least))
         if max(lacks, self.owed) < 0.5 * least:
             return np.zeros_like(white)
         # A crest breaks in places, not all along in a line too thin to last.
-        cells = FLECKS_PER_CELL * (np.indices(drawn_together.shape) + self.origin[:, None, None])
+        cells = FLECKS_PER_CELL * (np.indices(convergence.shape) + self.origin[:, None, None])
         places = cells + np.multiply(GATHERING_SPEED, time)[:, None, None]
         gathering = gathering_noise(places / (GATHERING_PATCHES * PATCH_CELLS))
-        gathered = refined_cells(drawn_together * gathering)
+        gathered = refined_cells(convergence * gathering)
         fresh = smoothed_convergence(gathered) * (1.0 - SPENT_CONVERGENCE * white)
         spreads = FIRST_SPREAD_SHARE * float(np.clip(lacks / max(self.cover, 1e-9), 0.0, 1.0))
         born = new_foam(white, fresh, white.mean() + (1.0 - spreads) * max(lacks, least))
         return np.where(born > white, born, 0.0)
 
     def add(self, rises_to: np.ndarray, thick: np.ndarray) -> None:
-        """Add flecks, in place of others, where `rises_to` is not 0: of thickness `thick`, to grow to `rises_to`."""
+        """Add flecks on the cells where `rises_to` is not 0, and remove older ones there. Their thickness is `thick`
+        now, and will grow to `rises_to`."""
         covered = rises_to[tuple(self.fleck_cells())] > 0.0
         i, k = np.nonzero(rises_to)
         x, z = ((cell + 0.5) / FLECKS_PER_CELL - 0.5 for cell in (i, k))
         fresh = np.stack([x, z, thick[i, k], rises_to[i, k]])
         self.flecks = np.concatenate([self.flecks[:, ~covered], fresh], axis=1)
-        self.white = self.shown(self.flecks[2])
+        self.white = self.cell_shares(self.flecks[2])
 
     def fleck_cells(self) -> np.ndarray:
-        """Cells (2, n) of white water in which the flecks lie."""
+        """Indices (2, n) of the foam's cells in which the flecks lie."""
         return np.floor(FLECKS_PER_CELL * (self.flecks[:2] + 0.5)).astype(int)
 
     def receive(self, places: np.ndarray, area: np.ndarray) -> None:
-        """Whiten areas (n,) [m2] at places x, z (n, 2) [cells of the waves], as drops do that fall there."""
+        """Whiten areas (n,) [m2] at positions x, z (n, 2) [cells of the waves], where drops of spray fall."""
         cells = np.floor(FLECKS_PER_CELL * (places + 0.5)).astype(int)
         inside = ((cells >= 0) & (cells < self.white.shape)).all(axis=1)
         share, thick = np.zeros((2, *self.white.shape))
@@ -179,17 +181,17 @@ class FoamField:
         self.add(whiter, whiter)
 
     def fade(self, step: float) -> None:
-        """Let flecks rise or fade over a time `step` [s], and remove those too thin to be seen."""
+        """Let each fleck thicken or fade over a time `step` [s], and remove those too thin to see."""
         x, z, thick, rises_to = self.flecks
         rising = rises_to > thick
         risen = np.minimum(rises_to, thick + step / RISE_SECONDS)
         thick = np.where(rising, risen, thick * np.exp(-step / self.lasts))
-        self.whitened = self.shown(np.where(rising, thick - self.flecks[2], 0.0))
+        self.whitened = self.cell_shares(np.where(rising, thick - self.flecks[2], 0.0))
         rises_to = np.where(rising & (rises_to > thick), rises_to, 0.0)
         self.flecks = np.stack([x, z, thick, rises_to])[:, np.maximum(thick, rises_to) > MIN_SHARE]
 
-    def shown(self, thick: np.ndarray) -> np.ndarray:
-        """Share of white water in each cell from flecks of thickness (n,), lower where they have drifted apart."""
+    def cell_shares(self, thick: np.ndarray) -> np.ndarray:
+        """Share of white water in each cell, from flecks of thickness (n,); lower where they have drifted apart."""
         rows, columns = self.white.shape
         x, z = (FLECKS_PER_CELL * (along + 0.5) - 0.5 for along in self.flecks[:2])
         i, k = np.floor(x).astype(int), np.floor(z).astype(int)
@@ -203,41 +205,41 @@ class FoamField:
         return np.minimum(share, 1.0).reshape(rows, columns)
 
     def carry(self, way: np.ndarray) -> None:
-        """Move flecks and the foam's fine pattern by displacements `way` of the water along x, z (nx, nz, 2) [m]."""
+        """Move flecks and the foam's fine pattern by displacements `way` of the water on x, z (nx, nz, 2) [m]."""
         cells = np.moveaxis(way / self.cell, -1, 0)
         # Ways are read in their middle, not at their end, since water may go around.
         back = read_ways(cells, np.indices(cells.shape[1:]) - 0.5 * cells)
         here = np.indices(cells.shape[1:]) - back
         self.carried = np.moveaxis(read_ways(np.moveaxis(self.carried, -1, 0), here, order=3), 0, -1) + way
         self.flecks[:2] += read_ways(cells, self.flecks[:2] + 0.5 * read_ways(cells, self.flecks[:2]))
-        self.leave()
+        self.drop_outside()
 
     def shift(self, cells: np.ndarray) -> None:
-        """Move the grid by whole cells along x and z, while the foam stays in place; its new cells have no foam."""
+        """Move the grid by whole cells along x and z under the foam, which stays in place; new cells have no foam."""
         from scipy.ndimage import shift
 
         self.origin += cells
         self.flecks[:2] -= cells[:, None]
-        self.leave()
+        self.drop_outside()
         if cells.any():
             self.white = shift(self.white, -FLECKS_PER_CELL * cells, order=0)
             self.carried = shift(self.carried, (*-cells, 0), order=0)
 
-    def leave(self) -> None:
-        """Remove flecks outside the grid."""
+    def drop_outside(self) -> None:
+        """Remove the flecks outside the grid."""
         x, z = self.flecks[:2]
         nx, nz = self.carried.shape[:2]
         self.flecks = self.flecks[:, (x >= -0.5) & (x < nx - 0.5) & (z >= -0.5) & (z < nz - 0.5)]
 
 
 def gathering_noise(places: np.ndarray) -> np.ndarray:
-    """Factor (n,), 1 in the mean, on convergence at places (2, n), that makes foam patchy: noise of a period of 1."""
+    """Factor (n,), 1 on average, on convergence that makes foam patchy: noise of period 1 at positions (2, n)."""
     return 0.5 + value_noise(*places)[0]
 
 
 def refined_cells(values: np.ndarray) -> np.ndarray:
-    """Values (nx, nz) in cell centres, interpolated linearly to the centres of FLECKS_PER_CELL times as many cells
-    along each axis; constant beyond the outermost centres."""
+    """Values (nx, nz) at cell centres, interpolated linearly to the centres of the foam's finer cells (FLECKS_PER_CELL
+    along each side of a cell); constant outside the outermost centres."""
     (nx, nz), around = values.shape, np.pad(values, 1, mode="edge")
     shares = {(a, b): around * a * b for a, b in product((0.25, 0.75), repeat=2)}
     fine = np.empty((FLECKS_PER_CELL * nx, FLECKS_PER_CELL * nz))
@@ -251,33 +253,33 @@ def refined_cells(values: np.ndarray) -> np.ndarray:
 
 
 def cell_means(white: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    """Means (nx, nz) of white water `white` on fine cells over the cells of a coarse grid of this shape."""
+    """Means (nx, nz) of the white share on fine cells over the cells of a coarse grid of this shape."""
     nx, nz = shape
     return white.reshape(nx, white.shape[0] // nx, nz, white.shape[1] // nz).mean(axis=(1, 3))
 
 
 def read_ways(ways: np.ndarray, places: np.ndarray, order: int = 1) -> np.ndarray:
-    """Displacements `ways` (k, nx, nz) at cell centres, interpolated by splines of an order to places (2, ...) [cells];
-    constant beyond the edge of the grid."""
+    """Displacements `ways` (k, nx, nz) at cell centres, interpolated by splines of this order to positions (2, ...)
+    [cells]; beyond the grid as at its edge."""
     from scipy.ndimage import map_coordinates
 
     return np.stack([map_coordinates(way, places, order=order, mode="nearest") for way in ways])
 
 
 def read_cells(values: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Values (n, ...) of a grid (nx, nz, ...) at positions (2, n), 0 to 1 across it, interpolated between cells."""
+    """Values (n, ...) of a grid (nx, nz, ...), interpolated at positions `at` (2, n), 0 to 1 across it."""
     channels = np.moveaxis(values.reshape(*values.shape[:2], -1), -1, 0).astype(float)
     found = read_ways(channels, at * np.array(values.shape[:2])[:, None] - 0.5)
     return found.T.reshape(at.shape[1], *values.shape[2:])
 
 
-def new_foam(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np.ndarray:
+def new_foam(white: np.ndarray, convergence: np.ndarray, wanted: float) -> np.ndarray:
     """Thickness of new foam, where convergence is strongest, that with the old `white` covers the share `wanted`."""
     born, (low, high) = np.zeros_like(white), (0.0, 1.0)
-    if white.mean() >= wanted or np.ptp(drawn_together) == 0.0:
+    if white.mean() >= wanted or np.ptp(convergence) == 0.0:
         return born
     rank = np.empty_like(white)
-    rank.flat[np.argsort(-drawn_together, axis=None)] = np.arange(white.size) / white.size
+    rank.flat[np.argsort(-convergence, axis=None)] = np.arange(white.size) / white.size
     for _ in range(24):
         area = 0.5 * (low + high)
         born = FRESH_THICKNESS * np.clip((area - rank) / (EDGE_SHARE * max(area, 1e-9)), 0.0, 1.0)
@@ -286,8 +288,8 @@ def new_foam(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np
 
 
 def edge_bends(x: np.ndarray, z: np.ndarray, angle: float) -> np.ndarray:
-    """Displacements (2, n) that bend the edges of foam at positions x, z (n,), all in cells of the foam's grid, which
-    alone would give round blobs. They are longest along the wind, at an `angle` [rad] from +x to +z."""
+    """Displacements (2, n) by which noise bends the edges of foam, else round blobs, at positions x, z (n,), all in
+    cells of the foam. They are longest along the wind, at an `angle` [rad] from +x to +z."""
     c, s = np.cos(angle), np.sin(angle)
     along, across, way = (c * x + s * z) / STREAK_STRETCH, c * z - s * x, np.zeros((2, len(x)))
     for wave, far in EDGE_BENDS:
@@ -297,15 +299,15 @@ def edge_bends(x: np.ndarray, z: np.ndarray, angle: float) -> np.ndarray:
 
 
 def grain_places(places: np.ndarray, angle: float) -> np.ndarray:
-    """Places (n, 2) [m] at which to evaluate the noise of the foam's grain for water at x, z (n, 2) [m]: compressed
-    along the wind, at an `angle` [rad] from +x to +z, so that threads are longer there."""
+    """Positions (n, 2) [m] at which noise gives the fine pattern of foam at x, z (n, 2) [m]. They are compressed along
+    the wind, at an `angle` [rad] from +x to +z, which draws foam into threads."""
     way = np.array([np.cos(angle), np.sin(angle)])
     return places - (1.0 - 1.0 / THREAD_STRETCH) * (places @ way)[:, None] * way
 
 
 def levelled_heights(elevation: np.ndarray, inside: np.ndarray, reach: np.ndarray) -> np.ndarray:
-    """Heights (nx, nz) [m] in which points marked `inside` (nx, nz) take the mean of points not marked around them,
-    with Gaussian weights of standard deviations `reach` along x and z [cells]."""
+    """Heights (nx, nz) [m] with those at points marked `inside` (nx, nz) replaced by a mean of unmarked points around
+    them, with Gaussian weights of standard deviation `reach` along x, z [cells]."""
     from scipy.ndimage import gaussian_filter
 
     outside = (~inside).astype(float)

@@ -29,7 +29,7 @@ HULL_PIXELS = (96, 96)  # of the map of distances to a hull and of its foam
 
 
 class Dome:
-    """Sphere with the image of the sky around the eye, which moves with it."""
+    """Sphere around the eye that shows the sky and moves with the eye."""
 
     def __init__(self, stage: Stage, image: Any) -> None:
         dome = stage.pyvista.Icosphere(radius=1.0, nsub=3)
@@ -37,14 +37,14 @@ class Dome:
         self.shaded = water_glsl.Shaded(dome, water_glsl.SKY_PROGRAM, "", {"sky": image})
         self.shaded.set(exposure=SEA_EXPOSURE)
 
-    def stand(self, eye: np.ndarray) -> None:
-        """Move the sphere to an eye (3,) [m]."""
+    def move_to(self, eye: np.ndarray) -> None:
+        """Centre the sphere on an eye (3,) [m]."""
         self.shaded.mesh.points = (eye + 2.0 * far_sea.SEA_RADIUS * self.directions).astype(np.float32)
         self.shaded.set(eyeW=eye)
 
 
 class Sea(Content):
-    """Water surface of a picture at sea: that of the basin, blended into the far sea, which ends in fog."""
+    """Water in a picture at sea: the basin's surface, blended into the far sea, which ends in fog at the horizon."""
 
     def __init__(self, stage: Stage, order: Order, vessels: dict[str, Vessel], grid: Any, state: SeaState) -> None:
         """`vessels`: ships by key; `grid`: arrays that a run saves once; `state`: sea around the basin over time."""
@@ -84,28 +84,28 @@ class Sea(Content):
         self.raises = "sea_answers" not in grid  # the water of the run knows of no wave at a bow
 
     def mesh_of(self, nodes: np.ndarray, corners: np.ndarray) -> Any:
-        """PyVista mesh at height 0 of nodes x, z (n, 2) [m] and triangles `corners` (m, 3), with zero NODE_TRAITS."""
+        """Level PyVista mesh of nodes x, z (n, 2) [m] and triangles `corners` (m, 3); its NODE_TRAITS are 0."""
         points = np.insert(nodes, 1, 0.0, axis=1)
         return self.stage.mesh(points, corners, **dict.fromkeys(NODE_TRAITS, np.zeros(points.shape)))
 
     def set(self, **values: Any) -> None:
-        """Set uniforms of the shaders of both parts, the basin and the far sea."""
+        """Set uniforms of the water's shaders, both in the basin and on the far sea."""
         for part in (self.near, self.far):
             part.set(**values)
 
-    def lay(
+    def set_nodes(
         self, part: water_glsl.Shaded, points: np.ndarray, normals: np.ndarray, traits: np.ndarray, grain: np.ndarray
     ) -> None:
-        """Set the nodes of a part of the sea: points (n, 3) [m], normals, traits (n, 3) (whiteness, height, slope
-        variance), and the places x, z (n, 2) [m] at which the grain of foam is read."""
+        """Set the nodes of one `part` of the sea: points (n, 3) [m], normals, traits (n, 3) (whiteness, height, slope
+        variance), and positions x, z (n, 2) [m] at which the fine pattern of foam is read."""
         part.mesh.points = points.astype(np.float32)
         values = normals, traits, np.insert(foam.grain_places(grain, self.state.angle), 1, 0.0, axis=1)
         for name, value in zip(NODE_TRAITS, values, strict=True):
             part.mesh.point_data[name] = value.astype(np.float32)
 
-    def appear(self, models: dict[str, ShipModel]) -> dict[str, ShadedShip]:
-        """Add ships lit by this sea's sun and sky to the picture, and water, which mirrors them, and sky; the nearer
-        first: hidden pixels are then not shaded."""
+    def add_ships(self, models: dict[str, ShipModel]) -> dict[str, ShadedShip]:
+        """Add the ships, lit by this sky, then the water that mirrors them, and the sky to the picture; returns the
+        ships. Nearer objects come first, so that hidden pixels are not shaded."""
         ships = {key: ShadedShip(self.stage, model, self.sky, self.above) for key, model in models.items()}
         self.ships = [*ships.values()]
         for part in (self.near, self.far, self.dome.shaded):
@@ -115,7 +115,7 @@ class Sea(Content):
         return ships
 
     def show(self, frame: Frame) -> None:
-        """Update water, sky, shadows and mirror image to a frame."""
+        """Change water, sky, shadows and mirror image to a frame."""
         self.now = self.state.at(frame.time)
         self.set(rippleVariance=slope_variance(self.now.wind) if self.order.ripples else 0.0)
         self.show_basin(frame)
@@ -124,16 +124,16 @@ class Sea(Content):
         pixel = self.pixel
         fine = pixel / SMOOTHED_PIXELS if order.quality == "final" else pixel
         self.set(eyeW=eye, time=frame.time, pixel=fine, mirrorPixel=MIRROR_SHRINKING * pixel)
-        self.dome.stand(eye)
-        levels = [self.meet(k, key, *frame.ships[key]) for k, key in enumerate(self.hulls)]
+        self.dome.move_to(eye)
+        levels = [self.update_hull(k, key, *frame.ships[key]) for k, key in enumerate(self.hulls)]
         if levels:
             water_glsl.fill_image(self.gaps.GetInput(), self.gap.reshape(-1, HULL_PIXELS[1], 3))
-        self.darken()
+        self.update_shadows()
         if self.mirror is not None and levels:
             self.set(useMirror=1.0, mirrorView=self.mirror.show(float(np.mean(levels))))
 
-    def darken(self) -> None:
-        """Update the maps of the shadows that ships cast on the water."""
+    def update_shadows(self) -> None:
+        """Update the maps of the shadows that the ships cast on the water."""
         for k, ship in enumerate(self.ships):
             self.shadow[k] = ship.depth
             low, high = ship_glsl.shadow_bounds(ship.depth[..., 0], ship.shade.length)
@@ -144,16 +144,16 @@ class Sea(Content):
 
     @property
     def pixel(self) -> float:
-        """Angle that a pixel covers [rad]."""
+        """Angle of view that one pixel covers [rad]."""
         angle = np.radians(self.stage.plotter.camera.view_angle)
         return 2.0 * float(np.tan(angle / 2.0)) / self.order.size[1]
 
-    def crest(self, height: np.ndarray) -> np.ndarray:
-        """Heights over the mean level [m] as shares of half the significant height: 0 at rest, 1 on a crest."""
+    def crest_shares(self, height: np.ndarray) -> np.ndarray:
+        """Heights [m] above the mean level over half the significant height: 0 at rest, 1 on a crest."""
         return (height - self.now.level) / max(0.5 * self.now.height, 1e-3)
 
     def show_basin(self, frame: Frame) -> None:
-        """Update the water inside the basin: heights with ship waves, and foam."""
+        """Update heights (with ship waves) and foam of the water inside the basin."""
         surface, answer = self.surface, frame.answer
         if answer is not None:
             x, z = (points + start for points, start in zip(self.points, frame.origin, strict=True))
@@ -166,7 +166,7 @@ class Sea(Content):
         self.frame, self.height = frame, height
         if self.raises:
             ships = [self.wetted_hull(key, *frame.ships[key]) for key in self.vessels]
-            raised = sum(ship.raised(surface.nodes + frame.origin) for ship in ships if ship.wet)
+            raised = sum(ship.bow_wave_height(surface.nodes + frame.origin) for ship in ships if ship.wet)
             self.height = height = height + surface.share * np.reshape(raised + np.zeros(height.size), height.shape)
         if not np.array_equal(frame.origin, self.origin):
             self.origin = frame.origin
@@ -178,25 +178,25 @@ class Sea(Content):
         nodes = surface.nodes + self.origin
         white, grain = fresh, nodes
         if frame.carried is not None:
-            moved = [surface.carried(frame.carried[..., k]).ravel() for k in range(2)]
+            moved = [surface.on_nodes(frame.carried[..., k]).ravel() for k in range(2)]
             grain = nodes - np.stack(moved, axis=-1)
         if frame.foam is not None:
-            white = surface.whole(fresh, frame.foam, grain)
+            white = surface.blended_foam(fresh, frame.foam, grain)
             if asked is not None:
-                left = 0.0 if frame.left is None else surface.laced(frame.left, grain)
+                left = 0.0 if frame.left is None else surface.laced_foam(frame.left, grain)
                 white = np.maximum(foam.white_shares(white + 1e-3 * fresh, asked), left)
         white = np.where(white < foam.MIN_SHARE, 0.0, np.minimum(white, 1.0))
-        traits = np.stack([white, self.crest(height), np.zeros_like(white)], axis=-1)
+        traits = np.stack([white, self.crest_shares(height), np.zeros_like(white)], axis=-1)
         points = np.insert(nodes, 1, height.ravel(), axis=1)
-        self.lay(self.near, points, surface.normals(height).reshape(-1, 3), traits.reshape(-1, 3), grain)
+        self.set_nodes(self.near, points, surface.normals(height).reshape(-1, 3), traits.reshape(-1, 3), grain)
 
     def wetted_hull(self, key: str, position: np.ndarray, turn: np.ndarray) -> WettedHull:
-        """Hull of a ship at a position (3,) [m], in the water as drawn now; `turn`: (3, 3) from body to world."""
+        """Hull of a ship at a position (3,) [m], in the water drawn now; `turn`: (3, 3) from body to world."""
         speed = self.vessels[key].speed(self.frame.time) if key in self.vessels else 0.0
         return self.hulls[key].wetted_hull(position, turn, speed, self.heights_at)
 
     def show_beyond(self, frame: Frame) -> None:
-        """Update the water outside the basin, on a fan of nodes around the eye."""
+        """Update heights and foam of the water outside the basin, on a fan of nodes around the eye."""
         surface, camera = self.surface, self.stage.camera
         fan = surface.fan
         aspect = self.order.size[0] / self.order.size[1]
@@ -204,9 +204,9 @@ class Sea(Content):
         heading = float(np.arctan2(camera.forward[2], camera.forward[0]))
         amplitude, eye = self.now.waves.amplitude, camera.eye
         row = self.pixel / self.stage.samples
-        new = fan.look(float(eye[1]) - self.now.level, heading, half, lowest, self.pixel, row, amplitude)
-        found = surface.around(frame, eye, self.now)
-        rings = fan.seen(found[..., 0], float(eye[1]))
+        new = fan.turn_to(float(eye[1]) - self.now.level, heading, half, lowest, self.pixel, row, amplitude)
+        found = surface.far_samples(frame, eye, self.now)
+        rings = fan.visible_rings(found[..., 0], float(eye[1]))
         height, slope_x, slope_z, _ = np.moveaxis(np.take_along_axis(found, rings[..., None], 0), -1, 0)
         nodes = np.take_along_axis(fan.nodes.reshape(*fan.shape, 2), rings[..., None], 0).reshape(-1, 2) + eye[[0, 2]]
         if new:
@@ -214,11 +214,13 @@ class Sea(Content):
             self.beyond = np.ones(len(fan.triangles), bool)
         white = np.zeros(rings.shape)
         if self.order.foam:
-            white = surface.beyond(found, rings, nodes, eye, amplitude)
-        traits = np.stack([white, self.crest(height), fan.lost(amplitude)[rings]], axis=-1).reshape(-1, 3)
+            white = surface.far_foam(found, rings, nodes, eye, amplitude)
+        traits = np.stack([white, self.crest_shares(height), fan.lost_variance(amplitude)[rings]], axis=-1).reshape(
+            -1, 3
+        )
         normals = np.stack([-slope_x, np.ones_like(height), -slope_z], axis=-1).reshape(-1, 3)
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-        self.lay(self.far, np.insert(nodes, 1, height.ravel(), axis=1), normals, traits, nodes)
+        self.set_nodes(self.far, np.insert(nodes, 1, height.ravel(), axis=1), normals, traits, nodes)
         lap = 0.5 * np.array([surface.x[1] - surface.x[0], surface.z[1] - surface.z[0]])  # that no gap is seen
         low, high = surface.lower + self.origin + lap, surface.upper + self.origin - lap
         x, z = nodes.T
@@ -240,13 +242,13 @@ class Sea(Content):
             at[outside] = self.now.level + waves.elevation(self.now.waves, positions[outside], self.frame.time)
         return at
 
-    def meet(self, k: int, key: str, position: np.ndarray, turn: np.ndarray) -> float:
-        """Update the water around ship number k: foam along her waterline, a hole for her hull, and the place of her
-        mirror image; returns the mean height of the water around her [m]."""
+    def update_hull(self, k: int, key: str, position: np.ndarray, turn: np.ndarray) -> float:
+        """Update the water around the ship number k of this key: foam at her waterline, the hole for her hull, her
+        place in the mirror. Returns the mean height of the water around her [m]."""
         hull, ship = self.hulls[key], self.wetted_hull(key, position, turn)
         self.set(**{f"useHull{k}": float(ship.wet)})
         if ship.wet:
-            low, high = ship.around()
+            low, high = ship.foam_area()
             rows, columns = HULL_PIXELS
             x, z = middles_of(low[0], high[0], columns), middles_of(low[1], high[1], rows)
             places = np.stack(np.meshgrid(x, z), axis=-1).reshape(-1, 2)

@@ -25,7 +25,7 @@ DRY_DEPTH_SHARE = 0.5  # share of the depth below which the water of a sea does 
 
 
 class SeaNow(NamedTuple):
-    """Level, wave height, plane waves and winds of the sea around a basin at a time."""
+    """Sea around a basin at one time: level, wave height, plane waves and winds."""
 
     level: float  # [m] mean height of the water
     height: float  # [m] four times the standard deviation of the elevation, lately
@@ -35,7 +35,7 @@ class SeaNow(NamedTuple):
 
 
 class SeaState:
-    """Sea around the basin of a run at the time of any frame, estimated from that frame and earlier ones."""
+    """Estimate of the sea around the basin of a run at the time of each frame, from that frame and earlier ones."""
 
     def __init__(self, scene: dict[str, Any], grid: Any, log: FrameLog) -> None:
         """`scene`: resolved scene of the run; `grid`: arrays that a run saves once; `log`: times of its frames."""
@@ -63,7 +63,7 @@ class SeaState:
             waves = far_sea.grown_waves(self.beyond, time)
         else:
             numbers, weights = recent_frames(self.log.times, time)
-            self.seen = {n: self.seen[n] if n in self.seen else self.look(n) for n in numbers}
+            self.seen = {n: self.seen[n] if n in self.seen else self.measure_frame(n) for n in numbers}
             level = float(sum(w * self.seen[n][0] for n, w in zip(numbers, weights, strict=True)))
             variances = np.sum([w * self.seen[n][1] for n, w in zip(numbers, weights, strict=True)], axis=0)
             height, raising = 4.0 * float(np.sqrt(variances.sum())), self.stated
@@ -71,15 +71,15 @@ class SeaState:
         least = 0.0 if self.exact is not None else MIN_LIT_HEIGHT * self.resolved
         return SeaNow(level, max(height, least), waves, ripple_wind_speed(self.scene, height), raising)
 
-    def look(self, number: int) -> tuple[float, np.ndarray]:
-        """Mean level [m] and variances (n,) [m2] of the plane waves, from the heights of frame `number`."""
+    def measure_frame(self, number: int) -> tuple[float, np.ndarray]:
+        """Mean level [m] and variances (n,) [m2] of the plane waves, measured on the heights of frame `number`."""
         elevation = read_elevation(self.log.files[number])
         return float(elevation.mean()), self.modes.variances(elevation)
 
 
 def recent_frames(times: np.ndarray, time: float) -> tuple[list[int], np.ndarray]:
-    """Indices and weights of frames at `times` [s], FRAME_INTERVAL apart, for a mean over the past at a time [s];
-    weights decay over SWELL_SECONDS, and each frame counts until the next."""
+    """Indices of frames (FRAME_INTERVAL apart) and their weights, for a mean over the past at a `time` [s]. Weights
+    decay over SWELL_SECONDS; each frame counts until the next. `times`: of all frames [s]."""
     intervals = np.floor((time - MEMORY_LAGS * SWELL_SECONDS - times[0]) / FRAME_INTERVAL)
     begins = max(times[0], times[0] + FRAME_INTERVAL * intervals)
     moments = np.arange(begins, time + 1e-9, FRAME_INTERVAL)
@@ -92,7 +92,7 @@ def recent_frames(times: np.ndarray, time: float) -> tuple[list[int], np.ndarray
 
 
 def exact_waves(grid: Any) -> Components | None:
-    """Plane waves of a run whose water is a closed form, from the arrays it saves once; None for other water."""
+    """Plane waves of closed-form water, from the arrays that a run saves once (`grid`); None for other water."""
     if "sea_amplitude" not in grid:
         return None
     ramp = float(grid["sea_ramp"]) if "sea_ramp" in grid else 0.0
@@ -105,7 +105,7 @@ def is_tank(basin: dict[str, Any]) -> bool:
 
 
 def is_open_sea(scene: dict[str, Any], first: Frame, depth: float) -> bool:
-    """True if a basin is a piece of sea: its bed is under water at first, and it is no tank."""
+    """True if the basin is a piece of sea: it is no tank, and its bed, at `depth` [m], is under water at first."""
     return bool(first.elevation.min() > -DRY_DEPTH_SHARE * depth) and not is_tank(scene.get("basin") or {})
 
 
@@ -116,13 +116,13 @@ def run_scene(folder: Path) -> dict[str, Any]:
 
 
 def ripple_wind_speed(scene: dict[str, Any], height: float) -> float:
-    """Speed [m/s] of the wind that drives the ripples: the scene's, or one that raises this significant height [m]."""
+    """Wind speed [m/s] that drives ripples: the scene's, or one that raises this significant height [m]."""
     speed = stated_wind_speed(scene) or far_sea.wind_speed_from_height(height)
     return float(np.clip(speed, MIN_RIPPLE_WIND, MAX_RIPPLE_WIND))
 
 
 def stated_wind_speed(scene: dict[str, Any]) -> float:
-    """Speed [m/s] of the scene's wind; 0 if it states none."""
+    """Wind speed [m/s] that a scene states; 0 if it states none."""
     wind = scene.get("wind") or {}
     if "u10" not in wind:
         return 0.0
@@ -132,13 +132,13 @@ def stated_wind_speed(scene: dict[str, Any]) -> float:
 
 
 def gust_speed(scene: dict[str, Any]) -> float:
-    """Speed [m/s] of the fastest of the scene's volumes of wind: of their air or of their drift; 0 for none."""
+    """Largest speed [m/s] among a scene's volumes of wind, of their air or their drift; 0 without volumes."""
     volumes = (scene.get("wind") or {}).get("volumes") or []
     return max((max(float(np.linalg.norm(v["drift"])), v["wind_speed"]) for v in volumes), default=0.0)
 
 
 def wind_heading(scene: dict[str, Any], sea: Components | None) -> float:
-    """Angle [rad], from +x to +z, towards which the scene's wind blows or, without a heading, its waves travel."""
+    """Angle [rad], from +x to +z, to which the scene's wind blows or, without a heading, its waves travel."""
     angle = scene_wind_heading(scene.get("wind") or {})
     if angle is not None:
         return angle
@@ -147,7 +147,7 @@ def wind_heading(scene: dict[str, Any], sea: Components | None) -> float:
 
 
 def scene_wind_heading(wind: dict[str, Any]) -> float | None:
-    """Angle [rad], from +x to +z, to which a wind of this config blows or its volumes accelerate; or None."""
+    """Angle [rad], from +x to +z, to which a wind config blows or its volumes push the water; None without."""
     if wind.get("heading_deg") is not None:
         turn = np.radians(wind["heading_deg"])
         return float(np.arctan2(np.cos(turn), np.sin(turn)))

@@ -16,8 +16,8 @@ GATHERING_LENGTH = 7.0  # [m] apart at which white water gathers along a crest
 
 
 class SeaSurface:
-    """Surface of the sea around an eye: an even grid of nodes over the basin, and a fan of nodes beyond it. Within the
-    last fifth of the basin its own waves are blended into the far ones. Only heights and the origin change."""
+    """Surface of the sea around an eye: an even grid of nodes over the basin, and a fan of nodes beyond. Near the sides
+    of the basin its waves are blended into those of the far sea. Only heights and the origin change."""
 
     def __init__(self, grid: Any, state: SeaState, nodes: int) -> None:
         """`grid`: arrays that a run saves once; `state`: sea over time; `nodes`: approximate number in the basin."""
@@ -38,16 +38,16 @@ class SeaSurface:
         self.wanted = 0.0  # share of white water
 
     def grain_at(self, origin: np.ndarray) -> np.ndarray:
-        """Factor (nx, nz), 1 in the mean, that makes foam patchy, at the nodes around an origin x, z [m]."""
+        """Factor (nx, nz), 1 on average, that makes foam patchy, at the basin's nodes around an origin x, z [m]."""
         return foam.gathering_noise((self.nodes + origin).T / GATHERING_LENGTH).reshape(len(self.x), len(self.z))
 
     def blend_weight(self, k: int) -> np.ndarray:
-        """Share, 0 to 1, of the basin's own waves in the surface at the nodes along x (k = 0) or z (k = 1)."""
+        """Weight, 0 to 1, of the basin's own waves in the surface, at the nodes along x (k = 0) or z (k = 1)."""
         return far_sea.blend_weight((self.x, self.z)[k], self.lower[k], self.upper[k], self.margin)
 
     def at(self, frame: Frame, now: SeaNow, answer: np.ndarray | None = None) -> far_sea.SeaSample:
-        """Heights [m] and convergence at all nodes (nx, nz) of the basin in a frame; `answer` [m]: response to ships,
-        winds and steepness that a frame adds to the exact waves, on its own grid."""
+        """Heights [m] and convergence at the basin's nodes (nx, nz) in a frame. `answer` [m]: what ships, winds and
+        wave steepness add to the exact plane waves, on the frame's grid."""
         far = self.far.at(far_sea.complex_amplitudes(now.waves, frame.time, frame.origin))
         (x, z), mine = self.own, self.share
         if self.exact is not None and self.state.exact is not None:
@@ -57,39 +57,39 @@ class SeaSurface:
                 near = near._replace(height=near.height + x @ answer @ z.T)
             return far_sea.SeaSample(far.height + mine * (near.height - far.height), near.convergence)
         step = (self.upper - self.lower) / frame.elevation.shape
-        drawn_together = surface_fall(frame.elevation, step[0], step[1])
+        convergence = surface_fall(frame.elevation, step[0], step[1])
         # Seas that know nothing of each other: weights whose squares add up to one keep the height of the waves.
         rest = (1.0 - mine) / np.hypot(mine, 1.0 - mine)
         mine = mine / np.hypot(mine, 1.0 - mine)
         level = now.level
         return far_sea.SeaSample(
             level + mine * (x @ (frame.elevation - level) @ z.T) + rest * far.height,
-            mine * (x @ drawn_together @ z.T) + rest * far.convergence,
+            mine * (x @ convergence @ z.T) + rest * far.convergence,
         )
 
-    def around(self, frame: Frame, eye: np.ndarray, now: SeaNow) -> np.ndarray:
-        """Height, slopes, convergence (rings, rays, 4) of the far sea `now` around an eye (3,) [m], as by `Fan.at`."""
+    def far_samples(self, frame: Frame, eye: np.ndarray, now: SeaNow) -> np.ndarray:
+        """Height [m], slopes, convergence (rings, rays, 4) of the far sea around an eye (3,) [m], as in `Fan.at`."""
         found = self.fan.at(far_sea.complex_amplitudes(now.waves, frame.time, eye[[0, 2]]))
         found[..., 0] += now.level
         return found
 
     def normals(self, height: np.ndarray) -> np.ndarray:
-        """Unit normals (nx, nz, 3) of a surface of heights (nx, nz) [m] at the nodes of the basin."""
+        """Unit normals (nx, nz, 3) at the basin's nodes, for heights (nx, nz) [m] there."""
         slope_x, slope_z = np.gradient(height, self.x, axis=0), np.gradient(height, self.z, axis=1)
         normal = np.stack([-slope_x, np.ones_like(height), -slope_z], axis=-1)
         return normal / np.linalg.norm(normal, axis=-1, keepdims=True)
 
-    def foam(self, drawn_together: np.ndarray, cover: float | None = None) -> np.ndarray:
-        """Share (nx, nz) of white water by convergence, in the mean `cover`, or by default that of breaking crests."""
-        self.wanted = foam.crest_cover(drawn_together) if cover is None else cover
-        return foam.white_shares(drawn_together * self.grain, self.wanted)
+    def foam(self, convergence: np.ndarray, cover: float | None = None) -> np.ndarray:
+        """Share (nx, nz) of white water from convergence, on average `cover`; default: the cover of breaking crests."""
+        self.wanted = foam.crest_cover(convergence) if cover is None else cover
+        return foam.white_shares(convergence * self.grain, self.wanted)
 
-    def beyond(
+    def far_foam(
         self, found: np.ndarray, rings: np.ndarray, nodes: np.ndarray, eye: np.ndarray, amplitude: np.ndarray
     ) -> np.ndarray:
-        """Share (bands, rays) of white water on the far sea, at nodes x, z (bands * rays, 2) [m] of its fan around an
-        eye [m], on `rings` (bands, rays); `found`: values from `around`; `amplitude` (m,): of the waves [m]. Its mean
-        is the basin's on each ring; the fewer waves are drawn there, the more even it is."""
+        """Share (bands, rays) of white water on the far sea, at nodes x, z (bands * rays, 2) [m] on `rings` (bands,
+        rays). `found`: from `far_samples`; `amplitude` (m,): of the waves [m]. On each ring the mean is the basin's;
+        the more waves are too short to draw there, the more even is the white."""
         if self.wanted <= 0.0:
             return np.zeros(rings.shape)
         fan = self.fan
@@ -103,19 +103,19 @@ class SeaSurface:
         white = foam.white_shares(here, self.wanted, known)
         return self.wanted + told[rings] * (white - self.wanted)
 
-    def whole(self, fresh: np.ndarray, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
-        """Share (nx, nz) of white water at the nodes: foam `kept` in a frame, with `grain` (see `laced`), blended at
-        the basin's sides into `fresh` foam (nx, nz) on the far sea's crests."""
-        return self.laced(kept, grain) + (1.0 - self.share) * fresh
+    def blended_foam(self, fresh: np.ndarray, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
+        """Share (nx, nz) of white water at the basin's nodes: a frame's foam `kept`, with `grain` as in `laced_foam`,
+        which gives way to `fresh` foam (nx, nz) on the far sea's crests at the basin's sides."""
+        return self.laced_foam(kept, grain) + (1.0 - self.share) * fresh
 
-    def carried(self, kept: np.ndarray) -> np.ndarray:
-        """Values `kept` on a frame's grid, interpolated to the nodes (nx, nz); they fade to 0 at the basin's sides."""
+    def on_nodes(self, kept: np.ndarray) -> np.ndarray:
+        """Values `kept` on a frame's grid, interpolated to the nodes (nx, nz), and fading to 0 at the basin's sides."""
         x, z = self.own
         return self.share * (x @ kept @ z.T)
 
-    def laced(self, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
-        """Share (nx, nz) of white water at the nodes, from foam `kept` on a frame's grid, whose edges noise bends
-        within a cell. `grain` (n, 2): places [m] at which the noise is read for each node; they move with the water."""
+    def laced_foam(self, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
+        """Share (nx, nz) of white water at the nodes, from foam `kept` on a frame's grid; noise bends its edges by
+        about a cell. `grain` (n, 2): position [m] at which each node reads the noise, which drifts with the water."""
         from scipy.ndimage import map_coordinates, maximum_filter
 
         cell, white = (self.upper - self.lower) / kept.shape, np.zeros(self.share.shape)

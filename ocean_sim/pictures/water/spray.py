@@ -1,6 +1,6 @@
-"""Drops that breaking water throws: how many, how they fly, and where they fall back into foam. Only drawn: they take
-nothing from the water. The mass thrown in a time is EJECTED_SHARE of the power that breaking takes there over g times
-the head of the speed at which waters meet. A parcel stands for many drops alike where these are too many."""
+"""Drops that breaking water throws: how many, how they fly, and where they fall back as foam. They are only drawn, and
+take nothing from the water. Mass thrown per time = EJECTED_SHARE * power of breaking / (half the squared speed at which
+waters meet). One parcel stands for many equal drops where there are too many."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -44,7 +44,7 @@ UP, KEYS_PER_PLACE, SPRAY_STREAM = np.array([0.0, 1.0, 0.0]), 256, 0x5_0003  # o
 
 
 class Source(NamedTuple):
-    """Places from which drops are thrown."""
+    """Positions from which drops are thrown, with speed, radius and mass flow of the drops."""
 
     key: np.ndarray  # (n,) of random numbers
     place: np.ndarray  # (n, 3) [m]
@@ -57,19 +57,19 @@ class Source(NamedTuple):
 
 
 def drop_radius(speed: np.ndarray) -> np.ndarray:
-    """Median radius (n,) [m] of drops from waters that meet at a speed (n,) [m/s]."""
+    """Median radius (n,) [m] of drops where waters meet at a speed (n,) [m/s]."""
     pressure = WATER_DENSITY * np.square(TURBULENT_SHARE * np.maximum(speed, MIN_MEETING_SPEED))
     return np.minimum(0.5 * CRITICAL_WEBER * SURFACE_TENSION / pressure, MAX_RADIUS)
 
 
 def thrown_mass(power: np.ndarray, speed: np.ndarray) -> np.ndarray:
-    """Rate (n,) [kg/s] at which a power (n,) [W] of breaking throws water that meets at a speed (n,) [m/s]."""
+    """Mass thrown per second (n,) [kg/s] by a power (n,) [W] of breaking where waters meet at a speed (n,) [m/s]."""
     return np.where(speed > MIN_MEETING_SPEED, EJECTED_SHARE * power / np.maximum(0.5 * speed**2, 1e-9), 0.0)
 
 
 class Spray:
-    """Pool of parcels of drops in the air: place [m], velocity [m/s], radius of a drop [m], number of drops, and radius
-    of the parcel [m] (n, 9). Where more are thrown, the oldest are given up."""
+    """Drops in the air, as parcels (n, 9): position (3) [m], velocity (3) [m/s], radius of a drop [m], number of drops,
+    radius of the parcel [m]. Beyond POOL_PARCELS the oldest are dropped."""
 
     def __init__(self, seed: int) -> None:
         self.seed, self.frame, self.time, self.parcels = seed, 0, 0.0, np.zeros((0, 9))
@@ -77,21 +77,21 @@ class Spray:
     def advance(
         self, time: float, sources: list[Source], wind: np.ndarray, heights_at: Heights, sides: np.ndarray
     ) -> np.ndarray:
-        """Throw and fly drops until a time [s] in a wind x, z [m/s] at 10 m; returns the parcels (n, 9) that fell into
-        the water between the `sides` (2, 2), lower and upper x, z [m], beyond which they are given up."""
+        """Throw drops and let them fly until a time [s], in a wind x, z [m/s] at 10 m. Returns the parcels (n, 9) that
+        fell into the water; those beyond `sides` (2, 2), lower and upper x, z [m], are dropped."""
         step, self.time = time - self.time, time
         active = [source for source in sources if source.mass.any() and step > 0.0]
         most = POOL_PARCELS * min(step / FLIGHT_SECONDS, 1.0) / max(len(active), 1)
-        thrown = [self.thrown(source, step, most, wind) for source in active]
+        thrown = [self.throw_parcels(source, step, most, wind) for source in active]
         self.frame += 1
-        parcels = np.concatenate([flown(self.parcels, step, wind), *thrown])
+        parcels = np.concatenate([fly_parcels(self.parcels, step, wind), *thrown])
         parcels = parcels[((parcels[:, [0, 2]] > sides[0]) & (parcels[:, [0, 2]] < sides[1])).all(axis=1)]
         flying = parcels[:, 1] > heights_at(parcels[:, [0, 2]])
         self.parcels = parcels[flying][-POOL_PARCELS:]
         return parcels[~flying]
 
-    def thrown(self, source: Source, step: float, most: float, wind: np.ndarray) -> np.ndarray:
-        """Parcels (n, 9) that a source throws in a time `step` [s], flown since: about `most` where drops are more."""
+    def throw_parcels(self, source: Source, step: float, most: float, wind: np.ndarray) -> np.ndarray:
+        """Parcels (n, 9) that a source throws within `step` [s], after their flight so far; about `most` or fewer."""
         volume = 4.0 / 3.0 * np.pi * source.radius**3 * np.exp(4.5 * RADIUS_DEVIATION**2)  # mean of a drop [m3]
         number = source.mass * step / (WATER_DENSITY * volume)
         each = max(float(number.sum()) / most, 1.0)  # drops of a parcel
@@ -110,12 +110,12 @@ class Spray:
         since = 0.5 * (1.0 + a[:, 1]) * step
         place = source.place[which] + source.extent * a * [1.0, 0.0, 1.0] - since[:, None] * source.flow[which]
         spread = radius * (PARCEL_SPACING * np.sqrt(each) if each > 1.0 else 1.0)
-        return flown(np.column_stack([place, velocity, radius, np.full(len(key), each), spread]), since, wind)
+        return fly_parcels(np.column_stack([place, velocity, radius, np.full(len(key), each), spread]), since, wind)
 
 
-def flown(parcels: np.ndarray, seconds: np.ndarray | float, wind: np.ndarray) -> np.ndarray:
-    """Parcels (n, 9) after a time [s] of flight under gravity and a drag that is linear in their speed through the air,
-    so that they reach their terminal speed (Atlas, Srivastava & Sekhon 1973, Rev. Geophys. 11). `wind`: x, z [m/s]."""
+def fly_parcels(parcels: np.ndarray, seconds: np.ndarray | float, wind: np.ndarray) -> np.ndarray:
+    """Parcels (n, 9) after a flight of `seconds` under gravity and linear drag, by which they tend to their terminal
+    speed (Atlas, Srivastava & Sekhon 1973, Rev. Geophys. 11). `wind`: x, z [m/s] at 10 m."""
     place, velocity, many = parcels[:, :3], parcels[:, 3:6], parcels[:, 7]
     falling = np.maximum(9.65 - 10.3 * np.exp(-1200.0 * parcels[:, 6]), 0.1)
     left = np.exp(-GRAVITY * seconds / falling)[:, None]
@@ -127,15 +127,16 @@ def flown(parcels: np.ndarray, seconds: np.ndarray | float, wind: np.ndarray) ->
 
 
 def cross_section(parcels: np.ndarray) -> np.ndarray:
-    """Cross-section (n,) [m2] of all drops of each of the parcels (n, 9)."""
+    """Total cross-section (n,) [m2] of the drops in each of the parcels (n, 9)."""
     return np.asarray(parcels[:, 7] * np.pi * parcels[:, 6] ** 2)
 
 
 def foam_sources(
     place: np.ndarray, flow: np.ndarray, shares: np.ndarray, cell: np.ndarray, crest_speed: float, wind: np.ndarray
 ) -> list[Source]:
-    """Crests of a sea of a phase speed [m/s] that turn cells white, and foam that a wind x, z [m/s] at 10 m tears by
-    the work of its stress, at its friction velocity. `shares` (2, n): turned white [1/s], and white, of cells [m]."""
+    """Two sources of spray on cells of a sea with sides `cell` [m]: crests that break, at a share of the phase speed
+    `crest_speed` [m/s], and foam torn by a wind x, z [m/s] at 10 m. `shares` (2, n): share of each cell that turns
+    white per second [1/s], and that is white; `place`, `flow` (n, 3): position [m] and velocity [m/s] of the water."""
     slow, u10, ahead = BREAKER_SPEED_SHARE * crest_speed, float(np.hypot(*wind)), np.insert(wind, 1, np.hypot(*wind))
     drag = 0.0  # [Pa] of a wind that tears foam
     if u10 > SPINDRIFT_WIND:
@@ -155,7 +156,7 @@ def foam_sources(
 
 
 def airborne_source(position: np.ndarray, velocity: np.ndarray, floor: np.ndarray, spacing: float) -> Source:
-    """Particles (n, 3) [m] that fly apart over a floor at heights (n,) [m]: the run itself has thrown this water."""
+    """Source of spray at particles (n, 3) [m] of the run that fly apart over a floor at heights `floor` (n,) [m]."""
     from scipy.spatial import cKDTree
 
     up = flying_share(position, floor, spacing)
@@ -168,13 +169,13 @@ def airborne_source(position: np.ndarray, velocity: np.ndarray, floor: np.ndarra
 
 
 def clipped_ramp(value: np.ndarray, bounds: tuple[float, float]) -> np.ndarray:
-    """Linear ramp of a value: 0 at the first bound, 1 at the second, constant beyond both."""
+    """Linear ramp of a value: 0 up to the first bound, 1 from the second on."""
     return np.clip((value - bounds[0]) / (bounds[1] - bounds[0]), 0.0, 1.0)
 
 
 def flying_share(position: np.ndarray, floor: np.ndarray, spacing: float) -> np.ndarray:
-    """Degree (n,), 0 to 1, to which particles (n, 3) [m] are in the air: by the widest gap without particles between
-    each and the floor at heights (n,) [m] below it; `spacing` of particles [m]."""
+    """Degree (n,), 0 to 1, to which particles (n, 3) [m] fly: by the widest vertical gap in the water between each and
+    the `floor` at heights (n,) [m] below it. `spacing`: of particles [m]."""
     low, size = position.min(axis=0)[[0, 2]] - 0.5 * spacing, np.ptp(position, axis=0)[[0, 2]] + spacing
     broad = size / np.maximum(np.round(size / (COLUMN_BREADTH * spacing)), 1.0)  # so that none is half behind a side
     column = np.floor((position[:, [0, 2]] - low) / broad).astype(np.int64)
@@ -190,7 +191,7 @@ def flying_share(position: np.ndarray, floor: np.ndarray, spacing: float) -> np.
 
 
 def floor_heights(position: np.ndarray, bed: float | np.ndarray, obstacles: np.ndarray) -> np.ndarray:
-    """Heights (n,) [m] of the bed [m], one or (n,), or of obstacles (m, 2, 3) [m] below particles (n, 3) [m]."""
+    """Heights (n,) [m] of the bed (one height or (n,)) or of an obstacle (m, 2, 3) [m] below particles (n, 3) [m]."""
     floor = np.full(len(position), bed)
     for low, up in obstacles:
         over = np.all((position[:, [0, 2]] > low[[0, 2]]) & (position[:, [0, 2]] < up[[0, 2]]), axis=1)
@@ -201,8 +202,8 @@ def floor_heights(position: np.ndarray, bed: float | np.ndarray, obstacles: np.n
 def bow_source(
     number: int, size: np.ndarray, foot: np.ndarray, meets: np.ndarray, ahead: np.ndarray, heights_at: Heights
 ) -> Source:
-    """Bow of ship `number`, of breadth and length `size` [m], that throws water by the energy that her crest takes with
-    her. `foot` (3,) of her stem [m]; `meets` (3,): its velocity through the water [m/s]; `ahead` (3,): level."""
+    """Source of spray at the bow of ship `number`, by the energy in her bow crest. `size`: breadth, length [m]; `foot`
+    (3,): of her stem [m]; `meets` (3,): its velocity through the water [m/s]; `ahead` (3,): level unit vector."""
     plunging = max(-float(meets[1]), 0.0) * (foot[1] < heights_at(foot[None, [0, 2]])[0])
     onward, wedge = max(float(meets @ ahead), 0.0), Bow(float(size[1]), float(size[0]), 1.0).wedge
     bow = Bow(float(size[1]), float(size[0]), float(onward + plunging * BOW_FLARE / wedge))

@@ -41,11 +41,11 @@ FOAM_COLOUR, FOAM_LIGHTS = np.array([0.80, 0.83, 0.84]), (0.62, 0.38)
 
 def smooth_mesh(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...], most: float) -> Mesh:
     """Smoothed copy of a mesh. No vertex moves more than `most` [m], so that drops and thin sheets stay; then all
-    vertices move out or in by the thin layer that restores the volume.
+    vertices move along their normals by a thin layer that restores the volume.
 
-    A surface that meets a side of the box from `lower` to `upper` [m] continues behind it as its mirror image, so that
-    its rim slides along the side and is as smooth as the rest. Triangles flat on a side have vertices and normals of
-    their own, for a sharp edge between both. Measure volumes on the original mesh."""
+    Where the surface meets a side of the box from `lower` to `upper` [m], it is smoothed as if mirrored in that side,
+    so its rim slides along the side. Triangles flat on a side get vertices and normals of their own, for a sharp edge.
+    Measure volumes on the original mesh."""
     n, corners = len(mesh.vertices), mesh.triangles
     if n == 0:
         return mesh
@@ -84,8 +84,8 @@ def smooth_mesh(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...], 
 
 
 def neighbour_weights(corners: np.ndarray, on: np.ndarray) -> Any:
-    """Sparse weights (n, n) of the neighbours of each vertex in triangles `corners` (m, 3): 1, and double for each side
-    of the box on which the vertex lies (`on` (n, 3)) but not the neighbour, whose mirror image counts too."""
+    """Sparse weights (n, n) of the neighbours of each vertex in triangles `corners` (m, 3): 1, doubled for each side of
+    the box on which the vertex lies (`on` (n, 3)) but not the neighbour, to count the neighbour's mirror image too."""
     from scipy.sparse import coo_array
 
     n = len(on)
@@ -96,16 +96,16 @@ def neighbour_weights(corners: np.ndarray, on: np.ndarray) -> Any:
 
 
 def level_rim(x: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
-    """Vertices (n, 3) [m] in which those on a side of the box take the mean of `adjacent` ones off it, unless `held`
-    (n, 3): marching cubes end half a cell inside the side, and would leave them in steps."""
+    """Vertices (n, 3) [m] with those on a side of the box moved to the mean of their neighbours off it, except
+    coordinates `held` (n, 3). Marching cubes end half a cell inside a side and would leave steps there."""
     beyond = adjacent > 1.0
     many = np.asarray(beyond.sum(axis=1))[:, None]
     return np.where(held | (many == 0), x, beyond @ x / np.maximum(many, 1))
 
 
 def spread_ways(way: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
-    """Displacements `way` (n, 3) [m], smoothed over SPREAD_STEPS edges to `adjacent` vertices except where `held` (n,
-    3), so that the inside of a flat side follows its rim and no triangle folds over."""
+    """Displacements `way` (n, 3) [m], spread over SPREAD_STEPS edges to neighbours (matrix `adjacent`) where not `held`
+    (n, 3), so that the inside of a flat side follows its rim and no triangle folds over."""
     degree = np.maximum(np.asarray(adjacent.sum(axis=1)), 1.0)[:, None]
     for _ in range(SPREAD_STEPS):
         way = np.where(held, way, adjacent @ way / degree)
@@ -124,13 +124,13 @@ def split_edges(mesh: Mesh, flat: np.ndarray, facing: np.ndarray) -> Mesh:
 
 
 def points_on_sides(x: np.ndarray, lower: tuple[float, ...], upper: tuple[float, ...]) -> np.ndarray:
-    """Masks (2, n, 3): True for points (n, 3) on the lower and on the upper side of a box, along each axis."""
+    """Masks (2, n, 3) of points (n, 3) [m] on the lower and on the upper side of a box, for each axis."""
     low, up = np.array(lower), np.array(upper)
     return np.stack([x <= low + SIDE_TOLERANCE * (up - low), x >= up - SIDE_TOLERANCE * (up - low)])
 
 
 def vertex_areas(mesh: Mesh) -> np.ndarray:
-    """Outward area vectors (n, 3) [m2] at the vertices: sums over the triangles around each."""
+    """Outward area vectors (n, 3) [m2] at the vertices: sums of those of the triangles around each."""
     areas, across = np.zeros(mesh.vertices.shape), mesh.vector_areas
     for k in range(3):
         np.add.at(areas, mesh.triangles[:, k], across)
@@ -138,8 +138,8 @@ def vertex_areas(mesh: Mesh) -> np.ndarray:
 
 
 def low_pass_weights(edge: float, degree: int) -> np.ndarray:
-    """Weights (degree + 1,) of Chebyshev polynomials T_n(cos t) of a low-pass filter, which passes 1 at t = 0, a half
-    at `edge`, and 0 beyond. They are the Fourier series of a step under von Hann's window."""
+    """Weights (degree + 1,) of Chebyshev polynomials T_n(cos t) that add up to a low-pass filter: 1 at t = 0, 1/2 at t
+    = `edge`, 0 beyond. They are the Fourier series of a step under von Hann's window."""
     n = np.arange(1, degree + 1)
     window = 0.5 + 0.5 * np.cos(np.pi * n / (degree + 1.0))
     weights = np.concatenate([[edge / np.pi], 2.0 * np.sin(n * edge) / (np.pi * n) * window])
@@ -147,10 +147,10 @@ def low_pass_weights(edge: float, degree: int) -> np.ndarray:
 
 
 class Shell(Content):
-    """Closed surface of the water in a glass tank, drawn smooth and clear."""
+    """Water in a glass tank, drawn as a clear, smooth closed surface."""
 
     def __init__(self, stage: Stage, grid: Any, upper: np.ndarray, white: bool) -> None:
-        """`grid`: arrays that frames keep once; `upper`: top corner of the tank [m]; `white`: True to draw foam."""
+        """`grid`: arrays that a run saves once; `upper`: top corner of the tank [m]; `white`: True to draw foam."""
         depth = self.depth = float(grid["depth"])
         self.stage, self.white, self.sides = stage, white, (grid["lower"][[0, 2]], grid["upper"][[0, 2]])
         self.lower, self.upper, self.spacing = tuple(grid["lower"]), tuple(upper), float(grid["spacing"])
@@ -176,13 +176,13 @@ class Shell(Content):
             space = {"ahead": stage.camera.forward, "boxLow": np.array(self.lower), "boxHigh": np.array(self.upper)}
             part.set(**plain | shown | space | {"view": np.eye(4), "screen": np.ones(3), "reach": 1.0})
         stage.plotter.add_actor(self.water.actor, reset_camera=False, render=False)
-        self.measure = stage.empty(stage.plotter.window_size)  # the picture of distances
+        self.measure = stage.new_plotter(stage.plotter.window_size)  # the picture of distances
         self.measure.set_background("black")
         self.measure.add_actor(self.backs.actor, reset_camera=False, render=False)
 
     def surface(self, frame: Frame) -> tuple[Mesh, np.ndarray, np.ndarray]:
-        """Surface mesh of a frame, and at its vertices the share of air (n, 3), in the first column, and the places
-        (n, 3) [m] at which their water was in the first frame (see WATER_TRAITS)."""
+        """Smoothed surface mesh of a frame, and at its vertices (see WATER_TRAITS) the share of air (n, 3), in column
+        0, and the positions (n, 3) [m] that their water had in the first frame."""
         assert frame.mesh is not None
         skin = smooth_mesh(Mesh(*frame.mesh), self.lower, self.upper, MAX_SMOOTHING * self.spacing)
         if not self.white or frame.left is None or frame.carried is None or not len(skin.vertices):
@@ -193,7 +193,7 @@ class Shell(Content):
         return skin, air, skin.vertices - np.insert(read_cells(frame.carried, at), 1, 0.0, axis=1)
 
     def show(self, frame: Frame) -> None:
-        """Update the surface to a frame, and render the pictures of distances and background that its shader needs."""
+        """Change the surface to a frame, and render the two pictures its shader needs: distances and background."""
         mesh, state, birth = self.surface(frame)
         traits = dict(zip(WATER_TRAITS, (mesh.normals, state, birth), strict=True))
         self.water.mesh.DeepCopy(self.stage.mesh(mesh.vertices, mesh.triangles, **traits))
@@ -210,20 +210,20 @@ class Shell(Content):
         self.backs.set(behindOthers=1.0)
         water_glsl.fill_image(self.farther.GetInput(), self.distances())
         self.water.actor.VisibilityOff()
-        self.see()
+        self.capture_background()
         self.water.actor.VisibilityOn()
         self.water.set(behindOthers=1.0)
-        self.see()
+        self.capture_background()
         self.water.set(behindOthers=0.0)
         water_glsl.fill_image(self.farther.GetInput(), nearest)
 
     def distances(self) -> np.ndarray:
-        """Distances of the water's back faces as an image (height, width, 4), lowest row first."""
+        """Render distances from the eye to the water's back faces, as an image (height, width, 4), lowest row first."""
         self.measure.render()
         return self.measure.screenshot(None, return_img=True, transparent_background=True)[::-1]
 
-    def see(self) -> None:
-        """Render the present picture, and use it as the background seen through the water."""
+    def capture_background(self) -> None:
+        """Render the present picture without overlays, and use it as the background seen through the water."""
         for mark in self.stage.over:
             mark.VisibilityOff()
         self.stage.plotter.render()

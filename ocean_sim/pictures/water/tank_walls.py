@@ -27,7 +27,7 @@ AMBIENT_LIGHT, SUN_LIGHT = 0.84, 0.26  # of light: from all sides, and the sun's
 
 
 class Panel(NamedTuple):
-    """Bed or wall of a tank: a rectangle across an axis, facing inwards."""
+    """Bed or wall of a tank: a rectangle normal to an axis, facing inwards."""
 
     axis: int
     at: float  # [m]
@@ -41,8 +41,8 @@ def tank_panels(low: np.ndarray, up: np.ndarray) -> list[Panel]:
 
 
 def panel_sheet(panel: Panel, u: np.ndarray, v: np.ndarray, out: float) -> tuple[np.ndarray, np.ndarray]:
-    """Points (n, 3) [m] of a panel on a grid `u`, `v` along its next two axes [m], moved outwards by `out` [m], and
-    quadrilaterals (m, 4) between them that face inwards."""
+    """Points (n, 3) [m] of a panel at all pairs of `u`, `v` [m] along its other two axes, moved outwards by `out` [m],
+    and quadrilaterals (m, 4) between them that face inwards."""
     points = np.full((len(u) * len(v), 3), panel.at - panel.inwards * out)
     along = np.meshgrid(u, v, indexing="ij")
     for n, places in enumerate(along, 1):
@@ -54,7 +54,7 @@ def panel_sheet(panel: Panel, u: np.ndarray, v: np.ndarray, out: float) -> tuple
 
 
 def panel_light(points: np.ndarray, panel: Panel, all_of_them: list[Panel], height: float) -> np.ndarray:
-    """Brightness (n,) of a panel at points (n, 3) [m], lower near the tank's other panels; `height` of the tank [m]."""
+    """Brightness (n,) of a panel at points (n, 3) [m], darker near the other panels; `height`: of the tank [m]."""
     sunny = max(panel.inwards * float(sky.SUN_DIRECTION[panel.axis]), 0.0)
     bright = np.full(len(points), AMBIENT_LIGHT + SUN_LIGHT * sunny)
     for other in all_of_them:
@@ -64,13 +64,13 @@ def panel_light(points: np.ndarray, panel: Panel, all_of_them: list[Panel], heig
 
 
 def line_sides(low: float, up: float, step: float) -> Iterator[np.ndarray]:
-    """Yield both edges [m] of each line drawn at a multiple of `step` along an axis from `low` to `up` [m]."""
+    """Yield both edges [m] of each line to draw at a multiple of `step` on an axis from `low` to `up` [m]."""
     for at in step * np.arange(np.ceil(low / step), np.floor(up / step) + 1.0):
         yield np.clip(at + 0.5 * LINE_BREADTH * step * np.array([-1.0, 1.0]), low, up)
 
 
 def join_sheets(sheets: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
-    """Join the points and quadrilaterals of many sheets into one sheet."""
+    """Join sheets, each of points (n, 3) [m] and quadrilaterals (m, 4), into one."""
     begins = np.cumsum([0] + [len(points) for points, _ in sheets])
     faces = [quads + begin for (_, quads), begin in zip(sheets, begins[:-1], strict=True)]
     return np.concatenate([points for points, _ in sheets]).astype(np.float32), np.concatenate(faces)
@@ -92,7 +92,7 @@ def add_ground_lines(stage: Stage, low: np.ndarray, up: np.ndarray, height: floa
 
 
 def add_edges(stage: Stage, low: np.ndarray, top: np.ndarray, zones: np.ndarray) -> None:
-    """Add the edges of a tank from `low` to `top` [m], and tint the inside of its absorbing zones (n, 2, 3) [m]."""
+    """Add the edges of a tank from `low` to `top` [m], and tint the inside of absorbing zones (n, 2, 3) [m]."""
     box = stage.pyvista.Box(np.stack([low, top], axis=1).ravel()).extract_feature_edges(30.0)
     stage.plotter.add_mesh(box, color=EDGE_COLOUR, opacity=0.5, line_width=1.5 * stage.samples, lighting=False)
     for zone in zones:
@@ -100,7 +100,7 @@ def add_edges(stage: Stage, low: np.ndarray, top: np.ndarray, zones: np.ndarray)
 
 
 def add_panels(stage: Stage, low: np.ndarray, top: np.ndarray, depth: float) -> None:
-    """Add the panels of a tank from `low` to `top` [m], and lines whose round distance suits the water's depth [m]."""
+    """Add bed and walls of a tank from `low` to `top` [m], with lines at a round distance that suits the depth [m]."""
     below, step = PANEL_OFFSET * (top[1] - low[1]), round_up(LINE_INTERVAL * depth)
     whole = tank_panels(low, top)
     sheets: list[tuple[np.ndarray, np.ndarray]] = []

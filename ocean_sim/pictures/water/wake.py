@@ -1,4 +1,4 @@
-"""Kelvin's waves behind a ship in water that does not resolve her, drawn without effect on the run."""
+"""Kelvin waves behind ships, drawn where the run's own water does not respond to them; without effect on the run."""
 
 from functools import lru_cache
 
@@ -24,9 +24,9 @@ LIMITED_REACH = (1.3, 1.2)
 
 @lru_cache(maxsize=64)
 def kelvin_pattern(speed: float, breadth: float, length: float) -> np.ndarray:
-    """Height (n, m) [m] of the steady waves that a pressure patch as wide as a ship makes in deep water (Havelock 1908,
-    Proc. R. Soc. A 81; Darmon, Benzaquen & Raphael 2014, J. Fluid Mech. 738, equation 2.9), at nodes PATTERN_STEP
-    breadths apart, n behind the bow and m to the side."""
+    """Height (n, m) [m] of the steady waves behind a pressure patch as wide as a ship on deep water (Havelock 1908,
+    Proc. R. Soc. A 81; Darmon, Benzaquen & Raphael 2014, J. Fluid Mech. 738, eq. 2.9), at nodes PATTERN_STEP breadths
+    apart: n behind the bow, m to the side."""
     step = PATTERN_STEP * breadth
     x, y = np.arange(0.0, KELVIN_ASTERN * length, step), np.arange(0.0, KELVIN_ABEAM * length, step)
     k0, froude = GRAVITY / speed**2, speed / np.sqrt(GRAVITY * breadth)
@@ -43,7 +43,7 @@ def kelvin_pattern(speed: float, breadth: float, length: float) -> np.ndarray:
 
 
 def kelvin_height(vessel: Vessel, breadth: float, time: float, places: np.ndarray) -> np.ndarray:
-    """Height (n,) [m] at places x, z (n, 2) [m] of a ship's Kelvin waves and transom hollow; 0 if she is too slow."""
+    """Height (n,) [m] of a ship's Kelvin waves and transom hollow at positions x, z (n, 2) [m]; 0 for a slow ship."""
     from scipy.ndimage import map_coordinates
 
     speed = round(vessel.speed(time), 1)
@@ -57,8 +57,8 @@ def kelvin_height(vessel: Vessel, breadth: float, time: float, places: np.ndarra
 
 
 def transom_hollow(astern: np.ndarray, aside: np.ndarray, speed: float, breadth: float) -> np.ndarray:
-    """Depth (n,) [m] of the water surface behind a transom of a breadth [m]; it rises again into a wave as for the
-    ship's speed [m/s]. `astern`, `aside`: distances (n,) from the transom [m]. The law is ours."""
+    """Depth (n,) [m] of the hollow in the water behind a transom of a breadth [m], which a wave at the ship's speed
+    [m/s] follows. `astern`, `aside`: distances (n,) from the transom [m]. The law is our own."""
     depth = min(HOLLOW_DEPTH * speed**2 / GRAVITY, MAX_HOLLOW * breadth)
     k = GRAVITY / speed**2
     along = np.where(astern > 0.0, np.cos(k * astern) * np.exp(-0.3 * k * np.maximum(astern, 0.0)), 0.0)
@@ -69,8 +69,8 @@ def transom_hollow(astern: np.ndarray, aside: np.ndarray, speed: float, breadth:
 def limited_answer(
     answer: np.ndarray, vessel: Vessel, breadth: float, x: np.ndarray, z: np.ndarray, time: float
 ) -> np.ndarray:
-    """Response `answer` (nx, nz) [m] of the water to a ship at nodes x, z [m], limited around her to the stagnation
-    height V^2 / 2 g: linear waves do not break, and would leave a hole of the hull's shape."""
+    """Response `answer` (nx, nz) [m] of the run's water to a ship, limited near her to the stagnation height V^2 / 2 g:
+    linear waves do not break, and would leave a hole of her hull's shape. `x`, `z`: of the nodes [m]."""
     along, aside = ship_coordinates(x[:, None], z[None, :], *vessel.pose(time))
     near = np.exp(-((along / (LIMITED_REACH[0] * vessel.length)) ** 4) - (aside / (LIMITED_REACH[1] * breadth)) ** 4)
     most = max(vessel.speed(time) ** 2 / (2.0 * GRAVITY), MIN_ANSWER * vessel.length)

@@ -33,15 +33,15 @@ def number(value: float) -> str:
 
 
 def literal(value: Any) -> str:
-    """GLSL literal of a whole number, of a float, or of a vector of floats."""
+    """GLSL literal of an integer, a float, or a vector of floats."""
     if np.ndim(value):
         return f"vec{len(value)}({', '.join(map(number, value))})"
     return str(value) if isinstance(value, int) else number(value)
 
 
 def shader(name: str, *modules: ModuleType, **parts: object) -> str:
-    """GLSL text of a file in the folder `shaders`. Names of constants of the modules become their values, NAME[0] the
-    first of several; a name of `parts` after an @ becomes that part."""
+    """GLSL text of the file `name` in the folder `shaders`. Names of the modules' constants are replaced by their
+    values (NAME[0]: the first of several), and @NAME by the text `parts[NAME]`."""
     text = (SHADER_FOLDER / f"{name}.glsl").read_text(encoding="utf-8")
     for part, value in parts.items():
         text = text.replace(f"@{part}", str(value))
@@ -61,20 +61,20 @@ SKY_PROGRAM = "  fragOutput0 = vec4(filmic(skyAt(normalize(posW - eyeW), 0.0)), 
 
 
 def water_program(ships: int, grain: str = "posW.xz", shadows: str = "") -> str:
-    """GLSL program of the water around some ships. `grain`: expression of the place at which foam's grain is read;
-    `shadows`: program that reduces `sunlit`."""
+    """GLSL program of the water around a number of ships. `grain`: GLSL expression of the position at which foam's fine
+    pattern is read; `shadows`: program that reduces the variable `sunlit`."""
     hulls = "".join(shader("sea_hull", k=k, ships=ships) for k in range(ships))
     mirrors = "".join(shader("sea_mirror", k=k) for k in range(ships))
     return shader("sea", w, hulls=hulls, mirrors=mirrors, grain=grain, shadows=shadows)
 
 
 def sky_textures(sky: Sky) -> dict[str, Any]:
-    """Textures of a sky's image and of its haze, by their sampler names in the shaders."""
+    """Textures of a sky's image and of its haze, by the names of their samplers in the shaders."""
     return {"sky": make_texture(sky.image, smaller=True), "haze": make_texture(sky.haze)}
 
 
 def make_texture(image: np.ndarray, *, smaller: bool = False) -> Any:
-    """Texture of an image of floats or 8-bit numbers, its row 0 at the coordinate 0; `smaller`: True for mipmaps."""
+    """Texture of an image of floats or 8-bit numbers, whose row 0 has the coordinate 0; `smaller`: True for mipmaps."""
     from vtkmodules.vtkCommonDataModel import vtkImageData
 
     data = vtkImageData()
@@ -83,8 +83,8 @@ def make_texture(image: np.ndarray, *, smaller: bool = False) -> Any:
 
 
 def image_texture(data: Any, smaller: bool) -> Any:
-    """Texture of a VTK image; `smaller`: True for mipmaps. Each window needs a texture of its own: a shared one would
-    be sent to each window again in every picture."""
+    """Texture of a VTK image; `smaller`: True for mipmaps. Each window needs its own, or VTK sends the image to each
+    window again in every picture."""
     from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLTexture
 
     made = vtkOpenGLTexture()
@@ -99,7 +99,7 @@ def image_texture(data: Any, smaller: bool) -> Any:
 
 
 def own_textures(textures: dict[str, Any]) -> dict[str, Any]:
-    """Textures of the same images, by the same names, for another window."""
+    """Second textures of the same images, by the same names, for use in another window."""
     return {name: image_texture(of.GetInput(), of.GetMipmap()) for name, of in textures.items()}
 
 
@@ -114,15 +114,15 @@ def fill_image(data: Any, image: np.ndarray) -> None:
 
 
 class Shaded:
-    """Actor of triangles with its own fragment program; its points are world coordinates [m]."""
+    """VTK actor of a triangle mesh with a fragment program of our own; the mesh's points are world coordinates [m]."""
 
     def __init__(
         self, mesh: Any, body: str, functions: str, textures: dict[str, Any], attributes: Sequence[str] = ()
     ) -> None:
         """`body`, `functions`: fragment program and its GLSL functions; `textures`: by sampler name; `attributes`:
-        three-letter names of the mesh's vectors, which the program reads with a W appended, as nrmW."""
+        three-letter names of vectors at the mesh's points, which the program reads with a W appended, as nrmW."""
         self.mesh, self.attributes, self.textures = mesh, attributes, textures
-        self.actor = self.drawn(textures)
+        self.actor = self.new_actor(textures)
         program = self.actor.GetShaderProperty()
         taken = "".join(f"in vec3 {name}In; out vec3 {name}W;\n" for name in attributes)
         given = "".join(f"in vec3 {name}W;\n" for name in attributes)
@@ -137,8 +137,8 @@ class Shaded:
         program.AddFragmentShaderReplacement("//VTK::Light::Impl", True, body, False)
         self.uniforms = program.GetFragmentCustomUniforms()
 
-    def drawn(self, textures: dict[str, Any]) -> Any:
-        """New actor of the mesh and its attributes with these textures, and without the program."""
+    def new_actor(self, textures: dict[str, Any]) -> Any:
+        """New actor of the same mesh and attributes with these textures; its program is still to be set."""
         from vtkmodules.vtkCommonDataModel import vtkDataObject
         from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
@@ -154,13 +154,13 @@ class Shaded:
         return actor
 
     def twin(self) -> Any:
-        """Second actor of the same mesh and program for another plotter, with textures of its own."""
-        twin = self.drawn(own_textures(self.textures))
+        """Second actor of the same mesh and program for another plotter, with its own textures."""
+        twin = self.new_actor(own_textures(self.textures))
         twin.SetShaderProperty(self.actor.GetShaderProperty())
         return twin
 
     def set(self, **values: Any) -> None:
-        """Set uniforms of the fragment program: numbers, triples and 4 x 4 matrices."""
+        """Set uniforms of the fragment program by name: numbers, triples and 4 x 4 matrices."""
         from vtkmodules.vtkCommonMath import vtkMatrix4x4
 
         for name, value in values.items():
@@ -176,13 +176,13 @@ class Shaded:
 
 
 def projection(camera: Any, aspect: float) -> np.ndarray:
-    """Projection (4, 4) of a VTK camera from world to clip coordinates, in a picture of an `aspect` ratio."""
+    """Matrix (4, 4) of a VTK camera from world to clip coordinates; `aspect`: width over height of the picture."""
     matrix = camera.GetCompositeProjectionTransformMatrix(aspect, -1.0, 1.0)
     return np.array([[matrix.GetElement(i, j) for j in range(4)] for i in range(4)])
 
 
 def collect_messages() -> Any:
-    """Redirect VTK's messages to a collector from now on; returns the collector, to pass to `refusal`."""
+    """Send VTK's messages to a collector from now on; returns it, to be passed to `refusal`."""
     from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 
     said = vtkStringOutputWindow()
@@ -191,7 +191,7 @@ def collect_messages() -> Any:
 
 
 def refusal(said: Any) -> str | None:
-    """Reason why OpenGL refused a shader program, from messages of `collect_messages`; None if it refused none."""
+    """Reason why OpenGL refused a shader program, from the collector of VTK's messages; None if it did not."""
     if "vtkShaderProgram" not in (text := said.GetOutput()):
         return None
     why = (line for line in text.splitlines() if "error" in line.lower() and not line.startswith("ERROR: In"))
@@ -199,12 +199,12 @@ def refusal(said: Any) -> str | None:
 
 
 def sky_uniforms(sky: Sky) -> dict[str, Any]:
-    """Uniforms of the sun and of the mean light of a sky."""
+    """Shader uniforms of a sky's sun and mean light."""
     return {"sunDir": sky.sun, "sunLight": sky.sunlight, "skyLight": sky.ambient}
 
 
 def neutral_uniforms(ships: int) -> dict[str, Any]:
-    """Uniforms of calm, smooth water without mirrored ships and with all terms of its colour, except those of light."""
+    """Shader uniforms, except of light, of calm, smooth water that mirrors no ship and has all parts of its colour."""
     nothing = dict.fromkeys(("useMirror", "rippleVariance", "windAngle", "time"), 0.0)
     ones = dict.fromkeys(("rippleLongest", "mirrorPixel", "glintKind"), 1.0)  # the kind of glint is a key of GLINTS
     ones |= dict.fromkeys(("useFresnel", "useReflection", "useBody", "useFoam", "useFog"), 1.0)

@@ -8,8 +8,8 @@ SIDE_ROWS = 9  # rows of vertices from the surface to the bed
 
 
 def spline_matrix(cells: int, factor: int) -> np.ndarray:
-    """Matrix (cells * factor + 1, cells) from values at cell centres to a cubic spline at nodes from wall to wall,
-    mirrored in the walls, where water under gravity alone stands level."""
+    """Matrix (cells * factor + 1, cells) that takes values at cell centres to a cubic spline at nodes from wall to
+    wall. The spline is mirrored in the walls, so that water meets them level."""
     from scipy.ndimage import map_coordinates
 
     nodes = np.linspace(-0.5, cells - 0.5, cells * factor + 1)
@@ -17,18 +17,18 @@ def spline_matrix(cells: int, factor: int) -> np.ndarray:
 
 
 def grid_triangles(rows: int, columns: int) -> np.ndarray:
-    """Node indices (m, 3) of two triangles for each cell of a grid of nodes numbered row by row."""
+    """Node numbers (m, 3) of two triangles per cell, for a grid of nodes numbered row by row."""
     k = np.arange(rows * columns).reshape(rows, columns)
     a, b, c, d = k[:-1, :-1], k[1:, :-1], k[1:, 1:], k[:-1, 1:]
     return np.stack([a, d, b, b, d, c], axis=-1).reshape(-1, 3)
 
 
 class WaterMesh:
-    """Mesh of a block of water above a bed, with surface and cut sides; only its heights change from frame to frame."""
+    """Mesh of a block of water: its surface, and cut sides down to the bed; only heights change from frame to frame."""
 
     def __init__(self, x: np.ndarray, z: np.ndarray, lower: np.ndarray, upper: np.ndarray, nodes: int) -> None:
-        """`x`, `z`: middles of the cells of the heights [m]; `lower`, `upper`: corners of the basin [m]; `nodes`:
-        approximate number of nodes of the surface."""
+        """`x`, `z`: cell centres of the heights [m]; `lower`, `upper`: corners of the basin [m]; `nodes`: approximate
+        number of nodes of the surface."""
         factor = int(np.clip(np.sqrt(nodes / (len(x) * len(z))), 1, 12))
         self.along_x, self.along_z = spline_matrix(len(x), factor), spline_matrix(len(z), factor)
         self.x = np.linspace(lower[0], upper[0], len(self.along_x))
@@ -56,7 +56,7 @@ class WaterMesh:
         return np.column_stack([self.nodes[:, 0], height, self.nodes[:, 1]]), normals
 
     def sides(self, surface: np.ndarray) -> np.ndarray:
-        """Nodes (m, 3) [m] of the four cut sides, from the rim of the `surface` nodes (n, 3) [m] down to the bed."""
+        """Nodes (m, 3) [m] of the four cut sides: from the rim of the `surface` nodes (n, 3) [m] down to the bed."""
         down = np.linspace(0.0, 1.0, SIDE_ROWS)[:, None]
         parts = []
         for rim in self.rims:

@@ -46,12 +46,12 @@ GRADIENT_VARIANCE = 0.4204  # of the slopes of an octave of unit height and wave
 
 
 def refracted_cosine(cos_incident: np.ndarray, n: float = REFRACTIVE_INDEX) -> np.ndarray:
-    """Cosine (n,) of the refraction angle in water, from that of incidence, by Snell's law (3.7)."""
+    """Cosine (n,) of the refraction angle in water for this cosine of the angle of incidence, by Snell's law (3.7)."""
     return np.sqrt(1.0 - (1.0 - np.asarray(cos_incident) ** 2) / n**2)
 
 
 def fresnel(cos_incident: np.ndarray, n: float = REFRACTIVE_INDEX) -> np.ndarray:
-    """Reflected share (n,) of unpolarised light (3.8), from cosines of incidence; finite at normal incidence."""
+    """Share (n,) of unpolarised light that water reflects (3.8), for this cosine of the angle of incidence."""
     cos_refracted = refracted_cosine(cos_incident, n)
     across = (cos_incident - n * cos_refracted) / (cos_incident + n * cos_refracted)
     along = (n * cos_incident - cos_refracted) / (n * cos_incident + cos_refracted)
@@ -59,15 +59,15 @@ def fresnel(cos_incident: np.ndarray, n: float = REFRACTIVE_INDEX) -> np.ndarray
 
 
 def beckmann(cos_half: np.ndarray, variance: np.ndarray) -> np.ndarray:
-    """Density of facets that mirror the sun into the eye, for normally distributed slopes of a variance along each axis
-    (Beckmann & Spizzichino 1963); `cos_half`: cosine between the normal and the direction halfway from sun to eye."""
+    """Density of facets that mirror the sun into the eye, for normally distributed slopes of this variance along each
+    axis (Beckmann & Spizzichino 1963); `cos_half`: cosine between normal and the direction halfway from sun to eye."""
     c2 = np.maximum(cos_half, 1.0e-3) ** 2
     return np.exp(-(1.0 - c2) / (c2 * 2.0 * variance)) / (2.0 * np.pi * variance * c2**2)
 
 
 def slope_variance(wind_speed: float) -> float:
-    """Variance of the slopes of the sea, along plus across the wind, for a wind speed [m/s] at 12.5 m (Cox & Munk 1954,
-    J. Opt. Soc. Am. 44, clean surface)."""
+    """Slope variance of the sea, along plus across the wind, for a wind speed [m/s] at 12.5 m (Cox & Munk 1954, J. Opt.
+    Soc. Am. 44, clean surface)."""
     return 0.003 + 0.00512 * wind_speed
 
 
@@ -87,8 +87,8 @@ def surface_light(position: np.ndarray, normal: np.ndarray, height: np.ndarray, 
 
 
 def sun_glint(normal: np.ndarray, to_eye: np.ndarray, cosine: np.ndarray) -> np.ndarray:
-    """Brightness (n,) of the sun's glint on nodes, over that of the sun, from facets with normally distributed slopes;
-    `to_eye`: unit directions; `cosine` (n,): of the angle between normal and eye, softened by roughness."""
+    """Brightness (n,) of the sun's glint, relative to the sun, from facets with normally distributed slopes. `to_eye`:
+    unit directions; `cosine` (n,): between normal and `to_eye`, softened by roughness."""
     half = unit_vector(SUN_DIRECTION + to_eye)
     share = fresnel(np.clip((half * to_eye).sum(axis=1), 0.0, 1.0))
     facets = beckmann((half * normal).sum(axis=1), np.full(len(half), NODE_ROUGHNESS))
@@ -106,8 +106,8 @@ def side_light(position: np.ndarray, normal: np.ndarray, depth: np.ndarray, eye:
 
 
 def relief_light(normal: np.ndarray, height: np.ndarray) -> np.ndarray:
-    """Linear RGB (n, 3) of the surface as a relief map seen from above: dark troughs, pale crests, lit from the upper
-    left. Slopes are exaggerated to be visible, and limited so that none is black; `height` as in `surface_light`."""
+    """Linear RGB (n, 3) of the surface as a relief map: dark troughs, pale crests, lit from the upper left. Slopes are
+    exaggerated, and limited so that none is black; `height`: -1 in a trough, 0 at rest, 1 on a crest."""
     slope = -normal[:, [0, 2]] / normal[:, 1:2]
     slope *= MAP_SLOPE / max(float(slope.std()), 1e-3 * MAP_SLOPE)
     slope /= np.hypot(1.0, np.linalg.norm(slope, axis=1, keepdims=True) / MAP_STEEPEST)
@@ -117,7 +117,7 @@ def relief_light(normal: np.ndarray, height: np.ndarray) -> np.ndarray:
 
 
 def colour_scale(share: np.ndarray, colours: np.ndarray) -> np.ndarray:
-    """Colours (n, 3) at shares (n,), 0 to 1, along a row of evenly spaced colours (k, 3), interpolated linearly."""
+    """Colours (n, 3) at positions (n,), 0 to 1, on a scale of evenly spaced colours (k, 3), linear between them."""
     at = np.linspace(0.0, 1.0, len(colours))
     return np.stack([np.interp(share, at, channel) for channel in colours.T], axis=1)
 
@@ -130,7 +130,7 @@ def filmic_curve(radiance: np.ndarray, exposure: float = 1.15) -> np.ndarray:
 
 
 def display_colours(radiance: np.ndarray, exposure: float = 1.15) -> np.ndarray:
-    """Display RGB, 8-bit, of linear RGB times `exposure`, by `filmic_curve`."""
+    """Display RGB, 8-bit, of linear RGB times `exposure` (see `filmic_curve`)."""
     return (255.0 * filmic_curve(radiance, exposure) + 0.5).astype(np.uint8)
 
 
@@ -147,7 +147,7 @@ def value_noise(x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, n
 
 
 def hashed_number(i: np.ndarray, j: np.ndarray) -> np.ndarray:
-    """Pseudorandom numbers, 0 to 1, for integers i, j, by an integer hash that is the same on every processor."""
+    """Pseudorandom numbers, 0 to 1, for integers i, j, by an integer hash that gives the same on every processor."""
     n = (i * 374761393 + j * 668265263) & 0xFFFFFFFF
     n = ((n ^ (n >> 13)) * 1274126177) & 0xFFFFFFFF
     return (n >> 16) / 65535.0

@@ -1,4 +1,4 @@
-"""The surface of the water in a picture."""
+"""Water of a basin in a picture, as a block with cut sides."""
 
 from math import floor, log10
 from typing import Any
@@ -44,7 +44,7 @@ class Water(Content):
 
 
 def round_up(value: float) -> float:
-    """Smallest round number, one of 1, 1.5, 2, 3, 4, 5, 6 and 8 times a power of ten, that is not below a value."""
+    """Smallest of 1, 1.5, 2, 3, 4, 5, 6 and 8 times a power of ten that is not below a value."""
     power = 10.0 ** floor(log10(value))
     steps = 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0
     return next(m * power for m in steps if m * power >= value * (1.0 - 1e-9))

@@ -27,10 +27,10 @@ FOAM_TRAIL = 0.9  # [breadths] behind the crest in which its white falls to a th
 class Bow(NamedTuple):
     """Bow wave of a ship at a steady speed, and the foam into which it breaks.
 
-    Height and place of the crest are those of a wedge (Noblesse, Delhommeau, Guilbaud, Hendrix & Yang 2008, J. Fluid
-    Mech. 600); its course aside, and the white, are ours. The height is that by which waves at a bow stand at V^2 / 2 g
-    where V / sqrt(g D) = 4.4 tan / cos - 1 (Delhommeau, Guilbaud, David, Yang & Noblesse 2009, J. Fluid Mech. 620,
-    abstract); the number of the place was not checked against the paper."""
+    Height and position of the crest are those of a wedge (Noblesse, Delhommeau, Guilbaud, Hendrix & Yang 2008, J. Fluid
+    Mech. 600); the crest's line and the white are our own. The height is V^2 / 2 g where V / sqrt(g D) = 4.4 tan / cos
+    - 1 (Delhommeau, Guilbaud, David, Yang & Noblesse 2009, J. Fluid Mech. 620, abstract); the number of the position
+    was not checked against the paper."""
 
     length: float  # [m]
     breadth: float  # [m]
@@ -43,17 +43,17 @@ class Bow(NamedTuple):
 
     @property
     def slowed_head(self) -> float:
-        """V^2 / g [m] over one plus the Froude number of the draught, by which the crest scales."""
+        """Length [m] by which the crest scales: V^2 / g over 1 plus the Froude number of the draught."""
         return float(self.speed**2 / GRAVITY / (1.0 + self.speed / np.sqrt(GRAVITY * DRAUGHT_SHARE * self.breadth)))
 
     @property
     def rise(self) -> float:
-        """Height [m] over the water around it to which the bow throws water: what is higher than the crest is spray."""
+        """Height [m] over the water around to which the bow throws water; above the crest it is spray."""
         return float(CREST_RISE * self.wedge * np.hypot(1.0, self.wedge) * self.slowed_head)
 
     @property
     def crest(self) -> tuple[float, float]:
-        """Height of the crest over the water around it [m], and its distance abaft the stem [m]."""
+        """Height of the crest over the water around [m], and its distance behind the stem [m]."""
         return min(self.rise, MAX_CREST * self.breadth), CREST_DISTANCE * self.slowed_head
 
     @property
@@ -62,8 +62,8 @@ class Bow(NamedTuple):
         return float(np.clip((self.crest[0] - BREAKING_HEIGHT) / (WHITE_HEIGHT - BREAKING_HEIGHT), 0.0, 1.0))
 
     def across(self, abaft: np.ndarray, gap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Distance of places outside the line of the crest, in widths of the crest, and the share of the crest's height
-        that remains there; `abaft`: distance behind the stem, `gap`: distance off the hull [m]."""
+        """Distance of points outside the crest's line, in widths of the crest, and the share of the crest's height left
+        there. `abaft`: distance behind the stem [m]; `gap`: distance off the hull [m]."""
         back = self.crest[1]
         aft = np.maximum(abaft - back, 0.0)
         width = self.breadth * CREST_WIDTH + CREST_WIDENING * aft + 0.25 * back
@@ -72,24 +72,24 @@ class Bow(NamedTuple):
         return (gap - CREST_SLOPE * aft) / width, left * ahead
 
     def height(self, abaft: np.ndarray, gap: np.ndarray) -> np.ndarray:
-        """Height [m] of the wave at distances `abaft` the stem and `gap` off the hull [m]."""
+        """Height [m] of the bow wave at distances `abaft` behind the stem and `gap` off the hull [m]."""
         off, left = self.across(abaft, gap)
         return self.crest[0] * left * np.exp(-np.square(np.where(off > 0.0, off, 0.6 * off)))
 
     def white(self, abaft: np.ndarray, gap: np.ndarray) -> np.ndarray:
-        """Share of foam, 0 to 1, at distances `abaft` the stem and `gap` off the hull [m]."""
+        """Share of foam, 0 to 1, on the bow wave at distances `abaft` behind the stem and `gap` off the hull [m]."""
         off, left = self.across(abaft, gap)
         behind = np.exp(np.minimum(off, 0.0) * self.breadth * CREST_WIDTH / (FOAM_TRAIL * self.breadth) * 3.0)
         face = np.exp(-np.square(np.maximum(off, 0.0) / 0.8))
         return self.breaks * np.square(left) * np.where(off > 0.0, face, behind) * (gap > -1.0)
 
     def half_breadth(self, abaft: np.ndarray) -> np.ndarray:
-        """Half breadth [m], at distances abaft the stem [m], of the wedge by which the bow is represented."""
+        """Half breadth [m] of the wedge that stands for the bow, at distances `abaft` behind the stem [m]."""
         return np.clip(self.wedge * abaft, 0.0, 0.5 * self.breadth)
 
 
 class WettedHull(NamedTuple):
-    """Hull of a ship at one time, with the line along which it meets the water."""
+    """Hull of a ship at one time, with the waterline along which it meets the water."""
 
     line: np.ndarray  # (m, 2, 2) segments x, z [m] at which it meets the water
     position: np.ndarray  # (3,) [m]
@@ -98,51 +98,53 @@ class WettedHull(NamedTuple):
 
     @property
     def wet(self) -> bool:
-        """True if the hull meets the water."""
+        """True if the hull touches the water."""
         return len(self.line) > 2
 
-    def around(self) -> tuple[np.ndarray, np.ndarray]:
-        """Least and greatest x, z (2,) [m] of the area in which the hull can whiten the water."""
+    def foam_area(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper corner x, z (2,) [m] of the area in which the hull can whiten the water."""
         return self.line.min(axis=(0, 1)) - FOAM_REACH, self.line.max(axis=(0, 1)) + FOAM_REACH
 
-    def places(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Distances (n,) [m] of points x, z (n, 2) [m] abaft the stem, and to the side of the ship's middle line."""
+    def stem_coordinates(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Distances (n,) [m] of points x, z (n, 2) [m] behind the stem, and to the side of the ship's centre line."""
         ends = self.line.reshape(-1, 2)
         stem = ship_coordinates(ends[:, 0], ends[:, 1], self.position, self.turn)[0].max()
         along, aside = ship_coordinates(at[:, 0], at[:, 1], self.position, self.turn)
         return stem - along, aside
 
-    def raised(self, at: np.ndarray) -> np.ndarray:
-        """Height (n,) [m] of the ship's bow wave at places x, z (n, 2) [m]."""
-        abaft, aside = self.places(at)
+    def bow_wave_height(self, at: np.ndarray) -> np.ndarray:
+        """Height (n,) [m] of the ship's bow wave at points x, z (n, 2) [m]."""
+        abaft, aside = self.stem_coordinates(at)
         return self.bow.height(abaft, np.abs(aside) - self.bow.half_breadth(abaft))
 
     def gap(self, at: np.ndarray) -> np.ndarray:
-        """Distance (n,) [m] from places x, z (n, 2) [m] to the hull, negative inside it."""
+        """Distance (n,) [m] of points x, z (n, 2) [m] from the hull, negative inside."""
         return distance_to_line(at, self.line)
 
     def breaking(self, at: np.ndarray, gap: np.ndarray) -> np.ndarray:
-        """Share (n,) of foam on the bow wave at places x, z (n, 2) [m] that are `gap` (n,) [m] off the hull."""
-        return self.bow.white(self.places(at)[0], gap) * np.clip((FOAM_REACH - gap) / FOAM_FADE_WIDTH, 0.0, 1.0)
+        """Share (n,) of foam on the bow wave at points x, z (n, 2) [m] that are `gap` (n,) [m] off the hull."""
+        return self.bow.white(self.stem_coordinates(at)[0], gap) * np.clip(
+            (FOAM_REACH - gap) / FOAM_FADE_WIDTH, 0.0, 1.0
+        )
 
     def white(self, at: np.ndarray) -> np.ndarray:
-        """Share (n,) of foam at places x, z (n, 2) [m]: on the bow wave, and along the whole hull."""
+        """Share (n,) of foam at points x, z (n, 2) [m]: the larger of that on the bow wave and that along the hull."""
         gap = self.gap(at)
         return np.maximum(self.breaking(at, gap), RESTING_FOAM * np.exp(-np.maximum(gap, 0.0) / CONTACT_WIDTH))
 
 
 class Hull:
-    """Surface mesh of a ship's hull, to be cut by the water surface."""
+    """Surface mesh of a ship's hull, from which water cuts a waterline."""
 
     def __init__(self, grid: Any, key: str) -> None:
-        """Read the hull of the ship with this key from the arrays that a run keeps once."""
+        """Read the hull of the ship with this key from the arrays that a run saves once (`grid`)."""
         self.vertices, self.triangles = grid[f"{key}_vertices"].astype(float), grid[f"{key}_triangles"].astype(int)
         self.beam, _, self.length = (float(size) for size in np.ptp(self.vertices, axis=0))  # [m]
 
     def wetted_hull(
         self, position: np.ndarray, turn: np.ndarray, speed: float, heights_at: Callable[[np.ndarray], np.ndarray]
     ) -> WettedHull:
-        """Hull in the water at a pose and speed [m/s]; `heights_at`: function from x, z (n, 2) [m] to heights [m]."""
+        """Hull in the water at a pose and speed [m/s]; `heights_at`: function of x, z (n, 2) [m], water heights [m]."""
         vertices = self.vertices @ turn.T + position
         above = vertices[:, 1] - heights_at(vertices[:, [0, 2]])
         line = waterline_segments(vertices, self.triangles, above)
@@ -152,14 +154,14 @@ class Hull:
 def ship_coordinates(
     x: np.ndarray, z: np.ndarray, position: np.ndarray, turn: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Distances of places x, z [m] ahead of a ship's middle and to her side [m]; `turn`: (3, 3) from body to world."""
+    """Distances of points x, z [m] ahead of a ship's middle and to her side [m]; `turn`: (3, 3) from body to world."""
     ahead = turn[[0, 2], 2] / np.linalg.norm(turn[[0, 2], 2])
     to_x, to_z = x - position[0], z - position[2]
     return to_x * ahead[0] + to_z * ahead[1], to_z * ahead[0] - to_x * ahead[1]
 
 
 def waterline_segments(vertices: np.ndarray, triangles: np.ndarray, above: np.ndarray) -> np.ndarray:
-    """Segments x, z (m, 2, 2) [m] at which water cuts a hull; `above` (n,): heights of its vertices over water [m]."""
+    """Segments x, z (m, 2, 2) [m] in which water cuts a hull; `above` (n,): heights of its vertices over water [m]."""
     a = above[triangles]
     cut = triangles[(a.min(axis=1) < 0.0) & (a.max(axis=1) >= 0.0)]
     ends = []
@@ -175,13 +177,13 @@ def waterline_segments(vertices: np.ndarray, triangles: np.ndarray, above: np.nd
 
 
 def distance_to_line(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
-    """Distance (n,) [m] of points x, z (n, 2) from the closed line of segments (m, 2, 2) [m], negative inside it."""
+    """Distance (n,) [m] of points x, z (n, 2) [m] from a closed line of segments (m, 2, 2) [m]; negative inside."""
     batches = [points[k : k + POINTS_PER_BATCH] for k in range(0, len(points), POINTS_PER_BATCH)]
     return np.concatenate([batch_distance(batch, segments) for batch in batches])
 
 
 def batch_distance(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
-    """Distances (n,) [m] as from `distance_to_line`, computed at once, for few points."""
+    """Distances (n,) [m] as from `distance_to_line`, for a batch of points small enough for the processor's cache."""
     (x, z), (along_x, along_z) = segments[:, 0].T, (segments[:, 1] - segments[:, 0]).T
     to_x, to_z = points[:, 0, None] - x, points[:, 1, None] - z
     share = np.clip((to_x * along_x + to_z * along_z) / np.maximum(along_x**2 + along_z**2, 1e-12), 0.0, 1.0)

@@ -9,7 +9,7 @@ from ocean_sim.surface import Mesh, sheet
 
 
 def column_counts(basin: Basin, spacing: float) -> tuple[int, int]:
-    """Numbers of columns along x and z about `spacing` [m] apart, the outermost on the sides; 1 along z in 2-D."""
+    """Numbers of columns along x and z, about `spacing` [m] apart, the outermost on the sides; 1 along z in 2-D."""
     extents = np.subtract(basin.upper, basin.lower)
     cells = [max(1, round(float(extents[axis]) / spacing)) for axis in (0, 2)]
     return cells[0] + 1, cells[1] + 1 if basin.dimension == 3 else 1
@@ -27,8 +27,8 @@ class Heights:
         periodic: tuple[bool, bool],
         inset: float = 0.0,
     ) -> None:
-        """`lower`, `upper`: corners x, z [m] of the area of `count` columns along x and z; `inset`: distance of the
-        outermost columns from the sides, 0 or 0.5 of their spacing."""
+        """`lower`, `upper`: corners x, z [m] of the area; `count`: columns along x and z; `periodic`: True for an axis
+        that repeats; `inset`: distance of the outermost columns from the sides, 0 or 0.5 of the column spacing."""
         self.count, self.periodic, self.inset = count, periodic, inset
         between = [n - 1 + int(2 * inset) for n in count]
         widths = [(high - low) / max(1, n) for low, high, n in zip(lower, upper, between, strict=True)]
@@ -40,7 +40,7 @@ class Heights:
 
     @classmethod
     def over_basin(cls, basin: Basin, count: tuple[int, int]) -> "Heights":
-        """Heights on `count` columns along x and z, the outermost on the sides of the basin."""
+        """Heights on `count` columns along x and z over the basin, the outermost on its sides."""
         lower, upper = np.array(basin.lower)[[0, 2]], np.array(basin.upper)[[0, 2]]
         return cls(lower, upper, count, (basin.periods[0] > 0.0, basin.periods[2] > 0.0))
 
@@ -77,6 +77,6 @@ class Heights:
         return values_at(points, to_numpy_type(self.height.dtype), self.fill_heights)
 
     def mesh(self) -> Mesh:
-        """Mesh from side to side, two triangles between four columns; only for an inset of 0."""
+        """Mesh of the surface from side to side, with two triangles between four columns; only for an inset of 0."""
         x, z = (np.linspace(low, up, n) for low, up, n in zip(self.lower, self.upper, self.count, strict=True))
         return sheet(x, z, self.copy.values().astype(float).reshape(self.count))

@@ -37,10 +37,9 @@ CASE_FILE = Path(__file__).with_name("cube_cases.csv")
 
 @dataclass(frozen=True)
 class Nodes:
-    """Regular grid of nodes, one in the middle of each of the equal cells of a box, and one row beyond each side.
+    """Regular grid of nodes: one in the middle of each cell of a box, and one more row beyond each side.
 
-    So a side of the box lies half-way between two rows, and a surface that closes there lies on it.
-    """
+    So a side of the box lies half-way between two rows, and a surface that closes there lies on it."""
 
     lower: tuple[float, float, float]  # [m]
     upper: tuple[float, float, float]  # [m]
@@ -48,13 +47,13 @@ class Nodes:
 
     @cached_property
     def inner(self) -> tuple[int, int, int]:
-        """Numbers of cells of the box, each with one node, along x, y and z: as few as `cell` allows, at least 1."""
+        """Numbers of cells along x, y and z: the fewest that are at most `cell` wide, and at least 1."""
         extents = np.subtract(self.upper, self.lower)
         return tuple(max(1, int(np.ceil(extent / self.cell - 1.0e-6))) for extent in extents)  # type: ignore[return-value]
 
     @cached_property
     def shape(self) -> tuple[int, int, int]:
-        """Numbers of nodes along x, y and z, with the row beyond each side."""
+        """Numbers of nodes along x, y and z, including the rows beyond the sides."""
         nx, ny, nz = self.inner
         return nx + 2, ny + 2, nz + 2
 
@@ -74,7 +73,7 @@ class Rows:
     """Rows of nodes along x whose field is stored. All others share one dry row, which is read and never written."""
 
     def __init__(self, nodes: Nodes, most_nodes: int) -> None:
-        """Store all rows, or none at first if that would be more than `most_nodes` nodes."""
+        """Store every row if that takes at most `most_nodes` nodes, else none at first (`keep_rows` then chooses)."""
         self.length, self.across, along = nodes.shape
         self.all, self.most_nodes = self.across * along, most_nodes
         self.most = self.fitting_rows(nodes, most_nodes)
@@ -106,7 +105,7 @@ class Rows:
 
     @ti.kernel
     def renew_rows(self) -> int:
-        """Number the rows marked `near` in the order of the grid; returns how many there are."""
+        """Number the rows marked `near` in the order of the grid; returns how many are marked."""
         wanted = 0
         ti.loop_config(serialize=True)
         for row in range(self.all):
@@ -121,7 +120,7 @@ class Rows:
 
     @ti.func
     def row_indices(self, n):
-        """Indices j and k in the grid of the n-th stored row."""
+        """Indices j, k along y, z of the n-th stored row."""
         return self.row[n] % self.across, self.row[n] // self.across
 
     def spread_values(self, values: np.ndarray) -> np.ndarray:
@@ -131,7 +130,8 @@ class Rows:
 
 
 def case_table() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(256,) number of triangles of each case, (256, 3 * MAX_TRIANGLES) their edges or -1, (256,) 1 if ambiguous."""
+    """Tables of the 256 cases of marching cubes: number of triangles (256,), cube edges of their corners (256, 3 *
+    MAX_TRIANGLES), -1 where there is none, and 1 for an ambiguous case (256,)."""
     table = np.loadtxt(CASE_FILE, np.int32, delimiter=",", skiprows=1)
     edges = np.ascontiguousarray(table[:, 1:])
     return np.count_nonzero(edges >= 0, axis=1).astype(np.int32) // 3, edges, table[:, 0].copy()
@@ -144,7 +144,7 @@ VERTICES, TRIANGLES, CUT, AMBIGUOUS = range(4)  # what is counted
 
 
 class Counts(NamedTuple):
-    """Numbers of vertices, triangles and cubes of a surface."""
+    """Numbers of vertices, triangles, and cut cubes of a surface."""
 
     vertices: int
     triangles: int
@@ -159,7 +159,7 @@ class Counts(NamedTuple):
 
 @in_kernels
 class Isosurface:
-    """A field at the stored nodes, and the surface on which it is zero."""
+    """Field at the stored nodes (positive in the water), and marching cubes on the surface where it is zero."""
 
     def __init__(
         self,
@@ -168,7 +168,7 @@ class Isosurface:
         most_nodes: int = MAX_NODES,
         dry: float = -1.0,
     ) -> None:
-        """`periodic`: axes along which the field repeats; `most_nodes` to store; `dry`: the field at all others."""
+        """`periodic`: axes on which the field repeats; `most_nodes`: stored at most; `dry`: field at all others."""
         self.nodes, self.shape, self.periodic, self.rows = nodes, nodes.shape, periodic, Rows(nodes, most_nodes)
         self.lower, self.upper, self.width = tm.vec3(nodes.lower), tm.vec3(nodes.upper), tm.vec3(nodes.width)
         kept = (self.rows.most + 1) * self.rows.length
@@ -184,14 +184,15 @@ class Isosurface:
 
     @staticmethod
     def bytes(nodes: Nodes, most_nodes: int, word: int) -> int:
-        """Bytes of an Isosurface that stores at most `most_nodes` of `nodes`; `word`: size of a `float` [bytes]."""
+        """Memory [bytes] of an Isosurface that stores at most `most_nodes` nodes; `word`: size of a `float` [bytes]."""
         kept = (Rows.fitting_rows(nodes, most_nodes) + 1) * nodes.shape[0]
         return (word + 4) * kept + Rows.bytes(nodes, most_nodes) + 4 * (4 * ROW_SLABS + 256 * (2 + 3 * MAX_TRIANGLES))
 
     @ti.kernel
-    def pad_field(self, goes_on: int):
-        """Write the field beyond the sides of the box: the surface goes on through a side whose bit is set (2 * axis, +
-        1 for the upper one), level or into the next period; elsewhere it closes, as the field turns its sign."""
+    def pad_field(self, open_sides: int):
+        """Set the field beyond the sides of the box. Through sides with a bit set in `open_sides` (2 axis, + 1 if
+        upper) it continues, level or periodic, and the surface stays open; elsewhere it is dry, and the surface
+        closes."""
         for n in range(self.rows.count[None] * self.rows.length):
             node = self.node_indices(n)
             inner = tm.clamp(node, 1, tm.ivec3(self.shape) - 2)
@@ -199,7 +200,7 @@ class Isosurface:
                 closed, other = False, inner
                 for axis in ti.static(range(3)):
                     if node[axis] != inner[axis]:
-                        closed |= (goes_on >> (2 * axis + int(node[axis] > 0)) & 1) == 0
+                        closed |= (open_sides >> (2 * axis + int(node[axis] > 0)) & 1) == 0
                         if ti.static(self.periodic[axis]):
                             other[axis] = self.shape[axis] - 1 - inner[axis]
                 ahead = self.node_at(inner.x, inner.y, inner.z), self.node_at(other.x, inner.y, inner.z)
@@ -209,13 +210,13 @@ class Isosurface:
                 self.value[n] = -tm.max(ti.abs(mean), LEAST_DRY) if closed else mean
 
     def count_surface(self) -> Counts:
-        """Number all vertices and triangles of the present field, and count them."""
+        """Number all vertices and triangles of the present field, and return the counts."""
         totals = np.zeros(4, dtype=np.int32)
         self.number_slabs(totals)
         return Counts(*totals.tolist())
 
     def mesh(self, counts: Counts) -> Mesh:
-        """Mesh of the triangles that `count_surface` has just counted."""
+        """Mesh of the surface that `count_surface` has just numbered, with these counts."""
         vertices, normals = (np.empty((counts.vertices, 3), dtype=self.precision) for _ in range(2))
         triangles = np.empty((counts.triangles, 3), dtype=np.int32)
         if counts.triangles:
@@ -224,7 +225,7 @@ class Isosurface:
 
     @ti.func
     def node_at(self, i, j, k):
-        """Number of node (i, j, k) in the stored field; all nodes of rows that are not stored share one row."""
+        """Index of node (i, j, k) in the stored field; nodes of rows that are not stored share the dry row."""
         return i + self.rows.first[j + self.shape[1] * k]
 
     @ti.func
@@ -235,13 +236,14 @@ class Isosurface:
 
     @ti.func
     def edge_rows(self, j, k):
-        """First nodes of the four rows along x that bound the cubes at row (j, k), clamped to the last row."""
+        """Indices of the first nodes of the four rows that bound a row of cubes: (j, k), (j + 1, k), (j, k + 1), (j +
+        1, k + 1), clamped to the grid."""
         up, on = tm.min(j + 1, self.shape[1] - 1), tm.min(k + 1, self.shape[2] - 1)
         return tm.ivec4(self.node_at(0, j, k), self.node_at(0, up, k), self.node_at(0, j, on), self.node_at(0, up, on))
 
     @ti.func
     def wet_corners(self, rows, i):
-        """Case bits of the cube corners at x = 0, set where node i of one of the four `rows` is in the water."""
+        """Case bits of the four cube corners at node i of the four `rows`: set where that node is in the water."""
         wet = 0
         for corner in ti.static(range(4)):
             wet |= int(self.value[rows[corner] + i] >= 0.0) << 2 * corner
@@ -249,12 +251,13 @@ class Isosurface:
 
     @ti.func
     def first_row(self, slab):
-        """Index of the first stored row of a slab, a group of successive rows that one thread goes through."""
+        """Index of the first stored row of a slab; a slab is a group of successive rows that one thread handles."""
         return slab * self.rows.count[None] // ROW_SLABS
 
     @ti.kernel
     def number_slabs(self, totals: Array):
-        """Count vertices, triangles, cut and ambiguous cubes per slab; write their sums to `totals` (4,)."""
+        """Count vertices, triangles, cut and ambiguous cubes of each slab; store for each slab the sum over those
+        before it, and write the totals to `totals` (4,)."""
         for s in range(ROW_SLABS * TASK_ITERATIONS):
             if s % TASK_ITERATIONS == 0:
                 self.count_slab(s // TASK_ITERATIONS)
@@ -292,7 +295,7 @@ class Isosurface:
 
     @ti.kernel
     def write_mesh(self, vertices: Array2, normals: Array2, triangles: Array2):
-        """Write vertices (n, 3) [m], unit normals (n, 3) and triangles (m, 3) of the numbered surface."""
+        """Write vertices (n, 3) [m], unit normals (n, 3) and triangles (m, 3), numbered before by `number_slabs`."""
         for s in range(ROW_SLABS * TASK_ITERATIONS):
             if s % TASK_ITERATIONS == 0:
                 slab = s // TASK_ITERATIONS
@@ -307,7 +310,7 @@ class Isosurface:
 
     @ti.func
     def write_vertices(self, n, vertices: Template, normals: Template):
-        """Write the vertices on the edges of node n, where the linear field is 0, and their unit normals."""
+        """Write the vertices on the edges that node n owns, where the linear field is 0, and their unit normals."""
         node = self.node_indices(n)
         vertex, mask = self.owned[n] >> 3, self.owned[n] & 7
         own, slope = self.value[n], self.gradient(node)
@@ -328,7 +331,7 @@ class Isosurface:
 
     @ti.func
     def gradient(self, node):
-        """Gradient at a node: (3.2) to (3.4) by central differences, with their missing 1/2; one-sided at the rim."""
+        """Gradient of the field at a node, one-sided at the rim; thesis (3.2) to (3.4), which lack the factor 1/2."""
         gradient = tm.vec3(0.0)
         for axis in ti.static(range(3)):
             step = tm.ivec3([int(axis == k) for k in range(3)])
@@ -359,8 +362,8 @@ class Isosurface:
 
     @ti.func
     def vertex_on_edge(self, i, j, k, edge):
-        """Number of the vertex on an edge of the cube at a node: edge 4 * axis + e starts at the e-th corner whose bit
-        of that axis is 0, and its node also owns the edges of the axes before."""
+        """Number of the vertex on an edge of cube (i, j, k). Edge 4 axis + e starts at the e-th corner whose bit of
+        that axis is 0; the node at that corner owns it, and numbers its edges in the order of the axes."""
         axis, e = edge // 4, edge % 4
         corner = (e >> axis) << (axis + 1) | e & ((1 << axis) - 1)
         owned = self.owned[self.node_at(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2))]

@@ -81,7 +81,7 @@ class PlacedMesh(SolidShape):
 
     @cached_property
     def faults(self) -> list[str]:
-        """Sentences on why the file holds no such mesh; empty if it does."""
+        """Sentences on why the file holds no closed mesh, or no section at z = 0 if one is needed; empty if it does."""
         try:
             self.closed_mesh()
         except BadMesh as error:

@@ -65,7 +65,7 @@ def members(node: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def of_mapping(node: dict[str, Any], path: str) -> Iterator[Key]:
-    """Yield the keys of the model at a path, of schema `node`, each followed by the keys inside its value."""
+    """Yield the keys of the model at a path, whose schema is `node`, each followed by the keys inside its value."""
     for name, inner in node["properties"].items():
         if name != "kind" or "const" not in inner:
             yield key_of_node(f"{path}.{name}", inner, name in node.get("required", ()))
@@ -73,7 +73,7 @@ def of_mapping(node: dict[str, Any], path: str) -> Iterator[Key]:
 
 
 def keys_inside(path: str, node: dict[str, Any]) -> Iterator[Key]:
-    """Yield the keys inside the value at a path, of schema `node`: `kind` of one of several models, then theirs."""
+    """Yield the keys inside the value at a path, of schema `node`; of a union first `kind`, then each model's."""
     mappings = [member for member in members(node) if "properties" in member]
     if chosen := {kind["const"]: m for m in mappings if "const" in (kind := m["properties"].get("kind", {}))}:
         told = [f"`{kind}`: {opening_sentence(m['description']).rstrip('.')}." for kind, m in chosen.items()]
@@ -140,14 +140,14 @@ def example_path(path: str) -> str:
 
 
 def value_of(path: str, node: dict[str, Any]) -> str:
-    """An example value for the key at a path, as YAML: that stated by the Config of its kind, or else by its schema."""
+    """An example value for the key at a path, as YAML: the one stated by the Config of its kind, or one by schema."""
     words = path.split(".")
     stated = config_of(words[0], words[1]).example if len(words) == 3 and words[0] in SLOTS else {}
     return in_yaml(stated[words[2]]) if words[-1] in stated else value_within(node, words[-1])
 
 
 def value_within(node: dict[str, Any], name: str) -> str:
-    """An example value for key `name` by its schema `node`, as YAML: default, stated example, or one of its type."""
+    """An example value for key `name` by its schema `node`, as YAML: default, stated example, or any of its type."""
     default = node.get("default")
     if default not in (None, [], {}, ""):
         return in_yaml(default)

@@ -41,7 +41,7 @@ class Record(NamedTuple):
 
 
 class Lines:
-    """Words of the lines of a text, one line after the other; empty lines and comments are left out."""
+    """Reader of a text that returns the words of one line after the other, without empty lines and comments."""
 
     def __init__(self, path: str | Path) -> None:
         numbered = [(n, line.strip()) for n, line in enumerate(read_text(path).splitlines(), 1) if line.strip()]
@@ -54,7 +54,7 @@ class Lines:
         return self.at + 1 >= len(self.rows)
 
     def words(self, expected: str, *choices: str) -> list[str]:
-        """Words of the next line, the first of which is one of `choices` if there are any; raises LookupError."""
+        """Words of the next line; raises LookupError, `expected` being noted, if the first is none of the `choices`."""
         self.at, self.expected = self.at + 1, expected
         found = self.rows[self.at][1].split()
         if choices and found[0] not in choices:
@@ -62,7 +62,8 @@ class Lines:
         return found
 
     def numbers(self, count: int, expected: str) -> np.ndarray:
-        """The next `count` numbers (count,), which fill whole lines; raises LookupError or ValueError."""
+        """The next `count` numbers (count,), which fill whole lines, as `expected`; raises LookupError or
+        ValueError."""
         found: list[float] = []
         while len(found) < count:
             found += map(float, self.words(f"{count} {expected}"))
@@ -86,7 +87,7 @@ def read_spectra(path: str | Path) -> list[Record]:
 
 
 def _read_all(lines: Lines, reader: Callable[[Lines], Iterable]) -> list:
-    """Everything that a reader finds in lines; raises Unreadable at the first line that is not as expected."""
+    """All that a `reader` yields from lines; raises Unreadable at the first line that is not as expected."""
     try:
         return [*reader(lines)]
     except (LookupError, ValueError) as error:
@@ -114,7 +115,7 @@ def read_spectrum(path: str | Path, time: str | None, point: int) -> tuple[datet
 
 
 def in_utc(time: str) -> str:
-    """Time as the files have it, in UTC to the minute; as it is given if it is none."""
+    """Text of a time (ISO 8601) in UTC to the minute, to compare with those of files; other text is unchanged."""
     try:
         there = datetime.fromisoformat(time)
     except ValueError:
@@ -123,13 +124,14 @@ def in_utc(time: str) -> str:
 
 
 def measured(words: Iterable[str]) -> np.ndarray:
-    """Numbers (n,) in words; NaN where a word stands for none: 999 or more, MM or another one."""
+    """Numbers (n,) read from words; NaN for missing values: 999 or more, MM, or any word that is no number."""
     values = np.array([parse_number(word) for word in words])
     return np.where(np.abs(values) < MISSING_FROM, values, np.nan)
 
 
 def of_table(path: str | Path, frequency: np.ndarray, *others: np.ndarray) -> Found:
-    """Spectrum of directions, densities and moments (`others`); None without energy, Unreadable if it is impossible."""
+    """Directional spectrum from directions, densities, moments (`others`), or None without energy; raises
+    Unreadable."""
     rising = len(frequency) > 1 and frequency[0] > 0.0 and (np.diff(frequency) > 0.0).all()
     if not rising or not others[1].min() >= 0.0 or np.isinf(others[1]).any():
         shown = ", ".join(f"{f:g}" for f in frequency[:3])
@@ -138,8 +140,8 @@ def of_table(path: str | Path, frequency: np.ndarray, *others: np.ndarray) -> Fo
 
 
 def of_buoy(path: str | Path, frequency: np.ndarray, density: np.ndarray, moments: np.ndarray) -> Found:
-    """Spectrum of densities (n,) [m2/Hz] and moments (2, n). Frequencies without a density are left out; those without
-    moments take the nearest ones. None if there is no energy, or no direction."""
+    """Directional spectrum from densities (n,) [m2/Hz] and moments (2, n). Frequencies without a density are left out;
+    those without moments take the nearest ones. None if there is no energy, or no direction."""
     there = np.isfinite(density)
     directed = there & np.isfinite(moments).all(axis=0)
     if not directed.any():
@@ -151,8 +153,8 @@ def of_buoy(path: str | Path, frequency: np.ndarray, density: np.ndarray, moment
 
 
 def of_model(path: str | Path, frequency: np.ndarray, towards: np.ndarray, density: np.ndarray) -> Found:
-    """Spectrum of densities (n, m) [m2/(Hz rad)] at directions (m,) [deg] to which waves travel, clockwise from north,
-    in equal steps all round, which files round."""
+    """Directional spectrum from densities (n, m) [m2/(Hz rad)] at directions `towards` (m,) [deg] to which waves
+    travel, clockwise from north, at equal steps all round but for the file's rounding; raises Unreadable."""
     coming = np.round(towards + 180.0, 3) % 360.0
     even = 360.0 / len(coming) * np.arange(len(coming))
     ahead = np.sort(coming) - even
@@ -162,7 +164,8 @@ def of_model(path: str | Path, frequency: np.ndarray, towards: np.ndarray, densi
 
 
 def _ndbc_rows(lines: Lines) -> Iterable[tuple[datetime, np.ndarray]]:
-    """Time, and frequencies and values (2, n), of each row of NDBC's: a value before its (frequency) or under it."""
+    """Yield time, and frequencies and values (2, n), of each row of an NDBC file; a frequency stands in brackets after
+    its value, or above it in the heading."""
     heading = lines.words("#YY MM DD hh")
     paired, dated = "(" in lines.begin, 5 if "mm" in heading[:5] else 4
     while not lines.ended:
@@ -184,7 +187,7 @@ def ndbc_files(path: str | Path) -> list[Path]:
 
 def _read_ndbc(lines: Lines) -> Iterable[Record]:
     """Spectra of NDBC: density [m2/Hz], mean direction alpha1 and principal direction alpha2 [deg], and r1, r2, which
-    are hundredths in the files of a year."""
+    yearly files give in hundredths."""
     path = Path(lines.path)
     live, paths = path.suffix in NDBC_ENDINGS, ndbc_files(path)
     if not paths:

@@ -83,7 +83,7 @@ class Wind(ABC):
         return self if target in self.config.acts_on else StillAir()
 
     def follow(self, middle: np.ndarray) -> None:  # noqa: B027
-        """Store the middle x, z (2,) [m] of the patch of open sea under the wind, in the world; called as the patch
+        """Store the middle x, z (2,) [m], in the world, of the patch of open sea under the wind; called as the patch
         follows its ships. A wind with a place hands it to its `shared.place.Patch`; a uniform wind ignores it."""
 
     def advance(self, dt: float) -> None:  # noqa: B027

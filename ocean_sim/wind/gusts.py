@@ -120,7 +120,7 @@ class Volume(Scheduled):
         return [(shape, 1.0) for shape in self.include] + [(shape, -1.0) for shape in self.exclude]
 
     def redrawn(self, seed: int, number: int, passage: int) -> tuple[float, float]:
-        """Random turn [rad] and strength factor of volume `number` on its crossing number `passage` of the basin."""
+        """Random turn [rad] and strength factor of volume `number` on its crossing of the basin number `passage`."""
         side, force, _ = numpy_uniform3(seed, PASSAGE_STREAM + number, 0, passage)[0]
         given = self.include[0].core.yaw
         low, high = (radians(a) for a in self.redraw_yaw_deg) if self.redraw_yaw_deg else (given, given)
@@ -341,7 +341,7 @@ class Gusts(Wind):
 
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):
-        """Force [N] on a particle or voxel: (2.26), summed over the volumes that contain its position."""
+        """Force [N] on a particle or voxel: (2.26) of the thesis, summed over the volumes that contain its position."""
         total, x = tm.vec3(0.0), self.patch.seen(position)
         for g in range(self.n):
             total += self.push(g, key, x, velocity, area, mass)

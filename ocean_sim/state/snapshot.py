@@ -110,7 +110,7 @@ class Snapshot:
         return node
 
     def is_data(self, node: Any) -> bool:
-        """True if a node holds only data, created anew when restored, and no object that has to keep its identity."""
+        """True if a node holds only data, to be created anew, and no object that has to keep its identity."""
         if isinstance(node, list):
             return all(self.is_data(inner) for inner in node)
         if not isinstance(node, dict):
@@ -123,7 +123,7 @@ class Snapshot:
         return not kept and all(self.is_data(inner) for inner in node.values())
 
     def structure(self, value: Any, path: str) -> Any:
-        """Node of a container, field, array, file or object that is met for the first time; `path`: from the root."""
+        """Node of a container, field, array, file or object at its first occurrence; `path`: to it from the root."""
         if isinstance(value, ti.Field):
             self.fields[path] = value
             return {FIELD_KEY: path}
@@ -187,7 +187,7 @@ class Restorer:
         return found
 
     def restore_node(self, node: Any, fresh: Any, path: str) -> Any:
-        """Restored value of a node that is a dict, by the method `from_<kind>` of the kind that its first key names."""
+        """Restored value of a dict node; its first key names its kind, and so the method, such as `from_list`."""
         kind = next(iter(node))
         if kind == SAME_KEY:
             return self.made[node[SAME_KEY]]

@@ -59,7 +59,7 @@ def kinds(slot: str) -> tuple[str, ...]:
 
 @cache
 def named(slot: str) -> tuple[str, ...]:
-    """Names of the presets of this slot: the files of configs/<slot>/."""
+    """Names of the presets of this slot, such as `wind`: the files of configs/<slot>/."""
     return tuple(sorted(p.stem for p in (library("configs") / slot).glob("*.yaml")))
 
 
@@ -78,7 +78,7 @@ def key_of(ship: str) -> str:
 
 
 def slot_of(place: str) -> str:
-    """Slot of a part by its key in a scene: `ship` for the key `ships.<name>`, for others the key itself."""
+    """Slot of a part from its key in a scene: `ship` for the key `ships.<name>`, for others the key itself."""
     return ALONE if place.startswith(f"{SEVERAL}.") else place
 
 
@@ -374,7 +374,7 @@ class ShipConfig(KindConfig):
         return None
 
     def floats(self, preflight: Preflight) -> Afloat | None:
-        """Displacement, draught and stability of the ship in still water; None if no hull determines them."""
+        """Displacement, draught and stability of the ship afloat in still water; None if no hull determines them."""
         return None
 
     def outline(self, preflight: Preflight) -> Outline | None:
@@ -506,7 +506,7 @@ class Preflight:
 
     @cached_property
     def solids(self) -> dict[str, Solid]:
-        """Solid bodies of the ships around which the particles start, by the name of the ship."""
+        """Solid bodies of the ships that displace particles at the start, by the name of the ship."""
         found = {name: ship.solid(self) for name, ship in self.ships.items()}
         return {name: solid for name, solid in found.items() if solid is not None}
 
@@ -517,8 +517,8 @@ class Preflight:
 
 
 def forces_in_waves(preflight: Preflight, regular: bool, current: bool) -> list[str]:
-    """Sentences on which of mean drift, slow drift, wind and current act on each ship in waves. `regular`: of waves;
-    `current`: True if there is one."""
+    """Sentences on which forces (mean drift, slow drift, wind, current) act on each ship in waves, which are `regular`
+    or not, with a `current` or without."""
     found, blows = list[str](), not preflight.wind.still and "ship" in preflight.wind.acts_on
     for name, ship in preflight.ships.items():
         law = "particles" if preflight.fluid.made_of_particles else ship.drift_law

@@ -134,7 +134,7 @@ class Launch:
 
 
 def _launch_of(primal: Any, owner: Any, given: tuple) -> Launch | None:
-    """Direct launch of kernel `primal` of object `owner`, just run with `given`; None if it needs Taichi's own call."""
+    """Direct launch of kernel `primal` of object `owner`, just run with arguments `given`; None if that cannot be."""
     if primal.return_type is not None or primal.has_print:
         return None
     templates, numbers, arrays = list[Any](), list[Any](), list[Any]()
@@ -486,7 +486,7 @@ def compiled_kernels() -> list[str]:
 
 
 def kernels_in(module: str) -> list[str]:
-    """Names of all Taichi kernels of a kind's module, of modules in its slot that it imports, and of `runtime`."""
+    """Names of the Taichi kernels in a module, in modules of the same folder that it imports, and in `runtime`."""
     room, found = module.rpartition(".")[0], set()
     waiting, seen = [module], set()
     while waiting:

@@ -32,7 +32,7 @@ class Observer:
             of.observer = cls
 
     def observe(self, simulation: "Simulation") -> None:
-        """Observe the present state; called at time 0 and after the steps that `every` selects."""
+        """Observe the present state; called at time 0 and after each step that the interval `every` selects."""
 
     def resumed(self, changed: str) -> None:
         """Hook after a checkpoint is restored; `changed`: how the program differs from the one that saved it."""
@@ -80,7 +80,7 @@ class ObserverConfig(PartConfig):
         return motion.every if isinstance(motion, PeriodicConfig) else 0.0
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """One row of the memory ledger, without memory, that names the files of the observer."""
+        """One row of the memory ledger that names the files of the observer and counts no memory."""
         return [LedgerRow(self.name(), self.leaves, 0, "")]
 
     def picture_time(self, preflight: Preflight) -> float:

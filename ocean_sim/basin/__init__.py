@@ -144,7 +144,7 @@ class Floor(Model):
 
     @property
     def middle(self) -> list[float]:
-        """Middle x, z [m] of the bed's grid, in the sense of the key `grid_centre`."""
+        """Middle x, z [m] of the bed's grid, to be compared with the key `grid_centre`."""
         (x, z, _), centre = self.bed_heights, self.grid_centre or (0.0, 0.0)
         way = -0.5 if self.grid is not None and is_map(self.grid) else 0.5
         return [centre[0] + way * float(x[0] + x[-1]), centre[1] + 0.5 * float(z[0] + z[-1])]
@@ -203,7 +203,7 @@ class Floor(Model):
         return (self.roughness or 0.0) / GRAINS_PER_Z0
 
     def problems(self, row: float) -> Iterator[str]:
-        """Yield faults of the bed's roughness where the lowest row of particles is `row` [m] high."""
+        """Yield faults of the bed's roughness; `row`: height [m] of the lowest horizontal row of particles."""
         if self.z0 >= MIN_ROW_SHARE * row:
             yield (
                 f"the bed's z0 of {self.z0:.3g} m, a thirtieth of its roughness, is not below a quarter of the lowest "
@@ -211,7 +211,7 @@ class Floor(Model):
             )
 
     def warnings(self, row: float) -> Iterator[str]:
-        """Warn of a doubtful roughness where the lowest row of particles is `row` [m] high."""
+        """Warn of a doubtful roughness; `row`: height [m] of the lowest horizontal row of particles."""
         if (self.roughness or 0.0) > 0.5 * row:
             yield (
                 f"the bed's grains of {self.roughness:g} m reach above the middle of the lowest row of particles, "
@@ -219,7 +219,7 @@ class Floor(Model):
             )
 
     def statement(self, row: float) -> str:
-        """Sentence for the user on the bed's friction where the lowest row of particles is `row` [m] high."""
+        """Sentence for the user on the bed's friction; `row`: height [m] of the lowest horizontal row of particles."""
         height = 0.5 * row
         factor = f"friction factor of {2.0 * self.drag(height):.4g} (tau = rho f |u| u / 2)"
         if self.roughness is None:
@@ -496,7 +496,7 @@ def crossing_time(box: AnyObstacle, other: AnyObstacle, duration: float) -> floa
 
 
 def box_corners(box: Box) -> Corners:
-    """Lowest and highest corner of a box in 3-D [m]; a box given in 2-D extends without limit along z."""
+    """Lowest and highest corner of a box in 3-D [m]; the box of a 2-D scene extends without limit along z."""
     flat = 3 - len(box.min)
     return (*box.min, *flat * (-OPEN,)), (*box.max, *flat * (OPEN,))
 
@@ -525,8 +525,8 @@ class Solid(Protocol):
 
     def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Sample points in the body near its surface: (n, 3) positions from the centre of mass in body axes [m], (n,)
-        volumes [m3] (in 2-D areas [m2]), and (n, 3) outward normals. `spacing` of particles, `support` of the kernel
-        [m]."""
+        volumes [m3] (in 2-D areas [m2]), and (n, 3) outward normals; `spacing`: of particles, `support`: of the
+        kernel."""
 
 
 @dataclass(frozen=True)

@@ -108,9 +108,8 @@ class Ground:
         return float(bed[touch & (stretch == stretch[np.where(touch, bed, np.inf).argmin()])].max())
 
     def sheet_heights(self, places: np.ndarray, water: np.ndarray, position: np.ndarray, spacing: float) -> np.ndarray:
-        """Heights (n,) [m] of a mesh that shows the `water` (n,) [m] at places x, z (n, 2) [m]. Where water is not
-        deep, the mesh goes on at the level of deep water, above the bed only near particles at `position` (m, 3) [m]
-        that touch it."""
+        """Heights (n,) [m] of a mesh that shows the `water` (n,) [m] at places x, z (n, 2) [m]. Beyond deep water it
+        goes on level, above the bed only near particles at `position` (m, 3) [m] that touch the bed."""
         from scipy.spatial import cKDTree
 
         bed = self.heights(places)
@@ -154,7 +153,7 @@ class Ground:
 
     def column_edges(self, axis: int, spacing: float, margin: float) -> np.ndarray:
         """Edges (k + 1,) [m] along `axis` (0: x, 1: z) of columns of sample points, about a `spacing` [m] apart along
-        the bed, from `margin` [m] before the first node to `margin` beyond the last."""
+        the bed, which go on for `margin` [m] beyond the first and last grid node."""
         nodes = (self.x, self.z)[axis]
         steepest = np.abs(np.diff(self.y, axis=axis)).max(axis=1 - axis)
         way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(nodes), steepest))])

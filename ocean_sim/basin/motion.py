@@ -56,8 +56,8 @@ class Frame:
     pivot: np.ndarray  # (3,) [m] in the tank
 
     def push(self, gravity: np.ndarray) -> np.ndarray:
-        """(3,) apparent gravity g - a [m/s2] in the tank's axes at the pivot, whose acceleration is a; `gravity`: g, in
-        world axes."""
+        """(3,) apparent gravity g - a [m/s2], in the tank's axes, at the pivot of acceleration a; `gravity`: g in world
+        axes."""
         return turned(gravity, -self.angle) - self.acceleration
 
 
@@ -87,7 +87,8 @@ def ramp_law(law: Law, ramp: float) -> Law:
 
 
 def spline_law(times: np.ndarray, moved: np.ndarray) -> Law:
-    """Law of motion through displacements `moved` (n,) at times (n,) [s]: a cubic spline, at rest before and after."""
+    """Law of motion through displacements `moved` (n,) at times (n,) [s] by a cubic spline; at rest before and
+    after."""
     from scipy.interpolate import CubicSpline
 
     spline = CubicSpline(times, moved)
@@ -245,7 +246,7 @@ class Recorded(Tank):
                 )
 
     def build(self) -> "TankMotion":
-        """Motion of the tank through the rows of the file; raises Unreadable."""
+        """Motion of the tank as recorded in the file; raises Unreadable."""
         axis, times, moved = self.rows()
         return TankMotion(axis, self.about, spline_law(times, moved))
 
@@ -422,7 +423,7 @@ class RecordedWavemaker(Wavemaker):
             yield f"the wavemaker's path in {path} {long}: are its times in milliseconds?"
 
     def path(self, depth: float, gravity: float) -> Path:
-        """Motion of the piston through the rows of the file; raises Unreadable."""
+        """Motion of the piston as recorded in the file; raises Unreadable."""
         times, moved = self.rows()
         law = spline_law(times, moved - spline_law(times, moved)(0.0)[0])
         x = [law(t)[0] for t in np.linspace(0.0, max(times[-1], 0.0), FREQUENCY_SAMPLES).tolist()]

@@ -135,7 +135,7 @@ def read_tree(root: Any, context: Any) -> Any:
 
 
 def read_node(builder: Any, context: Any, node: Any) -> Any:
-    """Translate a node; Taichi raises an error again with its place in the message. Replaces `Builder.__call__`."""
+    """Translate a syntax node. Taichi raises errors again with the source line added. Replaces `Builder.__call__`."""
     places = impl.pytaichi.src_info_stack
     places.append(node.place)
     try:
@@ -151,7 +151,7 @@ def read_node(builder: Any, context: Any, node: Any) -> Any:
 
 
 def node_place(context: Any, node: Any) -> Any:
-    """File and line of a node of our trees, for the compiler's messages; replaces `get_pos_info` of its context."""
+    """Source line of a syntax node, for messages of the compiler; replaces `get_pos_info` of Taichi's context."""
     return node.place
 
 

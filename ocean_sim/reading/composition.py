@@ -90,7 +90,7 @@ class Composition:
                 self.meant[place] = choice_of(place, node.with_data(node.data | {"kind": meant})).whole()
 
     def named_ships(self, node: Node) -> Iterator[tuple[str, Node]]:
-        """Yield place (`ships.tug`) and node of each ship in `node`, a mapping by name; mistakes become problems."""
+        """Yield key (`ships.tug`) and content of each ship in `node`, a mapping by name; mistakes become problems."""
         if node.data is None:
             return
         if not node.is_mapping:
@@ -302,7 +302,7 @@ def key_for_name(name: str, ship: Node) -> str | None:
 
 
 def kind_of_keys(slot: str, node: Node) -> str | None:
-    """Kind of a slot that shares most keys with a mapping, slips of spelling allowed; None if none or several do."""
+    """Kind of a slot that has most keys of a mapping, slips of spelling allowed; None if none or several do."""
     fields = {kind: config_of(slot, kind).model_fields for kind in kinds(slot)}
     had = {kind: sum(likeliest(str(key), keys) is not None for key in node.data) for kind, keys in fields.items()}
     most = max(had.values(), default=0)

@@ -384,7 +384,8 @@ class _SceneCheck:
 
 
 def _suggest_below(key: str, data: dict[str, Node]) -> tuple[str, str | None]:
-    """End of an error message for a top-level key that belongs in a part, and the path to suggest or None."""
+    """End of an error message for a top-level key that belongs in a part, and the path to suggest or None; `data`: the
+    scene's nodes by top-level key."""
     from ocean_sim.reading.keys import example_path, keys_elsewhere, named_so  # they read scenes
 
     def here(path: str) -> bool:

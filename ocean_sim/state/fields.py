@@ -37,7 +37,7 @@ class FieldBundle:
 
     @ti.func
     def index_of(self, field: ti.template(), index):  # type: ignore[valid-type]
-        """Flat index (C order) of the entry of a field at a vector of indices."""
+        """Flat index, last axis fastest, of the entry of a field at a vector of indices."""
         k = 0
         for axis in ti.static(range(len(field.shape))):
             k = k * field.shape[axis] + index[axis]

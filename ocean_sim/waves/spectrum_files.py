@@ -54,7 +54,7 @@ class Lines:
         return self.at + 1 >= len(self.rows)
 
     def words(self, expected: str, *choices: str) -> list[str]:
-        """Words of the next line; raises LookupError, `expected` being noted, if the first is none of the `choices`."""
+        """Words of the next line; raises LookupError at the end, and if the first word is none of the `choices`."""
         self.at, self.expected = self.at + 1, expected
         found = self.rows[self.at][1].split()
         if choices and found[0] not in choices:
@@ -123,13 +123,13 @@ def in_utc(time: str) -> str:
     return f"{there.astimezone(UTC) if there.tzinfo else there:{TIME_FORM}}"
 
 
-def measured(words: Iterable[str]) -> np.ndarray:
+def numbers_in(words: Iterable[str]) -> np.ndarray:
     """Numbers (n,) read from words; NaN for missing values: 999 or more, MM, or any word that is no number."""
     values = np.array([parse_number(word) for word in words])
     return np.where(np.abs(values) < MISSING_FROM, values, np.nan)
 
 
-def of_table(path: str | Path, frequency: np.ndarray, *others: np.ndarray) -> Found:
+def table_spectrum(path: str | Path, frequency: np.ndarray, *others: np.ndarray) -> Found:
     """Directional spectrum from directions, densities, moments (`others`), or None without energy; raises
     Unreadable."""
     rising = len(frequency) > 1 and frequency[0] > 0.0 and (np.diff(frequency) > 0.0).all()
@@ -139,7 +139,7 @@ def of_table(path: str | Path, frequency: np.ndarray, *others: np.ndarray) -> Fo
     return DirectionalSpectrum(frequency, *others) if others[1].any() else None
 
 
-def of_buoy(path: str | Path, frequency: np.ndarray, density: np.ndarray, moments: np.ndarray) -> Found:
+def buoy_spectrum(path: str | Path, frequency: np.ndarray, density: np.ndarray, moments: np.ndarray) -> Found:
     """Directional spectrum from densities (n,) [m2/Hz] and moments (2, n). Frequencies without a density are left out;
     those without moments take the nearest ones. None if there is no energy, or no direction."""
     there = np.isfinite(density)
@@ -149,10 +149,10 @@ def of_buoy(path: str | Path, frequency: np.ndarray, density: np.ndarray, moment
     if np.abs(moments[:, directed]).max() > MAX_MOMENT:
         raise TABLE_RULE.broken(path, f"it has a moment of {np.abs(moments[:, directed]).max():.3g}")
     nearest = np.abs(frequency[there, None] - frequency[directed]).argmin(axis=1)
-    return of_table(path, frequency[there], np.zeros(1), density[there, None], moments[:, directed][:, nearest])
+    return table_spectrum(path, frequency[there], np.zeros(1), density[there, None], moments[:, directed][:, nearest])
 
 
-def of_model(path: str | Path, frequency: np.ndarray, towards: np.ndarray, density: np.ndarray) -> Found:
+def model_spectrum(path: str | Path, frequency: np.ndarray, towards: np.ndarray, density: np.ndarray) -> Found:
     """Directional spectrum from densities (n, m) [m2/(Hz rad)] at directions `towards` (m,) [deg] to which waves
     travel, clockwise from north, at equal steps all round but for the file's rounding; raises Unreadable."""
     coming = np.round(towards + 180.0, 3) % 360.0
@@ -160,7 +160,7 @@ def of_model(path: str | Path, frequency: np.ndarray, towards: np.ndarray, densi
     ahead = np.sort(coming) - even
     if np.ptp(ahead) > 0.2 * even[1]:
         raise TABLE_RULE.broken(path, f"its directions are up to {np.ptp(ahead):.3g} deg off equal steps")
-    return of_table(path, frequency, even + ahead.mean(), density[:, coming.argsort()])
+    return table_spectrum(path, frequency, even + ahead.mean(), density[:, coming.argsort()])
 
 
 def _ndbc_rows(lines: Lines) -> Iterable[tuple[datetime, np.ndarray]]:
@@ -173,7 +173,7 @@ def _ndbc_rows(lines: Lines) -> Iterable[tuple[datetime, np.ndarray]]:
         rest = words[dated + ("Sep_Freq" in heading) :]
         names, cells = ([name.strip("()") for name in rest[1::2]], rest[::2]) if paired else (heading[dated:], rest)
         date = [words[0] if len(words[0]) == 4 else f"19{words[0]}", *words[1:dated], "00"][:5]
-        yield datetime.strptime(" ".join(date), "%Y %m %d %H %M"), np.stack([np.array(names, float), measured(cells)])
+        yield datetime.strptime(" ".join(date), "%Y %m %d %H %M"), np.stack([np.array(names, float), numbers_in(cells)])
 
 
 def ndbc_files(path: str | Path) -> list[Path]:
@@ -199,7 +199,7 @@ def _read_ndbc(lines: Lines) -> Iterable[Record]:
                 raise TABLE_RULE.broken(path, f"its frequencies at {time:{TIME_FORM}} are not those of the other four")
             alpha_1, alpha_2, r_1, r_2 = (each[time][1] for each in others)
             moments = np.array([r_1, r_2]) * np.exp(1j * np.radians([alpha_1, 2.0 * alpha_2]))
-            yield Record(time, [of_buoy(path, frequency, values, (1.0 if live else 0.01) * moments)])
+            yield Record(time, [buoy_spectrum(path, frequency, values, (1.0 if live else 0.01) * moments)])
 
 
 def _read_cdip(lines: Lines) -> Iterable[Record]:
@@ -211,9 +211,9 @@ def _read_cdip(lines: Lines) -> Iterable[Record]:
     lines.words("units")
     rows = []
     while not lines.ended:
-        rows.append(measured(lines.words("nine numbers")).reshape(9))
+        rows.append(numbers_in(lines.words("nine numbers")).reshape(9))
     found = np.array(rows).T
-    yield Record(time, [of_buoy(lines.path, found[0], found[2], found[[4, 6]] + 1j * found[[5, 7]])])
+    yield Record(time, [buoy_spectrum(lines.path, found[0], found[2], found[[4, 6]] + 1j * found[[5, 7]])])
 
 
 def _read_spotter(lines: Lines) -> Iterable[Record]:
@@ -228,7 +228,7 @@ def _read_spotter(lines: Lines) -> Iterable[Record]:
         first, second = parts[0] + 1j * parts[1], parts[2] + 1j * parts[3]
         moments = np.array([-1j * first.conj(), -second.conj()])  # an angle t there is a direction of 270 deg - t
         time = datetime.fromtimestamp(seconds, UTC).replace(tzinfo=None)
-        yield Record(time, [of_buoy(lines.path, f, density, moments)])
+        yield Record(time, [buoy_spectrum(lines.path, f, density, moments)])
 
 
 def _read_swan(lines: Lines) -> Iterable[Record]:
@@ -259,7 +259,7 @@ def _read_swan(lines: Lines) -> Iterable[Record]:
             if lines.words("FACTOR, ZERO or NODATA", "FACTOR", "ZERO", "NODATA")[0] == "FACTOR":
                 factor = unit * lines.numbers(1, "factor")
                 density = factor * lines.numbers(shape[0] * shape[1], "densities").reshape(shape)
-                found[k] = of_model(lines.path, axes["FREQ"], axes["DIR"], density)
+                found[k] = model_spectrum(lines.path, axes["FREQ"], axes["DIR"], density)
         yield Record(time, found)
 
 
@@ -274,7 +274,7 @@ def _read_ww3(lines: Lines) -> Iterable[Record]:
         words = lines.words("a time like 20261003 120000, or a point in quotes")
         if words[0].startswith("'"):
             density = lines.numbers(n * m, "densities").reshape(m, n).T
-            found[-1].points.append(of_model(lines.path, frequency, towards, density))
+            found[-1].points.append(model_spectrum(lines.path, frequency, towards, density))
         else:
             found.append(Record(datetime.strptime(" ".join(words), "%Y%m%d %H%M%S"), []))
     return found
@@ -296,7 +296,7 @@ def _read_era5(path: str | Path) -> Iterable[Record]:
             raise
         raise FORMAT_RULE.broken(path, "no variable d2fd over time, 30 frequencies and 24 directions") from None
     for time, points in zip(times, np.moveaxis(density, -1, 1)):
-        yield Record(time, [of_model(path, ERA5_FREQUENCIES, ERA5_DIRECTIONS, each) for each in points])
+        yield Record(time, [model_spectrum(path, ERA5_FREQUENCIES, ERA5_DIRECTIONS, each) for each in points])
 
 
 TEXT_READERS = {

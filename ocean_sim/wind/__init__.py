@@ -112,7 +112,7 @@ class Wind(ABC):
 
 @in_kernels
 class StillAir(Wind):
-    """Air at rest: no force, and kernels leave its term out."""
+    """Air at rest: it gives no force, and kernels leave out the force of the wind."""
 
     blows = False
     needs_area = needs_bend = False

@@ -109,7 +109,7 @@ class Config(Scheduled, WindConfig):
 
     def problems(self, preflight: Preflight) -> Faults:
         basin = preflight.tank
-        yield from self.unscheduled()
+        yield from self.schedule_faults()
         stated = {"u10": self.u10, "drag_law": self.drag_law, "schedule": self.schedule}
         others = [key for key, value in stated.items() if value is not None]
         if self.tau is not None and others:

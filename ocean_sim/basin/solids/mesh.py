@@ -90,7 +90,7 @@ class ClosedMesh:
         return inside_stretches(self.triangles, *self._column_plan[:2])
 
     def column_integral(self, of_heights: Callable[[np.ndarray], np.ndarray]) -> float:
-        """Integral over the inside of the mesh, by columns, of the height derivative of the function `of_heights`."""
+        """Integral over the inside of the mesh, by columns, of the height derivative of `of_heights`."""
         line, low, high = self.inside_columns
         return float(self._column_plan[2].ravel()[line] @ (of_heights(high) - of_heights(low)))
 
@@ -168,7 +168,7 @@ def closed_mesh(file: str, data: bytes, scale: float | None, up: str | None, bow
     problems = mesh_flaws(vertices, faces)
     if problems:
         raise BadMesh(*(CLOSED_RULE.broken(file, problem) for problem in problems))
-    faces, skins = turned_outwards(vertices, faces)
+    faces, skins = faces_outwards(vertices, faces)
     scale, up, bow = guess_axes(vertices[faces], scale, up, bow)
     if up[-1] == bow[-1]:
         raise BadMesh(AXES_RULE.broken(file, f"up and bow are the same axis, {up[-1]}"))
@@ -200,7 +200,7 @@ def section_prism(mesh: ClosedMesh) -> ClosedMesh | None:
 
 
 def read_mesh(file: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
-    """(n, 3) corners [units of the file] and (m, 3) faces, those of fewer corners left out; raises BadMesh."""
+    """(n, 3) corners [units of the file] and (m, 3) faces in a mesh file's `data`, none degenerate; raises BadMesh."""
     import trimesh
 
     kind = file.lower().rpartition(".")[2]
@@ -269,7 +269,7 @@ def signed_volumes(triangles: np.ndarray) -> np.ndarray:
     return np.asarray((a * np.cross(b, c)).sum(axis=1) / 6.0)
 
 
-def turned_outwards(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, list[str]]:
+def faces_outwards(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, list[str]]:
     """(m, 3) faces, reversed where their closed skin faces inwards, and sentences on multiple or inverted skins."""
     labels = closed_skins(faces)
     volumes = np.bincount(labels, signed_volumes(vertices[faces]))
@@ -357,8 +357,8 @@ def pairs_within(low: np.ndarray, high: np.ndarray, values: np.ndarray) -> tuple
 
 
 def lone_corner_first(faces: np.ndarray, beyond: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Corners a, b, c (n, 3) of faces (n, 3, 3) that a plane cuts, a being alone on its side, and (n,) True if a lies
-    beyond the plane; `beyond` (n, 3): True for corners that do."""
+    """Corners a, b, c (n, 3) of faces (n, 3, 3) that a plane cuts, a being the one alone on its side, and (n,) True if
+    a lies beyond the plane; `beyond` (n, 3): True for each corner that does."""
     alone = np.count_nonzero(beyond, axis=1) == 1
     first = np.argmax(beyond == alone[:, None], axis=1)[:, None]
     a, b, c = np.moveaxis(np.take_along_axis(faces, ((first + range(3)) % 3)[..., None], axis=1), 1, 0)

@@ -48,7 +48,7 @@ class Lattice:
 
 
 def deepest_first(distance: np.ndarray, spacing: float) -> np.ndarray:
-    """Indices that order points by `distance` (n,) [m] from a body, deepest first, equally deep ones spread out."""
+    """Indices of points at distances (n,) [m] from a body, deepest inside first; equally deep ones are spread out."""
     rows = np.round(distance / (ROW_TOLERANCE * spacing))
     return np.lexsort((np.arange(len(distance)) * GOLDEN_RATIO % 1.0, rows))
 
@@ -81,8 +81,8 @@ def fit_particles(
 def cached_room(
     positions: np.ndarray, content: bytes, made: Callable[[], dict[str, np.ndarray]], *asked: type
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Result of `basin.Solid.make_room`, from the user's cache (found by `content` and the code of `asked`) or
-    `made`."""
+    """Result of `basin.Solid.make_room`, read from the user's cache, or computed by `made` if `content` is new to
+    it."""
     found = cached_arrays("rooms", content, made, *asked)
     gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()
     gone[found["gone"]], moved[found["near"]] = True, found["moved"]

@@ -154,8 +154,8 @@ class MeshSolid(ShapedSolid):
         return lattice_memory(self.shape, spacing / CUBES_A_SPACING, 2.0 * spacing, word)[1]
 
     def tops_below(self, points: np.ndarray) -> np.ndarray:
-        """(n,) top [m] of the highest upright segment of the body that begins below each point (n, 3) [m]; else
-        -inf."""
+        """(n,) top [m] of the highest upright segment of the body that begins below each point (n, 3) [m]; -inf
+        without."""
         (x, i), (z, k) = (np.unique(points[:, axis], return_inverse=True) for axis in (0, 2))
         line, foot, top = inside_stretches(self.mesh.triangles, x, z)
         low, up = (bound[1] for bound in self.mesh.bounds)
@@ -167,8 +167,8 @@ class MeshSolid(ShapedSolid):
 
 
 def face_normals(slopes: Sequence[np.ndarray], at: np.ndarray, turn: np.ndarray) -> np.ndarray:
-    """(n, 3) outward unit normals at lattice positions `at` (n, 3) [nodes], from `slopes` of the distance at the
-    lattice's nodes along each axis, times a matrix `turn`."""
+    """(n, 3) outward unit normals at positions `at` (n, 3), in lattice steps, from the `slopes` of the distance on the
+    lattice along each axis, times a matrix `turn`."""
     from scipy.ndimage import map_coordinates
 
     found = np.stack([map_coordinates(slope, at.T, order=1, mode="nearest") for slope in slopes], axis=1) @ turn
@@ -176,7 +176,7 @@ def face_normals(slopes: Sequence[np.ndarray], at: np.ndarray, turn: np.ndarray)
 
 
 def lattice_values(values: np.ndarray, at: np.ndarray, outside: float) -> np.ndarray:
-    """(n,) values at positions `at` (n, 3) [nodes] in a lattice, linear between its nodes; `outside` beyond it."""
+    """(n,) values at positions `at` (n, 3), in lattice steps, interpolated linearly in a lattice; else `outside`."""
     from scipy.ndimage import map_coordinates
 
     return np.asarray(map_coordinates(values, at.T, order=1, cval=outside))

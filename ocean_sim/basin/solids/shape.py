@@ -50,8 +50,8 @@ class SolidShape(Model):
 
 
 class PlacedMesh(SolidShape):
-    """A mesh of a file in a `unit`, its axis `up` upwards, turned by a heading about its origin, which lies `at` a
-    place [m]; if `is_section`, a prism on its section at z = 0."""
+    """A mesh of a file in a `unit`, with its axis `up` upwards, turned by a heading about the file's origin, which lies
+    at the point `at` [m] of the basin; if `is_section`, a prism on its section at z = 0."""
 
     file: str
     unit: str

@@ -196,8 +196,8 @@ class Distance:
     """Signed distance from a hull and its outward normal, for kernels, in body axes from the centre of mass."""
 
     def __init__(self, shape: SolidShape, centre: np.ndarray, side: float, support: float, reach: float) -> None:
-        """`centre`: of mass from the shape's origin; `side`: of cubes; `support`: of the kernel; `reach`: of
-        lattice."""
+        """`centre`: of mass, from the shape's origin; `side`: of cubes; `support`: of the kernel; `reach`: of
+        values."""
         values, first, step = distance_lattice(shape, side, support, reach)
         size = values["share"].shape
         self.lower = first - centre  # [m]

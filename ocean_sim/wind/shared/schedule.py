@@ -130,8 +130,8 @@ class Scheduled(Timed):
             found = [f"{name} ends at {last:.9g} s; its last row blows on until {duration:g} s"]
         return found + (self.table.like_radians() if self.table is not None else [])
 
-    def unscheduled(self) -> Faults:
-        """Yield a problem if the schedule cannot be read or its rows are out of order."""
+    def schedule_faults(self) -> Faults:
+        """Yield a fault (key, sentence) if the schedule cannot be read or its rows are out of order."""
         try:
             self.course  # noqa: B018
         except ValueError as error:

@@ -1,5 +1,5 @@
-"""The command line `ocean-sim`; its verbs: `verbs.csv`. Exit codes: 0 done, 1 failed, 2 wrong input, 3 something
-missing."""
+"""The command line `ocean-sim`; `verbs.csv` lists its verbs. Exit codes: 0 done, 1 failed, 2 wrong input, 3 a package,
+driver or device is missing."""
 
 import sys
 

@@ -196,12 +196,12 @@ class WindConfig(KindConfig):
 
     @property
     def needs_area(self) -> bool:
-        """True if the wind's force on the water needs the exposed area of particles; else no areas are computed."""
+        """True if the wind's force on a particle needs its area of free surface; else no areas are computed."""
         return "fluid" in self.acts_on
 
     @property
     def needs_bend(self) -> bool:
-        """True if the wind's force on the water also needs the change of slope of the surface, which is else zero."""
+        """True if the wind's force on a particle also needs the local change of the surface's slope; else that is 0."""
         return False
 
     @property
@@ -294,7 +294,7 @@ class FluidConfig(KindConfig):
 
     @property
     def driven(self) -> bool:
-        """True if inflow or a body force may give energy to the water."""
+        """True if inflow or a body force may add energy to the water."""
         return False
 
     def viscosity_added(

@@ -321,8 +321,8 @@ class Fields:
             impl.get_runtime().materialize()
 
     def free(self) -> None:
-        """Free the memory of these fields. `SNodeTree.destroy` is not used: it would also forget the compiled kernels
-        of all other simulations. Kernels of these fields are found only through the objects that own them."""
+        """Free the memory of these fields. Taichi's `SNodeTree.destroy` is not used: it would also forget the compiled
+        kernels of all other simulations. Kernels can be called only through the objects that own the fields."""
         self.freed = True
         _open.discard(self)
         program = impl.get_runtime().prog

@@ -520,12 +520,12 @@ class Solid(Protocol):
         self, positions: np.ndarray, beyond: np.ndarray, boxes: "Boxes", lattice: "packing.Lattice"
     ) -> tuple[np.ndarray, np.ndarray]:
         """Make room for the body among particles at `positions` (n, 3) [m], which fill `boxes`; `beyond` (m, 3): points
-        that continue their lattice outside. Returns (n,) True for particles to remove, and (n, 3) positions of the
-        others."""
+        that continue their lattice outside. Returns (n,) True for particles to remove, and (n, 3) positions for the
+        rest."""
 
     def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Sample points in the body near its surface: (n, 3) positions from the centre of mass in body axes [m], (n,)
-        volumes [m3] (in 2-D areas [m2]), and (n, 3) outward normals; `spacing`: of particles, `support`: of the
+        volumes [m3], in 2-D areas [m2], and (n, 3) outward normals. `spacing`: of particles; `support`: of the
         kernel."""
 
 
@@ -747,8 +747,7 @@ class Basin:
         return waves.regular_wave(1.0, 2.0 * np.pi / omega, along, self.depth, g)
 
     def stops(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-        """Lowest and highest x, y, z [m] that walls, bed, lid and moving piston leave to the water; +-OPEN without
-        any."""
+        """Lowest and highest x, y, z [m] that walls, bed, lid and moving piston allow the water; +-OPEN if no limit."""
         low, up = [-OPEN] * 3, [OPEN] * 3
         for side in self.sides:
             away = side.piston.path.retreat if side.piston is not None else 0.0

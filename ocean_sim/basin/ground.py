@@ -71,7 +71,7 @@ class Ground:
         return float(self.lowest - BASE_SHARE * (self.y.max() - self.lowest))
 
     def shape_at(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Heights (n,) [m] and slopes (n, 2) of the bed along x and z at places x, z (n, 2) [m], mirrored by sides."""
+        """Heights (n,) [m] and slopes (n, 2) along x and z of the bed at places x, z (n, 2) [m], also beyond sides."""
         (i, a, run, x_way), (j, b, rise, z_way) = (
             cells_and_shares(places[:, axis], nodes, periodic)
             for axis, (nodes, periodic) in enumerate(zip((self.x, self.z), self.periodic))

@@ -56,7 +56,7 @@ class Frame:
     pivot: np.ndarray  # (3,) [m] in the tank
 
     def push(self, gravity: np.ndarray) -> np.ndarray:
-        """(3,) apparent gravity g - a [m/s2], in the tank's axes, at the pivot of acceleration a; `gravity`: g in world
+        """(3,) apparent gravity g - a [m/s2] in the tank's axes; a: acceleration of the pivot; `gravity`: g in world
         axes."""
         return turned(gravity, -self.angle) - self.acceleration
 
@@ -87,8 +87,7 @@ def ramp_law(law: Law, ramp: float) -> Law:
 
 
 def spline_law(times: np.ndarray, moved: np.ndarray) -> Law:
-    """Law of motion through displacements `moved` (n,) at times (n,) [s] by a cubic spline; at rest before and
-    after."""
+    """Law of motion by a cubic spline through displacements `moved` (n,) at times (n,) [s], at rest outside them."""
     from scipy.interpolate import CubicSpline
 
     spline = CubicSpline(times, moved)
@@ -348,8 +347,8 @@ class TrainWavemaker(Wavemaker, waves.WaveTrain):
         return waves.cut_short(duration, self.growth)
 
     def path(self, depth: float, gravity: float) -> Path:
-        """Path S/2 sin(omega t - phase), S the stroke (Biesel & Suquet 1951), summed over the waves, which far away are
-        a cos(k s - omega t + phase), s being the distance from the wall's rest position."""
+        """Motion of the piston: the sum over the waves of S/2 sin(omega t - phase), S the stroke (Biesel & Suquet
+        1951). Far away each wave is a cos(k s - omega t + phase), s the distance from the wall's rest position."""
         sea = self.train(np.array([1.0, 0.0]), depth, gravity)
         omega, half = sea.omega, sea.amplitude / waves.piston_transfer(sea.wavenumber * depth)
 

@@ -170,8 +170,7 @@ class Composition:
             self.set_part(slot, (key,), node)
 
     def below(self, place: str, node: Node) -> Choice | None:
-        """Choice so far for the part at `place`, to which `node` is to be applied: by default its usual kind, or
-        None."""
+        """Choice so far for the part at `place`, to which `node` is to be applied; else its usual kind, or None."""
         absent = self.slots.get(place) is None and place in DEFAULT_KINDS
         return choice_of(place, node.with_data(DEFAULT_KINDS[place])) if absent else self.slots.get(place)
 

@@ -65,8 +65,7 @@ def schema_text() -> str:
 
 
 def _slot_schema(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:
-    """Schema of a slot, as `wind`: name of a kind or preset, mapping with `kind`, or null; `definitions`: all
-    Configs."""
+    """Schema of a slot, as `wind`: a kind or preset by name, or a mapping, or null; `definitions`: all Configs."""
     module = import_module(f"ocean_sim.{slot}")
     words = known_names(slot)
     told = [part_sentence(slot, word) for word in words]

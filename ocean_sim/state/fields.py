@@ -63,7 +63,7 @@ class FieldBundle:
 
 
 class FieldContents:
-    """Reader and writer of Taichi fields by name; a second call with the same fields compiles nothing."""
+    """Reader and writer of Taichi fields by name; its kernels are compiled once for the same set of fields."""
 
     def __init__(self) -> None:
         self.known: list[ti.Field] = []

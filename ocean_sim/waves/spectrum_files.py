@@ -62,8 +62,7 @@ class Lines:
         return found
 
     def numbers(self, count: int, expected: str) -> np.ndarray:
-        """The next `count` numbers (count,), which fill whole lines, as `expected`; raises LookupError or
-        ValueError."""
+        """The next `count` numbers, which fill whole lines; raises LookupError or ValueError, noting `expected`."""
         found: list[float] = []
         while len(found) < count:
             found += map(float, self.words(f"{count} {expected}"))
@@ -130,8 +129,7 @@ def numbers_in(words: Iterable[str]) -> np.ndarray:
 
 
 def table_spectrum(path: str | Path, frequency: np.ndarray, *others: np.ndarray) -> Found:
-    """Directional spectrum from directions, densities, moments (`others`), or None without energy; raises
-    Unreadable."""
+    """Spectrum from directions, densities and moments (`others`), or None without energy; raises Unreadable."""
     rising = len(frequency) > 1 and frequency[0] > 0.0 and (np.diff(frequency) > 0.0).all()
     if not rising or not others[1].min() >= 0.0 or np.isinf(others[1]).any():
         shown = ", ".join(f"{f:g}" for f in frequency[:3])
@@ -203,7 +201,7 @@ def _read_ndbc(lines: Lines) -> Iterable[Record]:
 
 
 def _read_cdip(lines: Lines) -> Iterable[Record]:
-    """Spectrum of CDIP: rows of frequency, width, energy [m2/Hz], direction, a1, b1, a2 and b2, which are moments about
+    """Spectrum of CDIP: rows of frequency, width, energy [m2/Hz], direction, and Fourier moments a1, b1, a2, b2 about
     north and east of the directions from which waves come."""
     time = datetime.strptime(lines.words("File Name: sp and a time like 202610031200")[2][-12:], "%Y%m%d%H%M")
     while lines.words("freq")[0].lower() != "freq":
@@ -217,7 +215,7 @@ def _read_cdip(lines: Lines) -> Iterable[Record]:
 
 
 def _read_spotter(lines: Lines) -> Iterable[Record]:
-    """Spectra of a Spotter: moments about east and north of the directions to which waves travel."""
+    """Spectra of a Spotter buoy: Fourier moments, about east and north, of the directions to which waves travel."""
     rows = Table(lines.path)
     count = sum(name.startswith("varianceDensity_") for name in rows.names)
     names = [f"{name}_{k}" for name in ("f", "varianceDensity", "a1", "b1", "a2", "b2") for k in range(count or 1)]
@@ -232,8 +230,8 @@ def _read_spotter(lines: Lines) -> Iterable[Record]:
 
 
 def _read_swan(lines: Lines) -> Iterable[Record]:
-    """Spectra of SWAN: NDIR from which waves come, clockwise from north, or CDIR to which they travel,
-    counter-clockwise from the x-axis, which is taken to point east; density in m2 or J/m2 over Hz and degrees."""
+    """Spectra of SWAN. Directions are NDIR, from which waves come, clockwise from north, or CDIR, to which they travel,
+    counter-clockwise from the x-axis, taken as east; density in m2 or J/m2 per Hz and degree."""
     axes: dict[str, np.ndarray] = {}
     timed, points = False, 1
     keys = "TIME", "LONLAT", "LOCATIONS", "AFREQ", "RFREQ", "NDIR", "CDIR", "QUANT"

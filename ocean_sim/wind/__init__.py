@@ -64,8 +64,8 @@ NO_DRAWING = Drawing(np.zeros((0, 2, 3)), np.zeros((0, 3)), np.zeros((0, 3)))
 @in_kernels
 class Wind(ABC):
     """Base class of moving air. A kind implements `force`, and overrides those other methods that it needs. A kernel
-    calls `set_clock(since, step)` before its loop over particles or voxels, with `since` and `step` as Python hands
-    them over, and then `force` for each of them."""
+    gets `since` and `step` as arguments, calls `set_clock(since, step)` before its loop over particles or voxels, and
+    then `force` for each of them."""
 
     blows: bool = True  # False: `force` is always zero, and kernels leave it out
     needs_area: bool  # True if `force` reads `area`: the fluid then finds the exposed area of its particles

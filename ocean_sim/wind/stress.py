@@ -156,8 +156,8 @@ def out_of_range(u10: float, law: DragLaw) -> Iterator[str]:
 
 
 def fetch_limited(u10: float, fetch: float, gravity: float = GRAVITY) -> tuple[float, float]:
-    """Significant wave height [m] and peak period [s] that a wind u10 [m/s] raises over a fetch [m] of deep water:
-    Kahma & Calkoen (1992, J. Phys. Oceanogr. 22), composite, no higher than Pierson & Moskowitz (1964)."""
+    """Significant wave height [m] and peak period [s] that a wind u10 [m/s] raises over a fetch [m] of deep water, by
+    Kahma & Calkoen (1992, J. Phys. Oceanogr. 22), composite, limited to those of Pierson & Moskowitz (1964)."""
     x = gravity * fetch / u10**2
     energy = min(5.2e-7 * x**0.9, 3.64e-3)
     omega = max(13.7 * x**-0.27, 2.0 * pi * 0.133)
@@ -180,7 +180,7 @@ def growth_rate(wind: Config, u10: float, k: float, depth: float, pull: float) -
 
 
 def overdamped(wind: Config, u10: float, k: float, preflight: Preflight) -> Iterator[str]:
-    """Warn if viscosity damps waves of wavenumber k [1/m] faster than the scene's wind u10 [m/s] makes them grow."""
+    """Warn if viscosity damps waves of wavenumber k [1/m] faster than the scene's wind, u10 [m/s], makes them grow."""
     fluid, pull, length = preflight.fluid, hypot(*preflight.tank.gravity), 2.0 * pi / k
     beta = growth_rate(wind, u10, k, preflight.tank.depth, pull)
     own, added = fluid.viscosity_asked, fluid.viscosity_added(preflight, length)

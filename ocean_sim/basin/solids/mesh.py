@@ -72,8 +72,7 @@ class ClosedMesh:
 
     @cached_property
     def _column_plan(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Positions along x and z [m] of upright columns to integrate over, and (len(x), len(z)) cross-sections
-        [m2]."""
+        """Positions along x and z [m] of upright columns for integrals, and (len(x), len(z)) cross-sections [m2]."""
         (x, across), (z, along) = (gauss_points(self.vertices[:, axis]) for axis in (0, 2))
         return x, z, across[:, None] * along
 

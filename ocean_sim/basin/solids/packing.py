@@ -81,8 +81,7 @@ def fit_particles(
 def cached_room(
     positions: np.ndarray, content: bytes, made: Callable[[], dict[str, np.ndarray]], *asked: type
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Result of `basin.Solid.make_room`, read from the user's cache, or computed by `made` if `content` is new to
-    it."""
+    """Result of `basin.Solid.make_room` from the user's cache, or computed by `made` if `content` is not in it."""
     found = cached_arrays("rooms", content, made, *asked)
     gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()
     gone[found["gone"]], moved[found["near"]] = True, found["moved"]

@@ -154,8 +154,7 @@ class MeshSolid(ShapedSolid):
         return lattice_memory(self.shape, spacing / CUBES_A_SPACING, 2.0 * spacing, word)[1]
 
     def tops_below(self, points: np.ndarray) -> np.ndarray:
-        """(n,) top [m] of the highest upright segment of the body that begins below each point (n, 3) [m]; -inf
-        without."""
+        """(n,) top [m] of the highest upright segment of the body that begins below each point (n, 3) [m], or -inf."""
         (x, i), (z, k) = (np.unique(points[:, axis], return_inverse=True) for axis in (0, 2))
         line, foot, top = inside_stretches(self.mesh.triangles, x, z)
         low, up = (bound[1] for bound in self.mesh.bounds)

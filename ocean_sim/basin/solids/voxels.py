@@ -196,8 +196,7 @@ class Distance:
     """Signed distance from a hull and its outward normal, for kernels, in body axes from the centre of mass."""
 
     def __init__(self, shape: SolidShape, centre: np.ndarray, side: float, support: float, reach: float) -> None:
-        """`centre`: of mass, from the shape's origin; `side`: of cubes; `support`: of the kernel; `reach`: of
-        values."""
+        """`centre`: of mass from the origin; `side`: of cubes; `support`: of the kernel; `reach`: over the hull [m]."""
         values, first, step = distance_lattice(shape, side, support, reach)
         size = values["share"].shape
         self.lower = first - centre  # [m]

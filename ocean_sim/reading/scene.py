@@ -299,7 +299,7 @@ class _SceneCheck:
         return config
 
     def report_all(self, faults: dict[str, Faults]) -> None:
-        """Append problems (key path and sentence) of parts and observers by their places."""
+        """Append problems of parts and observers; `faults`: their key paths and sentences by place, as `ships.tug`."""
         for place, found in faults.items():
             for path, sentence in found:
                 self.report(place, sentence, path)

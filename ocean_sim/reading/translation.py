@@ -294,7 +294,7 @@ def _problem_of(found: _Found, prefix: Path) -> Problem:
 
 
 def _shape_words(found: _Found) -> str:
-    """Form of value, in words, that was expected where an error arose: a type, or one of some choices."""
+    """Words for the form of value that an error says was expected: a type, or one of some choices."""
     name = SHAPE_ERRORS.get(found.kind)
     return VALUE_TYPES[name][0] if name is not None else f"one of {found.context.get('expected', '')}"
 

@@ -1,4 +1,5 @@
-"""The command line `ocean-sim`; `verbs.csv` lists its verbs. Exit codes: 0 done, 1 failed, 2 wrong input, 3 lacking."""
+"""The command line `ocean-sim`; `verbs.csv` lists its verbs. Exit codes: 0 done, 1 failed, 2 wrong input, 3 a package,
+driver or device is missing."""
 
 import sys
 
@@ -52,7 +53,7 @@ class Verbs(TyperGroup):
     """Group of all verbs (subcommands of `ocean-sim`); imports the module of a verb once it or its help is called."""
 
     def __init__(self, **given: Any) -> None:
-        """Add every verb with its line in `--help` and without options; `given`: as for TyperGroup."""
+        """Add every verb with its line in `--help`, but not yet its options; `given`: arguments of TyperGroup."""
         super().__init__(**given)
         for name, line in VERBS.items():
             self.add_command(TyperCommand(name, help=line, hidden=name in HIDDEN_VERBS))

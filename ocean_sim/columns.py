@@ -1,4 +1,4 @@
-"""Named columns of a row of numbers: the inputs of a pair law at a neighbour, or a table on the device."""
+"""Names for the columns of a row of numbers, such as the inputs of a pair interaction or a table on the device."""
 
 from ocean_sim.kernel_library import ti, tm
 

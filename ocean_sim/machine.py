@@ -121,7 +121,7 @@ def program_hash() -> str:
 
 
 def request_stop(*_: object) -> None:
-    """Signal handler that `stoppable` installs: note that the process shall end, and raise KeyboardInterrupt."""
+    """Signal handler that `stoppable` installs: note that the process is to end, and raise KeyboardInterrupt."""
     stop_requested.set()
     raise KeyboardInterrupt
 
@@ -153,7 +153,7 @@ def stoppable() -> Iterator[None]:
 
 @contextmanager
 def parent_pipe() -> Iterator[int]:
-    """Yield the descriptor of a pipe that breaks as this process ends: input of a child with `exit_with_parent`."""
+    """Yield the descriptor of a pipe that breaks as this process ends: standard input for an `exit_with_parent`."""
     theirs, ours = os.pipe()
     try:
         yield theirs
@@ -175,7 +175,7 @@ def kill_session(child: subprocess.Popen[str]) -> None:
 
 
 def yield_to_others(by: int) -> None:
-    """Add `by` to the niceness of this process; set that of a session that it leads (`autogroup`, sched(7)) to `by`."""
+    """Add `by` to the niceness of this process; set that of a session it leads (`autogroup`, sched(7)) to `by`."""
     os.nice(by)
     if os.getsid(0) == os.getpid():  # this session is its own
         with suppress(OSError):

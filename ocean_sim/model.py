@@ -26,7 +26,7 @@ def in_brackets(unit: str | None) -> str:
 
 
 def below(*key: str | int, faults: Faults) -> Faults:
-    """Faults whose key paths are put below another key."""
+    """Faults with `key`, the path of a mapping, put before the key path of each."""
     return (((*key, *path), sentence) for path, sentence in faults)
 
 

@@ -1,8 +1,8 @@
-"""Contract of the parts of a scene. A part is one file: "kind: gusts" under "wind:" is `ocean_sim/wind/gusts.py`,
-imported only when a scene names it.
+"""Contract of the parts of a scene, such as water, wind and ships. A part fills a slot, a key of the scene, with one of
+its kinds, and a kind is one file: "kind: gusts" under "wind:" is `ocean_sim/wind/gusts.py`, imported when it is named.
 
-This module holds the base classes of its `Config`, with everything that a scene asks of a part between reading and
-building it. The object that a Config builds has a protocol in the `__init__.py` of its slot.
+This module holds the base classes of a part's `Config`, with everything that a scene asks of it between reading and
+building. The object that a Config builds has a protocol in the `__init__.py` of its slot.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def kinds(slot: str) -> tuple[str, ...]:
 
 @cache
 def named(slot: str) -> tuple[str, ...]:
-    """Names of the presets of this slot: the files of configs/<slot>/."""
+    """Names of the presets of this slot, such as `wind`: the files of configs/<slot>/."""
     return tuple(sorted(p.stem for p in (library("configs") / slot).glob("*.yaml")))
 
 
@@ -73,17 +73,17 @@ def preset(slot: str, name: str) -> dict[str, Any]:
 
 
 def key_of(ship: str) -> str:
-    """Key of a ship in a scene by her name: `ship` for the only one, `ships.<name>` for one of several."""
+    """Key of a ship in a scene by the ship's name: `ship` for the only one, `ships.<name>` for one of several."""
     return ALONE if ship == ALONE else f"{SEVERAL}.{ship}"
 
 
 def slot_of(place: str) -> str:
-    """Slot of a part by its key in a scene: `ship` for the key `ships.<name>`, for others the key itself."""
+    """Slot of a part from its key in a scene: `ship` for the key `ships.<name>`, for others the key itself."""
     return ALONE if place.startswith(f"{SEVERAL}.") else place
 
 
 def called(ship: str) -> str:
-    """Name of a ship in messages, by her name in the scene: `the ship` if she is the only one."""
+    """Text for a ship in messages, by its name in the scene: `the ship` if it is the only one."""
     return "the ship" if ship == ALONE else ship
 
 
@@ -104,7 +104,7 @@ class PartConfig(Model):
     """
 
     def problems(self, preflight: Preflight) -> Faults:
-        """Faults (key, sentence) of these keys alone in this basin; other parts may be wrong, and must not be read."""
+        """Faults (key, sentence) of these keys alone in this basin; other parts may be faulty, and must not be read."""
         return ()
 
     def mismatches(self, preflight: Preflight) -> Faults:
@@ -196,12 +196,12 @@ class WindConfig(KindConfig):
 
     @property
     def needs_area(self) -> bool:
-        """True if the wind's force on the water needs the exposed area of particles; else no areas are computed."""
+        """True if the wind's force on a particle needs its area of free surface; else no areas are computed."""
         return "fluid" in self.acts_on
 
     @property
     def needs_bend(self) -> bool:
-        """True if the wind's force on the water also needs the change of slope of the surface, which is else zero."""
+        """True if the wind's force on a particle also needs the local change of the surface's slope; else that is 0."""
         return False
 
     @property
@@ -253,11 +253,11 @@ class FluidConfig(KindConfig):
         return None
 
     def most_particles(self, preflight: Preflight) -> int:
-        """Rough greatest number of particles whose neighbours can be indexed; 0 for water without particles."""
+        """Approximate largest number of particles whose neighbours can be indexed; 0 for water without particles."""
         return 0
 
     def ratio(self, basin: Basin) -> float:
-        """Support radius of the smoothing kernel in particle spacings; 0 for water without particles."""
+        """Support radius of the smoothing kernel, in particle spacings; 0 for water without particles."""
         return 0.0
 
     @property
@@ -294,13 +294,14 @@ class FluidConfig(KindConfig):
 
     @property
     def driven(self) -> bool:
-        """True if inflow or a body force may give energy to the water."""
+        """True if inflow or a body force may add energy to the water."""
         return False
 
     def viscosity_added(
         self, preflight: Preflight, length: float, height: float = 0.0, standing: bool = False
     ) -> float:
-        """Numerical viscosity [m2/s] of the scheme for waves (length, height [m]; standing or not), as measured."""
+        """Numerical viscosity [m2/s] that the scheme adds, as measured, for waves of a length and height [m];
+        `standing`: for standing instead of travelling waves."""
         return 0.0
 
     def statements(self, preflight: Preflight) -> Iterable[str]:
@@ -316,12 +317,12 @@ class FluidConfig(KindConfig):
         return preflight.spacing or preflight.tank.depth
 
     def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
-        """Memory [bytes] of sums of plane waves at `size` (along, across) nodes on `levels` depths; 0 by default."""
+        """Memory [bytes] for sums of plane waves at `size` (along, across) nodes and `levels` depths; by default 0."""
         return 0
 
     @abstractmethod
     def still_limits(self, preflight: Preflight) -> Limits:
-        """Limits of the time step in water at rest, known before anything is allocated."""
+        """Limits of the time step for water at rest, known before any memory is allocated."""
 
     @abstractmethod
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> Fluid:
@@ -361,7 +362,7 @@ class ShipConfig(KindConfig):
 
     @property
     def drift_law(self) -> str:
-        """Law of the drift forces of waves in closed form, in words; empty where none act on the ship."""
+        """Name, in words, of the closed formula for the mean force of waves on the ship (drift); empty if none."""
         return ""
 
     def solid(self, preflight: Preflight) -> Solid | None:
@@ -369,11 +370,11 @@ class ShipConfig(KindConfig):
         return None
 
     def look(self, preflight: Preflight) -> Look | None:
-        """Data besides her triangles that a picture of the ship needs; None if she has no shape."""
+        """Data that a picture of the ship needs besides its triangles; None if the ship has no shape."""
         return None
 
     def floats(self, preflight: Preflight) -> Afloat | None:
-        """Displacement, draught and stability of the ship in still water; None if no hull determines them."""
+        """Displacement, draught and stability of the ship afloat in still water; None if no hull determines them."""
         return None
 
     def outline(self, preflight: Preflight) -> Outline | None:
@@ -471,7 +472,7 @@ class Preflight:
 
     @cached_property
     def untouched(self) -> Lattice | None:
-        """Lattice on which the particles would start without floating bodies; None without particles."""
+        """Lattice on which the particles would start if no body floated in the water; None without particles."""
         return self.fluid.lattice(self.tank)
 
     @cached_property
@@ -505,7 +506,7 @@ class Preflight:
 
     @cached_property
     def solids(self) -> dict[str, Solid]:
-        """Solid bodies of the ships around which the particles start, by the name of the ship."""
+        """Solid bodies of the ships that displace particles at the start, by the name of the ship."""
         found = {name: ship.solid(self) for name, ship in self.ships.items()}
         return {name: solid for name, solid in found.items() if solid is not None}
 
@@ -516,8 +517,8 @@ class Preflight:
 
 
 def forces_in_waves(preflight: Preflight, regular: bool, current: bool) -> list[str]:
-    """Sentences on which of mean drift, slow drift, wind and current act on each ship in waves, which are `regular` or
-    not, in a `current` or none."""
+    """Sentences on which forces (mean drift, slow drift, wind, current) act on each ship in waves, which are `regular`
+    or not, with a `current` or without."""
     found, blows = list[str](), not preflight.wind.still and "ship" in preflight.wind.acts_on
     for name, ship in preflight.ships.items():
         law = "particles" if preflight.fluid.made_of_particles else ship.drift_law
@@ -570,7 +571,7 @@ def from_coarse(slot: str) -> tuple[str, ...]:
 
 @cache
 def compared(slot: str) -> tuple[str, ...]:
-    """Kinds of a slot that studies compare, from the coarsest to the finest; imports all kinds."""
+    """Kinds of a slot that studies compare with each other, from the coarsest to the finest; imports all kinds."""
     return tuple(kind for kind in from_coarse(slot) if config_of(slot, kind).compared)
 
 

@@ -58,7 +58,7 @@ def uniform(seed, stream, particle, step):
 
 @ti.func
 def uniform3(seed, stream, particle, step):
-    """Vector of three independent random numbers in (-1, 1) for these four integer keys."""
+    """Vector of three independent random numbers in (-1, 1) for four integer keys; equal keys give the equal vector."""
     a, b, c, _d = taichi_pcg4d(ti.u32(seed), ti.u32(stream), ti.u32(particle), ti.u32(step))
     return tm.vec3(to_symmetric_interval(a), to_symmetric_interval(b), to_symmetric_interval(c))
 

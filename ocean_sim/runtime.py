@@ -58,7 +58,7 @@ Kind = TypeVar("Kind", bound=type)
 
 
 def in_kernels(kind: Kind) -> Kind:
-    """Decorator of a class with kernels or their functions; unlike `ti.data_oriented` it does not slow attributes."""
+    """Decorator for a class with Taichi kernels or functions; unlike `ti.data_oriented` it keeps attributes fast."""
     if kernel_library.LIBRARY_NAME == kernel_library.QUADRANTS:
         if "__dataclass_fields__" in vars(kind):  # by which it would take `self` for a struct, handed over by value
             del kind.__dataclass_fields__  # type: ignore[attr-defined]
@@ -98,8 +98,8 @@ def _direct_launch(kernel: Any) -> Any:
 
 @dataclass(frozen=True)
 class Launch:
-    """Compiled kernel that is called directly with the arguments of its method, without the look-ups of Taichi. Each
-    argument is known by its place in the method, and numbers and arrays also by their slot in the launch."""
+    """Compiled kernel that is called directly with the arguments of its method, without the look-ups of Taichi. It
+    knows each argument by its index in the method, and numbers and arrays also by their index in the launch."""
 
     program: Any  # of Taichi
     compiled: Any  # Taichi's compiled kernel data
@@ -134,7 +134,7 @@ class Launch:
 
 
 def _launch_of(primal: Any, owner: Any, given: tuple) -> Launch | None:
-    """Direct launch of kernel `primal` of object `owner`, just run with `given`; None if it needs Taichi's own call."""
+    """Direct launch of kernel `primal` of object `owner`, just run with arguments `given`; None if that cannot be."""
     if primal.return_type is not None or primal.has_print:
         return None
     templates, numbers, arrays = list[Any](), list[Any](), list[Any]()
@@ -222,7 +222,7 @@ _starting = threading.RLock()  # held while Taichi changes its thread
 
 
 class Allocation(NamedTuple):
-    """A set of fields to which Taichi has given memory together, by one call."""
+    """A set of fields to which Taichi has given memory in one call."""
 
     tree: SNodeTree
     variables: list[Any]  # the expressions by which its fields are known
@@ -321,8 +321,8 @@ class Fields:
             impl.get_runtime().materialize()
 
     def free(self) -> None:
-        """Free the memory of these fields. `SNodeTree.destroy` is not used: it would also forget the compiled kernels
-        of all other simulations. Kernels of these fields are found only through the objects that own them."""
+        """Free the memory of these fields. Taichi's `SNodeTree.destroy` is not used: it would also forget the compiled
+        kernels of all other simulations. Kernels can be called only through the objects that own the fields."""
         self.freed = True
         _open.discard(self)
         program = impl.get_runtime().prog
@@ -350,9 +350,9 @@ def _forget_declared() -> None:
 
 
 def start(config: RuntimeConfig) -> Backend:
-    """Start Taichi and return its backend; one that runs is kept if it suits the config. A restart loses all fields.
-    Raises BackendMissing if the backend obtained is not the one asked for, and RuntimeError if a simulation of another
-    thread is open, or any at all after memory ran out."""
+    """Start Taichi and return its backend; if one is running that suits the config, keep it. A restart loses all
+    fields. Raises BackendMissing if the backend obtained is not the one asked for, and RuntimeError if a simulation of
+    another thread is open, or any at all after memory ran out."""
     with _starting:
         if _open and (_short or threading.get_ident() != _thread):
             raise RuntimeError(MEMORY_SHORT_MESSAGE if _short else OTHER_THREAD_MESSAGE)
@@ -443,7 +443,7 @@ def vector_width() -> int:
 
 
 def values_at(points: np.ndarray, real: type, fill: Callable[..., Any], *size: int) -> np.ndarray:
-    """Values (m, *size) that the kernel `fill` writes at points (m, ...), both in the NumPy type `real` there."""
+    """Values (m, *size) that the kernel `fill` writes for points (m, ...); it gets both as arrays of type `real`."""
     values: np.ndarray = np.empty((len(points), *size), dtype=real)
     fill(np.ascontiguousarray(points, dtype=real), values)
     return values.astype(float)
@@ -455,7 +455,7 @@ def running_arch() -> str:
 
 
 def runs_alone() -> bool:
-    """True if kernels run short loops in the launching thread alone: on a processor, where waking others costs 7 us."""
+    """True if kernels run short loops in the launching thread only: on a processor, as waking others takes 7 us."""
     return running_arch() == "cpu"
 
 
@@ -486,7 +486,7 @@ def compiled_kernels() -> list[str]:
 
 
 def kernels_in(module: str) -> list[str]:
-    """Names of all Taichi kernels of a kind's module, of modules in its slot that it imports, and of `runtime`."""
+    """Names of the Taichi kernels in a module, in modules of the same folder that it imports, and in `runtime`."""
     room, found = module.rpartition(".")[0], set()
     waiting, seen = [module], set()
     while waiting:
@@ -535,7 +535,7 @@ def _thread_ids() -> set[int]:
 
 
 def _pin_threads(before: set[int], threads: int, one: bool) -> None:
-    """Bind Taichi's worker threads, not in `before` (ids), to cores of their own, or (`one`) to one core each."""
+    """Bind each of Taichi's worker threads (ids not in `before`) to cores of its own, or (`one`) to a single one."""
     usable = sorted(os.sched_getaffinity(0)) if sys.platform == "linux" else []
     workers = sorted(_thread_ids() - before)[-threads:] if usable else []
     for k, worker in enumerate(workers):

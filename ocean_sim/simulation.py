@@ -27,15 +27,15 @@ class Observer:
     """Attributes that a checkpoint of it does not hold."""
 
     def __init_subclass__(cls, of: "type[ObserverConfig] | None" = None) -> None:
-        """`of`: the Config whose `build` makes this observer, with itself, the run folder and the simulation."""
+        """`of`: Config class whose `build` makes this observer, from the Config, the run folder and the simulation."""
         if of is not None:
             of.observer = cls
 
     def observe(self, simulation: "Simulation") -> None:
-        """Observe the present state; called at time 0 and after the steps that `every` selects."""
+        """Observe the present state; called at time 0 and after each step that the interval `every` selects."""
 
     def resumed(self, changed: str) -> None:
-        """Hook after a checkpoint is restored; `changed`: how the program has changed since it was made, or empty."""
+        """Hook after a checkpoint is restored; `changed`: how the program differs from the one that saved it."""
 
     def show_progress(self, progress: Progress) -> None:
         """Receive the callback to which an observer reports the progress of a long task; ignored by default."""
@@ -48,7 +48,7 @@ class OutcomeObserver(Observer):
     """Observer whose files state how a run ended. It is closed last, since other observers may fail to close."""
 
     def amend(self) -> None:
-        """Write the outcome once more; called if an observer that is closed after this one fails."""
+        """Write the outcome once more; called if an observer fails that is closed after this one."""
 
 
 class ObserverConfig(PartConfig):
@@ -80,7 +80,7 @@ class ObserverConfig(PartConfig):
         return motion.every if isinstance(motion, PeriodicConfig) else 0.0
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """One row of the memory ledger, without memory, that names the files of the observer."""
+        """One row of the memory ledger that names the files of the observer and counts no memory."""
         return [LedgerRow(self.name(), self.leaves, 0, "")]
 
     def picture_time(self, preflight: Preflight) -> float:
@@ -88,7 +88,7 @@ class ObserverConfig(PartConfig):
         return 0.0
 
     def bytes_a_particle(self, preflight: Preflight) -> int:
-        """Memory [bytes] for each particle that is part of the ledger of this observer."""
+        """Memory [bytes] per particle in this observer's rows of the memory ledger."""
         return 0
 
     def build(self, folder: Path, simulation: "Simulation") -> Observer:
@@ -226,11 +226,11 @@ class Simulation:
             self.outcome, self.reason = "failed", in_words(failure)
 
     def _due(self, every: float, before: float) -> bool:
-        """True if a multiple of `every` [s] lies between time `before` and the next step's end: both are observed."""
+        """True if an observation is due, one every `every` [s], between time `before` and the end of the next step."""
         return every == 0.0 or floor((self.time + self.next_dt) / every) > floor(before / every)
 
     def _observe(self, observers: list[Observer]) -> None:
-        """Call these observers with the present state; timings book it as the stage `observers`."""
+        """Call these observers with the present state; the timings count this as the stage `observers`."""
         with self.stage("observers"):
             for observer in observers:
                 observer.observe(self)

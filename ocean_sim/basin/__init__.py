@@ -68,7 +68,7 @@ class Walls(Model):
     """`periodic`: what leaves through the bed comes in at the still surface, and there is neither bed nor surface."""
 
     def key(self, side: str) -> str:
-        """Config key of the wall at `x_min`, `x_max`, `z_min` or `z_max`: that side's, or that of both (`x` or `z`)."""
+        """Config key that sets the wall at `x_min`, `x_max`, `z_min` or `z_max`: this name, or `x` or `z` for both."""
         return side if getattr(self, side) is not None else side[0]
 
     def at(self, side: str) -> Wall:
@@ -134,8 +134,8 @@ class Floor(Model):
         return self.profile is not None or self.grid is not None
 
     @cached_property
-    def nodes(self) -> Heights:
-        """Heights of the bed as they are given, in the axes of the basin; raises Unreadable."""
+    def bed_heights(self) -> Heights:
+        """Nodes and heights of the bed as the scene gives them, in the axes of the basin; raises Unreadable."""
         if self.profile is not None:
             x, y = np.array(self.profile).T
             return Heights(x, np.array([-OPEN, OPEN]), np.repeat(y[:, None], 2, axis=1))
@@ -144,16 +144,16 @@ class Floor(Model):
 
     @property
     def middle(self) -> list[float]:
-        """Middle of the grid, as `grid_centre` gives it [m]."""
-        (x, z, _), centre = self.nodes, self.grid_centre or (0.0, 0.0)
+        """Middle x, z [m] of the bed's grid, to be compared with the key `grid_centre`."""
+        (x, z, _), centre = self.bed_heights, self.grid_centre or (0.0, 0.0)
         way = -0.5 if self.grid is not None and is_map(self.grid) else 0.5
         return [centre[0] + way * float(x[0] + x[-1]), centre[1] + 0.5 * float(z[0] + z[-1])]
 
     def shape_problems(self, basin: "Basin") -> Faults:
-        """Yield faults (key path below the floor, sentence) of the bed's shape in this basin."""
+        """Yield faults of the bed's shape in this basin: key path below `floor`, and sentence."""
         key = "profile" if self.profile is not None else "grid"
         try:
-            x, z, y = self.nodes
+            x, z, y = self.bed_heights
         except Unreadable as error:
             yield (key,), f"{error}"
             return
@@ -164,7 +164,7 @@ class Floor(Model):
                 reach = f"reaches from {axis} = {nodes[0]:g} to {nodes[-1]:g} m, the basin from {low:g} to {up:g} m"
                 yield (key,), f"the bed {reach}{middle}"
                 return
-        y = self.nodes.around(basin.plan_sides).y
+        y = self.bed_heights.around(basin.plan_sides).y
         if missing := int((~np.isfinite(y)).sum()):
             yield (key,), f"{missing} heights in the basin are missing, or of {HIGHEST_GROUND:g} m and more"
             return
@@ -203,7 +203,7 @@ class Floor(Model):
         return (self.roughness or 0.0) / GRAINS_PER_Z0
 
     def problems(self, row: float) -> Iterator[str]:
-        """Yield faults of the bed's roughness under a lowest row of particles of height `row` [m]."""
+        """Yield faults of the bed's roughness; `row`: height [m] of the lowest horizontal row of particles."""
         if self.z0 >= MIN_ROW_SHARE * row:
             yield (
                 f"the bed's z0 of {self.z0:.3g} m, a thirtieth of its roughness, is not below a quarter of the lowest "
@@ -211,7 +211,7 @@ class Floor(Model):
             )
 
     def warnings(self, row: float) -> Iterator[str]:
-        """Warn of a doubtful roughness under a lowest row of particles of height `row` [m]."""
+        """Warn of a doubtful roughness; `row`: height [m] of the lowest horizontal row of particles."""
         if (self.roughness or 0.0) > 0.5 * row:
             yield (
                 f"the bed's grains of {self.roughness:g} m reach above the middle of the lowest row of particles, "
@@ -219,7 +219,7 @@ class Floor(Model):
             )
 
     def statement(self, row: float) -> str:
-        """Sentence on the friction on a lowest row of particles of height `row` [m]."""
+        """Sentence for the user on the bed's friction; `row`: height [m] of the lowest horizontal row of particles."""
         height = 0.5 * row
         factor = f"friction factor of {2.0 * self.drag(height):.4g} (tau = rho f |u| u / 2)"
         if self.roughness is None:
@@ -230,7 +230,7 @@ class Floor(Model):
         )
 
     def drag(self, height: float) -> float:
-        """Drag coefficient tau / (rho |u| u) for a speed u that is taken at a height above the bed [m]."""
+        """Drag coefficient tau / (rho |u| u) of the bed, u being the water's speed at a height [m] above the bed."""
         if self.friction_factor is not None:
             return 0.5 * self.friction_factor
         return (KARMAN_CONSTANT / log(height / self.z0)) ** 2
@@ -308,7 +308,7 @@ class MeshObstacle(Obstacle):
 
     @cached_property
     def corners(self) -> np.ndarray:
-        """(2, n) lowest and highest corner [m], less rounding, with as many numbers as `at`; n = 0 if it is faulty."""
+        """(2, n) lowest and highest corner [m], less rounding, with n numbers as `at` has; n = 0 for a faulty mesh."""
         if self.shape.faults:
             return np.zeros((2, 0))
         ends = np.array(self.shape.bounds())[:, : len(self.at)]
@@ -324,7 +324,7 @@ class MeshObstacle(Obstacle):
 
 
 def box_or_mesh(written: Any) -> str:
-    """Pydantic tag of an obstacle: `MeshObstacle` if it is `written` with a mesh, else `BoxObstacle`."""
+    """Pydantic tag of an obstacle: `MeshObstacle` if the data or object `written` has a mesh, else `BoxObstacle`."""
     is_mesh = "mesh" in written if isinstance(written, dict) else isinstance(written, MeshObstacle)
     return "MeshObstacle" if is_mesh else "BoxObstacle"
 
@@ -410,7 +410,7 @@ class Config(Model):
 
 
 def odd_gravity(gravity: Vector3) -> Iterator[str]:
-    """Warn of gravity [m/s2] that looks like one of another convention: z up, or another unit."""
+    """Warn of gravity [m/s2] that seems to follow another convention: z upwards, or another unit."""
     size, (x, y, z) = float(np.linalg.norm(gravity)), gravity
     if abs(y) < max(abs(x), abs(z)):
         yield f"gravity of {list(gravity)} m/s2 points more to a side than down; y is up here"
@@ -420,7 +420,8 @@ def odd_gravity(gravity: Vector3) -> Iterator[str]:
 
 
 def box_faults(key: str, boxes: Sequence[Box | MeshObstacle], basin: "Basin", overlap: str) -> Faults:
-    """Yield faults of boxes under `key` that leave the basin or overlap; `overlap`: words on that."""
+    """Yield faults of boxes, listed under the config key `key`, that leave the basin or overlap each other; `overlap`:
+    words for an overlap in the sentence."""
     fitting = [k for k, box in enumerate(boxes) if len(box.min) == basin.dimension]
     low = np.array([boxes[k].min for k in fitting]).reshape(-1, basin.dimension)
     up = np.array([boxes[k].max for k in fitting]).reshape(-1, basin.dimension)
@@ -437,7 +438,7 @@ def box_faults(key: str, boxes: Sequence[Box | MeshObstacle], basin: "Basin", ov
 
 
 def axes_beyond(low: Sequence[float], up: Sequence[float], basin: "Basin") -> list[str]:
-    """Names of axes along which a box from `low` to `up` [m] reaches out of the basin; an open basin has no top."""
+    """Names of the axes along which a box from `low` to `up` [m] reaches out of the basin; an open basin has no top."""
     return [
         axis
         for axis, a, b, least, most in zip("xyz", low, up, basin.lower, basin.upper)
@@ -479,7 +480,7 @@ def path_faults(obstacles: tuple[AnyObstacle, ...], basin: "Basin", duration: fl
 
 
 def crossing_time(box: AnyObstacle, other: AnyObstacle, duration: float) -> float | None:
-    """First time [s] up to `duration` at which two obstacles overlap, straight between samples; None if never."""
+    """First time [s] up to `duration` at which two obstacles overlap, interpolated between samples; None if never."""
     gates = [(sign, gate) for sign, gate in ((1.0, box.gate), (-1.0, other.gate)) if gate is not None]
     times = min((gate.moments(duration) for _, gate in gates), key=lambda moments: float(moments[-1]))
     ways = [[sign * moved.way for time in times.tolist() if (moved := gate.at(time))] for sign, gate in gates]
@@ -495,17 +496,17 @@ def crossing_time(box: AnyObstacle, other: AnyObstacle, duration: float) -> floa
 
 
 def box_corners(box: Box) -> Corners:
-    """Lowest and highest corner of a box in 3-D [m]; a box given in 2-D extends without limit along z."""
+    """Lowest and highest corner of a box in 3-D [m]; the box of a 2-D scene extends without limit along z."""
     flat = 3 - len(box.min)
     return (*box.min, *flat * (-OPEN,)), (*box.max, *flat * (OPEN,))
 
 
 class Solid(Protocol):
-    """Interface of a body that floats in the basin at the start, as the initial water is built around it."""
+    """Interface of a solid body, such as a bed, a mesh or a ship, around which the initial water is built."""
 
     @property
     def is_sampled(self) -> bool:
-        """True if pair sums over the water include sample points of the body."""
+        """True if sample points stand for the body in the sums over neighbouring particles of the water."""
 
     @property
     def origin(self) -> np.ndarray:
@@ -513,17 +514,19 @@ class Solid(Protocol):
 
     @property
     def extent(self) -> np.ndarray:
-        """(2, 3) lowest and highest corner of the box around it [m]."""
+        """(2, 3) lowest and highest corner of the box around the body [m]."""
 
     def make_room(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: "Boxes", lattice: "packing.Lattice"
     ) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) True for `positions` (n, 3) [m] of particles that the body displaces, and (n, 3) positions of the
-        others, moved around it. All fill `boxes`, and `beyond` (m, 3) continues their lattice."""
+        """Make room for the body among particles at `positions` (n, 3) [m], which fill `boxes`; `beyond` (m, 3): points
+        that continue their lattice outside. Returns (n,) True for particles to remove, and (n, 3) positions for the
+        rest."""
 
     def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Sample points of the body: (n, 3) positions from the centre of mass, body axes [m], (n,) volumes [m3], in 2-D
-        areas [m2], and (n, 3) outward normals of the nearest face."""
+        """Sample points in the body near its surface: (n, 3) positions from the centre of mass in body axes [m], (n,)
+        volumes [m3], in 2-D areas [m2], and (n, 3) outward normals. `spacing`: of particles; `support`: of the
+        kernel."""
 
 
 @dataclass(frozen=True)
@@ -545,12 +548,12 @@ class Side:
 
 
 def shifts(x: np.ndarray, origin: np.ndarray, period: Sequence[float]) -> np.ndarray:
-    """(n, 3) whole periods [m] from points x (n, 3) to their periodic images nearest to `origin`, an x and z [m]."""
+    """(n, 3) shifts [m] by whole periods that bring points x (n, 3) [m] nearest to `origin`, an x and z [m]."""
     return whole_sides(np.insert(origin, 1, 0.0) - x, np.array([period[0], 0.0, period[2]]))
 
 
 def whole_sides(away: np.ndarray, sides: np.ndarray) -> np.ndarray:
-    """Multiples (..., n) of periods `sides` (n,) [m] nearest to distances `away` (..., n) [m]; 0 without a period."""
+    """Multiples (..., n) of periods `sides` (n,) [m] nearest to distances `away` (..., n) [m]; 0 for a period of 0."""
     return sides * np.round(away / np.where(sides > 0.0, sides, np.inf))
 
 
@@ -579,7 +582,7 @@ class Basin:
 
     @cached_property
     def walls(self) -> Walls:
-        """The wall on each side, also where the scene names one kind for all."""
+        """Kind of the wall on each side, also where the scene gives one kind for all sides."""
         walls = self.config.walls
         return walls if isinstance(walls, Walls) else Walls(x=walls, z=walls)
 
@@ -612,8 +615,8 @@ class Basin:
         return tuple(up - low if kind == "periodic" else 0.0 for low, up, kind in ends)  # type: ignore[return-value]
 
     def has_potential(self, steady_force: Sequence[float]) -> bool:
-        """True if all work of gravity is a loss of potential energy: without a `steady_force` (3,) [m/s2], and neither
-        in a tank that moves nor along a periodic axis."""
+        """True if gravity's work is always a loss of potential energy: there is no `steady_force` (3,) [m/s2], the tank
+        does not move, and no periodic axis has a component of gravity."""
         periodic = any(period > 0.0 and g != 0.0 for period, g in zip(self.periods, self.gravity, strict=True))
         return not (periodic or any(steady_force) or self.config.motion is not None)
 
@@ -645,26 +648,26 @@ class Basin:
 
     @cached_property
     def ground(self) -> "Ground | None":
-        """Bed of any shape over the flat one; None if the bed is flat."""
+        """Bed with a shape of its own above the flat bottom; None if the bed is flat or its shape is faulty."""
         floor = self.config.floor
         sound = isinstance(floor, Floor) and floor.shaped and not any(floor.shape_problems(self))
         return self.shaped_bed if sound else None
 
     @property
     def plan_sides(self) -> list[tuple[float, float]]:
-        """Lowest and highest place [m] along x and z."""
+        """Lowest and highest coordinate [m] of the basin along x, and along z."""
         return [(low, up) for low, up in zip(self.lower[::2], self.upper[::2])]
 
     @cached_property
     def shaped_bed(self) -> "Ground":
-        """Bed with the shape of the floor, sound or not, cut at the sides of the basin; raises Unreadable."""
+        """Bed with the shape that `floor` gives, not checked, cut at the sides of the basin; raises Unreadable."""
         from ocean_sim.basin.ground import Ground
 
         floor = self.config.floor
         assert isinstance(floor, Floor)
         periodic = self.periods[0] > 0.0, self.periods[2] > 0.0
         sides, traits = self.plan_sides, (periodic, floor.slip == "no_slip")
-        return Ground.within(sides, floor.nodes.around(sides), self.lower[1], self.dimension, *traits)
+        return Ground.within(sides, floor.bed_heights.around(sides), self.lower[1], self.dimension, *traits)
 
     @property
     def solids(self) -> list[Solid]:
@@ -679,7 +682,7 @@ class Basin:
 
     @cached_property
     def meshes(self) -> "dict[int, MeshSolid]":
-        """Obstacles that are meshes, by their number among all obstacles."""
+        """Obstacles that are meshes, by their index among all obstacles."""
         found = {}
         for k, body in enumerate(self.config.obstacles):
             if isinstance(body, MeshObstacle) and len(body.min) == self.dimension:
@@ -744,7 +747,7 @@ class Basin:
         return waves.regular_wave(1.0, 2.0 * np.pi / omega, along, self.depth, g)
 
     def stops(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-        """Lowest and highest x, y, z [m] that walls, bed, lid and a moving piston allow; +-OPEN without limit."""
+        """Lowest and highest x, y, z [m] that walls, bed, lid and moving piston allow the water; +-OPEN if no limit."""
         low, up = [-OPEN] * 3, [OPEN] * 3
         for side in self.sides:
             away = side.piston.path.retreat if side.piston is not None else 0.0

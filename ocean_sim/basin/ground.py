@@ -1,7 +1,7 @@
-"""A bed of any shape: heights over the plan of a basin, as a fixed solid body that samples stand for.
+"""A bed of any shape: heights over the plan of a basin, as a fixed solid body that is represented by sample points.
 
-Heights are bilinear between nodes. Samples stand in columns, at equal distances along the bed and across it; the flat
-bed below, which mirrors the water, cuts them off.
+Heights are bilinear between grid nodes. Sample points stand in columns, at equal distances along the bed and into it,
+down to the flat bottom of the basin, which mirrors the water.
 """
 
 from collections.abc import Iterator, Sequence
@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.basin.solids.packing import FIT_REACH, Lattice, deepest_first, fit_particles, kept_room
+from ocean_sim.basin.solids.packing import FIT_REACH, Lattice, cached_room, deepest_first, fit_particles
 from ocean_sim.files.bathymetry import Heights
 
 Boxes = Sequence[tuple[np.ndarray, np.ndarray]]  # lower and upper corner of each [m]
@@ -33,7 +33,7 @@ SUNK_LAYERS = 0.5  # [spacings] below a dry bed, at which a sheet of water goes 
 
 @dataclass(frozen=True, eq=False)
 class Ground:
-    """Bed whose heights `y` (n, m) [m] are given at nodes `x` (n,) and `z` (m,) [m], which reach from side to side."""
+    """Bed with heights `y` (n, m) [m] at grid nodes `x` (n,) and `z` (m,) [m] that reach from side to side."""
 
     x: np.ndarray
     z: np.ndarray
@@ -48,8 +48,8 @@ class Ground:
     def within(
         cls, sides: Sequence[tuple[float, float]], given: Heights, lowest: float, dimension: int, *traits: Any
     ) -> "Ground":
-        """Bed of `given` heights between the `sides` (lowest and highest place [m] along x and z); `traits`: as the
-        fields that follow."""
+        """Bed with the heights `given`, cut at the `sides` (lowest and highest coordinate [m] along x and z); `traits`:
+        values of the fields of Ground after `dimension`."""
         spans = [sides[0], sides[1] if dimension == 3 else (-SLICE_HALF, SLICE_HALF)]
         x, z = (np.unique(np.clip([low, *nodes, up], low, up)) for (low, up), nodes in zip(spans, (given.x, given.z)))
         whole = cls(given.x, given.z, given.y, lowest, 3, (False, False), False)
@@ -67,11 +67,11 @@ class Ground:
 
     @property
     def foot(self) -> float:
-        """Height [m] down to which the bed is drawn, a little below the flat one."""
+        """Height [m] down to which pictures draw the bed, a little below the flat bottom."""
         return float(self.lowest - BASE_SHARE * (self.y.max() - self.lowest))
 
     def shape_at(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Heights (n,) [m] and slopes (n, 2) along x and z at places x, z (n, 2) [m]; sides mirror what lies beyond."""
+        """Heights (n,) [m] and slopes (n, 2) along x and z of the bed at places x, z (n, 2) [m], also beyond sides."""
         (i, a, run, x_way), (j, b, rise, z_way) = (
             cells_and_shares(places[:, axis], nodes, periodic)
             for axis, (nodes, periodic) in enumerate(zip((self.x, self.z), self.periodic))
@@ -86,17 +86,17 @@ class Ground:
         return self.shape_at(places)[0]
 
     def wet_heights(self, places: np.ndarray, water: np.ndarray) -> np.ndarray:
-        """Heights `water` (n,) [m] at places x, z (n, 2) [m], NaN where the bed is dry."""
+        """Heights `water` (n,) [m] of the water at places x, z (n, 2) [m], with NaN where the bed is dry."""
         over = water - self.heights(places) > WET_DEPTH_SHARE * (self.y.max() - self.lowest)
         return np.where(over, water, np.nan)
 
     def touching(self, position: np.ndarray, spacing: float) -> np.ndarray:
-        """Positions (m, 3) [m], of those given (n, 3) of particles `spacing` [m] apart, that touch the bed."""
+        """Positions (m, 3) [m] of those particles at `position` (n, 3), `spacing` [m] apart, that touch the bed."""
         return position[self.distances(position) <= TOUCH_DISTANCE * spacing]
 
     def runup(self, position: np.ndarray, spacing: float, axis: int = 0) -> float:
-        """Height [m] of the highest place of the bed that particles at `position` (n, 3) [m] touch, with water near
-        the bed along `axis` from there to the lowest place without a gap; NaN without any."""
+        """Height [m] of the highest bed point that particles at `position` (n, 3) [m] touch, if water near the bed
+        joins it along `axis` without a gap to the lowest point touched; NaN if no particle touches the bed."""
         position = position[np.argsort(position[:, axis])]
         away = self.distances(position)
         over = away <= RUNUP_GAP * spacing
@@ -108,8 +108,8 @@ class Ground:
         return float(bed[touch & (stretch == stretch[np.where(touch, bed, np.inf).argmin()])].max())
 
     def sheet_heights(self, places: np.ndarray, water: np.ndarray, position: np.ndarray, spacing: float) -> np.ndarray:
-        """Heights (n,) [m] of a sheet that shows the `water` (n,) [m] at places x, z (n, 2) [m]. Beyond deep water it
-        goes on at the same height: above the bed where particles at `position` (m, 3) [m] touch it, else below it."""
+        """Heights (n,) [m] of a mesh that shows the `water` (n,) [m] at places x, z (n, 2) [m]. Beyond deep water it
+        goes on level, above the bed only near particles at `position` (m, 3) [m] that touch the bed."""
         from scipy.spatial import cKDTree
 
         bed = self.heights(places)
@@ -131,8 +131,8 @@ class Ground:
         return across / np.linalg.norm(across, axis=1, keepdims=True)
 
     def body_mesh(self, breadth: float) -> tuple[np.ndarray, np.ndarray]:
-        """Corners (m, 3, 3) [m] and outward unit normals (m, 3) of the triangles of the bed as a closed body;
-        `breadth`: that of a slice [m]."""
+        """Corners (m, 3, 3) [m] and outward unit normals (m, 3) of triangles around the bed as a closed body;
+        `breadth`: its breadth [m] along z in 2-D."""
         nodes = self.x, self.z if self.dimension == 3 else 0.5 * breadth * self.z
         x, z = np.meshgrid(*(np.pad(places, 1, "edge") for places in nodes), indexing="ij")
         shell = np.stack([x, np.pad(self.y, 1, constant_values=self.foot), z], axis=-1)  # surface and sides
@@ -147,13 +147,13 @@ class Ground:
         return corners[some], across[some] / doubled_areas[some, None]
 
     def distances(self, points: np.ndarray) -> np.ndarray:
-        """Distances (n,) [m] of `points` (n, 3) [m] from the bed as if it were plane there; negative inside it."""
+        """Distances (n,) [m] of `points` (n, 3) [m] from the bed's tangent plane under them; negative in the bed."""
         heights, slopes = self.shape_at(points[:, [0, 2]])
         return (points[:, 1] - heights) / np.sqrt(1.0 + np.square(slopes).sum(axis=1))
 
     def column_edges(self, axis: int, spacing: float, margin: float) -> np.ndarray:
-        """Edges (k + 1,) [m] of columns along `axis` (0: x, 1: z) about a `spacing` [m] apart along the bed, from
-        `margin` [m] before the first node to as far beyond the last."""
+        """Edges (k + 1,) [m] along `axis` (0: x, 1: z) of columns of sample points, about a `spacing` [m] apart along
+        the bed, which go on for `margin` [m] beyond the first and last grid node."""
         nodes = (self.x, self.z)[axis]
         steepest = np.abs(np.diff(self.y, axis=axis)).max(axis=1 - axis)
         way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(nodes), steepest))])
@@ -166,7 +166,7 @@ class Ground:
         return np.concatenate([2.0 * edges[0] - before[::-1], edges, 2.0 * edges[-1] - after[::-1]])
 
     def columns(self, spacing: float, margin: float) -> tuple[np.ndarray, np.ndarray]:
-        """Middles x, z (k, 2) [m] of columns of samples, and their cross-sections (k,) [m2], in 2-D widths [m]."""
+        """Middles x, z (k, 2) [m] of the columns of sample points, and cross-sections (k,) [m2], in 2-D widths [m]."""
         edges = [self.column_edges(axis, spacing, margin) for axis in range(self.dimension - 1)]
         middles = [0.5 * (edge[1:] + edge[:-1]) for edge in edges] + [np.zeros(1)]
         widths = [np.diff(edge) for edge in edges] + [np.ones(1)]
@@ -174,8 +174,8 @@ class Ground:
         return places, np.multiply.outer(*widths[:2]).ravel()
 
     def samples(self, spacing: float, support: float, margin: float = 0.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Samples within `support` [m] of the bed, as `basin.Solid` has them. With a `margin` [m], also beyond the
-        sides and the flat bed, as the ground goes on in their mirrors."""
+        """Sample points within `support` [m] of the bed, as `basin.Solid.samples` returns them; with a `margin` [m]
+        also in the bed's mirror images beyond the sides and below the flat bottom."""
         places, areas = self.columns(spacing, margin)
         heights, slopes = self.shape_at(places)
         steep = np.sqrt(1.0 + np.square(slopes).sum(axis=1))
@@ -190,7 +190,7 @@ class Ground:
         return position, (areas[:, None] * tall)[column, layer], self.normals(places)[column]
 
     def volume_inside(self, boxes: Boxes, spacing: float) -> float:
-        """Volume of the bed inside `boxes` [m3], in 2-D its area [m2]."""
+        """Volume of the bed inside `boxes` [m3], in 2-D area [m2], by columns finer than the particle `spacing` [m]."""
         places, areas = self.columns(spacing / COLUMNS_A_SPACING, 0.0)
         heights, total = self.heights(places), 0.0
         for low, up in boxes:
@@ -199,7 +199,7 @@ class Ground:
         return total
 
     def statement(self, spacing: float) -> str:
-        """Sentence on the volume and the depth of the water over it, for particles a `spacing` [m] apart."""
+        """Sentence for the user on volume and depth of the water over the bed, for particles a `spacing` [m] apart."""
         places, areas = self.columns(spacing, 0.0)
         depth = -self.heights(places)
         wet, unit = depth > 0.0, "m3" if self.dimension == 3 else "m2"
@@ -212,7 +212,7 @@ class Ground:
         )
 
     def warnings(self, spacing: float, waves: bool) -> Iterator[str]:
-        """Warn of a bed mostly dry and of water too shallow for `waves`; `spacing` [m] of particles."""
+        """Warn of a bed that is mostly dry, and of water too shallow for `waves` at this particle `spacing` [m]."""
         places, _ = self.columns(spacing, 0.0)
         depth = -self.heights(places)
         shallow = places[(depth > 0.0) & (depth < WAVE_ROWS * spacing), 0]
@@ -225,7 +225,7 @@ class Ground:
             )
 
     def displaced(self, positions: np.ndarray, boxes: Boxes, lattice: Lattice) -> np.ndarray:
-        """(n,) True for the `positions` (n, 3) [m] of particles that fill `boxes` whose place the bed takes."""
+        """(n,) True for particles that the bed displaces, of those at `positions` (n, 3) [m], which fill `boxes`."""
         gone = np.zeros(len(positions), dtype=bool)
         count = round(self.volume_inside(boxes, lattice.spacing) / lattice.volume)
         gone[deepest_first(self.distances(positions), lattice.spacing)[:count]] = True
@@ -234,7 +234,7 @@ class Ground:
     def make_room(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, lattice: Lattice
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Make room for the bed in a lattice of particles at rest, as `basin.Solid` says; kept in the user's cache."""
+        """Make room for the bed among the initial particles, as `basin.Solid.make_room`; results are cached on disk."""
         numbers = repr([lattice, self.lowest, self.periodic, *(x.tolist() for box in boxes for x in box)])
         content = b"".join(array.tobytes() for array in (self.x, self.z, self.y, positions, beyond)) + numbers.encode()
 
@@ -247,14 +247,14 @@ class Ground:
             sides = np.array([self.x[0], -np.inf, self.z[0]]), np.array([self.x[-1], np.inf, self.z[-1]])
             return fit_particles(points, water, gone, (at, volumes), lattice, self.dimension, sides, FIT_ITERATIONS)
 
-        return kept_room(positions, content, made)
+        return cached_room(positions, content, made)
 
 
 def cells_and_shares(
     places: np.ndarray, nodes: np.ndarray, periodic: bool
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Cell of the `nodes` in which each of the `places` (n,) lies, its share of the way to the next node, the cell's
-    size, and -1 where the cell is seen in the mirror of a side, else 1; a period repeats the nodes instead."""
+    """Cells between grid `nodes` along one axis in which `places` (n,) [m] lie: index, share of the way across the
+    cell, size [m], and -1 in the mirror image beyond a side, else 1. With `periodic` the nodes repeat instead."""
     first, size = nodes[0], nodes[-1] - nodes[0]
     turned = np.mod(places - first, size if periodic else 2.0 * size)
     way = np.where(turned > size, -1.0, 1.0)

@@ -56,12 +56,13 @@ class Frame:
     pivot: np.ndarray  # (3,) [m] in the tank
 
     def push(self, gravity: np.ndarray) -> np.ndarray:
-        """(3,) apparent gravity g' - a [m/s2] at the pivot, from gravity in world axes and the pivot's acceleration."""
+        """(3,) apparent gravity g - a [m/s2] in the tank's axes; a: acceleration of the pivot; `gravity`: g in world
+        axes."""
         return turned(gravity, -self.angle) - self.acceleration
 
 
 def turned(vector: np.ndarray, angle: np.ndarray) -> np.ndarray:
-    """Vector (3,) turned by `angle` (3,) [rad] about the direction of `angle`, by the right hand (Rodrigues)."""
+    """Vector (3,) rotated about the direction of `angle` (3,), by its length [rad], by the right hand (Rodrigues)."""
     size = float(np.linalg.norm(angle))
     if size == 0.0:
         return np.asarray(vector, dtype=float)
@@ -70,7 +71,7 @@ def turned(vector: np.ndarray, angle: np.ndarray) -> np.ndarray:
 
 
 def ramp_law(law: Law, ramp: float) -> Law:
-    """Law of motion that grows to `law` by 10 s^3 - 15 s^4 + 6 s^5, s = t / `ramp` [s]: acceleration does not jump."""
+    """Law of motion `law` times 10 s^3 - 15 s^4 + 6 s^5, s = t / `ramp` [s] up to 1: acceleration does not jump."""
 
     def grown(t: float) -> tuple[float, float, float]:
         x, v, a = law(t)
@@ -86,7 +87,7 @@ def ramp_law(law: Law, ramp: float) -> Law:
 
 
 def spline_law(times: np.ndarray, moved: np.ndarray) -> Law:
-    """Law of motion through displacements `moved` (n,) at times (n,) [s]: a cubic spline, at rest before and after."""
+    """Law of motion by a cubic spline through displacements `moved` (n,) at times (n,) [s], at rest outside them."""
     from scipy.interpolate import CubicSpline
 
     spline = CubicSpline(times, moved)
@@ -141,7 +142,7 @@ class Tank(Model):
 
 
 def overturn_warnings(axis: str, angle: float) -> Iterator[str]:
-    """Warn of a tank that rolls by half a turn [rad] or more: angles in degrees are the likeliest reason."""
+    """Warn if the tank rolls by an `angle` of half a turn [rad] or more, which is most likely in degrees."""
     if axis.startswith("roll") and angle >= pi:
         yield f"the tank rolls by {angle:.4g} rad, half a turn or more; {angle:.4g} deg are {radians(angle):.4g} rad"
 
@@ -244,14 +245,14 @@ class Recorded(Tank):
                 )
 
     def build(self) -> "TankMotion":
-        """Motion of the tank through the rows of the file; raises Unreadable."""
+        """Motion of the tank as recorded in the file; raises Unreadable."""
         axis, times, moved = self.rows()
         return TankMotion(axis, self.about, spline_law(times, moved))
 
 
 def kind_by_keys(*models: type[Model]) -> BeforeValidator:
-    """Validator that adds to a mapping the kind that its keys imply: that of the first model with most of them. It
-    raises ValueError if the model of the kind lacks a key that another model has."""
+    """Validator that adds a missing `kind` to a mapping: that of the model with most of its keys, the first of several.
+    Raises ValueError for a key that the model of the kind lacks and another model has."""
     kinds = {model.model_fields["kind"].default: model.model_fields.keys() for model in models}
     known = {key: kind for kind, own in reversed(kinds.items()) for key in own}
 
@@ -285,7 +286,7 @@ class TankMotion:
         return np.eye(3)["xyz".index(self.axis[-1])]
 
     def at(self, time: float) -> Frame:
-        """Displacement, velocity and acceleration of the tank at a time [s], or its angles and their rates."""
+        """Displacement, velocity and acceleration of the tank at a time [s], or its angle and the angle's rates."""
         x, v, a = (value * self.direction for value in self.law(time))
         still, pivot = np.zeros(3), np.array((*(self.about or (0.0, 0.0)), 0.0)[:3])
         if self.axis.startswith("roll"):
@@ -294,7 +295,7 @@ class TankMotion:
 
 
 class Path(NamedTuple):
-    """Path of a piston, counted into the basin."""
+    """Motion of a piston wavemaker, positive into the basin, and the waves that it makes."""
 
     law: Law
     retreat: float  # farthest displacement out of the basin [m]
@@ -309,7 +310,7 @@ class Wavemaker(Model):
     """The wall that moves; its waves go into the basin."""
 
     def problems(self, basin: waves.Tank, side: str) -> Faults:
-        """Yield faults (key path, sentence) of this wavemaker; `side`: kind of the basin's wall on the side `wall`."""
+        """Yield faults (key path, sentence) of this wavemaker; `side`: kind of its wall, such as `reflecting`."""
         if basin.dimension == 2 and self.wall.startswith("z"):
             yield ("wall",), "a 2-D basin, in x-y, has no walls along z"
         elif side not in ("reflecting", "no_slip"):
@@ -321,7 +322,7 @@ class Wavemaker(Model):
 
     @abstractmethod
     def path(self, depth: float, gravity: float) -> Path:
-        """Path of the wall in water of a depth [m] under a downward gravity [m/s2]."""
+        """Motion of the piston in water of a depth [m] under a downward gravity [m/s2]."""
 
 
 class TrainWavemaker(Wavemaker, waves.WaveTrain):
@@ -333,7 +334,7 @@ class TrainWavemaker(Wavemaker, waves.WaveTrain):
 
     @property
     def growth(self) -> float:
-        """Time over which the motion grows [s]."""
+        """Time [s] over which the motion grows to its full amplitude."""
         return self.scale[1] if self.ramp is None else self.ramp
 
     def problems(self, basin: waves.Tank, side: str) -> Faults:
@@ -346,8 +347,8 @@ class TrainWavemaker(Wavemaker, waves.WaveTrain):
         return waves.cut_short(duration, self.growth)
 
     def path(self, depth: float, gravity: float) -> Path:
-        """Path S/2 sin(omega t - phase), S the stroke (Biesel & Suquet 1951), summed over the waves, which far away are
-        a cos(k s - omega t + phase), s being the distance from the wall's rest position."""
+        """Motion of the piston: the sum over the waves of S/2 sin(omega t - phase), S the stroke (Biesel & Suquet
+        1951). Far away each wave is a cos(k s - omega t + phase), s the distance from the wall's rest position."""
         sea = self.train(np.array([1.0, 0.0]), depth, gravity)
         omega, half = sea.omega, sea.amplitude / waves.piston_transfer(sea.wavenumber * depth)
 
@@ -421,7 +422,7 @@ class RecordedWavemaker(Wavemaker):
             yield f"the wavemaker's path in {path} {long}: are its times in milliseconds?"
 
     def path(self, depth: float, gravity: float) -> Path:
-        """Path of the wall through the rows of the file; raises Unreadable."""
+        """Motion of the piston as recorded in the file; raises Unreadable."""
         times, moved = self.rows()
         law = spline_law(times, moved - spline_law(times, moved)(0.0)[0])
         x = [law(t)[0] for t in np.linspace(0.0, max(times[-1], 0.0), FREQUENCY_SAMPLES).tolist()]
@@ -437,7 +438,7 @@ AnyWavemaker = Annotated[
 
 @dataclass(frozen=True)
 class Piston:
-    """Motion of a wavemaker in water of a depth [m] under a downward gravity [m/s2]."""
+    """Motion of a wavemaker, a wall that moves as a whole, in water of a depth [m] under a downward gravity [m/s2]."""
 
     maker: Wavemaker
     depth: float
@@ -445,11 +446,11 @@ class Piston:
 
     @cached_property
     def path(self) -> Path:
-        """Path of the wall into the basin; raises Unreadable if it lies in a file that cannot be read."""
+        """Motion of the wall, positive into the basin; raises Unreadable if it lies in a file that cannot be read."""
         return self.maker.path(self.depth, self.gravity)
 
     def at(self, time: float) -> tuple[float, float, float]:
-        """Displacement [m], velocity, acceleration along the wall's axis (its + direction) at a time [s]."""
+        """Displacement [m], velocity [m/s] and acceleration [m/s2] of the wall along +x or +z at a time [s]."""
         x, v, a = self.path.law(time)
         inward = 1.0 if self.maker.wall.endswith("min") else -1.0
         return inward * x, inward * v, inward * a
@@ -496,7 +497,7 @@ class Gate(Model):
         return self.file is not None or any(self.velocity) or any(self.acceleration)
 
     def rows(self) -> tuple[np.ndarray, np.ndarray]:
-        """Times (n,) [s] and displacements (n, 3) [m] in its file; raises Unreadable."""
+        """Times (n,) [s] and displacements (n, 3) [m] in the file of this motion; raises Unreadable."""
         assert self.file is not None
         table = csv_file.Table(self.file)
         axes = [axis for axis in PATH_COLUMNS if axis in table] or list(PATH_COLUMNS)
@@ -505,7 +506,7 @@ class Gate(Model):
         return times, np.stack([along.get(axis, np.zeros(len(times))) for axis in PATH_COLUMNS], axis=1)
 
     def warnings(self, duration: float) -> list[str]:
-        """Warn of rows of its file that a run of `duration` [s] does not reach."""
+        """Warn if the file of this motion has rows after the end of a run of `duration` [s]."""
         if self.file is None:
             return []
         path, times = display_path(self.file), self.rows()[0] + self.start
@@ -531,7 +532,7 @@ class Gate(Model):
         return Moved(v * t + 0.5 * a * t * t, v + a * t, a)
 
     def moments(self, until: float) -> np.ndarray:
-        """Closely spaced times [s] before the time `until` [s] at which the obstacle is in the basin."""
+        """Closely spaced times (n,) [s] before `until` [s] at which the obstacle is in the basin, to test its path."""
         last = until if self.end is None else min(until, self.end)
         return np.linspace(0.0, last, PATH_MOMENTS, endpoint=False)
 

@@ -1,5 +1,5 @@
-"""A sea that goes on beyond the basin: sides before which waves are absorbed, and a basin that is a patch of open sea,
-whose sides are periodic, and whose water is that of the sea opposite the ship."""
+"""A sea that goes on beyond the basin: (a) sides with a zone that absorbs waves, and (b) a basin that is a patch of
+open sea, with periodic sides and a band around the ship in which the water is relaxed towards the sea."""
 
 from dataclasses import replace
 from fractions import Fraction
@@ -19,7 +19,7 @@ class Sea(waves.HeadedTrain):
     """Phase added to that of each wave; without it regular waves have a crest at the origin at time 0."""
 
     def sea(self, basin: waves.Tank, count: int = waves.SPECTRUM_WAVES) -> waves.Components:
-        """Plane waves of this train in a basin, `count` of a spectrum, with `phase_deg` added to their phases."""
+        """Plane waves of this train in a basin, `phase_deg` added to their phases; a spectrum becomes `count` waves."""
         sea = super().sea(basin, count)
         return replace(sea, phase=sea.phase + radians(self.phase_deg))
 
@@ -48,7 +48,7 @@ class Absorbing(Model):
     """The motion that the zone leaves alone; null: rest."""
 
     def problems(self, basin: waves.Tank, size: float) -> Faults:
-        """Yield faults of this side in a basin of a `size` [m] along its axis."""
+        """Yield faults of this absorbing side in a basin that is `size` [m] long along the side's axis."""
         if self.length is not None and self.length > size:
             yield ("length",), f"a zone of {self.length:g} m is longer than the basin, {size:g} m"
         if self.target is None:
@@ -103,11 +103,11 @@ class OpenSea(Protocol):
         """Settings of a nonlinear sea; None: it is the sum of its plane waves."""
 
     def plane_waves(self, basin: waves.Tank) -> waves.Components | None:
-        """The sea by linear theory, before it is fitted to the patch; None in calm water."""
+        """Plane waves of the sea by linear theory, before they are fitted to the patch; None in calm water."""
 
 
 def width_over_length(periods: tuple[float, float, float]) -> Fraction | None:
-    """Width over length of a patch with these periods [m]; 1 in 2-D, None if MOST_PARTS is too small a denominator."""
+    """Width over length of a patch with these periods [m]; 1 in 2-D, None for a denominator above MOST_PARTS."""
     if not periods[2]:
         return Fraction(1)
     share = periods[2] / periods[0]

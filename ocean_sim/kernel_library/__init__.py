@@ -58,7 +58,7 @@ except ModuleNotFoundError as missing:
 
 
 def knows_processor() -> bool:
-    """True if the compiler knows this processor; else it compiles for the first of its kind: vectors of four f32."""
+    """True if the compiler knows this processor; else it compiles for a generic one, with vectors of four f32."""
     facts = processor_facts()
     family = int(facts.get("cpu family", NEWEST_AMD_FAMILY))
     return LIBRARY_NAME == QUADRANTS or facts.get("vendor_id") != "AuthenticAMD" or family <= NEWEST_AMD_FAMILY

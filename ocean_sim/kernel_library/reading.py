@@ -33,7 +33,7 @@ class Tree:
     """Syntax tree of a function that Taichi compiles; Taichi stores results on its nodes while it translates them."""
 
     def __init__(self, source: "Source") -> None:
-        """Parse a tree, and give each node its place in the source and the method of Taichi that translates it."""
+        """Parse a tree, and store in each node its line in the source and the method of Taichi that translates it."""
         self.source, self.root = source, source.parse()
         self.root.tree = self
         self.nodes: list[Any] = [*ast.walk(self.root)]
@@ -77,7 +77,7 @@ class Source:
 
 
 def function_lines(function: FunctionType) -> tuple[list[str], int]:
-    """Source lines of a function, by the places of its instructions, and number of the first one."""
+    """Source lines of a function, found by the line numbers of its bytecode, and the number of the first line."""
     code = function.__code__
     lines, first = linecache.getlines(code.co_filename, function.__globals__), code.co_firstlineno
     last = max((end for _, end, *_ in code.co_positions() if end is not None), default=0)
@@ -135,7 +135,7 @@ def read_tree(root: Any, context: Any) -> Any:
 
 
 def read_node(builder: Any, context: Any, node: Any) -> Any:
-    """Translate a node; Taichi raises an error again with its place in the message. Replaces `Builder.__call__`."""
+    """Translate a syntax node. Taichi raises errors again with the source line added. Replaces `Builder.__call__`."""
     places = impl.pytaichi.src_info_stack
     places.append(node.place)
     try:
@@ -151,7 +151,7 @@ def read_node(builder: Any, context: Any, node: Any) -> Any:
 
 
 def node_place(context: Any, node: Any) -> Any:
-    """Place of a node of our trees, for messages of the compiler; replaces `get_pos_info` of Taichi's context."""
+    """Source line of a syntax node, for messages of the compiler; replaces `get_pos_info` of Taichi's context."""
     return node.place
 
 

@@ -41,7 +41,7 @@ NAME_PATTERN = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 @dataclass
 class Choice:
-    """The kind or preset that a scene chooses for a part, as in `wind: stress`, and the user's own keys over it."""
+    """The kind or preset that a scene chooses for a part, as in `wind: stress`, and the user's own keys for it."""
 
     base: Node  # a mapping with `kind`
     own: Node  # a mapping without
@@ -52,13 +52,13 @@ class Choice:
         return self.base.data["kind"].data
 
     def whole(self) -> Node:
-        """Preset or kind with the user's keys over it, as a mapping; errors cite the line of its name, not its file."""
+        """Mapping with the keys of preset or kind and the user's over them; errors cite the line of its name."""
         return merge_nodes(self.base, self.own)
 
 
 @dataclass
 class Composition:
-    """Layers of a scene while they are merged: the tree so far, the choice for each slot, problems and notes found."""
+    """Layers of a scene while they are merged: tree so far, choice for each part, problems and notes found."""
 
     root: Node
     slots: dict[str, Choice | None] = field(default_factory=dict)  # by place
@@ -68,7 +68,8 @@ class Composition:
     notes: list[str] = field(default_factory=list)
 
     def lay(self, place: str, node: Node, below: Choice | None) -> None:
-        """Lay `node` over `below`, the choice at a place: null removes it, a name replaces it, a mapping sets keys."""
+        """Apply `node` to the part at `place` (such as `wind`), chosen `below` so far: null removes the part, a name
+        replaces it, a mapping sets keys of it."""
         try:
             if node.data is None:
                 self.slots[place] = None
@@ -89,7 +90,7 @@ class Composition:
                 self.meant[place] = choice_of(place, node.with_data(node.data | {"kind": meant})).whole()
 
     def named_ships(self, node: Node) -> Iterator[tuple[str, Node]]:
-        """Yield place (`ships.tug`) and node of each ship in `node`, a mapping by name; mistakes become problems."""
+        """Yield key (`ships.tug`) and content of each ship in `node`, a mapping by name; mistakes become problems."""
         if node.data is None:
             return
         if not node.is_mapping:
@@ -111,7 +112,7 @@ class Composition:
             self.problems.append(problem_at(ship.key_location, f"{SEVERAL}.{name}", message, meant))
 
     def another_kind(self, place: str, below: Choice, kind: Node) -> Choice:
-        """The choice `below` with another kind or preset; keys that the new kind lacks are dropped with a note."""
+        """Choice `below` of the part at `place` with another kind or preset; drop keys that this lacks, with a note."""
         slot = slot_of(place)
         base = choice_of(place, kind.with_data({"kind": kind})).base
         written = below.own if isinstance(kind.data, str) and kind.data not in kinds(slot) else below.whole()
@@ -148,7 +149,7 @@ class Composition:
             self.root = self.put(self.root, path, (), value)
 
     def without_dot(self, word: str) -> str | None:
-        """Key that a user meant by a word without its dot: `fluid.spacing` by `fluid_spacing`; None for other words."""
+        """Key that a user meant by a word without its dot, as `fluid.spacing` by `fluid_spacing`; None for others."""
         for place, choice in self.slots.items():
             key = word.removeprefix(place).lstrip("_")
             if choice is None or not word.startswith(place):
@@ -158,7 +159,7 @@ class Composition:
         return None
 
     def lay_beside(self, key: str, node: Node) -> None:
-        """Lay a key of a part that is written at the scene's top level (KEYS_BESIDE_SLOTS) over that part."""
+        """Apply a key of a part that is written at the scene's top level (KEYS_BESIDE_SLOTS) to that part."""
         slot = KEYS_BESIDE_SLOTS[key]
         choice = self.slots.get(slot)
         if choice is not None and key in choice.own.data:
@@ -169,12 +170,12 @@ class Composition:
             self.set_part(slot, (key,), node)
 
     def below(self, place: str, node: Node) -> Choice | None:
-        """The choice at a place over which `node` is to be laid, by default the kind of an absent slot; or None."""
+        """Choice so far for the part at `place`, to which `node` is to be applied; else its usual kind, or None."""
         absent = self.slots.get(place) is None and place in DEFAULT_KINDS
         return choice_of(place, node.with_data(DEFAULT_KINDS[place])) if absent else self.slots.get(place)
 
     def set_part(self, place: str, path: tuple[str, ...], value: Node) -> None:
-        """Replace or change the part at a place (`wind`) by `value`, or set the key at `path` inside it."""
+        """Replace or change the part at `place` (such as `wind`) by `value`, or set the key at `path` inside it."""
         if place in self.failed and path:
             return
         below, above = self.below(place, value), tuple(place.split("."))
@@ -211,7 +212,7 @@ class Composition:
 
 
 def compose(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> Composition:
-    """Lay a profile and `--set` values over a scene; parts become mappings with `kind`, `problems` lists mistakes."""
+    """Merge a scene, a profile and `--set` values; parts become mappings with `kind`, `problems` lists mistakes."""
     result = Composition(scene.with_data(dict(scene.data)))
     for slot in SLOTS:
         if slot in scene.data:
@@ -247,7 +248,8 @@ def compose(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> Co
 
 
 def choice_of(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
-    """Choice that a name or a mapping with `kind` makes at a place; raises SceneError. `within`: presets being read."""
+    """Choice of the part at `place` (such as `wind`) by a name or a mapping with `kind`; raises SceneError. `within`:
+    presets that are being read, on which this one must not be based."""
     slot = slot_of(place)
     if isinstance(node.data, str):
         name, own = node, node.with_data({})
@@ -271,7 +273,7 @@ def choice_of(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
 
 
 def without_kind(place: str, node: Node) -> Problem:
-    """The problem to report for a part that names no kind, with a guess of the kind that was meant."""
+    """Problem to report for the part at `place` (such as `wind`) that names no kind, with a guess of the kind meant."""
     slot = slot_of(place)
     end = f"there are {', '.join(known_names(slot))}"
     if not node.is_mapping:
@@ -299,7 +301,7 @@ def key_for_name(name: str, ship: Node) -> str | None:
 
 
 def kind_of_keys(slot: str, node: Node) -> str | None:
-    """Kind of a slot that shares most keys with a mapping, slips of spelling allowed; None if none or several do."""
+    """Kind of a slot that has most keys of a mapping, slips of spelling allowed; None if none or several do."""
     fields = {kind: config_of(slot, kind).model_fields for kind in kinds(slot)}
     had = {kind: sum(likeliest(str(key), keys) is not None for key in node.data) for kind, keys in fields.items()}
     most = max(had.values(), default=0)
@@ -308,7 +310,7 @@ def kind_of_keys(slot: str, node: Node) -> str | None:
 
 
 def with_owners(found: Problem, slot: str, place: str) -> Problem:
-    """The problem; if of an unknown key without a suggestion, with the slot's kinds that have the key added to it."""
+    """The problem `found`; an unknown key without a suggestion gets the kinds of the slot that have the key added."""
     key = found.key.removeprefix(f"{place}.")
     if not found.message.startswith("unknown key") or found.suggestion is not None:
         return found

@@ -1,6 +1,7 @@
-"""Warnings of keys without effect, as another key or part is missing, zero or in their place, or angles in radians.
+"""Warnings of keys without effect, because another key or part is missing, zero or used instead, and of angles that may
+be in radians.
 
-A key counts as given where its value is not its default.
+Only keys whose value is not their default are examined.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -100,7 +101,7 @@ IDLE_RULES: list[tuple[str, str, Callable[[Any, Preflight, Any, str], Any], str]
 
 
 def inner_models(value: Any, path: str = "", place: str = "") -> Iterator[tuple[str, str, Model]]:
-    """Yield (path, place, model) for `value` and all models in it; the place also has list indices and mapping keys."""
+    """Yield (path, place, model) for `value` and each model in it; only `place` has list indices and mapping keys."""
     if isinstance(value, Model):
         yield path, place, value
         for name in type(value).model_fields:
@@ -125,7 +126,7 @@ def spectrum_seeds(scene: Model) -> set[int]:
 
 
 def idle_keys(parts: Mapping[str, Any], known: Preflight) -> Iterator[str]:
-    """Yield a warning for each key, in the models `parts` by name, that has no effect or may be in radians."""
+    """Yield a warning for each key of the models in `parts`, by name, that has no effect or may be in radians."""
     for root, part in parts.items():
         rules = IDLE_RULES
         if isinstance(part, FluidConfig):

@@ -47,7 +47,7 @@ def by_path() -> dict[str, Key]:
     for name, node in whole["properties"].items():
         if name in SLOTS:
             for path in (f"{name}.{kind}" for kind in kinds(name)):
-                found |= {key.path: key for key in of_mapping(whole["$defs"][path], path)}
+                found |= {key.path: key for key in model_keys(whole["$defs"][path], path)}
         elif name not in (SEVERAL, *KEYS_BESIDE_SLOTS):
             found[name] = key_of_node(name, node, name in whole["required"])
             for key in keys_inside(name, node):
@@ -64,8 +64,8 @@ def members(node: dict[str, Any]) -> list[dict[str, Any]]:
     return list(union_members(node, scene_schema()["$defs"]))
 
 
-def of_mapping(node: dict[str, Any], path: str) -> Iterator[Key]:
-    """Yield the keys of the model at a path, of schema `node`, each followed by the keys inside its value."""
+def model_keys(node: dict[str, Any], path: str) -> Iterator[Key]:
+    """Yield the keys of a model with schema `node`, found at `path`, each followed by the keys inside its value."""
     for name, inner in node["properties"].items():
         if name != "kind" or "const" not in inner:
             yield key_of_node(f"{path}.{name}", inner, name in node.get("required", ()))
@@ -73,7 +73,7 @@ def of_mapping(node: dict[str, Any], path: str) -> Iterator[Key]:
 
 
 def keys_inside(path: str, node: dict[str, Any]) -> Iterator[Key]:
-    """Yield the keys inside the value at a path, of schema `node`: `kind` of one of several models, then theirs."""
+    """Yield the keys inside the value at a path, of schema `node`; of a union first `kind`, then each model's."""
     mappings = [member for member in members(node) if "properties" in member]
     if chosen := {kind["const"]: m for m in mappings if "const" in (kind := m["properties"].get("kind", {}))}:
         told = [f"`{kind}`: {opening_sentence(m['description']).rstrip('.')}." for kind, m in chosen.items()]
@@ -81,15 +81,15 @@ def keys_inside(path: str, node: dict[str, Any]) -> Iterator[Key]:
         yield Key(f"{path}.kind", takes, "", "required", "", " ".join(told), example, tuple(chosen), is_plain=True)
     for member in members(node):
         if "properties" in member:
-            yield from of_mapping(member, path)
+            yield from model_keys(member, path)
         elif "patternProperties" in member:
-            yield from keys_inside(f"{path}.{NAME_STEP}", of_names(member))
+            yield from keys_inside(f"{path}.{NAME_STEP}", named_value_schema(member))
         elif isinstance(member.get("items"), dict):
             yield from keys_inside(path + LIST_STEP, member["items"])
 
 
-def of_names(node: dict[str, Any]) -> dict[str, Any]:
-    """Schema of the values of a mapping whose keys are names that the user gives; `node`: schema of the mapping."""
+def named_value_schema(node: dict[str, Any]) -> dict[str, Any]:
+    """Schema of the values in a mapping by names that the user gives; `node`: schema of the mapping."""
     return next(iter(node["patternProperties"].values()))
 
 
@@ -140,14 +140,14 @@ def example_path(path: str) -> str:
 
 
 def value_of(path: str, node: dict[str, Any]) -> str:
-    """An example value for the key at a path, as YAML: that stated by the Config of its kind, or else by its schema."""
+    """An example value for the key at a path, as YAML: the one stated by the Config of its kind, or one by schema."""
     words = path.split(".")
     stated = config_of(words[0], words[1]).example if len(words) == 3 and words[0] in SLOTS else {}
     return in_yaml(stated[words[2]]) if words[-1] in stated else value_within(node, words[-1])
 
 
 def value_within(node: dict[str, Any], name: str) -> str:
-    """An example value for key `name` by its schema `node`, as YAML: default, stated example, or one of its type."""
+    """An example value for key `name` by its schema `node`, as YAML: default, stated example, or any of its type."""
     default = node.get("default")
     if default not in (None, [], {}, ""):
         return in_yaml(default)
@@ -159,7 +159,7 @@ def value_within(node: dict[str, Any], name: str) -> str:
     if "properties" in member:
         return example_mapping(member)
     if "patternProperties" in member:
-        return f"{{name: {value_within(of_names(member), name)}}}"
+        return f"{{name: {value_within(named_value_schema(member), name)}}}"
     entry = data_table("examples")["entries"].get(name)
     if "prefixItems" in member:
         return f"[{', '.join([entry or '0.0'] * len(member['prefixItems']))}]"
@@ -220,7 +220,7 @@ def is_path_match(path: list[str], steps: list[str]) -> bool:
 
 
 def named_so(word: str) -> list[str]:
-    """Paths of all keys whose last word is `word`."""
+    """Paths of all keys in any scene whose last word is `word`."""
     return [key.path for key in scene_keys() if key.path.rpartition(".")[2] == word]
 
 

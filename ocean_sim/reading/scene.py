@@ -95,7 +95,7 @@ class SceneConfig(Heading):
 
     @property
     def preflight(self) -> Preflight:
-        """Facts on the whole scene that parts need before it is built, as the tank; cached until the parts change."""
+        """Facts on the whole scene for parts that are not built yet, such as the tank; cached until parts change."""
         known, word, arch = self._preflight, WORD_BYTES[self.runtime.precision], self.runtime.arch
         facts = self.parts(), self.basin, word, self.duration, arch
         if known is None or (known.parts, known.tank.config, known.word, known.duration, known.arch) != facts:
@@ -136,7 +136,7 @@ class SceneConfig(Heading):
         return [*told, *idle_keys(whole, preflight)]
 
     def resolved(self) -> dict[str, Any]:
-        """The scene as plain data that load to an equal one: absent keys null, spacings times the resolution."""
+        """The scene as plain data from which an equal one loads: absent keys null, `resolution` applied to spacings."""
         data = self.model_dump(mode="json", by_alias=True, serialize_as_any=True, exclude={"notes"})
         ships, observers = data[SEVERAL], data.pop("observers")
         written = (ALONE, ships.get(ALONE)) if not ships or ALONE in ships else (SEVERAL, ships)
@@ -151,7 +151,7 @@ def observer_names() -> tuple[str, ...]:
 
 
 def on_unless_null(slots: Iterable[str]) -> list[str]:
-    """Names of the observers that run by default in a scene with these slots filled."""
+    """Names of the observers that run by default (null turns them off) in a scene with these slots filled."""
     return [*ALWAYS_ON, *(name for name, slot in ON_WITH.items() if slot in slots)]
 
 
@@ -214,7 +214,7 @@ def packaged_scenes() -> list[str]:
 
 
 def profile_layer(profile: str | None) -> tuple[Node | None, list[Problem]]:
-    """Mapping in a profile's file, less keys not of numerical effort, and problems of these; None without a profile."""
+    """Mapping in a profile's file, less keys not on numerical effort, and their problems; None without a profile."""
     if profile is None:
         return None, []
     if profile not in named("run"):
@@ -234,18 +234,18 @@ class _SceneCheck:
     """Check of a composed scene: models of its parts and observers, and all problems with their locations."""
 
     def __init__(self, composition: Composition, problems: list[Problem], folder: Path | None) -> None:
-        """`problems`: the known ones, to which others are appended; `folder`: base of file names."""
+        """`problems`: those known so far, to which others are appended; `folder`: base of relative file names."""
         self.composition, self.root, self.problems, self.folder = composition, composition.root, problems, folder
         self.problems += composition.problems
 
     def node(self, place: str) -> Node | None:
-        """The node of a part by its place, or of an observer by its name; None where it is absent."""
+        """The node (value with location) of a part or observer by its key, as `ships.tug`; None if it is absent."""
         slot, _, name = place.partition(".")
         node = self.root.data.get(slot)
         return node.child(name) if node is not None and name else node
 
     def report(self, place: str, sentence: str, path: Key = ()) -> None:
-        """Append a problem of the key at `path` in a part or observer, located there or at the nearest key above."""
+        """Append a problem of the key at `path` in a part or observer, located there or at the nearest key around."""
         node = self.node(place) or self.root
         for step in path:
             node = node.child(step) or node
@@ -299,7 +299,7 @@ class _SceneCheck:
         return config
 
     def report_all(self, faults: dict[str, Faults]) -> None:
-        """Append problems (key path and sentence) of parts and observers by their places."""
+        """Append problems of parts and observers; `faults`: their key paths and sentences by place, as `ships.tug`."""
         for place, found in faults.items():
             for path, sentence in found:
                 self.report(place, sentence, path)
@@ -350,7 +350,7 @@ class _SceneCheck:
                 self.report(name, f"needs {', '.join(absent)}, which this scene does not have")
 
     def find_kind_mismatches(self, parts: dict[str, PartConfig], flat: bool) -> None:
-        """Report kinds of parts that do not go together; `flat`: in 2-D, where ships need no surface."""
+        """Report kinds of parts that cannot be combined; `flat`: True in 2-D, where ships need no surface."""
         fluid = parts.get("fluid")
         if not isinstance(fluid, FluidConfig):
             return
@@ -384,7 +384,8 @@ class _SceneCheck:
 
 
 def _suggest_below(key: str, data: dict[str, Node]) -> tuple[str, str | None]:
-    """End of an error message for a top-level key that belongs in a part, and the path to suggest or None."""
+    """End of an error message for a top-level key that belongs in a part, and the path to suggest or None; `data`: the
+    scene's nodes by top-level key."""
     from ocean_sim.reading.keys import example_path, keys_elsewhere, named_so  # they read scenes
 
     def here(path: str) -> bool:

@@ -65,7 +65,7 @@ def schema_text() -> str:
 
 
 def _slot_schema(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:
-    """Schema of a slot: a name of a kind or preset, a mapping with `kind`, or null. `definitions`: of all Configs."""
+    """Schema of a slot, as `wind`: a kind or preset by name, or a mapping, or null; `definitions`: all Configs."""
     module = import_module(f"ocean_sim.{slot}")
     words = known_names(slot)
     told = [part_sentence(slot, word) for word in words]
@@ -89,7 +89,7 @@ def _preset_schema(slot: str, name: str, definitions: dict[str, Any]) -> dict[st
 
 
 def _add_explanation(node: dict[str, Any], definitions: dict[str, Any]) -> None:
-    """Append unit and default to the description in a key's schema `node`, which keeps the former as `meaning`."""
+    """Append unit and default to the description in a key's schema `node`, and keep the description as `meaning`."""
     if "meaning" in node or "const" in node:
         return
     models = (member for member in union_members(node, definitions) if "properties" in member)

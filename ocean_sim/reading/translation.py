@@ -45,7 +45,7 @@ Path = tuple[str | int, ...]
 def validated(
     model: type[Model], node: Node, path: Path, problems: list[Problem], folder: Folder | None = None
 ) -> Model | None:
-    """The data of a node checked as this model; None if it is wrong, and its problems are appended to `problems`.
+    """Model of this class made of a node's data; None if they are wrong, and their problems are appended to `problems`.
     `path`: of the node in the scene; `folder`: base of relative file names, by default the working directory."""
     beyond = list(islice(out_of_range(node, path), MAX_ERRORS))
     found, wrong = None, list[Problem]()
@@ -59,7 +59,7 @@ def validated(
 
 
 def checked(model: type[Model], node: Node) -> Model:
-    """The data of a node as this model; raises SceneError with all of its problems."""
+    """Model of this class made of a node's data; raises SceneError with all of its problems."""
     problems: list[Problem] = []
     found = validated(model, node, (), problems)
     if found is None:
@@ -68,7 +68,7 @@ def checked(model: type[Model], node: Node) -> Model:
 
 
 def out_of_range(node: Node, path: Path) -> Iterator[Problem]:
-    """Yield a problem for each number in a node outside MIN_NUMBER to MAX_NUMBER in size: products would overflow."""
+    """Yield a problem for each number in a node of a size outside MIN_NUMBER to MAX_NUMBER: products would overflow."""
     if isinstance(node.data, dict | list):
         for key, inner in node.data.items() if isinstance(node.data, dict) else enumerate(node.data):
             yield from out_of_range(inner, (*path, key))
@@ -161,7 +161,7 @@ def _model_schema(model: type[BaseModel]) -> dict[str, Any]:
 
 
 def _locate_error(error: Any, model: type[BaseModel], root: Node) -> _Found:
-    """Follow the location of a pydantic error through the data and the model's schema, for node, unit and union."""
+    """Facts of a pydantic error, found by following its location through the data and the model's schema."""
     definitions = _model_schema(model).get("$defs", {})
     node, places, keys = root, [*union_members(_model_schema(model), definitions)], tuple[str, ...]()
     path: Path = ()
@@ -191,7 +191,7 @@ def _locate_error(error: Any, model: type[BaseModel], root: Node) -> _Found:
 
 
 def union_members(schema: dict[str, Any], definitions: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield the members of a union in a JSON Schema, nested ones too, else the schema itself; references are opened."""
+    """Yield the members of a union in a JSON Schema, and of unions in it, or else the schema; references resolved."""
     union = [definitions[schema["$ref"].removeprefix("#/$defs/")]] if "$ref" in schema else None
     union = union or schema.get("anyOf", schema.get("oneOf"))
     if union is None:
@@ -201,13 +201,13 @@ def union_members(schema: dict[str, Any], definitions: dict[str, Any]) -> Iterat
 
 
 def _is_meant(place: dict[str, Any], tag: str) -> bool:
-    """True if `tag` in pydantic's errors means the union member `place`: its title, or a value of its discriminator."""
+    """True if `tag` in the location of a pydantic error names the union member `place`, by title or discriminator."""
     keys = place.get("properties", {}).values()
     return place.get("title") == tag or any(tag in (key.get("const"), *key.get("enum", ())) for key in keys)
 
 
 def _schema_below(place: dict[str, Any], step: str | int) -> dict[str, Any]:
-    """Schema of the value under a key or an index `step` of the schema `place`; empty if anything may stand there."""
+    """Schema of the value under a key or index `step` of a value of schema `place`; empty if it may be anything."""
     if isinstance(step, int):
         entries = place.get("prefixItems", [])
         return entries[min(step, len(entries) - 1)] if entries else place.get("items", {})
@@ -217,7 +217,7 @@ def _schema_below(place: dict[str, Any], step: str | int) -> dict[str, Any]:
 
 
 def _is_extra_item(found: _Found, all_found: list[_Found]) -> bool:
-    """True if an error on the length of a list follows from another error on it, which is reported instead."""
+    """True if an error on a list's length repeats another error on the same list, which is reported instead."""
     if found.kind == "too_short" and len(found.node.data) >= found.context["min_length"]:
         return True
     return _is_short(found) and any(_is_short(f) and f.node is found.node and f.path > found.path for f in all_found)
@@ -229,7 +229,7 @@ def _is_short(found: _Found) -> bool:
 
 
 def _union_problems(found: list[_Found], prefix: Path) -> list[Problem]:
-    """Problems of a value that fits no member of a union: those of the likeliest one, else one with all shapes."""
+    """Problems of a value that fits no member of a union: those of the likeliest member, or one with all forms."""
     members: dict[str, list[_Found]] = {}
     for f in found:
         members.setdefault(f.member, []).append(f)
@@ -294,7 +294,7 @@ def _problem_of(found: _Found, prefix: Path) -> Problem:
 
 
 def _shape_words(found: _Found) -> str:
-    """Form of value, in words, whose lack an error reports: a type, or one of some choices."""
+    """Words for the form of value that an error says was expected: a type, or one of some choices."""
     name = SHAPE_ERRORS.get(found.kind)
     return VALUE_TYPES[name][0] if name is not None else f"one of {found.context.get('expected', '')}"
 

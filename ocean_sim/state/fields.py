@@ -14,7 +14,7 @@ MAX_ROW_LENGTH = 2**31 - 1  # numbers in a row: kernels count them in 32 bits
 
 @in_kernels
 class FieldBundle:
-    """Scalar fields of one type, copied together to and from one array, `row`, by a kernel with a loop per shape."""
+    """Scalar fields of one type, copied together to and from a flat array `row` by one kernel, a loop per shape."""
 
     def __init__(self, fields: list[ti.ScalarField]) -> None:
         self.shapes = [field.shape for field in fields]
@@ -37,7 +37,7 @@ class FieldBundle:
 
     @ti.func
     def index_of(self, field: ti.template(), index):  # type: ignore[valid-type]
-        """Flat index (C order) of the entry of a field at a vector of indices."""
+        """Flat index, last axis fastest, of the entry of a field at a vector of indices."""
         k = 0
         for axis in ti.static(range(len(field.shape))):
             k = k * field.shape[axis] + index[axis]
@@ -63,7 +63,7 @@ class FieldBundle:
 
 
 class FieldContents:
-    """Reader and writer of Taichi fields by name; a second call with the same fields compiles nothing."""
+    """Reader and writer of Taichi fields by name; its kernels are compiled once for the same set of fields."""
 
     def __init__(self) -> None:
         self.known: list[ti.Field] = []
@@ -98,7 +98,7 @@ class FieldContents:
 
 
 def group_names(sizes: dict[str, int]) -> Iterator[list[str]]:
-    """Yield groups of field names, each small enough for one kernel and one row; `sizes`: lengths by name."""
+    """Yield groups of field names, each small enough for one kernel and one array; `sizes`: lengths by name."""
     together: list[str] = []
     length = 0
     for name, size in sizes.items():

@@ -90,7 +90,7 @@ class Snapshot:
         self.arrays |= (contents or FieldContents()).read(self.fields)
 
     def node(self, value: Any, path: str) -> Any:
-        """Node of the tree for a value at this path: itself if plain, else a dict whose first key names its kind."""
+        """Tree node for a value at this path: the value itself if plain, else a dict whose first key names its kind."""
         if value is None or type(value) in PLAIN_TYPES:
             return value
         if isinstance(value, np.generic):
@@ -110,7 +110,7 @@ class Snapshot:
         return node
 
     def is_data(self, node: Any) -> bool:
-        """True if a node holds only data, created anew when restored, and no object that has to keep its identity."""
+        """True if a node holds only data, to be created anew, and no object that has to keep its identity."""
         if isinstance(node, list):
             return all(self.is_data(inner) for inner in node)
         if not isinstance(node, dict):
@@ -123,7 +123,7 @@ class Snapshot:
         return not kept and all(self.is_data(inner) for inner in node.values())
 
     def structure(self, value: Any, path: str) -> Any:
-        """Node of a container, field, array, file or object that is met for the first time; `path`: from the root."""
+        """Node of a container, field, array, file or object at its first occurrence; `path`: to it from the root."""
         if isinstance(value, ti.Field):
             self.fields[path] = value
             return {FIELD_KEY: path}
@@ -180,14 +180,14 @@ class Restorer:
             file.truncate()
 
     def value(self, node: Any, fresh: Any, path: str) -> Any:
-        """Restored value of a node; a newly built value, `fresh`, with fields is kept and filled. Raises Mismatch."""
+        """Restored value of a tree node; a newly built `fresh` with fields is kept and filled. Raises Mismatch."""
         found = self.restore_node(node, fresh, path) if isinstance(node, dict) else node
         if has_wrong_kind(found, fresh):
             raise Mismatch(f"its {path.lstrip('.')} is {found!r:.60}")
         return found
 
     def restore_node(self, node: Any, fresh: Any, path: str) -> Any:
-        """Restored value of a node that is a dict, by the method `from_<kind>` of the kind that its first key names."""
+        """Restored value of a dict node; its first key names its kind, and so the method, such as `from_list`."""
         kind = next(iter(node))
         if kind == SAME_KEY:
             return self.made[node[SAME_KEY]]
@@ -214,7 +214,7 @@ class Restorer:
         return found
 
     def from_field(self, node: Any, fresh: Any, path: str) -> Any:
-        """The newly built field, to be filled later; raises Mismatch if its shape or type is not the saved one."""
+        """The newly built field `fresh`, to be filled later; raises Mismatch if its shape or type has changed."""
         values = self.arrays[node[FIELD_KEY]]
         if (
             not isinstance(fresh, ti.Field)
@@ -246,12 +246,12 @@ class Restorer:
         return range(*node[RANGE_KEY])
 
     def from_list(self, node: Any, fresh: Any, path: str) -> list:
-        """Restored list; the newly built list itself if its items are identical to the restored ones."""
+        """Restored list; instead the newly built list `fresh` if its items are identical to the restored ones."""
         new = self.restore_items(node[LIST_KEY], fresh if isinstance(fresh, list) else [], path)
         return fresh if isinstance(fresh, list) and are_same_things(new, fresh) else new
 
     def from_tuple(self, node: Any, fresh: Any, path: str) -> tuple:
-        """Restored tuple or named tuple; the newly built one itself if its items are identical to the restored ones."""
+        """Restored tuple or named tuple; instead the newly built `fresh` if its items are identical to the former."""
         new = self.restore_items(node[TUPLE_KEY], fresh if isinstance(fresh, tuple) else (), path)
         if isinstance(fresh, tuple) and are_same_things(new, fresh):
             return fresh
@@ -263,12 +263,12 @@ class Restorer:
         return named
 
     def restore_items(self, nodes: list, fresh: Any, path: str) -> list:
-        """Restored values of a list of nodes, each with the item of `fresh` at its place, if there is one."""
+        """Restored values of a list of tree nodes, each with the newly built item of `fresh` at its index, if any."""
         built = [*fresh, *([MISSING_VALUE] * (len(nodes) - len(fresh)))]
         return [self.value(node, built[k], f"{path}.{k}") for k, node in enumerate(nodes)]
 
     def from_dict(self, node: Any, fresh: Any, path: str) -> dict:
-        """Restored dict; the newly built dict itself if its keys are equal and its values identical."""
+        """Restored dict; instead the newly built dict `fresh` if its keys are equal and its values identical."""
         new, there = {}, fresh if isinstance(fresh, dict) else {}
         for k, (key, inner) in enumerate(node[DICT_KEY]):
             name = self.value(key, MISSING_VALUE, f"{path}.{path_step(key, k)}.key")

@@ -7,12 +7,12 @@ from ocean_sim.fluid import Limits
 
 
 class TimeStep:
-    """Rule for the length of the next time step, by the keys of its kind, one of which can be adjusted."""
+    """Rule that chooses the length of each time step. One number of its config can be adjusted during a simulation."""
 
     limited_by = ""  # the limit that ruled the last answer: "acoustic", "viscous", "force", "longest" or "fixed"
 
     def __init__(self, config: Any, adjusted: str, unit: str) -> None:
-        """`config`: the keys, with their `longest_step`; `adjusted`: name of the one that can change, in this unit."""
+        """`config`: keys of the rule, with a method `longest_step`; `adjusted`: its adjustable key, in this unit."""
         self.config, self.adjusted, self.unit = config, adjusted, unit
 
     @property
@@ -26,6 +26,6 @@ class TimeStep:
         self.config = self.config.model_copy(update=values)
 
     def next(self, limits: Limits) -> float:
-        """Length of the next time step [s] under these limits of the water or of the whole simulation."""
+        """Length of the next time step [s] under these limits, of the water or of the whole simulation."""
         dt, self.limited_by = self.config.longest_step(limits)
         return float(dt)

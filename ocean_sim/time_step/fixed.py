@@ -26,5 +26,5 @@ class Config(TimeStepConfig):
         return TimeStep(self, "dt", "s")
 
     def longest_step(self, limits: Limits) -> tuple[float, str]:
-        """The constant time step [s], whatever the limits, and the word for it."""
+        """The constant time step [s], whatever the limits, and "fixed" as the name of its limit."""
         return self.dt, "fixed"

@@ -172,7 +172,7 @@ class Components:
         return bool(np.ptp(self.omega) > 0.0)
 
     def select(self, there: np.ndarray) -> "Components":
-        """Copy of the sea that keeps the waves whose mask `there` (n,) is True, and always the longest wave."""
+        """Copy of the sea with those waves only whose mask `there` (n,) is True, and always the longest wave."""
         kept = there | (np.arange(len(there)) == np.argmin(self.wavenumber))
         return replace(self, amplitude=self.amplitude[kept], wavevector=self.wavevector[kept], phase=self.phase[kept])
 
@@ -263,8 +263,8 @@ def elevation(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndar
 
 
 def lattice_rows(points: np.ndarray) -> int | None:
-    """Number of rows of equal x if points (m, 2 or 3) form a full grid of x and z, z varying fastest; None if they form
-    none, or are too few for the faster sum over a grid."""
+    """Number of rows of equal x if points (m, 2 or 3) form a full grid of x and z, z varying fastest; None for other
+    points, and for grids too small for the faster sum over a grid."""
     if len(points) < MIN_LATTICE_POINTS:
         return None
     x, z = points[:, 0], points[:, -1]
@@ -476,7 +476,7 @@ class FileSpectrum(Model):
         """No single heading: the file has the directions."""
 
     def statement(self, dimension: int) -> str:
-        """Sentence on the directions in which the sea of the file is laid into the world."""
+        """Sentence for the user on how compass directions in the file become headings in a scene of this dimension."""
         axes = {0.0: "+z", 90.0: "+x", 180.0: "-z", 270.0: "-x"}
         headings = (((self.north_deg or 0.0) + turn) % 360.0 for turn in (0.0, -90.0))
         north, east = (axes.get(heading, f"heading {heading:g}") for heading in headings)
@@ -511,7 +511,7 @@ class FileSpectrum(Model):
 
 
 def spectrum_class(value: Any) -> str:
-    """Name of the class that the keys of a spectrum, as data, or a spectrum itself are of."""
+    """Name of the class of a spectrum, by its keys as data or by itself, as tag for pydantic."""
     named = isinstance(value, dict) and "file" in value
     return "FileSpectrum" if named or isinstance(value, FileSpectrum) else "SpreadSpectrum"
 
@@ -582,7 +582,7 @@ class HeadedTrain(WaveTrain):
         return ("heading_deg",) if self.spectrum is None else ("spectrum", "heading_deg")
 
     def faults(self, basin: "Tank") -> Faults:
-        """Yield faults (key path, sentence) of these waves in a basin: they would break, or cannot go that way."""
+        """Yield faults (key path, sentence) of these waves in a basin: they would break, or have a wrong heading."""
         yield from ((self.height_key, sentence) for sentence in basin_faults(basin, *self.scale))
         yield from self.direction_faults(basin)
 

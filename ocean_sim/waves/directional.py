@@ -29,8 +29,8 @@ class SeaState(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class DirectionalSpectrum:
-    """Variance density at frequencies (n,) [Hz], which rise, and directions (m,) [deg] at equal steps; a buoy's has
-    density (n, 1) [m2/Hz] and moments instead of directions, until it is `spread`."""
+    """Variance density at rising frequencies (n,) [Hz] and directions (m,) [deg] at equal steps. The spectrum of a buoy
+    has density (n, 1) [m2/Hz] and Fourier moments instead of directions, until `spread` is called."""
 
     frequency: np.ndarray
     direction: np.ndarray
@@ -55,7 +55,7 @@ class DirectionalSpectrum:
 
     @property
     def moment(self) -> np.ndarray:
-        """First moment (n,) of the directions of each band, times its variance [m2]."""
+        """First Fourier moment (n,), complex, of the directions in each band, times the band's variance [m2]."""
         return self.step * (self.density @ np.exp(1j * np.radians(self.direction))) * np.diff(self.edges)
 
     @property
@@ -76,7 +76,7 @@ class DirectionalSpectrum:
         return SeaState(self.significant_height, self.peak_period, (m0 / m2) ** 0.5, angle % 360.0, spread)
 
     def spread(self, method: Spreading) -> "DirectionalSpectrum":
-        """Table over directions of a spectrum with moments, by the maximum entropy method or Fourier series."""
+        """Copy with directions instead of moments, by the maximum entropy method or by Fourier series."""
         if self.moments is None:
             return self
         distribution = maximum_entropy if method == "mem" else fourier_series
@@ -93,8 +93,8 @@ class DirectionalSpectrum:
 
 
 def fourier_series(turn: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Distribution (n, m) with moments (n, 1) at e^(-i theta) (m,): the Fourier series up to them where it is above 0
-    (Longuet-Higgins, Cartwright & Smith 1963), turned to the mean direction that it has without this clipping."""
+    """Directional distribution (n, m) of moments (n, 1), where `turn` (m,) is e^(-i theta): their Fourier series, cut
+    off below 0 (Longuet-Higgins, Cartwright & Smith 1963), and rotated to the mean direction it had before the cut."""
     for _ in range(2):
         shares = np.maximum(1.0 + 2.0 * (first * turn + second * turn**2).real, 0.0)
         mean = (shares * turn.conj()).sum(axis=1, keepdims=True)
@@ -103,8 +103,8 @@ def fourier_series(turn: np.ndarray, first: np.ndarray, second: np.ndarray) -> n
 
 
 def maximum_entropy(turn: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Distribution (n, m) with moments (n, 1) at e^(-i theta) (m,) that has the most entropy (Lygre & Krogstad 1986);
-    moments that no distribution has are shortened to MAX_COHERENCE."""
+    """Directional distribution (n, m) of moments (n, 1) with the most entropy (Lygre & Krogstad 1986), where `turn`
+    (m,) is e^(-i theta). Moments too large for any distribution are reduced to MAX_COHERENCE."""
     first = first / np.maximum(1.0, np.abs(first) / MAX_COHERENCE)
     phi_2 = (second - first**2) / (1.0 - np.abs(first) ** 2)
     phi_2 /= np.maximum(1.0, np.abs(phi_2) / MAX_COHERENCE)
@@ -112,7 +112,8 @@ def maximum_entropy(turn: np.ndarray, first: np.ndarray, second: np.ndarray) -> 
 
 
 def partition_labels(spectrum: DirectionalSpectrum) -> np.ndarray:
-    """Peak of each cell (n, m), to which steepest ascent in the smoothed table leads, and then over high saddles."""
+    """Number of the peak to which each cell (n, m) belongs: steepest ascent in the smoothed table leads to it. A peak
+    that a high saddle joins to a higher one counts as that."""
     from scipy.ndimage import gaussian_filter
 
     widths = SMOOTHING_BANDS, np.radians(SMOOTHING_DEG) / spectrum.step

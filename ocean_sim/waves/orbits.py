@@ -64,9 +64,9 @@ def circulation(
 def surface_fall(
     elevation: np.ndarray, spacing_x: float, spacing_z: float, depth: float = inf, shortest: float = 0.0
 ) -> np.ndarray:
-    """Downward acceleration over gravity (nx, nz) of a surface elevation (nx, nz) [m] by linear theory: each wave in it
-    times k tanh(k depth); on deep water also the convergence of the displacement. The surface is level across the sides
-    of its grid, whose points are spacing_x and spacing_z [m] apart; waves shorter than `shortest` [m] are left out."""
+    """Downward acceleration over gravity (nx, nz) of a surface elevation (nx, nz) [m] by linear theory: each of its
+    waves times k tanh(k depth), which on deep water is the convergence of displacement too. The slope across the grid's
+    sides is 0; points are spacing_x and spacing_z [m] apart; waves shorter than `shortest` [m] are left out."""
     from scipy.fft import dctn, idctn
 
     nx, nz = elevation.shape
@@ -132,7 +132,7 @@ def tracer_motion(path: Path, begin: float, period: float) -> tuple[list[int], M
 
 
 class Frame(Protocol):
-    """Interface of one output frame: heights of the surface, and particles if they are kept."""
+    """Interface of one output frame: heights of the surface, and particles if the run stores them."""
 
     time: float  # [s]
     elevation: np.ndarray  # (nx, nz) height of the surface at the points of a grid [m]

@@ -94,8 +94,8 @@ def gauge_elevations(path: Path, begin: float) -> tuple[np.ndarray, dict[str, np
 
 
 def stand_in_row(heights: np.ndarray) -> int | None:
-    """Index of the first of heights (n,) [m] that is no measurement: a placeholder of nines, or far from the median in
-    a record that jumps; None if all are plausible."""
+    """Index of the first of heights (n,) [m] that is not measured: a placeholder of nines, or far from the median in a
+    record that jumps; None if all are plausible."""
     off = np.abs(heights - np.median(heights))
     nines = np.array([re.fullmatch("999+", f"{abs(h):g}".replace(".", "")) is not None for h in heights])
     far = (off > MAX_ELEVATION) & bool((np.abs(np.diff(heights)) > MAX_ELEVATION).any())

@@ -41,7 +41,7 @@ class Record(NamedTuple):
 
 
 class Lines:
-    """Words of the lines of a text, one line after the other; empty lines and comments are left out."""
+    """Reader of a text that returns the words of one line after the other, without empty lines and comments."""
 
     def __init__(self, path: str | Path) -> None:
         numbered = [(n, line.strip()) for n, line in enumerate(read_text(path).splitlines(), 1) if line.strip()]
@@ -54,7 +54,7 @@ class Lines:
         return self.at + 1 >= len(self.rows)
 
     def words(self, expected: str, *choices: str) -> list[str]:
-        """Words of the next line, the first of which is one of `choices` if there are any; raises LookupError."""
+        """Words of the next line; raises LookupError at the end, and if the first word is none of the `choices`."""
         self.at, self.expected = self.at + 1, expected
         found = self.rows[self.at][1].split()
         if choices and found[0] not in choices:
@@ -62,7 +62,7 @@ class Lines:
         return found
 
     def numbers(self, count: int, expected: str) -> np.ndarray:
-        """The next `count` numbers (count,), which fill whole lines; raises LookupError or ValueError."""
+        """The next `count` numbers, which fill whole lines; raises LookupError or ValueError, noting `expected`."""
         found: list[float] = []
         while len(found) < count:
             found += map(float, self.words(f"{count} {expected}"))
@@ -86,7 +86,7 @@ def read_spectra(path: str | Path) -> list[Record]:
 
 
 def _read_all(lines: Lines, reader: Callable[[Lines], Iterable]) -> list:
-    """Everything that a reader finds in lines; raises Unreadable at the first line that is not as expected."""
+    """All that a `reader` yields from lines; raises Unreadable at the first line that is not as expected."""
     try:
         return [*reader(lines)]
     except (LookupError, ValueError) as error:
@@ -114,7 +114,7 @@ def read_spectrum(path: str | Path, time: str | None, point: int) -> tuple[datet
 
 
 def in_utc(time: str) -> str:
-    """Time as the files have it, in UTC to the minute; as it is given if it is none."""
+    """Text of a time (ISO 8601) in UTC to the minute, to compare with those of files; other text is unchanged."""
     try:
         there = datetime.fromisoformat(time)
     except ValueError:
@@ -122,14 +122,14 @@ def in_utc(time: str) -> str:
     return f"{there.astimezone(UTC) if there.tzinfo else there:{TIME_FORM}}"
 
 
-def measured(words: Iterable[str]) -> np.ndarray:
-    """Numbers (n,) in words; NaN where a word stands for none: 999 or more, MM or another one."""
+def numbers_in(words: Iterable[str]) -> np.ndarray:
+    """Numbers (n,) read from words; NaN for missing values: 999 or more, MM, or any word that is no number."""
     values = np.array([parse_number(word) for word in words])
     return np.where(np.abs(values) < MISSING_FROM, values, np.nan)
 
 
-def of_table(path: str | Path, frequency: np.ndarray, *others: np.ndarray) -> Found:
-    """Spectrum of directions, densities and moments (`others`); None without energy, Unreadable if it is impossible."""
+def table_spectrum(path: str | Path, frequency: np.ndarray, *others: np.ndarray) -> Found:
+    """Spectrum from directions, densities and moments (`others`), or None without energy; raises Unreadable."""
     rising = len(frequency) > 1 and frequency[0] > 0.0 and (np.diff(frequency) > 0.0).all()
     if not rising or not others[1].min() >= 0.0 or np.isinf(others[1]).any():
         shown = ", ".join(f"{f:g}" for f in frequency[:3])
@@ -137,9 +137,9 @@ def of_table(path: str | Path, frequency: np.ndarray, *others: np.ndarray) -> Fo
     return DirectionalSpectrum(frequency, *others) if others[1].any() else None
 
 
-def of_buoy(path: str | Path, frequency: np.ndarray, density: np.ndarray, moments: np.ndarray) -> Found:
-    """Spectrum of densities (n,) [m2/Hz] and moments (2, n). Frequencies without a density are left out; those without
-    moments take the nearest ones. None if there is no energy, or no direction."""
+def buoy_spectrum(path: str | Path, frequency: np.ndarray, density: np.ndarray, moments: np.ndarray) -> Found:
+    """Directional spectrum from densities (n,) [m2/Hz] and moments (2, n). Frequencies without a density are left out;
+    those without moments take the nearest ones. None if there is no energy, or no direction."""
     there = np.isfinite(density)
     directed = there & np.isfinite(moments).all(axis=0)
     if not directed.any():
@@ -147,22 +147,23 @@ def of_buoy(path: str | Path, frequency: np.ndarray, density: np.ndarray, moment
     if np.abs(moments[:, directed]).max() > MAX_MOMENT:
         raise TABLE_RULE.broken(path, f"it has a moment of {np.abs(moments[:, directed]).max():.3g}")
     nearest = np.abs(frequency[there, None] - frequency[directed]).argmin(axis=1)
-    return of_table(path, frequency[there], np.zeros(1), density[there, None], moments[:, directed][:, nearest])
+    return table_spectrum(path, frequency[there], np.zeros(1), density[there, None], moments[:, directed][:, nearest])
 
 
-def of_model(path: str | Path, frequency: np.ndarray, towards: np.ndarray, density: np.ndarray) -> Found:
-    """Spectrum of densities (n, m) [m2/(Hz rad)] at directions (m,) [deg] to which waves travel, clockwise from north,
-    in equal steps all round, which files round."""
+def model_spectrum(path: str | Path, frequency: np.ndarray, towards: np.ndarray, density: np.ndarray) -> Found:
+    """Directional spectrum from densities (n, m) [m2/(Hz rad)] at directions `towards` (m,) [deg] to which waves
+    travel, clockwise from north, at equal steps all round but for the file's rounding; raises Unreadable."""
     coming = np.round(towards + 180.0, 3) % 360.0
     even = 360.0 / len(coming) * np.arange(len(coming))
     ahead = np.sort(coming) - even
     if np.ptp(ahead) > 0.2 * even[1]:
         raise TABLE_RULE.broken(path, f"its directions are up to {np.ptp(ahead):.3g} deg off equal steps")
-    return of_table(path, frequency, even + ahead.mean(), density[:, coming.argsort()])
+    return table_spectrum(path, frequency, even + ahead.mean(), density[:, coming.argsort()])
 
 
 def _ndbc_rows(lines: Lines) -> Iterable[tuple[datetime, np.ndarray]]:
-    """Time, and frequencies and values (2, n), of each row of NDBC's: a value before its (frequency) or under it."""
+    """Yield time, and frequencies and values (2, n), of each row of an NDBC file; a frequency stands in brackets after
+    its value, or above it in the heading."""
     heading = lines.words("#YY MM DD hh")
     paired, dated = "(" in lines.begin, 5 if "mm" in heading[:5] else 4
     while not lines.ended:
@@ -170,7 +171,7 @@ def _ndbc_rows(lines: Lines) -> Iterable[tuple[datetime, np.ndarray]]:
         rest = words[dated + ("Sep_Freq" in heading) :]
         names, cells = ([name.strip("()") for name in rest[1::2]], rest[::2]) if paired else (heading[dated:], rest)
         date = [words[0] if len(words[0]) == 4 else f"19{words[0]}", *words[1:dated], "00"][:5]
-        yield datetime.strptime(" ".join(date), "%Y %m %d %H %M"), np.stack([np.array(names, float), measured(cells)])
+        yield datetime.strptime(" ".join(date), "%Y %m %d %H %M"), np.stack([np.array(names, float), numbers_in(cells)])
 
 
 def ndbc_files(path: str | Path) -> list[Path]:
@@ -184,7 +185,7 @@ def ndbc_files(path: str | Path) -> list[Path]:
 
 def _read_ndbc(lines: Lines) -> Iterable[Record]:
     """Spectra of NDBC: density [m2/Hz], mean direction alpha1 and principal direction alpha2 [deg], and r1, r2, which
-    are hundredths in the files of a year."""
+    yearly files give in hundredths."""
     path = Path(lines.path)
     live, paths = path.suffix in NDBC_ENDINGS, ndbc_files(path)
     if not paths:
@@ -196,11 +197,11 @@ def _read_ndbc(lines: Lines) -> Iterable[Record]:
                 raise TABLE_RULE.broken(path, f"its frequencies at {time:{TIME_FORM}} are not those of the other four")
             alpha_1, alpha_2, r_1, r_2 = (each[time][1] for each in others)
             moments = np.array([r_1, r_2]) * np.exp(1j * np.radians([alpha_1, 2.0 * alpha_2]))
-            yield Record(time, [of_buoy(path, frequency, values, (1.0 if live else 0.01) * moments)])
+            yield Record(time, [buoy_spectrum(path, frequency, values, (1.0 if live else 0.01) * moments)])
 
 
 def _read_cdip(lines: Lines) -> Iterable[Record]:
-    """Spectrum of CDIP: rows of frequency, width, energy [m2/Hz], direction, a1, b1, a2 and b2, which are moments about
+    """Spectrum of CDIP: rows of frequency, width, energy [m2/Hz], direction, and Fourier moments a1, b1, a2, b2 about
     north and east of the directions from which waves come."""
     time = datetime.strptime(lines.words("File Name: sp and a time like 202610031200")[2][-12:], "%Y%m%d%H%M")
     while lines.words("freq")[0].lower() != "freq":
@@ -208,13 +209,13 @@ def _read_cdip(lines: Lines) -> Iterable[Record]:
     lines.words("units")
     rows = []
     while not lines.ended:
-        rows.append(measured(lines.words("nine numbers")).reshape(9))
+        rows.append(numbers_in(lines.words("nine numbers")).reshape(9))
     found = np.array(rows).T
-    yield Record(time, [of_buoy(lines.path, found[0], found[2], found[[4, 6]] + 1j * found[[5, 7]])])
+    yield Record(time, [buoy_spectrum(lines.path, found[0], found[2], found[[4, 6]] + 1j * found[[5, 7]])])
 
 
 def _read_spotter(lines: Lines) -> Iterable[Record]:
-    """Spectra of a Spotter: moments about east and north of the directions to which waves travel."""
+    """Spectra of a Spotter buoy: Fourier moments, about east and north, of the directions to which waves travel."""
     rows = Table(lines.path)
     count = sum(name.startswith("varianceDensity_") for name in rows.names)
     names = [f"{name}_{k}" for name in ("f", "varianceDensity", "a1", "b1", "a2", "b2") for k in range(count or 1)]
@@ -225,12 +226,12 @@ def _read_spotter(lines: Lines) -> Iterable[Record]:
         first, second = parts[0] + 1j * parts[1], parts[2] + 1j * parts[3]
         moments = np.array([-1j * first.conj(), -second.conj()])  # an angle t there is a direction of 270 deg - t
         time = datetime.fromtimestamp(seconds, UTC).replace(tzinfo=None)
-        yield Record(time, [of_buoy(lines.path, f, density, moments)])
+        yield Record(time, [buoy_spectrum(lines.path, f, density, moments)])
 
 
 def _read_swan(lines: Lines) -> Iterable[Record]:
-    """Spectra of SWAN: NDIR from which waves come, clockwise from north, or CDIR to which they travel,
-    counter-clockwise from the x-axis, which is taken to point east; density in m2 or J/m2 over Hz and degrees."""
+    """Spectra of SWAN. Directions are NDIR, from which waves come, clockwise from north, or CDIR, to which they travel,
+    counter-clockwise from the x-axis, taken as east; density in m2 or J/m2 per Hz and degree."""
     axes: dict[str, np.ndarray] = {}
     timed, points = False, 1
     keys = "TIME", "LONLAT", "LOCATIONS", "AFREQ", "RFREQ", "NDIR", "CDIR", "QUANT"
@@ -256,7 +257,7 @@ def _read_swan(lines: Lines) -> Iterable[Record]:
             if lines.words("FACTOR, ZERO or NODATA", "FACTOR", "ZERO", "NODATA")[0] == "FACTOR":
                 factor = unit * lines.numbers(1, "factor")
                 density = factor * lines.numbers(shape[0] * shape[1], "densities").reshape(shape)
-                found[k] = of_model(lines.path, axes["FREQ"], axes["DIR"], density)
+                found[k] = model_spectrum(lines.path, axes["FREQ"], axes["DIR"], density)
         yield Record(time, found)
 
 
@@ -271,7 +272,7 @@ def _read_ww3(lines: Lines) -> Iterable[Record]:
         words = lines.words("a time like 20261003 120000, or a point in quotes")
         if words[0].startswith("'"):
             density = lines.numbers(n * m, "densities").reshape(m, n).T
-            found[-1].points.append(of_model(lines.path, frequency, towards, density))
+            found[-1].points.append(model_spectrum(lines.path, frequency, towards, density))
         else:
             found.append(Record(datetime.strptime(" ".join(words), "%Y%m%d %H%M%S"), []))
     return found
@@ -293,7 +294,7 @@ def _read_era5(path: str | Path) -> Iterable[Record]:
             raise
         raise FORMAT_RULE.broken(path, "no variable d2fd over time, 30 frequencies and 24 directions") from None
     for time, points in zip(times, np.moveaxis(density, -1, 1)):
-        yield Record(time, [of_model(path, ERA5_FREQUENCIES, ERA5_DIRECTIONS, each) for each in points])
+        yield Record(time, [model_spectrum(path, ERA5_FREQUENCIES, ERA5_DIRECTIONS, each) for each in points])
 
 
 TEXT_READERS = {

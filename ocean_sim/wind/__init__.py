@@ -64,8 +64,8 @@ NO_DRAWING = Drawing(np.zeros((0, 2, 3)), np.zeros((0, 3)), np.zeros((0, 3)))
 @in_kernels
 class Wind(ABC):
     """Base class of moving air. A kind implements `force`, and overrides those other methods that it needs. A kernel
-    calls `set_clock(since, step)` before its loop over particles or voxels, with `since` and `step` as Python hands
-    them over, and then `force` for each of them."""
+    gets `since` and `step` as arguments, calls `set_clock(since, step)` before its loop over particles or voxels, and
+    then `force` for each of them."""
 
     blows: bool = True  # False: `force` is always zero, and kernels leave it out
     needs_area: bool  # True if `force` reads `area`: the fluid then finds the exposed area of its particles
@@ -83,7 +83,7 @@ class Wind(ABC):
         return self if target in self.config.acts_on else StillAir()
 
     def follow(self, middle: np.ndarray) -> None:  # noqa: B027
-        """Store the middle x, z (2,) [m] of the patch of open sea under the wind, in the world; called as the patch
+        """Store the middle x, z (2,) [m], in the world, of the patch of open sea under the wind; called as the patch
         follows its ships. A wind with a place hands it to its `shared.place.Patch`; a uniform wind ignores it."""
 
     def advance(self, dt: float) -> None:  # noqa: B027
@@ -112,7 +112,7 @@ class Wind(ABC):
 
 @in_kernels
 class StillAir(Wind):
-    """Air at rest: no force, and kernels leave its term out."""
+    """Air at rest: it gives no force, and kernels leave out the force of the wind."""
 
     blows = False
     needs_area = needs_bend = False

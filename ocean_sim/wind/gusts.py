@@ -22,7 +22,7 @@ from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import DeviceRow, Drawing, StillAir, Target, Wind
 from ocean_sim.wind.shared.air_load import drag, lift
 from ocean_sim.wind.shared.noise import DRAW_INTERVAL, DRAWS, Noise
-from ocean_sim.wind.shared.place import Passages, Patch, Placed, Shape, turned, turned_back, within
+from ocean_sim.wind.shared.place import Passages, Patch, Placed, Shape, rotated_back, turned, within
 from ocean_sim.wind.shared.schedule import Scheduled
 from ocean_sim.wind.shared.warnings import ship_drag_warnings, stylised, velocity_change
 
@@ -119,8 +119,8 @@ class Volume(Scheduled):
         """Shapes of the volume, each with a sign: 1 if it is included, -1 if it is cut out."""
         return [(shape, 1.0) for shape in self.include] + [(shape, -1.0) for shape in self.exclude]
 
-    def redrawn(self, seed: int, number: int, passage: int) -> tuple[float, float]:
-        """Random turn [rad] and strength factor of volume `number` on its crossing number `passage` of the basin."""
+    def redraw(self, seed: int, number: int, passage: int) -> tuple[float, float]:
+        """Random turn [rad] and strength factor of volume `number` on its crossing of the basin number `passage`."""
         side, force, _ = numpy_uniform3(seed, PASSAGE_STREAM + number, 0, passage)[0]
         given = self.include[0].core.yaw
         low, high = (radians(a) for a in self.redraw_yaw_deg) if self.redraw_yaw_deg else (given, given)
@@ -151,7 +151,7 @@ class Volume(Scheduled):
         """Repeated path of volume `number` of the wind across the basin; `seed` of its random turns."""
         first, speed = self.include[0].core, float(np.linalg.norm(self.velocity))
         rear = first.reach(self.velocity / speed) if speed else 0.0
-        return Passages(first.centre, self.velocity, rear, basin, lambda passage: self.redrawn(seed, number, passage))
+        return Passages(first.centre, self.velocity, rear, basin, lambda passage: self.redraw(seed, number, passage))
 
 
 class Config(Placed, WindConfig):
@@ -192,7 +192,7 @@ class Config(Placed, WindConfig):
 
     def problems(self, preflight: Preflight) -> Faults:
         for g, volume in enumerate(self.volumes):
-            yield from below("volumes", g, faults=volume.unscheduled())
+            yield from below("volumes", g, faults=volume.schedule_faults())
         yield from self.misframed(preflight)
 
     def build(self, basin: Basin, seed: int) -> Wind:
@@ -223,7 +223,7 @@ def joined(drawings: list[Drawing]) -> Drawing:
 
 
 def row_size(volumes: list[Volume]) -> int:
-    """Number of columns of a volume's device row: its own numbers, and space for the most shapes of any volume."""
+    """Number of columns in the device row of a volume: its own numbers, and those of as many shapes as any has."""
     return VOLUME.size + SHAPE.size * max(len(volume.shapes) for volume in volumes)
 
 
@@ -297,7 +297,7 @@ class Gusts(Wind):
             self.noise.advance()
 
     def _lay_out(self, g: int) -> None:
-        """Write slab and shapes of volume g, as turned at present, into its row of the array on the host."""
+        """Write slab and shapes of volume number g, as turned at present, into its row of the array on the host."""
         volume, turn = self.volumes[g], self.passages[g].turn
         centre = volume.include[0].core.centre
         normal, middle, self.half[g] = volume.slab(turn)
@@ -341,7 +341,7 @@ class Gusts(Wind):
 
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):
-        """Force [N] on a particle or voxel: (2.26), summed over the volumes that contain its position."""
+        """Force [N] on a particle or voxel: (2.26) of the thesis, summed over the volumes that contain its position."""
         total, x = tm.vec3(0.0), self.patch.seen(position)
         for g in range(self.n):
             total += self.push(g, key, x, velocity, area, mass)
@@ -374,7 +374,7 @@ class Gusts(Wind):
         for s in range(self.shapes):
             k = VOLUME.size + SHAPE.size * s
             arm = x - self.vector(g, k + SHAPE.arm)
-            own = turned_back(arm, self.row[g, k + SHAPE.cosine], self.row[g, k + SHAPE.sine])
+            own = rotated_back(arm, self.row[g, k + SHAPE.cosine], self.row[g, k + SHAPE.sine])
             if within(own, self.vector(g, k + SHAPE.half_size), self.row[g, k + SHAPE.radius]):
                 included |= self.row[g, k + SHAPE.sign] > 0.0
                 excluded |= self.row[g, k + SHAPE.sign] < 0.0

@@ -75,7 +75,7 @@ class Config(Scheduled, WindConfig):
         return self.targets
 
     def blows(self, time: float, dimension: int) -> tuple[float, float]:
-        """U10 [m/s] and heading [deg] at a time [s] in a basin of 2 or 3 dimensions; the ramp is left to the stress."""
+        """U10 [m/s] and heading [deg] at a time [s] in a basin of 2 or 3 dimensions, without the ramp of the stress."""
         if self.course is not None:
             return self.course.at(time)
         return self.speed, (90.0 if dimension == 2 else 0.0) if self.heading_deg is None else self.heading_deg
@@ -103,13 +103,13 @@ class Config(Scheduled, WindConfig):
         return self.gain if self.pressure_gain is None else self.pressure_gain
 
     def sheltered(self, u10: float) -> float:
-        """Pressure on the waves over their slope along the wind [Pa], at a wind speed u10 [m/s], its gain included."""
+        """Pressure on waves per slope along the wind [Pa] (Jeffreys 1925) at a wind speed u10 [m/s], times its gain."""
         relative = u10 - self.wave_speed
         return self.gain_of_pressure * self.sheltering * AIR_DENSITY * relative * abs(relative)
 
     def problems(self, preflight: Preflight) -> Faults:
         basin = preflight.tank
-        yield from self.unscheduled()
+        yield from self.schedule_faults()
         stated = {"u10": self.u10, "drag_law": self.drag_law, "schedule": self.schedule}
         others = [key for key, value in stated.items() if value is not None]
         if self.tau is not None and others:
@@ -156,8 +156,8 @@ def out_of_range(u10: float, law: DragLaw) -> Iterator[str]:
 
 
 def fetch_limited(u10: float, fetch: float, gravity: float = GRAVITY) -> tuple[float, float]:
-    """Significant wave height [m] and peak period [s] that a wind u10 [m/s] raises over a fetch [m] of deep water:
-    Kahma & Calkoen (1992, J. Phys. Oceanogr. 22), composite, no higher than Pierson & Moskowitz (1964)."""
+    """Significant wave height [m] and peak period [s] that a wind u10 [m/s] raises over a fetch [m] of deep water, by
+    Kahma & Calkoen (1992, J. Phys. Oceanogr. 22), composite, limited to those of Pierson & Moskowitz (1964)."""
     x = gravity * fetch / u10**2
     energy = min(5.2e-7 * x**0.9, 3.64e-3)
     omega = max(13.7 * x**-0.27, 2.0 * pi * 0.133)
@@ -165,22 +165,22 @@ def fetch_limited(u10: float, fetch: float, gravity: float = GRAVITY) -> tuple[f
 
 
 def plant(u10: float, k: float, gravity: float = GRAVITY) -> float:
-    """Growth rate of energy [1/s] of deep-water waves of wavenumber k [1/m] in a real wind u10 [m/s]: 0.04 (u*/c)^2 w,
-    accurate to 50 % (Plant 1982, J. Geophys. Res. 87)."""
+    """Growth rate of energy [1/s] of deep-water waves of wavenumber k [1/m] in a real wind u10 [m/s], by Plant (1982,
+    J. Geophys. Res. 87): 0.04 (u*/c)^2 w, accurate to 50 %."""
     omega = (gravity * k) ** 0.5
     return 0.04 * stress(u10) / AIR_DENSITY * (k / omega) ** 2 * omega
 
 
 def growth_rate(wind: Config, u10: float, k: float, depth: float, pull: float) -> float:
-    """Growth rate of energy [1/s] that the scene's wind gives waves of wavenumber k [1/m] under gravity `pull` [m/s2]:
-    by its pressure on waves if it has one, else by Plant's law times its gain."""
+    """Growth rate of energy [1/s] that the scene's wind gives waves of wavenumber k [1/m] under a gravity `pull`
+    [m/s2]: by its pressure on waves if it has one, else by Plant's law (`plant`) times its gain."""
     if wind.sheltering:
         return wind.sheltered(u10) * k * float(waves.angular_frequency(k, depth, pull)) / (WATER_DENSITY * pull)
     return wind.gain * plant(u10, k, pull)
 
 
 def overdamped(wind: Config, u10: float, k: float, preflight: Preflight) -> Iterator[str]:
-    """Warn if viscosity damps waves of wavenumber k [1/m] faster than the scene's wind u10 [m/s] makes them grow."""
+    """Warn if viscosity damps waves of wavenumber k [1/m] faster than the scene's wind, u10 [m/s], makes them grow."""
     fluid, pull, length = preflight.fluid, hypot(*preflight.tank.gravity), 2.0 * pi / k
     beta = growth_rate(wind, u10, k, preflight.tank.depth, pull)
     own, added = fluid.viscosity_asked, fluid.viscosity_added(preflight, length)

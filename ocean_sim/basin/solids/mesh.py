@@ -72,7 +72,7 @@ class ClosedMesh:
 
     @cached_property
     def _column_plan(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Positions of upright columns along x and z [m], and (len(x), len(z)) cross-section of each [m2]."""
+        """Positions along x and z [m] of upright columns for integrals, and (len(x), len(z)) cross-sections [m2]."""
         (x, across), (z, along) = (gauss_points(self.vertices[:, axis]) for axis in (0, 2))
         return x, z, across[:, None] * along
 
@@ -85,11 +85,11 @@ class ClosedMesh:
 
     @cached_property
     def inside_columns(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Segments of the columns of `_column_plan` inside the mesh: column number, lower and upper end [m]."""
+        """Segments of the columns of `_column_plan` inside the mesh: index of the column, lower and upper end [m]."""
         return inside_stretches(self.triangles, *self._column_plan[:2])
 
     def column_integral(self, of_heights: Callable[[np.ndarray], np.ndarray]) -> float:
-        """Sum over all segments inside: area of the column times the rise of `of_heights` over the segment."""
+        """Integral over the inside of the mesh, by columns, of the height derivative of `of_heights`."""
         line, low, high = self.inside_columns
         return float(self._column_plan[2].ravel()[line] @ (of_heights(high) - of_heights(low)))
 
@@ -114,7 +114,7 @@ class ClosedMesh:
         return f"{size}, read with {axes}; watertight, {len(self.faces)} faces"
 
     def unlike_a_ship(self, draught: float, kb: float) -> list[str]:
-        """Warnings of proportions that ships do not have, by draught and height of buoyancy over the keel [m]."""
+        """Warnings of proportions that ships do not have; `kb`: height of the centre of buoyancy above the keel [m]."""
         broad, tall, long = self.size.tolist()
         odd = [
             f"{what} is {ratio:.2g} ({low:g} to {high:g} for ships)"
@@ -162,12 +162,12 @@ def axis_vector(name: str) -> np.ndarray:
 
 @lru_cache(maxsize=4)
 def closed_mesh(file: str, data: bytes, scale: float | None, up: str | None, bow: str | None) -> ClosedMesh:
-    """Closed mesh of a hull, from the `data` of a file; scale and axes are guessed where None. Raises BadMesh."""
+    """Closed mesh of a hull from the `data` of a mesh file; scale and axes are guessed where None. Raises BadMesh."""
     vertices, faces = read_mesh(file, data)
     problems = mesh_flaws(vertices, faces)
     if problems:
         raise BadMesh(*(CLOSED_RULE.broken(file, problem) for problem in problems))
-    faces, skins = turned_outwards(vertices, faces)
+    faces, skins = faces_outwards(vertices, faces)
     scale, up, bow = guess_axes(vertices[faces], scale, up, bow)
     if up[-1] == bow[-1]:
         raise BadMesh(AXES_RULE.broken(file, f"up and bow are the same axis, {up[-1]}"))
@@ -180,8 +180,8 @@ def closed_mesh(file: str, data: bytes, scale: float | None, up: str | None, bow
 
 
 def section_prism(mesh: ClosedMesh) -> ClosedMesh | None:
-    """Prism along z, across z = 0, on the section of a mesh there, as thick as that is broad or high; None if there is
-    no section. Its ends are fans of triangles around one point, of which those outside the section cancel out."""
+    """Prism along z, across z = 0, whose base is the section of a mesh there, as thick as that is broad or high; None
+    without a section. Its ends are fans of triangles around one point; their parts outside the section cancel out."""
     low, high = mesh.triangles[..., 2].min(axis=1), mesh.triangles[..., 2].max(axis=1)
     cut = mesh.triangles[(low <= 0.0) & (high > 0.0)]
     if len(cut) == 0:
@@ -199,7 +199,7 @@ def section_prism(mesh: ClosedMesh) -> ClosedMesh | None:
 
 
 def read_mesh(file: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
-    """(n, 3) corners [units of the file] and (m, 3) faces, whose corners differ, in `data`; raises BadMesh."""
+    """(n, 3) corners [units of the file] and (m, 3) faces in a mesh file's `data`, none degenerate; raises BadMesh."""
     import trimesh
 
     kind = file.lower().rpartition(".")[2]
@@ -245,7 +245,8 @@ def mesh_flaws(vertices: np.ndarray, faces: np.ndarray) -> list[str]:
 
 
 def edge_uses(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(e, 2) edges, corners in rising order; (e,) faces that use each; (e,) how many more pass it upwards than back."""
+    """(e, 2) corner indices of each edge, the lower first; (e,) number of faces at it; (e,) faces that pass it from the
+    lower to the higher corner, less those that pass it the other way (0 in a closed mesh)."""
     directed = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     edges, which, count = np.unique(np.sort(directed, axis=1), axis=0, return_inverse=True, return_counts=True)
     way = np.where(directed[:, 0] < directed[:, 1], 1, -1)
@@ -253,7 +254,7 @@ def edge_uses(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def closed_skins(faces: np.ndarray) -> np.ndarray:
-    """(m,) number of each face's closed skin, of faces joined by edges; all 0 if these are not closed by themselves."""
+    """(m,) index of the skin (faces joined by edges) of each face; all 0 if some skin is not closed by itself."""
     from trimesh.graph import connected_component_labels, face_adjacency
 
     labels = np.asarray(connected_component_labels(face_adjacency(faces), node_count=len(faces)))
@@ -262,13 +263,13 @@ def closed_skins(faces: np.ndarray) -> np.ndarray:
 
 
 def signed_volumes(triangles: np.ndarray) -> np.ndarray:
-    """(m,) volume [units3] between each face (3, 3) and the mesh's middle, positive if it looks away from it."""
+    """(m,) volume [units3] of the tetrahedron of each face (3, 3) and the mesh's middle; positive: faces outwards."""
     a, b, c = np.moveaxis(triangles - 0.5 * (triangles.min(axis=(0, 1)) + triangles.max(axis=(0, 1))), 1, 0)
     return np.asarray((a * np.cross(b, c)).sum(axis=1) / 6.0)
 
 
-def turned_outwards(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, list[str]]:
-    """(m, 3) faces turned so that each closed skin faces outwards, and sentences on multiple or inverted skins."""
+def faces_outwards(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, list[str]]:
+    """(m, 3) faces, reversed where their closed skin faces inwards, and sentences on multiple or inverted skins."""
     labels = closed_skins(faces)
     volumes = np.bincount(labels, signed_volumes(vertices[faces]))
     inverted = volumes < 0.0
@@ -304,7 +305,7 @@ def point_text(position: np.ndarray) -> str:
 
 
 def guess_axes(triangles: np.ndarray, scale: float | None, up: str | None, bow: str | None) -> tuple[float, str, str]:
-    """Metres per unit, up and bow axis; a guess takes the longest side as bow, and up in the plane of symmetry."""
+    """Metres per unit, up axis, bow axis; a None is guessed: bow along the longest side, up in the symmetry plane."""
     lower, upper = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
     extents, middle = upper - lower, 0.5 * (lower + upper)
     scale = scale or (1.0 / MAX_METRES if extents.max() > MAX_METRES else 1.0)
@@ -320,7 +321,7 @@ def guess_axes(triangles: np.ndarray, scale: float | None, up: str | None, bow: 
 
 
 def gauss_points(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss points and weights [m] along an axis, on MIN_PANELS panels or more between a mesh's `corners` (n,)."""
+    """Gauss quadrature points and weights [m] on an axis, in MIN_PANELS panels or more between `corners` (n,)."""
     breaks = np.unique(corners)
     even = np.searchsorted(breaks, np.linspace(breaks[0], breaks[-1], MIN_PANELS + 1))
     breaks = breaks if len(breaks) <= MIN_PANELS else breaks[np.unique(even)]
@@ -332,9 +333,9 @@ def gauss_points(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def line_crossings(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Crossings of faces (m, 3, 3) with lines along y at ascending x and z, line by line and upwards: number of the
-    line (that of its x times len(z), plus that of its z), height, and winding number above. Faces of an edge share the
-    ends of their cuts, so a line leaves a closed skin as often as it enters it, rounding or not."""
+    """Crossings of faces (m, 3, 3) with lines along y at ascending x and z, line by line and upwards: line (index of
+    its x times len(z), plus index of its z), height, and winding number above. Faces with a common edge are cut at the
+    same point of it, so a line leaves a closed skin as often as it enters it, despite rounding."""
     face, k = pairs_within(triangles[..., 2].min(axis=1), triangles[..., 2].max(axis=1), z)
     a, b, c, ahead = lone_corner_first(triangles[face], triangles[face, :, 2] > z[k, None])
     p, q = (on_edge(a, end, z[k]) for end in (b, c))
@@ -347,7 +348,7 @@ def line_crossings(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tuple
 
 
 def pairs_within(low: np.ndarray, high: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of an interval low <= value < high and an ascending value in it: the indices of both."""
+    """All (i, j) with low[i] <= values[j] < high[i], as two index arrays; `values` ascend."""
     first, last = np.searchsorted(values, low), np.searchsorted(values, high)
     count = last - first
     interval = np.repeat(np.arange(len(count)), count)
@@ -355,7 +356,8 @@ def pairs_within(low: np.ndarray, high: np.ndarray, values: np.ndarray) -> tuple
 
 
 def lone_corner_first(faces: np.ndarray, beyond: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Corners a (alone on its side), b, c of cut faces (n, 3, 3), and (n,) True if a is `beyond` (n, 3) the plane."""
+    """Corners a, b, c (n, 3) of faces (n, 3, 3) that a plane cuts, a being the one alone on its side, and (n,) True if
+    a lies beyond the plane; `beyond` (n, 3): True for each corner that does."""
     alone = np.count_nonzero(beyond, axis=1) == 1
     first = np.argmax(beyond == alone[:, None], axis=1)[:, None]
     a, b, c = np.moveaxis(np.take_along_axis(faces, ((first + range(3)) % 3)[..., None], axis=1), 1, 0)
@@ -363,13 +365,13 @@ def lone_corner_first(faces: np.ndarray, beyond: np.ndarray) -> tuple[np.ndarray
 
 
 def on_edge(a: np.ndarray, b: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """(n, 3) points at z (n,) on edges from a to b (n, 3), exactly the same if a and b are exchanged."""
+    """(n, 3) points at z (n,) on edges from a to b (n, 3), equal to the last bit if a and b are exchanged."""
     low, high = np.where((a[:, 2] < b[:, 2])[:, None], [a, b], [b, a])
     return np.asarray(low + ((z - low[:, 2]) / (high[:, 2] - low[:, 2]))[:, None] * (high - low))
 
 
 def inside_stretches(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Segments inside a mesh of lines along y at x and z [m]: number of the line, lower and upper end [m]."""
+    """Segments inside a mesh of lines along y at x and z [m]: index as in `line_crossings`, lower and upper end [m]."""
     line, height, winding = line_crossings(triangles, x, z)
     inside = winding > 0
     before = np.r_[False, inside[:-1]]
@@ -378,7 +380,7 @@ def inside_stretches(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tup
 
 
 def column_shares(triangles: np.ndarray, x: np.ndarray, z: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """(len(x), len(edges) - 1, len(z)) share of each interval between y `edges` inside a mesh, in columns x, z."""
+    """(len(x), len(edges) - 1, len(z)) share inside a mesh of each interval between y `edges`, on lines at x, z."""
     line, low, high = inside_stretches(triangles, x, z)
     parts = np.diff(np.clip(edges, low[:, None], high[:, None])) / np.diff(edges)
     shares = np.zeros((len(x) * len(z), len(edges) - 1))

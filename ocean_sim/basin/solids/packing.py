@@ -18,13 +18,13 @@ EVERYWHERE = np.full(3, -np.inf), np.full(3, np.inf)
 
 
 class Kernel(Protocol):
-    """Interface of the kernel by which particles are packed: that of the water's pressure."""
+    """Interface of the smoothing kernel by which particles are packed, that of the water's pressure."""
 
     def value(self, t: np.ndarray) -> np.ndarray:
-        """Shape of the kernel at t (n,) = 1 - r/support."""
+        """Kernel W at t (n,) = 1 - r / support, without its constant factor."""
 
     def gradient(self, t: np.ndarray) -> np.ndarray:
-        """Shape of its gradient, grad W over -x/support^2."""
+        """Gradient of W over -x / support^2, for a distance vector x, at t (n,), without the constant factor."""
 
 
 class Wendland:
@@ -39,7 +39,7 @@ class Wendland:
 
 @dataclass(frozen=True)
 class Lattice:
-    """Lattice of particles that makes room for bodies, and the kernel by which they are packed."""
+    """Lattice of the initial particles, and the kernel by which they are packed around bodies."""
 
     spacing: float  # [m]
     volume: float  # of a particle [m3], in 2-D its area [m2]
@@ -48,7 +48,7 @@ class Lattice:
 
 
 def deepest_first(distance: np.ndarray, spacing: float) -> np.ndarray:
-    """Order of points at distances (n,) [m] from a body, deepest inside first, spread along rows of equal depth."""
+    """Indices of points at distances (n,) [m] from a body, deepest inside first; equally deep ones are spread out."""
     rows = np.round(distance / (ROW_TOLERANCE * spacing))
     return np.lexsort((np.arange(len(distance)) * GOLDEN_RATIO % 1.0, rows))
 
@@ -63,10 +63,10 @@ def fit_particles(
     box: tuple[np.ndarray, np.ndarray] = EVERYWHERE,
     iterations: int = FIT_ITERATIONS,
 ) -> dict[str, np.ndarray]:
-    """Make room for a body among `points` (n, 3) [m], True in `water` if particles: indices of particles `gone` and
-    `near`, and positions [m] of the latter, `moved` to minimise the kernel's sum. `gone`: points that the body
-    displaces; `samples`: positions (m, 3) [m], volumes (m,) [m3] of the body's; `box`: corners (3,) [m]; points outside
-    do not move."""
+    """Move particles near a body to positions for the smallest sum of the kernel over pairs. `points` (n, 3) [m]:
+    particles where `water` is True, and lattice points beyond; `gone`: points that the body displaces; `samples`:
+    positions (m, 3) [m] and volumes (m,) [m3] of the body's sample points; `box`: corners (3,) [m], points outside do
+    not move. Returns indices of particles displaced (`gone`) and moved (`near`), and new positions [m] (`moved`)."""
     at, weight, spacing = samples[0], samples[1] / lattice.volume, lattice.spacing
     near = near_to(points, at, FIT_REACH * spacing) & ((points >= box[0]) & (points <= box[1])).all(axis=1)
     free = near & ~gone
@@ -78,10 +78,10 @@ def fit_particles(
     return {"gone": np.flatnonzero(gone & water), "near": moved, "moved": points[moved]}
 
 
-def kept_room(
+def cached_room(
     positions: np.ndarray, content: bytes, made: Callable[[], dict[str, np.ndarray]], *asked: type
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Room in a lattice at `positions` (n, 3) [m], as of `basin.Solid.make_room`, from the user's cache or `made`."""
+    """Result of `basin.Solid.make_room` from the user's cache, or computed by `made` if `content` is not in it."""
     found = cached_arrays("rooms", content, made, *asked)
     gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()
     gone[found["gone"]], moved[found["near"]] = True, found["moved"]
@@ -104,7 +104,8 @@ def even_out(
     box: tuple[np.ndarray, np.ndarray],
     iterations: int,
 ) -> np.ndarray:
-    """(n, 3) positions [m] near `free`, in a `box`, for the smallest kernel sum; `fixed` points (m, 3) [m] stay."""
+    """(n, 3) positions [m] of points moved from `free`, inside `box`, for the smallest sum of the kernel over pairs;
+    `fixed` points (m, 3) [m], which count with `weights` (m,), stay."""
     from scipy.optimize import minimize
     from scipy.spatial import cKDTree
 

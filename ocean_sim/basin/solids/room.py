@@ -9,7 +9,7 @@ import numpy as np
 
 from ocean_sim.basin.motion import Gate
 from ocean_sim.basin.solids.mesh import ClosedMesh, inside_stretches
-from ocean_sim.basin.solids.packing import Lattice, deepest_first, fit_particles, kept_room
+from ocean_sim.basin.solids.packing import Lattice, cached_room, deepest_first, fit_particles
 from ocean_sim.basin.solids.shape import Boxes, PlacedMesh, SolidShape
 from ocean_sim.basin.solids.voxels import MAX_CUBES, Distance, Voxels, distance_lattice, lattice_memory, voxels
 
@@ -20,7 +20,7 @@ UNBOUNDED_BOX = [(np.full(3, -np.inf), np.full(3, np.inf))]  # a box without bou
 
 @dataclass(frozen=True, eq=False)
 class ShapedSolid:
-    """A body with a shape at its pose at the beginning of a run; in 2-D a section of the shape."""
+    """A solid body given by a shape, at its pose at time 0; in 2-D a section of the shape."""
 
     shape: SolidShape
     centre: np.ndarray  # (3,) of the body from the shape's origin [m]
@@ -43,7 +43,7 @@ class ShapedSolid:
     def make_room(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, lattice: Lattice
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Make room for the body as `basin.Solid` says; kept in the user's cache, as this takes longest."""
+        """Make room for the body among the initial particles, as `basin.Solid.make_room`; slow, so cached on disk."""
         poses = [self.centre, self.origin, self.turn, *(corner for box in boxes for corner in box)]
         numbers = repr([lattice, self.is_sampled, self.flat, *(array.tolist() for array in poses)]).encode()
         content = self.shape.content() + numbers + positions.tobytes() + beyond.tobytes()
@@ -51,13 +51,13 @@ class ShapedSolid:
         def made() -> dict[str, np.ndarray]:
             return self.room_arrays(positions, beyond, boxes, lattice)
 
-        return kept_room(positions, content, made, type(self), type(self.shape))
+        return cached_room(positions, content, made, type(self), type(self.shape))
 
     def room_arrays(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, lattice: Lattice
     ) -> dict[str, np.ndarray]:
-        """Room for a sampled body: indices of particles `gone` and `near`, and positions [m] of the latter, `moved`
-        until an even pressure pushes none (particle packing, Colagrossi et al. 2012)."""
+        """Particles around this body: indices of those displaced (`gone`) and moved (`near`), and positions [m] of the
+        latter (`moved`) where an even pressure pushes none (particle packing, Colagrossi et al. 2012)."""
         points, spacing = np.concatenate([positions, beyond]), lattice.spacing
         water = np.arange(len(points)) < len(positions)
         # To a thousandth of a spacing, since minimisation would make rounding of a pose a hundred times as large.
@@ -71,12 +71,12 @@ class ShapedSolid:
         return fit_particles(points, water, gone, (at @ self.turn.T + origin, volumes), lattice, self.dimension)
 
     def deepest_first(self, own: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) distances [m] of points `own` (n, 3) from the body, and their order by `packing.deepest_first`."""
+        """(n,) distances [m] from the body of points `own` (n, 3) in its axes, and their order, deepest first."""
         distance = self.distances(own, spacing)
         return distance, deepest_first(distance, spacing)
 
     def lattice(self, spacing: float) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
-        """Lattice of distances from the body, as far as two spacings [m] around it; see `distance_lattice`."""
+        """Signed distances on a lattice around the body, up to two spacings [m] beyond it; see `distance_lattice`."""
         return distance_lattice(self.shape, spacing / CUBES_A_SPACING, spacing, 2.0 * spacing)
 
     def distances(self, own: np.ndarray, spacing: float) -> np.ndarray:
@@ -98,7 +98,7 @@ class ShapedSolid:
         return found * float(cubes.size[: self.dimension].prod())
 
     def body_cubes(self, cubes: Voxels) -> np.ndarray:
-        """(n,) True for cubes that belong to the body in the water: all of them, in 2-D those of a section."""
+        """(n,) True for cubes of which the body in the water consists: all in 3-D, in 2-D one layer, the section."""
         if not self.flat:
             return np.ones(len(cubes.share), dtype=bool)
         lower, upper = self.shape.bounds()
@@ -146,15 +146,15 @@ class MeshSolid(ShapedSolid):
         return f"{size}; a body has {1.0 / CUBES_A_SPACING:.2g} spacings at least and {MAX_CUBES:.3g} particles at most"
 
     def net(self, spacing: float) -> Distance:
-        """Distances from the mesh at which particles a `spacing` [m] apart bounce, from its middle, for kernels."""
+        """Signed distance from the mesh, for kernels in which particles a `spacing` [m] apart bounce off it."""
         return Distance(self.shape, self.centre, spacing / CUBES_A_SPACING, spacing, 2.0 * spacing)
 
     def net_bytes(self, spacing: float, word: int) -> int:
-        """Memory [bytes] of `net` with floats of `word` bytes."""
+        """Memory [bytes] of the distances of `net` with floats of `word` bytes."""
         return lattice_memory(self.shape, spacing / CUBES_A_SPACING, 2.0 * spacing, word)[1]
 
     def tops_below(self, points: np.ndarray) -> np.ndarray:
-        """(n,) tops [m] of the highest stretch of the body that begins below each of `points` (n, 3) [m]; else -inf."""
+        """(n,) top [m] of the highest upright segment of the body that begins below each point (n, 3) [m], or -inf."""
         (x, i), (z, k) = (np.unique(points[:, axis], return_inverse=True) for axis in (0, 2))
         line, foot, top = inside_stretches(self.mesh.triangles, x, z)
         low, up = (bound[1] for bound in self.mesh.bounds)
@@ -166,7 +166,8 @@ class MeshSolid(ShapedSolid):
 
 
 def face_normals(slopes: Sequence[np.ndarray], at: np.ndarray, turn: np.ndarray) -> np.ndarray:
-    """(n, 3) outward unit normals at `at` (n, 3) [nodes] by the distance's `slopes` at nodes, times a matrix `turn`."""
+    """(n, 3) outward unit normals at positions `at` (n, 3), in lattice steps, from the `slopes` of the distance on the
+    lattice along each axis, times a matrix `turn`."""
     from scipy.ndimage import map_coordinates
 
     found = np.stack([map_coordinates(slope, at.T, order=1, mode="nearest") for slope in slopes], axis=1) @ turn
@@ -174,7 +175,7 @@ def face_normals(slopes: Sequence[np.ndarray], at: np.ndarray, turn: np.ndarray)
 
 
 def lattice_values(values: np.ndarray, at: np.ndarray, outside: float) -> np.ndarray:
-    """(n,) values of a lattice at (n, 3) positions [nodes], linear between nodes; `outside` beyond the lattice."""
+    """(n,) values at positions `at` (n, 3), in lattice steps, interpolated linearly in a lattice; else `outside`."""
     from scipy.ndimage import map_coordinates
 
     return np.asarray(map_coordinates(values, at.T, order=1, cval=outside))

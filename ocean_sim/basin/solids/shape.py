@@ -50,8 +50,8 @@ class SolidShape(Model):
 
 
 class PlacedMesh(SolidShape):
-    """A mesh of a file in a `unit`, its axis `up` upwards, turned by a heading about its origin, which lies `at` a
-    place [m]; if `is_section`, a prism on its section at z = 0."""
+    """A mesh of a file in a `unit`, with its axis `up` upwards, turned by a heading about the file's origin, which lies
+    at the point `at` [m] of the basin; if `is_section`, a prism on its section at z = 0."""
 
     file: str
     unit: str
@@ -81,7 +81,7 @@ class PlacedMesh(SolidShape):
 
     @cached_property
     def faults(self) -> list[str]:
-        """Sentences on why the file holds no such mesh; empty if it does."""
+        """Sentences on why the file holds no closed mesh, or no section at z = 0 if one is needed; empty if it does."""
         try:
             self.closed_mesh()
         except BadMesh as error:

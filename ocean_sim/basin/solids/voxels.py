@@ -1,5 +1,5 @@
 """A hull as cubes, each with the share of it that lies inside the hull, and the signed distance from it on a lattice
-around; computed once and kept by content.
+around; computed once and cached on disk by content.
 
 Cubes are as tall as asked for, and up to MAX_FLATNESS times as long and broad where a hull has plenty of them that way:
 the water clips their height. Whole cubes fill the box around the hull.
@@ -32,7 +32,7 @@ SMOOTHING_CUBES = 0.5  # [cubes] over which steps of cubes are smoothed
 
 @dataclass(frozen=True, eq=False)
 class Voxels:
-    """Cubes of the box around a hull that are not empty, in the hull's axes, with the part of each inside the hull."""
+    """Cubes wholly or partly inside a hull, in its axes: middle, share inside, and hull area of each."""
 
     lower: np.ndarray  # (3,) corner of the box that they fill [m]
     size: np.ndarray  # (3,) of each [m]
@@ -51,15 +51,16 @@ class Voxels:
         return float(self.share.sum() * self.size.prod())
 
     def centre_heights(self, up: np.ndarray) -> np.ndarray:
-        """(n,) height of each cube's centre along a unit vector `up` [m]; not threaded, so the same bytes always."""
+        """(n,) height of each cube's centre along a unit vector `up` [m]; not threaded, to be reproducible."""
         return up[0] * self.centre[:, 0] + up[1] * self.centre[:, 1] + up[2] * self.centre[:, 2]
 
     def height_spread(self, up: np.ndarray) -> float:
-        """Effective height [m] of a cube along a unit vector `up`: of a linear ramp with a box's variance."""
+        """Height [m] of a cube along a unit vector `up`: that of a level layer whose points vary as much in height."""
         return float(np.linalg.norm(self.size * up))
 
     def cut_offset(self, turn: Sequence[Sequence[float]], cut: float) -> tuple[float, float]:
-        """Moment [m4] along the world's x and z of the cut cubes' wet part about their centres; `cut`: volume [m3]."""
+        """First moment [m4] along the world's x and z of the wet parts of cubes cut by the water surface, about their
+        centres; `turn`: rotation from hull to world; `cut`: volume of these cubes [m3]."""
         a, b, c = (square * up for square, up in zip(self.size_squared, turn[1]))
         x, square_of_spread, z = (row[0] * a + row[1] * b + row[2] * c for row in turn)
         share = -cut / (12.0 * sqrt(square_of_spread))
@@ -77,7 +78,7 @@ class Voxels:
         return (self.share[:, None] * self.centre).sum(axis=0) / self.share.sum()
 
     def inertia(self, mass: float, about: np.ndarray) -> np.ndarray:
-        """(3, 3) inertia [kg m2] of a homogeneous hull of this mass [kg] about a point, by parallel axes (4.18)."""
+        """(3, 3) inertia [kg m2] of a homogeneous hull of a mass [kg] about a point, by parallel axes (thesis 4.18)."""
         m = mass * self.share / self.share.sum()
         r = self.centre - about
         own = mass * np.diag(self.size**2) / 12.0  # spread of each cube
@@ -113,7 +114,8 @@ def voxels(shape: SolidShape, side: float, flat: float = MAX_FLATNESS) -> Voxels
 def sample_cubes(
     shape: SolidShape, counts: np.ndarray, lower: np.ndarray, upper: np.ndarray, samples: int
 ) -> dict[str, np.ndarray]:
-    """Arrays `share`, `centre` [m], outward `area` [m2] of cubes not empty, by `samples` columns a side of each."""
+    """Arrays `share`, `centre` [m] and outward `area` [m2], for Voxels, of those of `counts` (3,) cubes from `lower` to
+    `upper` [m] that are not empty; `samples`: sampled columns along each horizontal side of a cube."""
     size = (upper - lower) / counts
     per_cube = (samples, EDGE_SAMPLES, samples)
     axes = [lower[a] + size[a] * (np.arange(counts[a] * per_cube[a]) + 0.5) / per_cube[a] for a in range(3)]
@@ -139,7 +141,7 @@ def sample_cubes(
 
 
 def lattice_shape(shape: SolidShape, side: float, reach: float) -> tuple[float, np.ndarray, np.ndarray]:
-    """Side of a cube [m], sides (3,) [m] of cubes that fill the hull's box, and cubes (3,) beyond it for `reach`."""
+    """Side of a cube [m], (3,) sides [m] that fit the hull's box, and (3,) number of cubes around it for `reach`."""
     lower, upper = shape.bounds()
     side = max(side, float((upper - lower + 2.0 * reach).prod() / USUAL_CUBES) ** (1.0 / 3.0))
     size = (upper - lower) / np.maximum(1, np.ceil((upper - lower) / side - 1e-6))
@@ -157,8 +159,9 @@ def lattice_memory(shape: SolidShape, side: float, reach: float, word: int) -> t
 def distance_lattice(
     shape: SolidShape, side: float, support: float, reach: float
 ) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
-    """Lattice around a hull: `distance` [m] of nodes (i, j, k) from it, negative inside, and `share` of the hull,
-    smoothed by Wendland's kernel (C2) of this support [m]; first node (3,) in the hull's axes, and steps (3,) [m]."""
+    """Lattice around a hull: `distance` [m] from it of each node, negative inside, and `share`, 1 in the hull and 0
+    outside, smoothed by Wendland's kernel (C2) of this support [m]; then first node (3,) in the hull's axes, and steps
+    (3,) [m]. `side`: of the cubes; `reach`: of the lattice beyond the hull [m]."""
     lower, upper = shape.bounds()
     side, size, margin = lattice_shape(shape, side, reach)
     cubes = voxels(shape, side, 1.0)
@@ -193,7 +196,7 @@ class Distance:
     """Signed distance from a hull and its outward normal, for kernels, in body axes from the centre of mass."""
 
     def __init__(self, shape: SolidShape, centre: np.ndarray, side: float, support: float, reach: float) -> None:
-        """`centre` of mass from the origin, `side` of cubes, `support` of the kernel, `reach` over the hull [m]."""
+        """`centre`: of mass from the origin; `side`: of cubes; `support`: of the kernel; `reach`: over the hull [m]."""
         values, first, step = distance_lattice(shape, side, support, reach)
         size = values["share"].shape
         self.lower = first - centre  # [m]
@@ -206,7 +209,7 @@ class Distance:
 
     @ti.func
     def at(self, position):
-        """Outward normal, distance [m] (the reach beyond the lattice), -grad share [1/m] at a position [m]."""
+        """Outward normal, signed distance [m] (`reach` off the lattice), -grad of the share [1/m] at a position [m]."""
         a = (position - self.first) * self.per_step
         c = tm.clamp(int(ti.floor(a)), 0, self.last)
         normal, distance, thinning = tm.vec3(0.0), self.far, tm.vec3(0.0)

@@ -23,8 +23,8 @@ MIN_DRAW_SHARE = 1e-4  # part of a step or a draw that is not worth a draw
 
 @in_kernels
 class Noise:
-    """Random draws for the noise of a wind. Each lasts `every` [s] and is weighted in a time step by their overlap, so
-    that the noise has the same effect at any step; `every` 0: a new draw each step, as printed in the thesis."""
+    """Random vectors for the noise of a wind. Each lasts `every` [s] and is weighted in a time step by their overlap,
+    so that the noise has the same effect at any step; `every` 0: a new one each step, as printed in the thesis."""
 
     def __init__(self, seed: int, every: float, row: DeviceRow) -> None:
         """`row`: device row that begins with the columns of DRAWS."""
@@ -33,21 +33,21 @@ class Noise:
         row.set(DRAWS.strength, 1.0)
 
     def restart(self, time: float) -> None:
-        """Store the number and phase of the draw under way at a time [s]; called when the wind's clock restarts."""
+        """Store number and phase of the random vector in use at a time [s]; called when the wind's clock restarts."""
         if self.every:
             draws = time / self.every
             self.row.set(DRAWS.number, int(draws) % DRAW_NUMBERS)
             self.row.set(DRAWS.phase, draws % 1.0)
 
     def advance(self) -> None:
-        """Take the next draw, if there is one draw per step; called as the wind advances."""
+        """Take the next random vector, if there is one per step; called as the wind advances."""
         if not self.every:
             self.row.set(DRAWS.number, self.steps % DRAW_NUMBERS)
             self.steps += 1
 
     @ti.func
     def set_clock(self, since, step):
-        """Compute the draws that overlap the step of `step` [s] ending `since` [s] after the clock's restart."""
+        """Compute the random vectors used in the step of `step` [s] that ends `since` [s] after the clock's restart."""
         if ti.static(self.every > 0.0):
             row = ti.static(self.row.field)
             span, left, each, strength = step / self.every, 0.0, 1.0, 1.0

@@ -41,7 +41,7 @@ class Core:
         return turned(outline(self.half, self.radius), self.yaw) + self.centre
 
     def spread(self) -> np.ndarray:
-        """Points (n, 3) [m] at the height of its centre, as feet of arrows: 3 by 3, or 5 in a row on a long shape."""
+        """Points (n, 3) [m] at the height of the centre, where arrows start: 3 by 3, or 5 in a line on a long shape."""
         size = np.array(self.half)[[0, 2]] + self.radius
         counts = (3, 3) if size.max() < 2.0 * size.min() else (5, 1) if size[0] > size[1] else (1, 5)
         x, z = (np.linspace(-0.7, 0.7, n) * s if n > 1 else np.zeros(1) for n, s in zip(counts, size))
@@ -146,8 +146,8 @@ def turned(vectors: ArrayLike, angle: float) -> np.ndarray:
 
 
 @ti.func
-def turned_back(v, cosine, sine):
-    """Vector v (3,) rotated by minus the angle of this cosine and sine about the vertical axis."""
+def rotated_back(v, cosine, sine):
+    """Vector v (3,) rotated about the vertical axis by minus the angle whose cosine and sine are given."""
     return tm.vec3(cosine * v.x - sine * v.z, v.y, cosine * v.z + sine * v.x)
 
 
@@ -209,8 +209,9 @@ class Patch:
 class Passages:
     """Repeated passages of a drifting wind across the basin: its centre [m], turn [rad], strength and passage number.
 
-    The first begins at its start. When the rear has left the basin, direction and strength are drawn anew, and the
-    front comes in at the upwind border, on a line through the point of the first path nearest to the centre."""
+    The first begins at `start`. When the wind's rear has left the basin, direction and strength are chosen at random,
+    and its front comes in at the upwind border, on a line through the point of the first path nearest to the centre.
+    """
 
     def __init__(
         self,

@@ -46,7 +46,7 @@ class Timed(Model):
 
     def blowing(self, time: float, dt: float = 0.0) -> float:
         """Share of full strength, 0 to 1, in a step of dt [s] that begins at a time [s]; on the ramp it is 3 s^2 - 2
-        s^3. A step of which the wind blows for a part only is weaker by that part, so that the impulse is right."""
+        s^3. If the wind blows in a part of the step only, that part is a factor, so that the impulse is right."""
         begin, end = max(time, self.start), min(time + dt, np.inf if self.end is None else self.end)
         if end < begin or (end == begin and dt > 0.0) or time == self.end:
             return 0.0
@@ -129,8 +129,8 @@ class Scheduled(Timed):
             found = [f"{name} ends at {last:.9g} s; its last row blows on until {duration:g} s"]
         return found + (self.table.like_radians() if self.table is not None else [])
 
-    def unscheduled(self) -> Faults:
-        """Yield a problem if the schedule cannot be read or its rows are out of order."""
+    def schedule_faults(self) -> Faults:
+        """Yield a fault (key, sentence) if the schedule cannot be read or its rows are out of order."""
         try:
             self.course  # noqa: B018
         except ValueError as error:

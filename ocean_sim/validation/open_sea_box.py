@@ -10,9 +10,8 @@ end on: of the towed box the closed form is only reported, and both patches are 
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
-from math import cos, pi, sin
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from math import pi
+from typing import Any
 
 import numpy as np
 
@@ -20,12 +19,18 @@ from ocean_sim import waves
 from ocean_sim.conventions import GRAVITY, WATER_DENSITY
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared import case
-from ocean_sim.validation.shared.ship import at_sea, first_harmonics, follow_body, ship_of, ship_of_section
+from ocean_sim.validation.shared.ship import (
+    ImposedMotion,
+    at_sea,
+    first_harmonics,
+    follow_body,
+    impose_motion,
+    ramped_swing,
+    ship_of,
+    ship_of_section,
+)
 from ocean_sim.validation.shared.state import State, particle_state
 from ocean_sim.validation.shared.tables import table_path
-
-if TYPE_CHECKING:
-    from ocean_sim.ship.pressure import Pressure
 
 BREADTH, DRAUGHT, HEIGHT, BILGE, LENGTH = 1.0, 0.2, 0.32, 0.0512, 1.0  # [m]
 KG, ROLL_RADIUS = 0.15, 0.2  # [m]
@@ -80,14 +85,8 @@ def heaving_problem() -> case.Problem:
         began = float(ship_of(simulation).body.position[1])
         while simulation.time < RUN_PERIODS * PERIOD:
             simulation.step()
-            phase, share = omega * simulation.time, waves.ramp_share(simulation.time, RAMP_TIME)
-            rate = waves.ramp_rate(simulation.time, RAMP_TIME)
-            moved = ImposedMotion(
-                began + HEAVE_STROKE * share * sin(phase),
-                HEAVE_STROKE * (omega * share * cos(phase) + rate * sin(phase)),
-                HEAVE_STROKE * omega * (2.0 * rate * cos(phase) - omega * share * sin(phase)),
-            )
-            impose_motion(simulation, 1, moved)
+            moved = ramped_swing(simulation.time, HEAVE_STROKE, omega, RAMP_TIME)
+            impose_motion(simulation, 1, moved._replace(place=began + moved.place))
             if simulation.time >= nexts:
                 nexts += PERIOD / PERIOD_SAMPLES
                 columns, speeds = fit_columns(particle_state(simulation))
@@ -147,26 +146,6 @@ def box_keys(moves: Sequence[str]) -> dict[str, Any]:
     """Ship keys of the box; `moves`: names of its free motions."""
     whole = ship_of_section(BREADTH, HEIGHT, BILGE, LENGTH, MASS, KG, ROLL_RADIUS, cells=12)
     return whole | {"free": list(moves)}
-
-
-class ImposedMotion(NamedTuple):
-    """Position, speed and acceleration of the box along one world axis at one time."""
-
-    place: float  # [m]
-    speed: float  # [m/s]
-    acceleration: float  # [m/s2]
-
-
-def impose_motion(simulation: Simulation, axis: int, moved: ImposedMotion) -> None:
-    """Move the box along a world axis (0 x, 1 y) as prescribed by `moved`, despite forces; tell the water its state."""
-    ship = ship_of(simulation)
-    position, velocity = ship.body.position.copy(), ship.body.velocity.copy()
-    position[axis], velocity[axis] = moved.place, moved.speed
-    ship.body = replace(ship.body, position=position, velocity=velocity)
-    if any(solid.is_sampled for solid in simulation.basin.afloat.values()):
-        pressed = cast("Pressure", ship)
-        pressed.known[0, axis] = moved.acceleration
-        pressed.place_hull()
 
 
 def motion_amplitudes(rows: np.ndarray, speed: float) -> list[float]:

@@ -14,8 +14,14 @@ from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid import Arriving
 from ocean_sim.ship.forces.radiation import MIRROR_SIGNS, Memory, Scattering, checked_table, read_bem_table
 from ocean_sim.ship.hull.hull import hull_of
-from ocean_sim.validation.open_sea_box import ImposedMotion, impose_motion
-from ocean_sim.validation.shared.ship import at_sea, first_harmonics, floating_ship, follow_body
+from ocean_sim.validation.shared.ship import (
+    ImposedMotion,
+    at_sea,
+    first_harmonics,
+    floating_ship,
+    follow_body,
+    impose_motion,
+)
 from ocean_sim.validation.shared.tables import table_path
 from tests.conftest import quickly
 

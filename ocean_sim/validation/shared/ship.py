@@ -2,20 +2,21 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from math import cos, pi, sin
-from typing import TYPE_CHECKING, Any, cast
+from math import cos, degrees, pi, sin
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.parts import compared
 from ocean_sim.simulation import Simulation
-from ocean_sim.waves import heading_vector, regular_wave
+from ocean_sim.waves import heading_vector, ramp_rate, ramp_share, regular_wave
 
 if TYPE_CHECKING:
     from ocean_sim.ship import Load, Ship
     from ocean_sim.ship.body.floating import FloatingShip
     from ocean_sim.ship.body.rigid_body import RigidBody
+    from ocean_sim.ship.pressure import Pressure
 
 BILGE_CORNERS = 8
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])  # quaternion
@@ -76,6 +77,40 @@ def set_pose(simulation: Simulation, **changes: Any) -> None:
     ship = ship_of(simulation)
     still = {"velocity": np.zeros(3), "angular_momentum": np.zeros(3)}
     ship.body = replace(ship.body, **(still | changes))
+
+
+class ImposedMotion(NamedTuple):
+    """Place, speed and acceleration of a ship in one of `Motions` at one time."""
+
+    place: float  # [m] or [rad]
+    speed: float  # [m/s] or [rad/s]
+    acceleration: float  # [m/s2] or [rad/s2]
+
+
+def ramped_swing(time: float, amplitude: float, omega: float, ramp: float) -> ImposedMotion:
+    """Sine of an amplitude [m] or [rad] at `omega` [rad/s] that grows over a `ramp` [s], at a time [s]; its
+    acceleration lacks the curvature of the ramp."""
+    share, rate, s, c = ramp_share(time, ramp), ramp_rate(time, ramp), sin(omega * time), cos(omega * time)
+    speed, acceleration = omega * share * c + rate * s, omega * (2.0 * rate * c - omega * share * s)
+    return ImposedMotion(amplitude * share * s, amplitude * speed, amplitude * acceleration)
+
+
+def impose_motion(simulation: Simulation, motion: int, moved: ImposedMotion) -> None:
+    """Move the ship along a world axis (0 x, 1 y), or turn it from upright about one (3 x, 4 y, 5 z), as prescribed by
+    `moved`, despite forces; tell the water its state."""
+    ship = ship_of(simulation)
+    position, velocity = ship.body.position.copy(), ship.body.velocity.copy()
+    if motion < 3:
+        position[motion], velocity[motion] = moved.place, moved.speed
+        ship.body = replace(ship.body, position=position, velocity=velocity)
+    else:
+        turned = replace(ship.body, orientation=turn_quaternion(motion - 3, degrees(moved.place)))
+        momentum = moved.speed * turned.matrix @ turned.inertia_body[:, motion - 3]
+        ship.body = replace(turned, angular_momentum=momentum)
+    if any(solid.is_sampled for solid in simulation.basin.afloat.values()):
+        pressed = cast("Pressure", ship)
+        pressed.known.flat[motion] = moved.acceleration
+        pressed.place_hull()
 
 
 def current_load(simulation: Simulation) -> "Load":

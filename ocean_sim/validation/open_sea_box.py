@@ -70,7 +70,7 @@ def floating_problem(name: str, speed: float) -> case.Problem:
 
 
 def heaving_problem() -> case.Problem:
-    """Set-up of the box in forced heave in calm water: height of waves that the rim reflects over those sent [%]."""
+    """Set-up of the box in forced heave in calm water: ratio of waves that the rim reflects to those sent out [%]."""
     back = case.Promise("heaving: wave that comes back, over that which leaves", "%", "none; 5 %", {"pressure": 5.0})
     scene = patch_scene(FREE_LENGTHS[0], ["heave"])
     scene["sea"] = {"kind": "linear_waves", "rim": scene["sea"]["rim"]}

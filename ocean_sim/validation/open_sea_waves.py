@@ -143,7 +143,7 @@ def packet_problem(width: float, within: float) -> Problem:
 
 
 def measure_packet(simulation: Simulation) -> Finding:
-    """Run until the packet has gone round once; measure its height over that left by losses of the scheme alone."""
+    """Run until the packet has gone round once; measure its height over the theoretical one without a rim."""
     basin, water = simulation.basin, with_particles(simulation.fluid)
     side = basin.periods[0]
     k = 2.0 * pi * np.arange(1, 4 * round(side / LENGTH) + 1) / side

@@ -118,8 +118,8 @@ def sail_rows(
 
 
 def circle_values(rows: np.ndarray, length: float, settled: float) -> list[float | None]:
-    """Indices of a turn from rows of `sail_rows`: advance, transfer, tactical diameter (None if not reached) and radius
-    in ship lengths [m], speed [m/s], drift angle and heel [deg]; the last four over the last `settled` seconds."""
+    """Indices of a turn by `sail_rows`: advance, transfer, tactical diameter (None if not reached) and radius over the
+    ship's `length` [m], speed [m/s], drift angle, heel [deg]; the last four over the last `settled` seconds."""
     t, x, z, yaw, heel, vx, vz = rows.T
     turned = np.abs(np.unwrap(yaw))
     last = t > t[-1] - settled

@@ -100,7 +100,8 @@ class Problem:
         return [promise.row(case, scheme, *number) for promise, number in pairs], found
 
     def coarsened(self, case: str) -> "Problem":
-        """Copy with tolerances for coarse set-ups; slow if too long for a regression gate or without tolerance."""
+        """Copy with tolerances for coarse set-ups; marked slow if too long for a regression gate or without
+        tolerance."""
         promises = tuple(promise.coarsened(case) for promise in self.promises)
         judged = any(scheme in promise.tolerance for promise in promises for scheme in self.schemes)
         slow = self.slow or not judged or (case, self.name) in too_long_for_gate()

@@ -163,7 +163,7 @@ def heights_of(times: list[float], heights: list[np.ndarray]) -> tuple[float, fl
     """Statistics of all gauges together: 4 sqrt m0 [m], mean of the highest third [m], mean period [s], highest crest
     [m], and number of waves."""
     record = np.array(heights)
-    waves = [zero_crossing_waves(*level(np.array(times), height)) for height in record.T]
+    waves = [zero_crossing_waves(*remove_mean(np.array(times), height)) for height in record.T]
     sizes, periods = (np.concatenate([each[k] for each in waves]) for k in (0, 1))
     highest = np.sort(sizes)[::-1][: max(1, round(len(sizes) / 3.0))]
     return (
@@ -175,8 +175,8 @@ def heights_of(times: list[float], heights: list[np.ndarray]) -> tuple[float, fl
     )
 
 
-def level(time: np.ndarray, height: np.ndarray) -> tuple[float, np.ndarray]:
-    """Resample a record to equal intervals, and take its mean off: interval [s] and values [m]."""
+def remove_mean(time: np.ndarray, height: np.ndarray) -> tuple[float, np.ndarray]:
+    """Resample a record to equal intervals, and subtract its mean: interval [s] and values [m]."""
     interval, even = even_samples(time, height)
     return interval, even - even.mean()
 

@@ -37,7 +37,7 @@ PLACES = np.linspace(-1.25, 1.25, 11)  # [wavelengths] from the ship
 
 
 def scene(speed: float, feed: float | None, particles: int, periods: float) -> Any:
-    """Scene of a wave on a patch with `particles` to its length, whose rim moves at a `speed` [group speeds]."""
+    """Scene of a wave on a patch, `particles` to its length, with a `feed` and a rim at a `speed` [group speeds]."""
     rim = {"velocity": [speed * GROUP_SPEED, 0.0]}
     sea = {"height": 2.0 * KA / K, "period": PERIOD, "rim": rim, "feed": feed}
     quiet = dict.fromkeys(name for name in observer_names() if name != "manifest")

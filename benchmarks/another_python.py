@@ -18,7 +18,8 @@ MAX_RUN_SECONDS, MAX_IMPORT_SECONDS = 300.0, 60.0  # wall time of a dam break, a
 
 
 class Peer(Protocol):
-    """A module that imports nothing of ours and has, beside these, a `main(order, watch)`, which runs a dam break."""
+    """Interface of a module that runs a dam break in another program by `main(order, watch)`; imports nothing of
+    ours."""
 
     PEER: str
     """Its name."""
@@ -31,25 +32,26 @@ class Peer(Protocol):
     __file__: str | None
 
 
-def measured(peer: Peer, python: Path, order: dict[str, Any]) -> dict[str, Any]:
-    """Measure a dam break: `particles`, `walls`, particles of which walls consist, `steps`, `wall`,
-    `cpu` of all threads and `simulated` [s].
+def measure_peer(peer: Peer, python: Path, order: dict[str, Any]) -> dict[str, Any]:
+    """Measure a dam break of a peer under a Python. Return `particles`, `walls` (particles of which walls consist),
+    `steps`, `wall` and `cpu` time (of all threads) and `simulated` time [s].
 
-    `order`: `method`; `lattice`, particles along x, y and z; `spacing` [m]; `support` [spacings], for a peer that has
-    a choice; `begin`, simulated time from which it counts [s]; `seconds` of wall time and simulated time `end`, to
-    which it goes at least [s]; `viscosity` [m2/s]; `threads`; `folder` for its files. Raises OSError or ValueError
-    where that Python cannot.
+    `order`, the requested run: `method`; `lattice`, particles along x, y, z; `spacing` [m]; `support` [spacings], for a
+    peer that has a choice; `begin`, simulated time at which measuring begins [s]; `seconds` of wall time and simulated
+    time `end` [s], both to be reached; `viscosity` [m2/s]; `threads`; `folder` for its files. Raises OSError or
+    ValueError if it cannot run there.
     """
-    return said(peer, python, [str(peer.__file__), json.dumps(order)], order["threads"], MAX_RUN_SECONDS)
+    return run_under(peer, python, [str(peer.__file__), json.dumps(order)], order["threads"], MAX_RUN_SECONDS)
 
 
 def version_in(peer: Peer, python: Path) -> str | None:
-    """The version that a Python has and can import, None where it has none; raises OSError or ValueError."""
-    return said(peer, python, [peer.PACKAGE], 1, MAX_IMPORT_SECONDS)
+    """Version of a peer that a Python has and can import, or None; raises OSError or ValueError."""
+    return run_under(peer, python, [peer.PACKAGE], 1, MAX_IMPORT_SECONDS)
 
 
-def said(peer: Peer, python: Path, arguments: list[str], threads: int, patience: float) -> Any:
-    """Answer of this file under another Python, whose threads are bound to cores, as ours are."""
+def run_under(peer: Peer, python: Path, arguments: list[str], threads: int, patience: float) -> Any:
+    """Run this file under another Python, threads bound to cores as ours are, and return the JSON value that it prints;
+    raises ValueError. `patience`: time limit [s]."""
     environment = os.environ | peer.ENVIRONMENT
     environment |= {"OMP_NUM_THREADS": str(threads), "OMP_WAIT_POLICY": "passive", "OMP_PROC_BIND": "true"}
     command = [str(python), "-I", __file__, *arguments]
@@ -63,7 +65,8 @@ def said(peer: Peer, python: Path, arguments: list[str], threads: int, patience:
 
 
 class Watch:
-    """Takes the time of a run that calls `look` between steps, and ends its process once it has been measured."""
+    """Timer of a run, which calls `look` between steps; prints the measurement and ends the process after enough
+    time."""
 
     def __init__(self, order: dict[str, Any]) -> None:
         self.order = order
@@ -73,7 +76,7 @@ class Watch:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # for programs print as they go
 
     def look(self, time: float, particles: int, walls: int) -> None:
-        """Take the time of a step that ended at a simulated time [s]; ends the process when enough is measured."""
+        """Count a step that ended at a simulated time [s]; ends the process once the run is long enough."""
         now = {"wall": perf_counter(), "cpu": process_time(), "simulated": time}
         if not self.began:
             if time >= self.order["begin"]:
@@ -87,15 +90,15 @@ class Watch:
             os._exit(0)
 
 
-def run(file: str, order: str) -> NoReturn:
-    """A peer's dam break in this process, which its watch ends."""
+def run_peer(file: str, order: str) -> NoReturn:
+    """Run a peer's dam break, the script `file`, in this process, which the watch ends; `order`: as JSON."""
     told = json.loads(order)
     runpy.run_path(file)["main"](told, Watch(told))
     sys.exit("its run ended before it was measured")
 
 
 def installed(package: str) -> str | None:
-    """The version of a package, which is imported."""
+    """Version of an installed package, after importing it, or None."""
     try:
         found = version(package)
     except PackageNotFoundError:
@@ -106,5 +109,5 @@ def installed(package: str) -> str | None:
 
 if __name__ == "__main__":
     if len(sys.argv) > 2:
-        run(*sys.argv[1:])
+        run_peer(*sys.argv[1:])
     print(json.dumps(installed(sys.argv[1])))

@@ -20,7 +20,8 @@ ROLL_DAMPING = 0.05  # share of critical, besides that of waves
 
 
 def barge(resolution: tuple[int, int, int]) -> Any:
-    """`barge20`: 20 x 8 x 2 m, KG 2.5 m, radii of gyration 0.35 B and 0.25 L; with so many panels along its sides."""
+    """Capytaine's `barge20`: 20 x 8 x 2 m, KG 2.5 m, radii of gyration 0.35 B, 0.25 L; `resolution`: panels on its
+    sides."""
     import capytaine
 
     mesh = capytaine.mesh_parallelepiped(size=(20.0, 8.0, 4.0), resolution=resolution).immersed_part()
@@ -34,7 +35,8 @@ def barge(resolution: tuple[int, int, int]) -> Any:
 
 
 def drift_rows(body: Any, frequencies: tuple[float, ...], headings: tuple[float, ...]) -> Iterator[str]:
-    """Yield the lines of a table of drift: its header, and a row for each frequency [rad/s] and heading [deg]."""
+    """Yield lines of a drift table of a Capytaine body: header, and a row for each frequency [rad/s] and heading
+    [deg]."""
     import capytaine
     import xarray  # type: ignore[import-not-found]
     from capytaine.post_pro import rao

@@ -24,7 +24,7 @@ WAVE_PERIOD, WAVE_COUNT, STEPS_PER_WAVE = 6.0, 20, 60  # of the response of a ba
 
 
 class Spent(NamedTuple):
-    """Time that a task took [s]: of the clock, and of all processors."""
+    """Time spent on a task [s]: by the clock, and of all processors."""
 
     wall: float
     cpu: float
@@ -41,7 +41,7 @@ Pairs: TypeAlias = list[tuple[Spent, Spent]]  # theirs and ours, measured by tur
 
 
 class Dam(NamedTuple):
-    """A dam break of the scenes of `bench`, and the methods that compute it there and here."""
+    """A dam break, one of the scenes of `bench`, with the method of the peer and our kind of fluid that compute it."""
 
     name: str
     lattice: tuple[int, int, int]
@@ -53,18 +53,18 @@ class Dam(NamedTuple):
 
     @property
     def task(self) -> str:
-        """Unit of work that is timed: a step, or a simulated second where steps are as long as each can make them."""
+        """Name of the timed task; its unit is a step, or a simulated second if each program chooses its steps."""
         ours = self.kind if self.support is None else f"{self.kind} at {self.support:g} spacings"
         return f"{self.name}, its {self.method.upper()}, our {ours}, a {'simulated second' if self.end else 'step'}"
 
     def each(self, found: dict[str, Any]) -> Spent:
-        """Time of one step, or of one simulated second."""
+        """Time of one unit of the task, a step or a simulated second, from a measurement `found`."""
         count = found["simulated" if self.end else "steps"]
         return Spent(found["wall"] / count, found["cpu"] / count)
 
 
 class Others(NamedTuple):
-    """A program of others, and the dam breaks that it computes beside this one."""
+    """Another program, and the dam breaks for which it is compared with this one."""
 
     peer: Peer
     dams: tuple[Dam, ...]
@@ -99,20 +99,19 @@ OTHERS = (
 
 
 def peers(pythons: list[Path], threads: int | None) -> Iterator[dict[str, Any]]:
-    """Yield a row of each task as soon as it is known: `peer`, `version`, `task`, `peer_s`, `ours_s`, `ratio` (ours
-    over theirs), and the same of the time of all processors, `peer_cpu_s`, `ours_cpu_s`, `cpu_ratio`; `peer_walls`, the
-    particles of which its walls consist, which are not counted as water; no numbers where it is not installed or where
-    it `failed`, whose sentence says why. `pythons`: of the environments that have SPlisHSPlasH and PySPH; all then run
-    on so many threads, by default on all cores. Standard error tells which task is about to be measured."""
-    yield row("pysplashsurf", "surface of 6144 particles", surface)
-    yield row("capytaine", "response of a barge", response)
+    """Yield a row of each task as soon as it is measured: `peer`, `version`, `task`, `peer_s`, `ours_s`, `ratio` (ours
+    over theirs), `peer_cpu_s`, `ours_cpu_s`, `cpu_ratio` for processor time, `peer_walls` (wall particles, not counted
+    as water) and `failed` (reason, or None). Numbers are None if not measured. `pythons`: of environments that have
+    SPlisHSPlasH and PySPH; all programs then use `threads`, by default all cores. Standard error names the next
+    task."""
+    yield measure_installed("pysplashsurf", "surface of 6144 particles", surface)
+    yield measure_installed("capytaine", "response of a barge", response)
     for others in OTHERS:
         yield from dam_breaks(others, pythons, threads or available_cores())
 
 
 def must_have_one(pythons: list[Path]) -> None:
-    """Raise Refused where a Python has none of the programs that are looked for there; of one that does not run, rows
-    say why."""
+    """Raise Refused if a Python runs but has none of the programs that are looked for there."""
     for python in pythons:
         try:
             found = [another_python.version_in(others.peer, python) for others in OTHERS]
@@ -124,15 +123,15 @@ def must_have_one(pythons: list[Path]) -> None:
 
 
 def dam_breaks(others: Others, pythons: list[Path], threads: int) -> Iterator[dict[str, Any]]:
-    """Measure a peer under the first Python that has it; a dam break that fails is the last."""
+    """Yield a row for each dam break of a peer, run by the first Python that has it, up to the first that fails."""
     peer = others.peer
     try:
-        place = found_in(peer, pythons)
+        place = find_peer(peer, pythons)
     except (OSError, ValueError) as error:
-        yield numbers(peer.PEER, None, "dam breaks", [], str(error))
+        yield table_row(peer.PEER, None, "dam breaks", [], str(error))
         return
     if place is None:
-        yield numbers(peer.PEER, None, "dam breaks", [])
+        yield table_row(peer.PEER, None, "dam breaks", [])
         return
     with TemporaryDirectory(ignore_cleanup_errors=True) as folder:  # where a compiler may outlive its program
         for dam in others.dams:
@@ -142,9 +141,9 @@ def dam_breaks(others: Others, pythons: list[Path], threads: int) -> Iterator[di
                 return
 
 
-def found_in(peer: Peer, pythons: list[Path]) -> tuple[Path, str] | None:
-    """The first of some Pythons that has a peer, and its version there; raises ValueError where none has it and one
-    does not run."""
+def find_peer(peer: Peer, pythons: list[Path]) -> tuple[Path, str] | None:
+    """First Python that has a peer, and its version there; if there is none, None, or ValueError if a Python does not
+    run."""
     failed = ""
     for python in pythons:
         try:
@@ -159,28 +158,28 @@ def found_in(peer: Peer, pythons: list[Path]) -> tuple[Path, str] | None:
     return None
 
 
-def row(peer: str, task: str, measured: Callable[[], Pairs]) -> dict[str, Any]:
-    """Measure a peer that is installed beside this program."""
+def measure_installed(peer: str, task: str, measured: Callable[[], Pairs]) -> dict[str, Any]:
+    """Measure another program that is installed in this environment: a row of the table, without numbers if absent."""
     try:
         found = version(peer)
     except PackageNotFoundError:
-        return numbers(peer, None, task, [])
+        return table_row(peer, None, task, [])
     announce(peer, task)
     try:
-        return numbers(peer, found, task, apart(measured))
+        return table_row(peer, found, task, measure_apart(measured))
     except Failed as error:
-        return numbers(peer, found, task, [], str(error))
+        return table_row(peer, found, task, [], str(error))
 
 
 def announce(peer: str, task: str) -> None:
     console.complain(f"measuring {peer}: {task} ...")
 
 
-def apart(measured: Callable[[], Pairs]) -> Pairs:
-    """Measure in a process of its own, which a peer may take down or keep for ever; raises Failed."""
+def measure_apart(measured: Callable[[], Pairs]) -> Pairs:
+    """Measure in a child process, as a peer may crash or hang; raises Failed."""
     context = get_context("spawn")
     here, there = context.Pipe(duplex=False)
-    child = context.Process(target=answer, args=(measured, there))
+    child = context.Process(target=send_times, args=(measured, there))
     child.start()
     there.close()
     try:
@@ -198,18 +197,18 @@ def apart(measured: Callable[[], Pairs]) -> Pairs:
     return found
 
 
-def answer(measured: Callable[[], Pairs], there: Connection) -> None:
-    """Send the times, or a sentence where they could not be taken."""
+def send_times(measured: Callable[[], Pairs], there: Connection) -> None:
+    """Send the measured times to the parent process, or the error as text."""
     try:
         there.send(measured())
     except Exception as error:  # whatever a program of others raises
         there.send(f"{type(error).__name__}: {error}")
 
 
-def numbers(
+def table_row(
     peer: str, found: str | None, task: str, times: Pairs, failed: str | None = None, walls: int = 0
 ) -> dict[str, Any]:
-    """A row with the medians of times taken by turns; `failed`: why there are none."""
+    """Row of the table with medians of `times`; `failed`: reason if there are none; `walls`: particles of its walls."""
     row = {"peer": peer, "version": found, "task": task, "peer_walls": walls, "failed": failed}
     for head, what in (("", "wall"), ("cpu_", "cpu")):
         pairs = [(getattr(theirs, what), getattr(ours, what)) for theirs, ours in times]
@@ -219,33 +218,33 @@ def numbers(
 
 
 def dam_break(peer: Peer, dam: Dam, python: Path, version: str, threads: int, folder: str) -> dict[str, Any]:
-    """Measure both by turns, each time from the beginning. `folder`: for the files of theirs."""
+    """Measure the peer and this program alternately, each run from the start; `folder`: for the peer's files."""
     order = {"method": dam.method, "lattice": dam.lattice, "spacing": PARTICLE_SPACING, "support": dam.support}
     order |= {"begin": WARM_UP_SECONDS, "seconds": dam.seconds, "end": dam.end, "viscosity": KINEMATIC_VISCOSITY}
     order |= {"threads": threads, "folder": folder}
     times: Pairs = []
     announce(peer.PEER, dam.task)
     try:
-        here(dam, threads)  # which compiles
+        measure_here(dam, threads)  # which compiles
         for _ in range(DAM_TURNS):
-            theirs, ours = another_python.measured(peer, python, order), here(dam, threads)
+            theirs, ours = another_python.measure_peer(peer, python, order), measure_here(dam, threads)
             if theirs["particles"] != ours["particles"]:
                 raise ValueError(f"{theirs['particles']} particles there, {ours['particles']} here")
             times.append((dam.each(theirs), dam.each(ours)))
     except (OSError, ValueError) as error:
-        return numbers(peer.PEER, version, dam.task, [], f"it does not run under {python}: {error}")
-    return numbers(peer.PEER, version, dam.task, times, walls=theirs["walls"])
+        return table_row(peer.PEER, version, dam.task, [], f"it does not run under {python}: {error}")
+    return table_row(peer.PEER, version, dam.task, times, walls=theirs["walls"])
 
 
 def unobserved() -> dict[str, Any]:
-    """Settings that leave the observers of a scene out."""
+    """Settings that switch off all observers of a scene but the manifest."""
     from ocean_sim.reading.scene import observer_names
 
     return {name: None for name in observer_names() if name != "manifest"}
 
 
-def here(dam: Dam, threads: int) -> dict[str, Any]:
-    """Measure this program as `another_python.measured` does the peer; our walls have no particles."""
+def measure_here(dam: Dam, threads: int) -> dict[str, Any]:
+    """Measure a dam break with this program; keys are those of `another_python.measure_peer`, except `walls`."""
     from ocean_sim.fluid import with_particles
     from ocean_sim.reading.scene import load
     from ocean_sim.simulation import Simulation
@@ -273,8 +272,8 @@ def here(dam: Dam, threads: int) -> dict[str, Any]:
 
 
 def interleaved(theirs: Callable[[], object], ours: Callable[[], object], prepare: Callable[[], object]) -> Pairs:
-    """Time of both, by turns, so that other work of the machine strikes both alike; the first turn, which compiles, is
-    left out. `prepare`: work before ours that is not measured."""
+    """Time both functions alternately, so that other load of the machine affects both; the first round, which compiles,
+    is not counted. `prepare`: runs before ours, not timed."""
     times = []
     for _ in range(SURFACE_REPEATS + 1):
         begin = Spent.now()
@@ -288,7 +287,7 @@ def interleaved(theirs: Callable[[], object], ours: Callable[[], object], prepar
 
 
 def surface() -> Pairs:
-    """Triangles around the same particles, cubes of half a spacing, kernels of twice a spacing."""
+    """Time to triangulate the surface of the same particles; cubes of half a spacing, kernels of twice a spacing."""
     import pysplashsurf
 
     from ocean_sim.fluid import with_particles
@@ -311,7 +310,8 @@ def surface() -> Pairs:
 
 
 def response() -> Pairs:
-    """Heave and pitch of barge20 in a head sea of one period: a panel method in frequency, and a run in time."""
+    """Time for heave and pitch of barge20 in a head sea of one period: a panel method, and this program's run in
+    time."""
     import capytaine
 
     from ocean_sim.reading.scene import load
@@ -338,7 +338,7 @@ def response() -> Pairs:
 
 
 def sentence(row: dict[str, Any]) -> str:
-    """A row for people."""
+    """Row of the table as a sentence to print."""
     if row["failed"] is not None:
         return f"{row['peer']}, {row['task']}: not measured: {row['failed']}"
     if row["version"] is None:

@@ -20,7 +20,7 @@ WALL_LAYERS = 2  # of particles in its walls, as in its own dam_break_3d
 
 
 def main(order: dict[str, Any], watch: "Watch") -> None:
-    """A tank 2.5 times as long and 1.5 times as high as the water, which fills its width.
+    """Run a dam break in a tank 2.5 times as long and 1.5 times as high as the water, which fills its width.
 
     As its own dam_break_3d, but for an integrator that evaluates forces once a step (its scheme's own, where the
     example evaluates them twice), and a speed of sound of 10 sqrt(|g| depth). Steps are fixed, and its adaptive ones

@@ -17,10 +17,10 @@ FACES += [(2, 6, 8), (2, 8, 4)]  # outwards
 
 
 def scene(order: dict[str, Any], box: str) -> dict[str, Any]:
-    """The dam break as the peer's scene: a tank 2.5 times as long as the water, walls from a map of volumes.
+    """SPlisHSPlasH's scene of the dam break, in a tank 2.5 times as long as the water; `box`: mesh file of its walls.
 
     WCSPH as in the peer's own examples, with steps of 0.5 ms; DFSPH with a density error of 0.05 % and a divergence
-    error of 0.1 %, and steps by its CFL condition.
+    error of 0.1 %, and steps by its CFL condition. The walls act as a map of volumes.
     """
     spacing = order["spacing"]
     water = [n * spacing for n in order["lattice"]]

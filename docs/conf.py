@@ -44,7 +44,7 @@ def block_math(self: Any, node: nodes.math_block) -> None:
 
 
 def add_contents(app: Any, page: str, source: list[str]) -> None:
-    """Add the tree of pages to its roots, and lead links to tutorials to their pages.
+    """Add a table of contents to root pages, and turn links to tutorial scripts into links to their pages.
 
     On the web's view of files the page so shows no directive, and its links open the scripts.
     """
@@ -55,7 +55,7 @@ def add_contents(app: Any, page: str, source: list[str]) -> None:
 
 
 def setup(app: Any) -> None:
-    """Browsers draw MathML by themselves, so that no script is fetched for formulas."""
+    """Register formulas as MathML, which browsers draw by themselves, so that no script is fetched."""
     app.add_config_value("contents", {}, "env")  # another tree builds all pages anew
     app.add_html_math_renderer("mathml", (inline_math, None), (block_math, None))
     app.connect("source-read", add_contents)

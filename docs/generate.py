@@ -74,7 +74,7 @@ ELSEWHERE = {
 
 
 def pages(folder: Path) -> None:
-    """Write all of them."""
+    """Write all generated pages to a folder, after emptying it."""
     shutil.rmtree(folder, ignore_errors=True)
     made = {
         "scene": scene(),
@@ -97,7 +97,7 @@ def pages(folder: Path) -> None:
 
 
 def checked_files() -> str:
-    """The rules of every reader of files, as its refusals say them."""
+    """Page of the rules that input files must obey, in the words of the messages that refuse them."""
     sections = "".join(
         f"\n## {checked.title}\n\n" + "".join(f"- {rule.sentence}.\n" for rule in checked.rules) for checked in checks()
     )
@@ -106,7 +106,7 @@ def checked_files() -> str:
 
 
 def checks() -> list[Checked]:
-    """Rules of all modules that read files, the general ones of `files` first."""
+    """Checked rules of all modules that read files, those of package `files` first."""
     paths = [path.relative_to(PACKAGE) for path in sorted(PACKAGE.rglob("*.py")) if "\nCHECKS = " in path.read_text()]
     first = [Path("files", name) for name in ("input_file.py", "csv_file.py")]
     order = [*first, *(path for path in paths if path not in first)]
@@ -116,7 +116,7 @@ def checks() -> list[Checked]:
 
 
 def terms() -> str:
-    """The terms of every scheme of particles, each with its code, for the page on theory to link to."""
+    """Page with the code of each term of the particle schemes, to which the theory links."""
     found = ["# Terms, and the code that computes them", "[Water, by equation](../theory/sph.md) has their equations."]
     for scheme in SCHEMES:
         found.append(f"## `{scheme}`")
@@ -127,7 +127,8 @@ def terms() -> str:
 
 
 def terms_of(scheme: str) -> list[str]:
-    """Equations of state, the leak, and functions that the pair terms of a scheme's laws add up: `Class.function`."""
+    """Names `Class.function` of a scheme's equations of state, its `leak`, and the functions that make its pair
+    terms."""
     found = []
     for law in ast.parse((PACKAGE / "fluid" / f"{scheme}.py").read_text(encoding="utf-8")).body:
         functions = [part for part in getattr(law, "body", ()) if isinstance(part, ast.FunctionDef)]
@@ -140,7 +141,7 @@ def terms_of(scheme: str) -> list[str]:
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table of Markdown."""
+    """Table in Markdown."""
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join("| " + " | ".join(cell(c) for c in line) + " |" for line in lines) + "\n"
 
@@ -157,12 +158,12 @@ def code(text: str) -> str:
 
 
 def top(key: Key) -> str:
-    """The first word of a key's path."""
+    """First name in a key's path."""
     return key.path.partition(".")[0].removesuffix("[]")
 
 
 def scene() -> str:
-    """First page of the reference: the parts of a scene, with links to their pages."""
+    """First page of the scene reference: the slots of a scene, with links to their pages."""
     heads = [key for key in scene_keys() if key.section in ("title", "seed", "duration", "resolution")]
     rows = [[f"[`{slot}`](scene_{slot}.md)", slot_sentence(slot), choices(slot)] for slot in SLOTS]
     observers = [
@@ -207,7 +208,7 @@ def on(name: str) -> bool:
 
 
 def slot_sentence(slot: str) -> str:
-    """What a slot holds: the opening of its docstring, up to what it says of its modules."""
+    """Sentence on a slot: the opening of its package's docstring, up to the colon."""
     return module_sentence(PACKAGE / slot / "__init__.py").partition(":")[0].rstrip(".") + "."
 
 
@@ -222,19 +223,19 @@ def key_table(rows: Sequence[Key], prefix: str = "") -> str:
 
 
 def values(key: Key) -> Iterator[str]:
-    """Type with its unit, range and default of a key."""
+    """Yield type with unit, range and default of a key, each as text."""
     yield key.takes + (f" [{key.unit}]" if key.unit not in ("", "1") else "")
     yield key.range
     yield "required" if key.default == "required" else f"default `{key.default}`" if key.default else ""
 
 
 def framed(rows: str, name: str) -> str:
-    """A table with a class for its style in `static/pages.css`."""
+    """Table wrapped in a CSS class of `static/pages.css`."""
     return f":::{{table}}\n:class: {name}\n\n{rows}:::\n"
 
 
 def sections() -> dict[str, str]:
-    """The tables of keys: a page for the basin, for each slot, for the runtime and for the observers."""
+    """Reference pages by name: basin, runtime, each slot, and observers, with tables of their keys."""
     found = {"basin": page("The basin", "basin", own_keys("basin"))}
     found["runtime"] = page("The machine", "runtime", own_keys("runtime"))
     for slot in SLOTS:
@@ -260,7 +261,7 @@ def sections() -> dict[str, str]:
 
 
 def own_keys(section: str) -> list[Key]:
-    """Keys of a section; the keys that all sides of a basin share are listed once."""
+    """Keys of one section of the scene; keys that all sides of a basin share are listed once."""
     alike = re.compile(r"basin\.walls\.(z|x_min|x_max|z_min|z_max)\.")
     return [key for key in scene_keys() if top(key) == section and not alike.match(key.path)]
 
@@ -273,7 +274,7 @@ def page(title: str, name: str, rows: Sequence[Key]) -> str:
 
 
 def commands() -> str:
-    """Every verb with its arguments and options."""
+    """Page of all commands with their arguments and options."""
     from ocean_sim.__main__ import HIDDEN_VERBS, VERBS, command_of
 
     text = [
@@ -312,7 +313,7 @@ def default(parameter: Any) -> str:
 
 
 def all_kinds() -> str:
-    """The physics of each module, in its own words."""
+    """Page with the docstrings of all modules of the slots: the physics of each kind."""
     text = [
         "# Each law, as its module states it\n",
         "Taken from the source: what a module computes, after whom, and what it is known to do badly.\n",
@@ -327,7 +328,7 @@ def all_kinds() -> str:
 
 
 def prose(docstring: str) -> str:
-    """Markdown of a docstring: its paragraphs, with code and what is indented as they stand."""
+    """Convert a docstring to Markdown; code and indented text stay as they are."""
     shown = []
     for paragraph in docstring.split("\n\n"):
         if paragraph.startswith(" "):
@@ -354,7 +355,7 @@ def number(text: str) -> str:
 
 
 def validation() -> str:
-    """Misses, a line a case with its worst row, and each case with its picture, from the results in docs/results."""
+    """Validation page from docs/results: misses, a table with the worst row of each case, and a section for each."""
     rows = rows_of("validate")
     cases: dict[str, list[dict[str, str]]] = {}
     for row in rows:
@@ -378,19 +379,19 @@ def validation() -> str:
 
 
 def judged(row: dict[str, str]) -> str:
-    """Error and tolerance of a row, with their unit."""
+    """Text of a row's error and tolerance, with their unit."""
     unit = "" if row["unit"] == "1" else f" {row['unit']}"
     return f"error {number(row['error'])}{unit}, tolerance {number(row['tolerance'])}{unit}"
 
 
 def share_of_tolerance(row: dict[str, str]) -> float:
-    """Size of the error over the tolerance; 0 where none at all is allowed."""
+    """Absolute error over the tolerance; 0 if the tolerance is zero."""
     allowed = float(row["tolerance"])
     return abs(float(row["error"])) / allowed if allowed else 0.0
 
 
 def line_of(case: str, rows: Sequence[dict[str, str]]) -> list[str]:
-    """A case in a line: its name, the tolerances kept, and the row whose error is the largest part of its tolerance."""
+    """Table row of a case: name, number of tolerances kept, and its worst row (error largest over its tolerance)."""
     promised = [row for row in rows if row["tolerance"]]
     worst = max(promised, key=lambda row: (row["ok"] != "True", share_of_tolerance(row)), default=None)
     kept = f"{sum(row['ok'] == 'True' for row in promised)} of {len(promised)}"
@@ -399,7 +400,7 @@ def line_of(case: str, rows: Sequence[dict[str, str]]) -> list[str]:
 
 
 def case_section(case: str, rows: Sequence[dict[str, str]]) -> str:
-    """A case: its sentence and picture, and its rows and their sources, folded."""
+    """Section of a case: its sentence and picture, and its rows and sources in a folded block."""
     words = ast.get_docstring(ast.parse((PACKAGE / "validation" / f"{case}.py").read_text(encoding="utf-8"))) or ""
     cells = [
         [row["scheme"], row["quantity"], number(row["value"]), number(row["reference"])]
@@ -421,7 +422,7 @@ def case_section(case: str, rows: Sequence[dict[str, str]]) -> str:
 
 
 def figures() -> str:
-    """Figures of the thesis: ours, its command, the processor time, and what the thesis says of it in numbers."""
+    """Page of the thesis's figures: each with ours, its command, the processor time, and remarks."""
     from ocean_sim.verbs.figure import figure_scripts
     from ocean_sim.verbs.figure import figure_sentence as shows
 
@@ -452,7 +453,7 @@ def figures() -> str:
 
 
 def gallery() -> str:
-    """Pictures of the gallery, each with the commands that make it."""
+    """Page of the gallery: pictures, each with the commands that make it."""
     from figures.gallery.redraw import gallery_entries, show_entry
 
     text = [
@@ -468,7 +469,7 @@ def gallery() -> str:
 
 
 def errata() -> str:
-    """Table of misprints in the thesis and their corrections, as `figure errata` writes it."""
+    """Page of misprints in the thesis and their corrections, as `figure errata` writes them."""
     rows = rows_of("errata")
     names = ["where", "quantity", "unit", "as_printed", "corrected", "difference", "measured", "why"]
     cells = [
@@ -490,7 +491,7 @@ def short(text: str) -> str:
 
 
 def glossary() -> str:
-    """Words of the field, those of others, axes from `ocean_sim/conventions.py`, and one word for one thing."""
+    """Glossary page: words of the field, words of other programs, axes, and words of this program."""
     axes = (conventions.__doc__ or "").partition("One word for one thing")[0]
     words = {name: (DOCS / f"{name}_words.md.in").read_text(encoding="utf-8") for name in ("field", "program")}
     elsewhere = list(ELSEWHERE.items())
@@ -514,7 +515,7 @@ def glossary() -> str:
 
 
 def literate(path: Path) -> str:
-    """Page of a script: comments after a line `# %%` become text, the rest code; the picture that it draws ends it."""
+    """Page of a tutorial script: comments after a line `# %%` become text, the rest code, and its picture is last."""
     picture = RESULTS / "tutorials" / f"{path.stem}.png"
     drawn = [f"## What it draws\n\n![{path.stem}](../results/tutorials/{picture.name})\n"] if picture.is_file() else []
     pages = (f"```python\n{text}\n```\n" if is_code else f"{text}\n" for is_code, text in blocks(path))
@@ -522,7 +523,7 @@ def literate(path: Path) -> str:
 
 
 def blocks(path: Path) -> Iterator[tuple[bool, str]]:
-    """The blocks of text and code of a script, in their order: (whether it is code, its lines)."""
+    """Yield the blocks of a script in order, each as (true if code, its lines as one text)."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
     words = ast.get_docstring(tree) or ""
     title, _, rest = words.partition("\n")

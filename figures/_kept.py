@@ -19,16 +19,16 @@ BARED = "Here without far sea, ripples, foam and clouds"
 SEEN = dict.fromkeys(("accuracy", "timings", "health", "render", "report", "motion"))
 
 
-def kept(scene: dict[str, Any], folder: Path) -> Path:
-    """The folder of a run of this scene, which keeps frames and nothing else."""
+def run_frames(scene: dict[str, Any], folder: Path) -> Path:
+    """Run a scene that writes nothing but frames, into a new folder; return the folder."""
     folder.mkdir(parents=True)
     with Simulation(load(SEEN | scene), folder) as simulation:
         simulation.run(until=scene["duration"])
     return folder
 
 
-def still_sea(sea: Components, side: float, folder: Path) -> Path:
-    """The folder of a run that never was: one frame, at 0 s, of waves in closed form over a square of this side [m]."""
+def write_still_sea(sea: Components, side: float, folder: Path) -> Path:
+    """Write a run's folder without a run: one frame, at 0 s, of closed-form waves over a square of this side [m]."""
     (folder / "frames").mkdir(parents=True)
     nodes = (np.arange(64) + 0.5) / 64 * side - side / 2
     points = np.stack(np.meshgrid(nodes, nodes, indexing="ij"), axis=-1).reshape(-1, 2)
@@ -51,9 +51,9 @@ def still_sea(sea: Components, side: float, folder: Path) -> Path:
     return folder
 
 
-def shots(folder: Path, time: float, switched: Sequence[dict[str, Any]], **options: Any) -> np.ndarray:
-    """(n, height, width, 3) pictures of a run at a time [s], one for each set of switches; grey ones where OpenGL is
-    missing, which is reported."""
+def take_pictures(folder: Path, time: float, switched: Sequence[dict[str, Any]], **options: Any) -> np.ndarray:
+    """Pictures (n, height, width, 3) of a run at a time [s], one for each of `switched` (options that differ);
+    `options`: common to all. Without OpenGL they are grey, and a line says so."""
     try:
         return render.variants(folder, time, switched, caption=False, **options)
     except render.OpenGLMissing as missing:
@@ -62,8 +62,8 @@ def shots(folder: Path, time: float, switched: Sequence[dict[str, Any]], **optio
         return np.full((len(switched), height, width, 3), 200, np.uint8)
 
 
-def film(folder: Path, path: Path, **options: Any) -> None:
-    """A film of the run, left out where OpenGL is missing."""
+def save_film(folder: Path, path: Path, **options: Any) -> None:
+    """Write a film of a run's frames to `path`; without OpenGL only a line on standard error."""
     try:
         render.render_run(folder, out=folder / "film", preview=False, caption=False, **options)
         (folder / "film" / "film.mp4").replace(path)
@@ -71,9 +71,9 @@ def film(folder: Path, path: Path, **options: Any) -> None:
         print(missing, file=sys.stderr, flush=True)
 
 
-def save(path: Path, picture: np.ndarray) -> None:
-    """A picture (height, width, 3) without what BARE leaves out as a PNG, with the figure's number and caption below
-    it; a hasty one says so."""
+def save_picture(path: Path, picture: np.ndarray) -> None:
+    """Write a picture (height, width, 3), drawn without the things that BARE leaves out, as PNG with a caption below
+    it: number and title of the figure, a note on BARE, and a mark if `--fast` made it."""
     import imageio.v2 as imageio
     from PIL import Image, ImageDraw, ImageFont
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 
 class Said:
-    """Caption of every picture of a figure."""
+    """Caption of all pictures of the figure that this process draws, set by `options`."""
 
     caption = ""  # number and what it shows
     fast = False  # whether it was made in haste
@@ -15,8 +15,8 @@ class Said:
 
 
 def options(doc: str | None, fast: str = "", **files: str) -> argparse.Namespace:
-    """`fast` and `out`, a folder that is there. The first paragraph of `doc` says what the figure is, `fast` what haste
-    leaves out, if anything."""
+    """Parse `--fast`, `--out` (a folder, made if absent) and an option for each of `files`. `doc`: its first paragraph
+    is the figure's caption; `fast`: says what `--fast` leaves out, if anything."""
     parser = argparse.ArgumentParser(description=(doc or "").split("\n\n")[0])
     parser.add_argument("--fast", action="store_true", help=fast or "nothing here takes long")
     parser.add_argument("--out", type=Path, default=Path("figures_out"), help="where the CSV and the picture go")
@@ -30,5 +30,5 @@ def options(doc: str | None, fast: str = "", **files: str) -> argparse.Namespace
 
 
 def progress(share: float, doing: str) -> None:
-    """A line on standard error, which `ocean-sim figure` shows as its bar; `share` from 0 to 1."""
+    """Print progress, `share` from 0 to 1, on standard error, which `ocean-sim figure` shows as its bar."""
     print(f"{share:4.0%}  {doing}", file=sys.stderr, flush=True)

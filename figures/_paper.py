@@ -24,7 +24,7 @@ HASTY, WHOLE = "--fast: coarse", "--fast leaves nothing out here"
 
 
 def paper(width: float, height: float) -> Any:
-    """A matplotlib figure of this size [inch], without a display, whose parts keep apart."""
+    """A matplotlib figure of this size [inch] without a display, in the common style; its panels do not overlap."""
     from matplotlib import rcParams
     from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -35,10 +35,9 @@ def paper(width: float, height: float) -> Any:
     return Figure(figsize=(width, height), layout=apart)
 
 
-def keep(figure: Any, path: Path, found: str = "") -> None:
-    """The figure as a PNG with its number and caption, the same bytes each time; a hasty one says so. `found`: what the
-    caption ends with, as numbers that the table has; all of it, where a figure has several pictures and this is a small
-    one."""
+def save_figure(figure: Any, path: Path, found: str = "") -> None:
+    """Write a figure as PNG, byte for byte the same each time, with number and caption; `--fast` is marked. `found`:
+    end of the caption, such as numbers of the table. A small figure, one of several, has `found` alone as caption."""
     width = figure.get_figwidth()
     small = 0.6 if width <= SMALL else 1.0
     said = () if width <= SMALL else (Said.caption,)
@@ -53,15 +52,15 @@ def keep(figure: Any, path: Path, found: str = "") -> None:
 
 
 def set_plan(axes: Any, **words: Any) -> None:
-    """Draw places x, z as seen from above, as maps of `render --camera top`: x to the right and z down. Axes in space
-    whose third direction is up are then right-handed, too. `words` set other properties of the axes."""
+    """Set up axes for a plan x, z seen from above, as `render --camera top` shows it: x to the right and z down. Axes
+    in space whose third direction is up are then right-handed, too. `words`: further properties of the axes."""
     axes.set(xlabel="x [m]", ylabel="z [m]", **words)
     axes.yaxis.set_inverted(True)
 
 
-def lit(points: np.ndarray, triangles: np.ndarray, colours: np.ndarray) -> np.ndarray:
-    """(m, 3) colours of the triangles of a surface with points (n, 3) of x, y up and z, in the light of a low sun:
-    level ones as they are."""
+def light_colours(points: np.ndarray, triangles: np.ndarray, colours: np.ndarray) -> np.ndarray:
+    """Colours (m, 3) of the triangles of a surface under a low sun, with points (n, 3) of x, y up, z; level triangles
+    keep their colour."""
     a, b, c = (points[triangles[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
     normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-12)[:, None]
@@ -70,17 +69,17 @@ def lit(points: np.ndarray, triangles: np.ndarray, colours: np.ndarray) -> np.nd
     return np.clip(colours * (AMBIENT + (1.0 - AMBIENT) * light)[:, None], 0.0, 1.0)
 
 
-def table(path: Path, head: Sequence[str], columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
-    """A CSV file: comment lines, columns with their units, rows; numbers to seven digits."""
+def save_table(path: Path, head: Sequence[str], columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
+    """Write a CSV file: comment lines `head`, column names with units, and rows, numbers to seven digits."""
     with path.open("w", newline="", encoding="utf-8") as file:
         file.writelines(f"# {line}\n" for line in head)
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(columns)
-        writer.writerows([written(value) for value in row] for row in rows)
+        writer.writerows([csv_value(value) for value in row] for row in rows)
 
 
-def written(value: Any) -> Any:
-    """A number as it is written; negative zero is zero."""
+def csv_value(value: Any) -> Any:
+    """Value as the CSV file has it: floats to seven digits, negative zero as zero."""
     if hasattr(value, "item"):
         value = value.item()
     return f"{value + 0.0:.7g}" if isinstance(value, float) else value

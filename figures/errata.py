@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 from _options import options
-from _paper import BLUE, GREY, INK, PALE, SOFT, keep, paper, table
+from _paper import BLUE, GREY, INK, PALE, SOFT, paper, save_figure, save_table
 
 from ocean_sim.conventions import AIR_DENSITY, GRAVITY, WATER_DENSITY
 from ocean_sim.fluid import with_particles
@@ -40,7 +40,7 @@ QUIET = dict.fromkeys(("accuracy", "timings", "health", "frames", "render", "rep
 
 
 class Erratum(NamedTuple):
-    """One place of the thesis, by a number that shows it; `measured` is what this program's own code gives."""
+    """A misprint of the thesis: its place, and a number that shows it, as printed, corrected, and by this program."""
 
     where: str
     quantity: str
@@ -59,8 +59,8 @@ def erratum(
     return Erratum(where, quantity, unit, *numbers, why)
 
 
-def cited(module: str, pattern: str) -> float:
-    """The number under which a module of the program cites an equation or a section: the group of a pattern."""
+def cited_number(module: str, pattern: str) -> float:
+    """Number of an equation or section that a module of the program cites: the group of a pattern in its source."""
     found = re.search(pattern, (PACKAGE / module).read_text(encoding="utf-8"))
     return float(found[1]) if found is not None else float("nan")
 
@@ -76,7 +76,7 @@ def dragged(wind: tm.vec3) -> tm.vec3:
 
 
 class Program(NamedTuple):
-    """Results of a run of the program."""
+    """Measured results of the program, to compare with the thesis."""
 
     momentum: float  # made by pressure in free water, over the sum of all particles' momenta
     stress: float  # on water at rest [Pa]
@@ -84,8 +84,8 @@ class Program(NamedTuple):
     lift: float  # upwards on 1 m2 [N]
 
 
-def program() -> Program:
-    """An uneven lump of water, free of gravity and walls, for a few steps; and the kernels of the wind."""
+def run_program() -> Program:
+    """Run an uneven lump of water, free of gravity and walls, for a few steps, and evaluate the wind's kernels."""
     box = {"length": 8.0, "width": 8.0, "depth": 8.0, "walls": "none", "floor": "none", "gravity": [0.0, 0.0, 0.0]}
     lump = [
         {"min": [-2.0, -6.0, -2.0], "max": [2.0, -4.0, 2.0]},
@@ -105,7 +105,7 @@ def program() -> Program:
 
 
 def pressure_forces(symmetric: bool) -> np.ndarray:
-    """Forces [N] on two particles of 1953 kg, 1 m apart, of unlike pressure: (2.14), or (2.16) where symmetric."""
+    """Forces [N] on two particles of 1953 kg, 1 m apart, of unlike pressure, by (2.14), or if symmetric by (2.16)."""
     smoothing, apart, mass = Smoothing(3, support=2.5), 1.0, 1953.125
     density, pressure = np.array([1000.0, 1010.0]), np.array([10e3, 60e3])
     slope = -3.0 * smoothing.spiky_constant * (smoothing.support - apart) ** 2  # dW/dr of the spiky kernel
@@ -116,12 +116,13 @@ def pressure_forces(symmetric: bool) -> np.ndarray:
 
 
 def momentum_error(forces: np.ndarray) -> float:
-    """Sum of the forces over their sum without signs: zero where action equals reaction."""
+    """Magnitude of the summed forces over the sum of their magnitudes: zero if action equals reaction."""
     return float(abs(forces.sum()) / np.abs(forces).sum())
 
 
-def stirred(dt: float, lasts: float, particles: int = 5000) -> float:
-    """Variance of the velocity after 1 s of the listing's noise of 30 m/s2 [m2/s2]: steps of dt, draws that last."""
+def noise_variance(dt: float, lasts: float, particles: int = 5000) -> float:
+    """Velocity variance [m2/s2] after 1 s of random acceleration of 30 m/s2, as in the listing, by steps `dt` [s]; each
+    random number lasts for `lasts` [s]."""
     time = np.arange(round(1.0 / dt)) * dt
     velocity = np.zeros((particles, 3))
     for draw in (time / lasts + 1e-6).astype(int):
@@ -130,7 +131,7 @@ def stirred(dt: float, lasts: float, particles: int = 5000) -> float:
 
 
 def listing_reflectance(cosine: float) -> float:
-    """The shader of section 5.2.3 for a cosine between its eye vector and the normal."""
+    """Reflectance by the shader of section 5.2.3, for the cosine of the angle between its eye vector and the normal."""
     incident = np.arccos(cosine)
     below = np.arcsin(np.sin(incident) / REFRACTIVE_INDEX)
     less, more = incident - below, incident + below
@@ -138,23 +139,24 @@ def listing_reflectance(cosine: float) -> float:
 
 
 def listing_height(heights: np.ndarray, x: float, z: float, side: float) -> float:
-    """`getWaveHeight` of section 5.3 on heights of a cloth (n, n) [m], its first node at x = z = side / 2."""
+    """Height [m] at x, z by the listing's `getWaveHeight` (5.3), from heights (n, n) [m] of a cloth of this side
+    [m]."""
     count = len(heights)
     i, j = (int(count * (side / 2.0 - value) / side) for value in (x, z))
     return float(heights.ravel()[j * count + i - 1])
 
 
-def between(heights: np.ndarray, x: float, z: float, side: float) -> float:
-    """The height between four nodes of such a cloth."""
+def interpolated_height(heights: np.ndarray, x: float, z: float, side: float) -> float:
+    """Height [m] at x, z by bilinear interpolation on the same cloth as `listing_height` has."""
     at = [(side / 2.0 - value) * (len(heights) - 1) / side for value in (z, x)]
     (j, i), (g, f) = (int(value) for value in at), (value % 1.0 for value in at)
     square = heights[j : j + 2, i : i + 2]
     return float(np.array([1.0 - g, g]) @ square @ np.array([1.0 - f, f]))
 
 
-def touching() -> tuple[int, int, int]:
-    """Pairs of nodes and particles that Algorithm 5 looks at, that touch, and that cells as wide as the sheet is thick
-    leave to be looked at."""
+def count_contacts() -> tuple[int, int, int]:
+    """Numbers of (node, particle) pairs: all, as Algorithm 5 checks them; those that touch; and those left to check
+    with cells as wide as the sheet is thick."""
     from scipy.spatial import cKDTree
 
     x, y, z = (np.arange(count) * SPACING for count in PARTICLES)
@@ -170,8 +172,8 @@ def touching() -> tuple[int, int, int]:
     return every, int(near), seen
 
 
-def rigid(force: np.ndarray, torque: np.ndarray, steps: int) -> RigidBody:
-    """A body of 1 kg, and of 1, 2 and 3 kg m2, after so many steps."""
+def move_body(force: np.ndarray, torque: np.ndarray, steps: int) -> RigidBody:
+    """A body of 1 kg and moments of inertia 1, 2, 3 kg m2, after so many steps under a force [N] and torque [N m]."""
     none = np.zeros(3)
     body = RigidBody(1.0, np.diag([1.0, 2.0, 3.0]), none, np.array([1.0, 0.0, 0.0, 0.0]), none, none)
     for _ in range(steps):
@@ -180,14 +182,14 @@ def rigid(force: np.ndarray, torque: np.ndarray, steps: int) -> RigidBody:
 
 
 def errata() -> list[Erratum]:
-    own = program()
-    return [*of_the_water(own), *of_the_surface(), *of_the_ship()]
+    own = run_program()
+    return [*water_errata(own), *surface_errata(), *ship_errata()]
 
 
-def of_the_water(own: Program) -> list[Erratum]:
-    """Chapter 2."""
+def water_errata(own: Program) -> list[Erratum]:
+    """Errata of chapter 2."""
     upwards = 0.5 * AIR_DENSITY * BLOWS**2 * LIFTS
-    shorter = sqrt(stirred(STEP / 2, STEP) / stirred(STEP, STEP))
+    shorter = sqrt(noise_variance(STEP / 2, STEP) / noise_variance(STEP, STEP))
     air = "wind/shared/air_load.py"
     return [
         erratum(
@@ -196,7 +198,7 @@ def of_the_water(own: Program) -> list[Erratum]:
             "equation",
             2.16,
             2.18,
-            cited("fluid/mueller.py", r"Viscous term of a pair \((2\.\d+)\)"),
+            cited_number("fluid/mueller.py", r"Viscous term of a pair \((2\.\d+)\)"),
             "two equations are numbered (2.16); the second follows (2.17)",
         ),
         erratum(
@@ -205,7 +207,7 @@ def of_the_water(own: Program) -> list[Erratum]:
             "equation",
             2.21,
             2.22,
-            cited(air, r"relative to it \[m/s\]: \((2\.\d+)\)"),
+            cited_number(air, r"relative to it \[m/s\]: \((2\.\d+)\)"),
             "(2.21) is the drag coefficient",
         ),
         erratum(
@@ -214,7 +216,7 @@ def of_the_water(own: Program) -> list[Erratum]:
             "equation",
             2.22,
             2.23,
-            cited(air, r"upwards across the wind: \((2\.\d+)\)"),
+            cited_number(air, r"upwards across the wind: \((2\.\d+)\)"),
             "(2.22) is the drag",
         ),
         erratum(
@@ -223,7 +225,7 @@ def of_the_water(own: Program) -> list[Erratum]:
             "equation",
             2.18,
             2.26,
-            cited("wind/gusts.py", r"\((2\.\d+)\), summed over the volumes"),
+            cited_number("wind/gusts.py", r"\((2\.\d+)\), summed over the volumes"),
             "no equation is numbered (2.18); (2.19) sums the forces on the air, (2.26) those on the water",
         ),
         erratum(
@@ -232,7 +234,7 @@ def of_the_water(own: Program) -> list[Erratum]:
             "section",
             2.4,
             2.3,
-            cited(air, r"where section (\d\.\d)"),
+            cited_number(air, r"where section (\d\.\d)"),
             "chapter 2 ends with section 2.3",
         ),
         erratum(
@@ -284,7 +286,7 @@ def of_the_water(own: Program) -> list[Erratum]:
             "(2.24)",
             "spread of the velocity after 1 s of noise of 30 m/s2, at steps of 1/120 s over that at 1/60 s",
             "1",
-            sqrt(stirred(STEP / 2, STEP / 2) / stirred(STEP, STEP)),
+            sqrt(noise_variance(STEP / 2, STEP / 2) / noise_variance(STEP, STEP)),
             1.0,
             shorter,
             "a new draw each step stirs less the shorter the step, its variance falls by half; our draws last 1/60 s",
@@ -292,15 +294,15 @@ def of_the_water(own: Program) -> list[Erratum]:
     ]
 
 
-def of_the_surface() -> list[Erratum]:
-    """Chapters 3 and 5.2."""
+def surface_errata() -> list[Erratum]:
+    """Errata of chapters 3 and 5.2."""
     slope, angle = 2.0, radians(45.0)
     x = np.arange(5.0)
     normal = sheet(x, x, np.tile(slope * x[:, None], (1, 5))).normals[12]
     limit, exact = degrees(asin(1.0 / REFRACTIVE_INDEX)), float(fresnel(np.cos(angle)))
     least = ((REFRACTIVE_INDEX - 1.0) / (REFRACTIVE_INDEX + 1.0)) ** 2
     known = 0.0278984  # at 45 degrees, by (3.8), which holds there
-    every, near, seen = touching()
+    every, near, seen = count_contacts()
     return [
         erratum(
             "(3.2) to (3.4)",
@@ -359,8 +361,8 @@ def of_the_surface() -> list[Erratum]:
     ]
 
 
-def of_the_ship() -> list[Erratum]:
-    """Chapters 4 and 5.3."""
+def ship_errata() -> list[Erratum]:
+    """Errata of chapters 4 and 5.3."""
     side, place = PARTICLES[0] * SPACING, (10.3, 0.2)
     across = np.linspace(side / 2.0, -side / 2.0, NODES)
     heights = np.tile(0.1 * across, (NODES, 1))
@@ -375,7 +377,7 @@ def of_the_ship() -> list[Erratum]:
             "N m",
             0.0,
             1.0,
-            rigid(none, np.array([1.0, 0.0, 0.0]), 1).angular_velocity[0] / STEP * metre,
+            move_body(none, np.array([1.0, 0.0, 0.0]), 1).angular_velocity[0] / STEP * metre,
             "its last line has the dot on the inertia instead of on the angular velocity",
         ),
         erratum(
@@ -420,7 +422,7 @@ def of_the_ship() -> list[Erratum]:
             "m",
             listing_height(heights, *place, side),
             0.1 * place[0],
-            between(heights, *place, side),
+            interpolated_height(heights, *place, side),
             "33 nodes have 32 cells between them, the index is cut to a whole number and then lessened by one",
         ),
         erratum(
@@ -438,7 +440,7 @@ def of_the_ship() -> list[Erratum]:
             "m/s",
             GRAVITY * STEP,
             GRAVITY,
-            -rigid(np.array([0.0, -GRAVITY, 0.0]), none, 60).velocity[1],
+            -move_body(np.array([0.0, -GRAVITY, 0.0]), none, 60).velocity[1],
             "v = a dt and x = v dt forget what was; (4.22) and (4.23) add",
         ),
         erratum(
@@ -453,8 +455,8 @@ def of_the_ship() -> list[Erratum]:
     ]
 
 
-def drawn(rows: list[Erratum], path: Path) -> None:
-    """The table, to be read: below each quantity why what is printed is not meant."""
+def draw_figure(rows: list[Erratum], path: Path) -> None:
+    """Draw the table as a picture: a line for each erratum, and below it why the printed number is wrong."""
     figure = paper(15.0, 0.46 * len(rows) + 1.0)
     axes = figure.add_subplot()
     axes.set(xlim=(0.0, 1.0), ylim=(len(rows) + 0.6, -1.2))
@@ -485,15 +487,15 @@ def drawn(rows: list[Erratum], path: Path) -> None:
                 color=colour,
             )
         axes.text(places["quantity"], k + 0.58, row.why, fontsize=8.0, va="center", color=SOFT)
-    keep(figure, path)
+    save_figure(figure, path)
 
 
 def main() -> None:
     out = options(__doc__).out
     rows = errata()
     texts = [[f"{value:.9g}" if isinstance(value, float) else value for value in row] for row in rows]
-    table(out / "errata.csv", [], Erratum._fields, texts)
-    drawn(rows, out / "errata.png")
+    save_table(out / "errata.csv", [], Erratum._fields, texts)
+    draw_figure(rows, out / "errata.png")
     stdout.write((out / "errata.csv").read_text(encoding="utf-8"))
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from _options import options
-from _paper import BLUE, GREY, keep, paper, table
+from _paper import BLUE, GREY, paper, save_figure, save_table
 
 from ocean_sim.fluid import with_particles
 from ocean_sim.reading.scene import load
@@ -24,7 +24,7 @@ OBSERVERS = ("accuracy", "timings", "health", "frames", "render", "report")
 
 
 def scene(spacing: float) -> dict[str, Any]:
-    """A wave as long as the basin."""
+    """Scene of a standing wave as long as the basin, for a particle spacing [m]."""
     wave = {"kind": "standing_wave", "height": HEIGHT, "mode": 2}
     return {
         "title": "figure 2-2",
@@ -35,8 +35,8 @@ def scene(spacing: float) -> dict[str, Any]:
     }
 
 
-def drawn(grid: np.ndarray, water: np.ndarray, moment: float, fit: float, path: Path) -> None:
-    """Arrows in cells, and arrows on particles."""
+def draw_figure(grid: np.ndarray, water: np.ndarray, moment: float, fit: float, path: Path) -> None:
+    """Draw velocities as arrows, once in the cells of the grid and once on the particles."""
     figure = paper(11.0, 6.4)
     panels = figure.subplots(2, 1, sharex=True, sharey=True)
     titles = ("Euler: numbers at fixed places of a grid", "Lagrange: numbers on particles that move with the water")
@@ -55,11 +55,11 @@ def drawn(grid: np.ndarray, water: np.ndarray, moment: float, fit: float, path: 
     found = (
         f"{len(grid)} cells next to {len(water)} particles at {moment:.3f} s; the grid differs from linear theory by "
     )
-    keep(figure, path, f"{found}{100.0 * fit:.1f} % (RMS)")
+    save_figure(figure, path, f"{found}{100.0 * fit:.1f} % (RMS)")
 
 
 def water_top(water: np.ndarray) -> float:
-    """The greatest speed [m/s]."""
+    """Greatest speed of the water [m/s]; `water`: rows x, y, u, v."""
     return float(np.hypot(*water[:, 2:].T).max())
 
 
@@ -87,8 +87,8 @@ def main() -> None:
     head = [f"a standing wave of {LENGTH:g} m and {HEIGHT:g} m on {DEPTH:g} m of water, at {moment:.6f} s (delta_sph)"]
     head += [f"grid minus linear theory: {fit:.5f} of it (root mean square)"]
     columns = ["kind", "x_m", "y_m", "u_m_s", "v_m_s", "theory_u_m_s", "theory_v_m_s"]
-    table(asked.out / "fig2_2.csv", head, columns, rows)
-    drawn(np.hstack([places[:, :2], found]), water, moment, fit, asked.out / "fig2_2.png")
+    save_table(asked.out / "fig2_2.csv", head, columns, rows)
+    draw_figure(np.hstack([places[:, :2], found]), water, moment, fit, asked.out / "fig2_2.png")
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 from _options import options
-from _paper import keep, paper
+from _paper import paper, save_figure
 
 from ocean_sim.surface.shared.isosurface import CORNERS, EDGE_MIDDLES, EDGES, case_table
 
@@ -18,7 +18,7 @@ WATER, SKIN = "#0b4f6c", "#7fb7d6"
 
 
 def turns() -> list[np.ndarray]:
-    """New places of the corners under the 24 rotations of the cube."""
+    """Numbers of a cube's corners after each of its 24 rotations."""
     found = []
     for axes, signs in product(permutations(range(3)), product((1, -1), repeat=3)):
         turn = np.diag(signs)[:, axes]
@@ -28,7 +28,7 @@ def turns() -> list[np.ndarray]:
 
 
 def patterns() -> dict[int, int]:
-    """The least case of each pattern, and how many of the 256 cases show it."""
+    """Number of cases of each pattern, by its lowest case of 256; rotated and inverted cases are the same pattern."""
     ways = turns()
     counts: dict[int, int] = {}
     for case in range(256):
@@ -38,8 +38,8 @@ def patterns() -> dict[int, int]:
     return dict(sorted(counts.items(), key=lambda found: (found[0].bit_count(), found[0])))
 
 
-def drawn(found: dict[int, int], counts: np.ndarray, cuts: np.ndarray, path: Path) -> None:
-    """A cube a pattern: balls are corners in the water."""
+def draw_figure(found: dict[int, int], counts: np.ndarray, cuts: np.ndarray, path: Path) -> None:
+    """Draw one cube for each pattern; balls are corners in the water."""
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
     figure = paper(12.5, 8.0)
@@ -56,7 +56,7 @@ def drawn(found: dict[int, int], counts: np.ndarray, cuts: np.ndarray, path: Pat
         axes.set_box_aspect((1, 1, 1))
         axes.view_init(elev=26.0, azim=-52.0)
         axes.set_axis_off()
-    keep(figure, path)
+    save_figure(figure, path)
 
 
 def main() -> None:
@@ -70,7 +70,7 @@ def main() -> None:
             edges = ["{}-{}".format(*EDGES[e]) for e in cuts[case, : 3 * counts[case]]]
             row = case, case.bit_count(), alike, bool(ambiguous[case]), int(counts[case]), " ".join(edges)
             writer.writerow(row)
-    drawn(found, counts, cuts, out / "fig3_2.png")
+    draw_figure(found, counts, cuts, out / "fig3_2.png")
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from _options import options
-from _paper import BLUE, GREEN, INK, RED, keep, paper, table
+from _paper import BLUE, GREEN, INK, RED, paper, save_figure, save_table
 
 from ocean_sim.surface.cloth import BEND_STEPS, SHEAR_STEPS, STRETCH_STEPS
 
@@ -17,7 +17,7 @@ COLOURS = {"stretch": BLUE, "shear": RED, "bend": GREEN}
 
 
 def springs(nx: int, nz: int) -> dict[str, np.ndarray]:
-    """(m, 2) ends of every spring of a sheet of nx by nz nodes, by kind; node (i, k) has the number i nz + k.
+    """End nodes (m, 2) of all springs of a sheet of nx by nz nodes, by kind; node (i, k) has the number i nz + k.
 
     There are nx (nz - 1) + nz (nx - 1) stretch, 2 (nx - 1)(nz - 1) shear and nx (nz - 2) + nz (nx - 2) bend springs.
     """
@@ -33,8 +33,8 @@ def springs(nx: int, nz: int) -> dict[str, np.ndarray]:
     return found
 
 
-def drawn(found: dict[str, np.ndarray], path: Path) -> None:
-    """One panel a kind; bend springs are bowed, for they lie on stretch springs."""
+def draw_figure(found: dict[str, np.ndarray], path: Path) -> None:
+    """Draw a panel for each kind of spring; bend springs are curved, as they lie on stretch springs."""
     figure = paper(10.0, 3.2)
     for axes, (kind, ends) in zip(figure.subplots(1, 3), found.items(), strict=True):
         for pair in ends:
@@ -47,7 +47,7 @@ def drawn(found: dict[str, np.ndarray], path: Path) -> None:
         axes.plot(x, z, "o", color=INK, ms=5)
         axes.set(title=f"{kind}: {len(ends)} springs", aspect="equal", xlim=(-0.2, NX - 0.8), ylim=(-0.2, NZ - 0.7))
         axes.axis("off")
-    keep(figure, path)
+    save_figure(figure, path)
 
 
 def main() -> None:
@@ -55,8 +55,8 @@ def main() -> None:
     found = springs(NX, NZ)
     rows = [(kind, *map(int, pair)) for kind, ends in found.items() for pair in ends]
     head = [f"springs of a sheet of {NX} x {NZ} nodes; node (i, k) has the number i {NZ} + k"]
-    table(out / "fig3_3.csv", head, ["kind", "from", "to"], rows)
-    drawn(found, out / "fig3_3.png")
+    save_table(out / "fig3_3.csv", head, ["kind", "from", "to"], rows)
+    draw_figure(found, out / "fig3_3.png")
 
 
 if __name__ == "__main__":

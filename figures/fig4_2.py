@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 from _options import options
-from _paper import BLUE, GREEN, GREY, INK, ORANGE, PALE, RED, SKY, keep, paper, table
+from _paper import BLUE, GREEN, GREY, INK, ORANGE, PALE, RED, SKY, paper, save_figure, save_table
 
 from ocean_sim.ship.body.rigid_body import cross
 
@@ -30,9 +30,9 @@ RESPONSES = np.linspace(0.0, 1.0, 21)
 def impulse(
     arm: np.ndarray, normal: np.ndarray, approach: np.ndarray, mass: float, body: float, inertia: np.ndarray
 ) -> np.ndarray:
-    """(3,) impulse [N s] on a particle of `mass` [kg] that meets a body at `arm` (3,) from its centre [m]: along the
-    outward `normal` by restitution, across it by friction; `approach` is its velocity less the body's there [m/s],
-    `inertia` (3, 3) the body's [kg m2]. Nothing where they part already."""
+    """Impulse (3,) [N s] on a particle of `mass` [kg] that hits a body at `arm` (3,) [m] from its centre: restitution
+    along the outward `normal`, friction across; zero if they separate. `approach`: velocity relative to the body's
+    surface [m/s]; `body`: its mass [kg]; `inertia` (3, 3) [kg m2]."""
     towards = float(approach @ normal)
     if towards >= 0.0:
         return np.zeros(3)
@@ -47,14 +47,14 @@ def impulse(
 
 
 def softness(arm: np.ndarray, way: np.ndarray, mass: float, body: float, inertia: np.ndarray) -> float:
-    """Change of the approach along a unit vector by a unit impulse [1/kg]."""
+    """Change of relative velocity along a unit vector `way`, at the point of contact, for a unit impulse [1/kg]."""
     turned = np.linalg.solve(inertia, cross(arm, way))
     return 1.0 / mass + 1.0 / body + float(way @ cross(turned, arm))
 
 
 def lattice() -> tuple[np.ndarray, np.ndarray]:
-    """(n, 3) particles in layers, one through the middle of the ball, and (n,) which of them it meets: what it has run
-    over lies on its skin."""
+    """Particles (n, 3) in horizontal layers, and (n,) true for those in contact with the ball; those inside it lie on
+    its skin."""
     along, down = np.arange(-8.0, 8.1) * SPACING, -np.arange(0.5, 7.0) * SPACING
     places = np.stack([grid.ravel() for grid in np.meshgrid(along, down, along)], axis=1)
     distance = np.linalg.norm(places - CENTRE, axis=1)
@@ -63,9 +63,9 @@ def lattice() -> tuple[np.ndarray, np.ndarray]:
     return CENTRE + (places - CENTRE) * out, distance < RADIUS + REACH * SUPPORT
 
 
-def after(rows: list[tuple], response: float, body: float, inertia: np.ndarray) -> tuple[np.ndarray, float, float]:
-    """Velocity of the ball [m/s], momentum [N s] and energy [J] that both have less, when it takes this part of the
-    impulses; each particle takes its own whole."""
+def one_by_one(rows: list[tuple], response: float, body: float, inertia: np.ndarray) -> tuple[np.ndarray, float, float]:
+    """Ball after it takes the share `response` of every impulse, and each particle its own whole: its velocity [m/s],
+    change of momentum [N s] and loss of energy [J] of ball and particles together; `body`: mass of the ball [kg]."""
     total = -response * sum(row[3] for row in rows)
     spin = -response * np.linalg.solve(inertia, sum(cross(row[1], row[3]) for row in rows))
     velocity = FALLS + total / body
@@ -75,9 +75,9 @@ def after(rows: list[tuple], response: float, body: float, inertia: np.ndarray) 
     return velocity, float(np.linalg.norm(momentum)), energy
 
 
-def together(rows: list[tuple], response: float, body: float, inertia: np.ndarray) -> tuple[float, float, float]:
-    """Velocities after collisions that are solved together: every particle that met the ball leaves the moving skin
-    with the restitution, without friction."""
+def all_at_once(rows: list[tuple], response: float, body: float, inertia: np.ndarray) -> tuple[float, float, float]:
+    """Ball after collisions solved at once, without friction: particles in contact leave the moving skin with the
+    restitution. Return vertical velocity [m/s], change of momentum [N s] and loss of energy [J], as `one_by_one`."""
     normals = np.array([row[2] for row in rows])
     ways = np.hstack([normals, np.cross([row[1] for row in rows], normals)])  # (n, 6) of the ball's motions
     before, masses = np.concatenate([FALLS, np.zeros(3)]), np.zeros((6, 6))
@@ -98,8 +98,8 @@ def together(rows: list[tuple], response: float, body: float, inertia: np.ndarra
     return float(after[1]), float(np.linalg.norm(made)), energy
 
 
-def drawn(places: np.ndarray, rows: list[tuple], course: list[tuple], path: Path) -> None:
-    """The layer through the middle of the ball with its impulses; what the response coefficient does."""
+def draw_figure(places: np.ndarray, rows: list[tuple], course: list[tuple], path: Path) -> None:
+    """Draw the middle layer of particles with its impulses, and the effect of the response coefficient."""
     from matplotlib.patches import Circle, Wedge
 
     figure = paper(12.5, 5.4)
@@ -147,7 +147,7 @@ def drawn(places: np.ndarray, rows: list[tuple], course: list[tuple], path: Path
             axes.set_title("the ball after it, and what both have gained or lost")
             axes.text(0.51, columns[1].min(), "the listing's 0.5", color=GREY, fontsize=9, va="bottom")
     axes.set_xlabel("part of the impulses that the ball takes")
-    keep(figure, path)
+    save_figure(figure, path)
 
 
 def main() -> None:
@@ -162,20 +162,20 @@ def main() -> None:
         rows.append((int(k), RADIUS * normal, normal, push))
     course = []
     for response in RESPONSES:
-        velocity, momentum, energy = after(rows, float(response), body, inertia)
-        at_once = together(rows, float(response), body, inertia)
+        velocity, momentum, energy = one_by_one(rows, float(response), body, inertia)
+        at_once = all_at_once(rows, float(response), body, inertia)
         course.append((float(response), float(velocity[1]), momentum, energy, *at_once))
     head = [f"a ball of {body:.6g} kg at ({FALLS[0]:g}, {FALLS[1]:g}, 0) m/s among particles of {MASS:.6g} kg at rest"]
     head += [f"restitution {RESTITUTION:g}, friction {FRICTION:g}; each pair by itself, from the velocities before"]
     columns = [
         f"{name}_{axis}{unit}" for name, unit in (("at", "_m"), ("normal", ""), ("impulse", "_Ns")) for axis in "xyz"
     ]
-    table(out / "fig4_2.csv", head, columns, [(*places[k], *normal, *push) for k, _, normal, push in rows])
+    save_table(out / "fig4_2.csv", head, columns, [(*places[k], *normal, *push) for k, _, normal, push in rows])
     head = ["the ball after the impulses, by the part of them that it takes, and what both have gained or lost"]
     columns = ["response", "ball_y_m_s", "momentum_made_Ns", "energy_lost_J"]
     columns += [f"together_{name}" for name in columns[1:]]
-    table(out / "fig4_2_response.csv", head, columns, course)
-    drawn(places, rows, course, out / "fig4_2.png")
+    save_table(out / "fig4_2_response.csv", head, columns, course)
+    draw_figure(places, rows, course, out / "fig4_2.png")
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from _options import options
-from _paper import BLUE, INK, ORANGE, PALE, RED, keep, paper, table
+from _paper import BLUE, INK, ORANGE, PALE, RED, paper, save_figure, save_table
 
 from ocean_sim.ship.hull.hull import hull_of
 from ocean_sim.ship.naval.hydrostatics import UPRIGHT, Hydrostatics
@@ -19,15 +19,15 @@ FEW, CELLS = 3.0, (1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0)  # cubes over the draught
 DRY, CUT, WET = "#e8e2d5", ORANGE, "#5b97bd"
 
 
-def cornered(still: Hydrostatics) -> np.ndarray:
-    """(n, 3) lowest corner of each cube [m]: what the hull keeps of it may have its centre elsewhere."""
+def cube_corners(still: Hydrostatics) -> np.ndarray:
+    """Lowest corner (n, 3) of each cube [m], also of cubes that the hull fills only partly."""
     size = still.voxels.size
     lower = np.array(hull_of(HULL).shape.bounds()[0])
     return lower + np.floor((still.voxels.centre - lower) / size) * size
 
 
-def boxes(axes: Any, corner: np.ndarray, size: np.ndarray, colours: list[str]) -> None:
-    """Cubes, without the faces that they share."""
+def draw_cubes(axes: Any, corner: np.ndarray, size: np.ndarray, colours: list[str]) -> None:
+    """Draw cubes without the faces that two of them share."""
     from matplotlib.colors import to_rgb
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
@@ -52,16 +52,16 @@ def boxes(axes: Any, corner: np.ndarray, size: np.ndarray, colours: list[str]) -
     axes.add_collection3d(Poly3DCollection(faces, facecolors=shades, edgecolors=(0.1, 0.15, 0.2, 0.55), lw=0.35))
 
 
-def drawn(still: Hydrostatics, share: np.ndarray, curve: list[tuple], path: Path) -> None:
-    """The cubes, coloured by what the water does; a section; the displacement as they get smaller."""
+def draw_figure(still: Hydrostatics, share: np.ndarray, curve: list[tuple], path: Path) -> None:
+    """Draw the cubes, coloured by their state in the water; a section; and displacement over number of cubes."""
     from matplotlib.patches import Patch, Rectangle
 
     figure = paper(14.0, 6.6)
     grid = figure.add_gridspec(2, 2, width_ratios=(1.5, 1.0))
     axes = figure.add_subplot(grid[:, 0], projection="3d")
-    corner, size = cornered(still), still.voxels.size
+    corner, size = cube_corners(still), still.voxels.size
     colours = [WET if s >= 1.0 else DRY if s <= 0.0 else CUT for s in share]
-    boxes(axes, corner, size, colours)
+    draw_cubes(axes, corner, size, colours)
     axes.set_box_aspect((15.0, 4.6, 3.2), zoom=1.05)
     axes.set(
         xlim=(-7.5, 7.5),
@@ -106,7 +106,7 @@ def drawn(still: Hydrostatics, share: np.ndarray, curve: list[tuple], path: Path
     errors.minorticks_off()
     errors.grid(color=PALE, lw=0.7)
     errors.legend(loc="best")
-    keep(figure, path)
+    save_figure(figure, path)
 
 
 def main() -> None:
@@ -121,7 +121,7 @@ def main() -> None:
     for cells in CELLS:
         each = hull.in_still_water(cells, DENSITY, GRAVITY)
         lift = DENSITY * float(each.wet_volumes(UPRIGHT, level).sum()) / each.matter.mass
-        centre = cells_of(hull, each)
+        centre = cube_heights(hull, each)
         whole = each.voxels.size.prod() * (each.voxels.share >= 0.5) * (centre < level)
         plain = DENSITY * float(whole.sum()) / each.matter.mass
         curve.append((cells, len(each.voxels.share), each.draught, lift, plain))
@@ -130,15 +130,15 @@ def main() -> None:
     head += [f"they carry {carried.sum():.6g} N, the ship weighs {still.matter.mass * GRAVITY:.6g} N"]
     columns = ["x_m", "y_m", "z_m", "inside", "under_water", "buoyancy_N"]
     rows = np.column_stack([still.voxels.centre, still.voxels.share, np.clip(share, 0.0, 1.0), carried])
-    table(out / "fig4_4.csv", head, columns, rows.tolist())
+    save_table(out / "fig4_4.csv", head, columns, rows.tolist())
     head = [f"lift over weight at a draught of {finest.draught:.6g} m, that of 24 cubes over the draught"]
     columns = ["cells_per_draught", "cubes", "draught_m", "lift_over_weight", "whole_cubes_lift_over_weight"]
-    table(out / "fig4_4_cells.csv", head, columns, curve)
-    drawn(still, share, curve, out / "fig4_4.png")
+    save_table(out / "fig4_4_cells.csv", head, columns, curve)
+    draw_figure(still, share, curve, out / "fig4_4.png")
 
 
-def cells_of(hull: Any, still: Hydrostatics) -> np.ndarray:
-    """(n,) heights of the middles of the cubes themselves [m]."""
+def cube_heights(hull: Any, still: Hydrostatics) -> np.ndarray:
+    """Heights (n,) of the centres of all cubes [m], also of cubes that the hull fills only partly."""
     lower, size = hull.shape.bounds()[0][1], still.voxels.size[1]
     return lower + (np.floor((still.voxels.centre[:, 1] - lower) / size) + 0.5) * size
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from _options import options
-from _paper import INK, keep, lit, paper, set_plan, table
+from _paper import INK, light_colours, paper, save_figure, save_table, set_plan
 
 from ocean_sim.fluid import with_particles
 from ocean_sim.observers.accuracy import highest_particles, surface_fit
@@ -20,8 +20,8 @@ SOON = 3.0  # [s] in haste: the gust has come in
 CLOTH = 0.66, 0.83, 0.91  # colour
 
 
-def drawn(position: np.ndarray, mesh: Mesh, rows: np.ndarray, spacing: float, rms: str, found: str, path: Path) -> None:
-    """Particles alone, with the cloth over them, and the map of what is between; `rows`: x, z and both heights."""
+def draw(position: np.ndarray, mesh: Mesh, rows: np.ndarray, spacing: float, rms: str, found: str, path: Path) -> None:
+    """Draw the particles, the cloth over them, and a map of their difference; `rows`: x, z and both heights [m]."""
     figure, solid = paper(16.0, 5.2), []
     size = np.ptp(position, axis=0)
     for k, title in enumerate(("particles", f"and the cloth on them: {rms}")):
@@ -33,7 +33,7 @@ def drawn(position: np.ndarray, mesh: Mesh, rows: np.ndarray, spacing: float, rm
             vx, vy, vz = mesh.vertices.T
             skin = axes.plot_trisurf(vx, vz, vy, triangles=mesh.triangles, shade=False, edgecolor=INK, lw=0.1)
             high = mesh.vertices * [1.0, 2.0, 1.0]  # as it is drawn
-            skin.set_facecolor(np.insert(lit(high, mesh.triangles, np.array(CLOTH)), 3, 0.85, axis=1))
+            skin.set_facecolor(np.insert(light_colours(high, mesh.triangles, np.array(CLOTH)), 3, 0.85, axis=1))
         axes.set_box_aspect((size[0], size[2], 2.0 * size[1]), zoom=1.1)  # heights twice as large
         axes.set_title(title, y=0.97)
         set_plan(axes, zlabel="y [m]", zticks=(-6, -3, 0, 3))
@@ -46,7 +46,7 @@ def drawn(position: np.ndarray, mesh: Mesh, rows: np.ndarray, spacing: float, rm
     shown = chart.scatter(rows[:, 0], rows[:, 1], c=off, s=22.0, marker="s", cmap="PuOr", vmin=-most, vmax=most)
     set_plan(chart, aspect="equal", title="cloth minus particles")
     figure.colorbar(shown, ax=chart, label="[spacings]", shrink=0.7, extend="both")
-    keep(figure, path, found)
+    save_figure(figure, path, found)
 
 
 def main() -> None:
@@ -66,8 +66,8 @@ def main() -> None:
     found = f"Cloth minus particles: {mean / spacing:+.3f} spacings in the mean, {off}."
     head += [found]
     rows = np.column_stack([top[:, [0, 2]], cloth, top[:, 1]]).round(6)
-    table(asked.out / "fig6_1.csv", head, ["x_m", "z_m", "cloth_m", "particles_m"], rows.tolist())
-    drawn(position, mesh, rows, spacing, off, found, asked.out / "fig6_1.png")
+    save_table(asked.out / "fig6_1.csv", head, ["x_m", "z_m", "cloth_m", "particles_m"], rows.tolist())
+    draw(position, mesh, rows, spacing, off, found, asked.out / "fig6_1.png")
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from _options import options
-from _paper import BLUE, GREEN, GREY, INK, ORANGE, PALE, PURPLE, RED, SKY, keep, paper, table
+from _paper import BLUE, GREEN, GREY, INK, ORANGE, PALE, PURPLE, RED, SKY, paper, save_figure, save_table
 
 from ocean_sim.platform.hexapod import Config
 from ocean_sim.platform.shared.kinematics import Hexapod
@@ -23,16 +23,16 @@ CLOSE = 0.06  # [m] legs that share one label
 LEGS = (BLUE, ORANGE, GREEN, RED, SKY, PURPLE)
 
 
-def swings(motion: int) -> tuple[np.ndarray, np.ndarray]:
-    """Times (n,) [s] and poses (n, 6) of a swing, from one end to the other and back."""
+def swing_poses(motion: int) -> tuple[np.ndarray, np.ndarray]:
+    """Times (n,) [s] and poses (n, 6) of one period of a swing in one motion."""
     time = np.linspace(0.0, PERIOD, STEPS + 1)
     pose = np.zeros((len(time), 6))
     pose[:, motion] = SWING * np.cos(2.0 * np.pi * time / PERIOD)
     return time, pose
 
 
-def alike(lengths: np.ndarray) -> list[list[int]]:
-    """Legs of nearly the same length, together."""
+def group_legs(lengths: np.ndarray) -> list[list[int]]:
+    """Group legs whose lengths nearly agree, to share a label."""
     found: list[list[int]] = []
     for k in np.argsort(lengths, kind="stable").tolist():
         if found and lengths[k] - lengths[found[-1][-1]] < CLOSE:
@@ -42,8 +42,8 @@ def alike(lengths: np.ndarray) -> list[list[int]]:
     return [sorted(group) for group in found]
 
 
-def drawn(hexapod: Hexapod, ends: tuple[float, float], rides: dict[str, tuple], path: Path) -> None:
-    """A strip a motion, and its legs next to it."""
+def draw_figure(hexapod: Hexapod, ends: tuple[float, float], rides: dict[str, tuple], path: Path) -> None:
+    """Draw a strip of poses for each motion, and the lengths of the legs over time next to it."""
     figure = paper(14.0, 8.6)
     apart = 2.5 * float(np.abs(hexapod.base).max())
     for row, (name, (time, pose, legs)) in enumerate(rides.items()):
@@ -63,14 +63,14 @@ def drawn(hexapod: Hexapod, ends: tuple[float, float], rides: dict[str, tuple], 
         curve.text(PERIOD, ends[0], "shortest", color=GREY, fontsize=8, ha="right", va="bottom")
         curve.set(ylabel="leg [m]", xlim=(0, PERIOD), ylim=(ends[0] - 0.1, ends[1] + 0.15))
         curve.grid(color=PALE, lw=0.7)
-        for same in alike(legs[-1]):
+        for same in group_legs(legs[-1]):
             numbers = ", ".join(str(k + 1) for k in same)
             curve.text(PERIOD + 0.06, legs[-1, same].mean(), numbers, fontsize=8, va="center", color=INK)
         if row == 0:
             curve.set_title("legs 1 to 6", loc="left")
             curve.legend(ncols=6, loc="lower center", bbox_to_anchor=(0.6, 1.0), columnspacing=1.0, handlelength=1.6)
     curve.set_xlabel("time [s]")
-    keep(figure, path)
+    save_figure(figure, path)
 
 
 def main() -> None:
@@ -78,9 +78,9 @@ def main() -> None:
     machine = Config(geometry=GEOMETRY).build(PERIOD / STEPS)
     hexapod, rows, rides = machine.hexapod, [], {}
     for name, motion in MOTIONS.items():
-        time, pose = swings(motion)
+        time, pose = swing_poses(motion)
         legs = hexapod.legs(pose)
-        speed = np.einsum("nij,nj->ni", hexapod.jacobian(pose), moving(time, motion))
+        speed = np.einsum("nij,nj->ni", hexapod.jacobian(pose), swing_velocity(time, motion))
         back = np.abs(hexapod.pose(legs, pose * 0.9) - pose).max(axis=1)
         rides[name] = time, pose, legs
         for k in range(len(time)):
@@ -89,12 +89,12 @@ def main() -> None:
     head += ["error: pose found from the legs less the pose that they were found from, the worst of its six numbers"]
     columns = ["motion", "time_s", "angle_deg", *(f"leg{k}_m" for k in range(1, 7))]
     columns += [*(f"leg{k}_m_s" for k in range(1, 7)), "error"]
-    table(out / "fig6_10.csv", head, columns, [(*row[:-1], f"{max(row[-1], 1e-15):.0e}") for row in rows])
-    drawn(hexapod, (hexapod.low, hexapod.high), rides, out / "fig6_10.png")
+    save_table(out / "fig6_10.csv", head, columns, [(*row[:-1], f"{max(row[-1], 1e-15):.0e}") for row in rows])
+    draw_figure(hexapod, (hexapod.low, hexapod.high), rides, out / "fig6_10.png")
 
 
-def moving(time: np.ndarray, motion: int) -> np.ndarray:
-    """(n, 6) velocity [m/s] and rate [rad/s] in the axes of the floor: an angle alone turns about its own axis."""
+def swing_velocity(time: np.ndarray, motion: int) -> np.ndarray:
+    """Velocity [m/s] and angular velocity [rad/s] (n, 6) of a swing in one motion, in the axes of the floor."""
     rate = np.zeros((len(time), 6))
     rate[:, motion] = -SWING * 2.0 * np.pi / PERIOD * np.sin(2.0 * np.pi * time / PERIOD)
     return rate

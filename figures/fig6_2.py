@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 from _options import options
-from _paper import INK, keep, lit, paper, set_plan, table
+from _paper import INK, light_colours, paper, save_figure, save_table, set_plan
 
 from ocean_sim.fluid import with_particles
 from ocean_sim.observers.accuracy import highest_particles, surface_fit
@@ -28,8 +28,8 @@ HIGH, TALLER = 2.0, 2.5  # [m] to which colours reach; how much larger heights a
 SOON = 3.0  # [s] in haste: the gust has come in
 
 
-def taken(make: Callable[[], object]) -> float:
-    """Median time [ms], after a first time that compiles."""
+def median_time(make: Callable[[], object]) -> float:
+    """Median time [ms] of calls of `make`, after one that compiles."""
     make()
     times = []
     for _ in range(ROUNDS):
@@ -40,13 +40,13 @@ def taken(make: Callable[[], object]) -> float:
 
 
 def open_edges(triangles: np.ndarray) -> int:
-    """Edges that belong to one triangle alone."""
+    """Number of edges that belong to one triangle only: boundaries and holes."""
     edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
     return int((np.unique(edges, axis=0, return_counts=True)[1] == 1).sum())
 
 
 def flying_edges(cubes: MarchingCubes) -> Callable[[], Any]:
-    """VTK's isosurface of the same field."""
+    """Function that cuts the field of `cubes` by VTK's flying edges."""
     import pyvista
 
     nodes = cubes.nodes
@@ -56,9 +56,9 @@ def flying_edges(cubes: MarchingCubes) -> Callable[[], Any]:
     return lambda: image.contour([0.0], values, method="flying_edges")
 
 
-def drawn(meshes: dict[str, Mesh], captions: dict[str, str], off: np.ndarray, found: str, path: Path) -> None:
-    """Both surfaces, seen from the same place, and the map of what is between them; `off`: x, z [m] and
-    that [spacings]; `found`: the end of the caption."""
+def draw_figure(meshes: dict[str, Mesh], captions: dict[str, str], off: np.ndarray, found: str, path: Path) -> None:
+    """Draw both surfaces from the same viewpoint, and a map of their distance; `off`: x, z [m] and distance [spacings];
+    `found`: end of the caption."""
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
@@ -76,7 +76,7 @@ def drawn(meshes: dict[str, Mesh], captions: dict[str, str], off: np.ndarray, fo
         solid.append(axes)
         skin = axes.plot_trisurf(x, z, y, triangles=mesh.triangles, shade=False, linewidth=0.12, edgecolor=INK)
         colours = heights.to_rgba(y[mesh.triangles].mean(axis=1))[:, :3]
-        skin.set_facecolor(lit(mesh.vertices * [1.0, TALLER, 1.0], mesh.triangles, colours))
+        skin.set_facecolor(light_colours(mesh.vertices * [1.0, TALLER, 1.0], mesh.triangles, colours))
         axes.set_box_aspect((np.ptp(x), np.ptp(z), 8.0 * TALLER), zoom=1.15)
         axes.set_title(f"{name.replace('_', ' ')}: {captions[name]}", y=0.97)
         set_plan(axes, zlabel="y [m]", zlim=(-4.0, 4.0), zticks=(-4, -2, 0, 2, 4))
@@ -84,7 +84,7 @@ def drawn(meshes: dict[str, Mesh], captions: dict[str, str], off: np.ndarray, fo
         axes.view_init(elev=24.0, azim=-60.0)
     bar = {"shrink": 0.4, "aspect": 30.0, "pad": 0.06, "orientation": "horizontal", "extend": "both"}
     figure.colorbar(heights, ax=solid, label="y [m]", **bar)
-    keep(figure, path, found)
+    save_figure(figure, path, found)
 
 
 def main() -> None:
@@ -112,8 +112,8 @@ def main() -> None:
             cubes.follow(fluid.particles, 0.0)
             cubes.mesh()
 
-        step = taken(moved)
-        times = {"cloth": taken(laid), "marching_cubes": taken(frame)}
+        step = median_time(moved)
+        times = {"cloth": median_time(laid), "marching_cubes": median_time(frame)}
         meshes = {"cloth": cloth.mesh(), "marching_cubes": cubes.free_surface()}
         whole = {"cloth": meshes["cloth"], "marching_cubes": cubes.mesh()}
         rows = []
@@ -124,7 +124,7 @@ def main() -> None:
         between = (cloth.elevations(top[:, [0, 2]]) - cubes.elevations(top[:, [0, 2]])) / spacing
         cut = flying_edges(cubes)
         triangles = cut().regular_faces
-        rows.append(("flying_edges", taken(cut), len(triangles), rows[1][3], rows[1][4], open_edges(triangles)))
+        rows.append(("flying_edges", median_time(cut), len(triangles), rows[1][3], rows[1][4], open_edges(triangles)))
     head = [f"{SCENE} at {simulation.time:.3f} s, {fluid.particles.n} particles {spacing:g} m apart"]
     head += ["distance over the highest particle of every column, in spacings; an open edge has one triangle"]
     columns = ["surface", "triangles", "mean_spacings", "rms_spacings", "open_edges"]
@@ -132,15 +132,15 @@ def main() -> None:
         (name, round(ms, 2), count, round(mean, 3), round(rms, 3), open) for name, ms, count, mean, rms, open in rows
     ]
     counted = [(name, *others) for name, _, *others in rows]
-    table(asked.out / "fig6_2.csv", head, columns, counted)
+    save_table(asked.out / "fig6_2.csv", head, columns, counted)
     timed = [(name, ms) for name, ms, *_ in rows] + [("step of the water", round(step, 2))]
-    table(asked.out / "fig6_2_timings.csv", [f"medians of {ROUNDS} [ms]"], ["surface", "ms"], timed)
+    save_table(asked.out / "fig6_2_timings.csv", [f"medians of {ROUNDS} [ms]"], ["surface", "ms"], timed)
     captions = {name: f"{ms:g} ms, {count} triangles, {rms:g} spacings (RMS)" for name, ms, count, _, rms, _ in rows}
     means = {name: mean for name, _, _, mean, *_ in rows}
     found = (
         f"From the particles: cloth {means['cloth']:+g}, marching cubes {means['marching_cubes']:+g} spacings (mean)."
     )
-    drawn(meshes, captions, np.column_stack([top[:, [0, 2]], between]), found, asked.out / "fig6_2.png")
+    draw_figure(meshes, captions, np.column_stack([top[:, [0, 2]], between]), found, asked.out / "fig6_2.png")
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from _options import options, progress
-from _paper import BLUE, INK, ORANGE, PALE, keep, paper, set_plan, table
+from _paper import BLUE, INK, ORANGE, PALE, paper, save_figure, save_table, set_plan
 
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
@@ -48,15 +48,15 @@ RING = 8.0  # [m] radius at which circulation is taken
 
 
 def gust(range_m: float = 8.0, acceleration: float = 1.0, drift: float = 10.0, **keys: float) -> dict:
-    """A gust along x, as `wide` but straight; `range_m` is its length along the wind."""
+    """Wind keys of a gust along x, like the preset `wide` but straight; `range_m`: its length along the wind [m]."""
     box = {"kind": "box", "half_size": [range_m / 2, 15.0, 25.0], "centre": [-20.0 - range_m / 2, 0.0, 0.0]}
     push = [1.5 * acceleration, 2.1 * acceleration, 0.0]
     volume = {"include": [box], "acceleration": push, "noise": [0.5, 0.5, 0.5], "drift": drift, "start": SETTLED}
     return {"kind": "gusts", "volumes": [{**volume, **keys}]}
 
 
-def varied() -> list[tuple[str, float, dict, float]]:
-    """Varied quantity, its value, the wind, and the length of the basin [m]."""
+def varied_winds() -> list[tuple[str, float, dict, float]]:
+    """Rows of the trends: name of the varied quantity, its value, wind keys, and length of the basin [m]."""
     rows = [("range [m]", x, gust(range_m=x), 40.0) for x in (2.0, 4.0, 8.0)]
     # A faster gust of the same thrust kicks less; what rises with the speed of its air is the acceleration, as U^2.
     rows += [("speed [of wide]", x, gust(acceleration=x * x), 40.0) for x in (0.5, 0.75, 1.0)]
@@ -64,8 +64,8 @@ def varied() -> list[tuple[str, float, dict, float]]:
     return rows
 
 
-def train(length: float, lasts: float) -> dict:
-    """Gusts one behind the other, a quarter as strong as `gust`; the first comes in when the lattice has settled."""
+def gust_train(length: float, lasts: float) -> dict:
+    """Wind keys of gusts in a row, a quarter as strong as `gust`; the first arrives once the lattice has settled."""
     places = np.arange(-length / 2 - 4.0 - GUST_SPEED * SETTLED, -length / 2 - GUST_SPEED * lasts, -GUST_GAP)
     volumes = []
     for x in places:
@@ -87,7 +87,7 @@ class Waves(NamedTuple):
 
 
 class View(NamedTuple):
-    """Picture of one sea."""
+    """Data of a picture of one sea."""
 
     chart: tuple[np.ndarray, np.ndarray, np.ndarray]  # places [m] and elevation [m] at the end
     wind: Drawing  # when it blew most strongly and nearest to the middle
@@ -96,7 +96,7 @@ class View(NamedTuple):
 def sea(
     wind: dict | str, length: float, seed: int, lasts: float, resolution: float, fluid: str | dict = "thesis_6000"
 ) -> tuple[Waves, View]:
-    """The sea that a wind raises on a water."""
+    """Run a wind over water for `lasts` [s]. Return statistics of its waves, and data to draw them."""
     scene = {
         "title": "figure 6-3",
         "seed": seed,
@@ -125,19 +125,19 @@ def sea(
         x, z = np.meshgrid(*fine)
         top = simulation.fluid.elevations(np.stack([x.ravel(), z.ravel()], axis=1)).reshape(x.shape)
     turned = float(np.mean(turning)) if turning else float("nan")
-    return Waves(*heights_of(times, heights), turned), View((fine[0], fine[1], top), min(winds, key=order))
+    return Waves(*heights_of(times, heights), turned), View((fine[0], fine[1], top), min(winds, key=strength_order))
 
 
-def order(wind: Drawing) -> tuple[float, float]:
-    """Less the more strongly a wind blows, and then the nearer to the middle."""
+def strength_order(wind: Drawing) -> tuple[float, float]:
+    """Sort key of moments of a wind: strongest first, then nearest to the middle of the basin."""
     if not len(wind.tails):
         return 0.0, 0.0
     strength = np.linalg.norm(wind.arrows, axis=1).max()
     return -round(float(strength), 1), float(np.linalg.norm(wind.tails[:, [0, 2]].mean(axis=0)))
 
 
-def fetched(fetch: float, blowing: bool, seed: int, lasts: float) -> Waves:
-    """The sea at the end of a fetch [m], in 2-D."""
+def fetch_sea(fetch: float, blowing: bool, seed: int, lasts: float) -> Waves:
+    """Run a 2-D slice of a fetch [m] before a beach; statistics of waves in the last quarter of the fetch."""
     length = fetch + BEACH
     scene = {
         "title": "figure 6-3, fetch",
@@ -145,7 +145,7 @@ def fetched(fetch: float, blowing: bool, seed: int, lasts: float) -> Waves:
         "duration": lasts,
         "basin": {"length": length, "depth": 7.5, "walls": {"x_max": "absorbing"}},
         "fluid": SLICE,
-        "wind": train(length, lasts) if blowing else "still",
+        "wind": gust_train(length, lasts) if blowing else "still",
         **QUIET,
     }
     x = np.linspace(0.75, 1.0, 6) * fetch - length / 2
@@ -160,10 +160,10 @@ def fetched(fetch: float, blowing: bool, seed: int, lasts: float) -> Waves:
 
 
 def heights_of(times: list[float], heights: list[np.ndarray]) -> tuple[float, float, float, float, int]:
-    """4 sqrt m0, mean of the highest third [m], mean period [s], highest crest [m] and number of waves of all gauges
-    together."""
+    """Statistics of all gauges together: 4 sqrt m0 [m], mean of the highest third [m], mean period [s], highest crest
+    [m], and number of waves."""
     record = np.array(heights)
-    waves = [zero_crossing_waves(*level(np.array(times), height)) for height in record.T]
+    waves = [zero_crossing_waves(*remove_mean(np.array(times), height)) for height in record.T]
     sizes, periods = (np.concatenate([each[k] for each in waves]) for k in (0, 1))
     highest = np.sort(sizes)[::-1][: max(1, round(len(sizes) / 3.0))]
     return (
@@ -175,25 +175,25 @@ def heights_of(times: list[float], heights: list[np.ndarray]) -> tuple[float, fl
     )
 
 
-def level(time: np.ndarray, height: np.ndarray) -> tuple[float, np.ndarray]:
-    """A record at equal intervals [s], less its mean [m]."""
+def remove_mean(time: np.ndarray, height: np.ndarray) -> tuple[float, np.ndarray]:
+    """Resample a record to equal intervals, and subtract its mean: interval [s] and values [m]."""
     interval, even = even_samples(time, height)
     return interval, even - even.mean()
 
 
 def spread(values: list[float]) -> tuple[float, float]:
-    """Mean and standard deviation, which one value does not have."""
+    """Mean and standard deviation of values; the latter is not a number for a single value."""
     return float(np.mean(values)), float(np.std(values, ddof=1)) if len(values) > 1 else float("nan")
 
 
-def drawn(
+def draw_figure(
     seas: dict[str, tuple[View, str]],
     spectral: dict[str, tuple[View, str]],
     trends: dict[str, list[tuple[float, ...]]],
     seeds: int,
     path: Path,
 ) -> None:
-    """The sea under each preset from above, that of spectral_sea, and the four trends of so many seeds."""
+    """Draw the sea under each preset from above, also that of spectral_sea, and the four trends over so many seeds."""
     blown = f"wind, {seeds} seeds:\nmean, standard deviation" if seeds > 1 else "wind, one seed"
     figure = paper(15.0, 14.8)
     axes = figure.subplots(4, 4, height_ratios=(1.15, 1.15, 1.15, 1.0))
@@ -218,7 +218,7 @@ def drawn(
         panel.set(xlabel=what, ylabel=r"$4\sqrt{m_0}$ [m]", ylim=(0.0, max(mean + np.nan_to_num(deviation)) * 1.35))
         panel.grid(color=PALE, lw=0.7)
         panel.legend(loc="upper left")
-    keep(figure, path)
+    save_figure(figure, path)
 
 
 def marks(wind: Drawing) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -234,8 +234,8 @@ def marks(wind: Drawing) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return lines.T, np.stack([tails[blowing].T, arrows[blowing].T]), tails[over & ~blowing].T
 
 
-def pictured(view: View, name: str, lasts: float, path: Path) -> None:
-    """The sea under one preset at the end, seen from aside, and the wind when it blew over its middle."""
+def draw_sea(view: View, name: str, lasts: float, path: Path) -> None:
+    """Draw the sea under one preset at the end of its run from the side, and its wind when it blew over the middle."""
     x, z, top = view.chart
     figure = paper(2.8, 2.0)
     axes = figure.add_subplot(projection="3d", computed_zorder=False)
@@ -253,11 +253,11 @@ def pictured(view: View, name: str, lasts: float, path: Path) -> None:
     axes.grid(False)
     axes.tick_params(labelsize=5.0, pad=-4.0)
     words = f"Figure 6-3, {PRINTED.get(name, '')}{name.replace('_', ' ')}: the sea at {lasts:g} s; x, z, elevation in m"
-    keep(figure, path, words)
+    save_figure(figure, path, words)
 
 
 def summary(runs: list[Waves]) -> str:
-    """Height, period and circulation of a wind with their spread over seeds, for a picture."""
+    """Text for a picture: height, period and circulation under a wind, with their spread over seeds."""
     rows = [spread([getattr(run, name) for run in runs]) for name in ("hm0", "tz", "circulation")]
     (hs, hs_sd), (tz, tz_sd), (turn, turn_sd) = rows
     several = len(runs) > 1
@@ -273,7 +273,7 @@ def main() -> None:
     seeds, resolution, lasts = ((1,), 2.0, 12.0) if asked.fast else ((1, 2, 3, 4, 5), 2.0, LASTS)
     steady = 35.0  # [s] also in haste: the waves must come to the end of the longest fetch
     cases: list[tuple[str, Any, dict | str, float]] = [("preset", name, name, 40.0) for name in PRESETS]
-    cases += varied()
+    cases += varied_winds()
     cases += [("spectral_sea", name, name, 40.0) for name in PRINTED]
     cases += [(FETCH, fetch, {}, fetch) for fetch in FETCHES]
     calm = sea("still", 40.0, seeds[0], lasts, resolution)[0].hm0
@@ -291,13 +291,13 @@ def main() -> None:
             share = (done + len(runs) / len(seeds)) / len(cases)
             progress(share, f"{what} {value}, seed {seed}")
             if what == FETCH:
-                runs.append(fetched(value, True, seed, steady))
+                runs.append(fetch_sea(value, True, seed, steady))
             else:
                 waves, view = sea(wind, length, seed, lasts, resolution, water)
                 runs.append(waves)
                 views.append(view)
         still = (
-            fetched(value, False, seeds[0], steady).hm0 if what == FETCH else 0.0 if what == "spectral_sea" else calm
+            fetch_sea(value, False, seeds[0], steady).hm0 if what == FETCH else 0.0 if what == "spectral_sea" else calm
         )
         mean, deviation = spread([run.hm0 for run in runs])
         turn, scatter = spread([run.circulation for run in runs])
@@ -307,7 +307,7 @@ def main() -> None:
         rows.append((what, value, length, len(seeds), *(f"{n:.4g}" if np.isfinite(n) else "" for n in numbers)))
         if what == "preset":
             seas[value] = views[0], summary(runs)
-            pictured(views[0], value, lasts, asked.out / f"fig6_3_{value}.png")
+            draw_sea(views[0], value, lasts, asked.out / f"fig6_3_{value}.png")
         elif what == "spectral_sea":
             spectral[f"spectral sea, {value}"] = views[0], summary(runs)
         else:
@@ -319,8 +319,8 @@ def main() -> None:
     head += [
         "hm0: 4 sqrt m0 over time at 25 gauges; hs: highest third of the waves of all gauges, tz: their mean period"
     ]
-    table(asked.out / "fig6_3.csv", head, columns, rows)
-    drawn(seas, spectral, trends, len(seeds), asked.out / "fig6_3.png")
+    save_table(asked.out / "fig6_3.csv", head, columns, rows)
+    draw_figure(seas, spectral, trends, len(seeds), asked.out / "fig6_3.png")
 
 
 if __name__ == "__main__":

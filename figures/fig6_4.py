@@ -16,9 +16,9 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from _kept import BARE, save, shots, still_sea
+from _kept import BARE, save_picture, take_pictures, write_still_sea
 from _options import options, progress
-from _paper import BLUE, INK, ORANGE, PALE, RED, keep, paper, table
+from _paper import BLUE, INK, ORANGE, PALE, RED, paper, save_figure, save_table
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.pictures.water.foam import monahan_cover, white_shares
@@ -35,25 +35,25 @@ VIEW = {"camera": "fixed", "eye": (-40.0, 30.0, 70.0), "target": (10.0, 0.0, 5.0
 
 
 def developed(wind: float) -> tuple[float, float]:
-    """Significant height [m] and peak period [s]: 0.241 U^2/g and U/(0.13 g)."""
+    """Significant height [m] and peak period [s] of a fully developed sea: 0.241 U^2/g and U/(0.13 g), wind U [m/s]."""
     period = wind / (PEAK * GRAVITY)
     return 4.0 * sqrt(PHILLIPS * GRAVITY**2 / 5.0) * (period / (2.0 * pi)) ** 2, period
 
 
-def spreading(wind: float, shortest: float) -> Components:
-    """The waves of a developed sea, scattered around +x."""
+def spread_waves(wind: float, shortest: float) -> Components:
+    """Waves of a fully developed sea, with directions scattered around +x; `shortest` [peak frequencies]: cut-off."""
     height, period = developed(wind)
     spectrum = Spectrum(kind="pierson_moskowitz", significant_wave_height=height, peak_period=period, cut_off=shortest)
     waves = spectrum.components(np.array([1.0, 0.0]), DEPTH)
-    angle = spread(numpy_uniform(11, 0x4_0000, np.arange(len(waves.amplitude)), 0))
+    angle = cos2_angles(numpy_uniform(11, 0x4_0000, np.arange(len(waves.amplitude)), 0))
     vectors = waves.wavenumber[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     return Components(waves.amplitude, vectors, waves.phase, DEPTH)
 
 
 def sea(wind: float, points: int) -> tuple[np.ndarray, np.ndarray]:
-    """Elevation (n, n) [m] and convergence of the crests (n, n): how much the water of the surface is pressed together
-    where it is displaced as linear theory has it."""
-    waves = spreading(wind, SHORTEST)
+    """Elevation (n, n) [m] of a sea, and convergence of its crests (n, n): minus the divergence of the surface's
+    horizontal displacement, by linear theory."""
+    waves = spread_waves(wind, SHORTEST)
     side = SIDE * 2.0 * pi / float(wavenumber(2.0 * pi / developed(wind)[1], DEPTH))
     along = (np.arange(points) + 0.5) / points * side - side / 2
     # a sum of plane waves is a product of what they do along x and along z
@@ -62,38 +62,38 @@ def sea(wind: float, points: int) -> tuple[np.ndarray, np.ndarray]:
     return ((z * carried) @ x.T).real, ((z * (carried * waves.wavenumber)) @ x.T).real
 
 
-def spread(uniform: np.ndarray) -> np.ndarray:
-    """Angles to the wind [rad], distributed as cos^2, of numbers spread evenly from 0 to 1."""
+def cos2_angles(uniform: np.ndarray) -> np.ndarray:
+    """Angles to the wind [rad], distributed as cos^2, from numbers distributed evenly over 0 to 1."""
     angle = np.linspace(-pi / 2, pi / 2, 2001)
     return np.interp(uniform, 0.5 + (angle + np.sin(2.0 * angle) / 2.0) / pi, angle)
 
 
-def by_height(elevation: np.ndarray) -> np.ndarray:
-    """The thesis's foam (5.2.3), before its texture."""
+def foam_by_height(elevation: np.ndarray) -> np.ndarray:
+    """Foam cover by the thesis's rule of height (5.2.3), without its texture."""
     return np.clip(elevation / FULL, 0.0, 1.0)
 
 
-def expected_by_height(height: float) -> float:
-    """Its mean over a sea of normally distributed heights of this significant height [m]."""
+def mean_foam_by_height(height: float) -> float:
+    """Mean of `foam_by_height` over a sea of normally distributed elevation and this significant height [m]."""
     s = height / 4.0
     return s / (FULL * sqrt(2.0 * pi)) * (1.0 - exp(-((FULL / s) ** 2) / 2.0)) + 0.5 * (1.0 - erf(FULL / s / sqrt(2.0)))
 
 
-def seen(winds: Sequence[float], size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """Pictures (n, height, width, 3) of seas with the foam of their winds, and bare."""
+def sea_pictures(winds: Sequence[float], size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Pictures (n, height, width, 3) of the seas of some winds, with their foam, and the same ones bare."""
     with TemporaryDirectory() as place:
         given: list[dict[str, Any]] = []
         for wind in winds:
-            waves = spreading(wind, SHORTEST_SEEN)
-            folder = still_sea(waves, PATCH, Path(place, f"{wind:g}"))
+            waves = spread_waves(wind, SHORTEST_SEEN)
+            folder = write_still_sea(waves, PATCH, Path(place, f"{wind:g}"))
             given.append({"folder": str(folder), "foam_cover": monahan_cover(wind)})
         view = VIEW | {"size": size, "quality": "draft" if size[0] < 500 else "final"}
-        pictures = shots(Path(given[0]["folder"]), 0.0, given + [one | BARE for one in given], **view)
+        pictures = take_pictures(Path(given[0]["folder"]), 0.0, given + [one | BARE for one in given], **view)
     return pictures[: len(winds)], pictures[len(winds) :]
 
 
-def drawn(rows: list[tuple], winds: Sequence[float], pictures: np.ndarray, path: Path) -> None:
-    """Cover over wind; the seas with their foam."""
+def draw_figure(rows: list[tuple], winds: Sequence[float], pictures: np.ndarray, path: Path) -> None:
+    """Draw foam cover over wind speed, and the seas with their foam."""
     figure = paper(13.5, 7.2)
     grid = figure.add_gridspec(2, len(winds), height_ratios=(1.35, 1.0))
     axes = figure.add_subplot(grid[0, :])
@@ -113,7 +113,7 @@ def drawn(rows: list[tuple], winds: Sequence[float], pictures: np.ndarray, path:
             f"{speed:g} m/s, $H_s$ {developed(speed)[0]:.1f} m: {100 * monahan_cover(speed):.1f} %", fontsize=10
         )
         panel.set_axis_off()
-    keep(figure, path, "A picture shows a piece of the sea whose white part its title names")
+    save_figure(figure, path, "A picture shows a piece of the sea whose white part its title names")
 
 
 def main() -> None:
@@ -127,16 +127,16 @@ def main() -> None:
         wanted = monahan_cover(wind)
         foam = white_shares(convergence, wanted)
         least = float(convergence[foam > 0.0].min())
-        mean = float(by_height(elevation).mean())
-        rows.append((wind, height, period, wanted, float(foam.mean()), least, mean, expected_by_height(height)))
+        mean = float(foam_by_height(elevation).mean())
+        rows.append((wind, height, period, wanted, float(foam.mean()), least, mean, mean_foam_by_height(height)))
         progress(0.5 * (done + 1) / len(winds), f"a sea under {wind:g} m/s")
     head = [f"fully developed seas of {SPECTRUM_WAVES} waves, {points} x {points} points over six peak wavelengths"]
     head += ["foam where the convergence of crests is above `convergence`; thesis: height over 0.8 m, cut to 0 and 1"]
     columns = ["u10_m_s", "hm0_m", "tp_s", "measured_at_sea", "drawn", "convergence", "thesis", "thesis_closed_form"]
-    table(asked.out / "fig6_4.csv", head, columns, rows)
-    pictures, bare = seen(SHOWN, (320, 240) if asked.fast else (800, 600))
-    save(asked.out / "fig6_4_bare.png", np.concatenate(list(bare), axis=1))
-    drawn(rows, SHOWN, pictures, asked.out / "fig6_4.png")
+    save_table(asked.out / "fig6_4.csv", head, columns, rows)
+    pictures, bare = sea_pictures(SHOWN, (320, 240) if asked.fast else (800, 600))
+    save_picture(asked.out / "fig6_4_bare.png", np.concatenate(list(bare), axis=1))
+    draw_figure(rows, SHOWN, pictures, asked.out / "fig6_4.png")
     progress(1.0, "done")
 
 

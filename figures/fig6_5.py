@@ -14,9 +14,9 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from _kept import BARE, grey, kept, save, shots
+from _kept import BARE, grey, run_frames, save_picture, take_pictures
 from _options import options, progress
-from _paper import keep, paper, table
+from _paper import paper, save_figure, save_table
 
 from ocean_sim.pictures.water.foam import monahan_cover
 
@@ -68,13 +68,13 @@ def main() -> None:
     size = (320, 180) if asked.fast else (960, 540)
     with TemporaryDirectory() as place:
         progress(0.0, "a yacht in a sea")
-        run = kept(SCENE, Path(place, "run"))
+        run = run_frames(SCENE, Path(place, "run"))
         progress(0.3, "pictures of it")
         view = VIEW | {"size": size, "quality": "draft" if asked.fast else "final"}
         cover = monahan_cover(WIND)
         orders = [*SWITCHES, *TERMS.values(), BARE]
-        pictures = shots(run, SCENE["duration"], orders, foam_cover=cover, **view)
-    save(asked.out / "fig6_5_bare.png", pictures[-1])
+        pictures = take_pictures(run, SCENE["duration"], orders, foam_cover=cover, **view)
+    save_picture(asked.out / "fig6_5_bare.png", pictures[-1])
     names = [title(switch) for switch in SWITCHES] + list(TERMS)
     water = slice(int(0.45 * size[1]), None)  # below the horizon
     rows = []
@@ -89,14 +89,14 @@ def main() -> None:
     head = [f"luminance 0 to 1 (Rec. 709) of the lower part of pictures of {size[0]} x {size[1]} pixels"]
     head += [f"foam asked for: {cover:.4f} of the sea, the share at {WIND:g} m/s (Monahan & O'Muircheartaigh 1980)"]
     columns = ["picture", "mean_luminance", "deviation", "share_of_glint", "share_changed_by_foam"]
-    table(asked.out / "fig6_5.csv", head, columns, rows)
+    save_table(asked.out / "fig6_5.csv", head, columns, rows)
     figure = paper(16.0, 7.6)
     axes = figure.subplots(3, 4)
     for axis, name, picture, row in zip(axes.ravel(), names, pictures, rows):
         axis.imshow(picture)
         axis.set_title(f"{name}\nluminance {row[1]:.3f}, glint {100 * row[3]:.2f} %", fontsize=9)
         axis.set_axis_off()
-    keep(figure, asked.out / "fig6_5.png")
+    save_figure(figure, asked.out / "fig6_5.png")
     progress(1.0, "done")
 
 

@@ -11,9 +11,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from _kept import BARE, film, kept, save, shots
+from _kept import BARE, run_frames, save_film, save_picture, take_pictures
 from _options import options, progress
-from _paper import BLUE, GREEN, INK, ORANGE, PALE, RED, keep, paper, table
+from _paper import BLUE, GREEN, INK, ORANGE, PALE, RED, paper, save_figure, save_table
 from fig6_5 import SCENE
 
 from ocean_sim.pictures.frame_files import FrameLog, frame_files
@@ -26,14 +26,14 @@ ORDERS = [{"time": 0.0, "throttle": 0.8}]
 
 
 def voyage(seconds: float) -> dict:
-    """The yacht of figure 6-5, under way."""
+    """Scene of the yacht of figure 6-5, under way for so many seconds."""
     frames = {"every": EVERY, "spacing": 4.0}
     ship, step = SAIL | {"controls": ORDERS}, {"kind": "fixed", "dt": 0.5 * EVERY}
     return SCENE | {"title": "figure 6-6", "duration": seconds, "frames": frames, "ship": ship, "time_step": step}
 
 
 def helm(log: FrameLog) -> np.ndarray:
-    """Rows: time [s], heave [m], pitch, yaw, roll [deg], speed [m/s], of every frame."""
+    """Motions in every frame: rows of time [s], heave [m], pitch, yaw, roll [deg], speed [m/s]."""
     track = log.tracks["ship"]
     turn = track.turn
     pitch, yaw, roll = (
@@ -48,8 +48,8 @@ def helm(log: FrameLog) -> np.ndarray:
     return np.column_stack([track.time, track.position[:, 1], pitch, yaw, roll, speed])
 
 
-def drawn(picture: np.ndarray, rows: np.ndarray, shown: float, path: Path) -> None:
-    """The picture, and the motions below it."""
+def draw_figure(picture: np.ndarray, rows: np.ndarray, shown: float, path: Path) -> None:
+    """Draw the picture, and the motions below it."""
     figure = paper(10.0, 8.4)
     top, below, heave = figure.subplots(3, 1, height_ratios=(5.6, 1.2, 1.0))
     top.imshow(picture)
@@ -71,7 +71,7 @@ def drawn(picture: np.ndarray, rows: np.ndarray, shown: float, path: Path) -> No
         axes.set(xlim=(rows[0, 0], rows[-1, 0]), ylim=(low, high + 0.4 * (high - low)))  # room for the names
         axes.grid(color=PALE, lw=0.7)
         axes.legend(loc="upper left", ncols=3)
-    keep(figure, path)
+    save_figure(figure, path)
 
 
 def main() -> None:
@@ -80,23 +80,23 @@ def main() -> None:
     size = (320, 180) if asked.fast else (1280, 720)
     with TemporaryDirectory() as place:
         progress(0.0, "a yacht under way")
-        run = kept(voyage(begin + lasts), Path(place, "run"))
+        run = run_frames(voyage(begin + lasts), Path(place, "run"))
         progress(0.3, "the view from its helm")
         quality = "draft" if asked.fast else "final"
         view = {"camera": "first_person", "size": size, "quality": quality}
-        picture, bare = shots(run, shown, [{}, BARE], **view)
+        picture, bare = take_pictures(run, shown, [{}, BARE], **view)
         log = FrameLog(frame_files(run))
         rows = helm(log)
         for file, time in zip(log.files, log.times):
             if time < begin - 0.5 * EVERY:
                 file.unlink()  # the clip begins later
         progress(0.4, "a clip of it")
-        film(run, asked.out / "fig6_6.mp4", camera="first_person", size=size, every=EVERY, quality="draft")
-    save(asked.out / "fig6_6_bare.png", bare)
+        save_film(run, asked.out / "fig6_6.mp4", camera="first_person", size=size, every=EVERY, quality="draft")
+    save_picture(asked.out / "fig6_6_bare.png", bare)
     head = ["angles: intrinsic yaw (Y), pitch (X), roll (Z); heave of the centre of mass"]
     columns = ["time_s", "heave_m", "pitch_deg", "yaw_deg", "roll_deg", "speed_m_s"]
-    table(asked.out / "fig6_6.csv", head, columns, rows.tolist())
-    drawn(picture, rows, shown, asked.out / "fig6_6.png")
+    save_table(asked.out / "fig6_6.csv", head, columns, rows.tolist())
+    draw_figure(picture, rows, shown, asked.out / "fig6_6.png")
     progress(1.0, "done")
 
 

@@ -13,9 +13,9 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from _kept import BARE, kept, save, shots
+from _kept import BARE, run_frames, save_picture, take_pictures
 from _options import options, progress
-from _paper import BLUE, GREEN, INK, ORANGE, PALE, RED, keep, paper, table
+from _paper import BLUE, GREEN, INK, ORANGE, PALE, RED, paper, save_figure, save_table
 
 from ocean_sim.pictures.frame_files import Frame, FrameLog, frame_files
 
@@ -35,7 +35,7 @@ SHIP = {
 
 
 def scene(spacing: float, lasts: float) -> dict[str, Any]:
-    """The yacht 1 m over its floating height, 10 m before the middle of a basin."""
+    """Scene of the yacht, released 1 m over its floating height and 10 m before the middle of a basin."""
     water = {"kind": "mueller", "spacing": spacing, "compression": 0.008, "kinematic_viscosity": 0.5}
     return {
         "title": "figure 6-7",
@@ -52,14 +52,14 @@ def scene(spacing: float, lasts: float) -> dict[str, Any]:
 
 
 def column(path: Path, *names: str) -> np.ndarray:
-    """(names, rows) of a CSV of a run."""
+    """Read the named columns of a CSV file of a run: an array (names, rows)."""
     head, *rows = [line.rstrip().split(",") for line in path.read_text().splitlines() if not line.startswith("#")]
     return np.array([[float(row[head.index(name)]) for row in rows] for name in names])
 
 
 def momenta(run: Path) -> np.ndarray:
-    """Rows (n, 8): time [s]; along the way of the ship, of water, ship and both, and what the walls and the ship have
-    given to the water [N s]; upwards, of ship and water."""
+    """Momentum and impulses of a run, rows (n, 8) of time [s]; along the ship's way the momentum of water, ship and
+    both, and the impulse of walls and ship on the water; upwards the momentum of ship and water [N s]."""
     names = "time_s", "momentum_z_kg_m_s", "impulse_walls_z_Ns", "impulse_ship_z_Ns", "momentum_y_kg_m_s"
     time, water, walls, given, up = column(run / "accuracy.csv", *names)
     ship_time, speed, heave = column(run / "motion.csv", "time_s", "surge_velocity_m_s", "heave_velocity_m_s")
@@ -67,10 +67,10 @@ def momenta(run: Path) -> np.ndarray:
     return np.column_stack([time, water, ship, water + ship, walls, given, rise, up])
 
 
-def drawn(
+def draw_figure(
     pictures: list[np.ndarray], frames: list[Frame], sides: tuple, rows: np.ndarray, found: str, path: Path
 ) -> None:
-    """The strip, heights below it, momentum below these."""
+    """Draw the film strip, below it heights of the water, and below these the momentum over time."""
     figure = paper(16.0, 8.0)
     grid = figure.add_gridspec(3, PICTURES, height_ratios=(1.1, 0.95, 1.1))
     high = max(float(np.percentile(np.abs(frame.elevation), 99.5)) for frame in frames)
@@ -98,7 +98,7 @@ def drawn(
     axes.set(xlabel="time [s]", ylabel="momentum along the way [kN s]", xlim=(0.0, time[-1]))
     axes.grid(color=PALE, lw=0.7)
     axes.legend(loc="upper left", ncols=3)
-    keep(figure, path, found)
+    save_figure(figure, path, found)
 
 
 def main() -> None:
@@ -106,7 +106,7 @@ def main() -> None:
     lasts, size = (2.0, (320, 180)) if asked.fast else (LASTS, (960, 540))
     with TemporaryDirectory() as place:
         progress(0.0, "a yacht in water of particles")
-        run = kept(scene(1.6 if asked.fast else 0.8, lasts), Path(place, "run"))
+        run = run_frames(scene(1.6 if asked.fast else 0.8, lasts), Path(place, "run"))
         progress(0.5, "pictures of it")
         rows = momenta(run)
         log = FrameLog(frame_files(run))
@@ -115,8 +115,8 @@ def main() -> None:
         frames = [Frame(log.nearest(moment)) for moment in np.linspace(0.0, lasts, PICTURES + 1)[1:]]
         view = VIEW | {"size": size, "quality": "draft" if asked.fast else "final"}
         moments = [PLAIN | {"stills": (frame.time,)} for frame in frames]
-        *pictures, bare = shots(run, frames[-1].time, [*moments, BARE], **view)
-    save(asked.out / "fig6_7_bare.png", bare)
+        *pictures, bare = take_pictures(run, frames[-1].time, [*moments, BARE], **view)
+    save_picture(asked.out / "fig6_7_bare.png", bare)
     left = rows[:, 3] - rows[:, 4] - rows[0, 3]
     head = [f"yacht of {MASS:g} kg at {SPEED:g} m/s, dropped by {DROP:g} m; momentum along z, upwards along y"]
     both, walls = rows[-1, 3] - rows[0, 3], rows[-1, 4]
@@ -125,8 +125,8 @@ def main() -> None:
     head += [found]
     columns = ["time_s", "water_kg_m_s", "ship_kg_m_s", "both_kg_m_s", "given_by_walls_Ns", "given_by_ship_Ns"]
     columns += ["ship_up_kg_m_s", "water_up_kg_m_s"]
-    table(asked.out / "fig6_7.csv", head, columns, rows.tolist())
-    drawn(pictures, frames, (low[2], up[2], low[0], up[0]), rows, found, asked.out / "fig6_7.png")
+    save_table(asked.out / "fig6_7.csv", head, columns, rows.tolist())
+    draw_figure(pictures, frames, (low[2], up[2], low[0], up[0]), rows, found, asked.out / "fig6_7.png")
     progress(1.0, "done")
 
 

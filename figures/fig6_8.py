@@ -14,9 +14,9 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from _kept import BARE, film, save, shots
+from _kept import BARE, save_film, save_picture, take_pictures
 from _options import options, progress
-from _paper import BLUE, GREY, INK, ORANGE, PALE, RED, keep, paper, table
+from _paper import BLUE, GREY, INK, ORANGE, PALE, RED, paper, save_figure, save_table
 
 from ocean_sim.pictures.frame_files import frame_files
 from ocean_sim.reading.scene import load
@@ -29,7 +29,7 @@ OTTER = np.array([[0.54, 1.0], [0.54, -1.0], [-0.54, -1.0], [-0.54, 1.0]])  # it
 
 
 def voyages(fast: bool) -> dict[str, dict[str, Any]]:
-    """Scenes by title: the rudder goes to port and then to starboard."""
+    """Scenes of the three voyages by title; in each the rudder goes to port and then to starboard."""
     open_sea = {"length": 400.0, "width": 400.0, "depth": 20.0, "walls": "none"}
     spectrum = {"kind": "jonswap", "significant_wave_height": 0.8, "peak_period": 5.0, "heading_deg": 150.0, "seed": 7}
     return {
@@ -58,7 +58,7 @@ def voyages(fast: bool) -> dict[str, dict[str, Any]]:
 
 
 def ship(position: list[float], speed: float, controls: list[dict[str, float]]) -> dict[str, Any]:
-    """The yacht, a displacement hull of 30 t."""
+    """Scene keys of the yacht, a displacement hull of 30 t."""
     damping = {"heave": 0.15, "pitch": 0.15, "roll": 0.08, "surge": 400.0}
     return {
         "kind": "hydrostatic",
@@ -74,7 +74,7 @@ def ship(position: list[float], speed: float, controls: list[dict[str, float]]) 
 
 
 def turns(begin: float, other: float, end: float, throttle: float, rudder: float) -> list[dict[str, float]]:
-    """Straight on, rudder to port, to starboard, amidships: at these times [s], within a second each."""
+    """Rows of a ship's `controls`: straight ahead, rudder to port, to starboard at `other`, amidships at `end` [s]."""
     rows, angle = [(0.0, 0.0)], 0.0
     for time, then in ((begin, rudder), (other, -rudder), (end, 0.0)):
         rows += [(time, angle), (time + 1.0, then)]
@@ -82,10 +82,10 @@ def turns(begin: float, other: float, end: float, throttle: float, rudder: float
     return [{"time": time, "throttle": throttle, "rudder": angle} for time, angle in rows]
 
 
-def sailed(scene: dict[str, Any], done: Any, folder: Path | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Rows (n, 11): time, sway, heave, surge [m], pitch, yaw, roll [deg], speed ahead [m/s], throttle, rudder [deg],
-    the water's height at the ship [m]; and the outline of the deck, x to port and z to the bow [m]. `folder`: where
-    frames for pictures are kept."""
+def sail_scene(scene: dict[str, Any], done: Any, folder: Path | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Run a scene. Return rows (n, 11) of time [s], sway, heave, surge [m], pitch, yaw, roll [deg], speed ahead [m/s],
+    throttle, rudder [deg], height of the water at the ship [m]; and the outline of the deck, x to port, z to the bow
+    [m]. `done`: called with the progress; `folder`: for frames, if any."""
     rows = []
     shown = {} if folder is None else {"frames": {"every": 1.0 / RATE, "spacing": 5.0}}
     with Simulation(load({"title": "figure 6-8", **scene, **QUIET, **shown}), folder) as simulation:
@@ -108,15 +108,15 @@ def sailed(scene: dict[str, Any], done: Any, folder: Path | None = None) -> tupl
 
 
 def deck(vertices: np.ndarray) -> np.ndarray:
-    """The convex outline of a hull from above."""
+    """Convex outline of a hull as seen from above."""
     from scipy.spatial import ConvexHull
 
     flat = vertices[:, [0, 2]]
     return flat[ConvexHull(flat).vertices]
 
 
-def drawn(found: dict[str, tuple], moments: np.ndarray, pictures: np.ndarray, path: Path) -> None:
-    """Pictures of the second voyage; a column a ship: its track from above, X to port, so to the left; its motions."""
+def draw_figure(found: dict[str, tuple], moments: np.ndarray, pictures: np.ndarray, path: Path) -> None:
+    """Draw pictures of the second voyage, and for each ship its track from above (port to the left) and motions."""
     whole = paper(14.5, 12.8)
     strip, figure = whole.subfigures(2, 1, height_ratios=(2.6, 10.0))
     for axis, moment, picture in zip(strip.subplots(1, len(pictures)), moments, pictures):
@@ -161,7 +161,7 @@ def drawn(found: dict[str, tuple], moments: np.ndarray, pictures: np.ndarray, pa
             strip.grid(color=PALE, lw=0.7)
             strip.legend(loc="upper right", ncols=2)
         strips[-1].set_xlabel("time [s]")
-    keep(whole, path)
+    save_figure(whole, path)
 
 
 def main() -> None:
@@ -172,37 +172,37 @@ def main() -> None:
         for k, (title, scene) in enumerate(scenes.items()):
             folder = Path(place) if k == 1 else None
             tell = partial(progress_of, k, title=title, voyages=len(scenes))
-            found[title] = sailed(scene, tell, folder)
-        moments, pictures, bare = pictured(Path(place), list(scenes.values())[1]["duration"], asked)
-    save(asked.out / "fig6_8_bare.png", bare)
+            found[title] = sail_scene(scene, tell, folder)
+        moments, pictures, bare = render_voyage(Path(place), list(scenes.values())[1]["duration"], asked)
+    save_picture(asked.out / "fig6_8_bare.png", bare)
     for title in scenes:
         rows += [(title, *row) for row in found[title][0].tolist()]
     head = ["x to port, y up, z to the bow at the start; angles: intrinsic yaw (Y), pitch (X), roll (Z)"]
     columns = ["voyage", "time_s", "sway_m", "heave_m", "surge_m", "pitch_deg", "yaw_deg", "roll_deg"]
     columns += ["speed_ahead_m_s", "throttle", "rudder_deg", "water_m"]
-    table(asked.out / "fig6_8.csv", head, columns, rows)
-    drawn(found, moments, pictures, asked.out / "fig6_8.png")
+    save_table(asked.out / "fig6_8.csv", head, columns, rows)
+    draw_figure(found, moments, pictures, asked.out / "fig6_8.png")
 
 
-def pictured(run: Path, lasts: float, asked: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times of pictures [s], the pictures (n, height, width, 3), and the last one bare; and writes the clip."""
+def render_voyage(run: Path, lasts: float, asked: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Render pictures of a run, and write its clip: times [s], pictures (n, height, width, 3), the last one bare."""
     size, quality = ((320, 180), "draft") if asked.fast else ((960, 540), "final")
     view: dict[str, Any] = {"camera": "follow", "size": size}
     moments = np.linspace(0.2, 1.0, PICTURES) * (lasts - 1.0)
     orders = [{"stills": (float(moment),)} for moment in moments]
-    *pictures, bare = shots(run, float(moments[-1]), [*orders, BARE | orders[-1]], quality=quality, **view)
+    *pictures, bare = take_pictures(run, float(moments[-1]), [*orders, BARE | orders[-1]], quality=quality, **view)
     for file in frame_files(run):
         with np.load(file) as frame:
             outside = not CLIP[0] <= float(frame["time"]) <= CLIP[0] + (0.5 if asked.fast else np.ptp(CLIP))
         if outside:
             file.unlink()
     view["size"] = size if asked.fast else (1280, 720)
-    film(run, asked.out / "fig6_8.mp4", every=1.0 / RATE, **view)
+    save_film(run, asked.out / "fig6_8.mp4", every=1.0 / RATE, **view)
     return moments, np.array(pictures), bare
 
 
 def progress_of(voyage: int, share: float, title: str, voyages: int) -> None:
-    """A line every tenth of a voyage."""
+    """Report progress at every tenth of a voyage."""
     if abs(10.0 * share - round(10.0 * share)) < 0.02:
         progress((voyage + share) / voyages, title)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from _options import options
-from _paper import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, keep, paper, table
+from _paper import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, paper, save_figure, save_table
 
 from ocean_sim.parts import PACKAGE, SLOTS, kinds
 from ocean_sim.platform.hexapod import WASHOUT_KINDS
@@ -33,7 +33,7 @@ PASSED = {
 
 
 class Stage(NamedTuple):
-    """A stage of the step, as the source has it."""
+    """One stage of `Simulation.step`, as the source code has it."""
 
     name: str
     calls: list[str]
@@ -42,29 +42,29 @@ class Stage(NamedTuple):
 
 
 def methods(module: str, owner: str) -> dict[str, ast.FunctionDef]:
-    """The methods of a class by name."""
+    """Syntax trees of the methods of a class, by name."""
     tree = ast.parse((PACKAGE / f"{module}.py").read_text(encoding="utf-8"))
     found = next(node for node in tree.body if isinstance(node, ast.ClassDef) and node.name == owner)
     return {node.name: node for node in found.body if isinstance(node, ast.FunctionDef)}
 
 
-def own(node: ast.AST) -> set[str]:
-    """The slots that a piece of source reaches as `self.<slot>`, or by a name that begins with one."""
+def slots_read(node: ast.AST) -> set[str]:
+    """Slots that source code reads from `self`: as `self.<slot>`, `self.<slot>s` or `self.<slot>_on...`."""
     names = {n.attr for n in ast.walk(node) if isinstance(n, ast.Attribute) and ast.unparse(n.value) == "self"}
     return {slot for slot in SLOTS for name in names if name in (slot, f"{slot}s") or name.startswith(f"{slot}_on")}
 
 
 def stages() -> list[Stage]:
-    """The stages of `Simulation.step` in their order; what each reads, there and where it is built."""
+    """Stages of `Simulation.step` in order, each with the slots that it reads when built and when it runs."""
     source = methods("simulation", "Simulation")
     built: dict[str, set[str]] = {}
     for node in ast.walk(source["build"]):
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]).startswith("self."):
-            built[ast.unparse(node.targets[0]).removeprefix("self.")] = own(node.value)
+            built[ast.unparse(node.targets[0]).removeprefix("self.")] = slots_read(node.value)
     for node in ast.walk(source["build"]):
         for slot in SLOTS:  # what it is handed, it reads
             if isinstance(node, ast.Call) and ast.unparse(node.func).startswith(f"self.{slot}."):
-                built[slot] = built[slot].union(*(own(given) for given in node.args))
+                built[slot] = built[slot].union(*(slots_read(given) for given in node.args))
     found = []
     for node in ast.walk(source["step"]):
         entered = node.items[0].context_expr if isinstance(node, ast.With) else None
@@ -73,7 +73,7 @@ def stages() -> list[Stage]:
             calls = [ast.unparse(n.func).removeprefix("self.") for n in ast.walk(node) if isinstance(n, ast.Call)]
             used = [n.attr for n in ast.walk(node) if isinstance(n, ast.Attribute) and ast.unparse(n.value) == "self"]
             made = [name, *(attribute for attribute in used if attribute not in SLOTS)]
-            reads = set().union(own(node), *(built.get(attribute, set()) for attribute in made))
+            reads = set().union(slots_read(node), *(built.get(attribute, set()) for attribute in made))
             calls = [call for call in calls if call.split(".")[0] in SLOTS]
             before = [slot for slot in SLOTS if slot in reads and slot != name]
             found.append(Stage(name, calls, before, kinds(name) if name in SLOTS else ()))
@@ -81,7 +81,7 @@ def stages() -> list[Stage]:
 
 
 def box(axes: Any, x: float, y: float, wide: float, high: float, title: str, lines: list[str], colour: str) -> None:
-    """A box with a title and what is in it; x, y its lower left corner."""
+    """Draw a box with a title and lines of text; x, y: its lower left corner."""
     from matplotlib.patches import FancyBboxPatch
 
     style = "round,pad=0,rounding_size=0.12"
@@ -94,15 +94,15 @@ def box(axes: Any, x: float, y: float, wide: float, high: float, title: str, lin
 
 
 def arrow(axes: Any, begin: tuple[float, float], end: tuple[float, float], text: str) -> None:
-    """Draw an arrow from one place to another, with words over its middle."""
+    """Draw an arrow from one point to another, with a text over its middle."""
     shape = {"arrowstyle": "-|>", "color": INK, "lw": 1.3, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", end, begin, arrowprops=shape)
     middle = (begin[0] + end[0]) / 2, (begin[1] + end[1]) / 2 + 0.12
     axes.text(*middle, text, ha="center", va="bottom", fontsize=8.5, color=INK)
 
 
-def drawn(found: list[Stage], path: Path) -> None:
-    """Three rows, as in the thesis: vehicle dynamics, washout, platform; what watches them next to it."""
+def draw_figure(found: list[Stage], path: Path) -> None:
+    """Draw three rows as in the thesis, vehicle dynamics, washout and platform, and the observers next to them."""
     figure = paper(13.5, 7.4)
     axes = figure.add_subplot()
     axes.set(xlim=(-0.2, 14.9), ylim=(-0.2, 8.2))
@@ -169,7 +169,7 @@ def drawn(found: list[Stage], path: Path) -> None:
     axes.text(
         7.4, 0.5, "throttle and rudder: rows, a file, an autopilot, a person", ha="center", va="bottom", fontsize=8.5
     )
-    keep(figure, path, f"Observers watch from outside: {', '.join(kinds('observers'))}")
+    save_figure(figure, path, f"Observers watch from outside: {', '.join(kinds('observers'))}")
 
 
 def main() -> None:
@@ -181,8 +181,8 @@ def main() -> None:
         ("washout", "washout.follow", "platform", " ".join(name.removeprefix("_washout_") for name in WASHOUT_KINDS))
     )
     head = ["stages of Simulation.step in their order, then what follows the motion log; read from the source"]
-    table(out / "fig6_9.csv", head, ["stage", "calls", "reads", "kinds"], rows)
-    drawn(found, out / "fig6_9.png")
+    save_table(out / "fig6_9.csv", head, ["stage", "calls", "reads", "kinds"], rows)
+    draw_figure(found, out / "fig6_9.png")
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from _options import options, progress
-from _paper import BLUE, GREEN, INK, ORANGE, PALE, RED, keep, paper, table
+from _paper import BLUE, GREEN, INK, ORANGE, PALE, RED, paper, save_figure, save_table
 
 from ocean_sim.fluid.patch.relaxation_zone import relaxation_band
 from ocean_sim.reading.scene import load, observer_names
@@ -37,7 +37,7 @@ PLACES = np.linspace(-1.25, 1.25, 11)  # [wavelengths] from the ship
 
 
 def scene(speed: float, feed: float | None, particles: int, periods: float) -> Any:
-    """The wave on a patch whose rim moves."""
+    """Scene of a wave on a patch, `particles` to its length, with a `feed` and a rim at a `speed` [group speeds]."""
     rim = {"velocity": [speed * GROUP_SPEED, 0.0]}
     sea = {"height": 2.0 * KA / K, "period": PERIOD, "rim": rim, "feed": feed}
     quiet = dict.fromkeys(name for name in observer_names() if name != "manifest")
@@ -46,8 +46,8 @@ def scene(speed: float, feed: float | None, particles: int, periods: float) -> A
     return load(keys)
 
 
-def measured(config: Any, speed: float, judged: float, report: Any) -> np.ndarray:
-    """Complex height over that of the sea at PLACES, over the last periods, `judged` of them."""
+def mean_waves(config: Any, speed: float, judged: float, report: Any) -> np.ndarray:
+    """Mean complex wave height at PLACES over the sea's, in the last `judged` periods; `report`: takes progress."""
     found, until = [], config.duration
     with Simulation(config) as simulation:
         for water in sampled_states(simulation, until, PERIOD / PERIOD_SAMPLES):
@@ -68,7 +68,7 @@ def main() -> None:
         config = scene(speed, feed, particles, periods)
         where = f"{speed:+g} group speeds" if speed else "at rest"
         name = where if feed is None else f"{where}, no feed"
-        a = measured(config, speed, judged, lambda part, n=number, name=name: progress((n + part) / len(cases), name))
+        a = mean_waves(config, speed, judged, lambda part, n=number, name=name: progress((n + part) / len(cases), name))
         model = relaxation_band(config.fluid.lattice(config.preflight.tank))
         assert model is not None
         along = model.height_profile(speed)
@@ -96,8 +96,8 @@ def main() -> None:
     size = f"a patch of {PATCH_LENGTH:g} wavelengths, rim 0.75 on either side"
     head = [f"{size}, ka {KA:g}, {particles} particles to the wave"]
     head += [f"the mean of the last {judged:g} of {periods:g} periods; feed: empty is the default"]
-    table(asked.out / "open_sea.csv", head, ["speed", "feed", "place", "height", "phase_deg"], rows)
-    keep(figure, asked.out / "open_sea.png")
+    save_table(asked.out / "open_sea.csv", head, ["speed", "feed", "place", "height", "phase_deg"], rows)
+    save_figure(figure, asked.out / "open_sea.png")
     progress(1.0, "done")
 
 

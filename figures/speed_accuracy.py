@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from _options import options, progress
-from _paper import keep, paper
+from _paper import paper, save_figure
 
 from ocean_sim.machine import available_cores
 from ocean_sim.studies.shared.pareto import COST_LABELS, draw_panel
@@ -19,8 +19,8 @@ FAST = ("hydrostatic", "surface_slab")
 ACROSS = 3  # panels
 
 
-def found(fast: bool, folder: Path) -> list[dict[str, Any]]:
-    """The rows of the quick study; in haste those of two cases, coarse and with every scheme as it comes."""
+def study_rows(fast: bool, folder: Path) -> list[dict[str, Any]]:
+    """Rows of the quick tradeoff study; with `--fast` two cases only, coarse, each scheme as it comes."""
     plan = [
         point for point in study_points(quick=True) if not fast or (point.trial.case in FAST and not point.settings)
     ]
@@ -30,8 +30,8 @@ def found(fast: bool, folder: Path) -> list[dict[str, Any]]:
     return study.rows
 
 
-def drawn(rows: list[dict[str, Any]], path: Path) -> None:
-    """A panel a case."""
+def draw_figure(rows: list[dict[str, Any]], path: Path) -> None:
+    """Draw a panel for each case."""
     speed = clock_column(rows)
     trials = [(t, [r for r in rows if (r["case"], r["quantity"]) == (t.case, t.quantity)]) for t in TRIAL_CASES]
     trials = [(trial, here) for trial, here in trials if here]
@@ -42,15 +42,15 @@ def drawn(rows: list[dict[str, Any]], path: Path) -> None:
         draw_panel(axes, speed, trial, here)
         axes.set_title(f"{trial.case}: {trial.quantity}", fontsize=8)
         axes.legend(fontsize="x-small", loc="best")
-    keep(figure, path, f"Across: {COST_LABELS[speed]} per simulated second, one thread (surfaces: 60 frames)")
+    save_figure(figure, path, f"Across: {COST_LABELS[speed]} per simulated second, one thread (surfaces: 60 frames)")
 
 
 def main() -> None:
     asked = options(__doc__, "two cases, coarse", study="tradeoff.csv of a study; without it the quick one is run")
     with TemporaryDirectory(prefix=".study-", dir=asked.out) as folder:
-        rows = read_table(asked.study) if asked.study else found(asked.fast, Path(folder))
+        rows = read_table(asked.study) if asked.study else study_rows(asked.fast, Path(folder))
     write_table(asked.out / "speed_accuracy.csv", rows)
-    drawn(rows, asked.out / "speed_accuracy.png")
+    draw_figure(rows, asked.out / "speed_accuracy.png")
 
 
 if __name__ == "__main__":

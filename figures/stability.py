@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from _options import options, progress
-from _paper import keep
+from _paper import save_figure
 
 from ocean_sim.machine import available_cores
 from ocean_sim.studies.shared.study import Study, read_table, write_table
@@ -17,8 +17,8 @@ from ocean_sim.studies.stability import EXTREME_AXES, MAX_RUN_SECONDS, draw_map,
 FAST, STEPS = ("compression", 0.04), (1.0, 4.0)  # in haste: the map, its row, and the steps over courant's own
 
 
-def found(fast: bool, folder: Path) -> list[dict[str, Any]]:
-    """The rows of the quick study; in haste those of one row of one map."""
+def study_rows(fast: bool, folder: Path) -> list[dict[str, Any]]:
+    """Rows of the quick stability study; with `--fast` only one row of one map."""
     plan = [
         spot
         for spot in grid_points(quick=True)
@@ -34,14 +34,14 @@ def main() -> None:
     study = "stability.csv of a study; without it the quick one is run"
     asked = options(__doc__, "one row of one map, at two time steps", study=study)
     with TemporaryDirectory(prefix=".study-", dir=asked.out) as folder:
-        rows = read_table(asked.study) if asked.study else found(asked.fast, Path(folder))
+        rows = read_table(asked.study) if asked.study else study_rows(asked.fast, Path(folder))
     write_table(asked.out / "stability.csv", rows)
     for axis in EXTREME_AXES:
         here = [row for row in rows if row["map"] == axis.name]
         if here:
             name = f"{axis.name} [{axis.unit}]"
             path = asked.out / f"stability_{axis.name.replace(' ', '_')}.png"
-            keep(draw_map(name, here), path, f"Here: {name} over the time step, in {len(here)} runs")
+            save_figure(draw_map(name, here), path, f"Here: {name} over the time step, in {len(here)} runs")
 
 
 if __name__ == "__main__":

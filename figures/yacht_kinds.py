@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 from _options import options, progress
-from _paper import BLUE, GREEN, INK, ORANGE, PALE, RED, keep, paper, table
+from _paper import BLUE, GREEN, INK, ORANGE, PALE, RED, paper, save_figure, save_table
 
 from ocean_sim.files.yaml_file import read_mapping
 from ocean_sim.observers.render import variants
@@ -32,7 +32,7 @@ LABEL = 26  # pixels
 
 
 def yacht() -> dict[str, Any]:
-    """The ready-made hull, made smaller."""
+    """Hull keys of the ready-made yacht, made smaller."""
     hull = read_mapping(library("configs") / "hull" / "yacht.yaml").plain()
     points = [[SCALE * x for x in point] for point in hull["shape"]["points"]]
     return {
@@ -44,7 +44,7 @@ def yacht() -> dict[str, Any]:
 
 
 def scene(kind: str, spacing: float, lasts: float) -> dict[str, Any]:
-    """The yacht in waves under a kind."""
+    """Scene of the yacht in waves as a ship of this kind; `lasts`: its duration [s]."""
     return dict.fromkeys(name for name in observer_names() if name != "manifest") | {
         "title": f"a yacht of kind {kind}",
         "duration": lasts,
@@ -63,8 +63,8 @@ def scene(kind: str, spacing: float, lasts: float) -> dict[str, Any]:
     }
 
 
-def still(lasts: float) -> dict[str, Any]:
-    """The Otter that turns in still water."""
+def otter_scene(lasts: float) -> dict[str, Any]:
+    """Scene of the Otter turning in still water."""
     return dict.fromkeys(name for name in observer_names() if name != "manifest") | {
         "title": "the Otter in still water",
         "duration": lasts,
@@ -74,8 +74,8 @@ def still(lasts: float) -> dict[str, Any]:
     }
 
 
-def ridden(keys: dict[str, Any], lasts: float, folder: Path | None, report: Any) -> np.ndarray:
-    """Time [s], heave from the start [m], roll and pitch [deg], of a run."""
+def run_motions(keys: dict[str, Any], lasts: float, folder: Path | None, report: Any) -> np.ndarray:
+    """Run a scene: rows of time [s], heave from the start [m], roll and pitch [deg]; `report`: takes progress."""
     rows = []
     with Simulation(load(keys), folder) as simulation:
         ship: Any = simulation.ships["ship"]
@@ -88,13 +88,13 @@ def ridden(keys: dict[str, Any], lasts: float, folder: Path | None, report: Any)
     return np.array(rows)
 
 
-def named(picture: np.ndarray, label: np.ndarray) -> np.ndarray:
-    """A picture under its label."""
+def add_label(picture: np.ndarray, label: np.ndarray) -> np.ndarray:
+    """Picture with a label on top."""
     return np.concatenate([label, picture])
 
 
 def label(text: str, colour: str) -> np.ndarray:
-    """Words on a bar as wide as a picture, 8-bit RGB."""
+    """Draw text on a bar as wide as a picture: 8-bit RGB array."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -106,20 +106,20 @@ def label(text: str, colour: str) -> np.ndarray:
 
 
 def film(pictures: dict[str, np.ndarray], path: Path) -> None:
-    """Two by two, in real time."""
+    """Write a film of all pictures, two by two, in real time."""
     import imageio.v2 as imageio
 
     bars = {kind: label(kind, KINDS[kind]) for kind in pictures}
     writer: Any
     with imageio.get_writer(path, fps=round(1.0 / EVERY), macro_block_size=2) as writer:
         for k in range(min(len(rows) for rows in pictures.values())):
-            tiles = [named(pictures[kind][k], bars[kind]) for kind in KINDS]
+            tiles = [add_label(pictures[kind][k], bars[kind]) for kind in KINDS]
             rows = [np.concatenate(tiles[i : i + 2], axis=1) for i in range(0, len(tiles), 2)]
             writer.append_data(np.concatenate(rows))
 
 
 def strip(pictures: dict[str, np.ndarray], times: np.ndarray, rides: dict[str, np.ndarray], path: Path) -> None:
-    """A row of pictures a kind, and what each did below them."""
+    """Draw a row of pictures for each kind, and the motions of all kinds below."""
     figure = paper(15.0, 10.4)
     grid = figure.add_gridspec(len(KINDS) + 1, 3 * SHOWN, height_ratios=[1.0] * len(KINDS) + [1.25])
     shown = np.unique(np.linspace(0, len(times) - 1, SHOWN).astype(int))
@@ -137,7 +137,7 @@ def strip(pictures: dict[str, np.ndarray], times: np.ndarray, rides: dict[str, n
         panel.grid(color=PALE, lw=0.7)
         if column == 0:
             panel.legend(ncols=2)
-    keep(figure, path)
+    save_figure(figure, path)
 
 
 def main() -> None:
@@ -148,15 +148,15 @@ def main() -> None:
     for number, kind in enumerate(KINDS):
         report = lambda part, number=number, kind=kind: progress(share * (number + 0.6 * part), f"{kind}: the run")
         with TemporaryDirectory() as folder:
-            rides[kind] = ridden(scene(kind, spacing, lasts), lasts, Path(folder), report)
+            rides[kind] = run_motions(scene(kind, spacing, lasts), lasts, Path(folder), report)
             progress(share * (number + 0.6), f"{kind}: pictures")
             moments = [{"stills": (time,)} for time in times.tolist()]
             pictures[kind] = variants(Path(folder), 0.0, moments, size=SIZE, camera="third_person", caption=True)
-    rides["manoeuvring"] = ridden(still(lasts), lasts, None, lambda part: None)
+    rides["manoeuvring"] = run_motions(otter_scene(lasts), lasts, None, lambda part: None)
     head = [f"a yacht of 10 m on particles {spacing:g} m apart, a regular wave of {WAVE['height']:g} m and 10 m length"]
     head += ["pitch: bow down, roll: starboard down; manoeuvring: the Otter, 2 m, turning in still water"]
     rows = [(kind, *(float(x) for x in row)) for kind, ride in rides.items() for row in ride]
-    table(asked.out / "yacht_kinds.csv", head, ["kind", "time_s", "heave_m", "roll_deg", "pitch_deg"], rows)
+    save_table(asked.out / "yacht_kinds.csv", head, ["kind", "time_s", "heave_m", "roll_deg", "pitch_deg"], rows)
     strip(pictures, times, rides, asked.out / "yacht_kinds.png")
     film(pictures, asked.out / "yacht_kinds.mp4")
     progress(1.0, "done")

@@ -14,8 +14,8 @@ from ocean_sim.gym import OceanEnv
 
 
 def judged(model: PPO, seeds: range) -> tuple[float, float, float]:
-    """Of whole episodes: the mean reward of a step, and the mean heading error [deg] of all steps and of the second
-    half of each, when a boat has had half a minute to come around."""
+    """Evaluate a model in one episode per seed: mean reward of a step, mean heading error [deg] of all steps, and of
+    the second half of each episode, when a boat has had half a minute to come around."""
     rewards, errors = [], []
     for seed in seeds:
         env = OceanEnv()

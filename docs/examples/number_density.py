@@ -9,7 +9,7 @@ from ocean_sim.runtime import in_kernels
 
 @in_kernels
 class NumberDensity(Law):
-    """Sum of the poly6 kernel over particles and images."""
+    """Law of pairs: the sum of the poly6 kernel over neighbouring particles and mirror images."""
 
     terms = Columns(count=1)
 
@@ -32,5 +32,5 @@ class NumberDensity(Law):
 
     @ti.kernel
     def find(self):
-        """Sum over the candidates that the last step has listed."""
+        """Compute the sum for all particles, over the candidate neighbours that the last step listed."""
         self.fluid.neighbours.walk(self, False)

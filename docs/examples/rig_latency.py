@@ -26,7 +26,7 @@ KEYS = {"duration": 1e4, "ship.controls": [], "frames": None, "render": None, "t
 
 
 class Timed(Session):
-    """One that knows when it obeyed."""
+    """Session that records when it obeyed each order to steer."""
 
     obeyed: dict[float, float]  # simulated time [s] by throttle
 
@@ -38,7 +38,10 @@ class Timed(Session):
 
 
 async def orders(address: str, count: int, sent: dict[float, float], asked: list[float]) -> None:
-    """Steer, and ask the water, so many times."""
+    """Act as a page: `count` times, send an order to steer, then a wave query.
+
+    Records in `sent` the time [s] of each order by throttle, and in `asked` the time [s] until each reply.
+    """
     random = np.random.default_rng(1)
     async with aiohttp.ClientSession() as session, session.ws_connect(f"{address}watch", max_msg_size=0) as page:
         await asyncio.sleep(WARM)

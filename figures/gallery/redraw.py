@@ -62,7 +62,7 @@ class Entry(Model):
         return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:16]
 
     def commands(self, run: str) -> tuple[list[str], list[str]]:
-        """Words of two `ocean-sim` commands: one simulates the scene into folder `run`, one draws the picture of it."""
+        """Arguments of two `ocean-sim` commands: one simulates the scene into folder `run`, one draws its picture."""
         verb, *options = shlex.split(self.draw)
         left_out = [word for name in UNUSED_OBSERVERS for word in ("--set", f"{name}=null")]
         looks = ["--no-film", "--quality", "final", "--size", PICTURE_SIZE] if verb == "render" else []
@@ -72,7 +72,7 @@ class Entry(Model):
 
 @cache
 def shown_parts(scene: str) -> dict[str, KindConfig]:
-    """Configs of the parts of a packaged scene that pictures of it show (LAW_SLOTS), by place (`wind`, `ships.tug`)."""
+    """Configs of a packaged scene's slots that pictures show (LAW_SLOTS), by path such as `wind`, `ships.tug`."""
     parts = load(scene).parts().items()
     return {place: part for place, part in parts if isinstance(part, KindConfig) and slot_of(place) in LAW_SLOTS}
 
@@ -103,8 +103,8 @@ def stale_entries(folder: Path) -> list[Entry]:
 
 
 def redraw(names: list[str], check: bool, every: bool, out: Path | None) -> int:
-    """Make the pictures that are old, those named or `every` one; `check`: only list the old ones. The exit code is 1
-    where some are old."""
+    """Make the pictures that are out of date, or those of these `names`, or `every` one; `check`: only list the
+    outdated ones, and return exit code 1 if there are any."""
     folder = out or library("figures") / "gallery"
     known = {entry.picture.split(".")[0]: entry for entry in gallery_entries()}
     for name in names:
@@ -138,13 +138,13 @@ def redraw(names: list[str], check: bool, every: bool, out: Path | None) -> int:
 
 
 def show_entry(entry: Entry) -> list[str]:
-    """Command lines that make the picture of an entry, for people."""
+    """Command lines to print, with which a person can make the picture of an entry."""
     run = f"runs/{entry.scene.split('/')[-1]}"
     return [f"ocean-sim {shlex.join(words)}" for words in entry.commands(run)]
 
 
 def command_line(words: list[str]) -> None:
-    """Run `ocean-sim` with these words in a child process; raises Failed."""
+    """Run `ocean-sim` with these arguments in a child process; raises Failed."""
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(PACKAGE.parent), os.environ.get("PYTHONPATH", "")])}
     command = [sys.executable, "-m", "ocean_sim", *words]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, stdin=subprocess.DEVNULL)

@@ -43,7 +43,8 @@ def square_problem(precision: str, coarse: bool) -> Problem:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Run STEP_COUNT steps from random velocities; measure the largest relative loss of either momentum in a step."""
+    """Run STEP_COUNT steps from random velocities; measure the largest loss of momentum and of angular momentum in a
+    step, each relative to the sum exchanged among particles."""
     before = particle_state(simulation)
     set_state(simulation, before.position, random_shifts(simulation, before.position, START_SPEED))
     before = particle_state(simulation)

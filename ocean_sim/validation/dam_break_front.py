@@ -98,7 +98,8 @@ def scaled_time(time: np.ndarray, g: float, width: float) -> np.ndarray:
 
 
 def front_position(position: np.ndarray, spacing: float) -> float:
-    """Position x [m] of the front among particles (n, 3) [m]: the foremost with another a spacing [m] behind it."""
+    """Position x [m] of the water's front among particles (n, 3) [m]: half a spacing [m] ahead of the foremost particle
+    that has another within a spacing behind it."""
     x = np.sort(position[:, 0])
     followed = x[1:][np.diff(x) <= 1.001 * spacing]  # a lattice counts, whatever the rounding
     return float(followed[-1] if followed.size else x[-1]) + spacing / 2
@@ -112,14 +113,14 @@ def measure_gated(simulation: Simulation) -> Finding:
 
 
 def front_record(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
-    """Run to the end: scaled times T (n,), and distances Z (n,) of the front from the wall in widths of the column."""
+    """Run to the end; record the front: scaled times T (n,), and distances Z (n,) from the wall in column widths."""
     every = simulation.scene.duration / 60
     times, front = record_run(simulation, every, lambda water: front_position(water.position, water.spacing))
     return scaled_time(times, GRAVITY, WIDTH), (front - simulation.basin.lower[0]) / WIDTH
 
 
 def table_curves(tables: dict[str, str]) -> list[Curve]:
-    """Curves of published fronts up to LAST_TIME, to plot as points; `tables`: name of the data file by label."""
+    """Curves of points for published fronts up to scaled time LAST_TIME; `tables`: name of the data file by label."""
     curves = []
     for label, file in tables.items():
         known = table(file)
@@ -131,15 +132,15 @@ def table_curves(tables: dict[str, str]) -> list[Curve]:
 def front_distance(
     known: dict[str, np.ndarray], time: np.ndarray, z: np.ndarray, delay: float = 0.0
 ) -> tuple[float, float, float]:
-    """Mean of the scaled front z (n,) of a run and of a `known` table (columns T, Z), and their mean distance over the
-    table's Z [%], at the table's times; `time` (n,): scaled; `delay`: scaled time of release on the table's clock."""
+    """Mean front of a run, mean front of a published table (`known`: columns T, Z), and their mean difference [%], at
+    the table's times. `time`, `z` (n,): scaled, of the run; `delay`: scaled time of release on the table's clock."""
     at = (known["T"] >= FIRST_TIME) & (known["T"] <= LAST_TIME)
     seen, wanted = np.interp(known["T"][at] - delay, time, z), known["Z"][at]
     return float(seen.mean()), float(wanted.mean()), 100.0 * float(np.mean(np.abs(seen / wanted - 1.0)))
 
 
 def compare_front(time: np.ndarray, z: np.ndarray) -> Finding:
-    """Compare a front at distances z (n,), at scaled times (n,), with all experiments and computations."""
+    """Compare the front of a run, distances `z` (n,) at times (n,), both scaled, with experiments and computations."""
     numbers = [front_distance(table(file), time, z) for file in EXPERIMENTS.values()]
     numbers += [front_distance(table(file), time, z, LETHE_DELAY) for file in MARTIN_MOYCE.values()]
     for file in EXPERIMENTS.values():

@@ -35,7 +35,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def disc_rows(spacing: float) -> list[dict]:
-    """Boxes of water (`min`, `max` [m]), one for each row of a lattice of this spacing [m], that fill the unit disc."""
+    """Boxes of water (`min`, `max` [m]) that fill the unit disc: one for each row of a lattice of this spacing [m]."""
     rows = round(1.0 / spacing)
     boxes = []
     for k in range(-rows, rows):
@@ -46,7 +46,7 @@ def disc_rows(spacing: float) -> list[dict]:
 
 
 def exact_ellipse(end: float, steps: int = 2000) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times A0 t, minor and major semi-axes [m], each (steps + 1,), up to A0 t = `end`, by Runge-Kutta."""
+    """Exact drop up to A0 t = `end`, by Runge-Kutta: times A0 t, minor and major semi-axes [m], (steps + 1,) each."""
     from scipy.integrate import solve_ivp
 
     def change(_: float, y: np.ndarray) -> tuple[float, float]:

@@ -66,7 +66,7 @@ def compare_pressure(water: State, depth: float, g: float) -> Finding:
 
 
 def measure_long(simulation: Simulation) -> Finding:
-    """Run for a minute; measure kinetic energy, creep of the centre of mass, and escaped particles of water at rest."""
+    """Run water at rest for a minute; measure kinetic energy, rise of its centre of mass, and escaped particles."""
     depth, g = simulation.basin.depth, -simulation.basin.gravity[1]
     low, up = np.array(simulation.basin.lower), np.array(simulation.basin.upper)
 

@@ -28,7 +28,7 @@ SEAS = {"head": (180.0, 2, ["surge", "heave", "pitch"]), "beam": (90.0, 0, ["swa
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Set-ups to run: the barge in head and beam waves, and the section; none are coarse."""
+    """Set-ups to run: the barge in head and beam waves, and the section; none if coarse."""
     return [] if coarse else [*map(barge_problem, SEAS), section_problem()]
 
 
@@ -82,7 +82,7 @@ def section_problem() -> Problem:
 def settled_offset(
     simulation: Simulation, amplitude: float, period: float, heading: float, axis: int, count: int
 ) -> float:
-    """Mean position [m] of the ship along x (`axis` 0) or z (2) over the last of `count` regular waves."""
+    """Mean position [m] of the ship along x (`axis` 0) or z (2) at the end of `count` regular waves that it runs in."""
     rest = float(ships.floating_ship(simulation).first_body.position[1])
     rows = ships.record_in_waves(simulation, rest, 2.0 * amplitude, period, heading, count)
     return float(rows[1 + axis].mean())

@@ -71,7 +71,7 @@ def measure(simulation: Simulation) -> Finding:
 
 
 def arrival_time(time: np.ndarray, channel: np.ndarray, threshold: float) -> float:
-    """Time [s] at which a channel (n,) at times (n,) [s] first exceeds a threshold; the end of the run if never."""
+    """Time [s] at which a signal `channel` (n,), at times (n,) [s], first exceeds a threshold; END_TIME if never."""
     even = np.arange(0.0, END_TIME, SAMPLE_INTERVAL)
     level = np.interp(even, time, channel)
     there = np.flatnonzero(level > threshold)
@@ -83,7 +83,7 @@ def arrival_time(time: np.ndarray, channel: np.ndarray, threshold: float) -> flo
 
 
 def compare_channels(time: np.ndarray, channels: dict[str, np.ndarray]) -> Finding:
-    """Compare `channels`, heights [m] and pressures [Pa] (n,) by name, at times (n,) [s], with the measured table."""
+    """Compare recorded `channels` (n,), heights [m] and pressures [Pa] by name, at times (n,) [s], with the table."""
     data = table(CHANNEL_TABLE)
     found: dict[str, Number] = {}
     within = (data["t"] <= END_TIME) & (data["t"] <= time[-1] + SAMPLE_INTERVAL)

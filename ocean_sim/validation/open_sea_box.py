@@ -54,7 +54,7 @@ def problems(coarse: bool) -> list[case.Problem]:
 
 
 def floating_problem(name: str, speed: float) -> case.Problem:
-    """Set-up of the box in waves, held in sway or towed at a speed [m/s] along x, on a patch and on a larger one."""
+    """Set-up of the box in waves, towed along x at a speed [m/s] (0: held in sway), on a patch and on a larger one."""
     moves = SHIP_MOTIONS if speed == 0.0 else ("sway", *SHIP_MOTIONS)
     source, within = "linear_waves, with its table", THEORY_TOLERANCE if speed == 0.0 else None
     small_patch, larger_patch = f"{FREE_LENGTHS[0]:g} of them free", f", {FREE_LENGTHS[1]:g} wavelengths free"
@@ -75,7 +75,7 @@ def floating_problem(name: str, speed: float) -> case.Problem:
 
 
 def heaving_problem() -> case.Problem:
-    """Set-up of the box in forced heave in calm water: waves that the rim returns over those that the box sends [%]."""
+    """Set-up of the box in forced heave in calm water: ratio of waves that the rim reflects to those sent out [%]."""
     back = case.Promise("heaving: wave that comes back, over that which leaves", "%", "none; 5 %", {"pressure": 5.0})
     scene = patch_scene(FREE_LENGTHS[0], ["heave"])
     scene["sea"] = {"kind": "linear_waves", "rim": scene["sea"]["rim"]}
@@ -100,8 +100,8 @@ def heaving_problem() -> case.Problem:
 
 
 def fit_columns(water: State) -> tuple[np.ndarray, np.ndarray]:
-    """Least-squares problem for waves that leave the box and return: velocities (n, 4) [m/s] of waves of 1 m (leaving
-    cosine, sine, returning cosine, sine), and (n,) [m/s] of the water, both components of particles beside the box."""
+    """Linear equations A c = b for heights c of waves that leave the box and return, from particles beside it. A (n, 4)
+    [m/s]: velocities in waves of 1 m (cos and sin leaving, then returning); b (n,) [m/s]: velocities of the water."""
     (x, y), (u, v) = water.position[:, :2].T, water.velocity[:, :2].T
     far = np.abs(x)
     first, last = (share * WAVELENGTH for share in FIT_RANGE)
@@ -118,7 +118,8 @@ def fit_columns(water: State) -> tuple[np.ndarray, np.ndarray]:
 
 
 def motion_promise(quantity: str, within: float | None, source: str) -> case.Promise:
-    """Promise of a motion `quantity` over wave amplitude, or over wave slope if pitch; `within`: tolerance [%]."""
+    """Promise of a motion `quantity` over wave amplitude (pitch: over wave slope); `within`: tolerance [%], None: only
+    reported; `source`: of the reference."""
     over = "k a" if "pitch" in quantity else "a"
     if within is None:
         return case.Promise(f"{quantity} [{over}]", "%", f"{source}; reported")
@@ -126,7 +127,7 @@ def motion_promise(quantity: str, within: float | None, source: str) -> case.Pro
 
 
 def patch_scene(free: float, moves: Sequence[str]) -> dict[str, Any]:
-    """Scene of a box on a patch with `free` wavelengths between its rims; `moves`: names of the box's free motions."""
+    """Scene of the box on a patch with `free` wavelengths between the rims; `moves`: names of its free motions."""
     rim = {"width": RIM_WIDTH * WAVELENGTH}
     return {
         "duration": RUN_PERIODS * PERIOD,
@@ -143,13 +144,13 @@ def patch_scene(free: float, moves: Sequence[str]) -> dict[str, Any]:
 
 
 def box_keys(moves: Sequence[str]) -> dict[str, Any]:
-    """Ship keys of the box; `moves`: names of its free motions."""
+    """Scene keys of the ship that is the box; `moves`: names of its free motions."""
     whole = ship_of_section(BREADTH, HEIGHT, BILGE, LENGTH, MASS, KG, ROLL_RADIUS, cells=12)
     return whole | {"free": list(moves)}
 
 
 def motion_amplitudes(rows: np.ndarray, speed: float) -> list[float]:
-    """Amplitudes of heave and pitch over the last wave periods; `rows` (n, 3), `speed` [m/s]: of `follow_motions`."""
+    """Amplitudes of heave and pitch in the last wave periods, from rows of `follow_motions` at a `speed` [m/s]."""
     t = rows[:, 0]
     last = t > t[-1] - JUDGED_PERIODS * PERIOD
     encounter = 2.0 * pi / PERIOD - WAVENUMBER * speed  # [rad/s]
@@ -177,7 +178,7 @@ def follow_motions(simulation: Simulation, speed: float) -> np.ndarray:
 
 
 def closed_form_motions(simulation: Simulation, speed: float) -> np.ndarray:
-    """Rows (n, 3) as `follow_motions` returns, of the same box in `linear_waves`, moved along x at a speed [m/s]."""
+    """Motions of the same box in `linear_waves` at a speed [m/s] along x: rows (n, 3) as of `follow_motions`."""
     extra = {"kind": "dynamic", "radiation": str(table_path("box_radiation")), "damping": {"cross_flow": 0.0}}
     of_waves = {"height": 2.0 * AMPLITUDE, "period": PERIOD, "heading_deg": 90.0}
     scene = at_sea(box_keys(SHIP_MOTIONS) | extra, BREADTH, PERIOD / PERIOD_STEPS, RUN_PERIODS * PERIOD, **of_waves)

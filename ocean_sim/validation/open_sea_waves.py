@@ -59,7 +59,8 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def patch_scene(length: float, particles: int, sea: dict, periods: float) -> dict:
-    """Scene of a patch `length` wavelengths long with `particles` to the wave, for so many periods; `sea`: its keys."""
+    """Scene of a patch of open sea: `length` [wavelengths], `particles` to the wavelength, duration [wave periods];
+    `sea`: keys of the surrounding sea."""
     return {
         "duration": periods * PERIOD,
         "basin": {"length": length * LENGTH, "depth": DEPTH, "walls": "periodic", "gravity": [0.0, -G, 0.0]},
@@ -78,8 +79,8 @@ def regular_problem(
     slow: bool = False,
     kind: str = "linear_waves",
 ) -> Problem:
-    """Set-up of a wave of steepness `ka`, seen from a point that moves at a `speed` [group speeds], for so many wave
-    periods; `particles` to the wavelength; tolerances `within` [%] of height and `degrees` of phase."""
+    """Set-up of a wave of steepness `ka` on a patch moving at a `speed` [group speeds], for so many wave `periods`;
+    `particles`: to the wavelength; `within` [%], `degrees`: tolerances of height, phase; `kind`: of the sea."""
     where = "at rest" if speed == 0.0 else f"at {speed:+g} group speeds"
     name = f"ka {ka:g}, {where}" + ("" if kind == "linear_waves" else ", nonlinear")
     height = Promise(f"{name}: height over that of the sea", "%", f"{SOURCE_TEXT}; {within:g} %", {"delta_sph": within})
@@ -91,7 +92,8 @@ def regular_problem(
 
 
 def fit_wave(water: State, amplitude: float, at: float) -> tuple[complex, float]:
-    """Complex wave height near x = `at` [m] over the sea's `amplitude` [m], and current [m/s], by fit to velocities."""
+    """Fit a linear wave and a current to velocities near x = `at` [m]. Return the complex wave height over the sea's
+    `amplitude` [m], and the current [m/s]."""
     x, y = water.position[:, 0], water.position[:, 1]
     far = (x - at + 0.5 * PATCH_LENGTH * LENGTH) % (PATCH_LENGTH * LENGTH) - 0.5 * PATCH_LENGTH * LENGTH
     near = (np.abs(far) < FIT_DISTANCE * LENGTH) & (y < -amplitude) & (y > LOWEST_FIT * DEPTH)
@@ -106,7 +108,7 @@ def fit_wave(water: State, amplitude: float, at: float) -> tuple[complex, float]
 
 
 def measure_regular(simulation: Simulation, amplitude: float, speed: float) -> Finding:
-    """Run; measure wave height, phase and current at a point moving at `speed` [m/s]; `amplitude`: of the sea [m]."""
+    """Run; fit the wave at a point moving at `speed` [m/s]: height over the sea's `amplitude` [m], phase, current."""
     fit = lambda water: fit_wave(water, amplitude, speed * water.time)
     time, fits = record_run(simulation, PERIOD / PERIOD_SAMPLES, fit)
     height = fits[:, 0] / linear_wave_share(simulation, time)
@@ -120,7 +122,7 @@ def measure_regular(simulation: Simulation, amplitude: float, speed: float) -> F
 
 
 def linear_wave_share(simulation: Simulation, time: np.ndarray) -> np.ndarray:
-    """Complex wave height (n,) of the sea around the patch over that of a linear wave, at increasing times (n,) [s]."""
+    """Complex wave height (n,) of the surrounding sea over that of a linear wave, at increasing times (n,) [s]."""
     around_it = relaxation_band(with_particles(simulation.fluid).config.lattice(simulation.basin))
     if around_it is None or around_it.sea is None or around_it.nonlinear is None:
         return np.ones(len(time), dtype=complex)
@@ -132,7 +134,7 @@ def linear_wave_share(simulation: Simulation, time: np.ndarray) -> np.ndarray:
 
 
 def packet_problem(width: float, within: float) -> Problem:
-    """Set-up of a wave packet in a calm sea, with a rim of a `width` [wavelengths]; `within`: height tolerance [%]."""
+    """Set-up of a wave packet in a calm sea with a rim `width` [wavelengths] wide; `within`: height tolerance [%]."""
     quantity = f"rim of {width:g} wavelengths: height of a packet that returns once round"
     promise = Promise(quantity, "%", f"none; {within:g} %", {"delta_sph": within})
     periods = PACKET_WAY * LENGTH / GROUP_SPEED / PERIOD + 1.0
@@ -141,7 +143,7 @@ def packet_problem(width: float, within: float) -> Problem:
 
 
 def measure_packet(simulation: Simulation) -> Finding:
-    """Run until the packet has gone round; its height over that which losses of the scheme alone would leave."""
+    """Run until the packet has gone round once; measure its height over the theoretical one without a rim."""
     basin, water = simulation.basin, with_particles(simulation.fluid)
     side = basin.periods[0]
     k = 2.0 * pi * np.arange(1, 4 * round(side / LENGTH) + 1) / side
@@ -168,7 +170,8 @@ def measure_packet(simulation: Simulation) -> Finding:
 
 
 def fit_heights(water: State, sea: waves.Components) -> np.ndarray:
-    """Complex heights (k,) [m] of the k waves of a sea, either way they run, fitted to velocities below the troughs."""
+    """Complex heights (k,) [m] of the k waves of a sea, running ahead or back, fitted to velocities below the
+    troughs."""
     x, y = water.position[:, 0], water.position[:, 1]
     deep = (y < -PACKET_SLOPE / K * 2.0) & (y > LOWEST_FIT * DEPTH)
     angle = x[deep, None] * sea.wavenumber
@@ -182,8 +185,8 @@ def fit_heights(water: State, sea: waves.Components) -> np.ndarray:
 
 
 def split_directions(found: np.ndarray, omega: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Split heights `found` (n, m) of waves of frequencies `omega` (m,) [rad/s], at times (n,) [s] over a period, into
-    those of waves that travel ahead and back, (m,) each."""
+    """Split complex heights `found` (n, m) of m waves, at times (n,) [s] over a period, into heights (m,) of the waves
+    that travel ahead and (m,) of those that travel back, by the way they turn; `omega` (m,) [rad/s]: frequencies."""
     turned = np.exp(1j * omega * time[:, None])
     return (found * turned.conj()).mean(axis=0), (found * turned).mean(axis=0)
 

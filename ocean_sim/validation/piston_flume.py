@@ -38,7 +38,8 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def flume_problem(far: int, begin: float, tolerance: float, coarse: bool, slow: bool = False) -> Problem:
-    """Set-up of a flume, gauges 1 and `far` wavelengths off, read from `begin` [s] on; `tolerance` [%]: far gauge."""
+    """Set-up of a flume with gauges 1 and `far` wavelengths from the piston, whose records count from `begin` [s] on;
+    `tolerance` [%]: of the far gauge."""
     zone = 0.5 * (GROUP_SPEED * (begin + RECORD_LENGTH) + far * WAVELENGTH)  # [m] from the piston to the zone
     waves_made = {"height": HEIGHT, "period": PERIOD}
     scene = flume_scene(zone + WAVELENGTH, DEPTH, DEPTH / (10 if coarse else 20), begin + RECORD_LENGTH, waves_made)
@@ -63,9 +64,9 @@ def flume_problem(far: int, begin: float, tolerance: float, coarse: bool, slow: 
 
 
 def transient_elevation(piston: Piston, distances: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Elevations (n, m) [m] by linear theory at times (n,) [s] and distances (m,) [m] from a piston that moves at u(t)
-    from time 0 on: 2 / pi times the integral over k of cos(k s) tanh(k h) / k times that of u(t') cos(w (t - t')) over
-    the time, w^2 = g k tanh(k h)."""
+    """Elevations (n, m) [m] by linear theory at times t (n,) [s] and distances s (m,) [m] from a piston that starts at
+    rest and moves at u(t): the integral over k > 0 of 2 / pi cos(k s) tanh(k h) / k times the integral over t' from 0
+    to t of u(t') cos(w (t - t')), with w^2 = g k tanh(k h)."""
     k = WAVENUMBER_STEP * (np.arange(round(MAX_WAVENUMBER / WAVENUMBER_STEP)) + 0.5)
     shape = 2.0 / pi * WAVENUMBER_STEP * np.tanh(k * DEPTH) / k * np.cos(distances[:, None] * k)
     turning, time, found = 1j * waves.angular_frequency(k, DEPTH), 0.0, []
@@ -92,7 +93,8 @@ def first_harmonic(times: np.ndarray, signal: np.ndarray) -> complex:
 def compare_harmonics(
     times: np.ndarray, elevation: np.ndarray, theory: np.ndarray, stroke: float, away: tuple[int, int]
 ) -> Finding:
-    """Compare elevations (n, 2) [m] at times (n,) [s], `away` wavelengths from a piston, with `theory` (n, 2) [m]."""
+    """Compare elevations (n, 2) [m] of two gauges at times (n,) [s] with `theory` (n, 2) [m]; `stroke`: of the piston
+    [m]; `away`: distances of the gauges from it [wavelengths]."""
     late = times >= times[-1] - RECORD_LENGTH
     near, far = (first_harmonic(times[late], column[late]) for column in elevation.T)
     near_theory, far_theory = (first_harmonic(times[late], column[late]) for column in theory.T)

@@ -29,15 +29,15 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def poiseuille_profile(y: np.ndarray, time: float) -> np.ndarray:
-    """Exact speed (n,) under a body force, over u_max, at heights `y` (n,) in gap widths L and a time [L^2 / nu]."""
+    """Exact speed (n,) under a body force over its final maximum, at heights `y` (n,) [gap widths], time [L^2 / nu]."""
     odd = 2.0 * SERIES_TERMS - 1.0
     waves = np.sin(np.pi * np.outer(y, odd)) * np.exp(-((odd * np.pi) ** 2) * time) / odd**3
     return 4.0 * y * (1.0 - y) - 32.0 / np.pi**3 * waves.sum(axis=1)
 
 
 def gap_problem(exact: Profile, column: str, lid: list[float], force: float, coarse: bool) -> Problem:
-    """Set-up of the gap under a lid of velocity `lid` (3,) [m/s] and a body `force` [m/s2]; `column`: see
-    `measure_profiles`.
+    """Set-up of water in the gap between plates, the upper at velocity `lid` (3,) [m/s], under a body `force` [m/s2].
+    `exact`: profile to compare with; `column`: of the published table, to plot.
 
     Compression follows the largest of V^2, nu V / L and F L, as Morris, Fox & Zhu (1997) advise.
     """
@@ -62,7 +62,8 @@ def gap_problem(exact: Profile, column: str, lid: list[float], force: float, coa
 
 
 def measure_profiles(simulation: Simulation, exact: Profile, column: str, times: list[float]) -> Finding:
-    """Run; find the largest error of speed at each time [L^2 / nu]; `column`: of the published table, to plot."""
+    """Run; measure the largest error of speed at each of `times` [L^2 / nu], by the profile `exact`; `column`: of the
+    published table, to plot."""
     numbers, measured, expected = [], [], []
     data = table("analytic_poiseuille_couette")
     for time in times:

@@ -8,7 +8,7 @@ resonance, and of roll and sway, errors are only reported. In resonance the damp
 omega B > |C - omega^2 (M + A)|: half of the power or more. Particles that press on the section in a patch of open sea
 three wavelengths long have tolerances of 10 % of heave and 20 % of roll.
 
-The lattice on which a ship asks the water accounts for 2 % of the closed form at 0.897 s.
+The lattice of points at which a ship samples the water accounts for 2 % of the closed form at 0.897 s.
 """
 
 from functools import partial
@@ -48,7 +48,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def closed_form_problem(scenario: str, coarse: bool = False) -> Problem:
-    """Set-up of all wave periods of a scenario of FREE_MOTIONS, one after another, in closed-form waves."""
+    """Set-up of a scenario (key of FREE_MOTIONS) in closed-form waves: one run for each of its wave periods."""
     seen, freed = measured_amplitudes(scenario), FREE_MOTIONS[scenario]
     periods = sorted(seen, reverse=True)[1:3] if coarse else sorted(seen, reverse=True)
     pairs = [(period, motion) for period in periods for motion in freed if motion in seen[period]]
@@ -87,7 +87,7 @@ def is_resonant(period: float) -> bool:
 
 
 def sway_springs() -> list[dict[str, Any]]:
-    """Ship keys of two mooring lines that act as a spring in sway, and are too long to hold heave."""
+    """Ship keys of two mooring lines that act as springs in sway, and are so long that they hardly resist heave."""
     half = {"stiffness": SPRING_STIFFNESS / 2.0, "damping": SPRING_DAMPING / 2.0}
     half |= {"slack_length": ANCHOR_DISTANCE - 1.0}
     ends = [(side * BREADTH / 2.0, side * (BREADTH / 2.0 + ANCHOR_DISTANCE)) for side in (1.0, -1.0)]
@@ -134,13 +134,13 @@ def measure_particles(simulation: Simulation, period: float) -> Finding:
 
 
 def section_keys(cells: int) -> dict[str, Any]:
-    """Ship keys of the section, free in heave and roll, with so many cells to the draught."""
+    """Scene keys of the ship that is the section, free in heave and roll, with `cells` to the draught."""
     whole = ships.ship_of_section(BREADTH, HEIGHT, BILGE, LENGTH, MASS, KG, ROLL_RADIUS, cells)
     return whole | {"free": ["heave", "roll"]}
 
 
 def measured_amplitudes(scenario: str = "heave+roll") -> dict[float, dict[str, float]]:
-    """Published amplitudes by wave period [s] and motion: over wave amplitude, roll over k a; mean of repetitions."""
+    """Published amplitudes by wave period [s] and motion: roll over wave slope k a, others over wave amplitude a."""
     table = csv_file.read_columns(table_path("sundsdal2025_section"))
     found: dict[float, dict[str, float]] = {}
     for motion in FREE_MOTIONS[scenario]:
@@ -152,7 +152,8 @@ def measured_amplitudes(scenario: str = "heave+roll") -> dict[float, dict[str, f
 
 
 def wave_response(simulation: Simulation, period: float) -> dict[str, float]:
-    """Run in a regular wave of a period [s]; amplitudes by motion: sway, heave over wave amplitude a, roll over k a."""
+    """Run in a regular wave of a period [s]; amplitudes by motion: sway, heave over amplitude a, roll over slope k
+    a."""
     rest, omega = KG - ships.floating_ship(simulation).hydrostatics.draught, 2.0 * pi / period
     t, sway, heave, _, _, _, roll = ships.record_in_waves(simulation, rest, 2.0 * AMPLITUDE, period, 90.0)
     sway, heave, roll = ships.first_harmonics(t, np.stack([sway, heave, roll], axis=1), omega) / AMPLITUDE

@@ -60,13 +60,14 @@ def problems(coarse: bool) -> list[Problem]:
     ]
 
 
-def judged(quantity: str, unit: str, source: str, limit: float) -> Promise:
-    """Promise with a tolerance for `delta_sph`."""
+def sph_promise(quantity: str, unit: str, source: str, limit: float) -> Promise:
+    """Promise of a quantity; `limit`: tolerance of scheme `delta_sph`, the only one that is judged."""
     return Promise(quantity, unit, source, {"delta_sph": limit})
 
 
 def slice_over(bed: Sequence[Sequence[float]], rows: int, duration: float, **basin: Any) -> dict[str, Any]:
-    """Scene of a slice over a bed, with so many rows of particles where it is deepest; `basin`: more of its keys."""
+    """Scene of a 2-D slice over a `bed` of points x, y [m], with so many rows of particles where it is deepest;
+    `basin`: further keys of the basin."""
     x, y = np.array(bed).T
     depth, profile = float(-y.min()), np.stack([x - 0.5 * (x[0] + x[-1]), y], axis=1).tolist()
     floor = basin.get("floor", {}) | {"profile": profile} if np.ptp(y) else "free_slip"
@@ -75,11 +76,11 @@ def slice_over(bed: Sequence[Sequence[float]], rows: int, duration: float, **bas
 
 
 def mesh_problem(name: str, coarse: bool) -> Problem:
-    """Set-up of a mesh 0.4 m across in the middle of still water, ten spacings across, coarse five."""
+    """Set-up of a mesh, a fixed body 0.4 m across in the middle of still water; ten (coarse: five) spacings across."""
     obstacle = {"mesh": str(table_path(name).with_suffix(".obj")), "at": [0.0, -0.4, 0.0]}
     basin = {"length": 0.8, "width": 0.8, "depth": 0.8, "obstacles": [obstacle]}
     fluid = {"spacing": 0.08 if coarse else 0.04, "kinematic_viscosity": 1e-6}
-    promise = judged(f"{name}: force of still water [N]", "%", "Archimedes; 1 %", 1.0)
+    promise = sph_promise(f"{name}: force of still water [N]", "%", "Archimedes; 1 %", 1.0)
     return Problem({"duration": 0.6, "basin": basin, "fluid": fluid}, (promise,), measure_buoyancy, name)
 
 
@@ -97,7 +98,7 @@ def momentum_problem(coarse: bool) -> Problem:
     block = {"min": [-0.3, -0.4], "max": [-0.1, -0.3]}
     scene = slice_over([[-1.0, -0.4], [0.0, -0.4], [1.0, -0.2]], 10 if coarse else 20, 0.5, obstacles=[block])
     scene["fluid"]["fill"] = [{"min": [-1.0, -0.4], "max": [-0.5, 0.0]}]
-    promise = judged("momentum of falling water, worst", "impulse of walls, bed, block", "sum of impulses", 1e-6)
+    promise = sph_promise("momentum of falling water, worst", "impulse of walls, bed, block", "sum of impulses", 1e-6)
     return Problem(scene | {"runtime": {"precision": "f64"}}, (promise,), measure_momentum, "momentum")
 
 
@@ -115,19 +116,19 @@ def measure_momentum(simulation: Simulation) -> Finding:
 
 
 def still_problem(name: str, coarse: bool) -> Problem:
-    """Set-up of still water over a bed of STILL_BEDS."""
+    """Set-up of still water over the bed of this name in STILL_BEDS."""
     promises = (
-        judged(f"{name}: rms speed [sqrt(g h)]", "1", "still water has none", 3e-3),
-        judged(f"{name}: level [spacings]", "1", "0 less g h^2 / (2 c^2)", 0.05),
-        judged(f"{name}: pressure on the bed, mean error [rho g h]", "%", "rho g depth; 1 %", 1.0),
-        judged(f"{name}: mean pressure on the bed [Pa]", "%", "rho g depth; 1 %", 1.0),
+        sph_promise(f"{name}: rms speed [sqrt(g h)]", "1", "still water has none", 3e-3),
+        sph_promise(f"{name}: level [spacings]", "1", "0 less g h^2 / (2 c^2)", 0.05),
+        sph_promise(f"{name}: pressure on the bed, mean error [rho g h]", "%", "rho g depth; 1 %", 1.0),
+        sph_promise(f"{name}: mean pressure on the bed [Pa]", "%", "rho g depth; 1 %", 1.0),
     )
     scene = slice_over(STILL_BEDS[name], *((10, 5.0) if coarse else (20, 60.0)))
     return Problem(scene, promises, measure_still, f"still, {name}", slow=True)
 
 
 def measure_still(simulation: Simulation) -> Finding:
-    """Run; measure speed [sqrt(g h)], level [spacings] and pressures on the bed, means of the last tenth of the run."""
+    """Run; measure rms speed [sqrt(g h)], level [spacings] and bed pressures, means of the last tenth of the run."""
     fluid, ground, depth = simulation.fluid, cast(Ground, simulation.basin.ground), simulation.basin.depth
     x = np.linspace(-0.95, 0.95, 39)
     points = np.stack([x, ground.heights(np.stack([x, 0.0 * x], axis=1)), 0.0 * x], axis=1)
@@ -149,7 +150,8 @@ def measure_still(simulation: Simulation) -> Finding:
 def flume_problem(
     name: str, scene: dict[str, Any], gauges: np.ndarray, promises: Sequence[Promise], compare: Compare
 ) -> Problem:
-    """Set-up of a flume with gauges at x (m,) [m] from the piston, judged by `compare`."""
+    """Set-up of a flume with gauges at x (m,) [m] from the piston; `compare`: turns times and records into the numbers
+    of the `promises`."""
 
     def measure(simulation: Simulation) -> Finding:
         basin, ground = simulation.basin, simulation.basin.ground
@@ -171,13 +173,13 @@ def flume_problem(
 
 
 def beach_problem(ratio: float, coarse: bool) -> Problem:
-    """Set-up of a solitary wave of H/d `ratio` on the smooth beach."""
+    """Set-up of a solitary wave, whose height over depth is `ratio`, on the smooth beach."""
     depth, top, known = BEACH_DEPTH, BEACH_DEPTH * (2.0 * ratio + 0.2), table("synolakis1987_runup")
     bed = [[0.0, -depth], [BEACH_FOOT, -depth], [BEACH_FOOT + BEACH_COTANGENT * (depth + top), top]]
     name, like = f"solitary, H/d {ratio:g}", np.abs(known["height_over_depth"] / ratio - 1.0) <= LIKE_WAVES
     measured, theory = known["runup_over_depth"][like].mean(), 2.831 * sqrt(BEACH_COTANGENT) * ratio**1.25
     promises = (
-        judged(f"{name}: R/d", "%", "Synolakis 1987, mean of measured waves within 5 % of H/d; 8 %", 8.0),
+        sph_promise(f"{name}: R/d", "%", "Synolakis 1987, mean of measured waves within 5 % of H/d; 8 %", 8.0),
         Promise(f"{name}: crest at the foot [d]", "%", "H/d"),
         Promise(f"{name}: R/d without friction", "%", "2.831 sqrt(cot b) (H/d)^1.25, Synolakis 1987"),
     )
@@ -193,7 +195,7 @@ def beach_problem(ratio: float, coarse: bool) -> Problem:
 
 
 def slope_problem(name: str, coarse: bool) -> Problem:
-    """Set-up of regular waves that come back from a wall or a slope of RETURNS."""
+    """Set-up of regular waves that the wall or slope of this name in RETURNS reflects."""
     cotangent, expected, source, tolerance = RETURNS[name]
     foot, top = SHORE_X - cotangent * DEPTH, [SHORE_X + 0.4 * cotangent * DEPTH, 0.4 * DEPTH]
     gauges = foot - 0.6 * WAVELENGTH + np.array([-0.35, 0.0, 0.25])
@@ -214,7 +216,7 @@ def bar_problem(coarse: bool) -> Problem:
     """Set-up of regular waves over the bar, whose harmonics are fitted over the last periods."""
     known, order = table("dingemans_harmonics"), np.arange(1, 5)
     unit, source, wanted = "% error, rms", "Dingemans 1994, measured; {:g} %", zip(order, (5.0, 10.0, 15.0, 15.0))
-    promises = [judged(f"bar: rms of harmonic {n} [m]", unit, source.format(limit), limit) for n, limit in wanted]
+    promises = [sph_promise(f"bar: rms of harmonic {n} [m]", unit, source.format(limit), limit) for n, limit in wanted]
 
     def compare(times: np.ndarray, records: np.ndarray) -> list[Number]:
         late = times > times[-1] - BAR_RECORD * BAR_PERIOD
@@ -231,12 +233,12 @@ def bar_problem(coarse: bool) -> Problem:
 
 
 def composite_problem(ratio: float, coarse: bool) -> Problem:
-    """Set-up of a solitary wave of H/d `ratio` on the composite beach."""
+    """Set-up of a solitary wave, whose height over depth is `ratio`, on the beach with a wall at its end."""
     known, name, source = table("composite_beach"), f"composite, H/d {ratio:g}", "Briggs et al. 1996, measured; {:g} %"
     own = known["height_over_depth"] == ratio
     (*places, _), (*highest, climbed) = known["x_m"][own], known["highest_m"][own]
     wanted = [("run-up on the wall", 8.0), *((f"highest at {x:g} m", 15.0) for x in places)]
-    promises = [judged(f"{name}: {what} [m]", "%", source.format(limit), limit) for what, limit in wanted]
+    promises = [sph_promise(f"{name}: {what} [m]", "%", source.format(limit), limit) for what, limit in wanted]
 
     def compare(times: np.ndarray, records: np.ndarray) -> list[Number]:
         return [percent_error(*pair) for pair in zip(np.fmax.reduce(records)[1:], (climbed, *highest))]

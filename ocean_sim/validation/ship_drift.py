@@ -44,7 +44,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure_drift(simulation: Simulation, phases: int) -> Finding:
-    """Run once from each of so many initial wave phases; spread and mean of the drift speed [m/s] along the ship."""
+    """Run from each of `phases` initial wave phases; measure spread and mean of drift speed [m/s] along the ship."""
     fluid: Any = simulation.fluid  # of kind linear_waves
     rest = np.array([0.0, floating_ship(simulation).first_body.position[1], 0.0])
     train = waves.regular_wave(HEIGHT, PERIOD, waves.heading_vector(180.0, 3), simulation.basin.depth, GRAVITY)

@@ -55,7 +55,7 @@ def measure_straight(simulation: Simulation) -> Finding:
 
 
 def measure_turn(simulation: Simulation) -> Finding:
-    """Run the turn; compare steady turn and tactical quantities, from the order on, with the published program."""
+    """Run the turn; compare the steady turn, and distances from the throttle order on, with the published program."""
     t, x, z, u, _, yaw, rate = sail_record(simulation)
     begin = np.argmax(t >= 20.0)
     turned = np.abs(np.degrees(np.unwrap(yaw)))

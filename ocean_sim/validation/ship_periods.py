@@ -27,7 +27,7 @@ SOURCE_TEXT = "Capytaine, panel method; rho g A, W GM"
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Set-ups to run: the barge with added mass by rule, and as given; 8 (coarse: 4) cells to the draught."""
+    """Set-ups to run: the barge with added mass by rule of thumb, and given; 8 (coarse: 4) cells to the draught."""
     rule = {"hydrostatic": 1.0, "dynamic": 10.0}
     cells = 4 if coarse else 8
     given = {"added_mass": ADDED_MASS, "damping": {"heave": 0.0, "pitch": 0.0, "roll": 0.0}}
@@ -58,7 +58,8 @@ def release_problem(
 
 
 def release_record(simulation: Simulation, motion: str, seconds: float) -> tuple[np.ndarray, np.ndarray]:
-    """Release the ship from 2 cm or half a degree in a `motion`, and run: times (n,) [s], values (n,) [m] or [rad]."""
+    """Displace the ship by 2 cm or half a degree in a `motion`, release it, and run. Return times (n,) [s] and values
+    of the motion (n,) [m] or [rad]."""
     rest = np.array([0.0, 0.5, 0.0])
     turn = {"roll": turn_quaternion(2, 0.5), "pitch": turn_quaternion(0, 0.5), "heave": turn_quaternion(0, 0.0)}[motion]
     set_pose(simulation, position=rest + [0.0, 0.02 if motion == "heave" else 0.0, 0.0], orientation=turn)

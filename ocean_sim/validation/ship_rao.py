@@ -85,7 +85,8 @@ def allowed_error(hull: str, omega: float, motion: str) -> float | None:
 
 
 def wave_response(simulation: Simulation, omega: float, length: float, heading: float) -> tuple[float, float, float]:
-    """Heave [m/m], pitch, roll [deg/m] per amplitude of waves of a frequency [rad/s] and heading [deg]; length [m]."""
+    """Run in regular waves of a frequency [rad/s] and heading [deg]; `length`: of the hull [m]. Return heave [m], pitch
+    and roll [deg] per metre of wave amplitude."""
     rest, amplitude = floating_ship(simulation).first_body.position[1], STEEPNESS * length
     rows = record_in_waves(simulation, rest, 2.0 * amplitude, 2.0 * np.pi / omega, heading)
     t, _, heave, _, pitch, _, roll = rows

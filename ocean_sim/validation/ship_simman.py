@@ -61,9 +61,9 @@ def sailed_problem(row: dict[str, str]) -> Problem:
 
 
 def measure_sailed(simulation: Simulation, test: str, speed: float, measured: list[float]) -> Finding:
-    """Run a test from a speed [m/s]; compare its indices with those measured."""
+    """Run a test, such as `circle 35 port`, from a speed [m/s]; compare its indices with the `measured` ones."""
     (kind, angle, side), ship = test.split(), cast(Any, ships.ship_of(simulation))
-    way, sailing = 1.0 if side == "port" else -1.0, (held_throttle(ship, speed), 0.0)
+    way, sailing = 1.0 if side == "port" else -1.0, (set_steady_throttle(ship, speed), 0.0)
     if kind == "circle":
         turn = lambda time, yaw: way * radians(RUDDER_ANGLE)
         rows = np.array(list(sail_rows(simulation, turn, TURN_TIME, *sailing)))
@@ -75,8 +75,8 @@ def measure_sailed(simulation: Simulation, test: str, speed: float, measured: li
     return Finding(numbers, [Curve("track", rows[:, 1], rows[:, 2])], [], ("x, to port [m]", "z, ahead [m]"))
 
 
-def held_throttle(ship: Any, speed: float) -> float:
-    """Throttle at which a ship keeps a speed [m/s] straight ahead; her propeller turns so from now on."""
+def set_steady_throttle(ship: Any, speed: float) -> float:
+    """Set her propeller to the revolutions that keep a speed [m/s] straight ahead; return that throttle."""
     from scipy.optimize import brentq
 
     motion, full = np.array([speed, *[0.0] * 5]), ship.model.ordered_revolutions(1.0, 0.0)
@@ -88,7 +88,7 @@ def held_throttle(ship: Any, speed: float) -> float:
 
 
 def decay_problem() -> Problem:
-    """Set-up of the DECAYS, one after another."""
+    """Set-up of the roll decay tests DECAYS, one after another."""
     ship = ships.ship_of_section(*MIDDLE_BODY, cells=16)
     ends = [[END_BREADTH / 2.0, y, way * LENGTH / 2.0] for y in (DRAUGHT, HEIGHT) for way in (1.0, -1.0)]
     ship["hull"]["shape"]["points"] += ends
@@ -100,7 +100,8 @@ def decay_problem() -> Problem:
 
 
 def measure_decays(simulation: Simulation) -> Finding:
-    """Let the ship go, heeled and under way, as in each of DECAYS; compare period and decrement over 15 half swings."""
+    """Release the ship, heeled, under way, for each of DECAYS; compare period and decrement of 15 half swings of
+    roll."""
     numbers, curves, upright = list[Number](), [], ships.ship_of(simulation).body.position
     for name, (speed, first, last, period) in DECAYS.items():
         pose, begin = {"position": upright, "orientation": ships.turn_quaternion(2, first)}, simulation.time

@@ -34,7 +34,8 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def box_problem(density: float, coarse: bool) -> Problem:
-    """Set-up of a box of a density over the water's, ten (coarse: five) spacings deep; it settles before the record."""
+    """Set-up of a floating box of a density relative to water, ten (coarse: five) spacings deep, that settles before
+    its draught is measured."""
     draught = BOX_SIDE * density
     period = 2.0 * np.pi * np.sqrt((density * BOX_SIDE**2 + np.pi / 8.0 * BOX_SIDE**2) / (GRAVITY * BOX_SIDE))
     shape = {"kind": "box", "length": 1.0, "breadth": BOX_SIDE, "height": BOX_SIDE}
@@ -58,8 +59,9 @@ def box_problem(density: float, coarse: bool) -> Problem:
 
 
 def measure_draught(simulation: Simulation, exact: float) -> Finding:
-    """Run; compare the keel's depth under the level of the water beside the hull with the exact draught [m]. A level by
-    volume at rest density would be about 15 mm too high: 1.2 m of water compressed by 2 % is 12 mm lower."""
+    """Run; compare the depth of the keel below the water level beside the hull with the `exact` draught [m].
+
+    A level by volume at rest density would be about 15 mm too high: 1.2 m of water compressed by 2 % is 12 mm lower."""
     apart = np.linspace(BOX_SIDE, 0.5 * TANK_LENGTH - 0.1, 8)
     gauges = np.array([(x, 0.0) for x in (*-apart, *apart)])
     until = simulation.scene.duration

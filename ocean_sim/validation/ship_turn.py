@@ -70,7 +70,7 @@ def circle_problem(name: str, scene: dict[str, Any], prefix: str = "") -> Proble
 
 
 def bounded_promise(name: str, limits: tuple[float, float] | None) -> Promise:
-    """Promise that a quantity, whose name ends with its [unit], lies within limits; only reported without them."""
+    """Promise that a quantity lies within `limits` (None: only reported); its name ends with its [unit]."""
     unit = name[name.index("[") + 1 : -1]
     if limits is None:
         return Promise(name, unit, "reported")
@@ -78,7 +78,7 @@ def bounded_promise(name: str, limits: tuple[float, float] | None) -> Promise:
 
 
 def bounded_number(value: float | None, limits: tuple[float, float] | None) -> Number:
-    """Value, middle of its limits as reference, and distance from there; None for the latter two without limits."""
+    """Number (value, middle of the limits, distance from the middle); the last two are None without value or limits."""
     if limits is None or value is None:
         return value, None, None
     middle = 0.5 * (limits[0] + limits[1])
@@ -86,7 +86,7 @@ def bounded_number(value: float | None, limits: tuple[float, float] | None) -> N
 
 
 def zigzag_limits(angle: float) -> dict[str, tuple[float, float] | None]:
-    """Limits, or None, by quantity of a zig-zag by an angle [deg]."""
+    """Lowest and highest allowed value (None: no limits) of each quantity of a zig-zag by an angle [deg]."""
     name = f"zig-zag {angle:g}/{angle:g}: "
     first, second = ((0.0, most) if most is not None else None for most in MAX_OVERSHOOTS[angle])
     return {
@@ -99,8 +99,9 @@ def zigzag_limits(angle: float) -> dict[str, tuple[float, float] | None]:
 def sail_rows(
     simulation: Simulation, orders: Orders, duration: float, throttle: float = 1.0, approach: float = APPROACH_TIME
 ) -> Iterator[tuple[float, ...]]:
-    """Sail ahead for an `approach` [s], then run for a duration [s]. Yield time [s], x, z [m], yaw, heel [rad],
-    velocity along x and z [m/s] after every step, measured from the first order."""
+    """Sail ahead for `approach` [s], then for a duration [s] at the rudder angle [rad] that `orders` gives by time and
+    yaw. Yield time [s], x, z [m], yaw, heel [rad], velocity along x, z [m/s] after every step, relative to the first
+    order."""
     ship = ship_of(simulation)
     helm = ship.hand_over()
     helm.give(throttle, 0.0)
@@ -117,8 +118,8 @@ def sail_rows(
 
 
 def circle_values(rows: np.ndarray, length: float, settled: float) -> list[float | None]:
-    """Advance, transfer, tactical diameter (None before their heading) and radius in lengths [m], speed [m/s], drift
-    angle and heel [deg] of a turn by `sail_rows`, the last four over its last `settled` seconds."""
+    """Indices of a turn by `sail_rows`: advance, transfer, tactical diameter (None if not reached) and radius over the
+    ship's `length` [m], speed [m/s], drift angle, heel [deg]; the last four over the last `settled` seconds."""
     t, x, z, yaw, heel, vx, vz = rows.T
     turned = np.abs(np.unwrap(yaw))
     last = t > t[-1] - settled
@@ -144,12 +145,12 @@ def measure_circle(simulation: Simulation, length: float) -> Finding:
 def zigzag_record(
     simulation: Simulation, angle: float, way: float, *sailing: float
 ) -> tuple[np.ndarray, list[float], list[float]]:
-    """Rows of a zig-zag by an angle [deg], first to port (`way` 1) or starboard (-1), times of reversal [s], and the
-    further turn after each but the last [deg]; `sailing`: of `sail_rows` from the duration on."""
+    """Run a zig-zag by an angle [deg], first to port (`way` 1) or starboard (-1): rows of `sail_rows`, reversal times
+    [s], and overshoot after each but the last [deg]; `sailing`: arguments of `sail_rows` from the duration on."""
     ways, executed = [way], []
 
     def orders(time: float, yaw: float) -> float:
-        """Rudder angle [rad]: reversed each time that the yaw [rad] has reached the zig-zag's angle on its side."""
+        """Rudder angle [rad] at a time [s]; it is reversed once the yaw [rad] has reached the zig-zag's angle."""
         if ways[0] * yaw >= radians(angle):
             ways[0] = -ways[0]
             executed.append(time)

@@ -71,7 +71,8 @@ def sway_motion(amplitude: float, omega: float) -> dict[str, str | float]:
 
 
 def compare_mode(times: np.ndarray, signal: np.ndarray) -> Finding:
-    """Compare a signal (n,) of the first mode at times (n,) [s] with cos(w1 t) - cos(w t), by a fit of both parts."""
+    """Compare a signal (n,) of the first mode at times (n,) [s] with theory, by fits of natural and forced
+    oscillation."""
     from scipy.optimize import curve_fit
 
     def model(t: np.ndarray, a: float, b: float, omega: float, rate: float, c: float, d: float) -> np.ndarray:

@@ -71,7 +71,8 @@ def reflection_problem() -> Problem:
 
 
 def radiated_amplitude(tile: Tile, k: float, rim: bool) -> np.ndarray:
-    """Complex amplitudes (n,) [m] along x of waves of wavenumber `k` [1/m] that an oscillating pressure sends out."""
+    """Complex amplitudes (n,) [m], along x, of waves of wavenumber `k` [1/m] that an oscillating pressure sends out on
+    a tile, with an absorbing rim or without."""
     layer, omega = Layer(tile, rim), np.sqrt(GRAVITY * k)
     dt, source = 2.0 * np.pi / omega / PERIOD_STEPS, tile.to_modes(np.exp(-((tile.nodes()[0] * k / 1.5) ** 2))[:, None])
     found = []
@@ -84,7 +85,7 @@ def radiated_amplitude(tile: Tile, k: float, rim: bool) -> np.ndarray:
 
 
 def random_sea_problem(order: int) -> Problem:
-    """Set-up of a random sea at an order of nonlinearity, 1 (linear) or 3."""
+    """Set-up of a random sea, linear (`order` 1) or nonlinear (3)."""
     name = f"a random sea, order {order}"
     height = Promise(f"{name}: 4 sqrt(m0) [m]", "%", "asked for", {"spectral_sea": 1.0})
     period = Promise(f"{name}: T_m02 [s]", "%", "of the spectrum asked for", {"spectral_sea": 1.0})
@@ -111,7 +112,7 @@ def random_sea_problem(order: int) -> Problem:
 
 
 def surface_samples(simulation: Simulation, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Elevations (m,) [m], vertical speeds (m,) [m/s] and slopes (m, 2) along x, z of a random sea at m points."""
+    """Elevations (m,) [m], vertical speeds (m,) [m/s], slopes (m, 2) along x, z of a sea of this order at m points."""
     fluid = sea_of(simulation)
     if fluid.steep is not None:
         from ocean_sim.fluid.spectral_sea import SPECTRUM_COMPONENTS, snapped

@@ -55,7 +55,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 class GaussianPressure(Displacing):
-    """A moving pressure of Gaussian shape, given to the tile as the displaced volume with the same weight."""
+    """A moving pressure of Gaussian shape, which the tile receives as a displaced volume of the same weight."""
 
     def __init__(self) -> None:
         ticks = np.arange(-3.0, 3.01, 0.125)
@@ -71,7 +71,8 @@ class GaussianPressure(Displacing):
 
 
 def passing_waters(simulation: Simulation) -> tuple:
-    """Run a moving pressure; water as another ship feels it, water as the pressure feels it, and its last x [m]."""
+    """Run with a moving pressure. Return the water as another ship meets it, as the pressure itself meets it, and the
+    last x [m] of the pressure."""
     patch, other = GaussianPressure(), GaussianPressure()
     by_itself, by_another = sea_of(simulation).add_ships([patch, other])
     while simulation.time < END_TIME - 0.5 * TIME_STEP:
@@ -82,7 +83,8 @@ def passing_waters(simulation: Simulation) -> tuple:
 
 
 def elevation_at(x: float, z: float, long: float, broad: float) -> float:
-    """Elevation [m] at a point `x` ahead of and `z` beside a pressure exp(-(x / long)^2 - (z / broad)^2); all [m]."""
+    """Elevation [m] by Havelock's integral at `x` ahead of and `z` beside a moving pressure exp(-(x / long)^2 - (z /
+    broad)^2); all [m]."""
     edge = np.arctan2(-x, z)  # w changes its sign here
     total = 0.0
     for low, high in ((-0.5 * np.pi, edge), (edge, 0.5 * np.pi)):

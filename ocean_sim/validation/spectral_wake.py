@@ -71,8 +71,8 @@ def tow_pressure(simulation: Simulation, u: float) -> tuple[float, np.ndarray]:
 
 
 def track_crests(simulation: Simulation, eta: np.ndarray, u: float) -> tuple[np.ndarray, np.ndarray, float]:
-    """Distances behind the pressure (n,), elevations there (n,), and wavelength, all [m]; `eta`: elevation (cells,
-    rows) [m] behind a pressure of speed `u` [m/s]."""
+    """Elevations on the track behind a pressure of speed `u` [m/s], and their wavelength, from elevations `eta` (cells,
+    rows) [m]: distances behind it (n,) [m], elevations there (n,) [m], and wavelength [m]."""
     tile = sea_of(simulation).tile
     behind = np.arange(2.0 * np.pi * u**2 / GRAVITY, FREE_SHARE * TILE_SIDE, 0.01)
     points = np.stack([u * END_TIME - behind, np.zeros(len(behind))], axis=1)
@@ -83,7 +83,7 @@ def track_crests(simulation: Simulation, eta: np.ndarray, u: float) -> tuple[np.
 
 
 def energy_outside_cusp(simulation: Simulation, eta: np.ndarray, u: float) -> float:
-    """Share of the energy of a wake `eta` (cells, rows) [m], at a speed `u` [m/s], that lies outside the cusp angle."""
+    """Share of a wake's energy outside Kelvin's cusp angle; `eta`: elevations (cells, rows) [m]; speed `u` [m/s]."""
     tile = sea_of(simulation).tile
     x, z = nearest_image(tile, np.array([u * END_TIME, 0.0]))
     length = 2.0 * np.pi * u**2 / GRAVITY

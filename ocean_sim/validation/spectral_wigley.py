@@ -80,8 +80,8 @@ def tow_hull(simulation: Simulation, u: float, astern: np.ndarray) -> tuple[floa
 
 
 def wave_source(t: np.ndarray, u: float) -> tuple[np.ndarray, np.ndarray]:
-    """Wavenumbers k [rad/m] and F [m3] of the waves in directions `t` from the track at a speed `u` [m/s]; the integral
-    of the hull's parabolas in closed form."""
+    """Wavenumbers k [rad/m] and source strengths F [m3], in closed form, of the waves that a hull at a speed `u` [m/s]
+    sends in directions `t` [rad] from its track."""
     k = GRAVITY / (u * np.cos(t)) ** 2
     half, down = 0.5 * LENGTH * k * np.cos(t), k * DRAUGHT
     along = 2.0 * LENGTH * (np.sin(half) - half * np.cos(half)) / half**3

@@ -69,7 +69,7 @@ class StandingWave:
         return complex(n)
 
     def steep_period(self, root: complex, times: np.ndarray) -> float:
-        """Period [s] that `fit_damped_cosine` finds at times (n,) [s] in a wave exp(root t) of this first amplitude.
+        """Period [s] that `fit_damped_cosine` finds at times (n,) [s] in a wave exp(root t) of this steepness.
 
         At a steepness k a the frequency of linear theory rises by a share w2 (k a)^2 / 2 w0, with w0^2 = tanh(k h) and
         w2 = (9 w0^-7 - 12 w0^-3 - 3 w0 - 2 w0^5) / 32 (Tadjbakhsh & Keller 1960, J. Fluid Mech. 8); in deep water it
@@ -85,7 +85,7 @@ class StandingWave:
         return self.fit_damped_cosine(times, np.cos(phase) * np.exp(root.real * times))[0]
 
     def unit_flow(self, position: np.ndarray) -> np.ndarray:
-        """Velocity (n, 3) [m/s] at positions (n, 3) [m] in a linear wave of amplitude 1 m whose surface is level."""
+        """Velocity (n, 3) [m/s] at positions (n, 3) [m] in a linear wave of amplitude 1 m when its surface is level."""
         x, y = position[:, 0] + 0.5 * self.length, position[:, 1] + self.depth
         scale = self.gravity * self.k / self.omega / np.cosh(self.k * self.depth)
         along, up = -np.sin(self.k * x) * np.cosh(self.k * y), np.cos(self.k * x) * np.sinh(self.k * y)
@@ -96,14 +96,14 @@ class StandingWave:
         return exp(-rate * self.period)
 
     def finding(self, numbers: tuple[Number, ...], times: np.ndarray, share: np.ndarray, rate: float) -> Finding:
-        """Finding with these numbers, and curves: measured `share` (n,) of the amplitude, and decay at a rate [1/s]."""
+        """Finding with these numbers, and curves: amplitude ratio `share` (n,), and its decay at a `rate` [1/s]."""
         measured = [Curve("wave", times / self.period, share)]
         theory = np.cos(self.omega * times) * np.exp(-rate * times)
         expected = [Curve("linear theory", times / self.period, theory)]
         return Finding(numbers, measured, expected, ("t / T", "velocity over its first amplitude"))
 
     def amplitude_share(self, water: State) -> float:
-        """Velocity amplitude of the mode over that at the start; negative if it moves the opposite way."""
+        """Ratio of the mode's velocity amplitude to that at the start; negative if it moves the opposite way."""
         mode = self.unit_flow(np.minimum(water.position, [np.inf, 0.0, np.inf]))
         return float((water.velocity * mode).sum() / (mode * mode).sum()) / self.amplitude
 
@@ -160,7 +160,7 @@ def wave_problem(reynolds: float | None, coarse: bool, decay: dict[str, float], 
 
 
 def compare_wave(times: np.ndarray, share: np.ndarray, viscosity: float) -> Finding:
-    """Compare period and decay rate of `share`, velocity (n,) over that at the start, with theory; viscosity [m2/s]."""
+    """Compare period and decay rate of the amplitude ratio `share` (n,) with theory for a viscosity [m2/s]."""
     period, rate = DEEP_WAVE.fit_damped_cosine(times, share)
     expected, root = DEEP_WAVE.leading_rate(viscosity), DEEP_WAVE.viscous_root(viscosity)
     effective = rate / DEEP_WAVE.leading_rate(1.0)

@@ -40,7 +40,8 @@ def wave_problem(
     period: dict[str, float],
     decay: dict[str, float],
 ) -> Problem:
-    """Set-up of a wave at a Reynolds number sqrt(g h) h / nu for so many periods; tolerances of period and decay."""
+    """Set-up of a wave in `layers` layers of particles at a Reynolds number sqrt(g h) h / nu, for so many wave
+    `periods`; `period`, `decay`: tolerances by scheme."""
     spacing, viscosity = wave.depth / layers, wave.viscosity(reynolds)
     width = LAYERS_ACROSS * spacing
     scene = {

@@ -53,8 +53,8 @@ def basin_problem(layers: int, slow: bool = False) -> Problem:
 
 
 def mean_slopes(simulation: Simulation, begin: float, until: float) -> tuple[float, float, np.ndarray]:
-    """Run to the time `until` [s]; from `begin` [s] on, mean slope of bed pressure (over rho g), mean slope of the
-    surface, and rows (n, 2) of height over the bed [m] and speed [m/s] of particles in the middle."""
+    """Run to `until` [s], and average from `begin` [s] on: slope of bed pressure / (rho g), slope of the surface, and
+    rows (n, 2) of height over the bed [m] and speed [m/s] of particles in the middle."""
     x = np.linspace(-PARALLEL_HALF_LENGTH, PARALLEL_HALF_LENGTH, 21)
     bed = np.stack([x, np.full_like(x, -DEPTH), np.zeros_like(x)], axis=1)
     pressure, height, flow = [], [], []

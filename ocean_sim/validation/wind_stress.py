@@ -73,7 +73,7 @@ def measure(simulation: Simulation) -> Finding:
 
 
 def wind_keys(stress: float, **keys: float) -> dict:
-    """Scene keys of a wind along +x with a stress [Pa], reached by a gain on the law's own; `keys`: further keys."""
+    """Scene keys of a wind along +x whose drag law is scaled by `gain` to a stress [Pa]; `keys`: further keys."""
     return {"kind": "stress", "u10": WIND_SPEED, "heading_deg": 90.0, "gain": stress / WU_STRESS, **keys}
 
 

@@ -30,7 +30,7 @@ def one_dam_each(monkeypatch):
     """The first dam break under either program, a step of each, and no peer in this environment."""
     few = [o._replace(dams=tuple(dam._replace(seconds=0.0, end=0.0) for dam in o.dams[:1])) for o in peers.OTHERS]
     monkeypatch.setattr(peers, "OTHERS", few)
-    monkeypatch.setattr(peers, "row", lambda peer, task, measured: peers.numbers(peer, None, task, []))
+    monkeypatch.setattr(peers, "measure_installed", lambda peer, task, measured: peers.table_row(peer, None, task, []))
 
 
 def test_peers_are_measured_by_turns_with_the_same_water(ask, one_dam_each, monkeypatch):
@@ -43,7 +43,7 @@ def test_peers_are_measured_by_turns_with_the_same_water(ask, one_dam_each, monk
 
     there = {(splishsplash, Path("one/python")): "2.19.0", (pysph_dam, Path("two/python")): "1.0b2"}
     monkeypatch.setattr(another_python, "version_in", lambda peer, python: there.get((peer, python)))
-    monkeypatch.setattr(another_python, "measured", measured)
+    monkeypatch.setattr(another_python, "measure_peer", measured)
     pythons = ("--peer-python", "one/python", "--peer-python", "two/python")
     code, out, _ = ask("bench", "--peers", *pythons, "--threads", "1", "--json")
     assert code == 0, out
@@ -91,10 +91,10 @@ def test_a_peer_that_dies_at_import_or_never_ends_is_named(tmp_path, monkeypatch
             assert row["failed"] == f"it does not run under {python}: {why}" and row["ratio"] is None
             assert peers.sentence(row).startswith(f"{others.peer.PEER}, dam breaks") and why in peers.sentence(row)
     monkeypatch.setattr(peers, "version", lambda peer: "1.0")
-    assert peers.row("p", "task", os.abort)["failed"] == "its process died (-6)"
-    assert "TypeError" in peers.row("p", "task", os.strerror)["failed"]
+    assert peers.measure_installed("p", "task", os.abort)["failed"] == "its process died (-6)"
+    assert "TypeError" in peers.measure_installed("p", "task", os.strerror)["failed"]
     monkeypatch.setattr(peers, "MAX_PEER_SECONDS", 0.3)
-    assert peers.row("p", "task", signal.pause)["failed"] == "it was not done after 0.3 s"
+    assert peers.measure_installed("p", "task", signal.pause)["failed"] == "it was not done after 0.3 s"
 
 
 def peer_that(does: str, folder: Path) -> Any:
@@ -116,7 +116,7 @@ for step in range(100):
     time.sleep(0.01)
 """
     order = {"begin": 2.0, "seconds": 0.05, "end": 12.0, "threads": 1}
-    found = another_python.measured(peer_that(does, tmp_path), Path(sys.executable), order)
+    found = another_python.measure_peer(peer_that(does, tmp_path), Path(sys.executable), order)
     assert (found["particles"], found["walls"], found["steps"], found["simulated"]) == (7, 3, 20, 10.0)
     assert 0.2 < found["wall"] and found["cpu"] < found["wall"]
 
@@ -136,7 +136,7 @@ def test_another_python_says_in_a_sentence_what_went_wrong(does, why, tmp_path, 
     monkeypatch.setattr(another_python, "MAX_RUN_SECONDS", 2.0)
     python = Path(sys.base_prefix) / "bin" / "python3"
     with pytest.raises(ValueError, match=re.escape(why)):
-        another_python.measured(peer_that(does, tmp_path), python, {"begin": 0.0, "threads": 1})
+        another_python.measure_peer(peer_that(does, tmp_path), python, {"begin": 0.0, "threads": 1})
 
 
 @pytest.mark.slow
@@ -144,7 +144,7 @@ def test_another_python_says_in_a_sentence_what_went_wrong(does, why, tmp_path, 
 @pytest.mark.parametrize("others", peers.OTHERS, ids=lambda others: others.peer.PEER)
 def test_other_programs_compute_the_dam_breaks(others, tmp_path):
     """Every one of 6000 particles, in steps that water lives through; what they leave lies in their folder."""
-    if peers.found_in(others.peer, [Path(PEER_PYTHON)]) is None:
+    if peers.find_peer(others.peer, [Path(PEER_PYTHON)]) is None:
         pytest.skip(f"{PEER_PYTHON} has no {others.peer.PACKAGE}")
     before = set(Path.home().iterdir())
     for dam in others.dams:

@@ -20,8 +20,8 @@ sys.path.insert(0, folder)
 import _paper
 if pictures == "no":
     import _kept
-    _paper.keep = _kept.save = lambda *what: None
-    _kept.shots = lambda folder, time, switched, **options: [[[[0]]]] * len(switched)
+    _paper.save_figure = _kept.save_picture = lambda *what: None
+    _kept.take_pictures = lambda folder, time, switched, **options: [[[[0]]]] * len(switched)
 for name in names:
     sys.argv = [name, "--fast", "--out", out]
     runpy.run_path(f"{folder}/{name}.py", run_name="__main__")
@@ -63,17 +63,17 @@ def test_figure_3_2_has_the_fifteen_patterns_of_256_cases(figures):
 
 
 def test_every_picture_carries_number_and_caption_and_only_a_coarse_one_says_so(tmp_path):
-    """`keep` is handed what a figure has; what it writes is read back from the figure's texts."""
+    """`save_figure` is handed what a figure has; what it writes is read back from the figure's texts."""
     code = """
 import sys
 sys.path.insert(0, sys.argv[1])
 from pathlib import Path
 from _options import Said
-from _paper import HASTY, WHOLE, keep, paper
+from _paper import HASTY, WHOLE, paper, save_figure
 for whole, width, found in ((False, 6.0, "12 cells"), (True, 6.0, "12 cells"), (False, 2.8, "Figure 9-9, wide")):
     Said.caption, Said.fast, Said.whole = "Figure 9-9: what it shows", True, whole
     figure = paper(width, 2.0)
-    keep(figure, Path(sys.argv[2], "a.png"), found)
+    save_figure(figure, Path(sys.argv[2], "a.png"), found)
     words = " ".join(text.get_text() for text in [*figure.texts, figure._supxlabel]).replace(chr(10), " ")
     assert (HASTY in words) is not whole and (WHOLE in words) is whole, words
     assert "Figure 9-9" in words and found in words, words

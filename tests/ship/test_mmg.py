@@ -12,7 +12,7 @@ from ocean_sim.parts import library
 from ocean_sim.reading.scene import SceneError, load, observer_names
 from ocean_sim.ship.forces.weather import Windage, wave_motion
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.ship_simman import held_throttle
+from ocean_sim.validation.ship_simman import set_steady_throttle
 
 QUIET = {name: None for name in observer_names() if name != "manifest"} | {"runtime.threads": 1}
 CALM = {"period": 10.0, "height": 0.0}
@@ -36,7 +36,7 @@ def coefficients(name: str) -> dict:
 def sailed(ship: dict, rudder: float, speed: float, until: float, **keys):
     """The ship after a run at held revolutions and a rudder [rad], positive to port, from a speed ahead [m/s]."""
     with Simulation(load(at_sea({"velocity": [0.0, 0.0, speed]} | ship, **keys), QUIET)) as simulation:
-        throttle = held_throttle(simulation.ship, speed)
+        throttle = set_steady_throttle(simulation.ship, speed)
         helm = simulation.ship.hand_over()
         while simulation.time < until:
             helm.give(throttle, rudder)
@@ -150,7 +150,7 @@ def test_first_order_motions_are_superposed_on_the_manoeuvre():
         keys = {"kind": "kcs", "windage": None, "velocity": [0.0, 0.0, 10.0]}
         with Simulation(load(at_sea(keys, 0.1, fluid=sea), QUIET)) as simulation:
             helm = simulation.ship.hand_over()
-            helm.give(held_throttle(simulation.ship, 10.0), 0.0)
+            helm.give(set_steady_throttle(simulation.ship, 10.0), 0.0)
             rows = []
             while simulation.time < 120.0:
                 simulation.step()

@@ -30,7 +30,7 @@ class Promise:
     """Tolerance by scheme; the error of any other scheme is only reported."""
 
     def row(self, case: str, scheme: str, value: float | None, reference: float | None, error: float | None) -> dict:
-        """Row of the results table for one run, keys ROW_KEYS; an error of None counts as outside the tolerance."""
+        """Row (keys ROW_KEYS) of the results table for one run. An `error` of None exceeds any tolerance."""
         tolerance = self.tolerance.get(scheme)
         ok = tolerance is None or (error is not None and bool(abs(error) <= tolerance))
         numbers = [None if number is None else float(number) for number in (value, reference, error)]
@@ -38,7 +38,7 @@ class Promise:
         return dict(zip(ROW_KEYS, cells, strict=True))
 
     def coarsened(self, case: str) -> "Promise":
-        """Copy with tolerances of validation/data/coarse.csv added; the promise itself if that lacks its quantity."""
+        """Copy with the tolerances that data/coarse.csv has for coarse set-ups; the promise itself if it has none."""
         own = coarse_tolerances().get((case, self.quantity))
         if own is None:
             return self
@@ -47,7 +47,7 @@ class Promise:
 
 @dataclass(frozen=True)
 class Curve:
-    """Line of a plot, or points: label and coordinates."""
+    """A curve to plot: label and coordinates, drawn as a line or as `points`."""
 
     label: str
     x: np.ndarray
@@ -57,7 +57,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Finding:
-    """Results of a run: numbers in the order of the promises (none of a run that diverged), and curves to plot."""
+    """Results of one run: `numbers` in the order of the promises (empty if the run diverged), and curves to plot."""
 
     numbers: Sequence[Number]
     measured: list[Curve] = field(default_factory=list)
@@ -79,7 +79,7 @@ class Problem:
     """Schemes that run by default. Every kind of fluid can run what `delta_sph` runs; else no other scheme can."""
 
     def load(self, scheme: str, overrides: Mapping[str, Any] | None = None) -> SceneConfig:
-        """Read the scene with this scheme, and `overrides` by key, without observers."""
+        """Read the scene with this scheme, and with settings `overrides` (value by key), but without observers."""
         part = self.scene[self.slot] | {"kind": scheme}
         return load_without_observers(self.scene | {self.slot: part}, overrides)
 
@@ -89,7 +89,7 @@ class Problem:
         return [scheme for scheme in asked if scheme in fitting] if asked else list(self.schemes)
 
     def run(self, case: str, scheme: str, overrides: Mapping[str, Any] | None = None) -> tuple[list[dict], Finding]:
-        """Run under a scheme: rows of the results table, and finding; if the run diverged, both are without numbers."""
+        """Run and measure under a scheme: rows of the results table, and finding; no numbers if the run diverged."""
         try:
             with Simulation(self.load(scheme, overrides)) as simulation:
                 found = self.measure(simulation)
@@ -100,7 +100,8 @@ class Problem:
         return [promise.row(case, scheme, *number) for promise, number in pairs], found
 
     def coarsened(self, case: str) -> "Problem":
-        """Copy with tolerances for coarse resolution; slow if too long for a regression gate, or without tolerance."""
+        """Copy with tolerances for coarse set-ups; marked slow if too long for a regression gate or without
+        tolerance."""
         promises = tuple(promise.coarsened(case) for promise in self.promises)
         judged = any(scheme in promise.tolerance for promise in promises for scheme in self.schemes)
         slow = self.slow or not judged or (case, self.name) in too_long_for_gate()
@@ -113,22 +114,22 @@ def load_without_observers(scene: dict[str, Any], overrides: Mapping[str, Any] |
 
 
 def other_simulation(simulation: Simulation, scene: dict[str, Any]) -> Simulation:
-    """Simulation of another scene, without observers, with the processor and precision of the given one."""
+    """Simulation of another scene, without observers, with the runtime settings of the given one."""
     return Simulation(load_without_observers(scene | {"runtime": simulation.scene.resolved()["runtime"]}))
 
 
 def percent_error(value: float, reference: float) -> Number:
-    """Value, reference, and error of the value in percent of the reference."""
+    """Number (value, reference, error) with the error in percent of the reference."""
     return value, reference, 100.0 * (value / reference - 1.0)
 
 
 def absolute_error(value: float, reference: float = 0.0) -> Number:
-    """Value, reference, and their difference as the error."""
+    """Number (value, reference, error) with the error value - reference."""
     return value, reference, value - reference
 
 
 def reported(value: float) -> Number:
-    """Value that is reported only: without reference and error."""
+    """Number (value, None, None) of a quantity that has neither reference nor error."""
     return value, None, None
 
 

@@ -13,7 +13,7 @@ MIN_FIT_SHARE = 1e-3  # regularisation: amplitude over the largest that the reco
 
 
 def flume_scene(length: float, depth: float, spacing: float, duration: float, piston: dict[str, Any]) -> dict[str, Any]:
-    """Scene of a flume: length, depth, spacing [m], duration [s]; `piston`: keys of its wavemaker, except the wall."""
+    """Scene of a flume: length, depth, spacing [m], duration [s]; `piston`: keys of its wavemaker but the wall."""
     return {
         "duration": duration,
         "basin": {
@@ -27,7 +27,8 @@ def flume_scene(length: float, depth: float, spacing: float, duration: float, pi
 
 
 def gauge_records(simulation: Simulation, points: np.ndarray, every: float) -> tuple[np.ndarray, np.ndarray]:
-    """Run to the end: times (n,) [s], about `every` [s] apart, and elevations (n, m) [m] at points (m, 2) x, z [m]."""
+    """Run to the end, with wave gauges at points (m, 2) x, z [m]. Return times (n,) [s], about `every` [s] apart, and
+    elevations (n, m) [m]."""
     return record_run(simulation, every, lambda _: simulation.fluid.elevations(points))
 
 
@@ -42,12 +43,12 @@ def resample_evenly(
 def reflection_ratio(
     every: float, elevation: np.ndarray, positions: np.ndarray, depth: float, band: tuple[float, float]
 ) -> float:
-    """Height of reflected over incident waves, from elevations (n, m) [m] `every` [s] at positions (m,) [m] along the
-    waves, in a band of frequencies [Hz].
+    """Ratio of reflected to incident wave height, from elevations (n, m) [m] at times `every` [s] apart and at
+    `positions` (m,) [m] along the waves; `band`: lowest and highest frequency [Hz] that count.
 
-    Waves of the dispersion relation that run both ways are fitted to all records at once, by least squares in space and
-    time (three gauges of Mansard & Funke 1980, ICCE, without their Fourier transform): the spectra of records that end
-    differ from gauge to gauge, which looks like 2.5 % of reflection in 20 periods. This finds 0.2 % where none is.
+    Waves that run both ways and obey the dispersion relation are fitted to all records at once, by least squares in
+    space and time (three gauges of Mansard & Funke 1980, ICCE, without their Fourier transform). Spectra of finite
+    records differ by gauge, which looks like 2.5 % of reflection in 20 periods; the fit finds 0.2 % where none is.
     """
     n, m = elevation.shape
     time = every * np.arange(n)
@@ -56,7 +57,7 @@ def reflection_ratio(
     k = waves.wavenumber(omega, depth)
 
     def wave_columns(x: np.ndarray, way: float) -> np.ndarray:
-        """Columns cos, sin of k waves, at n times and positions x (m,) [m]: (n m, 2 k); `way`: 1 to +x, -1 to -x."""
+        """Columns (n m, 2 k) to fit: cos, sin of k waves at n times, positions x (m,) [m]; `way`: 1 to +x, -1 to -x."""
         angle = way * np.outer(x, k)[None] - np.outer(time, omega)[:, None]
         return np.concatenate([np.cos(angle), np.sin(angle)], axis=2).reshape(n * len(x), -1)
 

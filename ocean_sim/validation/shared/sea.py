@@ -15,7 +15,8 @@ SPECTRAL_SCHEMES = ("spectral_sea",)
 
 
 def tile_scene(side: float, cells: int, slice_: bool = False, depth: float = 500.0, **keys: Any) -> dict[str, Any]:
-    """Scene of a tile of a side [m] with so many cells along it, 2-D if `slice_`; `keys`: of the fluid; none: calm."""
+    """Scene of a tile of open sea, `side` [m] long with `cells` along it; 2-D if `slice_`. `keys`: further keys of the
+    fluid; without them the sea is calm."""
     basin = {"length": side, "depth": depth, "walls": "none"} | ({} if slice_ else {"width": side})
     return {
         "duration": 1.0,
@@ -30,7 +31,7 @@ def sea_of(simulation: Simulation) -> "SpectralSea":
 
 
 def nearest_image(tile: Tile, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Distances x (cells, 1) and z (1, rows) [m] from a centre (2,) [m] to the nearest periodic image of each cell."""
+    """Offsets x (cells, 1) and z (1, rows) [m] of all cells from a centre (2,) [m], to each cell's nearest image."""
     x, z = tile.nodes()
     dx, dz = x - centre[0], z - centre[1]
     return (dx - tile.side * np.round(dx / tile.side))[:, None], (dz - tile.width * np.round(dz / tile.width))[None, :]
@@ -43,7 +44,7 @@ def smooth_ramp(share: float) -> float:
 
 
 def travel_ahead(layer: Layer, eta: np.ndarray) -> None:
-    """Give a layer an elevation (cells, rows) [m] and the surface potential with which it travels towards +x."""
+    """Set a layer's waves: elevation `eta` (cells, rows) [m], and the surface potential that makes all travel to +x."""
     tile = layer.tile
     e, omega = tile.to_modes(eta), np.where(tile.omega > 0.0, tile.omega, np.inf)
     layer.eta = tile.to_values(e)
@@ -51,8 +52,8 @@ def travel_ahead(layer: Layer, eta: np.ndarray) -> None:
 
 
 def stokes_wave(steepness: float, k: float, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
-    """Elevation [m] and surface potential [m2/s] at x [m] of a deep-water wave of height 2 steepness / k, crest at 0,
-    and its speed [m/s]: Stokes's series to the fifth order after Fenton (1985, J. Waterway 111)."""
+    """Stokes wave in deep water, to fifth order (Fenton 1985, J. Waterway 111): elevation [m] and surface potential
+    [m2/s] at `x` [m], and speed [m/s]. Its height is 2 steepness / k, with wavenumber `k` [1/m] and a crest at 0."""
     s, angle = steepness, k * x
     first = s - 0.375 * s**3 - 422.0 / 384.0 * s**5
     second, third = 0.5 * s**2 + s**4 / 3.0, 0.375 * s**3 + 297.0 / 384.0 * s**5

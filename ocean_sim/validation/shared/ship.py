@@ -25,7 +25,8 @@ COMPARED_SHIPS = compared("ship")  # the kinds that studies compare
 
 
 def at_sea(ship: dict[str, Any], size: float, dt: float, duration: float = 1.0, **waves: float) -> dict[str, Any]:
-    """Scene of a ship on a wide, deep sea; `size` [m]: of the ship; `dt`: time step [s]; `waves`: keys of the sea."""
+    """Scene of a ship in closed-form waves on a wide, deep sea. `ship`: its keys; `size`: its length or breadth [m];
+    `dt`: time step [s]; `waves`: keys of the sea, calm without them."""
     return {
         "duration": duration,
         "basin": {"length": 40.0 * size, "width": 40.0 * size, "depth": 20.0 * size, "walls": "none"},
@@ -39,8 +40,8 @@ def at_sea(ship: dict[str, Any], size: float, dt: float, duration: float = 1.0, 
 def ship_of_section(
     breadth: float, height: float, bilge: float, length: float, mass: float, kg: float, roll_radius: float, cells: int
 ) -> dict[str, Any]:
-    """Ship keys of a prismatic hull with flat ends: breadth, height, bilge radius, length [m], mass [kg], height `kg`
-    [m] of the centre of mass over the keel, radius of roll inertia [m], and number of cells to the draught."""
+    """Scene keys of a ship with a prismatic hull: breadth, height, bilge radius, length [m], mass [kg]; `kg`: height of
+    the centre of mass over the keel [m]; `roll_radius`: of gyration [m]; `cells`: number to the draught."""
     angles, inner = np.linspace(0.0, pi / 2.0, BILGE_CORNERS + 1), breadth / 2.0 - bilge
     side = [(breadth / 2.0, height)] + [(inner + bilge * cos(a), bilge - bilge * sin(a)) for a in angles]
     points = [[float(x), float(y), end * length / 2.0] for x, y in side for end in (1.0, -1.0)]
@@ -57,14 +58,14 @@ def ship_of_section(
 
 
 def first_harmonics(t: np.ndarray, values: np.ndarray, omega: float) -> np.ndarray:
-    """Amplitudes (k,) of signals (n, k) at times (n,) [s] at a frequency [rad/s], fitted with mean and trend."""
+    """Amplitudes (k,) at a frequency [rad/s] of k signals (n, k) at times (n,) [s], fitted with mean and trend."""
     base = np.stack([np.cos(omega * t), np.sin(omega * t), np.ones_like(t), t], axis=1)
     fit = np.linalg.lstsq(base, values, rcond=None)[0]
     return np.hypot(fit[0], fit[1])
 
 
 def ship_of(simulation: Simulation) -> "Ship":
-    """Ship that the simulation has under the name `ship`."""
+    """Ship of the simulation whose name is `ship`."""
     return simulation.ships["ship"]
 
 
@@ -149,8 +150,8 @@ def follow_body(simulation: Simulation, until: float) -> Iterator[tuple[float, "
 def record_in_waves(
     simulation: Simulation, rest: float, height: float, period: float, heading: float, count: int = WAVE_COUNT
 ) -> np.ndarray:
-    """Run the ship from upright at height `rest` [m] in `count` regular waves of a height [m], period [s], heading
-    [deg]: rows (7, n) of time [s], position [m], pitch, yaw and roll [rad] over the last JUDGED_WAVES waves."""
+    """Run the ship, upright at height `rest` [m] at first, in `count` waves of height [m], period [s], heading [deg]:
+    rows (7, n) of time [s], position x, y, z [m], pitch, yaw, roll [rad] over the last JUDGED_WAVES waves."""
     fluid: Any = simulation.fluid  # of kind linear_waves
     clock: Any = simulation.time_step  # of kind fixed
     set_pose(simulation, position=np.array([0.0, rest, 0.0]), orientation=UPRIGHT)

@@ -32,7 +32,7 @@ class State:
 
     @property
     def momentum(self) -> np.ndarray:
-        """Momentum (3,) [N s], summed exactly: rounding of a plain sum exceeds a momentum that cancels."""
+        """Total momentum (3,) [N s], summed exactly: if momenta cancel, a plain sum consists of rounding errors."""
         return self.mass * np.array([fsum(component) for component in self.velocity.T])
 
     @property
@@ -59,7 +59,8 @@ def particle_state(simulation: Simulation) -> State:
 def set_state(
     simulation: Simulation, position: np.ndarray, velocity: np.ndarray, pressure: np.ndarray | None = None
 ) -> None:
-    """Restart from positions (n, 3) [m], velocities (n, 3) [m/s], pressures (n,) [Pa] (None: kept), in id order."""
+    """Set positions (n, 3) [m], velocities (n, 3) [m/s] and pressures (n,) [Pa] (None: unchanged) of all particles in
+    the order of their ids, and restart the water from them."""
     water = with_particles(simulation.fluid)
     particles = water.particles
     order = particles.id.to_numpy()
@@ -72,14 +73,14 @@ def set_state(
 
 
 def random_shifts(simulation: Simulation, at: np.ndarray, size: float) -> np.ndarray:
-    """Random vectors (n, 3) for n positions `at` (n, 3), each within a cube of half-width `size`; z is 0 in 2-D."""
+    """Random displacements (n, 3) of n positions `at`, each within a cube of half-width `size`; z is 0 in 2-D."""
     random = size * numpy_uniform3(simulation.scene.seed, SHIFT_STREAM, np.arange(len(at)), 0)
     random[:, simulation.basin.dimension :] = 0.0
     return random
 
 
 def sampled_states(simulation: Simulation, until: float, every: float) -> Iterator[State]:
-    """Yield states from now until a time [s], about `every` [s] apart; raises Diverged if one is not finite."""
+    """Run until a time [s]; yield the state now and about every `every` [s]; raises Diverged if one is not finite."""
     yield particle_state(simulation)
     for moment in np.arange(every, until + 0.5 * every, every):
         simulation.run(until=float(moment))
@@ -91,7 +92,8 @@ def sampled_states(simulation: Simulation, until: float, every: float) -> Iterat
 def record_run(
     simulation: Simulation, every: float, quantity: Callable[[State], float | Sequence[complex] | np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Run to the end: times (n,) [s], about `every` [s] apart, and values of `quantity` at them, (n,) or (n, m)."""
+    """Run to the end, and evaluate `quantity` of the state about every `every` [s]. Return times (n,) [s] and its
+    values, (n,) or (n, m)."""
     seen = [(state.time, quantity(state)) for state in sampled_states(simulation, simulation.scene.duration, every)]
     times, values = zip(*seen)
     return np.array(times), np.array(values)

@@ -16,13 +16,13 @@ def table_path(name: str) -> Path:
 
 
 def table(name: str) -> dict[str, np.ndarray]:
-    """Columns by name of the table validation/data/<name>.csv."""
+    """Table validation/data/<name>.csv: arrays by column name."""
     return csv_file.Table(table_path(name))
 
 
 @cache
 def coarse_tolerances() -> dict[tuple[str, str], dict[str, float]]:
-    """Tolerances at coarse resolution, by (case, quantity) and then scheme, only where the fine ones are missed."""
+    """Tolerances of coarse set-ups, by (case, quantity), then scheme; only of those that miss the normal tolerance."""
     found: dict[tuple[str, str], dict[str, float]] = {}
     for row in csv_file.read_records(table_path("coarse").read_text(encoding="utf-8")):
         found.setdefault((row["case"], row["quantity"]), {})[row["scheme"]] = float(row["tolerance"])
@@ -31,6 +31,6 @@ def coarse_tolerances() -> dict[tuple[str, str], dict[str, float]]:
 
 @cache
 def too_long_for_gate() -> dict[tuple[str, str], float]:
-    """Processor time [s], with compiled kernels, of set-ups too long for a regression gate, by (case, set-up)."""
+    """Set-ups too long for a regression gate: processor time [s], compiling excluded, by (case, set-up)."""
     rows = csv_file.read_records(table_path("too_long_for_a_gate").read_text(encoding="utf-8"))
     return {(row["case"], row["set-up"]): float(row["processor_s"]) for row in rows}

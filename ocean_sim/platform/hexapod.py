@@ -101,7 +101,8 @@ class HexapodPlatform:
         return self.hexapod.neutral_legs
 
     def follow(self, ride: Ride, ahead: Ride | None = None) -> Commands:
-        """Commands for the next rows: washout, ramp, workspace, governor and legs are applied one after the other."""
+        """Commands of the platform for the next rows of ship motion: washout, ramp from neutral, workspace, limits of
+        the legs, leg lengths; `ahead`: motion after these rows, if it is known."""
         if self.start is None:
             self.start = float(ride.time[0])
         cue = self.washout.follow(ride, ahead)

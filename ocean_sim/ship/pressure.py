@@ -69,7 +69,8 @@ class Config(FloatingConfig):
             yield f"the hull is {thin:.2g} spacings thin: water on either side acts on that on the other"
 
     def statements(self, preflight: Preflight) -> list[str]:
-        """Sentence on how far she heaves as particles beside the hull settle at first; empty if that is little."""
+        """Sentence for the user on how far the ship heaves while particles around her hull leave their first lattice;
+        empty if that is little."""
         draught, spacing = self.hydrostatics_of(preflight).draught, preflight.spacing
         if spacing is None or isinf(draught) or REST_SWING * spacing < STATED_SWING * draught:
             return []

@@ -80,7 +80,8 @@ class Snapshot:
     Raises TypeError at an object of an unknown kind that is not left out."""
 
     def __init__(self, root: Any, folder: Path, contents: FieldContents | None = None) -> None:
-        """`folder`: run folder, to which file names are relative; `contents`: reader with kernels for these fields."""
+        """Save what can be reached from `root`, such as a simulation. `folder`: run folder, to which file names are
+        relative; `contents`: reader whose kernels copy these Taichi fields, made here if None."""
         self.folder = folder
         self.arrays: dict[str, np.ndarray] = {}
         self.fields: dict[str, ti.Field] = {}

@@ -94,7 +94,8 @@ class WideGrid(Grid):
 
 @in_kernels
 class WideAccounts(Accounts):
-    """Momentum budget with a row for each particle, summed in blocks, and the blocks in a fixed order."""
+    """Momentum budget kept for each particle and summed in a fixed order, so that any number of threads gives the
+    same bytes."""
 
     def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...]) -> None:
         super().__init__(groups, impulses, absent, apart=1)

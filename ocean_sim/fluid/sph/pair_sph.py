@@ -165,7 +165,8 @@ class MomentumLaw(Force):
 
     @ti.func
     def constrain(self, i, x, v, dt):
-        """Position [m] after a step without and with walls, velocity [m/s], and 1 if the motion limit acted, else 0."""
+        """Four values after a step: position [m] if there were no walls, position [m] inside them, velocity [m/s], and
+        1 if the speed was cut to the motion limit, else 0."""
         fluid, walls = self.fluid, self.fluid.walls
         pushed, fast = walls.limit_motion(walls.relax(x, v, dt), dt)
         x_free = x + fluid.grid.whole_quanta(i, ti.static(1.0 - self.drifted) * dt * pushed)

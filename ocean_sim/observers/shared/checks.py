@@ -152,7 +152,8 @@ class Balance:
         self.at_first = None
 
     def residual(self, energy: float, potential_energy: float, work: dict[str, float]) -> float:
-        """Gain of `energy` [J] since the first call minus the work of forces; `work`: of each so far [J]."""
+        """Error [J] of the energy balance: gain of `energy` since the first call, less the work of outer forces since
+        then; `work`: of each force since the start [J], `potential_energy` [J]: taken off where gravity is booked."""
         given = sum(work[term] for term in self.outer_terms)
         if self.driven:
             given += work.get("gravity", 0.0) + potential_energy

@@ -49,7 +49,7 @@ class RunWakes:
         self.answers = "sea_answers" in grid  # the water of the run knows of its ships
 
     def water_with_ships(self, frame: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Water heights (nx, nz) [m] of a frame, and shares of foam on its finer grid, both with those of the ships
+        """Water heights (nx, nz) [m] of a frame, and shares of foam on its finer grid, with the waves and foam of ships
         added; `frame`: arrays of its file."""
         height, white = frame["elevation"].astype(float), np.maximum(frame["foam"], frame.get("left", 0.0))
         if not self.vessels:

@@ -233,7 +233,8 @@ class FoamField:
 
 
 def gathering_noise(places: np.ndarray) -> np.ndarray:
-    """Factor (n,), 1 on average, on convergence that makes foam patchy: noise of period 1 at positions (2, n)."""
+    """Random factor (n,), 1 on average, on the convergence of the surface flow, so that foam forms in patches; it
+    repeats with period 1 in the positions (2, n)."""
     return 0.5 + value_noise(*places)[0]
 
 

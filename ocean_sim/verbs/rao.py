@@ -21,6 +21,7 @@ from ocean_sim.verbs.run import run_folder
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Profile, Sets
 from ocean_sim.verbs.shared.progress import Progress
+from ocean_sim.waves import Components
 
 WITHOUT_PICTURES = ("frames=null", "render=null", "report=null")  # settings of a run for responses
 MAX_ROWS = 16  # of the table on the console
@@ -47,6 +48,7 @@ def rao(
     if not run.is_dir():
         asked = load(target, console.set_values([*WITHOUT_PICTURES, *(sets or [])]), profile)
         console.must_compute_with(asked.runtime.library)
+        refuse_short(wave_field(asked).sea, asked.duration, begin, None)
         with run_folder(f"{scene_path(target).stem}-rao", None, False, asked.files()) as folder:
             run = simulate(asked, folder, (Progress(asked.duration, False),)).folder
     warn_unless_ended(run)
@@ -81,6 +83,18 @@ def rao(
     console.say("\n".join([*told, *map(str, files)]))
 
 
+def refuse_short(sea: Components, duration: float, begin: float, period: float | None) -> None:
+    """Raise Refused if a run of this duration [s] is too short for a random sea, whose highest waves the ship meets
+    every `period` [s], by default that of the sea. What is before `begin` [s] and the waves' ramp does not count."""
+    met, settled = period or sea.period, max(begin, sea.ramp)
+    if sea.random and duration < (least := settled + response.least_record(met)):
+        longer = 50.0 * np.ceil(0.02 * max(least, settled + 4.0 * response.least_record(met)))
+        raise console.Refused(
+            f"cross spectra of waves met every {met:.3g} s need {least:.0f} s or more, after {settled:.3g} s in which "
+            f"they grow; four times that is better: --set duration={longer:g}"
+        )
+
+
 def measured_response(
     run: Path, config: SceneConfig, ship: str, begin: float
 ) -> tuple[Response, np.ndarray, dict[str, Any]]:
@@ -107,7 +121,9 @@ def measured_response(
         warnings.append(f"the waves come from directions {spread:.2g} deg apart: a response is their mean")
     met = np.abs(sea.omega - sea.wavevector @ velocity)
     if sea.random:
-        found = response.irregular_response(waves, motions, time[1] - time[0], 2.0 * np.pi / met[sea.highest])
+        period = 2.0 * np.pi / float(met[sea.highest])
+        refuse_short(sea, float(log.ride.time[-1]), begin, period)
+        found = response.irregular_response(waves, motions, time[1] - time[0], period)
     else:
         found = response.regular_response(waves, motions, time, float(met[0]))
     part, closed = config.ships[ship], np.full((len(found.omega), 2), np.nan)

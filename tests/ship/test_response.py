@@ -1,6 +1,7 @@
 """Response amplitude operators: a linear system is found again, a ship in long waves goes with the water."""
 
 import json
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from ocean_sim.conventions import Refused
 from ocean_sim.reading.scene import load
 from ocean_sim.ship.naval import response
 from ocean_sim.validation.shared.tables import table
+from ocean_sim.verbs.rao import refuse_short
 
 EVERY, SECONDS, SPEED = 0.1, 1200.0, 3.0
 CALM = {
@@ -84,8 +86,10 @@ def test_one_regular_wave_gives_one_point():
 
 
 def test_a_record_that_is_too_short_is_refused():
-    with pytest.raises(Refused, match=r"cross spectra of waves of 8 s need 160 s, not 100 s"):
-        response.irregular_response(np.zeros((1000, 2)), np.zeros((1000, 6)), 0.1, 8.0)
+    sea = ship_at_sea(1)[0]
+    with pytest.raises(Refused, match=r"every 8 s need 170 s .* --set duration=650"):
+        refuse_short(replace(sea, ramp=10.0), 160.0, 0.0, 8.0)
+    refuse_short(replace(sea, ramp=10.0), 171.0, 0.0, 8.0)
 
 
 def test_motions_lie_along_the_mean_heading():

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ocean_sim.conventions import GRAVITY, Refused
+from ocean_sim.conventions import GRAVITY
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 from ocean_sim.waves import Components
 
@@ -63,15 +63,17 @@ def waves_at(sea: Components, time: np.ndarray, place: np.ndarray) -> np.ndarray
     return found.T
 
 
+def least_record(period: float) -> float:
+    """Least length [s] of a record for cross spectra of waves whose spectral peak is met every `period` [s]."""
+    return 0.5 * (MIN_SEGMENTS + 1) * MIN_SEGMENT_PERIODS * period
+
+
 def irregular_response(waves: np.ndarray, motions: np.ndarray, every: float, period: float) -> Response:
     """Response by cross spectra of `waves` (n, 2), elevation [m] and slope, and `motions` (n, 6), in rows `every` [s].
-    `period` [s]: of the spectral peak. Raises Refused for a record that is too short."""
+    `period` [s]: of the spectral peak; the record is at least as long as `least_record` says."""
     from scipy.signal import csd, detrend
 
     longest = 2.0 * len(waves) * every / (MIN_SEGMENTS + 1)
-    if longest < MIN_SEGMENT_PERIODS * period:
-        least = 0.5 * (MIN_SEGMENTS + 1) * MIN_SEGMENT_PERIODS * period
-        raise Refused(f"cross spectra of waves of {period:.3g} s need {least:.3g} s, not {len(waves) * every:.3g} s")
     segment = int(min(longest, MAX_SEGMENT_PERIODS * period) / every)
     reference, moved = detrend(waves, axis=0)[:, [0, 0, 0, 1, 1, 1]], detrend(motions, axis=0)
     pairs = (reference, moved), (reference, reference), (moved, moved)

@@ -198,7 +198,7 @@ def water_errata(own: Program) -> list[Erratum]:
             "equation",
             2.16,
             2.18,
-            cited_number("fluid/mueller.py", r"Viscous term of a pair \((2\.\d+)\)"),
+            cited_number("fluid/mueller.py", r"Viscous force of a pair \(thesis eq\. (2\.\d+)\)"),
             "two equations are numbered (2.16); the second follows (2.17)",
         ),
         erratum(
@@ -225,7 +225,7 @@ def water_errata(own: Program) -> list[Erratum]:
             "equation",
             2.18,
             2.26,
-            cited_number("wind/gusts.py", r"\((2\.\d+)\), summed over the volumes"),
+            cited_number("wind/gusts.py", r"\((2\.\d+)\) of the thesis, summed over the volumes"),
             "no equation is numbered (2.18); (2.19) sums the forces on the air, (2.26) those on the water",
         ),
         erratum(

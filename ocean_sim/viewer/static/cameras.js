@@ -48,7 +48,7 @@ class Camera {
     let mode = this.modes(world).includes(this.mode) ? this.mode : "orbit";
     if (mode === "helm" && pose && ship.steered) return this.helm(ship, width, height);
     const { size } = world, long = Math.max(size[0], size[2]), across = mode === "side" && !world.sea, follow = ["follow", "side"].includes(mode) && pose && !across;  // a tank is seen whole from its side
-    let target = V.add(world.middleOf, [0, world.level, 0]), span = (world.sea ? 1 : 0.8) * Math.hypot(size[0], size[2] || world.ribbon);
+    let target = V.add(world.middleOf, [0, world.level, 0]), span = (world.sea ? 1 : 0.92) * Math.hypot(size[0], size[2] || world.ribbon);
     if (world.still.basin.flat) { span = Math.max(0.9 * size[0], -1.6 * world.bed); target[1] += 0.35 * world.bed; }
     const wide = world.sea && ship && long > 5 * ship.length && pose;
     if (follow || wide) {

@@ -18,9 +18,9 @@ from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, percent_error
 from ocean_sim.validation.shared.ship import impose_motion, ramped_swing, ship_of, ship_of_section
 
-BREADTH, DRAUGHT, HEIGHT = 0.28, 0.112, 0.224  # [m]
-RATE_SCALE = sqrt(2.0 * GRAVITY / BREADTH)  # [rad/s]
-BOX_MASS = WATER_DENSITY * BREADTH * DRAUGHT  # [kg] of water that a metre of A displaces
+SECTION_BREADTH, SECTION_DRAUGHT, SECTION_HEIGHT = 0.28, 0.112, 0.224  # [m]
+RATE_SCALE = sqrt(2.0 * GRAVITY / SECTION_BREADTH)  # [rad/s]
+BOX_MASS = WATER_DENSITY * SECTION_BREADTH * SECTION_DRAUGHT  # [kg] of water that a metre of A displaces
 TANK_LENGTH, TANK_DEPTH, ABSORBING_ZONE = 2.4, 0.36, {"kind": "absorbing", "length": 0.7}  # [m]
 BREADTH_SPACINGS = 40
 START_CYCLES, JUDGED_CYCLES = 2, 2  # the swing grows over the first
@@ -41,7 +41,7 @@ class Swing(NamedTuple):
         return self.rate * RATE_SCALE
 
 
-SWINGS = (
+MEASURED_SWINGS = (
     Swing("A", 1.0, 0.23, 0.751, 0.0411694),
     Swing("A", 1.0, 0.24, 0.507, 0.0298034),
     Swing("B", 0.997, 0.30, 0.751, 0.0239657),
@@ -49,21 +49,24 @@ SWINGS = (
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Set-ups to run: the forced rolls of SWINGS; none is coarse."""
-    return [] if coarse else [roll_problem(swing) for swing in SWINGS]
+    """Set-ups to run: the forced rolls of MEASURED_SWINGS; none is coarse."""
+    return [] if coarse else [roll_problem(swing) for swing in MEASURED_SWINGS]
 
 
 def roll_problem(swing: Swing) -> Problem:
     """Set-up of a section forced to roll between absorbing zones; its centre of mass is in the waterline. The radius of
     its bilges is that of their missing area, twice (1 - pi / 4) r^2."""
-    name, missing = f"{swing.model}, omega {swing.rate:g}", (1.0 - swing.area_coefficient) * BREADTH * DRAUGHT
+    name = f"{swing.model}, omega {swing.rate:g}"
+    missing = (1.0 - swing.area_coefficient) * SECTION_BREADTH * SECTION_DRAUGHT
     promise = Promise(f"{name}: roll damping [rho S B^2 sqrt(2 g / B)]", "%", SOURCE_TEXT)
     bilge, mass = sqrt(missing / (2.0 - 0.5 * pi)), swing.area_coefficient * BOX_MASS
-    section = ship_of_section(BREADTH, HEIGHT, bilge, 1.0, mass, DRAUGHT, 0.35 * BREADTH, cells=10)
+    section = ship_of_section(
+        SECTION_BREADTH, SECTION_HEIGHT, bilge, 1.0, mass, SECTION_DRAUGHT, 0.35 * SECTION_BREADTH, cells=10
+    )
     scene = {
         "duration": (START_CYCLES + JUDGED_CYCLES) * 2.0 * pi / swing.omega,
         "basin": {"length": TANK_LENGTH, "depth": TANK_DEPTH, "walls": {"x": ABSORBING_ZONE}},
-        "fluid": {"kind": "delta_sph", "spacing": BREADTH / BREADTH_SPACINGS, "compression": 0.02},
+        "fluid": {"kind": "delta_sph", "spacing": SECTION_BREADTH / BREADTH_SPACINGS, "compression": 0.02},
         "ship": section | {"free": ["roll"]},
     }
     return Problem(scene, (promise,), partial(measure_damping, swing=swing), name, True, "ship", ("pressure",))
@@ -78,7 +81,7 @@ def measure_damping(simulation: Simulation, swing: Swing) -> Finding:
         rows.append((simulation.time, moved.place, ship.last.torque[2]))
         impose_motion(simulation, 5, moved)
     t, roll, torque = np.array(rows).T
-    unit = swing.area_coefficient * BOX_MASS * BREADTH**2 * RATE_SCALE  # [N m s] of B44
+    unit = swing.area_coefficient * BOX_MASS * SECTION_BREADTH**2 * RATE_SCALE  # [N m s] of B44
     spent = -np.cumsum(torque * np.diff(roll, prepend=0.0)) / (pi * swing.omega * swing.amplitude**2 * unit)
     begun, ended = np.interp([START_CYCLES * period, end], t, spent)
     cycles = t / period

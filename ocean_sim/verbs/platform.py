@@ -20,8 +20,8 @@ from ocean_sim.platform.hexapod import Config, HexapodPlatform
 from ocean_sim.platform.shared import datagrams, motion_log
 from ocean_sim.platform.shared import packets as wire
 from ocean_sim.platform.shared.metrics import Metric, possible_shares, ride_metrics
-from ocean_sim.platform.shared.motion_log import FRAME_AXES, MotionLog
-from ocean_sim.platform.shared.own_log import COLUMN_KEYS, read_own_log
+from ocean_sim.platform.shared.motion_log import COLUMN_KEYS, FRAME_AXES, MotionLog
+from ocean_sim.platform.shared.own_log import read_own_log
 from ocean_sim.reading.translation import checked, choice_sentence
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared import platform_pictures as pictures

@@ -1,7 +1,7 @@
 """Live frames of a simulation for open pages, made by an observer that only reads the simulation."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -21,7 +21,6 @@ from ocean_sim.viewer.still import StaticScene
 if TYPE_CHECKING:
     from ocean_sim.basin import Basin
     from ocean_sim.fluid import Particles
-    from ocean_sim.ship import Ship
     from ocean_sim.viewer.server import Server
 
 MAX_FRAME_RATE = 20.0  # [1/s] of wall time
@@ -120,7 +119,6 @@ class Watch(Observer, TakesMotion):
             points = self.points + origin if self.follows else self.points
             heights = surface_heights(simulation, points)
             arrays["height"] = heights.astype(np.float16)
-            heights = heights[~under_ships(points, simulation.ships.values())]
             white = simulation.fluid.foam(points)
             if white is not None:
                 arrays["foam"] = np.rint(255.0 * np.clip(white, 0.0, 1.0)).astype(np.uint8)
@@ -173,8 +171,7 @@ class Watch(Observer, TakesMotion):
         return {"particles": places, "speed": pace}
 
     def plotted_rows(self, heights: np.ndarray) -> list[tuple[str, str, str, str, float]]:
-        """Numbers to plot now: rows of name, label, unit, group and value. `heights` (n,) [m]: of the water where no
-        ship is."""
+        """Numbers to plot now: rows of name, label, unit, group and value. `heights` (n,) [m]: of the water."""
         simulation, fluid, ground = self.simulation, self.simulation.fluid, self.simulation.basin.ground
         levels = fluid.elevations(self.gauges)
         levels = levels if ground is None else ground.wet_heights(self.gauges, levels)
@@ -204,16 +201,10 @@ class Watch(Observer, TakesMotion):
 
 
 def without_splashes(heights: np.ndarray) -> np.ndarray:
-    """Heights (n,) [m] less those farther from their median than SPLASH_REACH times the median such distance."""
+    """Heights (n,) [m] of the water less those of splashes and of hollows under hulls: all that are farther from the
+    median than SPLASH_REACH times the median distance from it."""
     away = np.abs(heights - np.median(heights))
     return heights[away <= SPLASH_REACH * np.median(away)]
-
-
-def under_ships(points: np.ndarray, ships: Iterable["Ship"]) -> np.ndarray:
-    """Mask (n,) of the points x, z (n, 2) [m] that lie in the box around some ship's outline."""
-    plans = [outline.plan for ship in ships if (outline := ship.outline()) is not None]
-    inside = [((points > plan.min(axis=0)) & (points < plan.max(axis=0))).all(axis=1) for plan in plans]
-    return np.any([np.zeros(len(points), dtype=bool), *inside], axis=0)
 
 
 def setting_of(simulation: Simulation) -> StaticScene:

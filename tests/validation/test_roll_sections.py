@@ -19,13 +19,16 @@ def test_the_references_are_rows_of_the_published_table():
     rows = csv_file.read_records(SOURCE.read_text())
     names = ("area_coefficient", "phi", "omega_hat", "total")
     published = {(row["model"], *(float(row[name]) for name in names)) for row in rows}
-    assert set(map(tuple, roll_sections.SWINGS)) <= published
+    assert set(map(tuple, roll_sections.MEASURED_SWINGS)) <= published
     for row in (row for row in rows if row["model"] in "AB"):
-        assert (float(row["breadth_m"]), float(row["draught_m"])) == (roll_sections.BREADTH, roll_sections.DRAUGHT)
+        assert (float(row["breadth_m"]), float(row["draught_m"])) == (
+            roll_sections.SECTION_BREADTH,
+            roll_sections.SECTION_DRAUGHT,
+        )
 
 
 def test_a_linear_torque_gives_its_own_coefficient_whatever_stiffness_and_inertia_add(monkeypatch):
-    swing, told = roll_sections.SWINGS[1], {}
+    swing, told = roll_sections.MEASURED_SWINGS[1], {}
     period = 2.0 * pi / swing.omega
     damping = 0.03 * 1000.0 * 0.28 * 0.112 * 0.28**2 * np.sqrt(2.0 * 9.81 / 0.28)  # [N m s] a metre
     ship = SimpleNamespace(last=SimpleNamespace(torque=np.zeros(3)))

@@ -21,6 +21,7 @@ FORCE_COLUMNS = ("specific_force_x_m_s2", "specific_force_y_m_s2", "specific_for
 POSE_COLUMNS = ("sway_m", "heave_m", "surge_m", "pitch_rad", "yaw_rad", "roll_rad")
 REQUIRED_COLUMNS = (TIME_COLUMN, *POSE_COLUMNS, *RATE_COLUMNS, *FORCE_COLUMNS)
 UNIT_PATTERN = re.compile(r"_(rad_s|m_s2|rad|m|s)$")
+COLUMN_KEYS = {UNIT_PATTERN.sub("", name).removeprefix("specific_"): name for name in REQUIRED_COLUMNS}  # of --columns
 Columns = tuple[Sequence[str], np.ndarray]  # names of (n, k) values
 
 # Components along the axes of each frame, from those along FLU (x forward, y left, z up).
@@ -131,7 +132,7 @@ def read_log(path: str | Path) -> MotionLog:
         words = [name for name in table if name.isidentifier() and name not in REQUIRED_COLUMNS]
         other = next((name for name in words if name.startswith(UNIT_PATTERN.sub("_", missing[0]))), None)
         but = f", but {other}: it has another unit" if other and len(missing) == 1 else ""
-        keys = "time", *(UNIT_PATTERN.sub("", name) for name in POSE_COLUMNS)
+        keys = [key for key, name in COLUMN_KEYS.items() if name in (TIME_COLUMN, *POSE_COLUMNS)]
         alike = {key: next((name for name in table if key in name.lower()), None) for key in keys}
         yours = ",".join(f"{key}={name}" for key, name in alike.items() if name and name.isidentifier())
         how = f"--columns {yours or 'time=...,heave=...'}"

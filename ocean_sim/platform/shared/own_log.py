@@ -12,15 +12,19 @@ import numpy as np
 from ocean_sim.files.csv_file import NAMED_COLUMNS_RULE, Table
 from ocean_sim.platform.shared import motion_log
 from ocean_sim.platform.shared.kinematics import felt_motion
-from ocean_sim.platform.shared.motion_log import ANGLE_COLUMNS, FORCE_COLUMNS, POSE_COLUMNS, RATE_COLUMNS, TIME_COLUMN
+from ocean_sim.platform.shared.motion_log import (
+    ANGLE_COLUMNS,
+    COLUMN_KEYS,
+    FORCE_COLUMNS,
+    POSE_COLUMNS,
+    RATE_COLUMNS,
+    TIME_COLUMN,
+)
 
 SMOOTHING_SECONDS = 0.5  # [s]
 POLYNOMIAL_DEGREE = 4
 MAX_TILT = np.pi / 2.0  # [rad] of roll or pitch, beyond which angles count as degrees
 MAX_GAP_ROWS = 3.0  # times between rows that a gap may be long where uneven rows are interpolated
-COLUMN_KEYS = {
-    motion_log.UNIT_PATTERN.sub("", name).removeprefix("specific_"): name for name in motion_log.REQUIRED_COLUMNS
-}
 
 
 def read_own_log(

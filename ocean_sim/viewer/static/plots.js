@@ -109,7 +109,7 @@ class Plots {
     pen.fillText(`${short(to)} s`, width - 6, height - 3);
     const words = [];
     lines.forEach(({ set, k, i, label, unit }, n) => {
-      const hue = hues[(this.sets.length > 1 && lines.length > 2 ? n : n) % hues.length];
+      const hue = hues[n % hues.length];
       pen.strokeStyle = hue;
       pen.setLineDash(k ? [5, 3] : []);
       pen.lineWidth = 1.6;

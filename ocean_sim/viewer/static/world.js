@@ -476,6 +476,13 @@ class World {
     gl.disable(gl.BLEND);
   }
 
+  // The matrix that lays a cube between two corners, grown by a factor; in a slice as broad as its ribbon.
+  block(low, high, growth = 1) {
+    const half = V.scale(V.sub(high, low), 0.5), at = V.add(low, half);
+    if (this.still.basin.flat) { half[2] = 0.5 * this.ribbon; at[2] = 0; }
+    return sized(at, V.scale(half, growth));
+  }
+
   // The zones of a tank that absorb waves, tinted.
   drawZones(view, lit) {
     const { gl, painter, still } = this;
@@ -483,9 +490,7 @@ class World {
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
     gl.depthMask(false);
     for (const [low, high] of still.zones) {
-      const half = V.scale(V.sub(high, low), 0.5);
-      if (still.basin.flat) half[2] = 0.5 * this.ribbon;
-      painter.solid.use({ ...lit, view, pose: sized(V.add(low, V.scale(V.sub(high, low), 0.5)), half.map((v) => 1.004 * v)), paint: [0.91, 0.70, 0.24, 0.22] });
+      painter.solid.use({ ...lit, view, pose: this.block(low, high, 1.004), paint: [0.91, 0.70, 0.24, 0.22] });
       gl.bindVertexArray(painter.box.vertices);
       gl.drawArrays(gl.TRIANGLES, 0, painter.box.count);
     }
@@ -505,9 +510,7 @@ class World {
       draw(this.ground, sized([0, 0, 0], [1.01, 1, broad]), [0.80, 0.72, 0.55, 1]);
     }
     still.obstacles.forEach(([low, high], k) => {
-      const half = V.scale(V.sub(high, low), 0.5), at = V.add(low, half);
-      if (still.basin.flat) { half[2] = 0.5 * this.ribbon; at[2] = 0; }
-      draw(painter.box, sized(at, half), k < still.plates ? [0.80, 0.46, 0.20, 1] : [0.62, 0.60, 0.56, 1]);
+      draw(painter.box, this.block(low, high), k < still.plates ? [0.80, 0.46, 0.20, 1] : [0.62, 0.60, 0.56, 1]);
     });
     const mark = clamp(0.006 * Math.max(this.size[0], this.size[2]), 0.003, 0.35);
     for (const name in still.gauges) {

@@ -8,15 +8,18 @@ front, the stress falls with the share that is: a lone particle is no layer of w
 """
 
 from math import ceil
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ocean_sim.basin import KARMAN_CONSTANT, MIN_ROW_SHARE, Basin, Floor
-from ocean_sim.basin.ground import Ground
 from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.fluid.sph.smoothing import Smoothing, Stencil
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import in_kernels
+
+if TYPE_CHECKING:
+    from ocean_sim.basin.ground import Ground
 
 FRAME_PUSH, FRAME_RATE, FRAME_TURN, FRAME_PIVOT = range(4)
 FULL_SHARE_ROWS, NO_SHARE_ROWS = 0.75, 1.25  # [rows] height up to which a particle bears its share, from which none
@@ -71,7 +74,7 @@ class Pull:
 class Relief:
     """Uneven bed: heights on a regular grid, bilinear between, and how high its boundary particles act."""
 
-    def __init__(self, ground: Ground, spacing: float, support: float) -> None:
+    def __init__(self, ground: "Ground", spacing: float, support: float) -> None:
         """Tabulate the bed. `spacing`: of the particles [m]; `support`: reach of the bed's boundary particles [m]."""
         from scipy.ndimage import grey_dilation
 

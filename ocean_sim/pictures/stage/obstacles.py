@@ -1,12 +1,16 @@
 """The obstacles of a basin in a picture: boxes of concrete, a wavemaker; and its bed, of sand, if that has a shape."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from ocean_sim.basin.ground import Ground
 from ocean_sim.pictures.frame_files import Frame
 from ocean_sim.pictures.stage.plotter import Stage
 from ocean_sim.pictures.stage.sky import painted_light
 from ocean_sim.pictures.water import water_shading
+
+if TYPE_CHECKING:
+    from ocean_sim.basin.ground import Ground
 
 CONCRETE_COLOUR = np.array([0.42, 0.40, 0.37])  # linear RGB
 PLATE_COLOUR = np.array([0.62, 0.20, 0.05])  # linear RGB, of a wavemaker
@@ -15,7 +19,7 @@ NO_BOXES = np.zeros((0, 2, 3))
 INSET_SHARE = 2.0e-3  # of the basin: a face that lies in a side of the basin is not drawn in the same plane
 
 
-def sand_mesh(ground: Ground, breadth: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def sand_mesh(ground: "Ground", breadth: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Sand bed to draw, wider than the basin: vertices (n, 3) [m], triangles (m, 3), 8-bit RGB (n, 3). `breadth`:
     across the drawn bed of a 2-D basin [m]."""
     corners, normals = ground.body_mesh(breadth)

@@ -53,7 +53,8 @@ class Verbs(TyperGroup):
     """Group of all verbs (subcommands of `ocean-sim`); imports the module of a verb once it or its help is called."""
 
     def __init__(self, **given: Any) -> None:
-        """Add every verb with its line in `--help`, but not yet its options; `given`: arguments of TyperGroup."""
+        """Register every subcommand with its line of help; its options load when it is called. `given`: of
+        TyperGroup."""
         super().__init__(**given)
         for name, line in VERBS.items():
             self.add_command(TyperCommand(name, help=line, hidden=name in HIDDEN_VERBS))

@@ -175,7 +175,7 @@ def kill_session(child: subprocess.Popen[str]) -> None:
 
 
 def yield_to_others(by: int) -> None:
-    """Add `by` to the niceness of this process; set that of a session it leads (`autogroup`, sched(7)) to `by`."""
+    """Lower the priority of this process: add `by` to its niceness, and set that of a session it leads to `by`."""
     os.nice(by)
     if os.getsid(0) == os.getpid():  # this session is its own
         with suppress(OSError):
@@ -183,7 +183,7 @@ def yield_to_others(by: int) -> None:
 
 
 def exit_with_parent() -> threading.Event:
-    """End this process and its group once its standard input breaks; returns an event, set by the first input."""
+    """End this process and its group when standard input, a `parent_pipe`, breaks; the first input sets the event."""
     spoken = threading.Event()
 
     def listen() -> None:

@@ -121,7 +121,7 @@ class PartConfig(Model):
 
 
 class KindConfig(PartConfig):
-    """Keys of a part that has several kinds, of which a scene chooses one by the key `kind`."""
+    """Base of the settings of a slot with several implementations (kinds); the scene's key `kind` chooses one."""
 
     example: ClassVar[dict[str, Any]] = {}
     """The keys that have no default, with values that suit any basin a few metres in size."""
@@ -158,7 +158,7 @@ class SeaConfig(KindConfig):
         """Plane waves of the sea by linear theory, before they are fitted to the patch; None in calm water."""
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults (key, sentence) of a patch in this basin: sides that are not periodic, too wide a rim, and others."""
+        """Mistakes (key, sentence) that forbid a patch of sea in this basin, such as sides that are not periodic."""
         tank, found = preflight.tank, Problems()
         across = tank.dimension == 3
         if not tank.periods[0] or (across and not tank.periods[2]):
@@ -317,7 +317,7 @@ class FluidConfig(KindConfig):
         return preflight.spacing or preflight.tank.depth
 
     def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
-        """Memory [bytes] for sums of plane waves at `size` (along, across) nodes and `levels` depths; by default 0."""
+        """Memory [bytes] of plane-wave sums on a grid: `size` (along, across) nodes at `levels` depths; default 0."""
         return 0
 
     @abstractmethod
@@ -496,7 +496,7 @@ class Preflight:
 
     @property
     def repeats(self) -> tuple[float, float, float]:
-        """Periods [m] of the particles along x, y and z; 0 for an axis that is not periodic, or without particles."""
+        """Lengths [m] after which the particles repeat along x, y, z; 0 along an axis that is not periodic."""
         return self.tank.periods if self.fluid.made_of_particles else (0.0, 0.0, 0.0)
 
     @cached_property

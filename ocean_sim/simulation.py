@@ -226,7 +226,7 @@ class Simulation:
             self.outcome, self.reason = "failed", in_words(failure)
 
     def _due(self, every: float, before: float) -> bool:
-        """True if an observation is due, one every `every` [s], between time `before` and the end of the next step."""
+        """True if an observation is due: a multiple of `every` [s] lies between `before` and the next step's end."""
         return every == 0.0 or floor((self.time + self.next_dt) / every) > floor(before / every)
 
     def _observe(self, observers: list[Observer]) -> None:

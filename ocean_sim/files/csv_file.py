@@ -177,7 +177,7 @@ def unreached_times_warning(what: str, times: np.ndarray, duration: float, inste
 
 
 def find_separator(names: str, row: str) -> str:
-    """Separator that splits `names` and the first `row` into equally many cells, else one in `names`, else a comma."""
+    """Separator that splits the heading `names` and the first `row` into equally many cells; else one in `names`."""
     bare = [QUOTED_CELL.sub('""', line) for line in (names, row)]
     for each in CELL_SEPARATORS:
         counts = [len(line.split(each.strip(" ") or None)) for line in bare]
@@ -243,7 +243,8 @@ def number_or_word_column(_: str, found: Sequence[str]) -> np.ndarray:
 
 
 def numeric_column(name: str, found: Sequence[str]) -> np.ndarray:
-    """Column (n,) as float64, NaN if no number; ISO dates become seconds since the first one. For `build_columns`."""
+    """Column (n,) of cells as float64, NaN if no number; ISO dates become seconds since the first. For
+    `build_columns`."""
     if name == TIME_COLUMN:
         with suppress(ValueError):
             dates = [datetime.fromisoformat(cell) for cell in found if "T" in cell or ":" in cell]

@@ -80,7 +80,8 @@ class Glb:
         self.times = self.accessor(np.asarray(times, np.float32), bounds=True)
 
     def accessor(self, values: np.ndarray, bounds: bool = False) -> int:
-        """Store an array (n,) or (n, components), with its range if `bounds`; returns the index of its accessor."""
+        """Store an array (n,) or (n, components), with its minimum and maximum if `bounds`; returns its glTF
+        accessor."""
         values = np.ascontiguousarray(values)
         self.data += b"\0" * (-len(self.data) % 4)
         views, accessors = self.tree["bufferViews"], self.tree["accessors"]
@@ -192,7 +193,7 @@ class Series(AbstractContextManager["Series"]):
             self.steps[name].append(self.begins[name])
 
     def write_cells(self, cells: np.ndarray, points: int) -> None:
-        """Append cells (m, corners), indices of so many `points`, as a VTK part, which later moments can share."""
+        """Append cells (m, corners), indices into `points` points, as a VTK part that later moments can share."""
         self.append("NumberOfPoints", np.array([points]))
         self.begins = {"CellOffsets": [0] * len(CELL_CORNERS), "ConnectivityIdOffsets": [0] * len(CELL_CORNERS)}
         for k, (name, corners) in enumerate(CELL_CORNERS.items()):

@@ -179,7 +179,8 @@ function link() {
   const chip = $("link");
   chip.hidden = !LIVE;
   chip.classList.toggle("off", !state.connected);
-  chip.textContent = !state.connected ? "looking for the server" : state.watchers > 1 ? `live, ${state.watchers} watching` : "live";
+  const ends = state.panel?.paused && state.time >= state.panel.duration - 0.02, doing = ends ? "scene's end" : state.panel?.paused ? "paused" : "live";
+  chip.textContent = !state.connected ? "looking for the server" : state.watchers > 1 ? `${doing}, ${state.watchers} watching` : doing;
   helmBar();
   if (!state.worlds.length) $("coverText").textContent = state.connected ? "Building the sea ..." : "Looking for the server ...";
 }
@@ -233,14 +234,15 @@ function instruments() {
   const eye = world.seen?.view || M.one(), ahead = Math.atan2(eye[1] - eye[2], eye[9] - eye[10]);  // the top of the compass
   const turn = (id, angle) => { $(id).style.display = angle === null ? "none" : ""; $(id).setAttribute("transform", `rotate(${((ahead - (angle ?? 0)) * 180) / Math.PI})`); };
   turn("rose", 0);
-  turn("shipMark", ship ? Math.atan2(ship.pose[8], ship.pose[10]) : null);
+  turn("shipMark", ship?.steered ? Math.atan2(ship.pose[8], ship.pose[10]) : null);
+  $("compass").style.display = ship?.steered || (exact && waves.length) || still.windAngle !== null ? "" : "none";
   const going = [1, 2].map((k) => waves.reduce((sum, wave) => sum + wave[0] ** 2 * wave[k], 0));
   turn("seaMark", exact && waves.length ? Math.atan2(...going) : null);
   turn("windMark", still.windAngle === null ? null : 0.5 * Math.PI - still.windAngle);
   if (ship) {
     const speed = reading(head, "speed", ""), rudder = reading(head, "orders", "rudder");
-    if (speed !== undefined) add("Speed", `${fixed(speed / 0.514444)} kn`, `${fixed(speed)} m/s`);
-    add("Heading", sided((Math.atan2(ship.pose[8], ship.pose[10]) * 180) / Math.PI), "of north (+z)");
+    if (speed !== undefined) add("Speed", ...(ship.steered ? [`${fixed(speed / 0.514444)} kn`, `${fixed(speed)} m/s`] : [`${fixed(speed)} m/s`, ""]));
+    if (ship.steered) add("Heading", sided((Math.atan2(ship.pose[8], ship.pose[10]) * 180) / Math.PI), "of north (+z)");
     if (rudder !== undefined && ship.steered) add("Rudder", sided(rudder), "");
   }
   const regular = exact && waves.length === 1, high = regular ? 2 * waves[0][0] : reading(head, "height", "") ?? world.height;
@@ -366,7 +368,7 @@ function panel(now) {
   const world = state.worlds[0];
   if (ship && world) world.route = ship.route;
   if (world && now.sea) world.still.sea = now.sea;
-  helmBar();
+  link();
   state.dirty = true;
 }
 
@@ -397,6 +399,7 @@ function steer(throttle, rudder) {
   const world = state.worlds[0], ship = world?.ships[camera.ship];
   if (!ship || !LIVE || !mayTouch()) return;
   toLive();
+  if (state.paused) say("Paused: she answers when you press Space.");
   state.throttle = clamp(throttle, -1, 1);
   state.rudder = clamp(rudder, -0.611, 0.611);
   state.steered = performance.now();

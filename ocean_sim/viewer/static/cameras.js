@@ -17,7 +17,7 @@ class Camera {
   }
 
   reset() {
-    Object.assign(this, { azimuth: this.home ?? 0.66, height: 0.34, distance: 1, shift: [0, 0, 0], turn: 0, tilt: 0 });
+    Object.assign(this, { azimuth: this.home ?? 0.66, facing: 0, height: 0.34, distance: 1, shift: [0, 0, 0], turn: 0, tilt: 0 });
   }
 
   drag(right, up) {
@@ -31,7 +31,7 @@ class Camera {
   }
 
   pan(right, up) {
-    const s = Math.sin(this.azimuth), c = Math.cos(this.azimuth), reach = this.far || 10;
+    const s = Math.sin(this.facing), c = Math.cos(this.facing), reach = this.far || 10;
     this.shift = V.add(this.shift, V.scale([-c * right - s * up, 0, s * right - c * up], reach));
   }
 
@@ -68,9 +68,11 @@ class Camera {
     this.far = far;
     target = V.add(target, this.shift);
     let up = [0, 1, 0], towards;
-    if (mode === "top") {
+    this.facing = azimuth;
+    if (mode === "top") {  // over a sea as on a chart: north is up
+      this.facing = world.sea ? Math.PI : 0;
       towards = [0, 1, 0];
-      up = [0, 0, -1];
+      up = [0, 0, -Math.cos(this.facing)];
     } else {
       const flat = Math.cos(rise);
       towards = [flat * Math.sin(azimuth), Math.sin(rise), flat * Math.cos(azimuth)];

@@ -167,13 +167,15 @@ def ends_afloat(frame: Frame, grid: Any) -> np.ndarray:
 def survey_run(files: list[Path], grid: Any) -> tuple[Frame, float]:
     """Frame for the still picture of a run, and the highest 99th percentile of particle speeds [m/s] in any frame. From
     the second half, STILL_SHARE of the frames is kept, in which water rises at the ships and they float nearest to
-    their mean immersion; the one with the highest waves wins."""
+    their mean immersion; the one with the highest waves wins, in a slice, coloured by speed, that with the largest
+    product of height and speed."""
     waves, speed, ends = [], [0.1], []
     for frame in map(Frame, files):  # one at a time: a frame of a large run is large
         waves.append(float(frame.elevation.std()))
         ends.append(ends_afloat(frame, grid))
         if frame.velocity is not None:
             speed.append(float(np.percentile(np.linalg.norm(frame.velocity, axis=1), 99)))
+            waves[-1] *= 1.0 if grid["has_surface"] else speed[-1]
     half, (level, depth) = len(files) // 2, np.moveaxis(np.array(ends), -1, 0)
     chosen = np.arange(half, len(files))
     if depth.size:

@@ -25,6 +25,7 @@ __all__ = ["Failed", "Lacking", "Refused"]  # which verbs raise
 
 json_asked = False  # by `--json`: then the answer, as JSON, is all that goes to standard output
 complaints: set[str] = set()  # what has been said once
+COMMAND_VARIABLE = "OCEAN_SIM_COMMAND"  # in the environment: how the program was called
 MAX_COMPLAINT_BYTES = 2000  # bytes of a message about what went wrong
 NAMED_OUTPUT = file_named_in_errors("standard output")
 
@@ -92,7 +93,9 @@ def complain(text: str) -> None:
 
 
 def escape_controls(text: str) -> str:
-    """Text whose unprintable characters, except line breaks, are escape sequences, so that no terminal obeys them."""
+    """Text whose unprintable characters, except line breaks, are escape sequences, so that no terminal obeys them;
+    commands in it begin as the user's did."""
+    text = text.replace("`ocean-sim ", f"`{os.environ.get(COMMAND_VARIABLE, 'ocean-sim')} ")
     return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
 
 

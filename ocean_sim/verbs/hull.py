@@ -470,10 +470,8 @@ def draw_hull(path: Path, shape: Hull, found: dict[str, Any]) -> None:
         for cut in cuts:
             lines = mesh_plane(solid, np.eye(3)[normal], cut * np.eye(3)[normal])[:, :, [across, up]]
             if normal == 2:  # half of each section
-                lines = lines[(lines[:, :, 0].mean(axis=1) >= 0.0)] * [
-                    -1.0 if cut < 0.5 * (lower + upper)[2] else 1.0,
-                    1.0,
-                ]
+                side = -1.0 if cut < 0.5 * (lower + upper)[2] else 1.0
+                lines = np.maximum(lines[lines[:, :, 0].max(axis=1) > 0.0], [0.0, -np.inf]) * [side, 1.0]
             axes.add_collection(LineCollection(list(lines), colors="0.35", linewidths=0.7))
         if up == 1 and found["draught_m"] is not None:
             axes.axhline(lower[1] + found["draught_m"], color="C0", linewidth=1.0)

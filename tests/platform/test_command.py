@@ -228,6 +228,20 @@ def test_times_are_dates_milliseconds_or_a_little_uneven(form, ask, draw_nothing
     np.testing.assert_allclose(other["leg1_m"], even["leg1_m"], atol=2e-3 if form == "uneven" else 1e-6)
 
 
+def test_rows_four_times_a_second_are_interpolated(ask, draw_nothing, tmp_path):
+    draw_nothing()
+    table = columns(20.0, dt=0.02)
+    ask(own_log(tmp_path / "own.csv", table, **OWN), *COLUMNS, "--out", "fine")
+    few = {name: values[::12] for name, values in table.items()}
+    code, out, err = ask(own_log(tmp_path / "own.csv", few, **OWN), *COLUMNS, "--out", "few")
+    assert (code, err) == (0, "") and "rows come every 0.24 s: interpolated to rows every 0.048 s" in out
+    fine, found = (read_columns(tmp_path / name / "platform.csv") for name in ("fine", "few"))
+    legs = np.interp(found["time_s"], fine["time_s"], fine["leg1_m"])
+    np.testing.assert_allclose(found["leg1_m"], legs, atol=0.02 * np.ptp(legs))
+    rare = {name: values[::30] for name, values in table.items()}
+    assert "it has a row every 0.6 s" in ask(own_log(tmp_path / "own.csv", rare, **OWN), *COLUMNS)[2]
+
+
 def test_what_an_own_log_lacks_is_said_at_once(ask, tmp_path):
     path = own_log(tmp_path / "own.csv", columns(1.0), **OWN)
     code, _, err = ask(path)

@@ -5,6 +5,7 @@ and gravity. Derivatives are those of polynomials of degree 4 over SMOOTHING_SEC
 Chem. 36, 1627), so that the rounding of a log does not become acceleration.
 """
 
+from math import ceil
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,7 @@ from ocean_sim.platform.shared.motion_log import (
 SMOOTHING_SECONDS = 0.5  # [s]
 POLYNOMIAL_DEGREE = 4
 MAX_TILT = np.pi / 2.0  # [rad] of roll or pitch, beyond which angles count as degrees
+MAX_ROW_TIME, SPLINE_ROW_RATE = 0.5, 20.0  # [s] between rows that splines can bridge; rows a second that these give
 MAX_GAP_ROWS = 3.0  # times between rows that a gap may be long where uneven rows are interpolated
 
 
@@ -55,20 +57,24 @@ def read_own_log(
 
 
 def even_times(table: Table, known: dict[str, np.ndarray]) -> list[str]:
-    """Shift times to begin at 0, interpolate all columns where rows are a little uneven, and return sentences that say
-    so. Epoch times in units of 1e-3, 1e-6 or 1e-9 s become seconds."""
+    """Shift times to begin at 0, interpolate all columns by cubic splines where rows are a little uneven, or too few a
+    second, and return sentences that say so. Epoch times in units of 1e-3, 1e-6 or 1e-9 s become seconds."""
+    from scipy.interpolate import CubicSpline
+
     time = known[TIME_COLUMN]
     thousands = max(0, round((np.log10(max(time[0], 1.0)) - 9.25) / 3.0))  # 1e9 s after 1970 was in 2001
     table[TIME_COLUMN] = known[TIME_COLUMN] = time = np.round((time - time[0]) / 1000.0**thousands, 6)
     table.series(fewest=2)
     steps = np.diff(time)
     every = motion_log.round_interval(float(time[-1]) / len(steps))
-    off = float(np.abs(steps - every).max())
-    if off <= motion_log.INTERVAL_TOLERANCE * every or steps.max() > MAX_GAP_ROWS * every:
+    off, slow = float(np.abs(steps - every).max()), 1.0 / motion_log.MIN_ROW_RATE < every <= MAX_ROW_TIME
+    if off <= motion_log.INTERVAL_TOLERANCE * every and not slow or steps.max() > MAX_GAP_ROWS * every:
         return []
-    even = every * np.arange(len(time))
-    known |= {name: np.interp(even, time, column) for name, column in known.items()} | {TIME_COLUMN: even}
-    return [f"steps of time differ by up to {off:.3g} s: interpolated to rows every {every:.6g} s"]
+    parts = ceil(every * SPLINE_ROW_RATE) if slow else 1
+    even = every / parts * np.arange((len(time) - 1) * parts + 1)
+    known |= {name: CubicSpline(time, column)(even) for name, column in known.items()} | {TIME_COLUMN: even}
+    reason = f"rows come every {every:.4g} s" if slow else f"steps of time differ by up to {off:.3g} s"
+    return [f"{reason}: interpolated to rows every {every / parts:.6g} s"]
 
 
 def derive_motion(known: dict[str, np.ndarray], frame: str) -> list[str]:

@@ -19,12 +19,12 @@ GRAPHICS_BACKENDS = ("cuda", "metal", "vulkan", "gpu")  # backends that no threa
 
 
 def has_particles(mapping: Any, known: Preflight, *_: Any) -> bool:
-    """True if the scene's water is made of particles; a condition in IDLE_RULES, as is `has_stops`."""
+    """Condition in IDLE_RULES (only `known` counts): True if the scene's water is made of particles."""
     return known.fluid.made_of_particles
 
 
 def has_stops(mapping: Any, known: Preflight, *_: Any) -> bool:
-    """True if particles of the water can meet a wall, a floor, a lid or an obstacle; a condition in IDLE_RULES."""
+    """Condition in IDLE_RULES: True if particles of the water can meet a wall, a floor, a lid or an obstacle."""
     return known.fluid.made_of_particles and bool(known.tank.sides or known.tank.config.obstacles)
 
 
@@ -101,7 +101,8 @@ IDLE_RULES: list[tuple[str, str, Callable[[Any, Preflight, Any, str], Any], str]
 
 
 def inner_models(value: Any, path: str = "", place: str = "") -> Iterator[tuple[str, str, Model]]:
-    """Yield (path, place, model) for `value` and each model in it; only `place` has list indices and mapping keys."""
+    """Yield (path, place, model) for `value` and each model inside it, such as (.wind.volumes, .wind.volumes.0, model):
+    `path` leaves out list indices and mapping keys, `place` has them."""
     if isinstance(value, Model):
         yield path, place, value
         for name in type(value).model_fields:

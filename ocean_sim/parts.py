@@ -46,8 +46,8 @@ Problems = list[tuple[Key, str]]  # where below the part's own key, and a senten
 
 @cache
 def library(folder: str) -> Path:
-    """Path of a data folder of this program, `scenes`, `configs` or `figures`: in the package, or in a checkout
-    beside."""
+    """Path of the program's data folder `scenes`, `configs` or `figures`: in the package, or beside it in a
+    checkout."""
     inside = PACKAGE / folder
     return inside if inside.is_dir() else PACKAGE.parent / folder
 
@@ -497,7 +497,7 @@ class Preflight:
 
     @property
     def repeats(self) -> tuple[float, float, float]:
-        """Lengths [m] after which the particles repeat along x, y, z; 0 along an axis that is not periodic."""
+        """Period lengths [m] of the domain along x, y, z; 0 for an axis that is not periodic, or without particles."""
         return self.tank.periods if self.fluid.made_of_particles else (0.0, 0.0, 0.0)
 
     @cached_property

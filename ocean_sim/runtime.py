@@ -455,8 +455,7 @@ def running_arch() -> str:
 
 
 def runs_alone() -> bool:
-    """True if kernels should run short loops in the launching thread: on a processor, where waking others takes 7
-    us."""
+    """True if kernels should run short loops in the launching thread: on a processor waking others takes 7 us."""
     return running_arch() == "cpu"
 
 

@@ -27,7 +27,7 @@ class Observer:
     """Attributes that a checkpoint of it does not hold."""
 
     def __init_subclass__(cls, of: "type[ObserverConfig] | None" = None) -> None:
-        """Make `of`, the Config class of this observer, construct it in `of.build`."""
+        """Register this observer with `of`, its Config class, whose `build` then constructs it."""
         if of is not None:
             of.observer = cls
 
@@ -243,8 +243,8 @@ class Simulation:
             raise failures[0]
 
     def conclude(self) -> list[BaseException]:
-        """Close all observers, even if one raises; returns the exceptions. An outcome `done` changes to the first
-        one."""
+        """Close all observers, even if one raises; returns the exceptions. The first makes an outcome `done` a
+        failure."""
         failures: list[BaseException] = []
         concluded: list[OutcomeObserver] = []
         for observer in sorted(self.observers, key=lambda observer: isinstance(observer, OutcomeObserver)):
@@ -266,7 +266,7 @@ class Simulation:
         return self
 
     def __exit__(self, kind: type | None, failure: BaseException | None, where: object) -> None:
-        """Close the simulation; an exception of the block becomes its outcome, and is raised, not one of closing."""
+        """Close the simulation; an exception of the block becomes its outcome, and precedes those of closing."""
         if failure is not None and self.outcome == "running":
             self.note(failure)
         try:

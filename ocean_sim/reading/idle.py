@@ -19,12 +19,12 @@ GRAPHICS_BACKENDS = ("cuda", "metal", "vulkan", "gpu")  # backends that no threa
 
 
 def has_particles(mapping: Any, known: Preflight, *_: Any) -> bool:
-    """Condition in IDLE_RULES (only `known` counts): True if the scene's water is made of particles."""
+    """True if the scene's water is made of particles; a condition in IDLE_RULES, which reads `known` only."""
     return known.fluid.made_of_particles
 
 
 def has_stops(mapping: Any, known: Preflight, *_: Any) -> bool:
-    """Condition in IDLE_RULES: True if particles of the water can meet a wall, a floor, a lid or an obstacle."""
+    """True if particles of the water can meet a wall, a floor, a lid or an obstacle; a condition in IDLE_RULES."""
     return known.fluid.made_of_particles and bool(known.tank.sides or known.tank.config.obstacles)
 
 

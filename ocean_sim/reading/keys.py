@@ -34,7 +34,7 @@ class Key(NamedTuple):
 
     @property
     def section(self) -> str:
-        """Name of the table of the reference that lists the key: `basin`, `wind.stress`, `motion`."""
+        """Name of the table, in the reference of keys, that lists this key: `basin`, `wind.stress`, `motion`."""
         words = self.path.split(".")
         kind = len(words) > 1 and words[0] in SLOTS and words[1] in kinds(words[0])
         return ".".join(words[: 2 if kind else 1])

@@ -83,7 +83,7 @@ class CasePoint(Point):
 
 
 def study_points(quick: bool) -> list[CasePoint]:
-    """All runs of the study, the cheap (coarse) ones of all cases first."""
+    """All runs of the study of validation cases, the cheap (coarse) ones of all cases first."""
     found = [point for trial in TRIAL_CASES if trial.quick or not quick for point in _trial_points(trial, quick)]
     return sorted(found, key=lambda point: (not point.coarse, point.settings.get("resolution", 1.0) < 1.0))
 
@@ -219,7 +219,8 @@ def measure_run(problem: Problem, order: dict[str, Any], scene: Any) -> dict[str
 
 
 def error_row(order: dict[str, Any], promise: Promise, number: Number) -> dict[str, Any]:
-    """Table row of one quantity of a case: value, reference, error, unit, tolerance, and `ok` if within tolerance."""
+    """Table row of one quantity (`promise`) in the run of `order` (job description): value, reference and error from
+    `number`, unit, tolerance, and `ok` if within tolerance."""
     found = promise.row(order["case"], order["scheme"], *number)
     kept = ("quantity", "value", "reference", "error", "unit", "tolerance", "ok")
     numbers = plain_values({key: found[key] for key in ("value", "reference", "error")})

@@ -179,7 +179,7 @@ def pressure_gain(path: Path) -> dict[str, float]:
 
 
 def wind_text(path: Path) -> str | None:
-    """Description in words of the run's wind with its gain; None if unknown."""
+    """Description in words of the wind of a run, found by the path of its gauge record; None if unknown."""
     wind = wind_config(path)
     if wind is None:
         return None

@@ -34,7 +34,7 @@ HIDDEN_VERBS = [row["verb"] for row in VERB_ROWS if not row["section"]]
 def common_options(
     as_json: bool = typer.Option(False, "--json", help="Print the answer as JSON.", expose_value=False),
 ) -> None:
-    """Options of every verb, which no verb receives: `run_command_line` reads them."""
+    """Declare the options that all subcommands share, for their `--help`; `run_command_line` evaluates them."""
 
 
 def command_of(name: str) -> Any:
@@ -53,8 +53,7 @@ class Verbs(TyperGroup):
     """Group of all verbs (subcommands of `ocean-sim`); imports the module of a verb once it or its help is called."""
 
     def __init__(self, **given: Any) -> None:
-        """Register every subcommand with its line of help; its options load when it is called. `given`: of
-        TyperGroup."""
+        """Register every subcommand with its line of help; its options load at its call. `given`: for TyperGroup."""
         super().__init__(**given)
         for name, line in VERBS.items():
             self.add_command(TyperCommand(name, help=line, hidden=name in HIDDEN_VERBS))

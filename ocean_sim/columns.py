@@ -17,11 +17,11 @@ class Columns:
             self.size += width
 
     def __getattr__(self, name: str) -> int:
-        """Raise AttributeError with the names there are; Python calls it only for a name that is not a column."""
+        """Raise AttributeError that lists the column names; Python calls it only for a name that is not a column."""
         raise AttributeError(f"there is no column {name!r} in this row; there are {', '.join(vars(self))}")
 
 
 @ti.func
 def vec3(row, first):
-    """Vector of the three numbers of an array `row` from index `first` on."""
+    """Vector (row[first], row[first + 1], row[first + 2]) of an array `row`."""
     return tm.vec3(row[first], row[first + 1], row[first + 2])

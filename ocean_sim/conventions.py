@@ -33,7 +33,7 @@ class Motions(NamedTuple):
 
 
 class Setting(NamedTuple):
-    """Present value and unit of a number that may change during a simulation without compiling a kernel anew."""
+    """Present value, unit and range of a number that can be changed during a run without recompiling kernels."""
 
     now: float
     unit: str
@@ -52,17 +52,17 @@ FRAMES = {
 
 
 def to_frame(frame: Frame, vectors: np.ndarray) -> np.ndarray:
-    """(..., 3) vectors, rates or vector parts of quaternions, turned from this program's axes to those of `frame`."""
+    """Convert vectors (..., 3), also rates or vector parts of quaternions, from this program's axes to `frame`."""
     return np.asarray(vectors) @ FRAMES[frame].T
 
 
 def from_frame(frame: Frame, vectors: np.ndarray) -> np.ndarray:
-    """(..., 3) vectors, rates or vector parts of quaternions, turned from the axes of `frame` to this program's."""
+    """Convert vectors (..., 3), also rates or vector parts of quaternions, from `frame` to this program's axes."""
     return np.asarray(vectors) @ FRAMES[frame]
 
 
 def figures(value: float, count: int = 4) -> str:
-    """Text of a number with `count` significant figures, without exponent unless very small or large; never -0."""
+    """Format a number with `count` significant figures, without exponent unless very small or large; never -0."""
     short = f"{value:.{count}g}"
     if abs(value) >= 1e15 or 0.0 < abs(value) < 1e-2:
         return short
@@ -71,7 +71,7 @@ def figures(value: float, count: int = 4) -> str:
 
 
 class Failed(Exception):
-    """Base of all exceptions that are meant for people: an attempt failed, and the message is one sentence."""
+    """Base of all exceptions whose message, one sentence, is shown to the user: an attempt has failed."""
 
     exit_code: ClassVar[int] = 1  # of the command line
     problems: Sequence[Any] = ()  # locations in a scene that it is about, with a message each
@@ -82,17 +82,17 @@ class Failed(Exception):
 
 
 class Refused(Failed):
-    """The user's input is wrong: a scene, an option, a file or an argument."""
+    """Error in the user's input: a scene, an option, a file or an argument."""
 
     exit_code = 2
 
 
 class Unsuited(Refused, ValueError):
-    """An argument of a Python function has an impossible value; also a ValueError."""
+    """Error: an argument of a Python function has an impossible value; also a ValueError."""
 
 
 def number(name: str, value: Any, unit: str, least: float = -inf) -> float:
-    """The value as a float; raises Unsuited, with `name` and `unit`, unless it is finite and at least `least`."""
+    """Convert an argument to float; raises Unsuited, citing `name` and `unit`, unless finite and at least `least`."""
     value = value.item() if isinstance(value, np.ndarray) and value.ndim == 0 else value
     numeric = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
     if not numeric or not isfinite(value) or value < least:
@@ -102,14 +102,14 @@ def number(name: str, value: Any, unit: str, least: float = -inf) -> float:
 
 
 def whole_number(name: str, value: Any) -> int:
-    """The value as an int; raises Unsuited unless it is a whole number of at least 1."""
+    """Convert an argument to int; raises Unsuited, citing `name`, unless it is a whole number of at least 1."""
     if number(name, value, "1", 1.0) % 1.0:
         raise Unsuited(f"{name}: {value!r:.60} is not a whole number")
     return int(value)
 
 
 def row_array(name: str, values: Any, columns: str) -> np.ndarray:
-    """The values as an array (n, columns), a column for each name in `columns`, as "x, z"; else raises Unsuited."""
+    """Convert `values` to an array (n, k), k the number of names in `columns` such as "x, z"; else raises Unsuited."""
     try:
         found = np.asarray(values, dtype=float)
     except (TypeError, ValueError):
@@ -121,13 +121,13 @@ def row_array(name: str, values: Any, columns: str) -> np.ndarray:
 
 
 class Lacking(Failed):
-    """This machine lacks a package, a driver or a device that was asked for; the message says how to get it."""
+    """Error: this machine lacks a package, a driver or a device that was asked for; the message says how to get it."""
 
     exit_code = 3
 
 
 def in_words(failure: BaseException) -> str:
-    """Sentence for the user on the reason of any exception; that of an OSError names the file."""
+    """Message for the user, one sentence, on the cause of any exception; for an OSError it names the file."""
     if isinstance(failure, Failed):
         return failure.sentence
     if isinstance(failure, OSError):
@@ -138,7 +138,7 @@ def in_words(failure: BaseException) -> str:
 
 
 class Diverged(Failed):
-    """A simulation has become unphysical; the message names the quantity, place and time, and a remedy."""
+    """Error: a simulation has become unphysical; the message names the quantity, place and time, and a remedy."""
 
     @property
     def sentence(self) -> str:

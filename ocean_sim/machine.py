@@ -109,14 +109,14 @@ def extra_with(module: str) -> str | None:
 
 @cache
 def source_hashes() -> dict[str, str]:
-    """SHA-256 (16 hex digits) of each file of this program that its numbers depend on, by its path in the package."""
+    """SHA-256 (16 hex digits) of each source file on which results depend, by its path in the package."""
     package = Path(__file__).parent
     files = sorted(path for path in package.rglob("*") if path.suffix in SOURCE_SUFFIXES and path.is_file())
     return {path.relative_to(package).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()[:16] for path in files}
 
 
 def program_hash() -> str:
-    """SHA-256 of all files of this program that its numbers depend on, together."""
+    """SHA-256 of all source files on which results depend, together."""
     return hashlib.sha256("".join(f"{name} {each}\n" for name, each in source_hashes().items()).encode()).hexdigest()
 
 
@@ -127,7 +127,7 @@ def request_stop(*_: object) -> None:
 
 
 def stop_if_asked() -> None:
-    """Raise KeyboardInterrupt if a signal asked a `stoppable` process to end: Taichi may have swallowed the first."""
+    """Raise KeyboardInterrupt if a signal asked a `stoppable` process to end, as Taichi may swallow the first one."""
     if stop_requested.is_set():
         raise KeyboardInterrupt
 
@@ -153,7 +153,7 @@ def stoppable() -> Iterator[None]:
 
 @contextmanager
 def parent_pipe() -> Iterator[int]:
-    """Yield the descriptor of a pipe that breaks as this process ends: standard input for an `exit_with_parent`."""
+    """Yield a pipe that breaks when this process ends: standard input of a child that calls `exit_with_parent`."""
     theirs, ours = os.pipe()
     try:
         yield theirs
@@ -163,7 +163,7 @@ def parent_pipe() -> Iterator[int]:
 
 
 def kill_session(child: subprocess.Popen[str]) -> None:
-    """Kill a child that leads a session, and all it has started; wait, at most KILL_TIMEOUT, until they have ended."""
+    """Kill a child process that leads a session, and its descendants; wait at most KILL_TIMEOUT for them to end."""
     patience = time.monotonic() + KILL_TIMEOUT
     with suppress(ProcessLookupError, PermissionError):  # none is left
         os.killpg(child.pid, signal.SIGKILL)
@@ -175,7 +175,7 @@ def kill_session(child: subprocess.Popen[str]) -> None:
 
 
 def yield_to_others(by: int) -> None:
-    """Lower the priority of this process: add `by` to its niceness, and set that of a session it leads to `by`."""
+    """Lower this process's priority: add `by` to its niceness, and set that of a session it leads to `by`."""
     os.nice(by)
     if os.getsid(0) == os.getpid():  # this session is its own
         with suppress(OSError):
@@ -183,7 +183,7 @@ def yield_to_others(by: int) -> None:
 
 
 def exit_with_parent() -> threading.Event:
-    """End this process and its group when standard input, a `parent_pipe`, breaks; the first input sets the event."""
+    """End this process and its group when its standard input (`parent_pipe`) breaks; returns an event set by input."""
     spoken = threading.Event()
 
     def listen() -> None:

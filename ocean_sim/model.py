@@ -26,7 +26,7 @@ def in_brackets(unit: str | None) -> str:
 
 
 def below(*key: str | int, faults: Faults) -> Faults:
-    """Faults with `key`, the path of a mapping, put before the key path of each."""
+    """Prepend `key`, the path of a mapping, to the key path of each of its faults (key path, sentence)."""
     return (((*key, *path), sentence) for path, sentence in faults)
 
 

@@ -46,7 +46,8 @@ Problems = list[tuple[Key, str]]  # where below the part's own key, and a senten
 
 @cache
 def library(folder: str) -> Path:
-    """Path of the folder `scenes`, `configs` or `figures`: in the package when installed, next to it in a checkout."""
+    """Path of the program's data folder `scenes`, `configs` or `figures`: in the package, or beside it in a
+    checkout."""
     inside = PACKAGE / folder
     return inside if inside.is_dir() else PACKAGE.parent / folder
 
@@ -83,12 +84,12 @@ def slot_of(place: str) -> str:
 
 
 def called(ship: str) -> str:
-    """Text for a ship in messages, by its name in the scene: `the ship` if it is the only one."""
+    """Words for a ship in messages: `the ship` if she is the only one, else her name in the scene."""
     return "the ship" if ship == ALONE else ship
 
 
 class LedgerRow(NamedTuple):
-    """Row of the memory ledger: bytes of one thing that a part makes the program allocate or compile, and why."""
+    """Row of a scene's memory table: an item that a part of the scene has allocated or compiled, its bytes, and why."""
 
     part: str
     what: str
@@ -97,18 +98,18 @@ class LedgerRow(NamedTuple):
 
 
 class PartConfig(Model):
-    """Keys that a user may write for one part, and the methods by which a scene examines it before it is built.
+    """Settings of one part of a scene, such as `fluid`, and the methods by which a scene examines it before it is
+    built.
 
     Each of these methods gets the one `Preflight` of the scene. `ledger` and, in each slot's own base class below,
-    `build` have no default: a kind without them cannot be instantiated.
-    """
+    `build` have no default: a kind without them cannot be instantiated."""
 
     def problems(self, preflight: Preflight) -> Faults:
-        """Faults (key, sentence) of these keys alone in this basin; other parts may be faulty, and must not be read."""
+        """Mistakes (key, sentence) in these settings by themselves; other parts may be wrong, and must not be read."""
         return ()
 
     def mismatches(self, preflight: Preflight) -> Faults:
-        """Faults (key, sentence) of these keys together with other parts; called if no part has `problems`."""
+        """Mistakes (key, sentence) of these settings together with other parts; called if no part has `problems`."""
         return ()
 
     def warnings(self, preflight: Preflight) -> Iterable[str]:
@@ -136,7 +137,7 @@ class KindConfig(PartConfig):
 
 
 class SeaConfig(KindConfig):
-    """Base of the keys of an open sea, of which the particles of a scene are a patch with periodic sides."""
+    """Base of the settings of an open sea, of which the particles of a scene are a patch with periodic sides."""
 
     if TYPE_CHECKING:  # keys of each kind
         rim: Rim
@@ -179,7 +180,7 @@ class SeaConfig(KindConfig):
 
 
 class WindConfig(KindConfig):
-    """Base of the keys of all kinds of wind."""
+    """Base of the settings of all kinds of wind."""
 
     still: ClassVar[bool] = False
     """True if there is no wind."""
@@ -201,7 +202,7 @@ class WindConfig(KindConfig):
 
     @property
     def needs_bend(self) -> bool:
-        """True if the wind's force on a particle also needs the local change of the surface's slope; else that is 0."""
+        """True if the wind's force on a particle also needs the local change of the surface's slope; else 0 is used."""
         return False
 
     @property
@@ -226,7 +227,7 @@ class WindConfig(KindConfig):
 
 
 class FluidConfig(KindConfig):
-    """Base of the keys of all kinds of water, whether of particles or in closed form."""
+    """Base of the settings of all kinds of water, whether of particles or in closed form."""
 
     rest_density: float
 
@@ -253,11 +254,11 @@ class FluidConfig(KindConfig):
         return None
 
     def most_particles(self, preflight: Preflight) -> int:
-        """Approximate largest number of particles whose neighbours can be indexed; 0 for water without particles."""
+        """Approximate greatest number of particles that neighbour lists can index; 0 for water without particles."""
         return 0
 
     def ratio(self, basin: Basin) -> float:
-        """Support radius of the smoothing kernel, in particle spacings; 0 for water without particles."""
+        """Ratio of the smoothing kernel's support radius to the particle spacing; 0 for water without particles."""
         return 0.0
 
     @property
@@ -329,12 +330,12 @@ class FluidConfig(KindConfig):
         """Build the water. `accounts`: True if it sums impulse and work of each force; `wind`: acts on this water."""
 
     def sums_impulses(self, read: bool) -> bool:
-        """True if the water sums impulse and work of each force; `read`: True if `accuracy` reads these sums."""
+        """True if the water sums impulse and work of each force; `read`: True if the observer `accuracy` needs them."""
         return read
 
 
 class SurfaceConfig(KindConfig):
-    """Base of the keys of a surface, a mesh that follows the particles of the water."""
+    """Base of the settings of a surface, a mesh that follows the particles of the water."""
 
     def completed(self, preflight: Preflight) -> Self:
         """Copy in which keys that the user left open have values derived from the water."""
@@ -346,7 +347,7 @@ class SurfaceConfig(KindConfig):
 
 
 class ShipConfig(KindConfig):
-    """Base of the keys of all kinds of ship."""
+    """Base of the settings of all kinds of ship."""
 
     needs_surface: ClassVar[bool] = True
     """True if, over particles, it asks a surface for the height of the water."""
@@ -387,7 +388,7 @@ class ShipConfig(KindConfig):
 
 
 class PlatformConfig(KindConfig):
-    """Base of the keys of a motion platform."""
+    """Base of the settings of a motion platform."""
 
     ship: str | None = None
     """The name of the ship that it rides in; null: the first by name."""
@@ -410,7 +411,7 @@ class PlatformConfig(KindConfig):
 
 
 class TimeStepConfig(KindConfig):
-    """Base of the keys of a rule that chooses the time step."""
+    """Base of the settings of a rule that chooses the time step."""
 
     @abstractmethod
     def advice(self, limit: str, shortest: float) -> str:
@@ -440,7 +441,7 @@ class Preflight:
 
     @cached_property
     def sea(self) -> SeaConfig | None:
-        """Keys of the open sea; None without one."""
+        """Settings of the open sea; None without one."""
         return cast(SeaConfig | None, self.parts.get("sea"))
 
     @cached_property
@@ -449,18 +450,18 @@ class Preflight:
 
     @cached_property
     def surface(self) -> SurfaceConfig | None:
-        """Keys of the surface, completed with those that the user left open; None without a surface."""
+        """Settings of the surface, completed where the user left them open; None without a surface."""
         surface = cast(SurfaceConfig | None, self.parts.get("surface"))
         return surface.completed(self) if surface is not None else None
 
     @cached_property
     def ships(self) -> dict[str, ShipConfig]:
-        """Keys of each ship, by the name of the ship."""
+        """Settings of each ship, by the name of the ship."""
         written = {key: part for key, part in self.parts.items() if isinstance(part, ShipConfig)}
         return {key.removeprefix(f"{SEVERAL}."): part for key, part in written.items()}
 
     def unknown_ship(self, name: str) -> Problems:
-        """Fault (key, sentence) of a part whose key `ship` is `name`, if this scene has no such ship; else empty."""
+        """Mistake (key, sentence) of a part whose key `ship` is `name`, if this scene has no such ship; else empty."""
         if name in self.ships:
             return []
         there = f"there are {', '.join(self.ships)}" if self.ships else "there is none"
@@ -496,7 +497,7 @@ class Preflight:
 
     @property
     def repeats(self) -> tuple[float, float, float]:
-        """Lengths [m] after which the particles repeat along x, y, z; 0 along an axis that is not periodic."""
+        """Period lengths [m] of the domain along x, y, z; 0 for an axis that is not periodic, or without particles."""
         return self.tank.periods if self.fluid.made_of_particles else (0.0, 0.0, 0.0)
 
     @cached_property
@@ -517,8 +518,8 @@ class Preflight:
 
 
 def forces_in_waves(preflight: Preflight, regular: bool, current: bool) -> list[str]:
-    """Sentences on which forces (mean drift, slow drift, wind, current) act on each ship in waves, which are `regular`
-    or not, with a `current` or without."""
+    """Sentences, one per ship, on the forces that act on her in waves: mean and slow drift, wind, current. `regular`:
+    True for waves of one frequency; `current`: True if there is a current."""
     found, blows = list[str](), not preflight.wind.still and "ship" in preflight.wind.acts_on
     for name, ship in preflight.ships.items():
         law = "particles" if preflight.fluid.made_of_particles else ship.drift_law

@@ -134,7 +134,7 @@ def run(
 def claim_run_folder(
     coming: Iterable[str], out: Path, overwrite: bool, named: str = "", cure: str = "give overwrite=True"
 ) -> Claim:
-    """Claim a folder `out` for a run that will write the files `coming`; with `overwrite` an earlier run there is
+    """Lock a folder `out` for a run that will write the files `coming`; with `overwrite` an earlier run there is
     deleted. Raises Refused if the folder holds a run that may not be deleted, or other files. `named`: name of the
     folder in messages; `cure`: their advice on how to overwrite."""
     claim = claim_folder(out, FIRST_FILE, named=named)

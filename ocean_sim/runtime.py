@@ -58,7 +58,7 @@ Kind = TypeVar("Kind", bound=type)
 
 
 def in_kernels(kind: Kind) -> Kind:
-    """Decorator for a class with Taichi kernels or functions; unlike `ti.data_oriented` it keeps attributes fast."""
+    """Decorator for a class with Taichi kernels or functions; attributes stay faster than under `ti.data_oriented`."""
     if kernel_library.LIBRARY_NAME == kernel_library.QUADRANTS:
         if "__dataclass_fields__" in vars(kind):  # by which it would take `self` for a struct, handed over by value
             del kind.__dataclass_fields__  # type: ignore[attr-defined]
@@ -71,7 +71,7 @@ def in_kernels(kind: Kind) -> Kind:
 
 
 def _direct_launch(kernel: Any) -> Any:
-    """Method that launches a kernel; from its second launch on it skips Taichi's look-ups (0.2 to 1 ms a step)."""
+    """Wrap a Taichi kernel in a method that from its second launch on skips Taichi's look-ups (0.2 to 1 ms a step)."""
 
     @wraps(kernel)
     def launch(self: Any, *given: Any) -> Any:
@@ -98,8 +98,8 @@ def _direct_launch(kernel: Any) -> Any:
 
 @dataclass(frozen=True)
 class Launch:
-    """Compiled kernel that is called directly with the arguments of its method, without the look-ups of Taichi. It
-    knows each argument by its index in the method, and numbers and arrays also by their index in the launch."""
+    """Compiled kernel that is launched directly, without the look-ups of Taichi. `templates`, `numbers` and `arrays`
+    list its arguments by index in the call, the latter two also by index among the launch arguments."""
 
     program: Any  # of Taichi
     compiled: Any  # Taichi's compiled kernel data
@@ -120,7 +120,7 @@ class Launch:
         return True
 
     def __call__(self, given: tuple) -> None:
-        """Launch the kernel with these arguments, which suit it."""
+        """Launch the kernel with these arguments, for which `suits` must be true."""
         context = self.kernel.make_launch_context()
         for k, slot, whole in self.numbers:
             if whole:
@@ -134,7 +134,7 @@ class Launch:
 
 
 def _launch_of(primal: Any, owner: Any, given: tuple) -> Launch | None:
-    """Direct launch of kernel `primal` of object `owner`, just run with arguments `given`; None if that cannot be."""
+    """Direct launch of a kernel that `owner` has just run with the arguments `given`; None if it cannot be built."""
     if primal.return_type is not None or primal.has_print:
         return None
     templates, numbers, arrays = list[Any](), list[Any](), list[Any]()
@@ -161,7 +161,7 @@ def _launch_of(primal: Any, owner: Any, given: tuple) -> Launch | None:
 
 @in_kernels
 class FieldCopy:
-    """Copy of a scalar field in NumPy by a kernel, many times as fast as Taichi's own method."""
+    """Reader of a scalar Taichi field into a NumPy array by a kernel, many times as fast as Taichi's own method."""
 
     def __init__(self, field: Any) -> None:
         self.field = field
@@ -180,11 +180,11 @@ class FieldCopy:
 
 
 class BackendMissing(Lacking):
-    """This machine lacks the backend, or a property of it such as double precision, that was asked for."""
+    """Error: this machine lacks the backend, or a property of it such as double precision, that was asked for."""
 
 
 class RuntimeConfig(Model):
-    """Use of the machine by a run."""
+    """Settings of a run's use of the machine: backend, precision, threads."""
 
     arch: Literal["cpu", "cuda", "vulkan", "metal", "gpu", "auto"] = "cpu"
     """Taichi backend; `cpu`: the processor, `cuda`: NVIDIA, `metal`: Apple, `vulkan`: most graphics processors, `gpu`:
@@ -234,7 +234,7 @@ class Allocation(NamedTuple):
 
 
 def _record_allocation(finalize: Any) -> Any:
-    """Taichi's method that gives memory to the fields declared so far, wrapped to keep the handle that frees them."""
+    """Wrap the Taichi method that allocates the declared fields, so that the handle which frees them is kept."""
 
     def noted(builder: FieldsBuilder, raise_warning: bool = True) -> SNodeTree:
         global _numbered, _short
@@ -339,7 +339,7 @@ class Fields:
 
 
 def _forget_declared() -> None:
-    """Drop the fields that are declared and have no memory: Taichi would give it to them with those declared next."""
+    """Drop declared fields that have no memory yet; else Taichi would allocate them together with the next ones."""
     taichi = impl.get_runtime()
     for variable in taichi.global_vars:
         variable.ptr = FreedField(CLOSED_MESSAGE)
@@ -443,7 +443,7 @@ def vector_width() -> int:
 
 
 def values_at(points: np.ndarray, real: type, fill: Callable[..., Any], *size: int) -> np.ndarray:
-    """Values (m, *size) that the kernel `fill` writes for points (m, ...); it gets both as arrays of type `real`."""
+    """Values (m, *size) at points (m, ...), computed by the kernel `fill(points, values)` in the precision `real`."""
     values: np.ndarray = np.empty((len(points), *size), dtype=real)
     fill(np.ascontiguousarray(points, dtype=real), values)
     return values.astype(float)
@@ -455,13 +455,13 @@ def running_arch() -> str:
 
 
 def runs_alone() -> bool:
-    """True if kernels run short loops in the launching thread only: on a processor, as waking others takes 7 us."""
+    """True if kernels should run short loops in the launching thread: on a processor waking others takes 7 us."""
     return running_arch() == "cpu"
 
 
 def must_restart(config: RuntimeConfig) -> bool:
-    """True if `start` has to restart Taichi: for another config or thread; if there are too many fields; or if all are
-    freed, since compiled kernels are found by the numbers of fields, which begin anew only at a restart."""
+    """True if `start` has to restart Taichi: for another config or thread, for too many fields, or if all are freed,
+    since kernels are cached by field numbers, which only a restart resets."""
     if _started is None:
         return False
     full = impl.get_runtime().prog.get_snode_tree_size() > MAX_FIELD_SETS - FIELD_SET_MARGIN

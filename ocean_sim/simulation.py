@@ -27,7 +27,7 @@ class Observer:
     """Attributes that a checkpoint of it does not hold."""
 
     def __init_subclass__(cls, of: "type[ObserverConfig] | None" = None) -> None:
-        """`of`: Config class whose `build` makes this observer, from the Config, the run folder and the simulation."""
+        """Register this observer with `of`, its Config class, whose `build` then constructs it."""
         if of is not None:
             of.observer = cls
 
@@ -52,7 +52,7 @@ class OutcomeObserver(Observer):
 
 
 class ObserverConfig(PartConfig):
-    """Base of the keys of an observer; one with an interval of its own derives from `PeriodicConfig`."""
+    """Base of the settings of an observer; one with an interval of its own derives from `PeriodicConfig`."""
 
     needs: ClassVar[tuple[str, ...]] = ()
     """Slots and other observers without which there is nothing to observe."""
@@ -92,12 +92,12 @@ class ObserverConfig(PartConfig):
         return 0
 
     def build(self, folder: Path, simulation: "Simulation") -> Observer:
-        """Build the observer. `folder`: the run folder, which observers that write nothing leave alone."""
+        """Build the observer. `folder`: the run folder, which is of no use to observers that write no files."""
         return self.observer(self, folder, simulation)
 
 
 class PeriodicConfig(ObserverConfig):
-    """Base of the keys of an observer that observes at an interval of its own, `every` [s]."""
+    """Base of the settings of an observer that observes at an interval of its own, `every` [s]."""
 
     every: float
 
@@ -131,7 +131,7 @@ class Simulation:
             self.build(scene, folder)
 
     def build(self, scene: Scene, folder: Path | None) -> None:
-        """Build the parts, in the order in which they read each other, and then the observers."""
+        """Build the parts of the scene, each after those on which it depends, and then the observers."""
         self.basin = scene.preflight.basin
         self.wind = scene.wind.build(self.basin, scene.seed)
         accounts = scene.preflight.sums_impulses and self.backend.doubles
@@ -165,7 +165,7 @@ class Simulation:
         return next(iter(self.ships.values()), None)
 
     def limits(self) -> Limits:
-        """Limits of the time step: the least ones among those of the water and of every ship."""
+        """Limits of the time step: of each, the smallest among the water and all ships."""
         limits = self.fluid.limits()
         for ship in self.ships.values():
             limits = limits.and_of(ship.limits())
@@ -243,7 +243,8 @@ class Simulation:
             raise failures[0]
 
     def conclude(self) -> list[BaseException]:
-        """Close all observers, even if one raises; returns the exceptions. The first one replaces an outcome `done`."""
+        """Close all observers, even if one raises; returns the exceptions. The first makes an outcome `done` a
+        failure."""
         failures: list[BaseException] = []
         concluded: list[OutcomeObserver] = []
         for observer in sorted(self.observers, key=lambda observer: isinstance(observer, OutcomeObserver)):
@@ -265,7 +266,7 @@ class Simulation:
         return self
 
     def __exit__(self, kind: type | None, failure: BaseException | None, where: object) -> None:
-        """Close the simulation; an exception of the block becomes its outcome, and precedes one of closing."""
+        """Close the simulation; an exception of the block becomes its outcome, and precedes those of closing."""
         if failure is not None and self.outcome == "running":
             self.note(failure)
         try:

@@ -52,7 +52,7 @@ def save_figure(figure: Any, path: Path, dpi: int = 100) -> None:
 
 
 class file_named_in_errors:
-    """Context manager that puts `path` into an OSError of its block that names no file, or names the file `draft`."""
+    """Context manager that sets the file name of an OSError to `path` if it has none, or that of the file `draft`."""
 
     def __init__(self, path: str | Path, draft: str | Path | None = None) -> None:
         self.path, self.unknown = path, (None, str(draft))
@@ -73,7 +73,7 @@ def require_disk_space(path: Path, size: int) -> None:
 
 @contextmanager
 def reserve_disk_space(folder: Path) -> Iterator[None]:
-    """Occupy RESERVE_BYTES of a folder's disk during the block; freed at its end, they have room for last messages."""
+    """Occupy RESERVE_BYTES on a folder's disk during the block; freed at its end, they leave room for last messages."""
     path = folder / RESERVE_FILE
     try:
         with suppress(OSError), path.open("wb") as file:  # a disk as full as that will not be written to for long

@@ -17,8 +17,8 @@ MAX_FOLDER_BYTES = 300_000_000  # of a folder; beyond them what was not used for
 def cached_arrays(
     folder: str, content: bytes, made: Callable[[], dict[str, np.ndarray]], *asked: type
 ) -> dict[str, np.ndarray]:
-    """Arrays by name that `made()` computes, or a cached copy of them in `folder`. The cache is valid for equal input
-    bytes, `content`, and equal source files of the packages of `made` and of the classes `asked`."""
+    """Arrays by name: a copy cached in `folder`, else the result of `made()`, which is then cached. A copy is valid for
+    equal input bytes, `content`, and equal source files of the packages of `made` and of the classes `asked`."""
     packages = tuple(f"{each.__module__.split('.')[1]}/" for each in (made, *asked))
     laws = [item for item in source_hashes().items() if item[0].startswith(packages)]
     path = cache_directory() / folder / f"{hashlib.sha256(repr(laws).encode() + content).hexdigest()}.npz"

@@ -133,14 +133,14 @@ class Table(dict[str, np.ndarray]):
             raise NAMED_COLUMNS_RULE.broken(self.path, f"{lacks}, but {there}")
 
     def replace_columns(self, columns: dict[str, np.ndarray]) -> None:
-        """Replace all columns by these (n,), and the rows of text by rows of their numbers."""
+        """Replace all columns by `columns`, (n,) by name, and the lines of text by their numbers."""
         self.clear()
         self.update(columns)
         self.names, self.separator, self.comma = [*columns], ",", False
         self.rows = [",".join(f"{value:.12g}" for value in row) for row in zip(*columns.values())]
 
     def resolution(self, name: str) -> float:
-        """Step to which a column's numbers are rounded, in its unit, judged by digits written and double precision."""
+        """Rounding step of the numbers in a column, in its unit, by the digits written and by double precision."""
         k, most = self.names.index(name), max(float(np.abs(self[name]).max()), 1e-300)
         written = [self.cells(row)[k].strip("+-").lower().partition("e")[0] for row in self.rows]
         decimals = max(len(cell.partition(".")[2]) for cell in written)
@@ -167,8 +167,8 @@ class Table(dict[str, np.ndarray]):
 
 
 def unreached_times_warning(what: str, times: np.ndarray, duration: float, instead: str) -> list[str]:
-    """List of a warning if no time (n,) [s] of table `what` lies within a run of this duration [s], else empty.
-    `instead`: text on the effect, in which {} stands for the row used, `first` or `last`."""
+    """Warning, in a list of one, if no time (n,) [s] of table `what` lies within a run of this duration [s]; else an
+    empty list. `instead`: text on the effect, in which {} stands for the row used, `first` or `last`."""
     first, last = float(times[0]), float(times[-1])
     if last < 0.0:
         return [f"{what} ends at {last:.12g} s, before the run begins: {instead.format('last')}; {TIMES_REACHED_RULE}"]
@@ -235,7 +235,7 @@ def build_columns(
 
 
 def number_or_word_column(_: str, found: Sequence[str]) -> np.ndarray:
-    """Column (n,) as float64, NaN for empty cells, or as text if any cell is a word; for `build_columns`."""
+    """Column (n,) of cells `found` as float64, NaN if empty, or as text if any is a word; for `build_columns`."""
     try:
         return np.array([float(cell.strip() or "nan") for cell in found])
     except ValueError:
@@ -243,8 +243,7 @@ def number_or_word_column(_: str, found: Sequence[str]) -> np.ndarray:
 
 
 def numeric_column(name: str, found: Sequence[str]) -> np.ndarray:
-    """Column (n,) of cells as float64, NaN if no number; ISO dates become seconds since the first. For
-    `build_columns`."""
+    """Column (n,) of cells `found` as float64, NaN if no number; ISO dates become seconds since the first one."""
     if name == TIME_COLUMN:
         with suppress(ValueError):
             dates = [datetime.fromisoformat(cell) for cell in found if "T" in cell or ":" in cell]

@@ -48,7 +48,7 @@ class Rule(str):
         return self[0].upper() + self[1:]
 
     def broken(self, path: str | Path, found: str) -> Unreadable:
-        """Error to raise for a file that breaks the rule; `found`: words on the content that does."""
+        """Error to raise for a file that breaks this rule; `found`: text on the content that breaks it."""
         return Unreadable(path, f"{found} {self.sentence}." if found.endswith("?") else f"{found}; {self}")
 
 
@@ -105,7 +105,7 @@ def read_bytes(path: str | Path, most: int = MAX_FILE_BYTES) -> bytes:
 
 
 def near_name(path: str | Path) -> str:
-    """End of a message on a missing file: the file in its folder with the most similar name; or empty."""
+    """Ending of a message on a missing file that suggests the most similar name in its folder; empty if none is."""
     with suppress(OSError):
         near = get_close_matches(Path(path).name, os.listdir(Path(path).parent), n=1, cutoff=0.8)
         return f"; did you mean {near[0]!r}?" if near else ""

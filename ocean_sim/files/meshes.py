@@ -80,8 +80,7 @@ class Glb:
         self.times = self.accessor(np.asarray(times, np.float32), bounds=True)
 
     def accessor(self, values: np.ndarray, bounds: bool = False) -> int:
-        """Store an array (n,) or (n, components), with its minimum and maximum if `bounds`; returns its glTF
-        accessor."""
+        """Store an array (n,) or (n, components), with minimum and maximum if `bounds`; returns its glTF accessor."""
         values = np.ascontiguousarray(values)
         self.data += b"\0" * (-len(self.data) % 4)
         views, accessors = self.tree["bufferViews"], self.tree["accessors"]
@@ -126,8 +125,8 @@ class Glb:
         return len(self.tree["nodes"]) - 1
 
     def show_at_moments(self, nodes: dict[int, int], moments: int) -> None:
-        """Show each node at one moment only; `nodes`: index of moment to index of node; `moments`: their number. At
-        other moments its scale is zero, which hides it (glTF 2.0, section 3.5.2)."""
+        """Show each node at one moment only; `nodes`: index of the node, by index of the moment; `moments`: their
+        number. At other moments its scale is zero, which hides it (glTF 2.0, section 3.5.2)."""
         for k, node in nodes.items():
             seen = np.zeros((moments, 3), np.float32)
             seen[k] = 1.0

@@ -201,7 +201,7 @@ def parse_yaml(text: str, start: Location) -> Node:
 
 
 def mark_location(start: Location, mark: Any) -> Location:
-    """Location of a PyYAML mark (line and column from 0) in a text; `start`, the text's own, if that has no line."""
+    """Location of a PyYAML mark (line, column from 0) in a text; that of the text, `start`, if this is in no file."""
     return start if start.line is None or mark is None else Location(start.file, mark.line + 1, mark.column + 1)
 
 
@@ -215,7 +215,7 @@ def yaml_loaders() -> tuple[Any, ...]:
 
 
 def core_tag(loader: Any, kind: Any, text: str, implicit: Any) -> str:
-    """Type of an untagged scalar (null, bool, int, float or str) by the core schema of YAML 1.2; PyYAML calls this."""
+    """YAML tag (null, bool, int, float or str) of an untagged scalar `text` by YAML 1.2's core schema; for PyYAML."""
     match = CORE_SCHEMA.fullmatch(text) if kind.id == "scalar" and implicit[0] else None
     return str(match.lastgroup) if match is not None else "str"
 

@@ -52,13 +52,13 @@ class Choice:
         return self.base.data["kind"].data
 
     def whole(self) -> Node:
-        """Mapping with the keys of preset or kind and the user's over them; errors cite the line of its name."""
+        """Merge the keys of the kind or preset with the user's own, which take precedence, into one mapping."""
         return merge_nodes(self.base, self.own)
 
 
 @dataclass
 class Composition:
-    """Layers of a scene while they are merged: tree so far, choice for each part, problems and notes found."""
+    """Working state of merging the layers of a scene: tree so far, choice for each part, problems and notes found."""
 
     root: Node
     slots: dict[str, Choice | None] = field(default_factory=dict)  # by place
@@ -68,8 +68,8 @@ class Composition:
     notes: list[str] = field(default_factory=list)
 
     def lay(self, place: str, node: Node, below: Choice | None) -> None:
-        """Apply `node` to the part at `place` (such as `wind`), chosen `below` so far: null removes the part, a name
-        replaces it, a mapping sets keys of it."""
+        """Apply one layer's `node` to the part at `place` (such as `wind`): null removes the part, a name replaces it,
+        a mapping sets keys of it. `below`: choice that earlier layers made for this part."""
         try:
             if node.data is None:
                 self.slots[place] = None
@@ -112,7 +112,7 @@ class Composition:
             self.problems.append(problem_at(ship.key_location, f"{SEVERAL}.{name}", message, meant))
 
     def another_kind(self, place: str, below: Choice, kind: Node) -> Choice:
-        """Choice `below` of the part at `place` with another kind or preset; drop keys that this lacks, with a note."""
+        """Copy of a choice `below` with another kind or preset; keys that this lacks are dropped, with a note."""
         slot = slot_of(place)
         base = choice_of(place, kind.with_data({"kind": kind})).base
         written = below.own if isinstance(kind.data, str) and kind.data not in kinds(slot) else below.whole()
@@ -125,7 +125,7 @@ class Composition:
         return Choice(base, written.with_data(kept))
 
     def set(self, key: str, value: Node) -> None:
-        """Apply one `--set KEY=VALUE`: to a part, a key inside one, or a key outside the parts."""
+        """Apply one `--set KEY=VALUE`, whose key names a part, a key inside a part, or a key outside the parts."""
         path = tuple(key.split("."))
         path = (KEYS_BESIDE_SLOTS[path[0]], *path) if path[0] in KEYS_BESIDE_SLOTS else path
         if "" in path:
@@ -159,7 +159,7 @@ class Composition:
         return None
 
     def lay_beside(self, key: str, node: Node) -> None:
-        """Apply a key of a part that is written at the scene's top level (KEYS_BESIDE_SLOTS) to that part."""
+        """Apply a key that belongs to a part, but stands at the scene's top level (KEYS_BESIDE_SLOTS), to that part."""
         slot = KEYS_BESIDE_SLOTS[key]
         choice = self.slots.get(slot)
         if choice is not None and key in choice.own.data:
@@ -170,7 +170,7 @@ class Composition:
             self.set_part(slot, (key,), node)
 
     def below(self, place: str, node: Node) -> Choice | None:
-        """Choice so far for the part at `place`, to which `node` is to be applied; else its usual kind, or None."""
+        """Choice that earlier layers made for the part at `place`, or its default kind, located at `node`, or None."""
         absent = self.slots.get(place) is None and place in DEFAULT_KINDS
         return choice_of(place, node.with_data(DEFAULT_KINDS[place])) if absent else self.slots.get(place)
 
@@ -248,8 +248,8 @@ def compose(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> Co
 
 
 def choice_of(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
-    """Choice of the part at `place` (such as `wind`) by a name or a mapping with `kind`; raises SceneError. `within`:
-    presets that are being read, on which this one must not be based."""
+    """Choice that `node`, a name or a mapping with `kind`, makes for the part at `place` (such as `wind`); raises
+    SceneError. `within`: presets that are being read, on which this one must not be based."""
     slot = slot_of(place)
     if isinstance(node.data, str):
         name, own = node, node.with_data({})
@@ -310,7 +310,7 @@ def kind_of_keys(slot: str, node: Node) -> str | None:
 
 
 def with_owners(found: Problem, slot: str, place: str) -> Problem:
-    """The problem `found`; an unknown key without a suggestion gets the kinds of the slot that have the key added."""
+    """Add to a problem of an unknown key, unless it has a suggestion, the kinds of the slot that have this key."""
     key = found.key.removeprefix(f"{place}.")
     if not found.message.startswith("unknown key") or found.suggestion is not None:
         return found
@@ -331,7 +331,7 @@ def known_names(slot: str) -> list[str]:
 
 
 def unknown_name(what: str, name: Node, key: str, choices: Any = None) -> Problem:
-    """Problem of a name that is none of `choices`, by default names of slot `what`; suggests the closest, lists all."""
+    """Problem to report for a name not in `choices` (default: names of slot `what`); suggests the closest."""
     choices = choices or known_names(what)
     end, suggestion = choice_sentence(name.data, choices)
     if suggestion is not None:

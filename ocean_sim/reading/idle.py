@@ -19,7 +19,7 @@ GRAPHICS_BACKENDS = ("cuda", "metal", "vulkan", "gpu")  # backends that no threa
 
 
 def has_particles(mapping: Any, known: Preflight, *_: Any) -> bool:
-    """True if the scene's water is made of particles; a condition in IDLE_RULES, as is `has_stops`."""
+    """True if the scene's water is made of particles; a condition in IDLE_RULES, which reads `known` only."""
     return known.fluid.made_of_particles
 
 
@@ -101,7 +101,8 @@ IDLE_RULES: list[tuple[str, str, Callable[[Any, Preflight, Any, str], Any], str]
 
 
 def inner_models(value: Any, path: str = "", place: str = "") -> Iterator[tuple[str, str, Model]]:
-    """Yield (path, place, model) for `value` and each model in it; only `place` has list indices and mapping keys."""
+    """Yield (path, place, model) for `value` and each model inside it, such as (.wind.volumes, .wind.volumes.0, model):
+    `path` leaves out list indices and mapping keys, `place` has them."""
     if isinstance(value, Model):
         yield path, place, value
         for name in type(value).model_fields:

@@ -34,7 +34,7 @@ class Key(NamedTuple):
 
     @property
     def section(self) -> str:
-        """Table of the reference that lists the key: `basin`, `wind.stress`, `motion`."""
+        """Name of the table, in the reference of keys, that lists this key: `basin`, `wind.stress`, `motion`."""
         words = self.path.split(".")
         kind = len(words) > 1 and words[0] in SLOTS and words[1] in kinds(words[0])
         return ".".join(words[: 2 if kind else 1])
@@ -60,7 +60,7 @@ def scene_keys() -> tuple[Key, ...]:
 
 
 def members(node: dict[str, Any]) -> list[dict[str, Any]]:
-    """Members of the union in a schema, or the schema itself, references to models replaced by their schemas."""
+    """Schemas of the members of a union, or the schema itself if it is none; references to models are resolved."""
     return list(union_members(node, scene_schema()["$defs"]))
 
 
@@ -73,7 +73,7 @@ def model_keys(node: dict[str, Any], path: str) -> Iterator[Key]:
 
 
 def keys_inside(path: str, node: dict[str, Any]) -> Iterator[Key]:
-    """Yield the keys inside the value at a path, of schema `node`; of a union first `kind`, then each model's."""
+    """Yield the keys inside the value at a path, by its schema `node`; for a union first `kind`, then each model's."""
     mappings = [member for member in members(node) if "properties" in member]
     if chosen := {kind["const"]: m for m in mappings if "const" in (kind := m["properties"].get("kind", {}))}:
         told = [f"`{kind}`: {opening_sentence(m['description']).rstrip('.')}." for kind, m in chosen.items()]
@@ -89,7 +89,7 @@ def keys_inside(path: str, node: dict[str, Any]) -> Iterator[Key]:
 
 
 def named_value_schema(node: dict[str, Any]) -> dict[str, Any]:
-    """Schema of the values in a mapping by names that the user gives; `node`: schema of the mapping."""
+    """Schema of the values in a mapping with names that the user chooses; `node`: schema of the mapping."""
     return next(iter(node["patternProperties"].values()))
 
 
@@ -192,12 +192,12 @@ def example_number(node: dict[str, Any], member: dict[str, Any]) -> str:
 
 
 def bound_of(node: dict[str, Any], *names: str) -> float | None:
-    """First of these bounds (`minimum`, ...) that a schema, or a member of its union, states; None without any."""
+    """First of the bounds `names` (as `minimum`) that a schema, or a member of its union, states; None without any."""
     return next((place[name] for place in (node, *members(node)) for name in names if name in place), None)
 
 
 def keys_at(word: str) -> list[Key]:
-    """The key at a path, then those directly below it; a path without the kind stands for every kind."""
+    """The key at the path `word`, then those directly below it; a path without the kind matches every kind."""
     wanted = word.replace("[]", "").strip(".").split(".")
     steps = [step for step in wanted if not step.isdigit()]
     exact, below = [], []
@@ -220,7 +220,7 @@ def is_path_match(path: list[str], steps: list[str]) -> bool:
 
 
 def named_so(word: str) -> list[str]:
-    """Paths of all keys in any scene whose last word is `word`."""
+    """Paths of all keys, of any part of a scene, whose last element is `word`."""
     return [key.path for key in scene_keys() if key.path.rpartition(".")[2] == word]
 
 

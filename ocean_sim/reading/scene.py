@@ -151,7 +151,7 @@ def observer_names() -> tuple[str, ...]:
 
 
 def on_unless_null(slots: Iterable[str]) -> list[str]:
-    """Names of the observers that run by default (null turns them off) in a scene with these slots filled."""
+    """Names of the observers that run unless a scene sets them to null, if it fills these slots (such as `ship`)."""
     return [*ALWAYS_ON, *(name for name, slot in ON_WITH.items() if slot in slots)]
 
 
@@ -159,8 +159,8 @@ def load(
     source: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None, profile: str | None = None
 ) -> SceneConfig:
     """Load a scene from a file, the name of a packaged scene or a dict, with overrides (values by dotted key) and a
-    profile over it. Names of files start in the folder of its file, of a dict in the working directory. Raises
-    SceneError, which lists all mistakes at once."""
+    profile over it. File names in it are relative to the folder of its file, or for a dict to the working directory.
+    Raises SceneError, which lists all mistakes at once."""
     if not isinstance(source, str | PathLike | dict):
         raise Unsuited(f"load: source is the name or the file of a scene, or a dict, not {source!r:.60}")
     if overrides is not None and not (isinstance(overrides, dict) and all(isinstance(key, str) for key in overrides)):
@@ -176,14 +176,14 @@ def load(
 def load_text(
     text: str, name: str, folder: Path, overrides: dict[str, Any] | None = None, profile: str | None = None
 ) -> SceneConfig:
-    """The scene in a YAML text that errors call `name`; file names start in `folder`. Raises SceneError."""
+    """The scene in a YAML text that errors call `name`; file names are relative to `folder`. Raises SceneError."""
     return _compose_and_check(parse_mapping(text, name), folder.absolute(), overrides, profile)
 
 
 def _compose_and_check(
     scene: Node, folder: Path | None, overrides: dict[str, Any] | None, profile: str | None
 ) -> SceneConfig:
-    """Lay profile and overrides over a scene, and check it; `folder`: base of file names. Raises SceneError."""
+    """Merge profile and overrides into a scene, and check it; `folder`: base of file names. Raises SceneError."""
     layer, problems = profile_layer(profile)
     sets: dict[str, Node] = {}
     for key, value in (overrides or {}).items():  # those of the command line are nodes already
@@ -214,7 +214,7 @@ def packaged_scenes() -> list[str]:
 
 
 def profile_layer(profile: str | None) -> tuple[Node | None, list[Problem]]:
-    """Mapping in a profile's file, less keys not on numerical effort, and their problems; None without a profile."""
+    """Content of a profile's file without keys that no profile may set, and their problems; None without a profile."""
     if profile is None:
         return None, []
     if profile not in named("run"):
@@ -245,7 +245,7 @@ class _SceneCheck:
         return node.child(name) if node is not None and name else node
 
     def report(self, place: str, sentence: str, path: Key = ()) -> None:
-        """Append a problem of the key at `path` in a part or observer, located there or at the nearest key around."""
+        """Append a problem with the key at `path` in a part or observer, located at it or the nearest enclosing key."""
         node = self.node(place) or self.root
         for step in path:
             node = node.child(step) or node
@@ -299,7 +299,7 @@ class _SceneCheck:
         return config
 
     def report_all(self, faults: dict[str, Faults]) -> None:
-        """Append problems of parts and observers; `faults`: their key paths and sentences by place, as `ships.tug`."""
+        """Append problems of parts and observers; `faults`: (key path, sentence) by place, such as `ships.tug`."""
         for place, found in faults.items():
             for path, sentence in found:
                 self.report(place, sentence, path)

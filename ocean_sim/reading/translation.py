@@ -45,7 +45,7 @@ Path = tuple[str | int, ...]
 def validated(
     model: type[Model], node: Node, path: Path, problems: list[Problem], folder: Folder | None = None
 ) -> Model | None:
-    """Model of this class made of a node's data; None if they are wrong, and their problems are appended to `problems`.
+    """Validate a node's data as a `model`; None if they are wrong, and their problems are appended to `problems`.
     `path`: of the node in the scene; `folder`: base of relative file names, by default the working directory."""
     beyond = list(islice(out_of_range(node, path), MAX_ERRORS))
     found, wrong = None, list[Problem]()
@@ -59,7 +59,7 @@ def validated(
 
 
 def checked(model: type[Model], node: Node) -> Model:
-    """Model of this class made of a node's data; raises SceneError with all of its problems."""
+    """Validate a node's data as a `model`; raises SceneError with all of its problems."""
     problems: list[Problem] = []
     found = validated(model, node, (), problems)
     if found is None:
@@ -68,7 +68,7 @@ def checked(model: type[Model], node: Node) -> Model:
 
 
 def out_of_range(node: Node, path: Path) -> Iterator[Problem]:
-    """Yield a problem for each number in a node of a size outside MIN_NUMBER to MAX_NUMBER: products would overflow."""
+    """Yield a problem for each number in a node beyond MIN_NUMBER or MAX_NUMBER in size: products would overflow."""
     if isinstance(node.data, dict | list):
         for key, inner in node.data.items() if isinstance(node.data, dict) else enumerate(node.data):
             yield from out_of_range(inner, (*path, key))
@@ -131,7 +131,7 @@ def key_sentence(word: str, choices: Any) -> tuple[str, str | None]:
 
 
 def translate_errors(error: ValidationError, model: type[BaseModel], root: Node, prefix: Path) -> list[Problem]:
-    """All problems in a validation error of the model at path `prefix`; of a union only its likeliest member's."""
+    """Problems that state a pydantic error of the model at path `prefix`; of a union only its likeliest member's."""
     found = [_locate_error(e, model, root) for e in error.errors(include_url=False)[:MAX_ERRORS]]
     problems = [_problem_of(f, prefix) for f in found if f.union is None and not _is_extra_item(f, found)]
     for union in dict.fromkeys(f.union for f in found if f.union is not None):
@@ -161,7 +161,7 @@ def _model_schema(model: type[BaseModel]) -> dict[str, Any]:
 
 
 def _locate_error(error: Any, model: type[BaseModel], root: Node) -> _Found:
-    """Facts of a pydantic error, found by following its location through the data and the model's schema."""
+    """Facts of a pydantic error in the data `root`, found by following its location through data and model schema."""
     definitions = _model_schema(model).get("$defs", {})
     node, places, keys = root, [*union_members(_model_schema(model), definitions)], tuple[str, ...]()
     path: Path = ()
@@ -201,13 +201,13 @@ def union_members(schema: dict[str, Any], definitions: dict[str, Any]) -> Iterat
 
 
 def _is_meant(place: dict[str, Any], tag: str) -> bool:
-    """True if `tag` in the location of a pydantic error names the union member `place`, by title or discriminator."""
+    """True if `tag`, of the location of a pydantic error, is title or discriminator of the union member `place`."""
     keys = place.get("properties", {}).values()
     return place.get("title") == tag or any(tag in (key.get("const"), *key.get("enum", ())) for key in keys)
 
 
 def _schema_below(place: dict[str, Any], step: str | int) -> dict[str, Any]:
-    """Schema of the value under a key or index `step` of a value of schema `place`; empty if it may be anything."""
+    """Schema of the entry at a key or index `step` of a value of schema `place`; empty if it may be anything."""
     if isinstance(step, int):
         entries = place.get("prefixItems", [])
         return entries[min(step, len(entries) - 1)] if entries else place.get("items", {})

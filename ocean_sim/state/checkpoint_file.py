@@ -29,7 +29,7 @@ CHECKPOINT_PATTERN = "checkpoint_*.h5"
 
 
 class UnreadableCheckpoint(Exception):
-    """A file is no intact checkpoint; the message gives the reason."""
+    """Error: a file is no intact checkpoint; the message gives the reason."""
 
 
 class Checkpoint(NamedTuple):

@@ -14,7 +14,7 @@ MAX_ROW_LENGTH = 2**31 - 1  # numbers in a row: kernels count them in 32 bits
 
 @in_kernels
 class FieldBundle:
-    """Scalar fields of one type, copied together to and from a flat array `row` by one kernel, a loop per shape."""
+    """Scalar fields of one type, copied together to and from a flat array by one kernel with a loop per field shape."""
 
     def __init__(self, fields: list[ti.ScalarField]) -> None:
         self.shapes = [field.shape for field in fields]
@@ -32,7 +32,7 @@ class FieldBundle:
         return [row.reshape(shape) for row, shape in zip(rows, self.shapes, strict=True)]
 
     def write(self, arrays: list[np.ndarray]) -> None:
-        """Set each field to the array at its place in the list."""
+        """Set each field from the array at the same position in the list."""
         self.copy_from(np.concatenate([array.ravel() for array in arrays]).astype(self.row.dtype))
 
     @ti.func

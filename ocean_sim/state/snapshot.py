@@ -51,11 +51,11 @@ class PartlySaved(Protocol):
 
 
 class Mismatch(Exception):
-    """A saved state does not fit the newly built simulation; the message names the attribute."""
+    """Error: a saved state does not fit the newly built simulation; the message names the attribute."""
 
 
 class FileShortened(Mismatch):
-    """A file of the run is missing or shorter than when the state was saved; the message is a full sentence."""
+    """Error: a file of the run is missing or shorter than when the state was saved; the message is a full sentence."""
 
 
 def saved_attributes(value: Any) -> dict[str, Any]:
@@ -71,7 +71,7 @@ def is_computed(value: Any, name: str) -> bool:
 
 
 def path_step(key: Any, number: int) -> str:
-    """Last element of the path of an entry in a mapping: its key if that is an identifier, else its number."""
+    """Path element of entry `number` in a mapping: its key if that is an identifier, else its number."""
     return key if isinstance(key, str) and key.isidentifier() else str(number)
 
 
@@ -111,7 +111,7 @@ class Snapshot:
         return node
 
     def is_data(self, node: Any) -> bool:
-        """True if a node holds only data, to be created anew, and no object that has to keep its identity."""
+        """True if a tree node has only data, which are created anew, and no object that has to keep its identity."""
         if isinstance(node, list):
             return all(self.is_data(inner) for inner in node)
         if not isinstance(node, dict):
@@ -124,7 +124,7 @@ class Snapshot:
         return not kept and all(self.is_data(inner) for inner in node.values())
 
     def structure(self, value: Any, path: str) -> Any:
-        """Node of a container, field, array, file or object at its first occurrence; `path`: to it from the root."""
+        """Tree node of a container, field, array, file or object, first met at `path` from the root."""
         if isinstance(value, ti.Field):
             self.fields[path] = value
             return {FIELD_KEY: path}
@@ -181,14 +181,15 @@ class Restorer:
             file.truncate()
 
     def value(self, node: Any, fresh: Any, path: str) -> Any:
-        """Restored value of a tree node; a newly built `fresh` with fields is kept and filled. Raises Mismatch."""
+        """Restored value of a node; `fresh`, newly built in its place, is kept and filled if it has fields. May raise
+        Mismatch."""
         found = self.restore_node(node, fresh, path) if isinstance(node, dict) else node
         if has_wrong_kind(found, fresh):
             raise Mismatch(f"its {path.lstrip('.')} is {found!r:.60}")
         return found
 
     def restore_node(self, node: Any, fresh: Any, path: str) -> Any:
-        """Restored value of a dict node; its first key names its kind, and so the method, such as `from_list`."""
+        """Restored value of a dict node, by the method for the kind that its first key names, such as `from_list`."""
         kind = next(iter(node))
         if kind == SAME_KEY:
             return self.made[node[SAME_KEY]]
@@ -206,7 +207,7 @@ class Restorer:
         return np.dtype(dtype).type(value)
 
     def from_path(self, node: Any, fresh: Any, path: str) -> Path:
-        """Path in the run folder; `cut` makes it again if it was a folder. Raises Mismatch for another name."""
+        """Path in the run folder; `cut` restores it if it was a folder. Raises Mismatch for a path of another name."""
         found = self.folder / path_inside(node[PATH_KEY])
         if isinstance(fresh, Path) and not (fresh.is_dir() if found == self.folder else fresh.name == found.name):
             raise Mismatch(f"its {path.lstrip('.')} is {node[PATH_KEY]!r:.60}")
@@ -252,7 +253,7 @@ class Restorer:
         return fresh if isinstance(fresh, list) and are_same_things(new, fresh) else new
 
     def from_tuple(self, node: Any, fresh: Any, path: str) -> tuple:
-        """Restored tuple or named tuple; instead the newly built `fresh` if its items are identical to the former."""
+        """Restored tuple or named tuple; instead the newly built `fresh` if its items are identical to those."""
         new = self.restore_items(node[TUPLE_KEY], fresh if isinstance(fresh, tuple) else (), path)
         if isinstance(fresh, tuple) and are_same_things(new, fresh):
             return fresh
@@ -277,7 +278,8 @@ class Restorer:
         return there if list(new) == list(there) and are_same_things(new.values(), there.values()) else new
 
     def restore_object(self, node: Any, fresh: Any, path: str) -> Any:
-        """Restored object of this package: data are created anew, another object of equal class is updated in place."""
+        """Restored object of this package: data are created anew, any other object of equal class is updated in
+        place."""
         made, data = find_class(node[OBJECT_KEY]), node["data"]
         if type(data) is not bool:
             raise Mismatch(f"its {path.lstrip('.')} is neither data nor not: {data!r:.60}")
@@ -347,7 +349,7 @@ def find_class(name: str) -> type:
 
 
 def path_inside(name: str) -> Path:
-    """Relative path by its name; raises Mismatch if it is absolute or contains "..", and so might leave its folder."""
+    """Convert text to a relative path; raises Mismatch if absolute or with "..", and so able to leave its folder."""
     path = Path(name)
     if path.is_absolute() or ".." in path.parts:
         raise Mismatch(f"it names a file outside its folder: {name}")

@@ -60,13 +60,13 @@ class Budget:
         return cls(text.strip(), float(found[1]) if found[1] else 1.0)
 
     def seconds(self, row: dict[str, Any]) -> float | None:
-        """Time [s] per simulated second, or of the whole run if that is limited, from the costs in `row`: the less of
-        wall and processor time, since waiting raises one and several cores the other. None without both."""
+        """Time [s] per simulated second, or of the whole run if that is limited, from the costs in `row`: the smaller
+        of wall and processor time (waiting raises the one, several cores the other). None without both."""
         unit = "per_s" if self.name == "realtime" or self.name.endswith("ms") else "s"
         return min(filter(None, (row.get(f"wall_{unit}"), row.get(f"cpu_{unit}"))), default=None)
 
     def spent(self, row: dict[str, Any]) -> float | None:
-        """Time that a run took, from the costs in `row`, in the unit of the limit `most`; None if unknown."""
+        """Time of the run with the costs in `row`, in the unit of the limit `most`; None if unknown."""
         cost = self.seconds(row)
         return 1e3 * cost / 60.0 if cost is not None and self.name.endswith("ms") else cost
 
@@ -90,7 +90,7 @@ class Setting:
 
 
 def vary_setting(texts: list[str]) -> Varied:
-    """Values to try, by key, parsed from texts KEY=A,B,C; raises SceneError if one is malformed."""
+    """Parse texts KEY=A,B,C into the values to try, by key; raises SceneError if one is malformed."""
     found: Varied = {}
     for text in texts:
         key, equals, values = text.partition("=")
@@ -142,7 +142,7 @@ def setting_grid(scene: str, profile: str | None, sets: dict[str, Node], vary: V
 
 
 def _with_seed(scene: str, profile: str | None, sets: dict[str, Node], count: int) -> tuple[SceneConfig, ...]:
-    """Scenes with `count` successive seeds, without pictures; a scene without ships and gauges gets a gauge."""
+    """Load a scene with `count` successive seeds, without pictures; one without ships and gauges gets a gauge."""
     quiet: dict[str, Any] = dict.fromkeys(scene_run.PICTURE_OBSERVERS) | sets
     first = load(scene, quiet, profile)
     if not first.ships and "gauges" not in first.observers:
@@ -198,8 +198,8 @@ def rms_difference(
 def tradeoff_summary(
     setting: Setting, answers: list[dict[str, Any]], apart: list[dict[str, float | None]]
 ) -> dict[str, Any]:
-    """Row of a setting: medians of the costs in `answers` (one per seed), mean and spread of the errors in `apart`;
-    errors are None if a run failed."""
+    """Table row of a setting: medians of the costs in `answers` (results of its runs, one per seed), mean and spread of
+    the errors in `apart`; errors are None if a run failed."""
     lost = next((answer for answer in answers if answer["outcome"] != "done"), None)
     row: dict[str, Any] = dict(setting.values) | {
         "setting": setting.line(),
@@ -235,8 +235,7 @@ def measure_label(name: str) -> str:
 
 
 def best_setting(rows: list[dict[str, Any]], by: str, budget: Budget) -> dict[str, Any] | None:
-    """Cheapest row within the budget whose error, column `by`, is the least to within the spread over seeds; or
-    None."""
+    """Cheapest row within the budget whose error, column `by`, is least to within the spread over seeds; or None."""
     able = [row for row in rows if row.get(by) is not None and (budget.spent(row) or np.inf) <= budget.most]
     if not able:
         return None

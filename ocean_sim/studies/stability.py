@@ -75,7 +75,7 @@ class Spot(Point):
     scene: SceneConfig
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
-        """One row: setting, time step, its limits, verdict with reason, and clock times."""
+        """Table row of this run, in a list: setting, time step, its limits, verdict with reason, and clock times."""
         accuracy, driven = unwrapped_table(run, "accuracy"), self.axis.name == "wind"
         outcome, why, numbers = verdict_of(answer, accuracy, self.scene, driven)
         point = {"map": self.axis.name, "scheme": self.scheme, "key": self.axis.key, "value": self.value}
@@ -90,7 +90,7 @@ def grid_points(quick: bool, scene: str | None = None) -> list[Spot]:
 
 
 def _axis_points(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
-    """Yield the runs of one map; none if it does not apply to the user's scene."""
+    """Yield the runs of the map that varies `axis`; none if the map does not apply to the user's scene."""
     afloat, theirs = axis.of == "ship", None if scene is None else load(scene).fluid
     if theirs is not None and (afloat or not theirs.made_of_particles):
         return  # a hull has a mass of its own, and water without particles cannot become unstable
@@ -139,8 +139,8 @@ def verdict_of(
 
 
 def energy_gain(accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool) -> float:
-    """Greatest gain of energy that no work explains, over mass times squared reference speed; 0 without a table. Only
-    work of the wind, if `driven`, is subtracted: walls at rest do none, whatever a scheme books for single forces."""
+    """Greatest energy gained without work, over mass times squared reference speed; 0 without a table. Only the work of
+    wind, if `driven`, is subtracted: walls at rest do none, though sums of single forces may show some."""
     if not len(accuracy.get("kinetic_energy_J", ())):
         return 0.0
     names = ("kinetic_energy_J", "potential_energy_J", "internal_energy_J")
@@ -153,7 +153,7 @@ def energy_gain(accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: boo
 
 
 def map_summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Rows of a summary, one per scheme and value of a map: longest stable step, shortest unstable step, and limits."""
+    """Summary rows, one per scheme and value of the setting: longest stable and shortest unstable step, and limits."""
     found = []
     for key in dict.fromkeys((row["map"], row["scheme"], row["value"]) for row in rows):
         here = [row for row in rows if (row["map"], row["scheme"], row["value"]) == key]

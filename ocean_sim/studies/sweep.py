@@ -58,7 +58,7 @@ class Planned(Point):
     scene: SceneConfig
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
-        """One row: settings and answer of the run; clock times stand last, since only they vary when it is repeated."""
+        """Table row of this run, in a list: settings, results, and last clock times, which differ if it is repeated."""
         head = {"run": run.folder.name} | self.settings
         facts = {key: value for key, value in answer.items() if key not in CLOCK_COLUMNS}
         return [head | facts | {key: answer.get(key) for key in CLOCK_COLUMNS}]
@@ -100,8 +100,8 @@ def _grid_settings(node: Node) -> Iterator[Settings]:
 
 
 def _locate_problem(plan: Node, settings: Settings, found: Problem) -> Problem:
-    """Copy of a scene's problem, moved to the line of the plan file that caused it, if it has no line of its own or the
-    plan sets its key."""
+    """Copy of the problem `found` in a run's scene, moved to the line of the plan file that caused it; unchanged if it
+    has a line of its own and the plan does not set its key."""
     touched = [value for key, value in settings.items() if key.split(".")[0] == found.key.split(".")[0]]
     if found.line is not None and found.file != plan.location.file and touched:
         message = f"{found.message} (together with {found.file}:{found.line})"

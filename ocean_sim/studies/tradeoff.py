@@ -67,7 +67,7 @@ class CasePoint(Point):
     settings: dict[str, Any]
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
-        """One row for each error of the case; a single row without an error if the run gave none."""
+        """Table rows of this run: one for each error of the case; just one, without error, if the run gave none."""
         names = {"case": self.trial.case, "set_up": self.trial.set_up, "scheme": self.scheme, "changed": self.changed}
         keys = ("resolution", *(key for axes in PLAN["axes"].values() for key in axes))
         head = names | {"coarse": self.coarse} | {key: self.settings.get(key) for key in keys}
@@ -83,7 +83,7 @@ class CasePoint(Point):
 
 
 def study_points(quick: bool) -> list[CasePoint]:
-    """All runs of the study, the cheap (coarse) ones of all cases first."""
+    """All runs of the study of validation cases, the cheap (coarse) ones of all cases first."""
     found = [point for trial in TRIAL_CASES if trial.quick or not quick for point in _trial_points(trial, quick)]
     return sorted(found, key=lambda point: (not point.coarse, point.settings.get("resolution", 1.0) < 1.0))
 
@@ -117,7 +117,7 @@ def _case_levels(trial: Trial, quick: bool) -> list[tuple[bool, float]]:
 
 
 def _is_other_setting(point: CasePoint) -> bool:
-    """True if the scheme reads the settings of the point, and they differ from its defaults."""
+    """True if the scheme of a run reads the settings that the study changes, and they differ from its defaults."""
     if not all(reads_key(point.scheme, key) for key in point.settings):
         return False
     problem = find_problem(point.trial.case, point.trial.set_up, point.coarse, point.scheme)
@@ -169,14 +169,14 @@ def equal_cost_rows(rows: list[dict[str, Any]], speed: str) -> list[dict[str, An
 
 
 def find_problem(case: str, set_up: str, coarse: bool, scheme: str) -> Problem:
-    """Set-up of a validation case by its name `set_up`; of several with this name, the first that has the scheme."""
+    """Set-up of a validation case by its name `set_up`; of several with this name, the first that allows the scheme."""
     found = [problem for problem in problems(case, slow=True, coarse=coarse) if problem.name == set_up]
     return next(problem for problem in found if problem.schemes_for([scheme]))
 
 
 def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Run the set-up in an order (job description) on one thread, repeatedly; outcome, errors, which are equal in all
-    runs, and median costs."""
+    """Run the validation set-up that an order (job description) names, repeatedly, on one thread. Returns outcome,
+    errors, which are equal in all runs, and median costs."""
     problem = find_problem(order["case"], order["set_up"], order["coarse"], order["scheme"])
     watched: dict[str, Any] = {"runtime.threads": 1}
     if problem.slot == "fluid":
@@ -195,7 +195,8 @@ def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def measure_run(problem: Problem, order: dict[str, Any], scene: Any) -> dict[str, Any]:
-    """Run a set-up once; returns outcome, errors by quantity, number of particles, time step and costs."""
+    """Run the set-up `problem` of an order (job description) once; returns outcome, errors by quantity, number of
+    particles, time step and costs."""
     with Clocked(scene) as simulation:
         try:
             found, reason = problem.measure(simulation).numbers, ""
@@ -218,7 +219,8 @@ def measure_run(problem: Problem, order: dict[str, Any], scene: Any) -> dict[str
 
 
 def error_row(order: dict[str, Any], promise: Promise, number: Number) -> dict[str, Any]:
-    """Row of one quantity of a case: value, reference, error, unit, tolerance, and `ok` if the error is within it."""
+    """Table row of one quantity (`promise`) in the run of `order` (job description): value, reference and error from
+    `number`, unit, tolerance, and `ok` if within tolerance."""
     found = promise.row(order["case"], order["scheme"], *number)
     kept = ("quantity", "value", "reference", "error", "unit", "tolerance", "ok")
     numbers = plain_values({key: found[key] for key in ("value", "reference", "error")})

@@ -43,8 +43,8 @@ def square_problem(precision: str, coarse: bool) -> Problem:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Run STEP_COUNT steps from random velocities; measure the largest loss of momentum and of angular momentum in a
-    step, each relative to the sum exchanged among particles."""
+    """Run STEP_COUNT steps from random velocities; measure the largest losses of momentum and angular momentum in a
+    step, each relative to the sum of the amounts exchanged among particles."""
     before = particle_state(simulation)
     set_state(simulation, before.position, random_shifts(simulation, before.position, START_SPEED))
     before = particle_state(simulation)

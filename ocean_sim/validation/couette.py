@@ -11,7 +11,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def couette_profile(y: np.ndarray, time: float) -> np.ndarray:
-    """Exact speed (n,) over that of the upper plate, at heights `y` (n,) [gap widths L] and a time [L^2 / nu]."""
+    """Exact speed (n,) over the speed of the upper plate, at heights `y` (n,) [gap widths L] and a time [L^2 / nu]."""
     waves = np.sin(np.pi * np.outer(y, SERIES_TERMS)) * np.exp(-((SERIES_TERMS * np.pi) ** 2) * time)
     waves = waves * (-1.0) ** SERIES_TERMS / SERIES_TERMS
     return y + 2.0 / np.pi * waves.sum(axis=1)

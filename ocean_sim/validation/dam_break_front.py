@@ -132,8 +132,8 @@ def table_curves(tables: dict[str, str]) -> list[Curve]:
 def front_distance(
     known: dict[str, np.ndarray], time: np.ndarray, z: np.ndarray, delay: float = 0.0
 ) -> tuple[float, float, float]:
-    """Mean front of a run, mean front of a published table (`known`: columns T, Z), and their mean difference [%], at
-    the table's times. `time`, `z` (n,): scaled, of the run; `delay`: scaled time of release on the table's clock."""
+    """Mean front of a run, mean front of a published table, `known` (columns T, Z), and their mean difference [%], all
+    at the table's times. `time`, `z` (n,): scaled, of the run; `delay`: scaled time of release on the table's clock."""
     at = (known["T"] >= FIRST_TIME) & (known["T"] <= LAST_TIME)
     seen, wanted = np.interp(known["T"][at] - delay, time, z), known["Z"][at]
     return float(seen.mean()), float(wanted.mean()), 100.0 * float(np.mean(np.abs(seen / wanted - 1.0)))

@@ -35,7 +35,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def disc_rows(spacing: float) -> list[dict]:
-    """Boxes of water (`min`, `max` [m]) that fill the unit disc: one for each row of a lattice of this spacing [m]."""
+    """Boxes of water (`min`, `max` [m]), one per row of a lattice of this spacing [m], that fill the unit disc."""
     rows = round(1.0 / spacing)
     boxes = []
     for k in range(-rows, rows):
@@ -46,7 +46,7 @@ def disc_rows(spacing: float) -> list[dict]:
 
 
 def exact_ellipse(end: float, steps: int = 2000) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Exact drop up to A0 t = `end`, by Runge-Kutta: times A0 t, minor and major semi-axes [m], (steps + 1,) each."""
+    """Exact shape of the drop up to A0 t = `end`: times A0 t, minor and major semi-axes [m], (steps + 1,) each."""
     from scipy.integrate import solve_ivp
 
     def change(_: float, y: np.ndarray) -> tuple[float, float]:

@@ -49,7 +49,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def compare_pressure(water: State, depth: float, g: float) -> Finding:
-    """Compare pressure and speed of the water with those at rest, for a depth [m] and a downward gravity `g` [m/s2]."""
+    """Compare pressure and speed of the water with those at rest, for a depth [m] and downward gravity `g` [m/s2]."""
     scale = DENSITY * g * depth
     y, exact = water.position[:, 1], -DENSITY * g * water.position[:, 1]
     l2 = 100.0 * float(np.sqrt(np.mean((water.pressure - exact) ** 2))) / scale

@@ -58,7 +58,7 @@ def barge_problem(sea: str) -> Problem:
 
 
 def section_problem() -> Problem:
-    """Set-up of the section, free in sway and heave, in the waves in which its mean offset was measured."""
+    """Set-up of a ship's section, free in sway and heave, in the waves in which its mean offset was measured."""
     data = csv_file.read_columns(table_path("sundsdal2025_section"))
     own = data["scenario"] == "sway+heave"
     columns = np.stack([data["sway_mean_mm"], data["incident_mm"]])

@@ -75,7 +75,7 @@ def floating_problem(name: str, speed: float) -> case.Problem:
 
 
 def heaving_problem() -> case.Problem:
-    """Set-up of the box in forced heave in calm water: ratio of waves that the rim reflects to those sent out [%]."""
+    """Set-up of the box in forced heave in calm water: ratio [%] of waves that the rim reflects to those sent out."""
     back = case.Promise("heaving: wave that comes back, over that which leaves", "%", "none; 5 %", {"pressure": 5.0})
     scene = patch_scene(FREE_LENGTHS[0], ["heave"])
     scene["sea"] = {"kind": "linear_waves", "rim": scene["sea"]["rim"]}
@@ -100,7 +100,7 @@ def heaving_problem() -> case.Problem:
 
 
 def fit_columns(water: State) -> tuple[np.ndarray, np.ndarray]:
-    """Linear equations A c = b for heights c of waves that leave the box and return, from particles beside it. A (n, 4)
+    """Equations A c = b to fit the heights c of waves that leave the box and return, from particles beside it. A (n, 4)
     [m/s]: velocities in waves of 1 m (cos and sin leaving, then returning); b (n,) [m/s]: velocities of the water."""
     (x, y), (u, v) = water.position[:, :2].T, water.velocity[:, :2].T
     far = np.abs(x)
@@ -118,8 +118,8 @@ def fit_columns(water: State) -> tuple[np.ndarray, np.ndarray]:
 
 
 def motion_promise(quantity: str, within: float | None, source: str) -> case.Promise:
-    """Promise of a motion `quantity` over wave amplitude (pitch: over wave slope); `within`: tolerance [%], None: only
-    reported; `source`: of the reference."""
+    """Promised result: motion `quantity` over wave amplitude (pitch: over wave slope). `within`: tolerance [%], None:
+    only reported; `source`: text on the reference."""
     over = "k a" if "pitch" in quantity else "a"
     if within is None:
         return case.Promise(f"{quantity} [{over}]", "%", f"{source}; reported")

@@ -79,8 +79,8 @@ def regular_problem(
     slow: bool = False,
     kind: str = "linear_waves",
 ) -> Problem:
-    """Set-up of a wave of steepness `ka` on a patch moving at a `speed` [group speeds], for so many wave `periods`;
-    `particles`: to the wavelength; `within` [%], `degrees`: tolerances of height, phase; `kind`: of the sea."""
+    """Set-up of regular waves of steepness `ka`, `particles` to the wavelength, on a patch moving at `speed` [group
+    speeds], for so many `periods`. `within` [%], `degrees`: tolerances of height and phase; `kind`: kind of sea."""
     where = "at rest" if speed == 0.0 else f"at {speed:+g} group speeds"
     name = f"ka {ka:g}, {where}" + ("" if kind == "linear_waves" else ", nonlinear")
     height = Promise(f"{name}: height over that of the sea", "%", f"{SOURCE_TEXT}; {within:g} %", {"delta_sph": within})
@@ -122,7 +122,7 @@ def measure_regular(simulation: Simulation, amplitude: float, speed: float) -> F
 
 
 def linear_wave_share(simulation: Simulation, time: np.ndarray) -> np.ndarray:
-    """Complex wave height (n,) of the surrounding sea over that of a linear wave, at increasing times (n,) [s]."""
+    """Complex ratio (n,) of the surrounding sea's wave to a linear wave, at increasing times (n,) [s]."""
     around_it = relaxation_band(with_particles(simulation.fluid).config.lattice(simulation.basin))
     if around_it is None or around_it.sea is None or around_it.nonlinear is None:
         return np.ones(len(time), dtype=complex)
@@ -134,7 +134,7 @@ def linear_wave_share(simulation: Simulation, time: np.ndarray) -> np.ndarray:
 
 
 def packet_problem(width: float, within: float) -> Problem:
-    """Set-up of a wave packet in a calm sea with a rim `width` [wavelengths] wide; `within`: height tolerance [%]."""
+    """Set-up of a wave packet in a calm sea that meets a rim `width` [wavelengths] wide; `within`: tolerance [%]."""
     quantity = f"rim of {width:g} wavelengths: height of a packet that returns once round"
     promise = Promise(quantity, "%", f"none; {within:g} %", {"delta_sph": within})
     periods = PACKET_WAY * LENGTH / GROUP_SPEED / PERIOD + 1.0
@@ -143,7 +143,7 @@ def packet_problem(width: float, within: float) -> Problem:
 
 
 def measure_packet(simulation: Simulation) -> Finding:
-    """Run until the packet has gone round once; measure its height over the theoretical one without a rim."""
+    """Run until the packet has gone once round the patch; measure its height over that in theory without a rim."""
     basin, water = simulation.basin, with_particles(simulation.fluid)
     side = basin.periods[0]
     k = 2.0 * pi * np.arange(1, 4 * round(side / LENGTH) + 1) / side
@@ -170,8 +170,7 @@ def measure_packet(simulation: Simulation) -> Finding:
 
 
 def fit_heights(water: State, sea: waves.Components) -> np.ndarray:
-    """Complex heights (k,) [m] of the k waves of a sea, running ahead or back, fitted to velocities below the
-    troughs."""
+    """Complex heights (k,) [m] of the k waves of a sea, ahead or back, fitted to velocities below the troughs."""
     x, y = water.position[:, 0], water.position[:, 1]
     deep = (y < -PACKET_SLOPE / K * 2.0) & (y > LOWEST_FIT * DEPTH)
     angle = x[deep, None] * sea.wavenumber
@@ -185,8 +184,8 @@ def fit_heights(water: State, sea: waves.Components) -> np.ndarray:
 
 
 def split_directions(found: np.ndarray, omega: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Split complex heights `found` (n, m) of m waves, at times (n,) [s] over a period, into heights (m,) of the waves
-    that travel ahead and (m,) of those that travel back, by the way they turn; `omega` (m,) [rad/s]: frequencies."""
+    """Split complex heights `found` (n, m) of m waves, at n times [s] over a period, into heights (m,) of waves that
+    travel ahead and (m,) back, which rotate oppositely in the complex plane; `omega` (m,): frequencies [rad/s]."""
     turned = np.exp(1j * omega * time[:, None])
     return (found * turned.conj()).mean(axis=0), (found * turned).mean(axis=0)
 
@@ -203,7 +202,7 @@ def random_problem() -> Problem:
 
 
 def measure_random(simulation: Simulation) -> Finding:
-    """Run; compare height and phase between the rims, over the second half of the run, with linear theory."""
+    """Run; compare wave height and phase between the rims, in the second half of the run, with linear theory."""
     sea = patch_waves(simulation.basin, simulation.fluid.spacing)
     assert sea is not None
     half = (0.5 * RANDOM_PATCH - RANDOM_RIM) * LENGTH

@@ -29,7 +29,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def poiseuille_profile(y: np.ndarray, time: float) -> np.ndarray:
-    """Exact speed (n,) under a body force over its final maximum, at heights `y` (n,) [gap widths], time [L^2 / nu]."""
+    """Exact speed (n,), by body force, over its final maximum, at heights `y` (n,) [gap widths], time [L^2 / nu]."""
     odd = 2.0 * SERIES_TERMS - 1.0
     waves = np.sin(np.pi * np.outer(y, odd)) * np.exp(-((odd * np.pi) ** 2) * time) / odd**3
     return 4.0 * y * (1.0 - y) - 32.0 / np.pi**3 * waves.sum(axis=1)

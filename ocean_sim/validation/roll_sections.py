@@ -49,13 +49,13 @@ MEASURED_SWINGS = (
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Set-ups to run: the forced rolls of MEASURED_SWINGS; none is coarse."""
+    """Set-ups to run: the forced rolls of MEASURED_SWINGS; none if coarse."""
     return [] if coarse else [roll_problem(swing) for swing in MEASURED_SWINGS]
 
 
 def roll_problem(swing: Swing) -> Problem:
-    """Set-up of a section forced to roll between absorbing zones; its centre of mass is in the waterline. The radius of
-    its bilges is that of their missing area, twice (1 - pi / 4) r^2."""
+    """Set-up of a section forced to roll between absorbing zones; its centre of mass is in the waterline. The bilge
+    radius r follows from the area that the two bilges lack, 2 (1 - pi / 4) r^2."""
     name = f"{swing.model}, omega {swing.rate:g}"
     missing = (1.0 - swing.area_coefficient) * SECTION_BREADTH * SECTION_DRAUGHT
     promise = Promise(f"{name}: roll damping [rho S B^2 sqrt(2 g / B)]", "%", SOURCE_TEXT)

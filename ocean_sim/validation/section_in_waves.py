@@ -134,7 +134,7 @@ def measure_particles(simulation: Simulation, period: float) -> Finding:
 
 
 def section_keys(cells: int) -> dict[str, Any]:
-    """Scene keys of the ship that is the section, free in heave and roll, with `cells` to the draught."""
+    """Scene keys of the ship that is the section, free in heave and roll, with `cells` cubes over its draught."""
     whole = ships.ship_of_section(BREADTH, HEIGHT, BILGE, LENGTH, MASS, KG, ROLL_RADIUS, cells)
     return whole | {"free": ["heave", "roll"]}
 
@@ -152,8 +152,7 @@ def measured_amplitudes(scenario: str = "heave+roll") -> dict[float, dict[str, f
 
 
 def wave_response(simulation: Simulation, period: float) -> dict[str, float]:
-    """Run in a regular wave of a period [s]; amplitudes by motion: sway, heave over amplitude a, roll over slope k
-    a."""
+    """Run in a regular wave of a period [s]; amplitudes by motion: sway, heave over amplitude a, roll over k a."""
     rest, omega = KG - ships.floating_ship(simulation).hydrostatics.draught, 2.0 * pi / period
     t, sway, heave, _, _, _, roll = ships.record_in_waves(simulation, rest, 2.0 * AMPLITUDE, period, 90.0)
     sway, heave, roll = ships.first_harmonics(t, np.stack([sway, heave, roll], axis=1), omega) / AMPLITUDE

@@ -61,7 +61,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def sph_promise(quantity: str, unit: str, source: str, limit: float) -> Promise:
-    """Promise of a quantity; `limit`: tolerance of scheme `delta_sph`, the only one that is judged."""
+    """Promised result of a quantity; `limit`: tolerance of scheme `delta_sph`, the only one that is judged."""
     return Promise(quantity, unit, source, {"delta_sph": limit})
 
 
@@ -128,7 +128,7 @@ def still_problem(name: str, coarse: bool) -> Problem:
 
 
 def measure_still(simulation: Simulation) -> Finding:
-    """Run; measure rms speed [sqrt(g h)], level [spacings] and bed pressures, means of the last tenth of the run."""
+    """Run; measure rms speed [sqrt(g h)], water level [spacings], bed pressures: means over the run's last tenth."""
     fluid, ground, depth = simulation.fluid, cast(Ground, simulation.basin.ground), simulation.basin.depth
     x = np.linspace(-0.95, 0.95, 39)
     points = np.stack([x, ground.heights(np.stack([x, 0.0 * x], axis=1)), 0.0 * x], axis=1)

@@ -63,7 +63,7 @@ def measure_drift(simulation: Simulation, phases: int) -> Finding:
 
 
 def measure_yaw(simulation: Simulation) -> Finding:
-    """Run in waves from abeam; largest yaw [deg]."""
+    """Run in waves from abeam; measure the largest yaw [deg]."""
     t, yaw = np.array([(t, body.angles[1]) for t, body in follow_body(simulation, BEAM_DURATION)]).T
     yaw = np.degrees(np.unwrap(yaw))
     return Finding([absolute_error(float(np.abs(yaw).max()))], [Curve("yaw", t, yaw)], [], ("t [s]", "yaw [deg]"))

@@ -23,7 +23,7 @@ CONSTANT_KEYS = {"added_mass": {"heave": ADDED_MASS}, "damping": {"heave": DAMPI
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Set-ups to run: the drop with constant added mass, and with memory; 8 (coarse: 4) cells to the draught."""
+    """Set-ups to run: the drop with constant added mass, and with wave memory; 8 (coarse: 4) cubes over the draught."""
     memory = {"radiation": str(table_path("sphere_radiation"))}
     return [
         drop_problem("constant", CONSTANT_KEYS, PARTICIPANT_SPREAD, coarse),
@@ -32,7 +32,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def drop_problem(name: str, keys: dict[str, Any], limit: float, coarse: bool) -> Problem:
-    """Set-up of the drop; `keys`: of the ship's added mass and damping, or wave memory; `limit`: tolerance of heave
+    """Set-up of the drop; `keys`: ship keys of added mass and damping, or wave memory; `limit`: tolerance of heave
     [m]."""
     ship = {"hull": "sphere", "free": ["heave"], "cells_per_draught": 4 if coarse else 8} | keys
     promise = Promise(f"{name}: rms of heave [m]", "m", "OES Task 10, mean of six; their spread", {"dynamic": limit})

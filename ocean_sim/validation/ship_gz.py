@@ -29,7 +29,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def hull_problem(hull: str, cells: int, limit: float) -> Problem:
-    """Set-up of a hull of RIGHTING_LEVERS with so many cells to the draught; `limit`: tolerance of the lever [%]."""
+    """Set-up of a hull of RIGHTING_LEVERS with `cells` cubes over its draught; `limit`: tolerance of the lever [%]."""
     name = f"{hull}, {cells} cells"
     scene = at_sea({"hull": hull, "cells_per_draught": cells}, HULL_SIZE[hull], 0.01)
     promise = Promise(f"{name}: largest error of GZ", "%", SOURCE_TEXT, dict.fromkeys(COMPARED_SHIPS, limit))
@@ -49,8 +49,7 @@ def hull_problem(hull: str, cells: int, limit: float) -> Problem:
 
 
 def thesis_problem() -> Problem:
-    """Set-up of the barge under the thesis's force law as printed, judged by the righting levers that this law
-    implies."""
+    """Set-up of the barge under the thesis's force law as printed, judged by righting levers that this implies."""
     scene = at_sea({"hull": "barge20", "cells_per_draught": 16}, 20.0, 0.01)
     source, limit = "columns on the vertical through the bottom", {"thesis": 0.004}
     promises = tuple(Promise(f"as printed: GZ at {heel} degrees [m]", "m", source, limit) for heel in COLUMN_LEVERS)

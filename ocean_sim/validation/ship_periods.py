@@ -27,7 +27,7 @@ SOURCE_TEXT = "Capytaine, panel method; rho g A, W GM"
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Set-ups to run: the barge with added mass by rule of thumb, and given; 8 (coarse: 4) cells to the draught."""
+    """Set-ups to run: the barge with added mass by rule of thumb, and given; 8 (coarse: 4) cubes over the draught."""
     rule = {"hydrostatic": 1.0, "dynamic": 10.0}
     cells = 4 if coarse else 8
     given = {"added_mass": ADDED_MASS, "damping": {"heave": 0.0, "pitch": 0.0, "roll": 0.0}}
@@ -40,7 +40,7 @@ def problems(coarse: bool) -> list[Problem]:
 def release_problem(
     name: str, keys: dict[str, Any], limits: dict[str, float], schemes: tuple[str, ...], cells: int
 ) -> Problem:
-    """Set-up of the barge with ship `keys` (none: added mass by rule), and tolerances `limits` [%] by scheme."""
+    """Set-up of the barge with ship `keys` (none: added mass by rule of thumb); `limits`: tolerances [%] by scheme."""
     ship = {"hull": "barge20", "cells_per_draught": cells, "free": list(STIFFNESS)} | keys
     promises = tuple(Promise(f"{name}: {motion} period [s]", "%", SOURCE_TEXT, limits) for motion in STIFFNESS)
 

@@ -20,7 +20,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Run for a minute in calm water; drift speed [mm/s] and largest roll [deg]."""
+    """Run for a minute in calm water; measure the drift speed [mm/s] and the largest roll [deg]."""
     ship = ship_of(simulation)
     start = ship.body.position
     rows = [(t, *(b.position - start), b.angles[2]) for t, b in follow_body(simulation, REST_DURATION)]

@@ -37,14 +37,14 @@ MIDDLE_BODY = (58.0, HEIGHT, 3.60, 221.8, 312653.0e3, 18.6, 23.2)  # as `ship_of
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Set-ups to run: one for each test; coarse: COARSE_TEST."""
+    """Set-ups to run: one for each measured test; coarse: only COARSE_TEST."""
     rows = csv_file.read_records(table_path("simman_free_running").read_text(encoding="utf-8"))
     tests = [sailed_problem(row) for row in rows]
     return [test for test in tests if test.name == COARSE_TEST] if coarse else [*tests, decay_problem()]
 
 
 def sailed_problem(row: dict[str, str]) -> Problem:
-    """Set-up of one measured circle or zig-zag, a row of the table."""
+    """Set-up of one measured turning circle or zig-zag; `row`: its row in the table of measurements."""
     name, test, speed, *_ = row.values()
     ship = preset_keys(name)
     ship["mmg"]["propeller"] |= MODEL_WAKE if name == "kvlcc2" else {}
@@ -61,7 +61,8 @@ def sailed_problem(row: dict[str, str]) -> Problem:
 
 
 def measure_sailed(simulation: Simulation, test: str, speed: float, measured: list[float]) -> Finding:
-    """Run a test, such as `circle 35 port`, from a speed [m/s]; compare its indices with the `measured` ones."""
+    """Run a test, such as `circle 35 port`, from a speed [m/s]; compare indices such as advance with `measured`
+    ones."""
     (kind, angle, side), ship = test.split(), cast(Any, ships.ship_of(simulation))
     way, sailing = 1.0 if side == "port" else -1.0, (set_steady_throttle(ship, speed), 0.0)
     if kind == "circle":
@@ -100,8 +101,7 @@ def decay_problem() -> Problem:
 
 
 def measure_decays(simulation: Simulation) -> Finding:
-    """Release the ship, heeled, under way, for each of DECAYS; compare period and decrement of 15 half swings of
-    roll."""
+    """Release the heeled ship, under way, for each of DECAYS; compare period and decrement of 15 half swings."""
     numbers, curves, upright = list[Number](), [], ships.ship_of(simulation).body.position
     for name, (speed, first, last, period) in DECAYS.items():
         pose, begin = {"position": upright, "orientation": ships.turn_quaternion(2, first)}, simulation.time

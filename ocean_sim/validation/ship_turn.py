@@ -43,7 +43,7 @@ Orders = Callable[[float, float], float]  # rudder [rad] by time [s] and yaw [ra
 
 
 def preset_keys(name: str) -> dict[str, Any]:
-    """Keys of a ship in configs/ship, without its kind."""
+    """Scene keys of a ship from her preset configs/ship/<name>.yaml, without its kind."""
     keys = yaml_file.read_mapping(library("configs") / "ship" / f"{name}.yaml").plain()
     return {key: value for key, value in keys.items() if key != "kind"}
 
@@ -70,7 +70,7 @@ def circle_problem(name: str, scene: dict[str, Any], prefix: str = "") -> Proble
 
 
 def bounded_promise(name: str, limits: tuple[float, float] | None) -> Promise:
-    """Promise that a quantity lies within `limits` (None: only reported); its name ends with its [unit]."""
+    """Promised result: a quantity lies within `limits` (None: only reported); its `name` ends with its unit."""
     unit = name[name.index("[") + 1 : -1]
     if limits is None:
         return Promise(name, unit, "reported")
@@ -78,7 +78,7 @@ def bounded_promise(name: str, limits: tuple[float, float] | None) -> Promise:
 
 
 def bounded_number(value: float | None, limits: tuple[float, float] | None) -> Number:
-    """Number (value, middle of the limits, distance from the middle); the last two are None without value or limits."""
+    """Number (value, reference, error) with the middle of the limits as reference; the last two None without limits."""
     if limits is None or value is None:
         return value, None, None
     middle = 0.5 * (limits[0] + limits[1])

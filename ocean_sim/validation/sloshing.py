@@ -66,13 +66,12 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def sway_motion(amplitude: float, omega: float) -> dict[str, str | float]:
-    """Basin keys of a sway A sin(w t) with amplitude A [m] and w = `omega` [rad/s], which starts at full speed."""
+    """Basin keys that prescribe a sway A sin(w t), A = `amplitude` [m], w = `omega` [rad/s], from full speed on."""
     return {"kind": "harmonic", "axis": "x", "amplitude": amplitude, "period": 2.0 * pi / omega, "ramp": 0.0}
 
 
 def compare_mode(times: np.ndarray, signal: np.ndarray) -> Finding:
-    """Compare a signal (n,) of the first mode at times (n,) [s] with theory, by fits of natural and forced
-    oscillation."""
+    """Compare a signal (n,) of the first mode at times (n,) [s] with theory, by fits of free and forced oscillation."""
     from scipy.optimize import curve_fit
 
     def model(t: np.ndarray, a: float, b: float, omega: float, rate: float, c: float, d: float) -> np.ndarray:

@@ -22,7 +22,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def barge_problem(sea: str, cells: int) -> Problem:
-    """Set-up of the barge in a `head` or `beam` sea, with so many cells to the draught."""
+    """Set-up of the barge, sampled by `cells` cubes over its draught, in a `head` or `beam` sea."""
     turn, heading = "pitch" if sea == "head" else "roll", SEA_HEADINGS[sea]
     free = ["surge", "heave", "pitch"] if sea == "head" else ["sway", "heave", "roll"]
     ship = {"kind": "dynamic", "hull": "barge20", "cells_per_draught": cells, "free": free}

@@ -71,8 +71,8 @@ class GaussianPressure(Displacing):
 
 
 def passing_waters(simulation: Simulation) -> tuple:
-    """Run with a moving pressure. Return the water as another ship meets it, as the pressure itself meets it, and the
-    last x [m] of the pressure."""
+    """Run with a moving pressure. Return two views of the sea, with the waves felt by another ship and by the pressure
+    itself, and the last x [m] of the pressure."""
     patch, other = GaussianPressure(), GaussianPressure()
     by_itself, by_another = sea_of(simulation).add_ships([patch, other])
     while simulation.time < END_TIME - 0.5 * TIME_STEP:

@@ -36,7 +36,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def wave_problem(froude: float, cells: int) -> Problem:
-    """Set-up of the hull at a Froude number, on a tile of so many cells along a side."""
+    """Set-up of the hull at a Froude number `froude`, on a tile of `cells` grid cells along a side."""
     name = f"Fn {froude:g}"
     heights = tuple(
         Promise(f"{name}: rms of the cut {z:g} m abeam [m]", "%", "thin ship", {"spectral_sea": 10.0}) for z in CUTS

@@ -96,7 +96,7 @@ class StandingWave:
         return exp(-rate * self.period)
 
     def finding(self, numbers: tuple[Number, ...], times: np.ndarray, share: np.ndarray, rate: float) -> Finding:
-        """Finding with these numbers, and curves: amplitude ratio `share` (n,), and its decay at a `rate` [1/s]."""
+        """Finding with these numbers, and curves: amplitude ratio `share` (n,), and the decay of a `rate` [1/s]."""
         measured = [Curve("wave", times / self.period, share)]
         theory = np.cos(self.omega * times) * np.exp(-rate * times)
         expected = [Curve("linear theory", times / self.period, theory)]
@@ -108,7 +108,7 @@ class StandingWave:
         return float((water.velocity * mode).sum() / (mode * mode).sum()) / self.amplitude
 
     def follow_mode(self, simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
-        """Start the wave in water at rest and run: times (n,) [s], and `amplitude_share` (n,) at them."""
+        """Start the wave in water at rest and run; returns times (n,) [s], and `amplitude_share` (n,) at them."""
         start = particle_state(simulation).position
         set_state(simulation, start, self.amplitude * self.unit_flow(start))
         return record_run(simulation, self.period / 60, self.amplitude_share)
@@ -160,7 +160,8 @@ def wave_problem(reynolds: float | None, coarse: bool, decay: dict[str, float], 
 
 
 def compare_wave(times: np.ndarray, share: np.ndarray, viscosity: float) -> Finding:
-    """Compare period and decay rate of the amplitude ratio `share` (n,) with theory for a viscosity [m2/s]."""
+    """Compare period and decay rate of a wave, from its amplitude ratio `share` (n,), with theory for a viscosity
+    [m2/s]."""
     period, rate = DEEP_WAVE.fit_damped_cosine(times, share)
     expected, root = DEEP_WAVE.leading_rate(viscosity), DEEP_WAVE.viscous_root(viscosity)
     effective = rate / DEEP_WAVE.leading_rate(1.0)

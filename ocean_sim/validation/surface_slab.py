@@ -45,7 +45,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def smoothing_loss(spacing: float, apart: float) -> float:
-    """Share of a wave's height lost by smoothing, for a particle spacing and a node distance `apart` [m]."""
+    """Share of a wave's height that smoothing takes, for a spacing of particles and of mesh nodes (`apart`) [m]."""
     return (K * POLY6_RADIUS * spacing) ** 2 / 20.0 + (K * apart) ** 2 / 12.0
 
 

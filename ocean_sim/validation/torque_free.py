@@ -31,7 +31,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Run for a minute; errors of orientation [deg], energy and angular momentum (relative) at the end."""
+    """Run for a minute; measure errors of orientation [deg], energy and angular momentum (relative) at the end."""
     ship = ship_of(simulation)
     set_pose(simulation, position=np.array([0.0, AIR_HEIGHT, 0.0]), angular_momentum=ship.body.angular_momentum)
     energy = lambda b: 0.5 * float(b.angular_velocity @ b.angular_momentum)

@@ -33,7 +33,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def slice_problem(spacing: float, precision: str) -> Problem:
-    """Set-up of a periodic slice with a particle spacing [m], in a precision, `f32` or `f64`."""
+    """Set-up of a slice, periodic along the wind, with a particle spacing [m], in a precision, `f32` or `f64`."""
     name = f"spacing {spacing:g} m" if precision == "f32" else f"spacing {spacing:g} m, {precision}"
     limit = {"delta_sph": MOMENTUM_TOLERANCE[precision]}
     scene = {
@@ -73,7 +73,7 @@ def measure(simulation: Simulation) -> Finding:
 
 
 def wind_keys(stress: float, **keys: float) -> dict:
-    """Scene keys of a wind along +x whose drag law is scaled by `gain` to a stress [Pa]; `keys`: further keys."""
+    """Scene keys of a wind along +x, its drag law scaled by `gain` to give this stress [Pa]; `keys`: further keys."""
     return {"kind": "stress", "u10": WIND_SPEED, "heading_deg": 90.0, "gain": stress / WU_STRESS, **keys}
 
 

@@ -92,7 +92,7 @@ def measure_in_child(order: dict[str, Any], cold: bool) -> dict[str, Any]:
 
 
 def bench_one(order: str) -> None:
-    """Measure one scene in this process, and answer in JSON."""
+    """Measure the scene of an order (job description, JSON text) in this process, and print the results as JSON."""
     from ocean_sim import kernel_library
     from ocean_sim.observers.timings import Timings
     from ocean_sim.reading.scene import load, observer_names
@@ -137,8 +137,7 @@ def bench_one(order: str) -> None:
 
 
 def time_block(simulation: "Simulation", sync: Callable[[], None]) -> tuple[int, float, float, float]:
-    """Step for MIN_BLOCK_SECONDS; number of steps, and wall, processor and simulated time [s]. `sync` awaits
-    kernels."""
+    """Step for MIN_BLOCK_SECONDS, each followed by `sync()`; number of steps, wall, processor, simulated time [s]."""
     steps, wall, cpu, simulated = 0, perf_counter(), process_time(), simulation.time
     while perf_counter() - wall < MIN_BLOCK_SECONDS:
         simulation.step()
@@ -148,7 +147,7 @@ def time_block(simulation: "Simulation", sync: Callable[[], None]) -> tuple[int,
 
 
 def measurement_lines(row: dict[str, Any]) -> str:
-    """Text of a scene's measurement for people, in two lines."""
+    """Readable text, in two lines, on the measured speed of a scene; `row`: results of `bench_one`."""
     stages = ", ".join(f"{name} {ms:.3g}" for name, ms in row["stages"].items())
     return (
         f"{row['scene']}: {row['particles']} particles, {row['threads']} threads, {row['library']}: "

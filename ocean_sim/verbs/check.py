@@ -60,8 +60,8 @@ def check(
 
 
 def preflight(config: SceneConfig) -> dict[str, Any]:
-    """Facts of a scene as JSON data: particles, memory, time step, wall time, ships, warnings; those under `urgent` may
-    end a run."""
+    """Report on a scene as JSON data: particles, memory, time step, wall time, ships, warnings; problems under `urgent`
+    may end a run."""
     known, rows, urgent = config.preflight, config.ledger(), []
     particles = known.particles
     memory = runtime.base_memory(particles) + sum(row.bytes for row in rows)
@@ -110,7 +110,7 @@ def picture_time(config: SceneConfig) -> float:
 
 
 def particle_room(config: SceneConfig, rows: list[LedgerRow], particles: int) -> dict[str, int | None]:
-    """Bytes per particle, and number of particles that memory can hold, by ledger `rows`; None without particles."""
+    """Bytes per particle, and number of particles that fit into memory, by ledger `rows`; None without particles."""
     if not particles:
         return {"bytes_a_particle": None, "most_particles": None}
     water = sum(row.bytes for row in rows if row.part == "fluid")
@@ -164,7 +164,8 @@ def ledger_rows(found: dict[str, Any], config: SceneConfig) -> list[dict[str, An
 
 
 def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
-    """Estimated wall time of a run in words, and its basis: a guess, or the last run of such water on this machine."""
+    """Text on the estimated wall time of a run and its basis: a guess, or the last run of such water on this
+    machine."""
     parts = found["estimated_by_part"]
     terms = ", ".join(
         f"{name.removesuffix('_s')} {console.duration(seconds)}" for name, seconds in parts.items() if seconds
@@ -217,7 +218,8 @@ def ship_lines(found: dict[str, Any]) -> list[str]:
 
 
 def print_ledger(found: dict[str, Any], ledger: list[dict[str, Any]], config: SceneConfig) -> None:
-    """Print memory and kernels of each part of a scene (`ledger`, of `ledger_rows`), room and time step (`found`)."""
+    """Print the table `ledger` of memory and kernels by part of the scene, after capacity and stable time step, from
+    the facts `found` of `preflight`."""
     stable = f"{found['stable_time_step']:.4g} s in still water, limited by: {found['stable_limited_by']}"
     on_card = config.runtime.arch in runtime.GRAPHICS_CARD_CHOICES
     room = f"{(CARD_BYTES if on_card else machine.memory_limit()) / 1e9:.1f} GB of {'a card' if on_card else 'memory'}"

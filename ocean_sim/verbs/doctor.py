@@ -95,7 +95,7 @@ def run_probe(script: str) -> dict[str, Any]:
 
 
 def opengl_row() -> dict[str, Any]:
-    """Fact on OpenGL, for drawing without a screen: `ok` if available, `detail` the kind of window or the problem."""
+    """Test of OpenGL, for drawing without a screen: `ok` if available, `detail` the kind of window or the problem."""
     script = "from ocean_sim.pictures.stage.opengl import probe, window; print(json.dumps([probe(), window()]))"
     fact = run_probe(f"import json; {script}")
     if not fact["ok"]:
@@ -105,7 +105,7 @@ def opengl_row() -> dict[str, Any]:
 
 
 def vector_row() -> dict[str, Any]:
-    """Fact on the kernels' vector instructions: `ok` if as wide as the processor allows, `detail` in words."""
+    """Test of the kernels' vector instructions: `ok` if as wide as the processor allows, `detail` in words."""
     fact, room = run_probe(VECTOR_PROBE), machine.max_vector_width()
     if not fact["ok"]:
         return fact

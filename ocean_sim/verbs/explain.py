@@ -60,14 +60,14 @@ def preset_choice(word: str) -> tuple[str, str] | None:
 
 
 def with_preset_value(key: Key, slot: str, name: str) -> Key:
-    """The key with its default replaced by the value that preset `name` of a slot sets; unchanged if it sets none."""
+    """Copy of a key whose default is the value that preset `name` of a slot sets; the key itself if it sets none."""
     own = choice_of(slot, node_of(name, Location(name))).base.plain()
     value = own.get(key.path.split(".")[2])
     return key if value is None else key._replace(default=in_yaml(value))
 
 
 def by_kind(word: str) -> str:
-    """Path of a key in which the preset is replaced by its kind: `ship.dynamic.position` for `ship.yacht.position`."""
+    """Replace the preset in a key's path by its kind: `ship.dynamic.position` for `ship.yacht.position`."""
     slot, _, rest = word.partition(".")
     name, dot, below = rest.partition(".")
     if preset_choice(f"{slot}.{name}") is None:
@@ -76,7 +76,7 @@ def by_kind(word: str) -> str:
 
 
 def suggestion_ending(word: str) -> str:
-    """End of an error message: the key or kind next to `word` most like it, `wind.u10` for `wind.u`; or empty."""
+    """End of an error message: key or kind of the same level most like `word`, `wind.u10` for `wind.u`; or empty."""
     above, _, last = word.rpartition(".")
     beside = by_kind(above)
     there = {key.path.rpartition(".")[2] for key in keys_at(beside)} - {beside.rpartition(".")[2]} if above else set()
@@ -86,7 +86,7 @@ def suggestion_ending(word: str) -> str:
 
 
 def group_alike(found: list[Key]) -> list[tuple[Key, list[str]]]:
-    """Groups of keys that differ only in the kind that has them: of each group the first key, and the paths of all."""
+    """Group keys that differ only in the kind that has them: the first key of each group, and the paths of all."""
     same: dict[tuple[Any, ...], tuple[Key, list[str]]] = {}
     for key in found:
         name = key.path.split(".")

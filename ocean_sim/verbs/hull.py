@@ -167,7 +167,7 @@ def find_hull(name: str, ship: str | None, asked: HullOptions) -> tuple[Hull, fl
 
 
 def load_ship(shape: Hull, asked: HullOptions, condition: Loading | None, notes: list[str]) -> Hull:
-    """The hull with mass and centre of mass from options or loading condition; assumed ones are told in `notes`."""
+    """Copy of a hull with mass and centre of mass by options or loading condition; `notes` gets those assumed."""
     mass, centre = asked.mass or shape.mass, shape.centre_of_mass
     lower, upper = shape.shape.bounds()
     keel, height = float(lower[1]), float(upper[1] - lower[1])
@@ -274,7 +274,7 @@ def ship_block(name: str, shape: Hull, afloat: hydrostatics.Hydrostatics, asked:
 
 
 def outlying_parts(shape: Hull, afloat: hydrostatics.Hydrostatics, condition: Loading | None) -> list[str]:
-    """Sentences on weights and openings of a loading condition, and a centre of mass, that lie outside the hull."""
+    """Sentences on weights, openings (of a loading condition) and centre of mass that lie outside the hull."""
     lower, upper = (np.array(corner) for corner in shape.shape.bounds())
     centre, found = afloat.matter.centre, [] if condition is None else [*condition.outside_hull(lower, upper)]
     if (np.maximum(lower - centre, centre - upper) > 0.0).any():
@@ -302,7 +302,7 @@ def stability_problems(stability: Stability) -> list[str]:
 def roll_damping_rows(
     afloat: hydrostatics.Hydrostatics, asked: HullOptions
 ) -> tuple[list[dict[str, float]], list[str]]:
-    """Roll damping by components (Ikeda) as shares of critical, a row per amplitude; warnings if out of its range."""
+    """Roll damping by Ikeda's components as shares of critical, a row per amplitude; warnings if out of its range."""
     keels = None if asked.bilge_keels is None else BilgeKeels(length=asked.bilge_keels[0], breadth=asked.bilge_keels[1])
     if keels is not None and keels.length > afloat.length:
         long = f"{keels.length:g} m are longer than her waterline of {afloat.length:.3g} m"

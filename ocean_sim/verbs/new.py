@@ -76,7 +76,7 @@ def schema_file() -> Path:
 
 
 def section_lines(data: dict[str, Node], meanings: dict[str, str]) -> Iterator[str]:
-    """Yield the lines of keys and values (`data`, by name) of a scene, with their `meanings` (by path) as comments."""
+    """Yield the YAML lines of keys and values (`data`, by name), with `meanings` of keys (by path) as comments."""
     for key, node in data.items():
         name = isinstance(node.data, str) and key in SLOTS
         comment = part_sentence(key, node.data) if name else meanings.get(key, "")

@@ -142,7 +142,7 @@ def open_sender(stream: str, packets: str, key: Path | None) -> datagrams.Sender
 
 
 def parse_columns(text: str | None) -> dict[str, str] | None:
-    """Names of a log's columns by our key, from a text such as `time=t,heave=z` of --columns; raises Refused."""
+    """Column names of a log by this program's keys, from a text `time=t,heave=z` of --columns; raises Refused."""
     if text is None:
         return None
     pairs = [word.partition("=")[::2] for word in text.split(",")]
@@ -206,7 +206,7 @@ def write_commands(
 
 
 def write_leg_reports(out: Path, sender: datagrams.Sender) -> list[Path]:
-    """Write the leg lengths that the platform reported to legs.csv, if any; return a list of its path, or empty."""
+    """Write the leg lengths that the platform reported, if any, to legs.csv; its path in a list, or an empty list."""
     if not sender.readings:
         return []
     begin = sender.sent[0]
@@ -218,14 +218,14 @@ def write_leg_reports(out: Path, sender: datagrams.Sender) -> list[Path]:
 
 
 def commands_table(path: Path, head: dict[str, Any], columns: Sequence[str], rows: Any) -> None:
-    """Write rows as a CSV file in the format of a run's files, atomically; `head`: its comment lines by name."""
+    """Write rows as a CSV file in the format of a run's files, atomically; `head`: comment lines, by name."""
     with atomic_write(path) as draft, closing(CsvFile(draft, head, columns)) as csv:
         for row in rows:
             csv.row(row)
 
 
 def stream_ride(sender: datagrams.Sender, done: Commands, machine: HexapodPlatform, frame: str) -> datagrams.Jitter:
-    """Send each row of commands at its time, then, even after Ctrl-C, the way back to neutral; returns the jitter."""
+    """Send the rows of `done` at their times, then, even after Ctrl-C, a return to neutral; returns timing jitter."""
     try:
         for packet in wire.row_packets(done, frame):
             sender.send(packet)

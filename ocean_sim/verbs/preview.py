@@ -132,7 +132,7 @@ class Session:
             self.pictures += 1
 
     def obey(self) -> None:
-        """Carry out what the user asked for since the last picture: to take the helm, or a reset."""
+        """Carry out the user's requests since the last picture: to take the helm, or to reset the scene."""
         panel = self.panel
         if panel.take("helm") and panel.ship:
             panel.person = self.simulation.ships[panel.ship].hand_over()
@@ -173,7 +173,7 @@ class Session:
         self.scratch.cleanup()
 
     def build(self) -> Simulation:
-        """Build the simulation; with a window, it also drives the motion platform of a scene that has `stream`."""
+        """Build the simulation; shown in a window, it also drives the motion platform of a scene that has `stream`."""
         if not self.shown or "stream" not in self.config.observers:
             return Simulation(self.config)
         observers = self.config.observers.items()

@@ -85,7 +85,7 @@ def rao(
 
 def refuse_short(sea: Components, duration: float, begin: float, period: float | None) -> None:
     """Raise Refused if a run of this duration [s] is too short for a random sea, whose highest waves the ship meets
-    every `period` [s], by default that of the sea. What is before `begin` [s] and the waves' ramp does not count."""
+    every `period` [s], by default that of the sea. Time before `begin` [s] and the ramp of the waves does not count."""
     met, settled = period or sea.period, max(begin, sea.ramp)
     if sea.random and duration < (least := settled + response.least_record(met)):
         longer = 50.0 * np.ceil(0.02 * max(least, settled + 4.0 * response.least_record(met)))
@@ -98,8 +98,8 @@ def refuse_short(sea: Components, duration: float, begin: float, period: float |
 def measured_response(
     run: Path, config: SceneConfig, ship: str, begin: float
 ) -> tuple[Response, np.ndarray, dict[str, Any]]:
-    """Response of a ship in a run from `begin` [s] on; its closed form (m, 2), NaN without one; and, by name, direction
-    of the waves from her bow [deg], her speed [m/s] and warnings. Raises Refused if waves are absent or too few."""
+    """Response of a ship in a run from `begin` [s] on; response by closed form (m, 2), or NaN; and, by name, direction
+    of the waves from her bow [deg], her speed [m/s], warnings. Raises Refused if waves are absent or too few."""
     log = motion_log.read_log(run / log_name(ship))
     sea, time, warnings = wave_field(config).sea, log.ride.time, []
     if not sea.amplitude.any():

@@ -126,7 +126,7 @@ def scene_of(folder: Path, manifest: dict[str, Any], until: float | None) -> Sce
 
 
 def library_of(manifest: dict[str, Any], config: SceneConfig) -> str | None:
-    """Kernel library, Taichi or Quadrants, that a run needs, by its scene or manifest; None if neither names one."""
+    """Kernel library, Taichi or Quadrants, that a run needs by its scene or its manifest; None if neither has one."""
     versions = manifest.get("versions")
     known = [name for name in (TAICHI, QUADRANTS) if isinstance(versions, dict) and name in versions]
     return config.runtime.library or next(iter(known), None)
@@ -162,8 +162,8 @@ def newest_checkpoint(folder: Path, config: SceneConfig) -> checkpoint_file.Chec
 def check_checkpoint(
     folder: Path, kept: checkpoint_file.Checkpoint, scene: dict[str, Any], until: float | None, anyway: bool
 ) -> str:
-    """Changes of the program since the checkpoint `kept`, in words. Raises Refused (a) if there are any, unless
-    `anyway`, (b) if `scene` differs in more than its duration, (c) if the checkpoint is later than `until` [s]."""
+    """Differences, in words, of this program from the one that saved the checkpoint `kept`. Raises Refused (a) if there
+    are any, unless `anyway`, (b) if `scene` differs in more than its duration, (c) if it is later than `until` [s]."""
     changed = program_changes(kept.made)
     if changed and not anyway:
         cure = "its results may differ; --anyway continues, and marks every file"

@@ -143,8 +143,7 @@ def study_scene(plan: list[Setting], limit: Budget | None, by: str | None, quick
 
 
 def compare_with_finest(plan: list[Setting], seeds: int, runs: list[dict[str, Any]]) -> tuple[list, list]:
-    """Errors against the run with the finest setting and equal seed: rows for settings, rows for runs (`seeds`
-    each)."""
+    """Errors against the run with the finest setting and equal seed: rows of settings, and of runs (`seeds` each)."""
     groups = [runs[n * seeds : (n + 1) * seeds] for n in range(len(plan))]
     finest = next(group for setting, group in zip(plan, groups) if setting.finest)
     rows, single = [], []

@@ -90,7 +90,7 @@ def validate(
 
 
 def scheme_pairs(case: str, schemes: list[str], slow: bool, coarse: bool) -> list[tuple[Problem, str]]:
-    """Pairs (set-up, scheme): each set-up of a case with each scheme under which it runs, sorted by scheme."""
+    """Pairs (set-up, scheme): each set-up of a case with each scheme under which it will run, sorted by scheme."""
     pairs = [
         (problem, scheme)
         for problem in problems(case, slow=slow, coarse=coarse)
@@ -104,7 +104,7 @@ Order = tuple[str, list[str], bool, bool, list[str], Path]
 
 
 def case_answer(order: Order) -> list[dict[str, Any]]:
-    """Run the case of an `Order` under its schemes, draw its picture, and return a row for each result."""
+    """Run the case of an `Order` (job description) under its schemes, draw its picture; a table row for each result."""
     case, schemes, slow, coarse, sets, out = order
     overrides, rows, runs = console.set_values(sets), [], []
     for problem, scheme in scheme_pairs(case, schemes, slow, coarse):
@@ -116,7 +116,7 @@ def case_answer(order: Order) -> list[dict[str, Any]]:
 
 
 def case_answers(orders: list[Order], workers: int) -> Iterator[list[dict[str, Any]]]:
-    """Yield the rows of each case in order, run in `workers` processes that share the cores (1: in this process)."""
+    """Yield the result rows of each case, in order, run in `workers` processes that share the cores (1: in this)."""
     workers = min(workers, len(orders))
     if workers < 2:
         yield from map(case_answer, orders)
@@ -146,7 +146,7 @@ def prepare_worker() -> None:
 
 
 def omission_sentences(plan: dict[str, list[tuple[Problem, str]]], schemes: list[str], coarse: bool) -> Iterator[str]:
-    """Yield sentences on cases of which some or all set-ups do not run, and why; `plan`: those that do, by case."""
+    """Yield sentences on set-ups of cases that are left out, and why; `plan`: (set-up, scheme) pairs run, by case."""
     slow: dict[str, list[str]] = {}
     for case, pairs in plan.items():
         ran = {problem.name for problem, _ in pairs}

@@ -144,7 +144,7 @@ def particle_orbits(path: Path, folder: Path, begin: float, period: float | None
 
 
 def read_record(run: Path) -> Path:
-    """Path of a run's gauge records, gauges.csv; raises Refused if there are none."""
+    """Find the gauge records of a run, gauges.csv; returns their path, or raises Refused if there are none."""
     path = run / "gauges.csv" if run.is_dir() else run
     if not run.exists():
         raise console.Refused(f"{run}: there is no such run folder")
@@ -155,7 +155,7 @@ def read_record(run: Path) -> Path:
 
 
 def treatment_facts(treatment: record.Treatment, time: np.ndarray, height: np.ndarray) -> dict[str, Any]:
-    """Treatment of a record (n,), by name: trend removed [m/s], hysteresis [m], warnings; each only if there is one."""
+    """Facts, by name, on the treatment of a record (n,): trend removed [m/s], hysteresis [m], warnings; if any."""
     even = record.even_samples(time, height)
     warnings = [*filter(None, (record.missing_samples(time), record.slow_part(*even, treatment)))]
     found: dict[str, Any] = {"trend_m_s": record.linear_trend(*even)} if treatment.detrended else {}
@@ -170,7 +170,7 @@ def wind_config(path: Path) -> dict[str, Any] | None:
 
 
 def pressure_gain(path: Path) -> dict[str, float]:
-    """Gain of a wind of kind `stress`, and of its pressure if set separately, by column name; empty for other winds."""
+    """Gains of a wind of kind `stress` (and of its pressure, if set), by column name; empty for other winds."""
     wind = wind_config(path) or {}
     if wind.get("kind") != "stress":
         return {}
@@ -179,7 +179,7 @@ def pressure_gain(path: Path) -> dict[str, float]:
 
 
 def wind_text(path: Path) -> str | None:
-    """Description in words of the run's wind with its gain; None if unknown."""
+    """Description in words of the wind of a run, found by the path of its gauge record; None if unknown."""
     wind = wind_config(path)
     if wind is None:
         return None
@@ -211,7 +211,7 @@ def print_waves(found: dict[str, record.Sea], path: Path, treatment: record.Trea
 
 
 def sampling_facts(errors: list[float]) -> list[str]:
-    """List of one sentence on the standard errors (shares) of significant wave heights; empty for regular waves."""
+    """Sentence, in a list, on the standard errors (shares) of significant wave heights; empty for regular waves."""
     irregular = sorted(error for error in errors if error < record.REGULAR_ERROR)
     if not irregular:
         return []

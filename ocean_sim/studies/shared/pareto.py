@@ -40,7 +40,7 @@ def draw_pareto(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str
 
 
 def draw_panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
-    """Draw the errors of a case over column `key` of its rows, Pareto front and failed runs into Matplotlib axes."""
+    """Draw the errors in `rows` of a case over their column `key`, with Pareto front and failed runs, into axes."""
     axes.set_xscale("log")
     axes.set_yscale("log")
     there = [row for row in rows if row.get(key)]

@@ -45,7 +45,7 @@ class Clocked(Simulation):
         self.spent.append((FRAME_SECONDS, perf_counter() - wall, process_time() - cpu))
 
     def costs(self) -> list[dict[str, float]]:
-        """Costs (as `mean_cost`) of TIMED_PARTS interleaved parts of the run; a disturbance rarely hits two."""
+        """Costs, as of `mean_cost`, of TIMED_PARTS interleaved groups of steps: a disturbance rarely hits two."""
         parts = [
             [step for k, step in enumerate(self.spent[WARM_UP_STEPS:]) if k // BLOCK_STEPS % TIMED_PARTS == n]
             for n in range(TIMED_PARTS)
@@ -59,8 +59,7 @@ class Clocked(Simulation):
 
 
 def mean_cost(steps: list[tuple[float, float, float]]) -> dict[str, float]:
-    """Wall and processor time per simulated second, and mean time step [s]; `steps`: simulated, wall, processor
-    time."""
+    """Wall and processor time per simulated second, mean step [s]; `steps`: (simulated, wall, processor time) [s]."""
     simulated, wall, cpu = (sum(column) for column in zip(*steps))
     return {"wall_per_s": wall / simulated, "cpu_per_s": cpu / simulated, "time_step_s": simulated / len(steps)}
 
@@ -71,8 +70,7 @@ def run_order(config: SceneConfig, threads: int | None = None) -> dict[str, Any]
 
 
 def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Run the scene in an order (job description); returns outcome (`stopped` if it diverged), reason, costs,
-    measures."""
+    """Run the scene of an order (job description); returns outcome (`stopped`: diverged), reason, costs, measures."""
     began, processor, reason = perf_counter(), process_time(), ""
     asked = order["machine"]["threads"]
     more = {"runtime.threads": asked} if asked and not order["scene"]["runtime"]["threads"] else {}

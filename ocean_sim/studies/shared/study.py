@@ -91,7 +91,8 @@ def run_answers(
 
 
 def perform_run(order: dict[str, Any], folder: str, limit: float | None = None) -> dict[str, Any]:
-    """Answer (dict of results) of an order: from its folder, or by a child process within `limit` [s] of wall time."""
+    """Carry out an order (job description), or find its answer (dict of results) in its folder; the child process that
+    runs it may take `limit` [s] of wall time."""
     run = Path(folder)
     kept = input_file.read_json_object(run / ANSWER_FILE)
     if kept:
@@ -125,13 +126,13 @@ def perform_run(order: dict[str, Any], folder: str, limit: float | None = None) 
 
 
 def failure_row(reason: str, wall: float | None = None) -> dict[str, Any]:
-    """Answer that stands for a run which gave none: the outcome `failed`, the reason, and wall time [s]."""
+    """Answer (dict of results) for a run that gave none: the outcome `failed`, the reason, and wall time [s]."""
     return {"outcome": "failed", "reason": reason, "wall_s": wall}
 
 
 @contextmanager
 def _make_executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
-    """Context with an executor of orders: threads that wait for child processes, or a Dask cluster elsewhere."""
+    """Context manager of an executor of jobs: threads that wait for child processes, or a Dask cluster."""
     if scheduler is None:
         with ThreadPoolExecutor(workers) as pool:
             yield pool

@@ -89,7 +89,7 @@ class Problem:
         return [scheme for scheme in asked if scheme in fitting] if asked else list(self.schemes)
 
     def run(self, case: str, scheme: str, overrides: Mapping[str, Any] | None = None) -> tuple[list[dict], Finding]:
-        """Run and measure under a scheme: rows of the results table, and finding; no numbers if the run diverged."""
+        """Run and measure under a scheme: rows of the results table, and Finding; no numbers if the run diverged."""
         try:
             with Simulation(self.load(scheme, overrides)) as simulation:
                 found = self.measure(simulation)
@@ -100,8 +100,7 @@ class Problem:
         return [promise.row(case, scheme, *number) for promise, number in pairs], found
 
     def coarsened(self, case: str) -> "Problem":
-        """Copy with tolerances for coarse set-ups; marked slow if too long for a regression gate or without
-        tolerance."""
+        """Copy with tolerances for coarse set-ups; marked slow if too long for a regression gate or not judged."""
         promises = tuple(promise.coarsened(case) for promise in self.promises)
         judged = any(scheme in promise.tolerance for promise in promises for scheme in self.schemes)
         slow = self.slow or not judged or (case, self.name) in too_long_for_gate()

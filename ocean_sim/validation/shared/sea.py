@@ -15,8 +15,8 @@ SPECTRAL_SCHEMES = ("spectral_sea",)
 
 
 def tile_scene(side: float, cells: int, slice_: bool = False, depth: float = 500.0, **keys: Any) -> dict[str, Any]:
-    """Scene of a tile of open sea, `side` [m] long with `cells` along it; 2-D if `slice_`. `keys`: further keys of the
-    fluid; without them the sea is calm."""
+    """Scene of a tile of open sea, `side` [m] long with `cells` grid cells along it; 2-D if `slice_`. `keys`: further
+    keys of the fluid; without them the sea is calm."""
     basin = {"length": side, "depth": depth, "walls": "none"} | ({} if slice_ else {"width": side})
     return {
         "duration": 1.0,
@@ -31,7 +31,7 @@ def sea_of(simulation: Simulation) -> "SpectralSea":
 
 
 def nearest_image(tile: Tile, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Offsets x (cells, 1) and z (1, rows) [m] of all cells from a centre (2,) [m], to each cell's nearest image."""
+    """Offsets x (cells, 1) and z (1, rows) [m] from a centre (2,) [m] to the nearest periodic image of each cell."""
     x, z = tile.nodes()
     dx, dz = x - centre[0], z - centre[1]
     return (dx - tile.side * np.round(dx / tile.side))[:, None], (dz - tile.width * np.round(dz / tile.width))[None, :]
@@ -44,7 +44,7 @@ def smooth_ramp(share: float) -> float:
 
 
 def travel_ahead(layer: Layer, eta: np.ndarray) -> None:
-    """Set a layer's waves: elevation `eta` (cells, rows) [m], and the surface potential that makes all travel to +x."""
+    """Make a layer's waves travel to +x: set elevation `eta` (cells, rows) [m], and the surface potential to it."""
     tile = layer.tile
     e, omega = tile.to_modes(eta), np.where(tile.omega > 0.0, tile.omega, np.inf)
     layer.eta = tile.to_values(e)

@@ -41,7 +41,7 @@ def ship_of_section(
     breadth: float, height: float, bilge: float, length: float, mass: float, kg: float, roll_radius: float, cells: int
 ) -> dict[str, Any]:
     """Scene keys of a ship with a prismatic hull: breadth, height, bilge radius, length [m], mass [kg]; `kg`: height of
-    the centre of mass over the keel [m]; `roll_radius`: of gyration [m]; `cells`: number to the draught."""
+    the centre of mass over the keel [m]; `roll_radius`: of gyration [m]; `cells`: sampling cubes over the draught."""
     angles, inner = np.linspace(0.0, pi / 2.0, BILGE_CORNERS + 1), breadth / 2.0 - bilge
     side = [(breadth / 2.0, height)] + [(inner + bilge * cos(a), bilge - bilge * sin(a)) for a in angles]
     points = [[float(x), float(y), end * length / 2.0] for x, y in side for end in (1.0, -1.0)]
@@ -81,7 +81,7 @@ def set_pose(simulation: Simulation, **changes: Any) -> None:
 
 
 class ImposedMotion(NamedTuple):
-    """Place, speed and acceleration of a ship in one of `Motions` at one time."""
+    """Displacement, speed and acceleration of a ship in one of her six motions at one time."""
 
     place: float  # [m] or [rad]
     speed: float  # [m/s] or [rad/s]
@@ -89,16 +89,16 @@ class ImposedMotion(NamedTuple):
 
 
 def ramped_swing(time: float, amplitude: float, omega: float, ramp: float) -> ImposedMotion:
-    """Sine of an amplitude [m] or [rad] at `omega` [rad/s] that grows over a `ramp` [s], at a time [s]; its
-    acceleration lacks the curvature of the ramp."""
+    """Prescribed sine motion at a time [s], of an amplitude [m] or [rad] at `omega` [rad/s], that grows over a `ramp`
+    [s]; its acceleration lacks the curvature of the ramp."""
     share, rate, s, c = ramp_share(time, ramp), ramp_rate(time, ramp), sin(omega * time), cos(omega * time)
     speed, acceleration = omega * share * c + rate * s, omega * (2.0 * rate * c - omega * share * s)
     return ImposedMotion(amplitude * share * s, amplitude * speed, amplitude * acceleration)
 
 
 def impose_motion(simulation: Simulation, motion: int, moved: ImposedMotion) -> None:
-    """Move the ship along a world axis (0 x, 1 y), or turn it from upright about one (3 x, 4 y, 5 z), as prescribed by
-    `moved`, despite forces; tell the water its state."""
+    """Move the ship along a world axis (0 x, 1 y), or turn it from upright about one (3 x, 4 y, 5 z), as `moved`
+    prescribes, despite forces; the water gets the new state of the hull."""
     ship = ship_of(simulation)
     position, velocity = ship.body.position.copy(), ship.body.velocity.copy()
     if motion < 3:

@@ -68,7 +68,7 @@ def even_times(table: Table, known: dict[str, np.ndarray]) -> list[str]:
     steps = np.diff(time)
     every = motion_log.round_interval(float(time[-1]) / len(steps))
     off, slow = float(np.abs(steps - every).max()), 1.0 / motion_log.MIN_ROW_RATE < every <= MAX_ROW_TIME
-    if off <= motion_log.INTERVAL_TOLERANCE * every and not slow or steps.max() > MAX_GAP_ROWS * every:
+    if (off <= motion_log.INTERVAL_TOLERANCE * every and not slow) or steps.max() > MAX_GAP_ROWS * every:
         return []
     parts = ceil(every * SPLINE_ROW_RATE) if slow else 1
     even = every / parts * np.arange((len(time) - 1) * parts + 1)

@@ -54,7 +54,7 @@ class Timings(Observer, of=Config):
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Context manager that measures the wall time of a stage, its block; it replaces `simulation.stage`."""
+        """Context manager that adds up the wall time of a stage (part) of a step; replaces `simulation.stage`."""
         self.sync()
         entered = perf_counter()
         if self.start is None:
@@ -65,7 +65,7 @@ class Timings(Observer, of=Config):
             self.stage_times[name] += perf_counter() - entered
 
     def warm_up(self, name: str, now: float) -> None:
-        """Note the start and the end of the first step, seen as stage `name` begins at wall time `now` [s]."""
+        """Note when the first step starts or has ended: called as the stage `name` begins at wall time `now` [s]."""
         if self.began is not None and self.simulation.steps > self.first_step:
             self.first_step_s = now - self.began
             self.start = self.last = self.take_mark(now)

@@ -101,8 +101,8 @@ class HexapodPlatform:
         return self.hexapod.neutral_legs
 
     def follow(self, ride: Ride, ahead: Ride | None = None) -> Commands:
-        """Commands of the platform for the next rows of ship motion: washout, ramp from neutral, workspace, limits of
-        the legs, leg lengths; `ahead`: motion after these rows, if it is known."""
+        """Commands of the platform for the next rows of ship motion. Steps: washout, ramp from neutral, workspace,
+        limits of the legs, leg lengths. `ahead`: motion after these rows, if it is known."""
         if self.start is None:
             self.start = float(ride.time[0])
         cue = self.washout.follow(ride, ahead)
@@ -119,8 +119,8 @@ class HexapodPlatform:
         return Commands(ride.time, ride.seq, pose, legs, velocity, force, rate, limited, cue)
 
     def best(self, done: Commands) -> Commands:
-        """Commands of the best ride that is possible for the motion that the washout requested in the ride `done`;
-        raises SolverMissing, and Failed where there is none."""
+        """Commands of the best feasible ride for the motion that the washout requested in `done`, computed as a whole;
+        raises SolverMissing, and Failed if there is none."""
         rows = np.column_stack([done.time, done.cue.force, done.cue.rate])
         pose = leg_programme.best_poses(self.geometry, self.hexapod, rows)
         legs, none = self.hexapod.legs(pose), np.zeros(len(pose), dtype=int)
@@ -163,13 +163,13 @@ class HexapodPlatform:
         return rows.select(slice(end))
 
     def ramp_share(self, time: np.ndarray) -> np.ndarray:
-        """Factors (n,) on poses at times (n,) [s]: they rise from 0 to 1 over the ramp at the start of the ride."""
+        """Factors (n,) on poses at times (n,) [s], which rise from 0 to 1 during the ramp at the start of the ride."""
         if self.ramp == 0.0:
             return np.ones(len(time))
         return smooth_step(np.clip((time - self.start) / self.ramp, 0.0, 1.0))
 
     def felt_motion(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] on the platform at the next poses (n, 6)."""
+        """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] on the platform, at poses (n, 6) after the last."""
         known = np.vstack([self.past, pose])
         self.past = known[-2:]
         return felt_by_differences(known, self.every)

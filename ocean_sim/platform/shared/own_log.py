@@ -55,8 +55,8 @@ def read_own_log(
 
 
 def even_times(table: Table, known: dict[str, np.ndarray]) -> list[str]:
-    """Shift times to begin at 0, interpolate all columns where rows are a little uneven, and return sentences that say
-    so. Epoch times in units of 1e-3, 1e-6 or 1e-9 s become seconds."""
+    """Shift times to begin at 0, interpolate all columns of `known` to even times where rows are a little uneven;
+    returns sentences that say so. Epoch times in units of 1e-3, 1e-6 or 1e-9 s become seconds."""
     time = known[TIME_COLUMN]
     thousands = max(0, round((np.log10(max(time[0], 1.0)) - 9.25) / 3.0))  # 1e9 s after 1970 was in 2001
     table[TIME_COLUMN] = known[TIME_COLUMN] = time = np.round((time - time[0]) / 1000.0**thousands, 6)

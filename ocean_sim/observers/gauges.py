@@ -168,7 +168,7 @@ class Config(PeriodicConfig):
 
     @property
     def riding_gauges(self) -> list[Key]:
-        """Keys, as ("elevation", name) or ("pressure", name), of the gauges that move with ships or patch."""
+        """Keys, as ("elevation", name) or ("pressure", name), of gauges that move with ships or a patch of open sea."""
         waves: list[Key] = [("elevation", name) for name, wave in self.waves.items() if wave.rides]
         return [*waves, *(("pressure", name) for name, sensor in self.sensors.items() if sensor.rides)]
 
@@ -251,7 +251,8 @@ def sensor_description(sensor: Sensor, points: int) -> str:
 
 
 def hydrostatic_offset(simulation: Simulation) -> dict[str, object]:
-    """Comment line of gauges.csv, by its name: how far the water's weight compresses it; empty if not at all."""
+    """Comment line of gauges.csv, by its name: how far compression by weight lowers the surface; empty if not at
+    all."""
     if not simulation.fluid.surface_drop:
         return {}
     by = f"{simulation.fluid.surface_drop:.4g} m where it is deepest, g h^2 / (2 c^2) of a column of height h"

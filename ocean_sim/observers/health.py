@@ -275,7 +275,7 @@ class Health(OutcomeObserver, of=Config):
             self.report_excess("energy that no work has given", "over_all_work", share, WORK_REPORTED)
 
     def unexplained_energy(self, balance: Balance, totals: Totals) -> float:
-        """Energy [J] gained by the water beyond the work of forces, since the first check or a change of stiffness."""
+        """Energy [J] gained by the water without work of a force, since the first check or a change of stiffness."""
         fluid = self.simulation.fluid
         if fluid.sound_speed != self.stiffness:  # a person has changed the stiffness
             balance.at_first, self.stiffness = None, fluid.sound_speed
@@ -358,7 +358,7 @@ class Health(OutcomeObserver, of=Config):
                 raise Diverged(self.failure_sentence(f"{what} ({x:.4g}, {z:.4g}) m", cure))
 
     def note_rim(self, simulation: Simulation) -> None:
-        """Record an event if one of several ships is in the patch's rim, where water is relaxed to the open sea."""
+        """Record an event if one of several ships is in the rim, relaxed to the open sea, of a patch of that sea."""
         if len(simulation.ships) < 2:
             return
         at = np.array([ship.body.position[[0, 2]] for ship in simulation.ships.values()])
@@ -382,7 +382,7 @@ class Health(OutcomeObserver, of=Config):
             self.record_change(flight, ship.airborne, event, **facts, speed_m_s=speed)
 
     def note_clipping(self, simulation: Simulation) -> None:
-        """Record an event if more particles have had their motion in a step cut to the key `motion_limit`."""
+        """Record an event if more particles have had their motion in one step cut to the limit `motion_limit`."""
         clipped = simulation.fluid.status.clipped
         if simulation.outcome != "running":
             self.event_times["clipped"] = -EVENT_INTERVAL

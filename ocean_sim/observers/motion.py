@@ -147,7 +147,7 @@ class Log:
         self.last = simulation.time, self.ship.body, self.ship.orders
 
     def complete(self, simulation: Simulation) -> None:
-        """Store the moment before this one, whose load only this step has computed; write rows if they are due."""
+        """Store the state after the step before, whose load this step has computed; write rows if some are due."""
         if self.last is None:
             return
         (time, body, orders), ship = self.last, self.ship
@@ -168,7 +168,7 @@ class Log:
             self.write(simulation)
 
     def write(self, simulation: Simulation) -> None:
-        """Write all due rows, interpolated between the stored moments; the last moment begins the next batch."""
+        """Write all due rows, interpolated between the stored states; the last state begins the next batch."""
         moments = self.moments[: self.seen]
         moments[:, QUATERNION] = continuous_signs(moments[:, QUATERNION].T).T
         columns = moments[:, : MOMENT.size].T
@@ -197,8 +197,9 @@ class Log:
             observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)
 
     def load_table(self, body: Attitude, acceleration: np.ndarray, turning: np.ndarray, rest: np.ndarray) -> np.ndarray:
-        """Columns (n, m) at n moments: accelerations, specific forces, loads, throttle and rudder. `acceleration`,
-        `turning` (3, n): linear [m/s2], angular [rad/s2]; `rest` (n, k): throttle, rudder, components of the load."""
+        """Columns (n, m) of the log at n times: accelerations, specific forces, loads, throttle, rudder.
+        `acceleration`, `turning` (3, n): linear [m/s2], angular [rad/s2]; `rest` (n, k): throttle, rudder, components
+        of load."""
         felt = body.point_acceleration(self.arm, acceleration, turning)
         specific = to_frame(self.frame, body.to_body(felt - self.gravity[:, None]).T)
         orders, parts = rest[:, :2], rest[:, 2:].reshape(len(rest), -1, 6)

@@ -123,7 +123,7 @@ class Mesh:
         self.vertices, self.normals, self.colours, self.corners = Buffer(), Buffer(), Buffer(), Buffer(0)
 
     def show(self, scene: Any, patch: Patch | None, wires: bool = False) -> None:
-        """Add the triangles of a patch, unless None, to a GGUI scene; `wires`: True to draw only their edges."""
+        """Add a `Patch` (coloured triangles), unless None, to a GGUI scene; `wires`: True to draw only their edges."""
         if patch is None:
             return
         self.normals.put(np.broadcast_to([0.0, 1.0, 0.0], patch.vertices.shape))  # plain colours need none, GGUI does

@@ -316,7 +316,8 @@ def painter_count(pictures: float) -> int:
 
 
 def draw_apart(orders: Sequence[Order], progress: Progress | None = None) -> None:
-    """Draw pictures by `orders` in a child process and wait for it; raises OpenGLMissing or RenderFailed."""
+    """Draw the pictures described by `orders` in a child process and wait for it; raises OpenGLMissing or
+    RenderFailed."""
     Drawer(orders, progress).finish()
 
 
@@ -411,7 +412,7 @@ def sample_files(files: list[Path]) -> list[Path]:
 
 
 class ComingFrames:
-    """Frame files of a run that may still be going on, found as it writes them; event `over` is set when it ends."""
+    """Frame files of a run, listed as it writes them; the event `over` is set when the run ends."""
 
     def __init__(self, folder: Path, over: threading.Event) -> None:
         self.folder, self.over = folder, over

@@ -65,7 +65,7 @@ class Timings(Observer, of=Config):
             self.stage_times[name] += perf_counter() - entered
 
     def warm_up(self, name: str, now: float) -> None:
-        """Note when the first step starts or has ended: called as the stage `name` begins at wall time `now` [s]."""
+        """Note the start of the first step, or its end; called when the stage `name` begins at wall time `now` [s]."""
         if self.began is not None and self.simulation.steps > self.first_step:
             self.first_step_s = now - self.began
             self.start = self.last = self.take_mark(now)
@@ -80,7 +80,7 @@ class Timings(Observer, of=Config):
             self.write_row()
 
     def write_row(self) -> None:
-        """Write a row of means since the row before, if there was a step since and the run has a folder."""
+        """Write a row of means since the last row, unless there was no step since or the run has no folder."""
         now = self.take_mark(perf_counter())
         if self.folder is None or self.last is None or self.start is None or now.steps == self.last.steps:
             return

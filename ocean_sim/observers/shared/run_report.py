@@ -181,7 +181,7 @@ def draw(log: Table, plot: Mapping[str, Any], limits: Mapping[str, float]) -> st
 
 
 def columns_like(log: Table, pattern: str) -> dict[str, str]:
-    """Columns of a table that match a pattern with one *, such as `*_m`, by the text that the * stands for."""
+    """Columns of a table whose names match a pattern with one *, such as `*_m`; keys: the text for which * stands."""
     begin, end = pattern.split("*")
     named = [column for column in log if column.startswith(begin) and column.endswith(end)]
     return {column.removeprefix(begin).removesuffix(end): column for column in named}

@@ -55,7 +55,7 @@ def frame_path(folder: Path, number: int) -> Path:
 
 
 def ship_keys(file: Iterable[str], ending: str) -> list[str]:
-    """Keys of the ships in a frame or grid file: the names of its arrays that end in `ending`, without that ending."""
+    """Keys of the ships in a frame or grid file: names of its arrays that end in `ending`, less that ending."""
     return [name.removesuffix(ending) for name in file if name.endswith(ending)]
 
 
@@ -197,7 +197,7 @@ def basin_slab(basin: "Basin", axis: int, *ends: float) -> np.ndarray:
 
 
 def grid_arrays(simulation: "Simulation", x: np.ndarray, z: np.ndarray) -> dict[str, Any]:
-    """Arrays that a run saves once: basin, its fittings, plane waves, hulls, and coordinates x, z [m] of heights."""
+    """Arrays that a run saves once: basin with obstacles and wavemakers, plane waves, hulls, x and z [m] of heights."""
     basin, fluid, scene = simulation.basin, simulation.fluid, simulation.scene
     arrays: dict[str, Any] = {
         "x": x,

@@ -77,7 +77,7 @@ class Panel:
                 self.requests.add(REQUEST_KEYS[key])
 
     def hold(self, keys: set[str], seconds: float) -> None:
-        """Change throttle and rudder by helm keys held for `seconds`; if the helm is not taken, request it first."""
+        """Change throttle and rudder by helm keys held for `seconds`; until the helm is taken, request it instead."""
         pedal, wheel = (sum(HELM_KEYS[key][k] for key in keys if key in HELM_KEYS) for k in range(2))
         if not pedal and not wheel:
             return

@@ -34,7 +34,8 @@ class ShadowMap:
     """Shadow map of a ship: how far each of her sunlit points lies towards the sun, as an image seen from the sun."""
 
     def __init__(self, points: np.ndarray, length: float) -> None:
-        """`points`: (n, 3) on her surface in body axes [m], dense as pixels; `length`: half the map's side [m]."""
+        """`points`: (n, 3) on the ship's surface in body axes [m], at most a pixel of the map apart; `length`: half the
+        map's side [m]."""
         self.length, self.points = length, np.ascontiguousarray(points.T)
 
     def map(self, turn: np.ndarray, sun: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -197,7 +197,7 @@ def helm_camera(position: np.ndarray, turn: np.ndarray, helm: np.ndarray, near: 
 
 
 def damped_track(track: Track) -> tuple[np.ndarray, np.ndarray]:
-    """Positions (n, 3) [m] at water level and headings (n,) [rad] of a first-order low-pass of a ship's track."""
+    """Positions (n, 3) [m] at water level and headings (n,) [rad] of a ship's track after a first-order low-pass."""
     heading = np.unwrap(np.arctan2(track.turn[:, 0, 2], track.turn[:, 2, 2]))
     centre = track.position * [1.0, 0.0, 1.0]
     for k in range(1, len(track.time)):

@@ -128,8 +128,8 @@ class Fan:
         self, height: float, heading: float, half: float, lowest: float, pixel: float, row: float, amplitude: np.ndarray
     ) -> bool:
         """Turn the fan towards a `heading` [rad, from +x to +z]; True if its nodes changed. `height`: of the eye over
-        water [m]. Angles [rad]: `half` the view's width, `lowest` ray under the horizon, a `pixel`'s, a `row`'s of
-        samples, which shows one ring or none. `amplitude` (n,): of the waves now [m]."""
+        water [m]. Angles of view [rad]: `half` to either side, `lowest` below the horizon, of a `pixel`, of a `row` of
+        samples (one ring at most is drawn in it). `amplitude` (n,): of the waves now [m]."""
         whole = half > 0.5 * pi
         bucket = 0.0 if whole else TURN_STEP * round(heading / TURN_STEP)
         step = 2.0 ** (np.round(2.0 * np.log2(max(height, 0.5))) / 2.0)  # heights that are alike look alike

@@ -192,7 +192,7 @@ class FoamField:
         self.flecks = np.stack([x, z, thick, rises_to])[:, np.maximum(thick, rises_to) > MIN_SHARE]
 
     def cell_shares(self, thick: np.ndarray) -> np.ndarray:
-        """Share of white water in each cell, for flecks of thickness `thick` (n,); less where they drifted apart."""
+        """Share of white water in each foam cell, for flecks of thickness `thick` (n,); less where they spread."""
         rows, columns = self.white.shape
         x, z = (FLECKS_PER_CELL * (along + 0.5) - 0.5 for along in self.flecks[:2])
         i, k = np.floor(x).astype(int), np.floor(z).astype(int)

@@ -57,13 +57,14 @@ class Source(NamedTuple):
 
 
 def drop_radius(speed: np.ndarray) -> np.ndarray:
-    """Median radius (n,) [m] of drops where waters meet at a speed (n,) [m/s]."""
+    """Median radius (n,) [m] of the drops thrown where bodies of water collide at a relative speed (n,) [m/s]."""
     pressure = WATER_DENSITY * np.square(TURBULENT_SHARE * np.maximum(speed, MIN_MEETING_SPEED))
     return np.minimum(0.5 * CRITICAL_WEBER * SURFACE_TENSION / pressure, MAX_RADIUS)
 
 
 def thrown_mass(power: np.ndarray, speed: np.ndarray) -> np.ndarray:
-    """Mass thrown per second (n,) [kg/s] by a power (n,) [W] of breaking where waters meet at a speed (n,) [m/s]."""
+    """Mass thrown per second (n,) [kg/s] by a power (n,) [W] of breaking, where bodies of water collide at a relative
+    speed (n,) [m/s]."""
     return np.where(speed > MIN_MEETING_SPEED, EJECTED_SHARE * power / np.maximum(0.5 * speed**2, 1e-9), 0.0)
 
 

@@ -105,7 +105,7 @@ def level_rim(x: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
 
 def spread_ways(way: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
     """Displacements `way` (n, 3) [m] of vertices, spread over SPREAD_STEPS edges to neighbours (matrix `adjacent`) that
-    are not `held` (n, 3). The inside of a flat side so follows its rim, and no triangle folds over."""
+    are not `held` (n, 3). So the inside of a flat side follows its rim, and no triangle folds over."""
     degree = np.maximum(np.asarray(adjacent.sum(axis=1)), 1.0)[:, None]
     for _ in range(SPREAD_STEPS):
         way = np.where(held, way, adjacent @ way / degree)

@@ -64,7 +64,7 @@ class Config(PlatformConfig):
                 yield f"platform: it rides in {first}, the first of the ships; platform.ship names another"
 
     def cut_short(self, duration: float) -> Iterator[str]:
-        """Warn if a ride of this duration [s] ends before the ramp does."""
+        """Warn if a run of this duration [s] ends before the platform's initial ramp does."""
         if duration < self.ramp:
             share = 100.0 * float(smooth_step(np.array(duration / self.ramp)))
             yield (
@@ -119,8 +119,8 @@ class HexapodPlatform:
         return Commands(ride.time, ride.seq, pose, legs, velocity, force, rate, limited, cue)
 
     def best(self, done: Commands) -> Commands:
-        """Commands of the best feasible ride for the motion that the washout requested in `done`, computed as a whole;
-        raises SolverMissing, and Failed if there is none."""
+        """Commands of the best motion within the limits, planned over the whole ride, for the motion that the washout
+        requested in `done`; raises SolverMissing, and Failed if there is none."""
         rows = np.column_stack([done.time, done.cue.force, done.cue.rate])
         pose = leg_programme.best_poses(self.geometry, self.hexapod, rows)
         legs, none = self.hexapod.legs(pose), np.zeros(len(pose), dtype=int)
@@ -131,8 +131,8 @@ class HexapodPlatform:
         )
 
     def move_legs(self, legs: Legs, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Lengths (n, 6) [m], speeds (n, 6) [m/s] and limit bits (n,) of the legs for wanted poses (n, 6). Where legs
-        cannot reach a pose in time, its row of `pose` is overwritten by the pose reached."""
+        """Lengths (n, 6) [m], speeds (n, 6) [m/s] and limits that acted (n,), as bits, of the legs for wanted poses (n,
+        6). Where legs cannot reach a pose in time, its row of `pose` is overwritten by the pose reached."""
         free = self.hexapod.legs(pose)
         within = np.clip(free, self.hexapod.low, self.hexapod.high)
         lengths, speeds, limited = legs.follow(within)
@@ -145,7 +145,8 @@ class HexapodPlatform:
         return lengths, speeds, limited
 
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
-        """Commands that glide back to neutral within the ramp, longer for slow legs; arguments as in `Platform`."""
+        """Commands that glide back to neutral in the time of the ramp, more if legs are slow; arguments as in
+        `Platform`."""
         lengths, every, machine = self.hexapod.legs(past), self.every, self.geometry
         stroke = machine.longest - machine.shortest
         longest = stroke / machine.leg_speed + machine.leg_speed / machine.leg_acceleration  # [s]

@@ -155,8 +155,8 @@ def solve_programme(
 ) -> np.ndarray:
     """Best control points (n + 2, 6) [m] for specific force [m/s2] and rate [rad/s] `asked` for at knots (n, 6).
 
-    Motion is linear about an earlier solution `past` (n + 2, 6), whose first REST_POINTS are kept. `guess` (n, 6): its
-    poses, roughly; `state` (6, 2): of the senses' filters before the first knot; `tolerance`: of the solver;
+    Motion is linearised about an earlier solution `past` (n + 2, 6), whose first REST_POINTS are kept. `guess` (n, 6):
+    its poses, roughly; `state` (6, 2): of the senses' filters before the first knot; `tolerance`: of the solver;
     `still_points`: number of last points that are equal. Raises SolverMissing, and Failed without a solution.
     """
     clarabel = load_solver()
@@ -219,7 +219,7 @@ class LegPlan:
         self.state = np.zeros((6, 2))  # of the organs before the first knot
 
     def improve(self, asked: np.ndarray, tolerances: Sequence[float]) -> None:
-        """Plan for the motion `asked` for at knots (n, 6): solve the programme once per tolerance, each time linear
+        """Plan for the motion `asked` for at knots (n, 6): solve the programme once per tolerance, each time linearised
         about the solution before. Raises SolverMissing, and Failed where there is no plan."""
         self.points, self.motion = extended(self.points, len(asked) + 2), extended(self.motion, len(asked))
         for tolerance in tolerances:
@@ -230,7 +230,8 @@ class LegPlan:
             self.motion = leg_track(self.hexapod, self.points, guess).motion
 
     def leave(self, asked: np.ndarray) -> None:
-        """Drop the first k knots as past; the senses' state takes in their motion's error against `asked` (k, 6)."""
+        """Advance the filters of the senses by the error of felt motion against `asked` (k, 6) at the first k knots,
+        then drop these knots."""
         k = len(asked)
         self.state = sensed_error(felt_at(self.motion[:k]) - asked, KNOT_INTERVAL, self.state)[1]
         self.points, self.motion = self.points[k:], self.motion[k:]

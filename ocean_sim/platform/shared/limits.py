@@ -43,8 +43,8 @@ class Workspace:
     def scale_back(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Poses (n, 6) in the workspace, scaled back from wanted ones (n, 6), and bits (n,) of the limits that acted.
 
-        Angles are scaled back first, as if there were no displacement, then the displacement to the stroke left: people
-        notice at once a deck that is tilted wrongly, but not one that travels less.
+        Angles are scaled back first, as if there were no displacement; then the displacement, to fit the rest of the
+        stroke. People notice at once a deck that is tilted wrongly, but not one that travels less.
         """
         far = pose / np.where(pose > 0.0, self.ends[:, 1], self.ends[:, 0])
         angles = pose * TURN_MASK * np.where(far > KNEE_USAGE, soften_usage(far) / np.maximum(far, KNEE_USAGE), 1.0)

@@ -75,7 +75,7 @@ class Ride(NamedTuple):
     attitude: np.ndarray  # (n, 3) roll, pitch, yaw [rad]: Rz(yaw) Ry(pitch) Rx(roll) turns body to world
 
     def rows(self, first: int, last: int) -> "Ride":
-        """Copy of the ride's rows from `first` to before `last`."""
+        """Copy of the ship motion in rows `first` to `last`, the latter excluded."""
         return Ride(*(column[first:last] for column in self))
 
     def chunks(self, ahead: int = 0) -> Iterator[tuple["Ride", "Ride"]]:
@@ -85,7 +85,7 @@ class Ride(NamedTuple):
 
 
 class MotionLog(NamedTuple):
-    """A motion log that has been read and checked: its table, and its ride along FLU axes."""
+    """Motion log that has been read and checked: its table, and its `Ride` (ship motion along FLU axes)."""
 
     table: Table
     frame: str  # ship, ned or flu

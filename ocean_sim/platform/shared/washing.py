@@ -91,7 +91,7 @@ def second_order(frequency: float, damping: float) -> list[complex]:
 
 
 class Tilt:
-    """Tilt angle by which gravity stands in for the slow part of a specific force, at a limited rate."""
+    """Angle by which a platform tilts so that gravity imitates the slow part of a specific force; rate-limited."""
 
     def __init__(self, frequency: float, rate: float, every: float) -> None:
         """`frequency`: low-pass corner [rad/s]; `rate`: largest tilt rate [rad/s]; `every`: time between rows [s]."""

@@ -35,7 +35,7 @@ class Config(Model):
 
     @model_validator(mode="after")
     def _check_period(self) -> "Config":
-        """Raise ValueError unless the period is a number of knots and leaves room in the horizon."""
+        """Raise ValueError unless the period is a whole number of knot intervals and leaves room in the horizon."""
         knots = self.period / KNOT_INTERVAL
         if abs(knots - round(knots)) > TIME_ROUNDING:
             raise ValueError(

@@ -135,8 +135,7 @@ def random_sea(height: float, period: float, heading_deg: float, depth: float, s
 
 
 def mean_over(half: np.ndarray) -> np.ndarray:
-    """Mean of a wave over a length, divided by its value in the middle: sin(a) / a. `half`: a, half the length's phase
-    [rad]."""
+    """Mean of a wave over a length, divided by its value in the middle: sin(a) / a. `half`: a, half its phase [rad]."""
     a = half.astype(np.float32)
     a = np.where(np.abs(a) < 1e-4, np.float32(1e-4), a)
     return np.sin(a) / a

@@ -196,9 +196,9 @@ WAVE_KEYS = ("kind", "height", "period", "significant_wave_height", "peak_period
 
 
 def synthetic_waves(angle: float, length: float, spacing: float) -> np.ndarray:
-    """Invented plane waves about a wind's `angle` [rad], for the sea around a basin (`length`, `spacing` [m]) without
-    any. Rows (SYNTHETIC_WAVES, 5): amplitude [m] (all: 1 m significant height), wavevector x, z [1/m], frequency,
-    phase."""
+    """Invented plane waves about a wind's `angle` [rad], where no waves are known around a basin of `length` [m] with
+    heights `spacing` [m] apart. Rows (SYNTHETIC_WAVES, 5): amplitude [m] (together 1 m significant height), wavevector
+    x, z [1/m], frequency, phase."""
     share = (np.arange(SYNTHETIC_WAVES) + 0.5) / SYNTHETIC_WAVES
     wavelength = max(4.0 * spacing, 0.08 * length) ** (1.0 - share) * (0.7 * length) ** share
     turn = 0.9 * np.sin(2.399963 * (np.arange(SYNTHETIC_WAVES) + 1.0) * 7.0)

@@ -1,9 +1,9 @@
 """Many boats at once in seas of plane waves: course by Nomoto's law, heave, roll and pitch as oscillators in the waves.
 
-Nomoto et al. (1957, Int. Shipbuild. Prog. 4): T r' + r = K delta, K and 1/T in proportion to the speed. Each of heave,
-roll and pitch has a natural period and a share of critical damping, and is driven by the elevation and slopes in the
-mean over the boat's length and breadth (sin(a)/a) at the depth of half her draught (Smith). Coupling and
-short waves, as strips and panels have them, are left out; a scene with a ship has them.
+Nomoto et al. (1957, Int. Shipbuild. Prog. 4): T r' + r = K delta, K and 1/T in proportion to the speed. Heave, roll and
+pitch have a natural period and a damping ratio each, and are driven by elevation and slopes of the waves, averaged over
+the boat's length and breadth (sin(a)/a) at half her draught (Smith effect). Coupling and short waves, as strip and
+panel methods have them, are left out; a scene with a ship has them.
 """
 
 from collections.abc import Sequence
@@ -50,7 +50,7 @@ class Boats:
 
     @property
     def heave(self) -> np.ndarray:
-        """Heave (n,) [m], up."""
+        """Heave (n,) [m] of the boats, positive upward."""
         return self.state[:, 0]
 
     @property
@@ -64,8 +64,8 @@ class Boats:
         return self.velocity[:, 1:]
 
     def begin(self, which: np.ndarray, seas: Sequence[waves.Components], heading: np.ndarray, speed: float) -> None:
-        """Start the boats in the mask `which` (n,) at the origin, with `speed` [m/s], without heave, roll or pitch;
-        they get the seas and headings [rad] in order."""
+        """Start the boats in the mask `which` (n,) at the origin with `speed` [m/s], without heave, roll or pitch.
+        `seas` and `heading` [rad] belong to these boats, in order."""
         for k, sea in zip(np.flatnonzero(which), seas):
             self.amplitude[k], self.phase[k], self.omega[k] = sea.amplitude, sea.phase, sea.omega
             self.wavevector[k] = sea.wavevector
@@ -78,8 +78,7 @@ class Boats:
         return np.stack([np.sin(self.heading), np.cos(self.heading)], axis=1)
 
     def wave_phases(self, place: np.ndarray, later: float) -> np.ndarray:
-        """Phases (n, m) [rad] of each boat's waves at `place` (n, 2), x and z [m] of a point each, `later` [s] from
-        now."""
+        """Phases (n, m) [rad] of each boat's waves, `later` [s] from now, at a `place` x, z (n, 2) [m] per boat."""
         x, z = place[:, 0, None], place[:, 1, None]
         k = self.wavevector
         turns = k[:, :, 0] * x + k[:, :, 1] * z - self.omega * (self.time[:, None] + later) + self.phase
@@ -94,8 +93,8 @@ class Boats:
         return (self.amplitude * np.cos(self.wave_phases(bow, later))).sum(axis=1)
 
     def wave_forcing(self) -> tuple[np.ndarray, np.ndarray]:
-        """Heave [m], roll, pitch [rad] (n, 3) at rest in the waves of this moment; yaw rate (n,) [rad/s] by
-        waves."""
+        """Heave [m], roll, pitch [rad] (n, 3) of boats at rest in the waves of this moment, about which they oscillate;
+        and the yaw rate (n,) [rad/s] caused by waves."""
         ahead, boat = self.bow_direction(), self.boat
         along = (self.wavevector * ahead[:, None]).sum(axis=2)
         across = self.wavevector[:, :, 0] * ahead[:, 1, None] - self.wavevector[:, :, 1] * ahead[:, 0, None]  # to port
@@ -136,7 +135,7 @@ def random_sea(height: float, period: float, heading_deg: float, depth: float, s
 
 
 def mean_over(half: np.ndarray) -> np.ndarray:
-    """Mean of a wave over a length, over its value in the middle: sin(a) / a; `half`: a, its phase [rad] at the end."""
+    """Mean of a wave over a length, divided by its value in the middle: sin(a) / a. `half`: a, half its phase [rad]."""
     a = half.astype(np.float32)
     a = np.where(np.abs(a) < 1e-4, np.float32(1e-4), a)
     return np.sin(a) / a

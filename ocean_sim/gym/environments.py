@@ -77,7 +77,7 @@ class OceanVectorEnv(VectorEnv):
         return self.observations(), self.info()
 
     def begin(self, which: np.ndarray) -> None:
-        """Start an episode of the boats in mask `which` (n,), at cruise speed: new sea, heading, heading to steer."""
+        """Start an episode of the boats in mask `which` (n,) at cruise speed: new sea, heading and target heading."""
         count = int(which.sum())
         random = self.np_random
         headings, seeds = random.uniform(0.0, 360.0, count), random.integers(0, 2**31, count)
@@ -112,7 +112,7 @@ class OceanVectorEnv(VectorEnv):
         return self.observations(), reward, over, late, self.info()
 
     def info(self) -> dict[str, Any]:
-        """Dict of `position` (n, 2), x and z [m], `heading` (n,) [rad], and a mask of each, all True, for Gymnasium."""
+        """Dict of `position` (n, 2), x, z [m], `heading` (n,) [rad], and masks of both, all True, for Gymnasium."""
         known = np.ones(self.num_envs, dtype=bool)
         found = {"position": self.boats.place.copy(), "heading": self.boats.heading.copy()}
         return found | {f"_{name}": known for name in found}

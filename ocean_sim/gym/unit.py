@@ -46,7 +46,7 @@ class OceanBoat(Fmi2Slave):
                 self.register_variable(Real(name, causality=causality))
 
     def exit_initialization_mode(self) -> None:
-        """Start the boat in the sea of the parameters; the simulation master calls this once these are set."""
+        """Start the boat in the sea of the parameters; the simulation master calls this once it has set them."""
         height, period, heading, seed = (float(getattr(self, name)) for name in PARAMETERS)
         sea, boat = random_sea(height, period, heading, WATER_DEPTH, int(seed)), Boat()
         self.boats = Boats(boat, 1, WAVE_COUNT, WATER_DEPTH)
@@ -73,8 +73,7 @@ class OceanBoat(Fmi2Slave):
 
 
 def main(words: Sequence[str]) -> int:
-    """Write `OceanBoat.fmu` into the folder that the command line, `words`, names; returns the exit code, 2 on
-    error."""
+    """Write `OceanBoat.fmu` into the folder named on the command line, `words`; returns the exit code (2: error)."""
     from pythonfmu.builder import FmuBuilder
 
     if len(words) > 1 or any(word.startswith("-") for word in words):

@@ -142,8 +142,8 @@ class Accuracy(Observer, of=Config):
 
 
 def highest_particles(basin: Basin, fluid: ParticleFluid) -> np.ndarray:
-    """(m, 3) points [m]: the water is cut into vertical columns two spacings wide, and each column that has particles
-    gives the point half a spacing above its highest one."""
+    """Points (m, 3) [m] on top of the water, one per vertical column two spacings wide that holds particles: half a
+    spacing above its highest particle."""
     x = fluid.particles.snapshot().position
     lower, size = np.array(basin.lower)[[0, 2]], np.subtract(basin.upper, basin.lower)[[0, 2]]
     counts = np.maximum(1, (size / (SURFACE_COLUMN_WIDTH * fluid.spacing) + 1.0e-6).astype(int))
@@ -157,6 +157,6 @@ def highest_particles(basin: Basin, fluid: ParticleFluid) -> np.ndarray:
 
 
 def surface_fit(surface: Surface, points: np.ndarray) -> tuple[float, float]:
-    """Mean and root mean square [m] of the height of the drawn `surface` minus the heights of `points` (m, 3) [m]."""
+    """Mean and root mean square [m] of the height of the drawn `surface` above `points` (m, 3) [m]."""
     away = surface.elevations(points[:, [0, 2]]) - points[:, 1]
     return float(away.mean()), float(np.sqrt(np.square(away).mean()))

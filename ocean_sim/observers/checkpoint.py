@@ -30,7 +30,7 @@ class Config(PeriodicConfig):
 
 
 class Checkpoint(Observer, of=Config):
-    """Writes checkpoint_<time>.h5 and keeps the newest two; also at the first Ctrl-C or SIGTERM, which ends the run."""
+    """Writes checkpoint_<time>.h5 at intervals and when Ctrl-C or SIGTERM ends the run; keeps the newest two."""
 
     left_out = ("contents", "last_write", "stop_requested", "handlers")
 
@@ -82,7 +82,7 @@ class Checkpoint(Observer, of=Config):
 
 
 def roots(simulation: Simulation) -> dict[str, Any]:
-    """Objects through which a checkpoint finds all that it saves: the simulation, and observers named in the scene."""
+    """Objects, by name, that hold all the state of a checkpoint: the simulation, and observers named in the scene."""
     named = simulation.scene.observers
     return {"simulation": simulation, "observers": dict(zip(named, simulation.observers[: len(named)]))}
 
@@ -93,9 +93,9 @@ def versions() -> dict[str, str | None]:
 
 
 def restore(simulation: Simulation, kept: checkpoint_file.Checkpoint, folder: Path, changed: str = "") -> None:
-    """Put a newly built simulation into the state of `kept`, a checkpoint of the same scene; its files are in `folder`.
-    `changed`: text on how the program differs from the one that made the checkpoint; every CSV file gets it. Raises
-    Mismatch: then the folder is unchanged, and the simulation must not be used."""
+    """Set a newly built simulation to the state in `kept`, a checkpoint of the same scene, and cut the run's files in
+    `folder` back to it. `changed`: how the program differs from the one that made the checkpoint, noted in all CSV
+    files. Raises Mismatch; the folder is then unchanged, but the simulation cannot be used."""
     try:
         state = Restorer(roots(simulation), kept.tree, kept.arrays, folder)
         state.cut()

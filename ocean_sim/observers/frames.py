@@ -153,9 +153,9 @@ class Frames(Observer, of=Config):
     def foam_arrays(
         self, simulation: Simulation, points: np.ndarray, elevation: np.ndarray, snapshot: "Snapshot | None"
     ) -> dict[str, np.ndarray]:
-        """Foam arrays of a frame, by name: white share, displacement of the foam's texture [m], velocity [m/s], drops,
-        and the sea's white share unless the water models it. `points` (n, 2): x, z [m]; `elevation` (nx, nz): heights
-        [m]."""
+        """Foam arrays of a frame, by name: shares of white water, displacement of the foam's texture [m], surface
+        velocity [m/s], drops, and a target cover unless the water models foam. `points` (n, 2): x, z [m]; `elevation`
+        (nx, nz): heights [m] there; `snapshot`: particles, or None."""
         assert self.white is not None
         origin = points[0] - self.points[0]
         for field in (self.white, self.left):
@@ -201,8 +201,9 @@ class Frames(Observer, of=Config):
     def fly_drops(
         self, simulation: Simulation, place: np.ndarray, velocity: np.ndarray, snapshot: "Snapshot | None", wind: float
     ) -> np.ndarray:
-        """Advance the spray; returns its drops, (n, 9) as in `spray.Spray`. They leave foam, fast particles and bows.
-        `place`, `velocity` (nx, nz, 3): surface points [m], their velocities [m/s]; `wind`: speed at 10 m [m/s]."""
+        """Advance the spray thrown by foam, fast particles and ships' bows; returns its drops, (n, 9) as in
+        `spray.Spray`. `place`, `velocity` (nx, nz, 3): surface points [m] and their velocities [m/s]; `snapshot`:
+        particles, or None; `wind`: speed at 10 m [m/s]."""
         from scipy.ndimage import minimum_filter
 
         assert self.white is not None
@@ -237,8 +238,8 @@ class Frames(Observer, of=Config):
     def breaking_heights(
         self, simulation: Simulation, points: np.ndarray, elevation: np.ndarray, origin: np.ndarray
     ) -> np.ndarray:
-        """Heights (nx, nz) [m] from which breaking is judged: `elevation` at `points` x, z (n, 2) around `origin`,
-        without the disturbance by ships, whose hulls would count as breaking crests."""
+        """Heights (nx, nz) [m] in which to look for breaking crests: `elevation` at `points` x, z (n, 2) around
+        `origin`, less the disturbance by ships, whose hulls would count as crests."""
         if not self.ships:
             return elevation
         undisturbed = simulation.fluid.undisturbed_elevations(points, elevation.ravel())
@@ -254,7 +255,7 @@ class Frames(Observer, of=Config):
         return foam.levelled_heights(elevation, inside.reshape(self.shape), widest / self.cell)
 
     def whiten_past_sea(self, simulation: Simulation, points: np.ndarray) -> None:
-        """Form the foam that a sea in closed form would have left at points x, z (n, 2) [m] before the run began."""
+        """Begin with the foam that a sea of plane waves would have left at points x, z (n, 2) [m] before the run."""
         sea, begins = simulation.fluid.plane_waves, simulation.time
         if sea is None or sea.ramp_share(begins) < 1.0:
             return
@@ -266,7 +267,7 @@ class Frames(Observer, of=Config):
 
     def advance_foam(self, time: float, elevation: np.ndarray | None, velocity: np.ndarray, wind: float) -> None:
         """Advance the foam to a `time` [s]: carry it with the `velocity` (nx, nz, 3) [m/s], and form new foam on crests
-        of the heights `elevation` (nx, nz) [m], unless None, up to the cover usual at this `wind` speed [m/s]."""
+        of the heights `elevation` (nx, nz) [m], if given, up to the cover usual at this `wind` speed [m/s]."""
         assert self.white is not None
         source = None
         if elevation is not None and velocity.any():  # a column before its release does not break
@@ -275,8 +276,7 @@ class Frames(Observer, of=Config):
         self.white.advance(time, velocity[..., [0, 2]], source, wanted)
 
     def origin(self) -> np.ndarray:
-        """(2,) x, z [m] of a frame's middle: in 3-D it follows the ships by whole cells; without any, the basin's
-        origin."""
+        """Middle x, z (2,) [m] of a frame: in 3-D the mean position of the ships, in whole cells; else the origin."""
         return middle_cell(self.ships, self.cell) if self.ships and self.cell.all() else np.zeros(2)
 
     def resumed(self, changed: str) -> None:
@@ -306,8 +306,9 @@ def move_triangles(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) ->
 
 
 def topmost_velocity(snapshot: "Snapshot", points: np.ndarray, top: np.ndarray, period: Sequence[float]) -> np.ndarray:
-    """(nx, nz, 3) mean velocity [m/s] of the particles above the heights `top` (nx, nz) [m], in each cell of `points`
-    (n, 2); an empty cell takes that of its neighbours. `period`: of the basin along each axis [m], 0 if none."""
+    """Mean velocity (nx, nz, 3) [m/s] of the particles above the heights `top` (nx, nz) [m] in each cell around
+    `points` (n, 2); a cell without any takes that of its neighbours. `period`: of the basin along each axis [m], 0 if
+    none."""
     high = np.flatnonzero(snapshot.position[:, 1] > top.min())  # all others lie lower
     x = snapshot.position.take(high, axis=0).astype(float)
     if any(period):
@@ -324,8 +325,8 @@ def topmost_velocity(snapshot: "Snapshot", points: np.ndarray, top: np.ndarray, 
 
 
 def fill_unknown(values: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Copy of `values` (nx, nz, m) with gaps filled: a value that is not `known` (nx, nz) becomes the mean of the known
-    ones in the 8 cells around, or 0 without any."""
+    """Copy of `values` (nx, nz, m) whose gaps, where `known` (nx, nz) is False, are filled by the mean of the known
+    values in the 8 cells around, or by 0 without any."""
     from scipy.ndimage import uniform_filter
 
     if known.all():

@@ -58,7 +58,7 @@ class Runup(Model):
         return None if self.at is None else outside_reason((self.at,), "z" if self.along == "x" else "x", basin)
 
     def height(self, position: np.ndarray, basin: Basin, spacing: float) -> float:
-        """Highest point [m] of the bed that the water reaches on this line; NaN if dry. `position`: (n, 3) [m]."""
+        """Highest point [m] of the bed that particles at `position` (n, 3) [m] reach on this line; NaN if it is dry."""
         assert basin.ground is not None  # see `problem`
         along, across = (0, 2) if self.along == "x" else (2, 0)
         beside = position[np.abs(position[:, across] - (self.at or 0.0)) <= spacing]
@@ -168,7 +168,7 @@ class Config(PeriodicConfig):
 
     @property
     def riding_gauges(self) -> list[Key]:
-        """Keys, as ("elevation", name) or ("pressure", name), of the gauges that move with ships or patch."""
+        """Keys, as ("elevation", name) or ("pressure", name), of gauges that move with ships or a patch of open sea."""
         waves: list[Key] = [("elevation", name) for name, wave in self.waves.items() if wave.rides]
         return [*waves, *(("pressure", name) for name, sensor in self.sensors.items() if sensor.rides)]
 
@@ -207,8 +207,8 @@ def riding_problem(preflight: Preflight) -> str | None:
 
 
 def outside_reason(point: tuple[float, ...], axes: str, basin: Basin) -> str | None:
-    """Reason why a point, by its coordinates along `axes`, is outside the basin; None if inside, or above an open
-    one."""
+    """Reason why a point, by its coordinates along `axes`, is outside the basin, or None. Above an open basin is
+    inside."""
     wanted = axes if basin.dimension == 3 else axes.replace("z", "")
     if len(point) != len(wanted):
         slice_ = "" if basin.dimension == 3 else ", the basin is 2-D"
@@ -251,7 +251,8 @@ def sensor_description(sensor: Sensor, points: int) -> str:
 
 
 def hydrostatic_offset(simulation: Simulation) -> dict[str, object]:
-    """Comment line of gauges.csv, by name: how far the water's own weight lowers the surface; empty if it does not."""
+    """Comment line of gauges.csv, by its name: how far compression by weight lowers the surface; empty if not at
+    all."""
     if not simulation.fluid.surface_drop:
         return {}
     by = f"{simulation.fluid.surface_drop:.4g} m where it is deepest, g h^2 / (2 c^2) of a column of height h"
@@ -259,8 +260,8 @@ def hydrostatic_offset(simulation: Simulation) -> dict[str, object]:
 
 
 def dry_tops(obstacles: Sequence[Corners], columns: np.ndarray, heights: np.ndarray) -> np.ndarray:
-    """(n,) heights [m] that gauges read at columns x, z (n, 2) [m]: the top of an obstacle that stands there above the
-    water, else the water's own, `heights`. `obstacles`: lower and upper corners of boxes."""
+    """Heights (n,) [m] that gauges read at x, z `columns` (n, 2) [m]: the top of an obstacle that rises there above the
+    water, else the water's own from `heights` (n,). `obstacles`: lower and upper corners of boxes."""
     for low, up in sorted(obstacles, key=lambda box: box[0][1]):
         over = ((columns >= np.array(low)[[0, 2]]) & (columns <= np.array(up)[[0, 2]])).all(axis=1)
         heights = np.where(over & (heights >= low[1] - BOX_ROUNDING) & (heights < up[1]), up[1], heights)

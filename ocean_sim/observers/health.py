@@ -65,8 +65,7 @@ class Config(PeriodicConfig):
 
 
 class Health(OutcomeObserver, of=Config):
-    """Checks the water after every step and raises Diverged if it left the physical world; events.jsonl lists the run's
-    events."""
+    """Checks the water after each step and raises Diverged if it left the physical world; writes events.jsonl."""
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.config, self.every, self.simulation = config, config.every, simulation
@@ -258,15 +257,16 @@ class Health(OutcomeObserver, of=Config):
             self.record_once(name, **{measure: float(f"{value:.3g}")}, bound=bound)
 
     def record_change(self, kind: str, value: object, name: str, **facts: object) -> None:
-        """Record the event `name` if `value` has changed; at most one in EVENT_INTERVAL [s] of each `kind`, a key."""
+        """Record the event `name` if `value` differs from the one at the last event of this `kind` (a key of
+        `recorded`), and that event is at least EVENT_INTERVAL [s] ago."""
         due = self.simulation.time >= self.event_times[kind] + EVENT_INTERVAL
         if due and value != self.recorded[kind]:
             self.record_event(name, **facts)
             self.event_times[kind], self.recorded[kind] = self.simulation.time, value
 
     def note_work(self, totals: Totals) -> None:
-        """Record an event if the water has too much energy that no force has given, as a share of its energy scale plus
-        the highest kinetic energy so far plus the work of the forces that drive it, gravity included."""
+        """Record an event if the water gained too much energy that no force explains. It is compared with the energy
+        scale plus the highest kinetic energy so far plus the work of the driving forces, gravity included."""
         if self.balance is not None and not self.simulation.fluid.status.clipped:
             work, moving = self.simulation.fluid.work, kinetic_and_potential(self.simulation, totals)[0]
             self.highest_motion = max(self.highest_motion, moving)
@@ -275,7 +275,7 @@ class Health(OutcomeObserver, of=Config):
             self.report_excess("energy that no work has given", "over_all_work", share, WORK_REPORTED)
 
     def unexplained_energy(self, balance: Balance, totals: Totals) -> float:
-        """Energy [J] gained by the water minus the work of forces, since the first check or a change of stiffness."""
+        """Energy [J] gained by the water without work of a force, since the first check or a change of stiffness."""
         fluid = self.simulation.fluid
         if fluid.sound_speed != self.stiffness:  # a person has changed the stiffness
             balance.at_first, self.stiffness = None, fluid.sound_speed
@@ -287,8 +287,8 @@ class Health(OutcomeObserver, of=Config):
         return sum(kinetic_and_potential(self.simulation, totals)), self.simulation.fluid.internal_energy()
 
     def energy_violations(self, totals: Totals) -> Iterator[str]:
-        """Yield a sentence for each excess of energy over the work of forces. An unstable scheme gains energy long
-        before a particle is out of bounds; in stiff water the first lattice may turn its compression into motion."""
+        """Yield a sentence for each excess of energy. An unstable scheme gains energy long before a particle leaves its
+        bounds. Stiff water may also turn compression in its initial lattice into motion."""
         if self.judges_energy:
             fluid, bound = self.simulation.fluid, self.config.max_energy_gain
             scale = with_particles(fluid).particles.mass * self.n * fluid.reference_speed**2
@@ -358,7 +358,7 @@ class Health(OutcomeObserver, of=Config):
                 raise Diverged(self.failure_sentence(f"{what} ({x:.4g}, {z:.4g}) m", cure))
 
     def note_rim(self, simulation: Simulation) -> None:
-        """Record an event if one of several ships is in the patch's rim, where water is relaxed to the open sea."""
+        """Record an event if one of several ships is in the rim, relaxed to the open sea, of a patch of that sea."""
         if len(simulation.ships) < 2:
             return
         at = np.array([ship.body.position[[0, 2]] for ship in simulation.ships.values()])
@@ -382,7 +382,7 @@ class Health(OutcomeObserver, of=Config):
             self.record_change(flight, ship.airborne, event, **facts, speed_m_s=speed)
 
     def note_clipping(self, simulation: Simulation) -> None:
-        """Record an event if `motion_limit`, the limit on a particle's step, has held more particles back."""
+        """Record an event if more particles have had their motion in one step cut to the limit `motion_limit`."""
         clipped = simulation.fluid.status.clipped
         if simulation.outcome != "running":
             self.event_times["clipped"] = -EVENT_INTERVAL
@@ -398,7 +398,7 @@ class Health(OutcomeObserver, of=Config):
             self.events.close()
 
     def amend(self) -> None:
-        """Write the event of the run's end once more, since files made after the run may have changed the outcome."""
+        """Rewrite the event at the run's end: files made after the run (pictures, say) may have changed the outcome."""
         if self.events is not None:
             self.events = Path(self.events.name).open("a", encoding="utf-8")
             self.close()

@@ -1,4 +1,5 @@
-"""The motion of each ship at a fixed rate: pose, rates, specific force at a point, and every load of (4.27)."""
+"""The motion of each ship at a fixed rate: pose, rates, specific force at a point, and every load in equation
+(4.27)."""
 
 from functools import reduce
 from pathlib import Path
@@ -46,7 +47,7 @@ def log_name(ship: str) -> str:
 
 
 def log_columns(parts: tuple[str, ...]) -> tuple[str, ...]:
-    """Column names of a ship's motion log; `parts`: names of the parts of her load, such as `buoyancy`."""
+    """Column names of a ship's motion log. `parts`: components of her load, such as buoyancy, six columns each."""
     return (
         "time_s",
         "seq",
@@ -146,7 +147,7 @@ class Log:
         self.last = simulation.time, self.ship.body, self.ship.orders
 
     def complete(self, simulation: Simulation) -> None:
-        """Store the moment before this one, whose load is known only now, and write the rows that it completes."""
+        """Store the state after the step before, whose load this step has computed; write rows if some are due."""
         if self.last is None:
             return
         (time, body, orders), ship = self.last, self.ship
@@ -167,7 +168,7 @@ class Log:
             self.write(simulation)
 
     def write(self, simulation: Simulation) -> None:
-        """Write all due rows, interpolated between the stored moments; the last moment begins the next batch."""
+        """Write all due rows, interpolated between the stored states; the last state begins the next batch."""
         moments = self.moments[: self.seen]
         moments[:, QUATERNION] = continuous_signs(moments[:, QUATERNION].T).T
         columns = moments[:, : MOMENT.size].T
@@ -196,8 +197,9 @@ class Log:
             observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)
 
     def load_table(self, body: Attitude, acceleration: np.ndarray, turning: np.ndarray, rest: np.ndarray) -> np.ndarray:
-        """(n, m) accelerations, specific forces, loads and orders at n moments. `acceleration`, `turning` (3, n):
-        linear [m/s2] and angular [rad/s2]; `rest` (n, k): throttle, rudder, then each part of the load."""
+        """Columns (n, m) of the log at n times: accelerations, specific forces, loads, throttle, rudder.
+        `acceleration`, `turning` (3, n): linear [m/s2], angular [rad/s2]; `rest` (n, k): throttle, rudder, components
+        of load."""
         felt = body.point_acceleration(self.arm, acceleration, turning)
         specific = to_frame(self.frame, body.to_body(felt - self.gravity[:, None]).T)
         orders, parts = rest[:, :2], rest[:, 2:].reshape(len(rest), -1, 6)
@@ -207,7 +209,7 @@ class Log:
         return np.concatenate([along, specific, loads.reshape(len(rest), -1), orders], axis=1)
 
     def motion_table(self, track: Track) -> np.ndarray:
-        """(16, n) positions [m], angles [rad], quaternions, velocities [m/s], rates [rad/s], in the log's axes."""
+        """Columns (16, n), log's axes: positions [m], angles [rad], quaternions, velocities [m/s], rates [rad/s]."""
         body, signs = attitude_of(track), self.signs[:, None]
         q = body.orientation
         pose, speed = (track.place[:3], body.angles), (track.velocity[:3], body.to_body(body.spin))
@@ -215,7 +217,7 @@ class Log:
         return np.concatenate([*(signs * x for x in pose), *turn, *(signs * x for x in speed)])
 
     def close(self, simulation: Simulation) -> None:
-        """Write the last rows, for which the load of the step before is taken, and close the file."""
+        """Write the last rows, with the load of the step before, as their own is not known yet, and close the file."""
         self.complete(simulation)
         if self.due:
             self.write(simulation)

@@ -101,7 +101,7 @@ class Buffer:
         self.field: Any = None
 
     def put(self, values: np.ndarray) -> int:
-        """Copy (n, length) or (n,) values into the field; returns n. The last fills the rest, which GGUI may draw."""
+        """Copy (n, length) or (n,) values into the field, padded with the last, as GGUI may draw all; return n."""
         n = len(values)
         if self.field is None or self.field.shape[0] < n:
             room = max(64, 2 ** int(np.ceil(np.log2(max(n, 1)))))
@@ -123,7 +123,7 @@ class Mesh:
         self.vertices, self.normals, self.colours, self.corners = Buffer(), Buffer(), Buffer(), Buffer(0)
 
     def show(self, scene: Any, patch: Patch | None, wires: bool = False) -> None:
-        """Add the triangles of a patch, unless None, to a GGUI scene; `wires`: True to draw only their edges."""
+        """Add a `Patch` (coloured triangles), unless None, to a GGUI scene; `wires`: True to draw only their edges."""
         if patch is None:
             return
         self.normals.put(np.broadcast_to([0.0, 1.0, 0.0], patch.vertices.shape))  # plain colours need none, GGUI does
@@ -167,7 +167,7 @@ class Screen:
         self.cursor: tuple[float, float] | None = None
 
     def watch(self, simulation: Simulation, panel: Panel) -> None:
-        """Draw this simulation from now on, and offer its cameras, contents and ships in the panel."""
+        """Draw this simulation from now on, and offer its cameras, contents and ships to the user in the panel."""
         self.simulation, self.scene = simulation, PreviewScene(simulation)
         panel.offer(self.scene.cameras, self.scene.contents, tuple(simulation.ships))
 

@@ -115,7 +115,7 @@ class Config(Drawing, PeriodicConfig):
         return alone * wall + by_turns * wall_by_turns
 
     def scenery(self, preflight: Preflight) -> str:
-        """Kind of scenery that pictures will show, a key of PROCESS_BYTES, as far as the scene alone tells."""
+        """Kind of scenery that pictures will show, a key of PROCESS_BYTES, as far as it is known before the run."""
         tank, water = preflight.tank, preflight.untouched
         if self.particles or tank.dimension == 2:
             return "particles"
@@ -200,7 +200,7 @@ class Render(OutcomeObserver, of=Config):
 
 
 class Request(Model):
-    """Input of a drawing process, in JSON: the pictures to draw, as a list of Order."""
+    """Input of a drawing process, in JSON: a list of `Order`s, each of which describes the pictures of one run."""
 
     orders: Sequence[Order]
     goes_on: bool
@@ -304,8 +304,8 @@ def render_run(folder: Path, *, out: Path | None = None, progress: Progress | No
 
 
 def order_of(folder: Path, *, out: Path | None = None, every: float = 0.033, **asked: Any) -> Order:
-    """Order (description of pictures to draw) for the run in `folder`, into `out` or else that folder. `every`: time
-    between film pictures [s]; `asked`: other fields of Order by name."""
+    """`Order` (all options of the pictures to draw) for the run in `folder`, into `out` or else that folder. `every`:
+    time between film pictures [s]; `asked`: other fields of Order by name."""
     by_turns = {"painters": painter_count(run_scene(folder).get("duration", 0.0) / every)}
     return Order(folder=str(folder), out=str(out or folder), every=every, **by_turns | asked)
 
@@ -316,7 +316,8 @@ def painter_count(pictures: float) -> int:
 
 
 def draw_apart(orders: Sequence[Order], progress: Progress | None = None) -> None:
-    """Draw pictures by `orders` in a child process and wait for it; raises OpenGLMissing or RenderFailed."""
+    """Draw the pictures described by `orders` in a child process and wait for it; raises OpenGLMissing or
+    RenderFailed."""
     Drawer(orders, progress).finish()
 
 
@@ -393,7 +394,8 @@ def draw_order(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]
 
 
 def begin_picture(order: Order, over: threading.Event) -> tuple[Picture, "ComingFrames"]:
-    """Picture ready to draw frames of the run in an `Order`, and the frame files to come; `over` as in `draw_order`."""
+    """`Picture` that will draw the frames of the run in an `Order`, and the files of these frames, which may be still
+    to come. `over`: as in `draw_order`."""
     folder = Path(order.folder)
     with open_frame(folder / "frames" / "grid.npz") as file:
         grid = dict(file)
@@ -410,7 +412,7 @@ def sample_files(files: list[Path]) -> list[Path]:
 
 
 class ComingFrames:
-    """Frame files of a run that may still be going on, found as it writes them; event `over` is set when it ends."""
+    """Frame files of a run, listed as it writes them; the event `over` is set when the run ends."""
 
     def __init__(self, folder: Path, over: threading.Event) -> None:
         self.folder, self.over = folder, over
@@ -434,7 +436,8 @@ class ComingFrames:
         self.look()
 
     def chosen(self, every: float) -> Iterator[tuple[Path, int]]:
-        """Yield (frame file, total number, 0 while unknown) for each picture of a film, `every` [s] apart."""
+        """Yield, for each picture of a film with pictures `every` [s] apart: its frame file, and the number of pictures
+        in all, 0 while unknown."""
         done = 0
         while True:
             ended, there = self.ended, len(self.log.files)
@@ -450,7 +453,7 @@ class ComingFrames:
 
 
 class Painter(DrawingProcess, AbstractContextManager["Painter"]):
-    """Further process that draws its share of a film's pictures, taking turns; this process reads them from a pipe."""
+    """Further process that draws every n-th picture of a film; the one that writes the film reads it from a pipe."""
 
     def __init__(self, order: Order, over: threading.Event, turn: int) -> None:
         """Start the process. `over`: as in `draw_order`; `turn`: its number, from 1; this process has number 0."""
@@ -475,8 +478,8 @@ class Painter(DrawingProcess, AbstractContextManager["Painter"]):
 
 
 def film_turns(coming: ComingFrames, every: float, of: int) -> Iterator[tuple[Path, int, int | None]]:
-    """Yield, for each picture of a film: (a) its frame file, (b) the number of pictures in all, 0 while unknown, (c)
-    the number, below `of`, of the process that draws it, or None if it equals the picture before."""
+    """Yield for each picture of a film: (a) its frame file; (b) the number of pictures in all, 0 while unknown; (c)
+    which of `of` processes draws it, from 0, or None if it equals the picture before."""
     shown, turn = None, 0
     for file, total in coming.chosen(every):
         yield file, total, None if file == shown else turn % of

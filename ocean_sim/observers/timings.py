@@ -54,7 +54,7 @@ class Timings(Observer, of=Config):
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Context manager that measures the wall time of a stage, its block; it replaces `simulation.stage`."""
+        """Context manager that adds up the wall time of a stage (part) of a step; replaces `simulation.stage`."""
         self.sync()
         entered = perf_counter()
         if self.start is None:
@@ -65,7 +65,7 @@ class Timings(Observer, of=Config):
             self.stage_times[name] += perf_counter() - entered
 
     def warm_up(self, name: str, now: float) -> None:
-        """Note the start and the end of the first step, seen as stage `name` begins at wall time `now` [s]."""
+        """Note the start of the first step, or its end; called when the stage `name` begins at wall time `now` [s]."""
         if self.began is not None and self.simulation.steps > self.first_step:
             self.first_step_s = now - self.began
             self.start = self.last = self.take_mark(now)
@@ -80,7 +80,7 @@ class Timings(Observer, of=Config):
             self.write_row()
 
     def write_row(self) -> None:
-        """Write a row of means since the row before, if there was a step since and the run has a folder."""
+        """Write a row of means since the last row, unless there was no step since or the run has no folder."""
         now = self.take_mark(perf_counter())
         if self.folder is None or self.last is None or self.start is None or now.steps == self.last.steps:
             return

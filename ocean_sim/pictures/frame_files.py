@@ -55,7 +55,7 @@ def frame_path(folder: Path, number: int) -> Path:
 
 
 def ship_keys(file: Iterable[str], ending: str) -> list[str]:
-    """Keys of the ships in a frame or grid file: the names of its arrays that end in `ending`, without that ending."""
+    """Keys of the ships in a frame or grid file: names of its arrays that end in `ending`, less that ending."""
     return [name.removesuffix(ending) for name in file if name.endswith(ending)]
 
 
@@ -91,7 +91,7 @@ class Frame:
 
     @property
     def place(self) -> np.ndarray:
-        """Origin (3,) [m] of the frame's grid of heights in the world, at the level of still water."""
+        """Position (3,) [m] in the world of the origin of the frame's grid of heights, at the still water level."""
         return np.insert(self.origin, 1, 0.0)
 
     @property
@@ -147,14 +147,14 @@ class FrameLog:
 
 
 def film_frames(times: np.ndarray, every: float, ended: bool = True) -> list[int]:
-    """Indices of the frames in a film: the frame nearest to the first time, and to every `every` [s] after it. While
-    the run goes on (`ended` False), only those that later frames cannot replace."""
+    """Indices of the frames that a film shows: those nearest to moments `every` [s] apart, from the first of `times`
+    [s]. While the run goes on (`ended` False), only those that later frames cannot replace."""
     moments = np.arange(times[0], times[-1] + 0.5 * every, every)
     return [int(np.abs(times - moment).argmin()) for moment in moments if ended or moment <= times[-1]]
 
 
 def ends_afloat(frame: Frame, grid: Any) -> np.ndarray:
-    """Water height [m] and depth of the centre line under water [m] at bow and stern of each ship in a frame (ends, 2);
+    """Water height [m], and depth under water of the hull's middle line [m], at bow and stern of each ship: (ends, 2).
     `grid`: arrays that a run saves once."""
     ends = [np.zeros((0, 3))]
     for key, (position, turn) in frame.ships.items():
@@ -165,10 +165,10 @@ def ends_afloat(frame: Frame, grid: Any) -> np.ndarray:
 
 
 def survey_run(files: list[Path], grid: Any) -> tuple[Frame, float]:
-    """Frame for the still picture of a run, and the highest 99th percentile of particle speeds [m/s] in any frame. From
-    the second half, STILL_SHARE of the frames is kept, in which water rises at the ships and they float nearest to
-    their mean immersion; the one with the highest waves wins, in a slice, coloured by speed, that with the largest
-    product of height and speed."""
+    """Frame for the still picture of a run, and the highest 99th percentile of particle speeds [m/s] in any frame. Of
+    the second half, STILL_SHARE of the frames is eligible: those where water rises at the ships and these float nearest
+    to their mean immersion. The one with the highest waves is taken; in a slice, which is coloured by speed, that with
+    the largest product of height and speed."""
     waves, speed, ends = [], [0.1], []
     for frame in map(Frame, files):  # one at a time: a frame of a large run is large
         waves.append(float(frame.elevation.std()))
@@ -199,7 +199,7 @@ def basin_slab(basin: "Basin", axis: int, *ends: float) -> np.ndarray:
 
 
 def grid_arrays(simulation: "Simulation", x: np.ndarray, z: np.ndarray) -> dict[str, Any]:
-    """Arrays that a run saves once: basin, fittings, plane waves, hulls, and coordinates x, z [m] of the heights."""
+    """Arrays that a run saves once: basin with obstacles and wavemakers, plane waves, hulls, x and z [m] of heights."""
     basin, fluid, scene = simulation.basin, simulation.fluid, simulation.scene
     arrays: dict[str, Any] = {
         "x": x,
@@ -232,7 +232,7 @@ def grid_arrays(simulation: "Simulation", x: np.ndarray, z: np.ndarray) -> dict[
 
 
 def kept_ground(grid: Any) -> "Ground | None":
-    """Bed that is not flat, rebuilt from the arrays that a run saves once (`grid`); None if the bed is flat."""
+    """Uneven bed, rebuilt from the arrays that a run saves once (`grid`); None if the bed is flat."""
     if "ground_y" not in grid:
         return None
     from ocean_sim.basin.ground import Ground

@@ -31,7 +31,7 @@ LIMIT_TEXTS = {
 
 
 class Cue(NamedTuple):
-    """Request of a washout: poses, and scaled motion to be felt, row by row along FLU axes: x forward, y left, z up."""
+    """Output of a washout: requested poses, and motion to be felt, in rows; FLU axes (x forward, y left, z up)."""
 
     pose: np.ndarray  # (n, 6) x, y, z [m] from neutral, roll, pitch, yaw [rad]: Rz(yaw) Ry(pitch) Rx(roll)
     limited: np.ndarray  # (n,) sum of the limits that acted
@@ -40,7 +40,7 @@ class Cue(NamedTuple):
 
 
 class Commands(NamedTuple):
-    """Poses, leg lengths and felt motion of a platform, row by row along FLU axes: x forward, y left, z up."""
+    """Commands of a platform: poses, leg lengths, felt motion, in rows along FLU axes (x forward, y left, z up)."""
 
     time: np.ndarray  # (n,) [s]
     seq: np.ndarray  # (n,) number of the row
@@ -71,8 +71,8 @@ class Washout(Protocol):
     plans_legs: bool  # True if its poses keep the legs within their stroke
 
     def follow(self, ride: Ride, ahead: Ride | None = None) -> Cue:
-        """Platform poses requested for the next rows of ship motion; the filter's state is kept between calls. `ahead`:
-        the rows after them, up to `look_ahead` of the Config."""
+        """Platform poses requested for the rows of ship motion that follow those of the last call; the filter keeps its
+        state. `ahead`: the rows after them, up to `look_ahead` of the Config."""
 
 
 class WashoutConfig(Protocol):
@@ -97,8 +97,7 @@ class Platform(Protocol):
         """Lengths (6,) of the legs in the neutral pose [m]."""
 
     def follow(self, ride: Ride, ahead: Ride | None = None) -> Commands:
-        """Commands for the next rows of ship motion; the state of washout and legs is kept between calls. `ahead`: as
-        for `Washout.follow`."""
+        """Commands for the next rows of ship motion, continuing the last call's. `ahead`: as for `Washout.follow`."""
 
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
-        """Commands back to neutral after the last two poses `past` (2, 6), the last at `time` [s] in row `seq`."""
+        """Commands from the last two poses, `past` (2, 6), back to neutral; the last was at `time` [s] in row `seq`."""

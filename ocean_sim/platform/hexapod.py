@@ -64,7 +64,7 @@ class Config(PlatformConfig):
                 yield f"platform: it rides in {first}, the first of the ships; platform.ship names another"
 
     def cut_short(self, duration: float) -> Iterator[str]:
-        """Warn if a ride of this duration [s] ends before the ramp does."""
+        """Warn if a run of this duration [s] ends before the platform's initial ramp does."""
         if duration < self.ramp:
             share = 100.0 * float(smooth_step(np.array(duration / self.ramp)))
             yield (
@@ -101,8 +101,8 @@ class HexapodPlatform:
         return self.hexapod.neutral_legs
 
     def follow(self, ride: Ride, ahead: Ride | None = None) -> Commands:
-        """Commands of the platform for the next rows of ship motion: washout, ramp from neutral, workspace, limits of
-        the legs, leg lengths; `ahead`: motion after these rows, if it is known."""
+        """Commands of the platform for the next rows of ship motion. Steps: washout, ramp from neutral, workspace,
+        limits of the legs, leg lengths. `ahead`: motion after these rows, if it is known."""
         if self.start is None:
             self.start = float(ride.time[0])
         cue = self.washout.follow(ride, ahead)
@@ -119,8 +119,8 @@ class HexapodPlatform:
         return Commands(ride.time, ride.seq, pose, legs, velocity, force, rate, limited, cue)
 
     def best(self, done: Commands) -> Commands:
-        """Commands of the best ride that is possible for the motion that the washout requested in the ride `done`;
-        raises SolverMissing, and Failed where there is none."""
+        """Commands of the best motion within the limits, planned over the whole ride, for the motion that the washout
+        requested in `done`; raises SolverMissing, and Failed if there is none."""
         rows = np.column_stack([done.time, done.cue.force, done.cue.rate])
         pose = leg_programme.best_poses(self.geometry, self.hexapod, rows)
         legs, none = self.hexapod.legs(pose), np.zeros(len(pose), dtype=int)
@@ -131,8 +131,8 @@ class HexapodPlatform:
         )
 
     def move_legs(self, legs: Legs, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Lengths (n, 6) [m], speeds (n, 6) [m/s] and limit bits (n,) of the legs for wanted poses (n, 6). Where legs
-        cannot reach a pose in time, its row of `pose` is overwritten by the pose reached."""
+        """Lengths (n, 6) [m], speeds (n, 6) [m/s] and limits that acted (n,), as bits, of the legs for wanted poses (n,
+        6). Where legs cannot reach a pose in time, its row of `pose` is overwritten by the pose reached."""
         free = self.hexapod.legs(pose)
         within = np.clip(free, self.hexapod.low, self.hexapod.high)
         lengths, speeds, limited = legs.follow(within)
@@ -145,7 +145,8 @@ class HexapodPlatform:
         return lengths, speeds, limited
 
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
-        """Commands that glide back to neutral within the ramp, longer for slow legs; arguments as in `Platform`."""
+        """Commands that glide back to neutral in the time of the ramp, more if legs are slow; arguments as in
+        `Platform`."""
         lengths, every, machine = self.hexapod.legs(past), self.every, self.geometry
         stroke = machine.longest - machine.shortest
         longest = stroke / machine.leg_speed + machine.leg_speed / machine.leg_acceleration  # [s]
@@ -163,13 +164,13 @@ class HexapodPlatform:
         return rows.select(slice(end))
 
     def ramp_share(self, time: np.ndarray) -> np.ndarray:
-        """Factors (n,) on poses at times (n,) [s]: they rise from 0 to 1 over the ramp at the start of the ride."""
+        """Factors (n,) on poses at times (n,) [s], which rise from 0 to 1 during the ramp at the start of the ride."""
         if self.ramp == 0.0:
             return np.ones(len(time))
         return smooth_step(np.clip((time - self.start) / self.ramp, 0.0, 1.0))
 
     def felt_motion(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] on the platform at the next poses (n, 6)."""
+        """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] on the platform, at poses (n, 6) after the last."""
         known = np.vstack([self.past, pose])
         self.past = known[-2:]
         return felt_by_differences(known, self.every)

@@ -1,7 +1,7 @@
-"""Answers to a page: the scalar keys of a scene with their values, and the water at points.
+"""Replies to a page: the scalar keys of a scene with their values, and the water at points.
 
-Water in closed form answers for any time by its plane waves, and so does a periodic square. Other water, particles or a
-sea with wakes and breakers, answers for the present time, as its gauges read it.
+Water in closed form is known at any time by its plane waves, as heights over a periodic square are. Other water, of
+particles or of a sea with wakes and breakers, is known at the present time only, as its gauges read it.
 """
 
 from typing import Any
@@ -31,8 +31,8 @@ def key_table(scene: SceneConfig) -> list[dict[str, Any]]:
 
 
 def model_rows(place: str, path: str, model: BaseModel) -> list[dict[str, Any]]:
-    """Rows of `key_table` for a config model and its sub-models; `place`, `path`: its path in the scene, in the
-    keys."""
+    """Rows of `key_table` for a config model and its sub-models. `place`: the model's path in the scene; `path`: in the
+    table of keys."""
     rows: list[dict[str, Any]] = []
     for name in type(model).model_fields:
         value, known = getattr(model, name), by_path().get(f"{path}.{name}")
@@ -49,7 +49,7 @@ def key_row(known: Key, key: str, value: Any) -> dict[str, Any]:
 
 
 def answer_waves(fluid: Fluid, now: float, asked: Waves) -> dict[str, Any]:
-    """Reply to a wave query at `now` [s]: `time` [s] and `values` per point, null where dry. May raise Refused."""
+    """Reply to a wave query at time `now` [s]: `time` [s], and `values` per point, null where dry. Raises Refused."""
     time, sea = now if asked.time is None else asked.time, fluid.plane_waves
     if asked.verb == "field":
         if sea is None:
@@ -81,7 +81,7 @@ def surface_normals(fluid: Fluid, points: np.ndarray) -> np.ndarray:
 
 
 def json_numbers(values: np.ndarray) -> list[Any]:
-    """Nested lists of an array for JSON, rounded to six decimals; null for numbers that are not finite."""
+    """Nested lists of an array for JSON, rounded to six decimals, with null for numbers that are not finite."""
     rows = np.round(np.asarray(values, dtype=float), 6)
     whole = rows.astype(object)
     whole[~np.isfinite(rows)] = None

@@ -180,7 +180,7 @@ def box_positions(positions: np.ndarray, low: np.ndarray, high: np.ndarray) -> n
 
 
 def moment_differences(values: np.ndarray) -> np.ndarray:
-    """Differences (2, moments, n), uint8, of successive rows of integers (moments, n): high bytes, then low bytes."""
+    """Differences (2, moments, n) between successive rows of integers (moments, n), as uint8: high bytes, low bytes."""
     turned = values.astype(np.uint16)
     step = np.diff(turned, axis=0, prepend=np.zeros_like(turned[:1]))
     return np.stack([(step >> 8).astype(np.uint8), (step & 255).astype(np.uint8)])

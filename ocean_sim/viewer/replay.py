@@ -50,7 +50,7 @@ class Recorded:
 
     @property
     def strides(self) -> tuple[int, int]:
-        """Strides along x and z that thin the grid of heights to at most MAX_CELLS along each axis."""
+        """Steps along x and z by which the grid of heights is thinned to at most MAX_CELLS along each axis."""
         return tuple(-(-len(self.grid[axis]) // MAX_CELLS) for axis in "xz")  # type: ignore[return-value]
 
     def still(self) -> bytes:
@@ -58,7 +58,7 @@ class Recorded:
 
     @cached_property
     def setting(self) -> StaticScene:
-        """Static part of the replay: water, basin, ships, and the list of plotted numbers."""
+        """Static part of the replay: water, basin and ships, and a list of the numbers to plot over time."""
         (i, j), first = self.strides, Frame(self.files[0])
         grid = self.grid | {"x": self.grid["x"][::i], "z": self.grid["z"][::j]}
         surface = bool(grid["has_surface"]) or len(grid["z"]) == 1

@@ -89,7 +89,7 @@ def is_own_failure(record: logging.LogRecord) -> bool:
 
 
 class Connections:
-    """Factory of aiohttp protocols, one for each connection, that limits the number of open connections."""
+    """Factory of network protocols (aiohttp), one per connection, that limits the number of open connections."""
 
     def __init__(self, protocols: "web.Server") -> None:
         self.protocols = protocols
@@ -103,7 +103,7 @@ class Connections:
         return [line for line in lines if line is not None and not line.is_closing()]
 
     def __call__(self) -> asyncio.BaseProtocol:
-        """Protocol of a new connection; at the limit one without a whole request is closed, or else the new one."""
+        """Protocol of a new connection. At the limit, one without a whole request is closed, or else the new one."""
         if len(self.protocols.connections) < self.limit:
             return self.protocols()
         if not (lines := self.incomplete_transports()):
@@ -275,7 +275,7 @@ class Server(AbstractContextManager["Server"]):
             self.log.error(f"{failure.strerror}: new pages wait until others are closed; raise `ulimit -n`")
 
     async def guard_request(self, request: "web.Request", handler: Any) -> Any:
-        """Refuse a request without the token; or, on a server without one, from another site or for another host."""
+        """Refuse a request without the token, or, if the server has no token, from another site or for another host."""
         from aiohttp import web
 
         if self.token:
@@ -392,7 +392,7 @@ class Server(AbstractContextManager["Server"]):
             watcher.woken.set()
 
     def keep_packets(self, still: bytes | None, frame: bytes | None) -> None:
-        """Store the newest frame for all pages; or a new static part, which discards the frame before it."""
+        """Store the newest frame for all pages, or a new static part (`still`), which discards the frame before it."""
         self.still, self.frame = still or self.still, frame
         for watcher in self.all.values():
             watcher.woken.set()

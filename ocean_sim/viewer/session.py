@@ -65,7 +65,7 @@ class Session(AbstractContextManager["Session"]):
     def __init__(
         self, source: Source, server: Server, out: Path, described: Callable[[], list[dict[str, str]]]
     ) -> None:
-        """Start a scene. `out`: folder of records and saved scenes; `described`: lists the packaged scenes."""
+        """Start a scene. `out`: folder of records (run folders) and saved scenes; `described`: lists packaged ones."""
         self.source, self.server, self.out, self.described = source, server, out, described
         self.paused, self.message = False, ""  # and a sentence about the last failure
         self.winds, self.wind = [*named("wind"), "still"], ""  # names of presets, and of the one that blows
@@ -148,8 +148,8 @@ class Session(AbstractContextManager["Session"]):
             self.server.arrived.wait(min(-self.due / self.speed, IDLE_WAIT))
 
     def step(self) -> None:
-        """Take one time step. Pause if it diverges, or if it reaches the scene's end, which also completes a record. A
-        record that cannot be written ends."""
+        """Take one time step; pause if it diverges or reaches the scene's end, which completes a record (its run
+        folder). A record that cannot be written ends."""
         simulation, ending = self.simulation, self.simulation.time < self.config.duration
         try:
             simulation.run(simulation.time + 0.5 * simulation.next_dt)
@@ -185,7 +185,7 @@ class Session(AbstractContextManager["Session"]):
                 self.tell_panel()
 
     def obey(self) -> None:
-        """Execute the pages' new commands; of those that replace each other, as of one slider, only the last."""
+        """Execute the pages' new commands; of several that replace each other (moves of one slider), only the last."""
         orders = self.server.orders()
         last = {replacement_key(order): k for k, order in enumerate(orders)}
         changed = False
@@ -278,7 +278,7 @@ class Session(AbstractContextManager["Session"]):
         return command.do not in (*p.QUERY_NAMES, "save")
 
     def hand_steering(self, name: str) -> "Person":
-        """Put the ship of this name under hand steering, and return its `Person`; raises Failed without such a ship."""
+        """Put the ship of this name under hand steering and return its `Person`; raises Failed without such a ship."""
         ship = self.ship_named(name)
         self.pilots.pop(name, None)
         if name not in self.persons:
@@ -296,8 +296,8 @@ class Session(AbstractContextManager["Session"]):
         return self.simulation.ships[name]
 
     def rebuild(self, source: Source, folder: Path | None = None) -> bool:
-        """Play a source in place of the present one; True on success. If loading fails, the present scene goes on; if
-        building fails, it restarts."""
+        """Play a source in place of the present one; True on success. A scene that cannot be loaded leaves the present
+        one running; one that cannot be built restarts it."""
         more = {} if folder is None else {"render": None}
         config = load_within_memory(source._replace(overrides={**source.overrides, **more}))
         self.say("building anew ...")
@@ -440,7 +440,7 @@ def plain_value(value: Any) -> Any:
 
 
 def replacement_key(order: Order) -> tuple[str, ...]:
-    """Key shared by commands of which only the last counts; its first word is empty for commands that all count."""
+    """Key shared by commands of which only the last counts (moves of one slider); first word empty if all count."""
     command = order.command
     if isinstance(command, p.Slide):
         return ("slide", command.key)

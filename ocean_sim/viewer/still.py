@@ -137,7 +137,7 @@ class StaticScene:
     def ship_header(
         self, k: int, name: str, model: ShipModel, arrays: dict[str, Any], boxes: dict[str, Any]
     ) -> dict[str, Any]:
-        """Header entry of ship k; adds her triangles and distances to her waterline to `arrays`, scales to `boxes`."""
+        """Header entry of ship k; puts her triangles and waterline distances in `arrays`, their scales in `boxes`."""
         hull, corners = model.hull, model.mesh.corners.reshape(-1, 3)
         low, high = corners.min(axis=0), corners.max(axis=0)
         arrays[f"corners{k}"] = box_positions(corners, low, high)
@@ -196,8 +196,9 @@ WAVE_KEYS = ("kind", "height", "period", "significant_wave_height", "peak_period
 
 
 def synthetic_waves(angle: float, length: float, spacing: float) -> np.ndarray:
-    """Invented plane waves about a wind's angle [rad], for the sea around a basin (length, spacing [m]) without any.
-    Rows (SYNTHETIC_WAVES, 5): amplitude [m] (all: 1 m significant height), wavevector x, z [1/m], frequency, phase."""
+    """Invented plane waves about a wind's `angle` [rad], where no waves are known around a basin of `length` [m] with
+    heights `spacing` [m] apart. Rows (SYNTHETIC_WAVES, 5): amplitude [m] (together 1 m significant height), wavevector
+    x, z [1/m], frequency, phase."""
     share = (np.arange(SYNTHETIC_WAVES) + 0.5) / SYNTHETIC_WAVES
     wavelength = max(4.0 * spacing, 0.08 * length) ** (1.0 - share) * (0.7 * length) ** share
     turn = 0.9 * np.sin(2.399963 * (np.arange(SYNTHETIC_WAVES) + 1.0) * 7.0)

@@ -73,7 +73,7 @@ class Watch(Observer, TakesMotion):
         server.begin(self.setting.packet())
 
     def measure_stages(self, simulation: Simulation) -> None:
-        """Measure, from now on, the real time of each stage of a step; another measurement of them goes on."""
+        """Measure the real time of each stage of a step from now on, without disturbing another such measurement."""
         inner, taken = simulation.stage, self.stage_times
 
         @contextmanager
@@ -150,7 +150,7 @@ class Watch(Observer, TakesMotion):
 
     @property
     def is_rare_frame(self) -> bool:
-        """True if the next frame also holds arrays that most frames leave out, such as the lines of wind and basin."""
+        """True if the next frame also holds arrays that are sent only now and then, such as lines of wind and basin."""
         return self.seq % RARE_FRAME_INTERVAL == 0 or self.server.fresh
 
     def origin(self) -> np.ndarray:
@@ -201,8 +201,8 @@ class Watch(Observer, TakesMotion):
 
 
 def without_splashes(heights: np.ndarray) -> np.ndarray:
-    """Heights (n,) [m] of the water less those of splashes and of hollows under hulls: all that are farther from the
-    median than SPLASH_REACH times the median distance from it."""
+    """Those water `heights` (n,) [m] that are no splashes or hollows under hulls: within SPLASH_REACH times the median
+    distance from the median."""
     away = np.abs(heights - np.median(heights))
     return heights[away <= SPLASH_REACH * np.median(away)]
 

@@ -25,8 +25,7 @@ def surely_inside(totals: Totals, basin: Basin) -> bool:
 
 
 def distance_outside(position: np.ndarray, basin: Basin, time: float, spacing: float) -> np.ndarray:
-    """(n,) distance [m] of particles (n, 3) beyond walls or inside an obstacle at a time [s]; 0 for those in the
-    water."""
+    """Distance (n,) [m] of particles (n, 3) beyond walls or inside obstacles at a time [s]; 0 if in the water."""
     low, up = (np.array(stop) for stop in basin.stops())
     distance = np.linalg.norm(position - np.clip(position, low, up), axis=1)
     for least, most in basin.obstacles_at(time):
@@ -39,9 +38,9 @@ def distance_outside(position: np.ndarray, basin: Basin, time: float, spacing: f
 
 
 def level_ratio(position: np.ndarray, spacing: float, basin: Basin, time: float) -> float:
-    """Height over the bed of the centre of mass of particles (n, 3) [m], over the same at rest, where the particles of
-    each column of three spacings lie at rest density on the bed, one layer at least; NaN if a position is not
-    finite."""
+    """Height of the centre of mass of particles (n, 3) [m] over the bed, as a ratio to its height at rest; NaN if a
+    position is not finite. At rest, the particles of each column (three spacings wide) lie on the bed at rest density,
+    in at least one layer."""
     if not np.isfinite(position).all():
         return float("nan")
     axes = [0, 2][: basin.dimension - 1]
@@ -61,9 +60,8 @@ def level_ratio(position: np.ndarray, spacing: float, basin: Basin, time: float)
 
 
 class Symmetry:
-    """Check that water which begins symmetric about x = 0 or z = 0 stays so: twins are particles that mirror each
-    other. Rounding separates twins, in 50 steps by up to 3e-5 spacings (2.5e-3 with a pressure solver), later by
-    more."""
+    """Check that water which begins symmetric about x = 0 or z = 0 stays so: pairs of particles ("twins") remain mirror
+    images. Rounding separates them, in 50 steps by up to 3e-5 spacings (2.5e-3 with a pressure solver)."""
 
     def __init__(self, simulation: Simulation) -> None:
         basin, self.twins = simulation.basin, dict[int, np.ndarray]()
@@ -123,12 +121,12 @@ class Momentum:
         self.first = self.unexplained(simulation, with_particles(simulation.fluid).totals())
 
     def unexplained(self, simulation: Simulation, totals: Totals) -> np.ndarray:
-        """(3,) momentum [kg m/s] minus all impulses since the fluid was built; `totals`: sums over the particles."""
+        """Momentum (3,) [kg m/s] of the water less all impulses since it was built; `totals`: sums over particles."""
         moving = with_particles(simulation.fluid).particles.mass * totals.velocity
         return moving - sum(simulation.fluid.impulse.values(), np.zeros(3))
 
     def unexplained_share(self, simulation: Simulation, totals: Totals) -> float:
-        """Unexplained momentum since this check began, over the sum of impulses plus mass times reference speed."""
+        """Momentum gained without an impulse, over the sum of all impulses plus mass times reference speed."""
         fluid = simulation.fluid
         impulses = fluid.impulse
         if not impulses or fluid.status.clipped:
@@ -152,8 +150,8 @@ class Balance:
         self.at_first = None
 
     def residual(self, energy: float, potential_energy: float, work: dict[str, float]) -> float:
-        """Error [J] of the energy balance: gain of `energy` since the first call, less the work of outer forces since
-        then; `work`: of each force since the start [J], `potential_energy` [J]: taken off where gravity is booked."""
+        """Error [J] of the energy balance since the first call: gain of `energy` minus work of the outer forces.
+        `work`: of each force since the start [J]; `potential_energy` [J]: taken off `energy` if gravity does work."""
         given = sum(work[term] for term in self.outer_terms)
         if self.driven:
             given += work.get("gravity", 0.0) + potential_energy
@@ -171,7 +169,7 @@ def kinetic_and_potential(simulation: Simulation, totals: Totals) -> tuple[float
 
 
 def stored_by_weight(simulation: Simulation) -> float:
-    """Energy [J] that water at rest stores as its weight compresses it, at most: (g depth)^2 / (6 c^2) per kilogram."""
+    """Energy [J] stored in water at rest as its weight compresses it, at most: (g depth)^2 / (6 c^2) per kilogram."""
     fluid, basin = simulation.fluid, simulation.basin
     particles = with_particles(fluid).particles
     head = float(np.linalg.norm(basin.gravity)) * basin.depth  # [m2/s2]
@@ -179,10 +177,9 @@ def stored_by_weight(simulation: Simulation) -> float:
 
 
 def energy_scale(simulation: Simulation) -> float:
-    """Energy [J] with which a gain of energy is compared: that which water at rest stores as its weight compresses it,
-    plus over an uneven bed the energy to lift it by a spacing, or in a patch of open sea that of its waves.
-    Incompressible water: 1 % of mass times reference speed squared, plus that lift. Settling water moves by a share of
-    a spacing."""
+    """Energy [J] by which gains of energy are judged: that of compression under the water's weight, plus over an uneven
+    bed that of lifting it by a spacing (settling takes a share of this), or on open sea that of the waves. If
+    incompressible: 1 % of mass times reference speed squared, plus lifting by a spacing."""
     basin, particles = simulation.basin, with_particles(simulation.fluid).particles
     compresses = simulation.fluid.sound_speed > 0.0 and not simulation.fluid.solvers
     stored = stored_by_weight(simulation) if compresses else 0.0
@@ -200,11 +197,11 @@ def energy_scale(simulation: Simulation) -> float:
 
 
 def separable_work_terms(simulation: Simulation) -> list[str]:
-    """Names of the forces whose work adds up to the energy given to the water; empty where no such sum is known.
+    """Names of the forces whose work adds up to the energy given to the water; empty if no such sum is known.
 
-    In water with a pressure solver, pressure stores no energy: energy that pressure takes at one place it gives back at
-    another, or at walls. The sum over both holds the error of the solver plus the work of the walls, which cannot be
-    told apart where walls drive the water: then the list is empty."""
+    With a pressure solver, the works of pressure inside the water and at walls are known only together: their sum is
+    the solver's error plus the work of walls. Where walls drive the water, the two cannot be told apart.
+    """
     fluid = simulation.fluid
     if not fluid.solvers:
         return list(fluid.work)

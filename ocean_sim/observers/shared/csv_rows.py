@@ -1,10 +1,10 @@
-"""Rows of a run, due at exact multiples of `every` for any time steps: sampled, written to CSV files, handed on.
+"""Rows of a run's CSV files, due at exact multiples of `every` whatever the time steps: sampled, written, passed on.
 
 A CSV file begins with comment lines on frame, axes, rate and seed; its columns have units in their names.
 
-Observers that take the rows of another while a run goes on declare it by their base class, `TakesMotion` or
+Observers that receive the rows of another while a run goes on declare it by their base class, `TakesMotion` or
 `TakesCommands`, and need not know one another. Observers close by turn and name; the source of rows must close first,
-since it hands on its last rows as it closes.
+since it passes on its last rows as it closes.
 """
 
 import math
@@ -70,7 +70,7 @@ class CsvFile:
 
 
 class Multiples:
-    """Counter of the multiples of `every` [s] that simulated time passes. It counts from the first call on."""
+    """Counter of the multiples of `every` [s] that simulated time passes, from the first call of `reached` on."""
 
     next: int | None
 
@@ -89,7 +89,7 @@ class Multiples:
 
 
 class Sample(NamedTuple):
-    """Row at a time [s]: `values` are interpolated linearly between two states, `held` come from the earlier one."""
+    """Row at a time [s]: `values` are interpolated linearly between two states, `held` are those of the earlier one."""
 
     time: float
     values: np.ndarray
@@ -120,8 +120,8 @@ class Sampled:
 
 
 def interpolated(before: Sample, after: Sample, time: float) -> Sample:
-    """Sample at `time` [s] on the line between two samples; its `held` is that of `before`, at the end that of
-    `after`."""
+    """Sample at `time` [s] on the line between two samples. `held` is that of `before`, or of `after` once its time is
+    reached."""
     if time >= after.time or after.time <= before.time:
         return Sample(time, after.values, after.held)
     part = max(0.0, (time - before.time) / (after.time - before.time))
@@ -129,7 +129,7 @@ def interpolated(before: Sample, after: Sample, time: float) -> Sample:
 
 
 class TakesMotion:
-    """Base of an observer that receives each new row of a ship's motion log, in the order of time, without loads."""
+    """Base of an observer to which new rows of a ship's motion log are passed as they come, without loads."""
 
     at_once = False  # True: it gets each row as soon as it is known, not many together
 
@@ -139,7 +139,7 @@ class TakesMotion:
 
 
 class TakesCommands:
-    """Base of an observer that receives each row of platform.csv, the commands of a motion platform, in turn."""
+    """Base of an observer to which new rows of platform.csv, the commands of a motion platform, are passed."""
 
     def take_commands(self, rows: "Commands") -> None:
         """Receive new commands of the motion platform."""

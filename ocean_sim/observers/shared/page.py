@@ -89,7 +89,7 @@ def scene_text(value: Any, indent: str = "") -> str:
 
 
 def round_ticks(low: float, high: float, about: int = 6) -> np.ndarray:
-    """About so many round numbers between `low` and `high`, never -0; their step is 1, 2 or 5 times a power of ten."""
+    """Round numbers between `low` and `high`, roughly `about` of them; their step is 1, 2 or 5 times a power of ten."""
     raw = (high - low) / about
     power = 10.0 ** np.floor(np.log10(raw))
     step = next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= raw * (1.0 - 1e-9))
@@ -117,7 +117,7 @@ def range_without_spikes(values: np.ndarray) -> tuple[float, float]:
 
 
 def keep_crests(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Curve thinned to MAX_POINTS times and values: the least and greatest value of each of many equal intervals."""
+    """Curve thinned to MAX_POINTS (time, value) pairs: least and greatest value in each of many equal intervals."""
     if len(time) <= MAX_POINTS:
         return time, values
     kept = []

@@ -42,7 +42,7 @@ class Run:
         self.events = whole_lines(folder / "events.jsonl")
 
     def parts(self) -> Iterator[str]:
-        """Yield the HTML parts of the page below the outcome, from top to bottom."""
+        """Yield the HTML sections of the page below the outcome, from top to bottom."""
         if (self.folder / "replay.html").exists():
             yield '<p><a href="replay.html">Replay of the run</a>: look around, and scrub in time.</p>'
         yield from self.pictures()
@@ -181,14 +181,14 @@ def draw(log: Table, plot: Mapping[str, Any], limits: Mapping[str, float]) -> st
 
 
 def columns_like(log: Table, pattern: str) -> dict[str, str]:
-    """Columns of a table that match a pattern with one *, such as `*_m`, by the text that the * stands for."""
+    """Columns of a table whose names match a pattern with one *, such as `*_m`; keys: the text for which * stands."""
     begin, end = pattern.split("*")
     named = [column for column in log if column.startswith(begin) and column.endswith(end)]
     return {column.removeprefix(begin).removesuffix(end): column for column in named}
 
 
 def with_derived_columns(log: Table) -> Table:
-    """The table with yaw unwrapped and two more kinds of column: rudder in tens of degrees, and horizontal impulses."""
+    """Table with yaw unwrapped and two more kinds of column: rudder in tens of degrees, horizontal impulses."""
     more = {"yaw_rad": np.unwrap(log["yaw_rad"])} if "yaw_rad" in log else {}
     more |= {"rudder_10_deg": 0.1 * DEGREES * log["rudder_rad"]} if "rudder_rad" in log else {}
     for name, column in columns_like(log, "impulse_*_x_Ns").items():
@@ -207,7 +207,7 @@ def elevation_table(log: Table) -> str:
 
 
 def stage_table(log: Table) -> str:
-    """HTML table of the mean time that each stage of a step takes."""
+    """HTML table of the mean time that each stage of a time step (pressure, ships, ...) takes."""
     steps = np.maximum(np.diff(np.concatenate([[0.0], log["steps"]])), 1.0)
     stages = columns_like(log, "*_ms_per_step")
     means = {name: float(np.average(log[column], weights=steps)) for name, column in stages.items()}
@@ -225,7 +225,7 @@ EXTRAS = {"elevations": elevation_table, "stages": stage_table, "share at a limi
 
 
 def wave_trains(part: dict[str, Any]) -> Iterator[str]:
-    """Yield a sentence about each wave train of a sea or a fluid; `part`: its section of the scene as plain data."""
+    """Yield a sentence about each wave train of a sea or of water; `part`: its section of the scene, as plain data."""
     spectrum, components = part.get("spectrum"), part.get("components")
     sources = [each for each in (spectrum, components) if isinstance(each, dict)]
     yield from (f"spectrum of {each['file']}" for each in sources if "file" in each)

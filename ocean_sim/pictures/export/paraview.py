@@ -63,7 +63,8 @@ def export_particles(
 
 
 def dots_at(time: float, cloud: dict[str, np.ndarray]) -> Moment:
-    """Points at a time [s] as a `Moment`; `cloud`: their `position` (n, 3) [m] and further fields by name."""
+    """Points without triangles as a `Moment` (time, points, faces, fields of an object). `cloud`: `position` (n, 3) [m]
+    and further fields by name."""
     fields = {name: values for name, values in cloud.items() if name != "position"}
     return time, cloud["position"], np.arange(len(cloud["position"]))[:, None], fields
 
@@ -101,8 +102,8 @@ def export_surface(
 
 
 def save_moments(out: Path, name: str, kind: str, moments: Iterable[Moment]) -> list[Path]:
-    """Write one object at several times to files `name` of the format `kind`; returns the files. It is a mesh, or
-    points alone if `name` is one of POINT_NAMES."""
+    """Write one object, a mesh or (if `name` is one of POINT_NAMES) points alone, at several times to files called
+    `name` in the format `kind`; returns the files."""
     solid = name not in POINT_NAMES
     if kind == "vtkhdf":
         path = out / f"{name}.vtkhdf"

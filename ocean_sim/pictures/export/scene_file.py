@@ -49,8 +49,7 @@ class RunWakes:
         self.answers = "sea_answers" in grid  # the water of the run knows of its ships
 
     def water_with_ships(self, frame: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Water heights (nx, nz) [m] of a frame, and shares of foam on its finer grid, with the waves and foam of ships
-        added; `frame`: arrays of its file."""
+        """Water heights (nx, nz) [m] and, on a finer grid, foam shares of a frame, with ships' waves and foam added."""
         height, white = frame["elevation"].astype(float), np.maximum(frame["foam"], frame.get("left", 0.0))
         if not self.vessels:
             return height, white
@@ -73,13 +72,12 @@ class RunWakes:
         return float(self.grid["lower"][2 * k]), float(self.grid["upper"][2 * k])
 
     def relative_positions(self, at: np.ndarray, origin: np.ndarray) -> np.ndarray:
-        """Relative positions (2, n) of points x, z (n, 2) [m]: 0 to 1 from side to side of a basin whose middle is at
-        `origin` x, z [m]."""
+        """Positions of points `at` x, z (n, 2) [m] as shares (2, n), 0 to 1, of a basin with its middle at `origin`."""
         low, high = np.transpose([self.sides(k) for k in range(2)])
         return ((at - origin - low) / (high - low)).T
 
     def wetted_hull(self, frame: dict[str, np.ndarray], height: np.ndarray, origin: np.ndarray) -> list[WettedHull]:
-        """Hulls that touch the water in a frame; `height` (nx, nz): of the water; `origin`: the basin's x, z [m]."""
+        """Hulls that touch the water in a frame. `height` (nx, nz): of water [m]; `origin`: x, z of the basin [m]."""
         time, ships = float(frame["time"]), []
         for key, hull in self.hulls.items():
             pose = frame[f"{key}_position"], frame[f"{key}_turn"], self.vessels[key].speed(time)
@@ -110,7 +108,7 @@ def shows_sea(files: list[Path], depth: float) -> bool:
 
 
 class ExportShot(NamedTuple):
-    """Contents of one frame to export: water, ships, particles and gates."""
+    """Contents of one frame to export: time, water mesh with its fields, ships, particles, spray and gates."""
 
     time: float  # [s]
     points: np.ndarray  # (n, 3) of the surface of the water [m]
@@ -183,7 +181,7 @@ def export_shots(frames: list[Path], grid: dict[str, np.ndarray], z_up: bool = F
 
 
 def values_beside(points: np.ndarray, particles: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Values (n, 3) at surface points (n, 3) [m]: distance-weighted means of `values` (m, 3) at nearby particles."""
+    """Values (n, 3) at surface points (n, 3) [m]: distance-weighted means of `values` (m, 3) of nearby particles."""
     from scipy.spatial import cKDTree
 
     away, who = cKDTree(particles).query(points, k=min(NEAREST_PARTICLES, len(particles)))
@@ -364,5 +362,5 @@ def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> P
 
 
 def water_colours(kept: ExportShot) -> np.ndarray:
-    """Linear RGB (n, 3) at the water points of a frame to export, whiter with more foam."""
+    """Linear RGB (n, 3) at the water points of `kept`, a frame to export; the more foam, the whiter."""
     return WATER_COLOUR + kept.fields.get("foam", np.zeros(len(kept.points)))[:, None] * (FOAM_COLOUR - WATER_COLOUR)

@@ -58,7 +58,7 @@ class Panel:
         self.camera, self.content, self.ship = (name if name in names else names[0] for name, names in chosen)
 
     def press(self, key: str) -> None:
-        """Do the action of a key, as in KEY_TEXT and HELM_TEXT, or add it to `requests`; ignore other keys."""
+        """Do the action of a key (see KEY_TEXT, HELM_TEXT), or add it to `requests` for others; ignore other keys."""
         match key:
             case " ":
                 self.paused = not self.paused
@@ -77,7 +77,7 @@ class Panel:
                 self.requests.add(REQUEST_KEYS[key])
 
     def hold(self, keys: set[str], seconds: float) -> None:
-        """Change throttle and rudder by helm keys held for `seconds`; if the helm is not taken, request it first."""
+        """Change throttle and rudder by helm keys held for `seconds`; until the helm is taken, request it instead."""
         pedal, wheel = (sum(HELM_KEYS[key][k] for key in keys if key in HELM_KEYS) for k in range(2))
         if not pedal and not wheel:
             return
@@ -96,7 +96,7 @@ class Panel:
         self.distance = min(max(self.distance * factor, MIN_EYE_DISTANCE), MAX_EYE_DISTANCE)
 
     def take(self, action: str) -> bool:
-        """Remove an action such as "step" from the requests; True if it was requested."""
+        """Remove an action such as "step" from the user's requests; True if it was among them."""
         requested = action in self.requests
         self.requests.discard(action)
         return requested

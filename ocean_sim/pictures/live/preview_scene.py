@@ -109,7 +109,7 @@ class PreviewScene:
         return Camera(eye, forward, up, None, near=0.02 * panel.distance * reach)
 
     def water_patch(self, eye: np.ndarray, solid: bool) -> Patch | None:
-        """Water surface, coloured for an eye (3,) [m]; None for water without one; `solid`: True for cut sides."""
+        """Water surface, coloured for an eye (3,) [m]; None without a surface. `solid`: True to add cut sides below."""
         if not self.has_surface:
             return None
         heights = surface_heights(self.simulation, self.points)
@@ -124,7 +124,7 @@ class PreviewScene:
         return Patch(np.concatenate([points, self.sheet.sides(points)]), triangles, np.concatenate([colours, sides]))
 
     def folded_patch(self, heights: np.ndarray, eye: np.ndarray) -> Patch | None:
-        """Closed surface mesh, coloured for an eye (3,) [m] and darker where it faces down; None if it is empty."""
+        """Mesh of a folding surface, coloured for an eye (3,) [m], darker where it faces down; None if empty."""
         surface = self.simulation.surface
         assert surface is not None  # only a surface folds
         mesh = surface.mesh()
@@ -139,8 +139,8 @@ class PreviewScene:
     def surface_colours(
         self, points: np.ndarray, normals: np.ndarray, heights: np.ndarray, eye: np.ndarray
     ) -> np.ndarray:
-        """Display RGB (n, 3), 0 to 1, of surface points (n, 3) [m] with these normals, for an eye (3,) [m]. `heights`:
-        of the whole surface [m], whose deviation tells crests from troughs."""
+        """Display RGB (n, 3), 0 to 1, of surface points (n, 3) [m] with `normals` (n, 3), for an eye (3,) [m].
+        `heights` of the whole surface [m]: their standard deviation tells crests from troughs."""
         crest = max(2.5 * float(np.std(heights)), 0.02 * self.simulation.basin.depth)
         height = np.clip(points[:, 1] / crest, -1.0, 1.0)
         return water_shading.display_colours(water_shading.surface_light(points, normals, height, eye)) / 255.0
@@ -155,8 +155,8 @@ class PreviewScene:
         return Patch(vertices, np.arange(len(vertices)).reshape(-1, 3), colours / 255.0)
 
     def particle_balls(self) -> tuple[np.ndarray, np.ndarray] | None:
-        """Positions (n, 3) [m] of particles and their display RGB (n, 3), 0 to 1, by speed; None without particles. The
-        speed of the brightest colour, `fastest`, only ever rises."""
+        """Positions (n, 3) [m] and colours by speed (n, 3), display RGB 0 to 1, of the particles; None without any.
+        Updates `fastest`, the speed of the brightest colour, which never falls."""
         particles = self.simulation.fluid.particles
         if particles is None:
             return None

@@ -33,7 +33,7 @@ class VulkanMissing(Lacking):
 
 @cache
 def draws(show: bool) -> bool:
-    """True if a child process survives drawing with GGUI: in a window if `show`, else off screen; takes a second."""
+    """True if a child process survives drawing with GGUI, in a window (`show`) or off screen; takes a second."""
     if show and sys.platform == "linux" and not any(os.environ.get(name) for name in SCREEN_VARIABLES):
         return False
     return child_prints("drawn", PROBE_PROGRAM.format(show=show))

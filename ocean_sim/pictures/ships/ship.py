@@ -17,7 +17,7 @@ MIRROR_NEAR = 0.1  # [m] before the mirrored eye
 
 
 class DrawnShip:
-    """Ship in a picture of a tank, coloured at her corners in the light of sun and sky; moved from frame to frame."""
+    """Ship in a picture of a tank, with the light of sun and sky in its corners' colours; moved from frame to frame."""
 
     def __init__(self, stage: Stage, model: ShipModel) -> None:
         self.model, (points, colours) = model, model.placed(np.zeros(3), np.eye(3))
@@ -61,8 +61,7 @@ class ShadedShip:
 
 
 def spread_points(mesh: Any, step: float) -> np.ndarray:
-    """Points (n, 3) [m], single precision, spread over a PyVista mesh so densely that every spot on it has one within
-    `step` [m]."""
+    """Points (n, 3) [m], single precision, on a PyVista mesh: no spot on it is farther than `step` [m] from one."""
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkFiltersModeling import vtkPolyDataPointSampler
 
@@ -74,8 +73,7 @@ def spread_points(mesh: Any, step: float) -> np.ndarray:
 
 
 class Mirror:
-    """Mirror image of the ships in the water, drawn by a second plotter from a mirrored eye, without submerged
-    parts."""
+    """Mirror image of the ships, less submerged parts, in the water; a second plotter draws it from a mirrored eye."""
 
     def __init__(self, stage: Stage, ships: list[water_glsl.Shaded], image: Any) -> None:
         """`ships`: actors to mirror; `image`: texture that receives the mirror image."""

@@ -34,8 +34,8 @@ class ShadowMap:
     """Shadow map of a ship: how far each of her sunlit points lies towards the sun, as an image seen from the sun."""
 
     def __init__(self, points: np.ndarray, length: float) -> None:
-        """`points`: (n, 3) on her surface in body axes [m], a pixel apart at most; `length`: half the map's side
-        [m]."""
+        """`points`: (n, 3) on the ship's surface in body axes [m], at most a pixel of the map apart; `length`: half the
+        map's side [m]."""
         self.length, self.points = length, np.ascontiguousarray(points.T)
 
     def map(self, turn: np.ndarray, sun: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -55,8 +55,8 @@ class ShadowMap:
 
 
 def shadow_bounds(depth: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
-    """Lower and upper bounds (3,) of a shadow in a shadow map `depth` [m]: its columns and rows as shares of the map,
-    and as third numbers 0 and the greatest depth in shadow [m]. `length`: half the side of the map [m]."""
+    """Lower and upper bounds (3,) of the shadow in a shadow map `depth` [m]: columns and rows as shares of the map's
+    side, then 0 and the greatest depth in shadow [m]. `length`: half the map's side [m]."""
     row, column = np.nonzero(depth > UNLIT_DEPTH)
     low = np.array([column.min(), row.min()]) - SHADOW_SOFTNESS
     high = np.array([column.max(), row.max()]) + 1.0 + SHADOW_SOFTNESS
@@ -65,7 +65,7 @@ def shadow_bounds(depth: np.ndarray, length: float) -> tuple[np.ndarray, np.ndar
 
 
 def sky_shares(corners: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """Share (n,) of the sky visible from points (n, 3) [m] of a ship with normals (n, 3), past her own parts."""
+    """Share (n,) of the sky that is visible past the ship's own parts from points (n, 3) [m] on her, with `normals`."""
     low = corners.min(axis=0) - SKY_CELL
     shape = np.ceil((corners.max(axis=0) - low) / SKY_CELL).astype(int) + 2
     full = np.zeros(shape, dtype=bool)

@@ -36,7 +36,7 @@ def merge_meshes(parts: Iterable[Mesh]) -> Mesh:
 
 
 def mirrored_pair(mesh: Mesh) -> Mesh:
-    """Mesh of a part on the port side together with its mirror image on the starboard side."""
+    """Mesh of a piece of a ship on the port side, together with its mirror image on the starboard side."""
     mirror = np.array([-1.0, 1.0, 1.0])
     other = Mesh((mesh.corners * mirror)[:, ::-1], (mesh.normals * mirror)[:, ::-1], mesh.colour, mesh.gloss)
     return merge_meshes([mesh, other])
@@ -290,9 +290,9 @@ def smooth_strip(low: np.ndarray, high: np.ndarray, colour: Triple) -> Mesh:
 
 
 def rest_plane(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
-    """Plane of the still water at rest in body axes: normal n (3,) and d [m], so that n . x + d is the height of x over
-    it. A `share` of the volume is then under water, its centre of buoyancy below the origin (the centre of mass). A
-    hull without such a plane within 30 degrees is taken as upright, awash at most."""
+    """Plane n . x + d = 0 [m] of the still water at rest, in body axes: normal n (3,), upward, and d. It leaves a
+    `share` of the volume under water and the centre of buoyancy below the origin (the centre of mass). If no plane
+    within 30 degrees does, the hull is taken as upright, awash at most."""
     from scipy.optimize import brentq, root
 
     upright = np.array([0.0, 1.0, 0.0])

@@ -51,7 +51,7 @@ class Camera(NamedTuple):
         return bool(self.forward[1] < MAP_DIRECTION)
 
     def spread(self, aspect: float) -> tuple[float, float]:
-        """Widest angles [rad] that are seen beside the heading and below the horizon; `aspect`: width over height."""
+        """Largest angles [rad] seen beside the heading and below the horizon; `aspect`: picture's width over height."""
         right = np.cross(self.forward, self.up)
         high = np.tan(np.radians(self.angle) / 2.0)
         v, u = (part.ravel() for part in np.meshgrid(np.linspace(-1.0, 1.0, 9), np.linspace(-1.0, 1.0, 9)))
@@ -197,7 +197,7 @@ def helm_camera(position: np.ndarray, turn: np.ndarray, helm: np.ndarray, near: 
 
 
 def damped_track(track: Track) -> tuple[np.ndarray, np.ndarray]:
-    """Positions (n, 3) [m] at water level and headings (n,) [rad] that follow a ship's track with a first-order lag."""
+    """Positions (n, 3) [m] at water level and headings (n,) [rad] of a ship's track after a first-order low-pass."""
     heading = np.unwrap(np.arctan2(track.turn[:, 0, 2], track.turn[:, 2, 2]))
     centre = track.position * [1.0, 0.0, 1.0]
     for k in range(1, len(track.time)):
@@ -238,8 +238,8 @@ def eye_before(
     tangents: tuple[float, float],
     aside: float = 0.0,
 ) -> np.ndarray:
-    """Foremost position (3,) [m] of an eye that sees all points (n, 3) [m]; `axes`: its right, up, forward; `tangents`:
-    of half the angles of view; `aside`: by which the view is shifted to the right, as a tangent."""
+    """Foremost position (3,) [m] from which an eye sees all `corners` (n, 3) [m]. `axes`: its right, up, forward;
+    `tangents`: of half the angles of view; `aside`: tangent by which the view is shifted to the right."""
     right, up, forward = axes
     x, y, away = corners @ right, corners @ up, corners @ forward
     # Planes through the eye bound the picture: each corner limits how far forward the eye may stand.

@@ -69,7 +69,7 @@ def probe() -> str | None:
 
 
 def forget() -> None:
-    """Delete the cached class of window, so that the next run tests again; called after a crash."""
+    """Delete the cached name of a VTK window class, so that the next run tests again; called after a crash."""
     shutil.rmtree(cache_directory() / NOTE_FOLDER, ignore_errors=True)
     window.cache_clear()
 
@@ -80,7 +80,7 @@ def draws(name: str) -> bool:
 
 
 def child_prints(words: str, program: str, environment: Mapping[str, str] | None = None) -> bool:
-    """True if a child process running a Python program prints `words` and ends well, within PROBE_SECONDS."""
+    """True if a child process running a Python `program` prints `words` and exits with 0 within PROBE_SECONDS."""
     command = [sys.executable, "-c", program]
     try:
         with TemporaryDirectory() as away:  # where it works, as GGUI leaves a file there

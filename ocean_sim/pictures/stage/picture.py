@@ -31,14 +31,15 @@ MAP_CAMERAS = "top", "side"  # cameras that see the whole way of a ship that lea
 
 
 def is_foreseeable(grid: Any, order: Order) -> bool:
-    """True if every picture can be drawn while the run continues. Two kinds need all frames first: particles, whose
-    colour scale covers the speeds of the whole run, and cameras that show the whole way or time of the run."""
+    """True if every picture can be drawn while the run continues. Two kinds cannot: particles, as their colour scale
+    covers the speeds of the whole run, and cameras that show all of the ship's way or of the film's time."""
     whole_way = order.camera in MAP_CAMERAS and "sea_answers" in grid
     return not (order.particles or not bool(grid["has_surface"]) or order.camera == "orbit" or whole_way)
 
 
 def swept_box(lower: np.ndarray, upper: np.ndarray, ways: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Corners [m] of the box that a basin sweeps as it moves with the mean of its ships; `ways`: tracks (n, 3) [m]."""
+    """Corners [m] of the box that a basin from `lower` to `upper` sweeps as it moves with the mean position of its
+    ships; `ways`: their tracks (n, 3) [m]."""
     middle = np.mean(ways, axis=0) * [1.0, 0.0, 1.0]
     return lower + middle.min(axis=0), upper + middle.max(axis=0)
 
@@ -154,7 +155,7 @@ class Picture:
             self.shadow()
 
     def shadow(self) -> None:
-        """Add to the ground the soft shadow of the block of water, and lines."""
+        """Add the soft shadow that the block of water casts on the ground, and lines on the ground."""
         size, middle = self.upper - self.lower, 0.5 * (self.lower + self.upper)
         centre = middle[0], self.lower[1] - 0.02 * size[1], middle[2]  # below a dry bed
         plane = self.stage.pyvista.Plane(centre, (0.0, 1.0, 0.0), 5.0 * size[2], 5.0 * size[0], 160, 160)
@@ -198,7 +199,7 @@ class Picture:
         return image
 
     def heights_at(self, frame: Frame, positions: np.ndarray) -> np.ndarray:
-        """Drawn water heights (n,) [m] at positions x, z (n, 2) [m]; not at sea: those of the nearest grid points."""
+        """Drawn water heights (n,) [m] at positions x, z (n, 2) [m]; in a tank those of the nearest grid points."""
         if isinstance(self.content, Sea):
             return self.content.heights_at(positions)
         share = (positions - self.sides[0]) / np.maximum(self.sides[1] - self.sides[0], 1e-9)

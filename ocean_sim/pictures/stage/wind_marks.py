@@ -21,7 +21,7 @@ MIN_ARROW, CROSS_SIZE = 0.02, 0.05
 
 
 class WindMarks:
-    """Marks of the wind, drawn anew in each picture: its volumes, arrows, and crosses where it is mere noise."""
+    """Marks of the wind, drawn anew in each picture: its volumes (regions), arrows, and crosses where it is noise."""
 
     def __init__(self, stage: Stage, lower: np.ndarray, upper: np.ndarray) -> None:
         self.stage, self.length = stage, float(max(upper[0] - lower[0], upper[2] - lower[2]))
@@ -44,7 +44,7 @@ class WindMarks:
         self.draw_copies("crosses", self.cross, tails[~blowing] + [0.0, noise[:1].sum(), 0.0], noise)
 
     def draw_copies(self, name: str, model: object, positions: np.ndarray, along: np.ndarray) -> None:
-        """Draw copies of a model of length 1 along x, at positions (n, 3), turned and scaled to vectors (n, 3) [m]."""
+        """Draw copies of a model of length 1 along x, at positions (n, 3), turned and scaled to `along` (n, 3) [m]."""
         self.stage.plotter.remove_actor(name, render=False)
         if not len(positions):
             return
@@ -55,7 +55,7 @@ class WindMarks:
         self.stage.add(copies.points, copies.regular_faces, colours, **shown)
 
     def show_volumes(self, lines: np.ndarray, crest: float) -> None:
-        """Draw walls over outlines of wind volumes, lines (n, 2, 3) [m]; on a map, outlines at a height `crest` [m]."""
+        """Draw walls over outlines of wind volumes, `lines` (n, 2, 3) [m]; on a map, outlines at height `crest` [m]."""
         plotter, pyvista = self.stage.plotter, self.stage.pyvista
         on_map = self.stage.camera.from_above
         faces, ends = [], []

@@ -35,7 +35,7 @@ QUARTER_STREAM, PHASE_STREAM, PLACE_STREAM = 0x5_0000, 0x5_0001, 0x5_0002  # str
 
 
 def blend_weight(nodes: np.ndarray, low: float, high: float, margin: float) -> np.ndarray:
-    """Weight (n,), 0 to 1, of nodes (n,) [m]: 1 inside, falling smoothly to 0 over a margin [m] at both ends."""
+    """Weight (n,) at positions `nodes` (n,) [m]: 1 between `low` and `high`, falling to 0 over a margin [m] at both."""
     inside = np.clip(np.minimum(nodes - low, high - nodes) / margin, 0.0, 1.0)
     return inside * inside * (3.0 - 2.0 * inside)
 
@@ -57,7 +57,7 @@ class PlaneWaves:
         self.along_x, self.along_z = np.exp(1j * x[:, None] * kx), np.exp(1j * z[:, None] * kz)
 
     def at(self, turning: np.ndarray) -> SeaSample:
-        """Sea at the nodes, for complex amplitudes `turning` (n,) [m] of the waves (see `complex_amplitudes`)."""
+        """Heights and convergence at the nodes, for amplitudes `turning` (n,) [m] from `complex_amplitudes`."""
         x, z = self.along_x * turning, self.along_z.T
         # The real part of a product of complex matrices is two products of real ones.
         height = x.real @ z.real - x.imag @ z.imag
@@ -73,7 +73,7 @@ def complex_amplitudes(sea: Components, time: float, origin: np.ndarray) -> np.n
 
 
 def grown_waves(sea: Components, time: float) -> Components:
-    """Copy of a sea with the amplitudes that its waves have reached at a time [s] of their ramp, and without a ramp."""
+    """Copy of a sea whose amplitudes are those reached at a time [s] while its waves grow; the copy grows no more."""
     return replace(sea, amplitude=sea.ramp_share(time) * sea.amplitude, ramp=0.0)
 
 
@@ -127,9 +127,9 @@ class Fan:
     def turn_to(
         self, height: float, heading: float, half: float, lowest: float, pixel: float, row: float, amplitude: np.ndarray
     ) -> bool:
-        """Turn the fan towards a heading [rad, from +x to +z]; True if its nodes have changed. `height`: of the eye
-        over water [m]; angles [rad]: `half` seen to either side, `lowest` ray below the horizon, `pixel`, and `row` of
-        samples, which shows at most one ring; `amplitude` (n,): of the waves now [m]."""
+        """Turn the fan towards a `heading` [rad, from +x to +z]; True if its nodes changed. `height`: of the eye over
+        water [m]. Angles of view [rad]: `half` to either side, `lowest` below the horizon, of a `pixel`, of a `row` of
+        samples (one ring at most is drawn in it). `amplitude` (n,): of the waves now [m]."""
         whole = half > 0.5 * pi
         bucket = 0.0 if whole else TURN_STEP * round(heading / TURN_STEP)
         step = 2.0 ** (np.round(2.0 * np.log2(max(height, 0.5))) / 2.0)  # heights that are alike look alike
@@ -178,25 +178,26 @@ class Fan:
         return True
 
     def visible_rings(self, height: np.ndarray, eye: float) -> np.ndarray:
-        """Indices (bands, rays) of the visible rings: of the rings behind one row of pixels, on each ray the one that
-        hides the others. `height` (rings, rays): of the water [m]; `eye`: height of the eye [m]."""
+        """Index (bands, rays) of the ring seen on each ray in each row of pixels (band): of the rings there, the one
+        that hides the others. `height` (rings, rays): of the water [m]; `eye`: height of the eye [m]."""
         rise = (height - eye) / self.distance[:, None]
         highest = rise[self.bands].argmax(axis=1)
         return np.take_along_axis(self.bands, highest, axis=1)
 
     def lost_variance(self, amplitude: np.ndarray) -> np.ndarray:
-        """Variance (rings,) of the slopes along each axis of waves too short to draw; `amplitude` (n,): of all [m]."""
+        """Variance (rings,) of the slopes, on one axis, of those waves that are too short to draw on a ring.
+        `amplitude` (n,): of all waves [m]."""
         return 0.25 * (1.0 - self.sloping**2) @ (amplitude * self.sea.wavenumber) ** 2
 
     def convergence_deviation(self, amplitude: np.ndarray) -> tuple[float, np.ndarray]:
-        """Standard deviation of the sea's convergence: of all its waves, and (rings,) of those that are drawn on each
-        ring. `amplitude` (n,): of the waves now [m]."""
+        """Standard deviation of the sea's convergence: (a) of all its waves; (b) of those drawn on each ring (rings,).
+        `amplitude` (n,): of the waves now [m]."""
         each = 0.5 * (amplitude * self.sea.wavenumber) ** 2
         return max(float(np.sqrt(each.sum())), 1e-12), np.sqrt(self.drawn**2 @ each)
 
     def at(self, turning: np.ndarray) -> np.ndarray:
-        """Height [m], slopes along x and z, and convergence of the sea (rings, rays, 4); `turning`: complex amplitudes
-        (n,) [m] of the waves at the eye (see `complex_amplitudes`)."""
+        """Height [m], slopes along x and z, and convergence of the sea on the fan (rings, rays, 4). `turning`: complex
+        amplitudes (n,) [m] of the waves at the eye (see `complex_amplitudes`)."""
         kx, kz = self.sea.wavevector.T
         level, slope = turning * self.drawn, turning * self.sloping
         columns = np.stack([level, 1j * kx * slope, 1j * kz * slope, self.sea.wavenumber * level], axis=-1)
@@ -209,9 +210,9 @@ class Fan:
 
 
 class Modes:
-    """Plane waves that continue the standing waves of a basin into the sea around it. Each one replaces all modes in a
-    range of wavenumbers and headings by their mean wavenumber and total variance. Its heading is turned at random into
-    one of four quarters, most likely that of the wind."""
+    """Plane waves that continue a basin's standing waves (modes) into the sea around it. One wave replaces all modes in
+    a range of wavenumbers and headings, with their mean wavenumber and total variance. Its heading is turned at random
+    into one of four quarters, most likely that of the wind."""
 
     def __init__(
         self, shape: tuple[int, ...], size: tuple[float, float], depth: float, towards: np.ndarray, seed: int = 0
@@ -242,7 +243,8 @@ class Modes:
         self.sea = Components(np.ones(len(n)), np.stack([sign_x * kx, sign_z * kz], axis=1), phase, depth)
 
     def variances(self, elevation: np.ndarray) -> np.ndarray:
-        """Variances (n,) [m2] of the plane waves for heights (nx, nz) [m] in the basin; their sum is the heights'."""
+        """Variances (n,) [m2] of the plane waves; their sum is the variance of the heights (nx, nz) [m] in the
+        basin."""
         from scipy.fft import dctn
 
         power = dctn(elevation - elevation.mean(), type=2, norm="ortho") ** 2 / elevation.size

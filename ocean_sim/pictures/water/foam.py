@@ -41,13 +41,14 @@ EDGE_BENDS = (2.3, 1.3), (1.1, 0.8), (0.6, 0.35)  # cells of a wave that bends t
 
 
 def crest_cover(convergence: np.ndarray) -> float:
-    """Share of the sea where convergence exceeds BREAKING_CONVERGENCE, so that crests break; at most MAX_COVER."""
+    """Share of the sea where convergence exceeds BREAKING_CONVERGENCE, so that crests break; at most MAX_COVER.
+    Convergence: downward acceleration of the surface over gravity."""
     return float(min((convergence > BREAKING_CONVERGENCE).mean(), MAX_COVER))
 
 
 def white_shares(convergence: np.ndarray, wanted: float, among: np.ndarray | None = None) -> np.ndarray:
-    """Whiteness (n,), 0 to 1, of points with this convergence (n,): 1 where it is strongest, `wanted` on average.
-    `among`: sorted convergence of the points to rank them with; default: themselves."""
+    """Whiteness (n,), 0 to 1, of points with `convergence` (n,): highest where that is strongest, `wanted` on average.
+    `among`: sorted convergence of other points against which these are ranked; default: themselves."""
     known = np.sort(convergence, axis=None) if among is None else among
     if wanted * len(known) < 1.0 or known[0] == known[-1]:  # not one of them would be white
         return np.zeros(np.shape(convergence))
@@ -87,7 +88,8 @@ class FoamField:
     of which there are FLECKS_PER_CELL along each side of a cell of the waves' grid."""
 
     def __init__(self, shape: tuple[int, int], cell: np.ndarray, lasts: float = FADE_SECONDS) -> None:
-        """`shape`, `cell`: number and sides [m] of the waves' cells on x, z; `lasts`: seconds of fading to a third."""
+        """`shape`, `cell`: number and sides [m] of the heights' cells on x, z; `lasts`: time of fading to a third
+        [s]."""
         self.cell, self.lasts, self.time = cell, lasts, 0.0
         self.origin = np.zeros(2)  # of the grid along x and z [cells of the waves]
         self.flecks = np.zeros((4, 0))  # places along x and z [cells of the waves], thickness, and what that rises to
@@ -109,8 +111,8 @@ class FoamField:
         self, time: float, velocity: np.ndarray, source: np.ndarray | None, wanted: float | None = None
     ) -> None:
         """Advance the foam to a time [s], carried by the surface velocity along x, z (nx, nz, 2) [m/s]. `source` (nx,
-        nz): convergence, where new foam keeps the mean cover at `wanted`; None: no new foam. Without `wanted`, `source`
-        is itself the share of new white water."""
+        nz): convergence (downward acceleration over gravity), where new foam keeps the mean cover at `wanted`; or,
+        without `wanted`, the share of new white water; None: no new foam."""
         if self.started and time > self.time:
             self.carry(velocity * (time - self.time))
             self.carried *= np.exp(-(time - self.time) / GRAIN_SECONDS)
@@ -131,16 +133,15 @@ class FoamField:
         self.time, self.started = time, True
 
     def update_target_cover(self, wanted: float, fades: float) -> None:
-        """Include `wanted` in the running mean of the target cover; `fades`: weight that is left to the mean so far."""
+        """Update the running mean of the target cover by `wanted`; `fades`: weight that the old mean keeps, 0 to 1."""
         before = self.called * fades
         self.called = before + 1.0 - fades if before > 0.0 or wanted > 0.0 else 0.0
         if self.called > 0.0:
             self.cover += (wanted - self.cover) * (1.0 - before / self.called)
 
     def breaking_foam(self, convergence: np.ndarray, time: float, step: float) -> np.ndarray:
-        """Thickness of new foam on the foam's cells (0: none) that brings the mean cover to its target; `step`: time
-        since the last call [s]. Cells already white count as less convergent, or foam on standing waves, as behind a
-        ship, would be renewed for ever."""
+        """Thickness of new foam in each foam cell (0: none), to bring the mean cover to its target; `step`: time since
+        the last call [s]. White cells count as less convergent; else foam on standing waves would never end."""
         white, least = self.cell_shares(self.flecks[2:].max(axis=0)), PATCH_CELLS**2 / self.white.size
         lacks = self.cover - white.mean()
         self.owed = float(np.clip(self.owed + lacks * step / FADE_SECONDS, -least, least))
@@ -157,7 +158,7 @@ class FoamField:
         return np.where(born > white, born, 0.0)
 
     def add(self, rises_to: np.ndarray, thick: np.ndarray) -> None:
-        """Add flecks on the cells where `rises_to` is not 0, and remove older ones there. Their thickness is `thick`
+        """Add flecks on the cells where `rises_to` is not 0, in place of older ones there. Their thickness is `thick`
         now, and will grow to `rises_to`."""
         covered = rises_to[tuple(self.fleck_cells())] > 0.0
         i, k = np.nonzero(rises_to)
@@ -171,7 +172,7 @@ class FoamField:
         return np.floor(FLECKS_PER_CELL * (self.flecks[:2] + 0.5)).astype(int)
 
     def receive(self, places: np.ndarray, area: np.ndarray) -> None:
-        """Whiten areas (n,) [m2] at positions x, z (n, 2) [cells of the waves], where drops of spray fall."""
+        """Add foam of `area` (n,) [m2] where spray falls: at x, z `places` (n, 2), in cells of the grid of heights."""
         cells = np.floor(FLECKS_PER_CELL * (places + 0.5)).astype(int)
         inside = ((cells >= 0) & (cells < self.white.shape)).all(axis=1)
         share, thick = np.zeros((2, *self.white.shape))
@@ -191,7 +192,7 @@ class FoamField:
         self.flecks = np.stack([x, z, thick, rises_to])[:, np.maximum(thick, rises_to) > MIN_SHARE]
 
     def cell_shares(self, thick: np.ndarray) -> np.ndarray:
-        """Share of white water in each cell, from flecks of thickness (n,); lower where they have drifted apart."""
+        """Share of white water in each foam cell, for flecks of thickness `thick` (n,); less where they spread."""
         rows, columns = self.white.shape
         x, z = (FLECKS_PER_CELL * (along + 0.5) - 0.5 for along in self.flecks[:2])
         i, k = np.floor(x).astype(int), np.floor(z).astype(int)
@@ -205,7 +206,7 @@ class FoamField:
         return np.minimum(share, 1.0).reshape(rows, columns)
 
     def carry(self, way: np.ndarray) -> None:
-        """Move flecks and the foam's fine pattern by displacements `way` of the water on x, z (nx, nz, 2) [m]."""
+        """Move flecks and the foam's fine pattern by the water's displacements `way` along x, z (nx, nz, 2) [m]."""
         cells = np.moveaxis(way / self.cell, -1, 0)
         # Ways are read in their middle, not at their end, since water may go around.
         back = read_ways(cells, np.indices(cells.shape[1:]) - 0.5 * cells)
@@ -233,8 +234,8 @@ class FoamField:
 
 
 def gathering_noise(places: np.ndarray) -> np.ndarray:
-    """Random factor (n,), 1 on average, on the convergence of the surface flow, so that foam forms in patches; it
-    repeats with period 1 in the positions (2, n)."""
+    """Random factor (n,), 1 on average, by which convergence is multiplied so that foam forms in patches; it repeats
+    with period 1 in the positions (2, n)."""
     return 0.5 + value_noise(*places)[0]
 
 
@@ -275,7 +276,7 @@ def read_cells(values: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 def new_foam(white: np.ndarray, convergence: np.ndarray, wanted: float) -> np.ndarray:
-    """Thickness of new foam, where convergence is strongest, that with the old `white` covers the share `wanted`."""
+    """Thickness of new foam, on the most convergent water, that raises the white share from `white` to `wanted`."""
     born, (low, high) = np.zeros_like(white), (0.0, 1.0)
     if white.mean() >= wanted or np.ptp(convergence) == 0.0:
         return born
@@ -300,15 +301,15 @@ def edge_bends(x: np.ndarray, z: np.ndarray, angle: float) -> np.ndarray:
 
 
 def grain_places(places: np.ndarray, angle: float) -> np.ndarray:
-    """Positions (n, 2) [m] at which noise gives the fine pattern of foam at x, z (n, 2) [m]. They are compressed along
-    the wind, at an `angle` [rad] from +x to +z, which draws foam into threads."""
+    """Positions (n, 2) [m] at which to read noise for the fine pattern of foam at x, z (n, 2) [m]. They are compressed
+    along the wind, at an `angle` [rad] from +x to +z, which draws foam into threads."""
     way = np.array([np.cos(angle), np.sin(angle)])
     return places - (1.0 - 1.0 / THREAD_STRETCH) * (places @ way)[:, None] * way
 
 
 def levelled_heights(elevation: np.ndarray, inside: np.ndarray, reach: np.ndarray) -> np.ndarray:
-    """Heights (nx, nz) [m] with those at points marked `inside` (nx, nz) replaced by a mean of unmarked points around
-    them, with Gaussian weights of standard deviation `reach` along x, z [cells]."""
+    """Heights (nx, nz) [m] in which those marked `inside` (nx, nz) are replaced by a mean of unmarked ones around them,
+    with Gaussian weights of standard deviation `reach` along x, z [cells]."""
     from scipy.ndimage import gaussian_filter
 
     outside = (~inside).astype(float)

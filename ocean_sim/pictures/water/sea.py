@@ -84,7 +84,7 @@ class Sea(Content):
         self.raises = "sea_answers" not in grid  # the water of the run knows of no wave at a bow
 
     def mesh_of(self, nodes: np.ndarray, corners: np.ndarray) -> Any:
-        """Level PyVista mesh of nodes x, z (n, 2) [m] and triangles `corners` (m, 3); its NODE_TRAITS are 0."""
+        """Level PyVista mesh of nodes x, z (n, 2) [m] and triangles `corners` (m, 3), whose NODE_TRAITS are all 0."""
         points = np.insert(nodes, 1, 0.0, axis=1)
         return self.stage.mesh(points, corners, **dict.fromkeys(NODE_TRAITS, np.zeros(points.shape)))
 
@@ -96,8 +96,8 @@ class Sea(Content):
     def set_nodes(
         self, part: water_glsl.Shaded, points: np.ndarray, normals: np.ndarray, traits: np.ndarray, grain: np.ndarray
     ) -> None:
-        """Set the nodes of one `part` of the sea: points (n, 3) [m], normals, traits (n, 3) (whiteness, height, slope
-        variance), and positions x, z (n, 2) [m] at which the fine pattern of foam is read."""
+        """Set the nodes of a `part` of the sea (basin or far sea): points (n, 3) [m], normals, `traits` (n, 3)
+        (whiteness, height, slope variance), and x, z (n, 2) [m] where the fine pattern of foam is read (`grain`)."""
         part.mesh.points = points.astype(np.float32)
         values = normals, traits, np.insert(foam.grain_places(grain, self.state.angle), 1, 0.0, axis=1)
         for name, value in zip(NODE_TRAITS, values, strict=True):
@@ -149,7 +149,7 @@ class Sea(Content):
         return 2.0 * float(np.tan(angle / 2.0)) / self.order.size[1]
 
     def crest_shares(self, height: np.ndarray) -> np.ndarray:
-        """Heights [m] above the mean level over half the significant height: 0 at rest, 1 on a crest."""
+        """Water heights [m] above the mean level, over half the significant height: 0 at rest, 1 on a crest."""
         return (height - self.now.level) / max(0.5 * self.now.height, 1e-3)
 
     def show_basin(self, frame: Frame) -> None:
@@ -243,8 +243,8 @@ class Sea(Content):
         return at
 
     def update_hull(self, k: int, key: str, position: np.ndarray, turn: np.ndarray) -> float:
-        """Update the water around the ship number k of this key: foam at her waterline, the hole for her hull, her
-        place in the mirror. Returns the mean height of the water around her [m]."""
+        """Update the water around ship number k of this key: foam at her waterline, the hole for her hull, her position
+        in the mirror image. Returns the mean height of the water around her [m]."""
         hull, ship = self.hulls[key], self.wetted_hull(key, position, turn)
         self.set(**{f"useHull{k}": float(ship.wet)})
         if ship.wet:

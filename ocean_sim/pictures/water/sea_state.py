@@ -72,13 +72,13 @@ class SeaState:
         return SeaNow(level, max(height, least), waves, ripple_wind_speed(self.scene, height), raising)
 
     def measure_frame(self, number: int) -> tuple[float, np.ndarray]:
-        """Mean level [m] and variances (n,) [m2] of the plane waves, measured on the heights of frame `number`."""
+        """Mean level [m] and variances (n,) [m2] of plane waves, derived from the heights in frame `number`."""
         elevation = read_elevation(self.log.files[number])
         return float(elevation.mean()), self.modes.variances(elevation)
 
 
 def recent_frames(times: np.ndarray, time: float) -> tuple[list[int], np.ndarray]:
-    """Indices of frames (FRAME_INTERVAL apart) and their weights, for a mean over the past at a `time` [s]. Weights
+    """Indices of frames up to a `time` [s], FRAME_INTERVAL apart, and their weights in a mean over the past. Weights
     decay over SWELL_SECONDS; each frame counts until the next. `times`: of all frames [s]."""
     intervals = np.floor((time - MEMORY_LAGS * SWELL_SECONDS - times[0]) / FRAME_INTERVAL)
     begins = max(times[0], times[0] + FRAME_INTERVAL * intervals)
@@ -100,7 +100,8 @@ def exact_waves(grid: Any) -> Components | None:
 
 
 def is_tank(basin: dict[str, Any]) -> bool:
-    """True if the basin with these keys is a tank: it has fittings of one, or is no longer than a laboratory's."""
+    """True if these keys of a basin describe a tank: it has parts of one (as a wavemaker), or is short as a
+    laboratory's."""
     return any(basin.get(key) for key in TANK_FITTINGS) or basin.get("length", np.inf) <= LABORATORY_LENGTH
 
 
@@ -122,7 +123,7 @@ def ripple_wind_speed(scene: dict[str, Any], height: float) -> float:
 
 
 def stated_wind_speed(scene: dict[str, Any]) -> float:
-    """Wind speed [m/s] that a scene states; 0 if it states none."""
+    """Wind speed [m/s] at 10 m that a scene states; 0 if it states none."""
     wind = scene.get("wind") or {}
     if "u10" not in wind:
         return 0.0
@@ -132,7 +133,7 @@ def stated_wind_speed(scene: dict[str, Any]) -> float:
 
 
 def gust_speed(scene: dict[str, Any]) -> float:
-    """Largest speed [m/s] among a scene's volumes of wind, of their air or their drift; 0 without volumes."""
+    """Largest speed [m/s] of the air in a scene's wind volumes or of the volumes' own drift; 0 without volumes."""
     volumes = (scene.get("wind") or {}).get("volumes") or []
     return max((max(float(np.linalg.norm(v["drift"])), v["wind_speed"]) for v in volumes), default=0.0)
 

@@ -38,7 +38,7 @@ class SeaSurface:
         self.wanted = 0.0  # share of white water
 
     def grain_at(self, origin: np.ndarray) -> np.ndarray:
-        """Factor (nx, nz), 1 on average, that makes foam patchy, at the basin's nodes around an origin x, z [m]."""
+        """Factor (nx, nz), 1 on average, that makes foam patchy, at the basin's nodes for an `origin` x, z [m]."""
         return foam.gathering_noise((self.nodes + origin).T / GATHERING_LENGTH).reshape(len(self.x), len(self.z))
 
     def blend_weight(self, k: int) -> np.ndarray:
@@ -88,8 +88,8 @@ class SeaSurface:
         self, found: np.ndarray, rings: np.ndarray, nodes: np.ndarray, eye: np.ndarray, amplitude: np.ndarray
     ) -> np.ndarray:
         """Share (bands, rays) of white water on the far sea, at nodes x, z (bands * rays, 2) [m] on `rings` (bands,
-        rays). `found`: from `far_samples`; `amplitude` (m,): of the waves [m]. On each ring the mean is the basin's;
-        the more waves are too short to draw there, the more even is the white."""
+        rays). `found`: from `far_samples`; `amplitude` (m,): of the waves [m]. Each ring has the basin's mean share,
+        the more evenly spread the more waves are too short to draw there."""
         if self.wanted <= 0.0:
             return np.zeros(rings.shape)
         fan = self.fan
@@ -104,12 +104,12 @@ class SeaSurface:
         return self.wanted + told[rings] * (white - self.wanted)
 
     def blended_foam(self, fresh: np.ndarray, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
-        """Share (nx, nz) of white water at the basin's nodes: a frame's foam `kept`, with `grain` as in `laced_foam`,
-        which gives way to `fresh` foam (nx, nz) on the far sea's crests at the basin's sides."""
+        """Share (nx, nz) of white water at the basin's nodes: inside, a frame's foam `kept` (`grain`: see
+        `laced_foam`); towards the basin's sides, foam on the far sea's crests, `fresh` (nx, nz)."""
         return self.laced_foam(kept, grain) + (1.0 - self.share) * fresh
 
     def on_nodes(self, kept: np.ndarray) -> np.ndarray:
-        """Values `kept` on a frame's grid, interpolated to the nodes (nx, nz), and fading to 0 at the basin's sides."""
+        """Values `kept` on a frame's grid, interpolated to the nodes (nx, nz) and faded to 0 at the basin's sides."""
         x, z = self.own
         return self.share * (x @ kept @ z.T)
 

@@ -57,13 +57,14 @@ class Source(NamedTuple):
 
 
 def drop_radius(speed: np.ndarray) -> np.ndarray:
-    """Median radius (n,) [m] of drops where waters meet at a speed (n,) [m/s]."""
+    """Median radius (n,) [m] of the drops thrown where bodies of water collide at a relative speed (n,) [m/s]."""
     pressure = WATER_DENSITY * np.square(TURBULENT_SHARE * np.maximum(speed, MIN_MEETING_SPEED))
     return np.minimum(0.5 * CRITICAL_WEBER * SURFACE_TENSION / pressure, MAX_RADIUS)
 
 
 def thrown_mass(power: np.ndarray, speed: np.ndarray) -> np.ndarray:
-    """Mass thrown per second (n,) [kg/s] by a power (n,) [W] of breaking where waters meet at a speed (n,) [m/s]."""
+    """Mass thrown per second (n,) [kg/s] by a power (n,) [W] of breaking, where bodies of water collide at a relative
+    speed (n,) [m/s]."""
     return np.where(speed > MIN_MEETING_SPEED, EJECTED_SHARE * power / np.maximum(0.5 * speed**2, 1e-9), 0.0)
 
 
@@ -91,7 +92,7 @@ class Spray:
         return parcels[~flying]
 
     def throw_parcels(self, source: Source, step: float, most: float, wind: np.ndarray) -> np.ndarray:
-        """Parcels (n, 9) that a source throws within `step` [s], after their flight so far; about `most` or fewer."""
+        """Parcels (n, 9) that a source throws within `step` [s], moved to the end of it; about `most` or fewer."""
         volume = 4.0 / 3.0 * np.pi * source.radius**3 * np.exp(4.5 * RADIUS_DEVIATION**2)  # mean of a drop [m3]
         number = source.mass * step / (WATER_DENSITY * volume)
         each = max(float(number.sum()) / most, 1.0)  # drops of a parcel
@@ -174,8 +175,8 @@ def clipped_ramp(value: np.ndarray, bounds: tuple[float, float]) -> np.ndarray:
 
 
 def flying_share(position: np.ndarray, floor: np.ndarray, spacing: float) -> np.ndarray:
-    """Degree (n,), 0 to 1, to which particles (n, 3) [m] fly: by the widest vertical gap in the water between each and
-    the `floor` at heights (n,) [m] below it. `spacing`: of particles [m]."""
+    """Share (n,), 0 to 1, by which particles (n, 3) [m] count as flying: by the widest vertical gap in the water below
+    each, down to the `floor` at heights (n,) [m]. `spacing`: of particles [m]."""
     low, size = position.min(axis=0)[[0, 2]] - 0.5 * spacing, np.ptp(position, axis=0)[[0, 2]] + spacing
     broad = size / np.maximum(np.round(size / (COLUMN_BREADTH * spacing)), 1.0)  # so that none is half behind a side
     column = np.floor((position[:, [0, 2]] - low) / broad).astype(np.int64)

@@ -84,8 +84,8 @@ def smooth_mesh(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...], 
 
 
 def neighbour_weights(corners: np.ndarray, on: np.ndarray) -> Any:
-    """Sparse weights (n, n) of the neighbours of each vertex in triangles `corners` (m, 3): 1, doubled for each side of
-    the box on which the vertex lies (`on` (n, 3)) but not the neighbour, to count the neighbour's mirror image too."""
+    """Sparse matrix (n, n) of weights of a vertex's neighbours in triangles `corners`: 1, doubled for each side of the
+    box that holds the vertex (`on` (n, 3)) but not the neighbour, whose mirror image then counts, too."""
     from scipy.sparse import coo_array
 
     n = len(on)
@@ -104,8 +104,8 @@ def level_rim(x: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
 
 
 def spread_ways(way: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
-    """Displacements `way` (n, 3) [m], spread over SPREAD_STEPS edges to neighbours (matrix `adjacent`) where not `held`
-    (n, 3), so that the inside of a flat side follows its rim and no triangle folds over."""
+    """Displacements `way` (n, 3) [m] of vertices, spread over SPREAD_STEPS edges to neighbours (matrix `adjacent`) that
+    are not `held` (n, 3). So the inside of a flat side follows its rim, and no triangle folds over."""
     degree = np.maximum(np.asarray(adjacent.sum(axis=1)), 1.0)[:, None]
     for _ in range(SPREAD_STEPS):
         way = np.where(held, way, adjacent @ way / degree)
@@ -130,7 +130,7 @@ def points_on_sides(x: np.ndarray, lower: tuple[float, ...], upper: tuple[float,
 
 
 def vertex_areas(mesh: Mesh) -> np.ndarray:
-    """Outward area vectors (n, 3) [m2] at the vertices: sums of those of the triangles around each."""
+    """Outward area vectors (n, 3) [m2] at vertices: each the sum over the triangles around it."""
     areas, across = np.zeros(mesh.vertices.shape), mesh.vector_areas
     for k in range(3):
         np.add.at(areas, mesh.triangles[:, k], across)

@@ -83,8 +83,8 @@ def make_texture(image: np.ndarray, *, smaller: bool = False) -> Any:
 
 
 def image_texture(data: Any, smaller: bool) -> Any:
-    """Texture of a VTK image; `smaller`: True for mipmaps. Each window needs its own, or VTK sends the image to each
-    window again in every picture."""
+    """Texture of a VTK image; `smaller`: True for mipmaps. Each window needs a texture of its own; a shared one is sent
+    to each window again in every picture."""
     from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLTexture
 
     made = vtkOpenGLTexture()
@@ -204,7 +204,7 @@ def sky_uniforms(sky: Sky) -> dict[str, Any]:
 
 
 def neutral_uniforms(ships: int) -> dict[str, Any]:
-    """Shader uniforms, except of light, of calm, smooth water that mirrors no ship and has all parts of its colour."""
+    """Shader uniforms, except of light, for calm water that mirrors no ship, all parts of its colour switched on."""
     nothing = dict.fromkeys(("useMirror", "rippleVariance", "windAngle", "time"), 0.0)
     ones = dict.fromkeys(("rippleLongest", "mirrorPixel", "glintKind"), 1.0)  # the kind of glint is a key of GLINTS
     ones |= dict.fromkeys(("useFresnel", "useReflection", "useBody", "useFoam", "useFog"), 1.0)

@@ -43,7 +43,7 @@ class Bow(NamedTuple):
 
     @property
     def slowed_head(self) -> float:
-        """Length [m] by which the crest scales: V^2 / g over 1 plus the Froude number of the draught."""
+        """Length scale [m] of the crest: V^2 / g over 1 plus the Froude number of the draught."""
         return float(self.speed**2 / GRAVITY / (1.0 + self.speed / np.sqrt(GRAVITY * DRAUGHT_SHARE * self.breadth)))
 
     @property
@@ -58,11 +58,11 @@ class Bow(NamedTuple):
 
     @property
     def breaks(self) -> float:
-        """Whiteness of the breaking crest, 0 to 1."""
+        """Whiteness, 0 to 1, of the bow wave's crest: 0 while it is too low to break."""
         return float(np.clip((self.crest[0] - BREAKING_HEIGHT) / (WHITE_HEIGHT - BREAKING_HEIGHT), 0.0, 1.0))
 
     def across(self, abaft: np.ndarray, gap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Distance of points outside the crest's line, in widths of the crest, and the share of the crest's height left
+        """Distance of points outside the crest's line, in widths of the crest, and factor by which the crest is lower
         there. `abaft`: distance behind the stem [m]; `gap`: distance off the hull [m]."""
         back = self.crest[1]
         aft = np.maximum(abaft - back, 0.0)

@@ -1,8 +1,8 @@
-"""Poses of a platform as datagrams: a sender that keeps time, and a receiver without jumps that reports back.
+"""Poses of a platform as datagrams: a sender that keeps time, and a receiver that moves without jumps and reports back.
 
-`python -m ocean_sim.platform.shared.datagrams udp://127.0.0.1:5005` receives packets, prints them, and reports
-the legs to their sender; a further word names the file of a key. With `stop` before the address it stops the platform
-that listens there.
+`python -m ocean_sim.platform.shared.datagrams udp://127.0.0.1:5005` receives packets, prints them, and reports the legs
+to their sender; a further word names the file of a key. With `stop` before the address it stops the platform that
+listens there.
 """
 
 import socket
@@ -173,7 +173,7 @@ class SmoothPose:
     """
 
     def __init__(self, hold: float = 0.1, ramp: float = 3.0, home: float = np.inf) -> None:
-        """`hold`: silence [s] after which a stream counts as interrupted; `ramp`, `home` [s]: see the class."""
+        """`hold`: time [s] without packets after which a stream is interrupted; `ramp`, `home` [s]: see the class."""
         self.hold, self.ramp, self.home = hold, ramp, home
         self.last: wire.Packet | None = None
         self.line: list[tuple[float, np.ndarray]] = []  # the last two poses, and when they came [s]
@@ -247,7 +247,7 @@ class Receiver(SmoothPose):
         self.foreign = self.implausible = 0
 
     def accept_datagram(self, data: bytes, source: object, now: float) -> wire.Packet | None:
-        """Accepted packet of a datagram from address `source` at `now` [s]; None if malformed, refused, or a stop."""
+        """Packet in a datagram that came from `source` at `now` [s]; None if malformed, refused, or a stop."""
         if wire.is_stop_packet(data, self.key):
             self.stop(now)
             return None
@@ -277,8 +277,8 @@ class Receiver(SmoothPose):
 
     @np.errstate(all="ignore")
     def is_plausible(self, pose: np.ndarray, time: float, now: float, silent: bool) -> bool:
-        """True if the legs can reach a pose (6,), by stroke, speed and acceleration: `time` [s] in the stream, `now`
-        [s] its arrival. After a silence (`silent`) only the stroke is checked."""
+        """True if the legs can reach a pose (6,) by their stroke, speed and acceleration. `time` [s]: in the stream;
+        `now` [s]: of arrival. After a silence (`silent`) only the stroke is checked."""
         lengths, speeds = self.hexapod.legs(pose[None])[0], UNKNOWN_SPEEDS
         low, high = self.hexapod.low - NUMBER_TOLERANCE, self.hexapod.high + NUMBER_TOLERANCE
         if not ((lengths > low) & (lengths < high)).all():

@@ -90,7 +90,7 @@ class Hexapod:
         return low
 
     def leg_vectors(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Vectors (n, 6, 3) [m] of legs from base to platform, and of joints from the platform's origin; floor axes."""
+        """Vectors (n, 6, 3) [m], floor axes: of legs, from base to platform; of joints, from the platform's origin."""
         arm = self.joints @ np.swapaxes(rotation_matrices(pose[:, 3:]), 1, 2)
         leg = pose[:, None, :3] + [0.0, 0.0, self.neutral_height] + arm - self.base
         return leg, arm
@@ -100,7 +100,8 @@ class Hexapod:
         return np.sqrt((self.leg_vectors(pose)[0] ** 2).sum(axis=2))
 
     def jacobian(self, pose: np.ndarray) -> np.ndarray:
-        """Jacobians (n, 6, 6) at poses (n, 6): leg speeds by velocity, turn rate in floor axes; rows (u, R p x u)."""
+        """Jacobians (n, 6, 6), from velocity and turn rate (floor axes) to leg speeds, at poses (n, 6), row (u, R p x
+        u)."""
         leg, arm = self.leg_vectors(pose)
         along = leg / np.sqrt((leg**2).sum(axis=2))[:, :, None]
         return np.concatenate([along, np.cross(arm, along)], axis=2)
@@ -112,12 +113,12 @@ class Hexapod:
         return jacobian
 
     def condition(self, pose: np.ndarray) -> np.ndarray:
-        """Condition numbers (n,) of the Jacobian in poses (n, 6), with turns measured at the mean joint radius."""
+        """Condition numbers (n,) of the Jacobian at poses (n, 6), its turns times the mean radius of the joints."""
         values = np.linalg.svd(self.jacobian(pose) / np.repeat([1.0, self.radius], 3), compute_uv=False)
         return values[:, 0] / np.maximum(values[:, -1], 1e-300)
 
     def pose(self, legs: np.ndarray, guess: np.ndarray | None = None) -> np.ndarray:
-        """Poses (n, 6) with leg lengths (n, 6) [m], by Newton's method from `guess` or neutral; NaN if it fails."""
+        """Poses (n, 6) for leg lengths (n, 6) [m], by Newton's method from `guess` or neutral; NaN where it fails."""
         pose = np.zeros((len(legs), 6)) if guess is None else guess.copy()
         for _ in range(NEWTON_STEPS):
             miss = legs - self.legs(pose)

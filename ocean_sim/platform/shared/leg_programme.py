@@ -40,16 +40,15 @@ class SolverMissing(Lacking):
 
 
 class LegTrack(NamedTuple):
-    """Motion of a platform whose legs follow splines, at their knots."""
+    """Motion of a platform at the knots of splines that its leg lengths follow."""
 
     motion: np.ndarray  # (n, 18) pose [m, rad], its rate and its second derivative in time
     by_legs: list[np.ndarray]  # derivatives (n, 6, 6) of the pose by leg lengths, and their first and second in time
 
 
 def sensed_modes(every: float) -> list[tuple[np.ndarray, np.ndarray, float]]:
-    """Residues (2,), poles (2,) and direct share of six digital filters, one for each component of motion, in rows
-    `every` [s] with linear errors between: from an error of specific force [m/s2] or rate [rad/s] to its sensed size
-    over the threshold."""
+    """Residues (2,), poles (2,) and direct share of six digital filters for rows `every` [s] (linear between them), one
+    per component of motion: from an error of specific force [m/s2] or rate [rad/s] to its sensed size in thresholds."""
     from scipy.signal import cont2discrete, residuez
 
     sampled = [cont2discrete(organ, every, method="foh") for organ in (OTOLITH_FILTER, CANAL_FILTER)]
@@ -59,8 +58,8 @@ def sensed_modes(every: float) -> list[tuple[np.ndarray, np.ndarray, float]]:
 
 
 def sensed_error(error: np.ndarray, every: float, state: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Sensed sizes, over thresholds, of errors (n, 6) of specific force [m/s2] and rate [rad/s] in rows `every` [s],
-    and the last values (6, 2) of the filters' modes. `state`: these before the first row, by default 0."""
+    """Sensed sizes (n, 6), in thresholds, of errors (n, 6) of specific force [m/s2] and rate [rad/s] in rows `every`
+    [s]; and the final state (6, 2) of the filters. `state`: that before the first row, by default 0."""
     from scipy.signal import lfilter
 
     sizes, last = np.zeros(error.shape), np.zeros((6, 2)) if state is None else state.copy()
@@ -74,7 +73,7 @@ def sensed_error(error: np.ndarray, every: float, state: np.ndarray | None = Non
 
 
 def motion_at(rows: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Motion (k, 6) at times (k,) [s], linear between rows (n, 7) of time and motion."""
+    """Motion (k, 6) at times (k,) [s], interpolated linearly between `rows` (n, 7) of time and motion."""
     return np.column_stack([np.interp(times, rows[:, 0], column) for column in rows[:, 1:].T])
 
 
@@ -107,7 +106,7 @@ def spline_values(points: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 def leg_track(hexapod: Hexapod, points: np.ndarray, guess: np.ndarray) -> LegTrack:
-    """Motion at n knots of leg-length splines with control points (n + 2, 6) [m]; `guess` (n, 6): poses near it."""
+    """Motion at n knots of leg-length splines with control points (n + 2, 6) [m]; `guess` (n, 6): poses close to it."""
     lengths, speeds, accelerations = (matrix @ points for matrix in spline_matrices(len(points) - 2))
     pose = hexapod.pose(lengths, guess)
     by_length = np.linalg.inv(hexapod.pose_jacobian(pose))
@@ -120,7 +119,8 @@ def leg_track(hexapod: Hexapod, points: np.ndarray, guess: np.ndarray) -> LegTra
 
 
 def felt_by_points(track: LegTrack) -> list[Any]:
-    """Derivatives of felt motion by control points, leg after leg: six sparse (n, 6 n + 12), one for each component."""
+    """Derivatives of felt motion at n knots with respect to the control points, leg after leg: a sparse (n, 6 n + 12)
+    for each of six components."""
     from scipy.sparse import diags_array, hstack
 
     of_pose, of_rate, of_second = np.split(derivatives(felt_at, track.motion), 3, axis=2)
@@ -153,11 +153,11 @@ def solve_programme(
     tolerance: float,
     still_points: int,
 ) -> np.ndarray:
-    """Best control points (n + 2, 6) [m] for specific force [m/s2] and rate [rad/s] asked for at knots (n, 6).
+    """Best control points (n + 2, 6) [m] for specific force [m/s2] and rate [rad/s] `asked` for at knots (n, 6).
 
-    Motion is linear about the solution before, `past` (n + 2, 6), whose first REST_POINTS stay. `guess` (n, 6): poses
-    near it; `state` (6, 2): modes of the organs before the first knot; `tolerance`: of the solver; `still_points`:
-    number of last points that are equal. Raises SolverMissing, and Failed without a solution.
+    Motion is linearised about an earlier solution `past` (n + 2, 6), whose first REST_POINTS are kept. `guess` (n, 6):
+    its poses, roughly; `state` (6, 2): of the senses' filters before the first knot; `tolerance`: of the solver;
+    `still_points`: number of last points that are equal. Raises SolverMissing, and Failed without a solution.
     """
     clarabel = load_solver()
     from scipy.sparse import block_array, block_diag, csr_array, diags_array, eye_array, kron
@@ -209,7 +209,7 @@ def solve_programme(
 
 
 class LegPlan:
-    """Plan of the legs over the knots ahead, at first from neutral; each window begins where the last one was left."""
+    """Plan of the legs over the knots ahead, beginning in neutral; `leave` drops the knots that are past."""
 
     def __init__(self, geometry: Geometry, hexapod: Hexapod, still_points: int = 1) -> None:
         """`still_points`: how many of the last control points are equal; REST_POINTS for a plan that ends at rest."""
@@ -219,8 +219,8 @@ class LegPlan:
         self.state = np.zeros((6, 2))  # of the organs before the first knot
 
     def improve(self, asked: np.ndarray, tolerances: Sequence[float]) -> None:
-        """Plan for motion asked for at knots (n, 6): solve the programme once for each tolerance, linear about the
-        solution before; raises SolverMissing, and Failed where there is no plan."""
+        """Plan for the motion `asked` for at knots (n, 6): solve the programme once per tolerance, each time linearised
+        about the solution before. Raises SolverMissing, and Failed where there is no plan."""
         self.points, self.motion = extended(self.points, len(asked) + 2), extended(self.motion, len(asked))
         for tolerance in tolerances:
             guess = self.motion[:, :6]
@@ -230,13 +230,14 @@ class LegPlan:
             self.motion = leg_track(self.hexapod, self.points, guess).motion
 
     def leave(self, asked: np.ndarray) -> None:
-        """Drop the first k knots, once the organs have sensed the difference of their motion from `asked` (k, 6)."""
+        """Advance the filters of the senses by the error of felt motion against `asked` (k, 6) at the first k knots,
+        then drop these knots."""
         k = len(asked)
         self.state = sensed_error(felt_at(self.motion[:k]) - asked, KNOT_INTERVAL, self.state)[1]
         self.points, self.motion = self.points[k:], self.motion[k:]
 
     def poses(self, at: np.ndarray) -> np.ndarray:
-        """Poses (k, 6) at `at` (k,), counted in knots from the first."""
+        """Planned poses (k, 6) at positions `at` (k,), counted in knots from the first."""
         guess = self.motion[np.minimum(at.astype(int), len(self.motion) - 1), :6]
         return self.hexapod.pose(spline_values(self.points, at), guess)
 
@@ -247,7 +248,7 @@ def extended(rows: np.ndarray, count: int) -> np.ndarray:
 
 
 def best_poses(geometry: Geometry, hexapod: Hexapod, rows: np.ndarray) -> np.ndarray:
-    """Poses (n, 6) of the best ride from neutral for rows (n, 7): time [s], specific force [m/s2] and rate
+    """Poses (n, 6) of the best ride from neutral for `rows` (n, 7): time [s], and the specific force [m/s2] and rate
     [rad/s] asked for. Raises SolverMissing, and Failed where there is none."""
     window, kept = round(WINDOW_TIME / KNOT_INTERVAL), round(KEPT_TIME / KNOT_INTERVAL)
     at = (rows[:, 0] - rows[0, 0]) / KNOT_INTERVAL

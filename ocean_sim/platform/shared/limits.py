@@ -19,7 +19,8 @@ USAGE_TOLERANCE = 1e-10  # part of the stroke
 
 
 def soften_usage(usage: np.ndarray, knee: np.ndarray | float = KNEE_USAGE) -> np.ndarray:
-    """Wanted fractions (n,) of the stroke, unchanged up to `knee`, and above it compressed (tanh) to stay below 1."""
+    """Fractions (n,) of the stroke, limited softly: equal to the wanted `usage` (n,) up to `knee`, above it compressed
+    (tanh) to stay below 1."""
     room = np.maximum(1.0 - knee, USAGE_TOLERANCE)
     return np.where(usage > knee, knee + room * np.tanh((usage - knee) / room), usage)
 
@@ -42,8 +43,8 @@ class Workspace:
     def scale_back(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Poses (n, 6) in the workspace, scaled back from wanted ones (n, 6), and bits (n,) of the limits that acted.
 
-        Angles are scaled back first, as if there were no displacement, then the displacement to the stroke left: people
-        notice at once a deck that is tilted wrongly, but not one that travels less.
+        Angles are scaled back first, as if there were no displacement; then the displacement, to fit the rest of the
+        stroke. People notice at once a deck that is tilted wrongly, but not one that travels less.
         """
         far = pose / np.where(pose > 0.0, self.ends[:, 1], self.ends[:, 0])
         angles = pose * TURN_MASK * np.where(far > KNEE_USAGE, soften_usage(far) / np.maximum(far, KNEE_USAGE), 1.0)
@@ -60,8 +61,8 @@ class Workspace:
         return kept, limited
 
     def scale_factor(self, fixed: np.ndarray, moving: np.ndarray, knee: np.ndarray) -> np.ndarray:
-        """Factors (n,) f by which poses `fixed` + f `moving` (n, 6) use no more of the stroke than `soften_usage` makes
-        of their usage with a `knee` (n,); f is 1 below the knee."""
+        """Factors f (n,), at most 1, for poses `fixed` + f `moving` (n, 6). With f = 1 they use some fraction of the
+        stroke; f lowers it to the value of `soften_usage` with this `knee` (n,)."""
         usage, factor = self.usage(fixed + moving), np.ones(len(fixed))
         far = usage > knee
         if far.any():
@@ -87,7 +88,7 @@ class Workspace:
         return guess
 
     def condition_factor(self, pose: np.ndarray) -> np.ndarray:
-        """Factors (n,) on poses (n, 6) just below the smallest at which the condition number exceeds its limit."""
+        """Factors (n,) on poses (n, 6), just below the smallest at which the condition number is beyond its limit."""
         low, high = np.zeros(len(pose)), np.ones(len(pose))
         out = np.zeros(len(pose), dtype=bool)
         for part in np.linspace(0.0, 1.0, 17)[1:]:
@@ -123,8 +124,8 @@ class Governor:
         self.asked = np.zeros((2, 6))  # the last two requested poses
 
     def follow(self, wanted: np.ndarray, asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Poses (n, 6) that the machine can follow, and limit bits (n,). `wanted` (n, 6): poses in the workspace;
-        `asked` (n, 6): those requested by the washout, whose accelerations are allowed."""
+        """Poses (n, 6) that the machine can follow, and bits (n,) of the limits that acted. `wanted` (n, 6): poses in
+        the workspace; `asked` (n, 6): those requested by the washout, whose accelerations are always allowed."""
         n, dt = len(wanted), self.every
         known, free = np.vstack([self.target, wanted]), np.vstack([self.asked, asked])
         self.asked = free[-2:]
@@ -151,7 +152,7 @@ class Governor:
         return given, limited
 
     def motion_sizes(self, motion: np.ndarray) -> np.ndarray:
-        """Sizes (n,) [m] of pose changes (n, 6): shift of the reference point, or of the turning joints if larger."""
+        """Sizes (n,) [m] of pose changes (n, 6): shift of the reference point, or way of turned joints if larger."""
         along, around = np.linalg.norm(motion[:, :3], axis=1), np.linalg.norm(motion[:, 3:], axis=1)
         return np.maximum(along, self.hexapod.radius * around)
 
@@ -159,8 +160,8 @@ class Governor:
         return float(self.motion_sizes(motion[None])[0])
 
     def can_follow(self, step: np.ndarray, allowed: float) -> bool:
-        """True if the platform is at its target and its legs can take the velocity `step` (6,) [m/s, rad/s] in one row,
-        within a change of velocity `allowed` [m/s]."""
+        """True if the platform is at its target, and its legs can change to the pose velocity `step` (6,) [m/s, rad/s]
+        in one row, with a change of at most `allowed` [m/s]."""
         if self.motion_size(self.pose - self.target) > LEG_MATCH:
             return False
         change = step - self.velocity
@@ -174,7 +175,8 @@ class Governor:
         return self.hexapod.jacobian(pose)[0] @ np.concatenate([motion[:3], turning])
 
     def chase_step(self, step: np.ndarray) -> int:
-        """Move a late platform for a row to its target, which moves at `step` (6,) [m/s, rad/s]; return limit bits."""
+        """Move a platform that lags behind for one row towards its target, which has velocity `step` (6,) [m/s, rad/s];
+        return bits of the limits that acted."""
         dt, a = self.every, self.catch_up
         behind = self.target - self.pose
         far = self.motion_size(behind)
@@ -190,7 +192,8 @@ class Governor:
         return (LEG_SPEED_LIMIT if share < 1.0 else 0) | (LEG_ACCELERATION_LIMIT if hard > 1.0 or share >= 1.0 else 0)
 
     def stoppable_velocity(self, velocity: np.ndarray) -> np.ndarray:
-        """Pose velocity (6,) [m/s, rad/s] that allows a stop: from braking as far towards `velocity` as it can be."""
+        """Pose velocity (6,) [m/s, rad/s] for the next row from which a stop is possible: as near to `velocity` as that
+        allows, else that of braking."""
         size = max(self.motion_size(self.velocity), USAGE_TOLERANCE)
         braked = self.velocity * max(0.0, 1.0 - self.brake * self.every / size)
         fits, part, step = 0.0, 1.0, 0.5
@@ -211,7 +214,7 @@ class Governor:
         return np.asarray(within.all(axis=1))
 
     def stopping_speed(self, acceleration: float, left: np.ndarray) -> np.ndarray:
-        """Highest speed [m/s] from which braking at `acceleration` [m/s2], in whole rows, stops within `left` [m]."""
+        """Highest speed [m/s] from which braking at `acceleration` [m/s2], in whole rows, ends within `left` [m]."""
         lost = 0.5 * acceleration * self.every
         return np.sqrt(lost**2 + 2.0 * acceleration * np.maximum(left, 0.0)) - lost
 
@@ -251,14 +254,15 @@ class Legs:
         return length, velocity, limited
 
     def can_follow(self, wanted: np.ndarray) -> bool:
-        """True if the legs have their target lengths and can take the speeds `wanted` (6,) [m/s] in one row."""
+        """True if the legs are at their targets and can change to the speeds `wanted` (6,) [m/s] in one row."""
         there = float(np.abs(self.length - self.target).max()) < LEG_MATCH
         fast = float(np.abs(wanted).max()) > self.speed
         hard = float(np.abs(wanted - self.velocity).max()) > self.acceleration * self.every * (1.0 + 1e-9)
         return there and not fast and not hard
 
     def chase_step(self, target: np.ndarray, wanted: np.ndarray) -> int:
-        """Move late legs for one row to lengths `target` (6,) [m], moving at `wanted` (6,) [m/s]; return limit bits."""
+        """Move legs that lag behind for one row towards lengths `target` (6,) [m], which change at `wanted` (6,) [m/s];
+        return bits of the limits that acted."""
         dt, a = self.every, self.acceleration
         behind = self.target - self.length
         brake = np.sqrt((0.5 * a * dt) ** 2 + 2.0 * a * np.abs(behind)) - 0.5 * a * dt  # stops in whole rows

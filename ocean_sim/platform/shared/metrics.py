@@ -23,7 +23,8 @@ class Metric(NamedTuple):
 
 
 def ride_metrics(ride: Ride, done: Commands, hexapod: Hexapod, every: float) -> list[Metric]:
-    """Metrics of a ride `done` every `every` [s]: felt against scaled ship motion, limits, legs and motion sickness."""
+    """Metrics of the motion that a platform has `done`, in rows `every` [s] apart, for the ship motion `ride`: felt
+    against scaled motion, share of limited rows, legs, motion sickness."""
     felt, scaled = felt_motions(done.pose, every), np.hstack([done.cue.force, done.cue.rate])
     names = [f"force_{axis}" for axis in "xyz"] + [f"rate_{axis}" for axis in "xyz"]
     found = []
@@ -46,7 +47,8 @@ def ride_metrics(ride: Ride, done: Commands, hexapod: Hexapod, every: float) -> 
 
 
 def possible_shares(done: Commands, best: Commands, every: float) -> list[Metric]:
-    """Sensed errors of the rides `done` and `best`, and their ratio best over done: of all motion, by component."""
+    """Errors of motion, as the senses weigh them: of what a platform has `done` and of the `best` possible, and ratios
+    best over done. Of all motion and of each component."""
     scaled, sizes = np.hstack([done.cue.force, done.cue.rate]), []
     for ride in (best, done):
         sensed = leg_programme.sensed_error(felt_motions(ride.pose, every) - scaled, every)[0]
@@ -57,14 +59,14 @@ def possible_shares(done: Commands, best: Commands, every: float) -> list[Metric
 
 
 def felt_motions(pose: np.ndarray, every: float) -> np.ndarray:
-    """Specific force [m/s2] and rate [rad/s] (n, 6) in platform axes by central differences of poses `every` [s]."""
+    """Specific force [m/s2] and rate [rad/s] (n, 6), platform axes, at poses `every` [s], by central differences."""
     known = np.vstack([2.0 * pose[0] - pose[1], pose, 2.0 * pose[-1] - pose[-2]])
     acceleration = np.diff(known[:, :3], n=2, axis=0) / every**2
     return np.hstack(kinematics.felt_motion(pose, acceleration, (known[2:, 3:] - known[:-2, 3:]) / (2.0 * every)))
 
 
 def rest_value(name: str) -> float:
-    """Value of the motion component of this name on a platform at rest in neutral: g for `force_z`, else 0."""
+    """Value of the motion component `name` (as `rate_x`) on a platform at rest in neutral: g for `force_z`, else 0."""
     return GRAVITY if name == "force_z" else 0.0
 
 
@@ -101,13 +103,14 @@ def best_delay(felt: np.ndarray, scaled: np.ndarray, every: float) -> float:
 
 
 def motion_gain(felt: np.ndarray, given: np.ndarray, every: float) -> float:
-    """Gain from signal `given` (n,) to `felt` (n,): largest cross-correlation over the square sum of `given`."""
+    """Gain from signal `given` (n,) to `felt` (n,): largest cross-correlation over the sum of squares of `given`."""
     products = delayed_products(felt, given, every)
     return float(products.max() / np.sum((given - given.mean()) ** 2))
 
 
 def delayed_products(felt: np.ndarray, given: np.ndarray, every: float) -> np.ndarray:
-    """Cross-correlation (2 m + 1,) of signals (n,) at delays up to m rows `every` [s]; one NaN if one is constant."""
+    """Cross-correlation (2 m + 1,) of signals (n,) at delays of -m to m rows `every` [s]; one NaN if one is
+    constant."""
     from scipy.signal import correlate
 
     a, b = felt - felt.mean(), given - given.mean()

@@ -75,18 +75,17 @@ class Ride(NamedTuple):
     attitude: np.ndarray  # (n, 3) roll, pitch, yaw [rad]: Rz(yaw) Ry(pitch) Rx(roll) turns body to world
 
     def rows(self, first: int, last: int) -> "Ride":
-        """Copy of the ride's rows from `first` to before `last`."""
+        """Copy of the ship motion in rows `first` to `last`, the latter excluded."""
         return Ride(*(column[first:last] for column in self))
 
     def chunks(self, ahead: int = 0) -> Iterator[tuple["Ride", "Ride"]]:
-        """Yield consecutive rides of at most CHUNK_ROWS rows that together hold all rows, each with `ahead` rows after
-        it, fewer at the end."""
+        """Yield consecutive pieces (Rides of at most CHUNK_ROWS rows), each with up to `ahead` rows after it."""
         for k in range(0, len(self.time), CHUNK_ROWS):
             yield self.rows(k, k + CHUNK_ROWS), self.rows(k + CHUNK_ROWS, k + CHUNK_ROWS + ahead)
 
 
 class MotionLog(NamedTuple):
-    """A motion log that has been read and checked: its table, and its ride along FLU axes."""
+    """Motion log that has been read and checked: its table, and its `Ride` (ship motion along FLU axes)."""
 
     table: Table
     frame: str  # ship, ned or flu
@@ -95,7 +94,7 @@ class MotionLog(NamedTuple):
 
     @property
     def compared_rows(self) -> int:
-        """Number n of rows over which columns are averaged before comparison: COMPARED_SECONDS, less in a short log."""
+        """Number n of rows over which columns are averaged to be compared: COMPARED_SECONDS, less in a short log."""
         return max(1, min(round(COMPARED_SECONDS / self.every), len(self.ride.time) // 4))
 
     def mean_rates(self, values: np.ndarray) -> np.ndarray:
@@ -116,7 +115,7 @@ def frame_signs(frame: str) -> np.ndarray:
 
 
 def ride_of(table: dict[str, np.ndarray], frame: str) -> Ride:
-    """Ride along FLU axes from a motion log's columns, which are along the axes of `frame`."""
+    """`Ride` (ship motion along FLU axes) from a motion log's columns, which are along the axes of `frame`."""
     groups = FORCE_COLUMNS, RATE_COLUMNS, ANGLE_COLUMNS
     force, rate, attitude = (np.column_stack([table[name] for name in names]) for names in groups)
     signs = frame_signs(frame)
@@ -150,7 +149,7 @@ def frame_of(table: Table) -> str:
 
 
 def checked_log(table: Table, agree: bool = True) -> MotionLog:
-    """The motion log in a table, checked; `agree`: no column is derived, and all have to agree. Raises Unreadable."""
+    """Motion log in a table, after checks; `agree`: True to compare columns with each other, too. Raises Unreadable."""
     frame = frame_of(table)
     table.series(*(name for name in (*REQUIRED_COLUMNS, "seq") if name in table), fewest=2)
     log = MotionLog(table, "ship" if frame == "world" else frame, row_interval(table), ride_of(table, frame))
@@ -242,8 +241,8 @@ def check_agreement(log: MotionLog) -> None:
 
 
 def compare_columns(path: str | Path, own: Columns, other: Columns, least: float, most: float = MAX_FACTOR) -> None:
-    """Raise Unreadable if named columns `own` (n, k) and `other` (n, k) differ in sign, axis or unit: by a factor above
-    `most`. Columns with a standard deviation below `least` are skipped."""
+    """Raise Unreadable if columns `own` (n, k) and `other` (n, k), both with names, that should be alike differ in
+    sign, axis or unit: by a factor above `most`. Columns with a standard deviation below `least` are skipped."""
     (names, says), (others, follows) = own, other
     if len(says) < MIN_COMPARED_ROWS:
         return

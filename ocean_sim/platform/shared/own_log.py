@@ -57,8 +57,8 @@ def read_own_log(
 
 
 def even_times(table: Table, known: dict[str, np.ndarray]) -> list[str]:
-    """Shift times to begin at 0, interpolate all columns by cubic splines where rows are a little uneven, or too few a
-    second, and return sentences that say so. Epoch times in units of 1e-3, 1e-6 or 1e-9 s become seconds."""
+    """Shift times to begin at 0, interpolate all columns of `known` by cubic splines where rows are a little uneven, or
+    too few a second; returns sentences that say so. Epoch times in units of 1e-3, 1e-6 or 1e-9 s become seconds."""
     from scipy.interpolate import CubicSpline
 
     time = known[TIME_COLUMN]

@@ -1,9 +1,9 @@
-"""Common parts of washouts: scales, tilt and turns; each kind adds the travel of the platform.
+"""Common part of washouts by filters: scales, tilt and turns; each kind adds how the platform is displaced.
 
-Reid and Nahon, UTIAS Report 296 (1985). Specific force is freed of gravity in level axes that head as the ship does,
-scaled, and travelled as the kind says; its slow part along x and y tilts the platform, slower than people notice.
-Rates of turn are scaled and high-passed. An angle without a high-pass is followed as it is, and then shows its own
-part of gravity.
+Reid and Nahon, UTIAS Report 296 (1985). Gravity is removed from the specific force in level axes that head as the ship
+does. The rest is scaled and displaces the platform, as the kind says; its slow part along x and y tilts the platform,
+slower than people notice. Rates of turn are scaled and high-passed. An angle without a high-pass is followed as it is,
+and then shows its own part of gravity.
 """
 
 from collections.abc import Sequence
@@ -58,7 +58,7 @@ class Filter:
         self.state = np.zeros((len(self.sections), 2))
 
     def apply(self, signal: np.ndarray) -> np.ndarray:
-        """Filtered signal (n,), which continues the earlier ones: direct form II transposed, section after section."""
+        """Filtered signal (n,), continuing that of the last call: direct form II transposed, section after section."""
         values, ends = signal.tolist(), []
         for section, (one, two) in zip(self.sections.tolist(), self.state.tolist()):
             b_0, b_1, b_2, _, a_1, a_2 = section
@@ -91,7 +91,7 @@ def second_order(frequency: float, damping: float) -> list[complex]:
 
 
 class Tilt:
-    """Tilt angle by which gravity stands in for the slow part of a specific force, at a limited rate."""
+    """Angle by which a platform tilts so that gravity imitates the slow part of a specific force; rate-limited."""
 
     def __init__(self, frequency: float, rate: float, every: float) -> None:
         """`frequency`: low-pass corner [rad/s]; `rate`: largest tilt rate [rad/s]; `every`: time between rows [s]."""
@@ -112,7 +112,7 @@ class Tilt:
 
 
 class Washing:
-    """Washout of one ride: scaling, tilt coordination and turns, with one filter of displacement for each axis."""
+    """Washout of one ride: scaling, tilt coordination, turns, and one filter of displacement along each axis."""
 
     plans_legs = False
 
@@ -153,7 +153,8 @@ class Washing:
         return np.clip(wanted, -limit, limit)
 
     def lasting_force(self, ride: Ride) -> np.ndarray:
-        """Scaled specific force (n, 2) [m/s2] along x, y for the tilt, less gravity of angles that are followed."""
+        """Scaled specific force (n, 2) [m/s2] along x, y that tilt is to show; gravity is left out where the platform's
+        angle already follows the ship's."""
         force, own = ride.specific_force[:, :2].copy(), rest_force(ride.attitude)
         if self.turns[1] is None:
             force[:, 0] -= own[:, 0]
@@ -164,7 +165,7 @@ class Washing:
 
 
 def scaled_motion(ride: Ride, force_scale: Vector3, rotation_scale: Vector3) -> tuple[np.ndarray, np.ndarray]:
-    """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] to be felt: the ship's, times the scales of a washout."""
+    """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] to be felt: those of the ship, scaled as in a washout."""
     inertial = (ride.specific_force - rest_force(ride.attitude)) * force_scale
     return inertial + rest_force(ride.attitude * rotation_scale), ride.rate * rotation_scale
 

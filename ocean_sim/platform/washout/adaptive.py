@@ -1,10 +1,10 @@
-"""Adaptive washout: the share of an acceleration that is travelled falls where travel runs short, and recovers.
+"""Adaptive washout: the share of an acceleration that the platform follows falls where travel runs short, and recovers.
 
 After Parrish, Dieudonne, Bowles & Martin (1975, J. Aircraft 12, 44), as in Reid and Nahon, UTIAS Report 296 (1985):
-along each axis the platform follows p a - 2 zeta omega v - omega^2 s of a scaled acceleration a, and the share p keeps
-a cost low, (a - s'')^2 + W_s s^2 + W_v v^2 + W_p (p - 1)^2. They descend its gradient; here p minimises the recent
-mean of the cost in closed form, as s is proportional to a share that changes slowly: waves are not distorted. So small
-motions pass nearly whole, and large ones are scaled down evenly instead of being stopped.
+along each axis the platform's position s follows s'' = p a - 2 zeta omega s' - omega^2 s for a scaled acceleration a,
+and the share p keeps a cost low, (a - s'')^2 + W_s s^2 + W_v s'^2 + W_p (p - 1)^2. They descend its gradient. Here p
+minimises the recent mean of the cost in closed form, as s is proportional to a share that changes slowly. Waves are not
+distorted: small motions pass nearly whole, and large ones are scaled down evenly instead of being stopped.
 """
 
 from typing import Literal
@@ -38,7 +38,7 @@ class Config(WashingConfig):
 
 
 class AdaptiveTravel:
-    """Adaptive filter from acceleration to displacement along one axis (0, 1, 2), for rows `every` [s]."""
+    """Adaptive filter from acceleration to displacement along one axis (0: x, 1: y, 2: z), for rows `every` [s]."""
 
     def __init__(self, config: Config, axis: int, every: float) -> None:
         self.every, omega = every, config.return_frequency[axis]

@@ -39,8 +39,8 @@ class Travel:
     def __init__(
         self, frequency: float, damping: float, back: float, every: float, ends: Sequence[float] = (-inf, inf)
     ) -> None:
-        """`frequency` [rad/s], `damping`: of a second-order high-pass; `back` [rad/s]: corner of a first-order one, 0
-        for none; `ends`: of the travel [m]."""
+        """`frequency` [rad/s], `damping`: of a second-order high-pass; `back`: corner [rad/s] of another, first-order
+        one, or 0 for none; `ends`: lowest and highest displacement [m]."""
         poles, zeros = second_order(frequency, damping), []
         if back > 0.0:  # s^3 / ((s^2 + 2 zeta omega s + omega^2) (s + omega_b)), integrated twice
             poles, zeros = [*poles, complex(-back)], [0.0]
@@ -48,10 +48,8 @@ class Travel:
         self.low, self.high = ends
 
     def displace(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Displacements (n,) [m] for accelerations (n,) [m/s2], and (n,) True where an acceleration was cut.
-
-        Beyond an end of the travel, acceleration further outward counts as 0, so that the platform returns at once.
-        """
+        """Displacements (n,) [m] for accelerations (n,) [m/s2], and (n,) True where an acceleration was set to 0:
+        beyond an end of the travel, if directed further outward, so that the platform returns at once."""
         moved, cut, start = np.empty(len(acceleration)), np.zeros(len(acceleration), dtype=bool), 0
         while start < len(acceleration):
             state = self.filter.state

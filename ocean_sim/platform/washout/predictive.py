@@ -35,7 +35,7 @@ class Config(Model):
 
     @model_validator(mode="after")
     def _check_period(self) -> "Config":
-        """Raise ValueError unless the period is a number of knots and leaves room in the horizon."""
+        """Raise ValueError unless the period is a whole number of knot intervals and leaves room in the horizon."""
         knots = self.period / KNOT_INTERVAL
         if abs(knots - round(knots)) > TIME_ROUNDING:
             raise ValueError(
@@ -54,7 +54,7 @@ class Config(Model):
 
 
 class Predictive:
-    """Predictive washout of one ride."""
+    """Predictive washout of one ride: plans the motion of the legs over the horizon anew in each period."""
 
     plans_legs = True
 
@@ -64,8 +64,8 @@ class Predictive:
         self.known = np.zeros((0, 7))  # rows of the last period: time [s], specific force [m/s2], rate [rad/s]
 
     def follow(self, ride: Ride, ahead: Ride | None = None) -> Cue:
-        """Requested poses for the next rows of ship motion; `ahead`: rows after them, as long as the horizon. Raises
-        SolverMissing, and Failed where there is no plan."""
+        """Requested poses for the next rows of ship motion. `ahead`: rows that follow them, over the whole horizon.
+        Raises SolverMissing, and Failed where there is no plan."""
         self.start = float(ride.time[0]) if np.isnan(self.start) else self.start
         config, scaled = self.config, [self.known]
         for part in (ride, ahead):

@@ -115,8 +115,7 @@ def mirror_direction(mirror, d):
 
 @ti.func
 def hydrostatic_offset(mirror, x, pull):
-    """Rise of p / rho [m2/s2] from x to its image in water at rest, under gravity `pull` [m/s2] and the motion of the
-    side."""
+    """Rise of p / rho [m2/s2] from x to its image in water at rest, by gravity `pull` [m/s2] and the side's motion."""
     wall = tm.vec3([mirror[SIDE_ACCELERATION, k] for k in ti.static(range(3))])
     return (pull - wall).dot(mirror_position(mirror, x) - x)
 

@@ -91,7 +91,7 @@ class RelaxationBand:
 
     @property
     def wake_transmission(self) -> float:
-        """Share of wave height that passes the rim: highest waves, or in calm water waves 4/3 rim widths long."""
+        """Share of their height with which the highest waves, in calm water those 4/3 rim widths long, pass the rim."""
         basin, calm = self.lattice.basin, 2.0 * pi * RIM_WIDTH_WAVES / self.width
         k = calm if self.sea is None else float(self.sea.wavenumber[self.sea.highest])
         group = float(waves.group_speed(k, basin.depth, waves.downward_gravity(basin)))
@@ -205,7 +205,7 @@ class RelaxationBand:
 
 
 def rim_depth(away: np.ndarray, periods: np.ndarray, width: float) -> np.ndarray:
-    """Depth (n,) [m] in a rim of `width` [m], negative outside; `away` (n, 2) [m]: x, z from the patch's centre."""
+    """Distance (n,) [m] into a rim of `width` [m], negative outside; `away` (n, 2) [m]: x, z from the patch centre."""
     depth = np.abs(away - whole_sides(away, periods)) - (0.5 * periods - width)
     return np.where(periods > 0.0, depth, -np.inf).max(axis=-1)
 

@@ -47,7 +47,7 @@ class Law(ABC):
     solid: Any  # SampleSum of the boundary
 
     def add_bodies(self, boundary: Any) -> None:
-        """Sum over the boundary particles of solid bodies, too; None: no bodies. Call once `terms` are set."""
+        """Include solid bodies' boundary particles in the sum (None: no bodies); call it once `terms` are set."""
         if boundary is not None:
             self.bodies, self.boundary, self.solid = True, boundary, boundary.sample_sum(self)
 

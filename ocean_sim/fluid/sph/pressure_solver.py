@@ -60,7 +60,7 @@ class Compression(KeptLaw):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Complete the density rate of particle i by solid bodies; compute its density error and next pressure."""
+        """Add solid bodies to the density rate of particle i, then compute its density error and its next pressure."""
         fluid, rate = self.fluid, total[self.terms.rate] + beyond[self.terms.rate]
         if ti.static(fluid.bodies):
             x = tm.vec3([component[i] for component in ti.static(tuple(fluid.particles.position))])
@@ -93,7 +93,7 @@ class Compression(KeptLaw):
 
 @in_kernels
 class Push(KeptLaw):
-    """Pair law for velocities under all pressures, transpose of Compression; summed in full, against rounding."""
+    """Pair law for the velocities that pressures give (transpose of Compression), summed afresh in each iteration."""
 
     row, terms = Columns(position=3, pressure=1), Columns(push=3)  # the row of what is summed over samples of bodies
 

@@ -462,7 +462,7 @@ class Sph(ParticleWater):
 
     @ti.func
     def damp_crowded(self, i, share):
-        """Limit the stored acceleration of particle i where bodies fill a large `share` of its kernel's space."""
+        """Scale down the stored acceleration of particle i where bodies fill a large `share` of its kernel's space."""
         for component in ti.static(self.last_acceleration):
             component[i] *= tm.min(1.0, CROWDED_SHARE / tm.max(share, CROWDED_SHARE))
 

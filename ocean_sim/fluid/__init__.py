@@ -172,8 +172,7 @@ class Fluid(Protocol):
     @property
     def work(self) -> dict[str, float]:
         """Work [J] on the water since the start, by name of the force term; empty if not summed. "gravity" includes the
-        body force; "diffusion" is compression energy by density diffusion, "breaking" (negative) the loss by breaking
-        waves."""
+        body force; "diffusion" is compression energy by density diffusion, "breaking" (negative) loss in breakers."""
         return {}
 
     @property

@@ -41,7 +41,7 @@ class Config(WaterConfig):
         return GridSize(lattice, self.ratio(basin) * lattice.spacing, PLANS[arch])
 
     def ratio(self, basin: Basin) -> float:
-        """Support radius of the smoothed surface over the particle spacing."""
+        """Ratio of the support radius of the smoothed surface to the particle spacing."""
         return SUPPORT_RATIO
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:

@@ -187,8 +187,8 @@ class Momentum(MomentumLaw):
     @ti.func
     def artificial_stress(self, p_i, p_j, r):
         """Stress against clumping under tension: 0.6 (W(r) / W(spacing))^4 (|p_i| / rho_i^2 + |p_j| / rho_j^2) of
-        negative pressures (Monaghan 2000, eqs. 3.1, 3.2). The caller applies it to approaching pairs only: it stores no
-        energy, and would add some to pairs that separate."""
+        negative pressures (Monaghan 2000, eqs. 3.1, 3.2); `p_i`, `p_j`: p / rho^2. The caller applies it to approaching
+        pairs only: it stores no energy, and would add some to pairs that separate."""
         near = self.fluid.closeness(r)
         return ARTIFICIAL_STRESS * near * near * near * near * (positive(-p_i) + positive(-p_j))
 
@@ -210,8 +210,8 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def riemann_dissipation(self, closing, r):
-        """Dissipation of a pair that approaches at u = r u_ij [m/s] (`closing` is u_ij): beta u / rho0 over r, with
-        beta = min(u / 2, c) (Zhang, Hu & Adams 2017, who have a factor 3 in place of 1/2)."""
+        """Dissipation of a pair that approaches at u = r u_ij [m/s] (`closing` is u_ij): beta u / (rho0 r), with beta =
+        min(u / 2, c) (Zhang, Hu & Adams 2017, who have a factor 3 in place of 1/2)."""
         met = positive(closing)
         return lesser(r * met, self.fluid.sound_speed / IMPACT_DISSIPATION) * r * self.impact * met
 
@@ -303,8 +303,8 @@ class Continuity(Law):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values that boundary particle s at d [m] shows to `own`: velocity of the body, density that gives no
-        diffusion. So water that comes to a face gains just the density that boundary particles contribute. A velocity
+        """Field values that boundary particle s at d [m] shows to `own`: velocity of the body, and a density that gives
+        no diffusion. Water at a face then gains just the density that boundary particles contribute; a velocity
         reversed as in images would double that gain, and the push on a stream."""
         other = row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
         still = self.still_gradient(vec3(own, self.row.position) + 0.5 * d)
@@ -337,7 +337,7 @@ class Continuity(Law):
     @ti.func
     def pair(self, own, other):
         """Contribution of one neighbour: (a) compression, (b) diffusion, (c) filling of the kernel, (d) gradient of the
-        share of water, or in a closed basin the shift."""
+        share of water, or in a closed basin the particle shift."""
         smoothing = self.fluid.smoothing
         x_ij = smoothing.difference(own, other, self.row.position)
         v_ij = smoothing.difference(own, other, self.row.velocity)
@@ -373,7 +373,7 @@ class Continuity(Law):
 
     @ti.func
     def filled_share(self, own, total):
-        """Share M of the kernel filled by particles, 1 on a lattice: divergence of positions over the dimension."""
+        """Share M of the kernel that particles fill, 1 on a lattice: divergence of positions divided by dimension."""
         return self.prefactor(own) * total[self.terms.filled] / self.whole
 
     @ti.func
@@ -399,7 +399,7 @@ class Continuity(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Advance density and pressure of particle i to the step's end; store its diffusion share or its shift."""
+        """Advance density and pressure of particle i to the step's end; store its diffusion share or particle shift."""
         fluid, particles, rho_0 = self.fluid, self.fluid.particles, ti.static(self.fluid.rest_density)
         dt, deviation = fluid.dt[None], own[self.row.deviation]
         if ti.static(fluid.bodies):
@@ -437,7 +437,8 @@ class Continuity(Law):
 
     @ti.func
     def book_work(self, i, own, compressed, diffused, group):
-        """Add the work [J] of compression and diffusion to the budget; that of bulk viscosity counts as viscosity."""
+        """Add the work [J] of compression and diffusion to the budget; that of bulk viscosity counts as viscosity.
+        `compressed`, `diffused`: the law's sums for both."""
         fluid, deviation = self.fluid, own[self.row.deviation]
         closer = fluid.particles.mass * fluid.dt[None] * self.prefactor(own)
         p = fluid.equation_of_state(deviation) / (fluid.rest_density + deviation) ** 2
@@ -449,7 +450,7 @@ class Continuity(Law):
 
 @in_kernels
 class Shear(Law):
-    """Pair law for squared spin and strain rate around each particle, averaged over past time; not summed each step."""
+    """Pair law for squared spin and strain rate around each particle, averaged over time; summed every few steps."""
 
     row, options = Columns(position=3, velocity=3), WalkOptions(padded=True)
 
@@ -607,7 +608,8 @@ class DeltaSph(Sph):
 
     @ti.kernel
     def drift_kick_drift(self, dt: float, speed: float, since: float):
-        """Move particles by dt [s]: drift, sort, kick, drift. `speed` [m/s]: of shifts; `since` [s]: wind's clock."""
+        """Move the particles by dt [s]: drift, sort, kick, drift. `speed`: of particle shifts [m/s]; `since`: time on
+        the wind's clock [s]."""
         self.dt[None] = dt
         self.wind.set_clock(since, dt)
         h = self.smoothing.length

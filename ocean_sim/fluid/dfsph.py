@@ -174,7 +174,7 @@ class Density(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Store density and A_ii of particle i, and its allowed rise of density; without a free surface, its shift."""
+        """Store particle i's density, A_ii and allowed rise of density; without a free surface, its particle shift."""
         fluid, rest = self.fluid, ti.static(self.fluid.particles.rest_density)
         total += beyond
         if ti.static(fluid.bodies):
@@ -399,7 +399,7 @@ class Dfsph(Sph):
 
     @property
     def error(self) -> float:
-        """Mean density error over the rest density: the larger of the errors of too dense and too thin particles."""
+        """Mean density error relative to the rest density: the larger of those of too dense and too thin ones."""
         scale = 1.0 / (self.particles.count.now * self.particles.rest_density)
         return scale * float(self.report[:UPHILL_SLOPE].max())
 

@@ -62,7 +62,7 @@ class Body:
     counts: bool = True  # whether the forces of the water on it are summed
 
     def strength(self, smoothing: Smoothing, spacing: float) -> float:
-        """Factor of the boundary particles' weight: 1; more in a gate thinner than a support, with fewer layers."""
+        """Factor of the boundary particles' weight: 1, but more in a gate so thin that it has fewer layers of them."""
         count, apart = self.across
         if count == 0:
             return 1.0
@@ -127,7 +127,8 @@ def any_moves(bodies: Sequence[Body]) -> bool:
 
 
 def memory(samples: int, bodies: int, cells: int, word: int, working: bool) -> int:
-    """Memory [bytes] of a Boundary. `samples`: boundary particles; `word`: bytes of a `float`; `working`: sums work."""
+    """Memory [bytes] of a Boundary with so many `samples` (boundary particles), bodies and grid cells; `word`: bytes of
+    a `float`; `working`: True if the work of moving bodies is summed."""
     return samples * (26 * word + 20 + 24 + 16 * working) + 6 * word * bodies + 4 * (cells + 1)
 
 
@@ -240,7 +241,8 @@ class Boundary:
 
     @ti.kernel
     def sort_samples(self, motion: Doubles2):
-        """Move boundary particles by `motion` (bodies, MOTION_COLUMNS), and sort them by cell, keeping their order."""
+        """Move boundary particles with their bodies and sort them by cell, keeping their order; `motion` (bodies,
+        MOTION_COLUMNS): position, rotation and rates of each body."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             for c in range(self.grid.cell_count + 1):
@@ -272,7 +274,8 @@ class Boundary:
 
     @ti.func
     def turn_arm(self, s, motion: Template):
-        """Rotate the vector from its body's origin to boundary particle s; extend the body's bounding box to it."""
+        """Rotate, as `motion` says, the vector from its body's origin to boundary particle s, and extend the body's
+        bounding box to it."""
         b, local = self.owner[s], self.local.at(s)
         for k, arm in ti.static(enumerate(self.arm)):
             along = ti.cast(body_vector(motion, b, MOTION_COLUMNS.rotation + 3 * k).dot(local), float)
@@ -282,7 +285,7 @@ class Boundary:
 
     @ti.func
     def sample_position(self, s, motion: Template):
-        """Position of boundary particle s in the tank [m]; call `turn_arm` before."""
+        """Position [m] in the tank of boundary particle s of bodies that moved by `motion`; call `turn_arm` before."""
         return self.grid.wrap_position(
             ti.cast(body_vector(motion, self.owner[s], MOTION_COLUMNS.position) + self.arm.at(s), float)
         )

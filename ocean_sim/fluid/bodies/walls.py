@@ -157,7 +157,7 @@ class Target:
             self.waves = PlaneWaves(zone.given)
 
     def turn(self, time: float) -> None:
-        """Set the phases of the target's waves to a time [s]."""
+        """Turn the target's waves to a time [s]: set the phases with which `velocity` reads them."""
         if self.waving:
             self.waves.set_time(time)
 

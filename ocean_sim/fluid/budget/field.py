@@ -178,13 +178,13 @@ class Field:
 
     @ti.kernel
     def fill_pressures(self, points: Array2, pressures: Array):
-        """Write the pressure [Pa] at each of the points (m, 3) [m]."""
+        """Write the pressure [Pa] at each of the points (m, 3) [m] to `pressures` (m,)."""
         for k in range(points.shape[0]):
             pressures[k] = self.pressure(tm.vec3(points[k, 0], points[k, 1], points[k, 2]))
 
     @ti.kernel
     def fill_velocities(self, points: Array2, velocities: Array2):
-        """Write the velocity [m/s] at each of the points (m, 3) [m]."""
+        """Write the velocity [m/s] at each of the points (m, 3) [m] to `velocities` (m, 3)."""
         for k in range(points.shape[0]):
             velocity = self.velocity(tm.vec3(points[k, 0], points[k, 1], points[k, 2]))
             for c in ti.static(range(3)):
@@ -265,7 +265,7 @@ class FreeSurface:
 
     @ti.kernel
     def fill(self, points: Array2, heights: Array):
-        """Write the height [m] of the surface at each of the points x, z (m, 2) [m]."""
+        """Write the height [m] of the surface at each of the points x, z (m, 2) [m] to `heights` (m,)."""
         for k in range(points.shape[0]):
             heights[k] = self.elevation(points[k, 0], points[k, 1])
 

@@ -43,7 +43,7 @@ class Accounts:
     that no result depends on the order of threads."""
 
     def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...], apart: int = ROW_PADDING) -> None:
-        """Make `groups` rows, `apart` numbers apart. `impulses`: also sum impulse and work, but of `absent` terms."""
+        """Make `groups` rows, spaced `apart` numbers. `impulses`: also sum impulse and work, except `absent` terms."""
         self.groups, self.impulses = groups, impulses
         self.idle = absent  # terms that nothing in the scene gives
         self.overflow, self.clipped = (ti.field(int, shape=(groups, apart)) for _ in range(2))

@@ -67,8 +67,8 @@ class CellWalk:
 
     @ti.func
     def list_near(self, begin, end, code, shift, middle, half, first):
-        """List, from index `first` on, those of particles `begin` to `end` - 1 that lie near a box once moved by
-        `shift` [m], each with the shift's `code` added; return their number."""
+        """List, from index `first` on, those of particles `begin` to `end` - 1 that lie near a box (`middle`, `half`
+        sides) once moved by `shift` [m], each with the shift's `code` added; return their number."""
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         for a in range(end - begin):
             at = begin + a
@@ -87,8 +87,8 @@ class CellWalk:
 
     @ti.func
     def find_candidates(self, c, code, middle, half, first, room):
-        """List the particles near a box, in and around cell c, from index `first` on, each with `code` added; return
-        their number, or -1 if there are more than `room`."""
+        """List the particles in and around cell c that lie near a box (`middle`, `half` sides [m]), from index `first`
+        on, each with `code` added; return their number, or -1 if there are more than `room`."""
         grid = self.grid
         m, full = 0, 0
         for dz in range(-1, 2):
@@ -103,7 +103,8 @@ class CellWalk:
 
     @ti.func
     def find_periodic_candidates(self, indices, middle, half, first, room):
-        """List candidates as `find_candidates`, around a cell at a periodic side, each with its shift's code added."""
+        """List candidates as `find_candidates` does, around the cell with these indices next to a periodic side; each
+        gets the code of its shift added."""
         grid = self.grid
         m, full = 0, 0
         for d in range(27):
@@ -137,8 +138,9 @@ class CellWalk:
 
     @ti.func
     def find_images(self, mirror, middle, half, scratch, n, gap, m, first):
-        """List, from index `first` on, those of m candidates whose mirror image is near a box; return their number.
-        Their positions are in the scratch from `scratch` on, with a `gap` after the first n."""
+        """List, from index `first` on, those of m candidates whose image in `mirror` is near a box (`middle`, `half`
+        sides [m]); return their number. The scratch has their positions from index `scratch` on: n, a `gap`, and the
+        rest."""
         x, y, z = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
         for a in range(m):
             at = scratch + a + ti.select(a < n, 0, gap)
@@ -177,7 +179,8 @@ class CellWalk:
 
     @ti.func
     def list_candidates(self, k, middle, half, group, first, room):
-        """List the candidates of cell part k from index `first` on; record an overflow if they exceed `room`."""
+        """List the candidates of cell part k, which are near its box (`middle`, `half` sides [m]), from index `first`
+        on; record an overflow if they exceed `room`."""
         c = self.grid.occupied[k]
         if ti.static(not self.periodic):
             self.candidates[k] = self.find_candidates(c, 0, middle, half, first, room)
@@ -287,8 +290,9 @@ class CellWalk:
 
     @ti.func
     def candidate_sums(self, law: Template, pair: Template, own, begin, middle, end, find: Template, to):
-        """Two sums of `pair`: over scratch entries `begin` to `middle` - 1 and, if images are apart, over those up to
-        `end` - 1. With `find`, gradient shapes (grad W over the distance vector) are stored from index `to` on."""
+        """Two sums of `pair`: over scratch entries `begin` to `middle` - 1, and over images, `middle` to `end` - 1, if
+        these are summed apart. With `find`, gradient shapes (grad W over the distance vector) are stored from index
+        `to` on."""
         total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
         for a in range(begin, middle):
             total += self.candidate_term(law, pair, own, a, find, to + a - begin)

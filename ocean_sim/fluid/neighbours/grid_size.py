@@ -158,7 +158,7 @@ class GridSize:
 
     @property
     def segment(self) -> int:
-        """Largest number of candidates in all lists of a group: about twice that of water at rest."""
+        """Largest number of candidates in all lists of a group (its segment): about twice that of water at rest."""
         parts = self.lattice.n / (self.cell_particles / self.parts)
         return int(2.0 * parts / self.groups * self.rest_candidates) + 4 * self.capacity
 

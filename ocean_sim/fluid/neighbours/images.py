@@ -139,8 +139,8 @@ def mirror_row(mirror, other):
 
 @ti.func
 def mirror_row_free_slip(mirror, other):
-    """Field values of a neighbour's image as `mirror_row`, but in a side taken as frictionless. Water dragged along a
-    rough side is so neither compressed nor stretched by it (Marrone et al. 2011, CMAME 200, sect. 3.2)."""
+    """Field values of a neighbour's image as `mirror_row`, but in a side taken as frictionless, so that the side
+    neither compresses nor stretches water dragged along it (Marrone et al. 2011, CMAME 200, sect. 3.2)."""
     image = mirror_row(mirror, other)
     for k in ti.static(range(3)):
         if mirror[POSITION_SIGN, k] > 0.0:

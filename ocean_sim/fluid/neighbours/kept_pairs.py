@@ -39,7 +39,7 @@ class KeptLaw(Law):
 
     @abstractmethod
     def kept_pair(self, own: Any, other: Any, gradient: Any) -> Any:
-        """Contribution of one neighbour from field values `own`, `other` and `gradient`, grad W over its constant."""
+        """Contribution of one neighbour; `own`, `other`: field values; `gradient`: grad W without its constant."""
 
 
 @in_kernels
@@ -111,7 +111,7 @@ class PairSlots(KeptPairs):
 
 @ti.func
 def flip_code(mirror):
-    """Code of the axes that a mirror reverses: three bits, set above the particle's index in the name of an image."""
+    """Three-bit code of the axes that a mirror reverses, shifted above the bits of a particle's index."""
     mirror_velocity = 0
     for k in ti.static(range(3)):
         mirror_velocity += int(mirror[POSITION_SIGN, k] < 0.0) << k

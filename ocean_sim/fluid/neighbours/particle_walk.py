@@ -170,7 +170,8 @@ class PairCollector:
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Store the pair of particle `own` and j, or the image of j, at d [m] if 0 < |d| < support; 1 if so, else 0."""
+        """Store the pair of particle `own` and particle j, or the mirror image of j, that lies d [m] away, if 0 < |d| <
+        support; return 1 if stored, else 0."""
         r2, found = d.dot(d), 0.0
         if r2 < self.smoothing.support * self.smoothing.support and r2 > 0.0:
             seen, found = self.pairs.seen[own], 1.0

@@ -220,7 +220,7 @@ class HighOrder:
         return e, flat, self.higher_orders(self.eta, growth, tile.to_values(self.vertical_factor * growth))[0]
 
     def energy(self) -> float:
-        """Energy over the density [m5/s2]: 1/2 the integral of phi eta_t + g eta^2."""
+        """Energy divided by the density [m5/s2]: 1/2 the integral of phi eta_t + g eta^2."""
         tile = self.tile
         e, p = tile.to_modes(self.eta), tile.to_modes(self.phi)
         eta_t = tile.to_values(self.nonlinear_rates(e, p, self.time)[0] + self.vertical_factor * p)

@@ -73,7 +73,7 @@ class OpenWater(Fluid):
         return Window(self, size, step, depths)
 
     def arriving(self, x: float, z: float, afar: bool = False) -> Arriving:
-        """Plane waves at x, z [m], grown by the ramp, when the last step began: those in kernels; with `afar`, all."""
+        """Plane waves at x, z [m], grown by the ramp, when the last step began: those that kernels sum; `afar`: all."""
         sea = (self.plane_waves if afar else None) or self.waves.sea
         dx, dz = np.array([x, z]) - self.before * np.array(self.current)
         angle = sea.wavevector[:, 0] * dx + sea.wavevector[:, 1] * dz + sea.phase - sea.omega * self.before

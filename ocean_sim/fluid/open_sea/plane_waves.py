@@ -62,7 +62,7 @@ class PlaneWaves:
 
     @ti.kernel
     def compute_phases(self, time: ti.f64, x: ti.f64, z: ti.f64, share: float):
-        """Compute each wave's phase at a time [s] and drift x, z [m]; store `share`, the ramp's factor of height."""
+        """Compute each wave's phase at a time [s] and drift x, z [m]; store the ramp's `share` of full wave height."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(self.phase.shape[0]):
             first = self.at_first[i]
@@ -172,8 +172,8 @@ class Window:
 
     @ti.kernel
     def add_up(self, cosine: Doubles2, sine: Doubles2):
-        """Sum n waves at all nodes at both times. Rows of `cosine`, `sine` (4, n): angles at the first node at both
-        times, and their steps along and across."""
+        """Sum n waves at all nodes for both stored times. `cosine`, `sine` (4, n): of the angles at the first node at
+        both times, and of the angles' steps along and across the lattice."""
         # Cosines and sines along the first axis, at both times, and across it: one rotation a node.
         for n in range(self.n):
             along = tm.vec2(cosine[ANGLE_ALONG, n], sine[ANGLE_ALONG, n])
@@ -219,6 +219,6 @@ class Window:
 
     @ti.func
     def interpolate(self, first, last, growth, grows, late):
-        """Hermite cubic in time between `first` and `last`, with rates of change `growth` and `grows` [1/s]."""
+        """Hermite cubic in time, at a share `late` from `first` to `last`, with rates `growth`, `grows` [1/s]."""
         way, back, span = late * late * (3.0 - 2.0 * late), 1.0 - late, self.clock[None]
         return (1.0 - way) * first + way * last + span * late * back * (back * growth - late * grows)

@@ -175,7 +175,7 @@ class Tile:
         return found
 
     def energy(self, eta: np.ndarray, phi: np.ndarray) -> float:
-        """Energy of linear waves over the density [m5/s2], from elevation eta [m] and potential phi [m2/s]."""
+        """Energy of linear waves divided by the density [m5/s2], from elevation eta [m] and potential phi [m2/s]."""
         e, p = self.to_modes(eta), self.to_modes(phi)
         twice = np.full(self.k.shape[1], 2.0)
         twice[0] = 1.0

@@ -44,8 +44,8 @@ class Depths(NamedTuple):
     bed: float  # the depth of the water
 
     def profiles(self, k: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """Yield for each level the horizontal and vertical velocity (n,) of waves with wavenumbers k (n,) [rad/m], over
-        their velocity amplitude g k / omega at the still level."""
+        """Yield for each level the horizontal and vertical velocity (n,) of waves with wavenumbers k (n,) [rad/m],
+        divided by their velocity amplitude at the still level (wave amplitude times g k / omega)."""
         for level in range(TABLE_LEVELS):
             yield waves.profiles(k, -self.deepest * (level / (TABLE_LEVELS - 1)) ** 2, self.bed)
         (c, s), slope = waves.profiles(k, 0.0, self.bed), np.tanh(k * self.bed)
@@ -102,7 +102,7 @@ class SteepSource:
         self.places = (along % count[0])[:, None], (np.arange(tile.columns) % count[1])[None, :]
 
     def modes(self, time: float) -> np.ndarray:
-        """Advance the nonlinear sea to a time [s]; return Fourier modes of its velocity and feed."""
+        """Advance the nonlinear sea to a time [s]; return Fourier modes of its velocity and feed (see SteepSource)."""
         left = time - self.sea.time
         for _ in range(steps := int(np.ceil(left / self.step - 1e-9))):
             self.sea.advance(left / steps)
@@ -232,7 +232,7 @@ class SeaTable:
 
     @ti.func
     def sample(self, x):
-        """Velocity of the sea [m/s] and its feed [m/s2] at x [m], six numbers."""
+        """Velocity of the sea [m/s] and its feed (acceleration against losses [m/s2]) at x [m], as six numbers."""
         n, m = ti.static(self.count)
         level, share = self.level_weights(x.y)
         i, along = self.node_weights(x.x, 0)
@@ -249,7 +249,7 @@ class SeaTable:
 
     @ti.func
     def sample_column(self, i, k, level, share):
-        """Velocity and feed (six numbers) at node i, k; `level`, `share`: indices and weights of four levels."""
+        """Velocity and feed (as in `sample`) at node i, k; `level`, `share`: indices and weights of four levels."""
         total = ti.Vector.zero(float, NODE_VALUES)
         for l in ti.static(range(4)):
             for c in ti.static(range(NODE_VALUES)):
@@ -309,7 +309,7 @@ class SeaRim:
 
     @ti.func
     def rim_share(self, x):
-        """Depth of x [m] in the relaxation zone over its width: 0 outside, 1 at the seam opposite the ships."""
+        """Relative depth of x [m] in the relaxation zone: 0 outside, 1 at the seam opposite the ships."""
         far = 0.0
         for axis, k, period in ti.static(self.axes):
             xi = x[k] - self.middle[axis]

@@ -75,7 +75,7 @@ class Relief:
     """Uneven bed: heights on a regular grid, bilinear between, and height up to which its boundary particles act."""
 
     def __init__(self, ground: "Ground", spacing: float, support: float) -> None:
-        """Tabulate the bed. `spacing`: of the particles [m]; `support`: reach of the bed's boundary particles [m]."""
+        """Tabulate the bed, `ground`. `spacing`: of particles [m]; `support`: reach of the bed's particles [m]."""
         from scipy.ndimage import grey_dilation
 
         size = np.array([ground.x[-1] - ground.x[0], ground.z[-1] - ground.z[0]])

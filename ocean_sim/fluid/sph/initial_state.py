@@ -307,7 +307,8 @@ def fitted_waves(sea: waves.Components, basin: Basin) -> waves.Components:
 
 
 def patch_waves(basin: Basin, spacing: float) -> waves.Components | None:
-    """Waves of the sea made periodic on its patch, without random ones too short for a `spacing` [m]; or None."""
+    """Waves of a patch's sea made periodic on it, without random ones too short for a `spacing` [m]; None without
+    sea."""
     sea = basin.sea.plane_waves(basin) if basin.sea is not None else None
     if sea is None or basin.sea is None:
         return None

@@ -90,7 +90,7 @@ class Lattice:
 
     @cached_property
     def given(self) -> np.ndarray | None:
-        """Positions (n, 3) [m] of particles from a file, which replace the lattice; None without a file."""
+        """Positions (n, 3) [m] of particles given by a file, which replace the lattice; None without a file."""
         return initial_module.given_positions(self.config.initial, self.basin)
 
     @property
@@ -103,7 +103,7 @@ class Lattice:
 
     @property
     def row(self) -> float:
-        """Thickness [m] of the lowest layer of particles."""
+        """Thickness [m] of the lowest layer (row) of particles."""
         rows = [(low[1], (up[1] - low[1]) / count[1]) for (low, up), count in zip(self.boxes, self.counts, strict=True)]
         return float(min(rows)[1]) if rows else self.spacing
 
@@ -121,7 +121,7 @@ class Lattice:
 
     @cached_property
     def deepest(self) -> float:
-        """Height of the tallest column of water [m]; 0 without water."""
+        """Depth of the deepest column of water [m], whose boxes may be stacked; 0 without water."""
         bed, surface = self.column_ends()
         return float(np.max(surface - bed, initial=0.0))
 

@@ -96,8 +96,8 @@ class MomentumLaw(Force):
 
     @ti.func
     def row_of_terms(self, weight, push, rub, shear, x_ij):
-        """Contribution of a neighbour by columns of `terms`: `weight` times `push`, `rub` (dissipation), `shear`
-        (friction)."""
+        """Contribution of a neighbour: `weight` times `push`, `rub` (dissipation), `shear` (friction), as in
+        `terms`."""
         total = ti.Vector.zero(float, self.terms.size)
         if ti.static(self.fluid.rubs):
             total[self.terms.filled] = self.fluid.smoothing.pair_gradient(x_ij).dot(x_ij)

@@ -43,7 +43,7 @@ class Compression(KeptLaw):
 
     @ti.func
     def kept_pair(self, own, other, gradient):
-        """Density rate by one neighbour: v_ij . grad W over the kernel's constant; `own`, `other`: velocities."""
+        """Density rate by one neighbour: v_ij . grad W without the kernel's constant; `own`, `other`: velocities."""
         return ti.Vector([gradient.dot(own - other)])
 
     @ti.func
@@ -171,9 +171,9 @@ class Solver:
         start: ti.Field | None = None,
         brief: float = 0.0,
     ) -> None:
-        """Make a solver that changes `velocity`: at most `most` iterations, until the density error over the rest
-        density is below `tolerance`; in calm water and in steps shorter than `brief` [s] it may have to fall to `least`
-        times that. `start`: initial pressures of the divergence solver; None makes the density solver."""
+        """Make a solver that changes `velocity`: at most `most` iterations, until the relative density error is below
+        `tolerance`; in calm water and in steps shorter than `brief` [s] it may have to fall to `least` times that.
+        `start`: initial pressures of the divergence solver; None makes the density solver."""
         self.velocity, self.restores = tuple(velocity), start is None
         self.start = start if start is not None else ti.field(float, shape=())
         self.forces = not (self.restores and fluid.closed)  # whether its pressures are forces

@@ -160,7 +160,7 @@ class WaterConfig(FluidConfig):
         return MOST_PARTICLES
 
     def fitting_spacing(self, preflight: Preflight) -> str:
-        """Phrase on the least spacing [m] that fits this machine's memory, scaled from a coarse lattice."""
+        """Text that names the least spacing [m] that fits this machine's memory, scaled from a coarse lattice."""
         volume, d = cast(Lattice, preflight.untouched).volume, preflight.tank.dimension
         coarse = self.model_copy(update={"spacing": (volume / COARSE_PARTICLES) ** (1.0 / d), "particles": None})
         there = replace(preflight, parts={**preflight.parts, "fluid": coarse})

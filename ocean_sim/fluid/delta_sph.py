@@ -303,9 +303,9 @@ class Continuity(Law):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values that boundary particle s at d [m] shows to `own`: velocity of the body, and a density that gives
-        no diffusion. Water at a face then gains just the density that boundary particles contribute; a velocity
-        reversed as in images would double that gain, and the push on a stream."""
+        """Field values that boundary particle s at d [m] shows to `own`: the body's velocity, and a density that gives
+        no diffusion. Water that reaches a face then gains just the density that boundary particles contribute. With the
+        velocity of a mirror image that gain, and the push on a stream, would be double."""
         other = row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
         still = self.still_gradient(vec3(own, self.row.position) + 0.5 * d)
         other[self.row.deviation] = own[self.row.deviation] + still.dot(d)

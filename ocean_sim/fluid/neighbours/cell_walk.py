@@ -249,8 +249,8 @@ class CellWalk:
 
     @ti.func
     def add_images(self, law: Template, find: Template, mirror, scratch, n, gap, m, first, run):
-        """Write `run` mirror images, of the candidates listed from `first` on, to the scratch behind its m entries,
-        which have a `gap` after the first n."""
+        """Append to the scratch the images in `mirror` of the `run` candidates listed from `first` on. It holds m
+        entries so far: n particles, a `gap`, and earlier images."""
         for b in range(run):
             a, to = self.candidate[first + b], scratch + gap + m + b
             a += scratch + ti.select(a < n, 0, gap)

@@ -34,7 +34,7 @@ class Limits:
     force: float = inf
 
     def and_of(self, other: Limits) -> Limits:
-        """Combine these limits with others: the shorter of each pair of time scales [s]."""
+        """Shorter of each pair of time scales [s] of these limits and the `other` ones."""
         viscous, force = min(self.viscous, other.viscous), min(self.force, other.force)
         return Limits(min(self.acoustic, other.acoustic), viscous, force)
 
@@ -73,7 +73,7 @@ class Totals(NamedTuple):
 
 
 class Stops(Protocol):
-    """Coordinates at which walls, floor and lid stop the centres of particles, and the absorbing zones."""
+    """Interface of walls: coordinates [m] at which walls, floor and lid stop particle centres, and absorbing zones."""
 
     zones: tuple[tuple[Any, ...], ...]  # axis, begin and end along it [m], and how they absorb
     axes: range  # axes with walls
@@ -156,7 +156,7 @@ class Fluid(Protocol):
         return np.zeros(2)
 
     def in_rim(self, points: np.ndarray) -> np.ndarray:
-        """Mask (m,) of the points x, z (m, 2) in the world [m] in a patch's relaxation zone; False without a patch."""
+        """Mask (m,): True for points x, z (m, 2) [m] in the world that lie in a patch's relaxation zone; else False."""
         return np.zeros(len(points), dtype=bool)
 
     @property
@@ -171,8 +171,8 @@ class Fluid(Protocol):
 
     @property
     def work(self) -> dict[str, float]:
-        """Work [J] on the water since the start, by force term; empty if not summed. Gravity includes the body force;
-        the work of diffusion is the energy of its compression, that of breaking the energy lost by a tile of sea."""
+        """Work [J] on the water since the start, by name of the force term; empty if not summed. "gravity" includes the
+        body force; "diffusion" is compression energy by density diffusion, "breaking" (negative) loss in breakers."""
         return {}
 
     @property
@@ -198,7 +198,7 @@ class Fluid(Protocol):
         """Heights (m,) [m] of the surface at points x, z (m, 2) [m]; for calls outside kernels."""
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray | None:
-        """Heights (m,) [m] without ships' waves where `elevation` (m,) [m] includes them; None if unknown."""
+        """Heights (m,) [m] of the surface without ships' waves; `elevation` (m,) [m] includes them; None if unknown."""
         return None
 
     def pressures(self, points: np.ndarray) -> np.ndarray:
@@ -216,7 +216,7 @@ class Fluid(Protocol):
         return None
 
     def limits(self) -> Limits:
-        """Time scales [s] of which the next time step must stay a fraction."""
+        """Time scales [s] that bound the next time step: it must stay below a set fraction of each."""
 
     def internal_energy(self) -> float:
         """Energy of compression [J]; 0 where nothing is compressed."""
@@ -244,18 +244,18 @@ class ClosedForm(Fluid, Protocol):
     current: tuple[float, float]  # velocity of all the water along x and z [m/s]
 
     def arriving(self, x: float, z: float, afar: bool = False) -> Arriving:
-        """Plane waves at x, z [m] at the beginning of the last step, which is the time of floating bodies. By default
-        those that kernels sum; with `afar`, all of `plane_waves`."""
+        """Plane waves at x, z [m] at the start of the last step, which is the time of floating bodies. By default those
+        that kernels sum; with `afar` all of `plane_waves`, also if kernels read their sum from a tile."""
 
     def rise(self, x: Any, z: Any) -> Any:
-        """ti.func: elevation [m] at x, z [m] by the waves on tiles alone, when the last step began."""
+        """ti.func: elevation [m] at x, z [m] by the waves stored on grids (tiles) alone, when the last step began."""
 
     def moving(self, x: Any, z: Any, depth: Any) -> Any:
-        """ti.func: velocity [m/s], acceleration [m/s2] by current and tiles' waves, at a Wheeler-stretched depth
-        [m]."""
+        """ti.func: velocity [m/s] and acceleration [m/s2] of the water by the current and the waves on tiles alone, at
+        x, z and a Wheeler-stretched `depth` [m]."""
 
     def window(self, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]) -> Window:
-        """Make a table (Window) of the plane waves at `size` nodes, `step` [m] apart, and at `depths` [m]."""
+        """Make a table (Window) of the plane waves on a lattice of `size` nodes, `step` [m] apart, at `depths` [m]."""
 
 
 class ParticleFluid(Fluid, Protocol):

@@ -41,7 +41,7 @@ class Config(WaterConfig):
         return GridSize(lattice, self.ratio(basin) * lattice.spacing, PLANS[arch])
 
     def ratio(self, basin: Basin) -> float:
-        """Support radius of the smoothed surface over the particle spacing."""
+        """Ratio of the support radius of the smoothed surface to the particle spacing."""
         return SUPPORT_RATIO
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
@@ -63,7 +63,7 @@ class Config(WaterConfig):
 
 
 def force_limit(support: float, acceleration: float) -> Limits:
-    """Time step limits by support [m] and acceleration [m/s2], so that no parabola jumps over wind and walls."""
+    """Limit sqrt(support / 2 a) [s] of the time step at acceleration a [m/s2]: no particle skips wind or walls."""
     return Limits(force=(0.5 * support / acceleration) ** 0.5) if acceleration > 0.0 else Limits()
 
 
@@ -88,7 +88,7 @@ class Ballistic(ParticleWater):
 
     @ti.kernel
     def settle(self, summary: Array):
-        """Sort the particles, and reduce their speed, acceleration and density to `summary`; move nothing."""
+        """Sort the particles and write extremes of speed, acceleration and density to `summary`, without a move."""
         self.grid.sort()
         for t in range(self.tasks.iterations):
             if t % self.tasks.stride == 0:
@@ -103,7 +103,7 @@ class Ballistic(ParticleWater):
 
     @ti.func
     def advance_particle(self, i, dt, group):
-        """Move particle i for dt [s]; add its extremes and impulses to row `group` of the budget."""
+        """Move particle i for dt [s]; record its speed, density and impulses in row `group` of the momentum budget."""
         m, x, v = ti.static(self.particles.mass), self.particles.position.at(i), self.particles.velocity.at(i)
         a_wind, a_pull, a_hull = self.wind_acceleration(i, x, v), self.pull.at(x, v), self.hull_push(x, 0.0)
         a = a_wind + a_pull + a_hull
@@ -119,7 +119,7 @@ class Ballistic(ParticleWater):
 
     @ti.kernel
     def advance_all(self, dt: float, since: float, summary: Array):
-        """Move all particles for dt [s], sort them, and reduce the step to `summary`; `since`: the wind's clock [s]."""
+        """Move all particles for dt [s] and sort them; write extremes to `summary`; `since`: time on wind clock [s]."""
         self.wind.set_clock(since, dt)
         for t in range(self.tasks.iterations):
             if t % self.tasks.stride == 0:

@@ -144,7 +144,7 @@ class Config(SphConfig):
 
 
 def column_drop(top: np.ndarray | float, bottom: np.ndarray | float, pull: float, sound_speed: float) -> np.ndarray:
-    """Settlement [m] from p / rho `top` to `bottom` [m2/s2] at gravity `pull` [m/s2]: integral of p / (rho0 c^2)."""
+    """Settlement [m] of a column of water by its weight; `top`, `bottom`: p / rho [m2/s2]; `pull`: gravity [m/s2]."""
     return np.maximum(np.square(bottom) - np.square(top), 0.0) / (2.0 * pull * sound_speed**2)
 
 
@@ -181,21 +181,21 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def pressure(self, p_i, p_j):
-        """Pressure part of a pair, the sum of p / rho^2 of both, which are the arguments (Monaghan 1992, eq. 3.3)."""
+        """Pressure part of a pair (Monaghan 1992, eq. 3.3): the sum of both arguments, each p / rho^2 of a particle."""
         return p_i + p_j
 
     @ti.func
     def artificial_stress(self, p_i, p_j, r):
         """Stress against clumping under tension: 0.6 (W(r) / W(spacing))^4 (|p_i| / rho_i^2 + |p_j| / rho_j^2) of
-        negative pressures (Monaghan 2000, eqs. 3.1, 3.2). The caller applies it to approaching pairs only: it stores no
-        energy, and would add some to pairs that separate."""
+        negative pressures (Monaghan 2000, eqs. 3.1, 3.2); `p_i`, `p_j`: p / rho^2. The caller applies it to approaching
+        pairs only: it stores no energy, and would add some to pairs that separate."""
         near = self.fluid.closeness(r)
         return ARTIFICIAL_STRESS * near * near * near * near * (positive(-p_i) + positive(-p_j))
 
     @ti.func
     def viscosity(self, closing):
-        """Viscous part of a pair: 2 (d + 2) nu u_ij / rho0, u_ij = -v_ij . x_ij / r^2 (Monaghan & Gingold 1983). It
-        leaves a free surface free of stress (Colagrossi, Antuono, Souto-Iglesias & Le Touze 2011, Phys. Rev. E 84)."""
+        """Viscous part of a pair: 2 (d + 2) nu u_ij / rho0; `closing`: u_ij = -v_ij . x_ij / r^2 (Monaghan & Gingold
+        1983). No stress at a free surface (Colagrossi, Antuono, Souto-Iglesias & Le Touze 2011, Phys. Rev. E 84)."""
         return self.laminar * self.per_component * closing
 
     @ti.func
@@ -205,19 +205,19 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def artificial_viscosity(self, closing):
-        """Artificial viscosity of an approaching pair: alpha h c u_ij / rho0 (Monaghan 1992, eq. 4.2)."""
+        """Artificial viscosity alpha h c u_ij / rho0 of approaching pairs; `closing`: u_ij (Monaghan 1992, eq. 4.2)."""
         return self.artificial * positive(closing)
 
     @ti.func
     def riemann_dissipation(self, closing, r):
-        """Dissipation of a pair that approaches at u = r u_ij [m/s] (`closing` is u_ij): beta u / rho0 over r, with
-        beta = min(u / 2, c) (Zhang, Hu & Adams 2017, who have a factor 3 in place of 1/2)."""
+        """Dissipation of a pair that approaches at u = r u_ij [m/s] (`closing` is u_ij): beta u / (rho0 r), with beta =
+        min(u / 2, c) (Zhang, Hu & Adams 2017, who have a factor 3 in place of 1/2)."""
         met = positive(closing)
         return lesser(r * met, self.fluid.sound_speed / IMPACT_DISSIPATION) * r * self.impact * met
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values of boundary particle s at d [m]; under a free surface it cannot pull the water."""
+        """Field values that boundary particle s at d [m] shows to `own`; it cannot pull water with a free surface."""
         other = self.continued_sample(own, s, d, mirror)
         if ti.static(not self.is_enclosed):
             other[self.row.pressure] = ti.max(other[self.row.pressure], -own[self.row.pressure])
@@ -225,17 +225,17 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def pair(self, own, other):
-        """All forces of one neighbour, for pressures of either sign."""
+        """Contribution of one neighbour to all pair forces, for pressures of either sign."""
         return self.sum_of_terms(own, other, True)
 
     @ti.func
     def pair_without_tension(self, own, other):
-        """All forces of one neighbour if no pressure is negative: as `pair`, without the artificial stress."""
+        """Contribution of one neighbour if no pressure is negative: as `pair`, without the artificial stress."""
         return self.sum_of_terms(own, other, False)
 
     @ti.func
     def sum_of_terms(self, own, other, tense: Template):
-        """All forces of one neighbour; `tense`: True if a pressure may be negative."""
+        """Contribution of one neighbour to all pair forces; `tense`: True if a pressure may be negative."""
         x_ij = self.fluid.smoothing.difference(own, other, self.row.position)
         r2 = x_ij.dot(x_ij)
         r = ti.sqrt(r2)
@@ -303,9 +303,9 @@ class Continuity(Law):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values of boundary particle s at d [m]: velocity of the body, density that gives no diffusion. Water
-        that comes to a face so gains just the density that boundary particles contribute, and loses it as it leaves. A
-        velocity reversed as in images would double that gain, and the push on a stream."""
+        """Field values that boundary particle s at d [m] shows to `own`: the body's velocity, and a density that gives
+        no diffusion. Water that reaches a face then gains just the density that boundary particles contribute. With the
+        velocity of a mirror image that gain, and the push on a stream, would be double."""
         other = row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
         still = self.still_gradient(vec3(own, self.row.position) + 0.5 * d)
         other[self.row.deviation] = own[self.row.deviation] + still.dot(d)
@@ -336,8 +336,8 @@ class Continuity(Law):
 
     @ti.func
     def pair(self, own, other):
-        """Contribution of one neighbour: compression and diffusion; filling of the kernel and gradient of the share of
-        water; in a closed basin, the shift."""
+        """Contribution of one neighbour: (a) compression, (b) diffusion, (c) filling of the kernel, (d) gradient of the
+        share of water, or in a closed basin the particle shift."""
         smoothing = self.fluid.smoothing
         x_ij = smoothing.difference(own, other, self.row.position)
         v_ij = smoothing.difference(own, other, self.row.velocity)
@@ -362,8 +362,8 @@ class Continuity(Law):
 
     @ti.func
     def grade_diffusion(self, i, filled):
-        """Store the share of density diffusion: 1 in a filled kernel, 0 near a free surface. There it rises to 1 in
-        sheared water (spin as great as strain; a switch as of Balsara 1995, J. Comput. Phys. 121)."""
+        """Store particle i's share of density diffusion: 1 in a `filled` kernel, 0 near a free surface. There it rises
+        to 1 in sheared water (spin as great as strain; a switch as of Balsara 1995, J. Comput. Phys. 121)."""
         fluid, spin, strain = self.fluid, self.fluid.spin[i], self.fluid.strain[i]
         inside = tm.clamp((filled - CUT_SHARE) / (FILLED_SHARE - CUT_SHARE), 0.0, 1.0)
         beyond = spin / (strain + fluid.calm) - STRETCHED_RATIO
@@ -373,7 +373,7 @@ class Continuity(Law):
 
     @ti.func
     def filled_share(self, own, total):
-        """Share M of the kernel filled by particles, 1 on a lattice: divergence of positions over the dimension."""
+        """Share M of the kernel that particles fill, 1 on a lattice: divergence of positions divided by dimension."""
         return self.prefactor(own) * total[self.terms.filled] / self.whole
 
     @ti.func
@@ -392,14 +392,14 @@ class Continuity(Law):
 
     @ti.func
     def leak(self, thinner, edge, deviation):
-        """Rate [1/s] up to c / H at which density returns to rest where it is too high, or low, for the packing."""
+        """Decay rate [1/s], up to c / H, of a density `deviation` too high or too low for the packing (`swelling`)."""
         beyond = (ti.abs(thinner) - PACKING_TOLERANCE - EDGE_TOLERANCE * edge) / PACKING_RANGE
         rate = self.fluid.sound_speed / self.fluid.smoothing.support * tm.clamp(beyond, 0.0, 1.0)
         return ti.select(thinner * deviation > 0.0, rate, 0.0)
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Advance density and pressure of particle i to the step's end; store its diffusion share or its shift."""
+        """Advance density and pressure of particle i to the step's end; store its diffusion share or particle shift."""
         fluid, particles, rho_0 = self.fluid, self.fluid.particles, ti.static(self.fluid.rest_density)
         dt, deviation = fluid.dt[None], own[self.row.deviation]
         if ti.static(fluid.bodies):
@@ -437,7 +437,8 @@ class Continuity(Law):
 
     @ti.func
     def book_work(self, i, own, compressed, diffused, group):
-        """Add the work [J] of compression and diffusion to the budget; that of bulk viscosity counts as viscosity."""
+        """Add the work [J] of compression and diffusion to the budget; that of bulk viscosity counts as viscosity.
+        `compressed`, `diffused`: the law's sums for both."""
         fluid, deviation = self.fluid, own[self.row.deviation]
         closer = fluid.particles.mass * fluid.dt[None] * self.prefactor(own)
         p = fluid.equation_of_state(deviation) / (fluid.rest_density + deviation) ** 2
@@ -449,7 +450,7 @@ class Continuity(Law):
 
 @in_kernels
 class Shear(Law):
-    """Pair law for squared spin and strain rate around each particle, averaged over past time; not summed each step."""
+    """Pair law for squared spin and strain rate around each particle, averaged over time; summed every few steps."""
 
     row, options = Columns(position=3, velocity=3), WalkOptions(padded=True)
 
@@ -466,7 +467,7 @@ class Shear(Law):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values of boundary particle s at d [m], which moves with its body."""
+        """Field values that boundary particle s at d [m] shows to `own`: it moves with its body."""
         return row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
 
     @ti.func
@@ -586,7 +587,7 @@ class DeltaSph(Sph):
 
     @ti.kernel
     def settle(self, summary: Array):
-        """Sort the particles, compute the present rate of density, and reduce extremes to `summary`; move nothing."""
+        """Sort the particles, compute their rate of density, and write extremes to `summary`, without moving them."""
         self.dt[None] = 0.0
         for i in range(self.particles.count.there()):
             self.next_deviation[i] = self.excess_of(self.particles.pressure[i])
@@ -607,7 +608,8 @@ class DeltaSph(Sph):
 
     @ti.kernel
     def drift_kick_drift(self, dt: float, speed: float, since: float):
-        """Move the particles by dt [s]: drift, sort, kick, drift. `speed` of shifts [m/s]; `since`: wind clock [s]."""
+        """Move the particles by dt [s]: drift, sort, kick, drift. `speed`: of particle shifts [m/s]; `since`: time on
+        the wind's clock [s]."""
         self.dt[None] = dt
         self.wind.set_clock(since, dt)
         h = self.smoothing.length
@@ -633,8 +635,8 @@ class DeltaSph(Sph):
 
     @ti.kernel
     def find_density_rate(self, summary: Array):
-        """Compute the rate of the density at the end of a step, in a kernel of its own, since Taichi 1.7 cannot compile
-        both walks in one for Vulkan."""
+        """Compute the density's rate at the end of a step and write extremes to `summary`. It is a kernel of its own,
+        since Taichi 1.7 cannot compile both walks in one for Vulkan."""
         self.neighbours.walk(self.continuity, False)
         self.accounts.summarise(summary)
 

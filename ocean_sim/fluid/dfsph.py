@@ -122,7 +122,7 @@ class Config(SphConfig):
         yield "water that flies freely goes too far by the time step over the time of its fall (first order)"
 
     def neighbours_kept(self, basin: Basin) -> int:
-        """Number of neighbours of a particle on the lattice, whose pairs are stored for a step of the solvers."""
+        """Number of neighbours of a particle on the lattice: that many pairs are stored per particle during a step."""
         return Stencil(self.smoothing(basin), self.lattice(basin).spacing).neighbours
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
@@ -174,7 +174,7 @@ class Density(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Store density and A_ii of particle i, and its allowed rise of density; without a free surface, its shift."""
+        """Store particle i's density, A_ii and allowed rise of density; without a free surface, its particle shift."""
         fluid, rest = self.fluid, ti.static(self.fluid.particles.rest_density)
         total += beyond
         if ti.static(fluid.bodies):
@@ -199,7 +199,7 @@ class Density(Law):
 
 @in_kernels
 class Forces(Force):
-    """Pair law for all forces but pressure, and for last step's pressures, where the divergence solver starts."""
+    """Pair law for all forces but pressure, and those of last step's pressures, where the divergence solver starts."""
 
     fluid: "Dfsph"
     row = FORCE_ROW
@@ -218,7 +218,7 @@ class Forces(Force):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values of boundary particle s at d [m]; it has no own pressure (Bender & Koschier 2017, sect. 5)."""
+        """Field values that boundary particle s at d [m] shows; its pressure is 0 (Bender & Koschier 2017, sect. 5)."""
         other = self.rubbing_sample(own, s, d, mirror)
         other[self.row.pressure] = 0.0
         return other
@@ -237,13 +237,12 @@ class Forces(Force):
 
     @ti.func
     def viscosity(self, v_ij, x_ij, r2, gradient):
-        """Viscous part of a pair, to be multiplied by 2 nu V: (d + 2) v_ij . x_ij / r^2 grad W (Monaghan & Gingold
-        1983)."""
+        """Viscous part of a pair over 2 nu V: (d + 2) v_ij . x_ij / r^2 grad W (Monaghan & Gingold 1983)."""
         return self.per_component * v_ij.dot(x_ij) / (r2 + self.squared_gap) * gradient
 
     @ti.func
     def viscosity_without_surface(self, v_ij, r2):
-        """Viscous part of a pair, to be multiplied by 2 nu V: v_ij W' / r (Morris, Fox & Zhu 1997, eq. 22)."""
+        """Viscous part of a pair over 2 nu V: v_ij W' / r (Morris, Fox & Zhu 1997, eq. 22)."""
         return self.fluid.smoothing.shape_gradient(ti.sqrt(r2)) * v_ij
 
     @ti.func
@@ -400,13 +399,13 @@ class Dfsph(Sph):
 
     @property
     def error(self) -> float:
-        """Mean density error over the rest density: the larger of the errors of too dense and too thin particles."""
+        """Mean density error relative to the rest density: the larger of those of too dense and too thin ones."""
         scale = 1.0 / (self.particles.count.now * self.particles.rest_density)
         return scale * float(self.report[:UPHILL_SLOPE].max())
 
     @ti.kernel
     def predict(self, dt: float, since: float, report: Array):
-        """Predict velocities after dt [s], and sum density errors into `report`; `since`: the wind's clock [s]."""
+        """Predict velocities after dt [s]; sum density errors into `report`; `since`: time on the wind's clock [s]."""
         self.dt[None], self.momentum[None] = dt, 0.0
         self.wind.set_clock(since, dt)
         self.neighbours.walk(self.forces, False)
@@ -428,7 +427,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def predict_density(self, speed: float, report: Array):
-        """Predict densities after the step and sum errors into `report`; `speed` [m/s] of shifts in closed water."""
+        """Predict densities after the step; sum errors into `report`. `speed`: of shifts in closed water [m/s]."""
         self.momentum[None] = 0.0
         for i in range(self.particles.count.there()):
             self.incompressible.begin(i)
@@ -474,7 +473,7 @@ class Dfsph(Sph):
 
     @ti.func
     def landing(self, i, way, u):
-        """Position [m], velocity [m/s] of particle i after a move by `way` [m] at velocity u [m/s], and any bounce."""
+        """Position [m] and velocity [m/s] of particle i after a move by `way` [m] at velocity u and any bounce."""
         return self.walls.bounce(self.particles.position.at(i) + self.grid.whole_quanta(i, way), u)
 
     @ti.func
@@ -497,7 +496,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def settle(self, summary: Array, report: Array):
-        """Sort the particles, compute densities, and reduce extremes into `summary`, sums of density into `report`."""
+        """Sort the particles, compute densities; write extremes to `summary`, the sum of densities to `report`."""
         self.grid.sort()
         self.neighbours.walk(self.density, True)
         self.rows.sum_into(report)
@@ -513,7 +512,7 @@ class Dfsph(Sph):
 
     @ti.func
     def apply_pressures(self, i, dt, total, beyond):
-        """Change of velocity [m/s] over dt [s] by pressure sums of neighbours, `total`, and of walls, `beyond`."""
+        """Record and return change of velocity [m/s] of i in dt [s] by pressure sums `total`, `beyond` (of walls)."""
         scale = dt * self.pressing
         by_walls = self.change_velocity(i, budget.WALLS, scale * beyond)
         return self.change_velocity(i, budget.PRESSURE, scale * total) + by_walls

@@ -55,7 +55,7 @@ class Config(waves.GrowingTrain, FluidConfig):
 
     @property
     def interpolation_limits(self) -> Limits:
-        """Limits of the time step that keep linear interpolation of files between steps within 0.05 % of the waves."""
+        """Time step limits that keep the error of linear interpolation between a file's steps within 0.05 %."""
         return Limits(force=SMOOTH_STEP_PERIODS * self.scale[1])
 
     def point_spacing(self, preflight: Preflight) -> float:

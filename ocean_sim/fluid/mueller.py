@@ -154,20 +154,19 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values of boundary particle s at d [m]: continued pressure, 1 / density of water at rest."""
+        """Field values that boundary particle s at d [m] shows: continued pressure, 1 / density of water at rest."""
         other = self.continued_sample(own, s, d, mirror)
         other[self.row.volume] = 1.0 / self.fluid.rest_density
         return other
 
     @ti.func
     def pressure(self, p_i, p_j, r, q):
-        """Pressure force of a pair along x_ij (thesis eq. 2.16): (p_i + p_j) q / r, q = h - r; a second q comes
-        later."""
+        """Pressure force of a pair along x_ij (thesis eq. 2.16) without one factor q = h - r: (p_i + p_j) q / r."""
         return (p_i + p_j) * q / r
 
     @ti.func
     def viscosity(self, v_ji):
-        """Viscous force of a pair (thesis eq. 2.18) over this law's prefactor; the factor h - r comes later."""
+        """Viscous force of a pair (thesis eq. 2.18) divided by this law's prefactor; the factor h - r comes later."""
         return self.fluid.factors[VISCOUS_FACTOR] * v_ji
 
     @ti.func

@@ -177,7 +177,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return self.interpolation_limits(self.tile_of(preflight.tank))
 
     def interpolation_limits(self, tile: Tile) -> Limits:
-        """Limits of the time step that keep linear interpolation between steps within 0.05 %, and skip no tile step."""
+        """Time step limits that keep the error of linear interpolation within 0.05 %, and skip no step of the tile."""
         period = self.highest[1] if self.highest is not None else np.inf
         return Limits(force=min(SMOOTH_STEP_PERIODS * period, 4.0 * self.tile_step(tile)))
 

@@ -62,7 +62,7 @@ class Body:
     counts: bool = True  # whether the forces of the water on it are summed
 
     def strength(self, smoothing: Smoothing, spacing: float) -> float:
-        """Factor of the weight of the body's boundary particles: 1, more for a gate thinner than a support."""
+        """Factor of the boundary particles' weight: 1, but more in a gate so thin that it has fewer layers of them."""
         count, apart = self.across
         if count == 0:
             return 1.0
@@ -127,7 +127,8 @@ def any_moves(bodies: Sequence[Body]) -> bool:
 
 
 def memory(samples: int, bodies: int, cells: int, word: int, working: bool) -> int:
-    """Memory [bytes] of a Boundary; `word`: bytes of a `float`; `working`: True if work of moving bodies is summed."""
+    """Memory [bytes] of a Boundary with so many `samples` (boundary particles), bodies and grid cells; `word`: bytes of
+    a `float`; `working`: True if the work of moving bodies is summed."""
     return samples * (26 * word + 20 + 24 + 16 * working) + 6 * word * bodies + 4 * (cells + 1)
 
 
@@ -152,7 +153,7 @@ class Boundary:
         accounts: bool,
         relief: Relief | None = None,
     ) -> None:
-        """`accounts`: True to sum the work of moving bodies; `relief`: heights of the body that is an uneven bed."""
+        """`pull`: gravity and tank motion; `accounts`: True to sum work of moving bodies; `relief`: uneven bed."""
         self.bodies, self.mass, self.grid, self.pull = bodies, particles.mass, grid, pull
         self.owners = np.repeat(np.arange(len(bodies)), [len(body.position) for body in bodies])
         self.n = n = len(self.owners)
@@ -226,7 +227,7 @@ class Boundary:
         acceleration: ArrayLike = ZERO_VECTOR,
         angular_acceleration: ArrayLike = ZERO_VECTOR,
     ) -> None:
-        """Set a body's origin [m], `rotation` (3, 3) from body to tank, velocities [m/s], [rad/s], accelerations."""
+        """Set a body's position [m], `rotation` (3, 3) from body to tank, velocities [m/s], [rad/s], accelerations."""
         rates = (velocity, angular_velocity, acceleration, angular_acceleration)
         row = np.concatenate([position, np.ravel(rotation), *rates, [0.0]])  # as MOTION_COLUMNS has them
         self.moved = self.moved or bool((row != self.motion[body]).any())
@@ -240,7 +241,8 @@ class Boundary:
 
     @ti.kernel
     def sort_samples(self, motion: Doubles2):
-        """Move boundary particles by `motion` (bodies, MOTION_COLUMNS), and sort them by cell, keeping their order."""
+        """Move boundary particles with their bodies and sort them by cell, keeping their order; `motion` (bodies,
+        MOTION_COLUMNS): position, rotation and rates of each body."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             for c in range(self.grid.cell_count + 1):
@@ -272,7 +274,8 @@ class Boundary:
 
     @ti.func
     def turn_arm(self, s, motion: Template):
-        """Turn the vector from its body's origin to boundary particle s; extend the body's bounding box to it."""
+        """Rotate, as `motion` says, the vector from its body's origin to boundary particle s, and extend the body's
+        bounding box to it."""
         b, local = self.owner[s], self.local.at(s)
         for k, arm in ti.static(enumerate(self.arm)):
             along = ti.cast(body_vector(motion, b, MOTION_COLUMNS.rotation + 3 * k).dot(local), float)
@@ -282,7 +285,7 @@ class Boundary:
 
     @ti.func
     def sample_position(self, s, motion: Template):
-        """Position of boundary particle s in the tank [m]; call `turn_arm` before."""
+        """Position [m] in the tank of boundary particle s of bodies that moved by `motion`; call `turn_arm` before."""
         return self.grid.wrap_position(
             ti.cast(body_vector(motion, self.owner[s], MOTION_COLUMNS.position) + self.arm.at(s), float)
         )
@@ -344,7 +347,7 @@ class Boundary:
 
     @ti.func
     def react(self, law: Template, dt):
-        """Sum the force [N] of the water on each boundary particle, and its impulse, at a kernel's top level."""
+        """Sum force [N] and impulse [N s] of the water on each boundary particle; call it at a kernel's top level."""
         for t in range(self.blocks * self.stride):
             if t % self.stride == 0:
                 b = t // self.stride
@@ -398,7 +401,7 @@ class Boundary:
 
     @ti.kernel
     def sum_forces(self, borne: Doubles3):
-        """Add the force and torque of each body to `borne` (2, k, 3)."""
+        """Add the force [N] and torque [N m] on each of k bodies, from its boundary particles, to `borne` (2, k, 3)."""
         ti.loop_config(serialize=True)
         for s in range(self.n):
             b = self.owner[s]
@@ -409,7 +412,7 @@ class Boundary:
                 borne[1, b, k] = borne[1, b, k] + torque[k]
 
     def works(self) -> np.ndarray:
-        """Work (k, 2) [J] of each body on the water since the start: all, and the part that laws booked under walls."""
+        """Work (k, 2) [J] of k bodies on the water since the start: in all, and the part counted as work of walls."""
         return self.sum_by_body(self.work)
 
     def impulses(self) -> np.ndarray:
@@ -417,14 +420,14 @@ class Boundary:
         return self.sum_by_body(self.impulse)
 
     def sum_by_body(self, summed: ti.Field) -> np.ndarray:
-        """Sums over the boundary particles of each body, (k, ...), of a field with a row for each of them."""
+        """Sums (k, ...) of a field `summed` of the boundary particles over those of each of the k bodies."""
         each = summed.to_numpy()
         return np.array([each[self.owners == k].sum(axis=0) for k in range(len(self.bodies))])
 
 
 @in_kernels
 class SolidShare:
-    """Law of a PointSum over boundary particles: share of space, weighted by the kernel, that bodies fill."""
+    """Summand of a PointSum over boundary particles: kernel-weighted share of space around a point that is solid."""
 
     sums = 1
 
@@ -434,20 +437,20 @@ class SolidShare:
 
     @ti.func
     def term(self, own, s, d, mirror):
-        """Share that boundary particle s, at d [m] from the point, fills."""
+        """Kernel-weighted share of space that boundary particle s, at d [m] from the point, fills."""
         return ti.Vector([self.unit * self.boundary.share[s] * self.smoothing.W_poly6(d.dot(d))])
 
 
 @in_kernels
 class SampleSum:
-    """Law of a PointSum that sums a pair law over the boundary particles around a particle."""
+    """Summand of a PointSum: contributions of the boundary particles around a particle to its pair law."""
 
     def __init__(self, boundary: Boundary, law: Law) -> None:
         self.boundary, self.law, self.sums = boundary, law, law.terms.size
 
     @ti.func
     def term(self, own, s, d, mirror):
-        """Contribution of boundary particle s at d [m] in a mirror to a particle with values `own`, weighted."""
+        """Weighted contribution of boundary particle s, seen at d [m] in a mirror; `own`: values of the particle."""
         total = ti.Vector.zero(float, self.sums)
         if d.dot(d) < self.boundary.grid.support**2:
             total = self.boundary.particle_equivalent(s) * self.law.pair(own, self.law.sample(own, s, d, mirror))
@@ -464,18 +467,18 @@ class SampleSum:
 
 @in_kernels
 class Reaction:
-    """Law of a PointSum: force [N] of particles on boundary particle `own`, and its part booked under walls. The force
-    of a mirror image across its side acts on that side instead."""
+    """Summand of a PointSum: force [N] of water particles on a boundary particle, and its part whose work counts as
+    work of walls. Of the force by a mirror image, the part across the mirror acts on that side instead."""
 
     def __init__(self, boundary: Boundary, law: Law, told: tuple[ti.Field, ...], forces: tuple[Any, ...]) -> None:
-        """`told`: fields that a boundary particle reads; `forces`: ti.funcs from law sums to accelerations [m/s2]."""
+        """`told`: particle fields that `law` reads; `forces`: ti.funcs that turn its sums to accelerations [m/s2]."""
         self.boundary, self.law, self.told, self.mass = boundary, law, told, boundary.mass
         self.forces = forces if boundary.working else forces[:1]
         self.sums = 3 * len(self.forces)
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Force on boundary particle `own` by particle j at d [m] in a mirror: minus its push on that particle."""
+        """Force on boundary particle `own` by particle j, seen at d [m] in a mirror: minus its push on particle j."""
         law = self.law
         here = ti.Vector([field[j] for field in ti.static(self.told)])
         away = tm.vec3([-mirror[POSITION_SIGN, k] * d[k] for k in ti.static(range(3))])

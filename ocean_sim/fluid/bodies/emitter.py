@@ -94,8 +94,7 @@ class Jet:
         return min(self.config.cap, self.first + layers * len(self.sites))
 
     def emitted_state(self, first: int, last: int, time: float, pull: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Positions (n, 3) [m], velocities [m/s] of particles `first` to `last` - 1 at a time [s]; they fall by `pull`
-        [m/s2]."""
+        """Positions (n, 3) [m], velocities of particles `first` to `last` - 1 at a time, falling by `pull` [m/s2]."""
         layer, site = np.divmod(np.arange(first, last) - self.first, len(self.sites))
         age = np.maximum(time - layer * self.interval, 0.0)[:, None]
         return self.sites[site] + age * self.velocity + 0.5 * age**2 * pull, self.velocity + age * pull

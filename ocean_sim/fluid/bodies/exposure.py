@@ -38,7 +38,7 @@ class Exposure(Law):
     terms = Columns(area=3)
 
     def __init__(self, water: Any, plan_area: float, bends: bool) -> None:
-        """Make the fields for an Sph `water`; `plan_area` [m2] of it, 0 if unknown; `bends`: True to find bends."""
+        """`water`: an Sph; `plan_area`: area [m2] of its still surface, 0 if unknown; `bends`: True to find bends."""
         particles, smoothing = water.particles, water.smoothing
         self.particles, self.smoothing, self.neighbours = particles, smoothing, water.neighbours
         self.plan_area, self.reads = plan_area, water.listed_positions
@@ -56,7 +56,7 @@ class Exposure(Law):
         self.add_bodies(water.boundary)
 
     def renew_if_due(self, dt: float, speed: float) -> None:
-        """Compute the areas anew if water and crests, at this `speed` [m/s], may have moved half a spacing since."""
+        """Recompute the areas once a `speed` [m/s] of water or crests has covered half a spacing since last time."""
         if self.left <= 0.0:
             self.find_areas()
             self.left = RENEWAL_DISTANCE * self.particles.spacing
@@ -64,7 +64,7 @@ class Exposure(Law):
 
     @ti.kernel
     def find_areas(self):
-        """Compute all areas, scaled so that upward parts sum to the plan area (if known): wind acts on it once."""
+        """Compute all exposed areas; if the plan area is known, scale them so that their upward parts sum to it."""
         self.neighbours.walk(self, False)
         if ti.static(self.bends):
             self.neighbours.walk(self.bending, False)
@@ -91,7 +91,7 @@ class Exposure(Law):
 
     @ti.func
     def pair(self, own, other):
-        """Gradient of the kernel at one neighbour; its constant comes later."""
+        """Gradient of the kernel at one neighbour; the constant factor comes later."""
         return -self.smoothing.pair_gradient(own - other)
 
     @ti.func
@@ -108,7 +108,7 @@ class Exposure(Law):
 
     @ti.func
     def bend_of(self, i):
-        """Bend of the surface at i: d(slope_x)/dx, d(slope_x)/dz, d(slope_z)/dz times the depth `skin`; 0 inside."""
+        """Slope derivatives d(slope_x)/dx, d(slope_x)/dz, d(slope_z)/dz of the surface at i times `skin`; 0 inside."""
         bend = tm.vec3(0.0)
         if ti.static(self.bends):
             bend = self.bending.bend.at(self.particles.id[i])
@@ -140,7 +140,7 @@ class Bend(Law):
 
     @ti.func
     def pair(self, own, other):
-        """Weighted products of distance and difference in slope of one neighbour, from which the fit is made."""
+        """Products of distance and slope difference to one neighbour, weighted by the kernel: terms of the fit."""
         x = vec3(other, self.row.position) - vec3(own, self.row.position)
         weight = other[self.row.area] * self.smoothing.shape_gradient(ti.sqrt(x.dot(x)))
         steeper_x = other[self.row.slope] - own[self.row.slope]

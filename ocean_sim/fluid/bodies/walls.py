@@ -94,7 +94,7 @@ class Zone:
 
 
 def scene_waves(basin: Basin, initial: Initial | None) -> waves.Components | None:
-    """Waves of a scene: those of its wavemaker, else initial state, else moving tank; None if there are none."""
+    """Waves that a scene makes by its wavemaker, else its initial state, else its moving tank; None without any."""
     if any(waves.basin_faults(basin)):
         return None
     if basin.piston is not None:
@@ -112,7 +112,7 @@ def zones(lattice: Lattice) -> tuple[Zone, ...]:
 
 
 def zone(side: Side, basin: Basin, of_scene: waves.Components | None, absorbing: list[Side], spacing: float) -> Zone:
-    """Make the absorbing zone before a side, for waves it lets in, else `of_scene`; `absorbing`: all such sides."""
+    """Make the absorbing zone of a `side` for waves that it lets in, else `of_scene`; `absorbing`: all such sides."""
     asked, axis = side.absorbing, side.axis
     assert asked is not None
     target, given = asked.target, None
@@ -135,7 +135,7 @@ def zone(side: Side, basin: Basin, of_scene: waves.Components | None, absorbing:
 
 
 def warnings(found: tuple[Zone, ...]) -> Iterator[str]:
-    """Yield warnings of zones that are too short, or fill more than half of the basin along an axis."""
+    """Yield warnings of absorbing zones (`found`) that are too short or fill over half of the basin along an axis."""
     for one in found:
         if one.warning is not None:
             yield one.warning
@@ -157,7 +157,7 @@ class Target:
             self.waves = PlaneWaves(zone.given)
 
     def turn(self, time: float) -> None:
-        """Set the phases of the target's waves to a time [s]."""
+        """Turn the target's waves to a time [s]: set the phases with which `velocity` reads them."""
         if self.waving:
             self.waves.set_time(time)
 
@@ -260,7 +260,7 @@ class Walls:
 
     @ti.func
     def piston_velocity(self, x):
-        """Velocity [m/s] of pistons within a support of x [m], whose images push water there; else zero."""
+        """Velocity [m/s] of pistons (moving sides) within a support of x [m], which push water there; else zero."""
         v = tm.vec3(0.0)
         for s, axis, _upper in ti.static(self.pistons):
             if ti.abs(x[axis] - self.images.side[s, SIDE_COLUMNS.position]) < self.images.support:

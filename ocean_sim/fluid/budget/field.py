@@ -36,7 +36,7 @@ SURFACE_HALVINGS = 4
 
 @in_kernels
 class Spread:
-    """Law of a PointSum: share of space filled by water around a point, with its first and second moments."""
+    """Summand of a PointSum: share of space filled by water around a point, with its first and second moments."""
 
     sums = MOMENT_COLUMNS.size
 
@@ -52,7 +52,7 @@ class Spread:
 
 @in_kernels
 class DynamicPressure:
-    """Law of a PointSum: p - rho0 g . x [Pa]; images add the pressure by which walls and tank move the water."""
+    """Summand of a PointSum: dynamic pressure p - rho0 g . x [Pa]; mirror images add that of moving walls and tank."""
 
     sums = 1
 
@@ -71,7 +71,7 @@ class DynamicPressure:
 
 @in_kernels
 class Velocity:
-    """Law of a PointSum: velocity [m/s] of the particles; that of an image follows from the wall's slip."""
+    """Summand of a PointSum: velocity [m/s] of a particle, or of its mirror image by the wall's slip."""
 
     sums = 3
 
@@ -114,7 +114,7 @@ class Field:
 
     @ti.func
     def weight(self, d):
-        """Volume of a particle times the kernel W at distance d [m]: the share of space around a point it fills."""
+        """Share of the space around a point that a particle d [m] away fills: its volume times the kernel W."""
         return self.volume * self.smoothing.W_poly6(d.dot(d))
 
     @ti.func
@@ -132,7 +132,7 @@ class Field:
 
     @ti.func
     def is_wet(self, x, share):
-        """True if water fills at least half of the space around x that is not solid."""
+        """True if water, which fills a `share` of the space around x [m], fills at least half of what is not solid."""
         least = WET_SHARE
         if ti.static(self.bodies):
             least *= 1.0 - self.boundary.solid(x)
@@ -140,7 +140,7 @@ class Field:
 
     @ti.func
     def factor(self, own, d):
-        """Correction of the weight of a neighbour at d (3,) [m], linear in d; `own`: numbers from `fit_plane`."""
+        """Correction of a neighbour's weight, linear in its distance vector d [m]; `own`: result of `fit_plane`."""
         return own[FACTOR_COLUMNS.constant] - vec3(own, FACTOR_COLUMNS.slope).dot(d / self.smoothing.support)
 
     @ti.func
@@ -178,13 +178,13 @@ class Field:
 
     @ti.kernel
     def fill_pressures(self, points: Array2, pressures: Array):
-        """Write the pressure [Pa] at each of the points (m, 3) [m]."""
+        """Write the pressure [Pa] at each of the points (m, 3) [m] to `pressures` (m,)."""
         for k in range(points.shape[0]):
             pressures[k] = self.pressure(tm.vec3(points[k, 0], points[k, 1], points[k, 2]))
 
     @ti.kernel
     def fill_velocities(self, points: Array2, velocities: Array2):
-        """Write the velocity [m/s] at each of the points (m, 3) [m]."""
+        """Write the velocity [m/s] at each of the points (m, 3) [m] to `velocities` (m, 3)."""
         for k in range(points.shape[0]):
             velocity = self.velocity(tm.vec3(points[k, 0], points[k, 1], points[k, 2]))
             for c in ti.static(range(3)):
@@ -201,7 +201,7 @@ class Field:
 
 @in_kernels
 class Share:
-    """Law of a PointSum: share of space filled by water around a point, 0 to about 1."""
+    """Summand of a PointSum: share of space filled by water around a point, 0 to about 1."""
 
     sums = 1
 
@@ -265,7 +265,7 @@ class FreeSurface:
 
     @ti.kernel
     def fill(self, points: Array2, heights: Array):
-        """Write the height [m] of the surface at each of the points x, z (m, 2) [m]."""
+        """Write the height [m] of the surface at each of the points x, z (m, 2) [m] to `heights` (m,)."""
         for k in range(points.shape[0]):
             heights[k] = self.elevation(points[k, 0], points[k, 1])
 

@@ -28,12 +28,12 @@ FAR_COORDINATE = 1.0e30  # [m]
 
 
 def absent_terms(basin: Basin) -> tuple[int, ...]:
-    """Numbers of the force terms that cannot act in this basin, such as bed friction on a smooth bed."""
+    """Indices in TERM_NAMES of force terms that cannot act in this basin, such as bed friction on a smooth bed."""
     return (*(() if basin.rough_bed is not None else (BED,)), *(() if basin.sea is not None else (SEA,)))
 
 
 def impulse_terms(absent: tuple[int, ...]) -> tuple[int, ...]:
-    """Numbers of the force terms that give impulses: all but energy terms (diffusion, leak) and absent ones."""
+    """Indices of the force terms with impulses: all but pure energy terms (diffusion, leak) and `absent` ones."""
     return tuple(term for term in range(len(TERM_NAMES)) if term not in (*absent, *ENERGY_TERMS))
 
 
@@ -43,7 +43,7 @@ class Accounts:
     that no result depends on the order of threads."""
 
     def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...], apart: int = ROW_PADDING) -> None:
-        """Make `groups` rows, spaced `apart` numbers. `impulses`: also sum impulse and work of terms not `absent`."""
+        """Make `groups` rows, spaced `apart` numbers. `impulses`: also sum impulse and work, except `absent` terms."""
         self.groups, self.impulses = groups, impulses
         self.idle = absent  # terms that nothing in the scene gives
         self.overflow, self.clipped = (ti.field(int, shape=(groups, apart)) for _ in range(2))
@@ -99,7 +99,7 @@ class Accounts:
 
     @ti.func
     def count_impulses(self, group, terms: Template, kick, accelerations: Template, v):
-        """Add the impulses `kick` [kg s] times `accelerations` [m/s2] of several terms; v [m/s] gives their work."""
+        """Add impulses of several force terms to a group: `kick` [kg s] times `accelerations`; v [m/s]: for work."""
         for term, a in ti.static(zip(terms, accelerations)):
             self.count_impulse(group, term, kick * a, v)
 
@@ -152,7 +152,7 @@ class Accounts:
             to[group, term, k] = self.given[group, term, k]
 
     def totals(self) -> dict[str, np.ndarray]:
-        """Impulse [N s], work [J] since the start, (4,), by name of the force term; of diffusion: internal energy."""
+        """Impulse x, y, z [N s] and work [J] since the start, (4,), by name of the force term; empty if not summed."""
         if not self.impulses:
             return {}
         self.copy_sums(self.sums_copy)

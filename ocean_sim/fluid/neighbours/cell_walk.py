@@ -25,8 +25,8 @@ UNSHIFTED_CODE = 13  # code of what is seen where it is, through no periodic sid
 
 @in_kernels
 class CellWalk:
-    """Neighbour walk for processors. It lists candidates (possible neighbours) for each part of a cell, copies their
-    fields to scratch arrays, one a column, and sums pair laws over them."""
+    """Neighbour walk for processors. For each part of a cell it lists candidates (possible neighbours), copies their
+    fields to scratch arrays, one a field, and sums pair laws over them."""
 
     def __init__(self, particles: Particles, grid: Grid, accounts: Accounts, size: GridSize) -> None:
         self.position, self.grid, self.accounts = particles.position, grid, accounts
@@ -67,8 +67,8 @@ class CellWalk:
 
     @ti.func
     def list_near(self, begin, end, code, shift, middle, half, first):
-        """List, from index `first` on, the particles `begin` to `end` - 1 that lie near a box when moved by `shift`
-        [m], each with the `code` of the shift added; return their number."""
+        """List, from index `first` on, those of particles `begin` to `end` - 1 that lie near a box (`middle`, `half`
+        sides) once moved by `shift` [m], each with the shift's `code` added; return their number."""
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         for a in range(end - begin):
             at = begin + a
@@ -77,7 +77,7 @@ class CellWalk:
 
     @ti.func
     def compact(self, names: Template, first, n, name):
-        """Replace n marks (0 or 1) from `first` on by a list of `name` + a for each mark a of 1; return its length."""
+        """Replace n marks (0 or 1) in `names` from `first` on by `name` + a for each a marked 1; return their count."""
         kept = 0
         for a in range(n):
             marked = names[first + a]
@@ -87,7 +87,8 @@ class CellWalk:
 
     @ti.func
     def find_candidates(self, c, code, middle, half, first, room):
-        """List candidates near a box in cell c from index `first` on; return their number, -1 if more than `room`."""
+        """List the particles in and around cell c that lie near a box (`middle`, `half` sides [m]), from index `first`
+        on, each with `code` added; return their number, or -1 if there are more than `room`."""
         grid = self.grid
         m, full = 0, 0
         for dz in range(-1, 2):
@@ -102,7 +103,8 @@ class CellWalk:
 
     @ti.func
     def find_periodic_candidates(self, indices, middle, half, first, room):
-        """List candidates as `find_candidates`, in a cell next to a periodic side, each with the code of its shift."""
+        """List candidates as `find_candidates` does, around the cell with these indices next to a periodic side; each
+        gets the code of its shift added."""
         grid = self.grid
         m, full = 0, 0
         for d in range(27):
@@ -136,8 +138,9 @@ class CellWalk:
 
     @ti.func
     def find_images(self, mirror, middle, half, scratch, n, gap, m, first):
-        """List, from index `first` on, those of m candidates whose mirror image is near a box; return their number.
-        Their positions are in the scratch from `scratch` on, with a `gap` after the first n."""
+        """List, from index `first` on, those of m candidates whose image in `mirror` is near a box (`middle`, `half`
+        sides [m]); return their number. The scratch has their positions from index `scratch` on: n, a `gap`, and the
+        rest."""
         x, y, z = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
         for a in range(m):
             at = scratch + a + ti.select(a < n, 0, gap)
@@ -176,7 +179,8 @@ class CellWalk:
 
     @ti.func
     def list_candidates(self, k, middle, half, group, first, room):
-        """List the candidates of cell part k from index `first` on; record an overflow if they exceed `room`."""
+        """List the candidates of cell part k, which are near its box (`middle`, `half` sides [m]), from index `first`
+        on; record an overflow if they exceed `room`."""
         c = self.grid.occupied[k]
         if ti.static(not self.periodic):
             self.candidates[k] = self.find_candidates(c, 0, middle, half, first, room)
@@ -190,7 +194,7 @@ class CellWalk:
 
     @ti.func
     def gather_part(self, k, law: Template, find: Template, group, first):
-        """Copy the law's fields of the candidates of cell part k to the scratch of its group; return their number."""
+        """Copy the law's fields of the candidates of cell part k to its group's scratch array; return their number."""
         scratch, n = group * self.width, self.candidates[k]
         if ti.static(not self.periodic):
             self.gather_unshifted(law, find, scratch, first, n, 0)
@@ -209,7 +213,7 @@ class CellWalk:
 
     @ti.func
     def gather_unshifted(self, law: Template, find: Template, scratch, first, n, code):
-        """Copy the fields of n candidates to the scratch; all have this `code`, and none is shifted periodically."""
+        """Copy the fields of n candidates, listed with this `code` and not shifted periodically, to the scratch."""
         for a in range(n):
             j = self.candidate[first + a] - code
             if ti.static(find and self.keeps):
@@ -219,7 +223,7 @@ class CellWalk:
 
     @ti.func
     def append_images(self, k, law: Template, find: Template, middle, half, group, n, entry, room):
-        """Append mirror images of the n candidates of cell part k to the scratch, behind a gap. Return the number of
+        """Append the mirror images of the n candidates of cell part k to the scratch array. Return the number of
         candidates with images, and the index at which the next list may begin. From `entry` on the list holds, side by
         side, the number of images in a side and the candidates mirrored there."""
         scratch, last, m, gap = group * self.width, (group + 1) * self.segment, n, self.image_gap(law, n)
@@ -245,8 +249,8 @@ class CellWalk:
 
     @ti.func
     def add_images(self, law: Template, find: Template, mirror, scratch, n, gap, m, first, run):
-        """Write `run` mirror images, of the candidates listed from `first` on, to the scratch behind its m entries,
-        which have a `gap` after the first n."""
+        """Append to the scratch the images in `mirror` of the `run` candidates listed from `first` on. It holds m
+        entries so far: n particles, a `gap`, and earlier images."""
         for b in range(run):
             a, to = self.candidate[first + b], scratch + gap + m + b
             a += scratch + ti.select(a < n, 0, gap)
@@ -271,7 +275,7 @@ class CellWalk:
 
     @ti.func
     def fill_up(self, law: Template, scratch, begin, end):
-        """Fill the scratch from `begin` to `end` - 1 with far particles, which contribute nothing to a sum."""
+        """Fill the scratch from `begin` to `end` - 1 with far-away dummy particles, which add nothing to a sum."""
         for a in range(begin, end):
             for t in ti.static(range(law.row.size)):
                 self.scratch[t][a] = FILLER_X if ti.static(t == law.row.position) else self.scratch[t][scratch]
@@ -286,8 +290,9 @@ class CellWalk:
 
     @ti.func
     def candidate_sums(self, law: Template, pair: Template, own, begin, middle, end, find: Template, to):
-        """Sums of `pair` over scratch entries `begin` to `middle` - 1, and apart over images up to `end` - 1. With
-        `find`, gradient shapes of the pairs are stored from index `to` on."""
+        """Two sums of `pair`: over scratch entries `begin` to `middle` - 1, and over images, `middle` to `end` - 1, if
+        these are summed apart. With `find`, gradient shapes (grad W over the distance vector) are stored from index
+        `to` on."""
         total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
         for a in range(begin, middle):
             total += self.candidate_term(law, pair, own, a, find, to + a - begin)
@@ -298,7 +303,7 @@ class CellWalk:
 
     @ti.func
     def candidate_term(self, law: Template, pair: Template, own, a, find: Template, to):
-        """Contribution of scratch entry a to the sum; if pairs are stored, its gradient shape goes to index `to`."""
+        """Contribution of scratch entry a to a sum of `pair`; with `find`, its gradient shape goes to index `to`."""
         other = ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))])
         if ti.static(find and self.keeps):
             self.blocks.keep_shape(vec3(own, law.row.position) - vec3(other, law.row.position), to)
@@ -306,7 +311,7 @@ class CellWalk:
 
     @ti.func
     def sum_up(self, k, law: Template, find: Template, group, n, m):
-        """Sum the law for each particle of cell part k over m candidates, n of them particles; call its `finish`."""
+        """Sum the law for each particle of cell part k over n candidates and m - n images, and call its `finish`."""
         # Layout of the scratch: particles up to `images`, then their images up to `end`, each filled up if padded.
         scratch = group * self.width
         images, end = scratch + n + self.image_gap(law, n), scratch + self.padded_count(law, m)

@@ -96,7 +96,7 @@ class Grid:
 
     @ti.func
     def first_part(self, group):
-        """Number of a group's first occupied cell part; for `group` = number of groups, the number of all of them."""
+        """Index of a group's first occupied cell part; for `group` = number of groups, the number of occupied parts."""
         return group * self.occupied_count[None] // ti.static(self.size.groups)
 
     @ti.func
@@ -134,13 +134,13 @@ class Grid:
 
     @ti.func
     def stage_motion(self, i, x, v):
-        """Store the next position x [m] and velocity v [m/s] of particle i; the cell by which it is sorted stays."""
+        """Store the next position x [m] and velocity v [m/s] of particle i, but not the cell by which it is sorted."""
         for k in ti.static(range(3)):
             self.moved[STATE_COLUMNS.position + k][i], self.moved[STATE_COLUMNS.velocity + k][i] = x[k], v[k]
 
     @ti.func
     def whole_quanta(self, i, way):
-        """Round a move `way` [m] of particle i, plus what its last move left over, to whole quanta; store the rest."""
+        """Round `way` [m] of particle i, plus the remainder of its last move, to whole quanta; store the remainder."""
         now = tm.vec3(0.0)
         for k in ti.static(self.axes):
             whole = way[k] + self.left[k][i]

@@ -120,8 +120,7 @@ class GridSize:
         return int(self.parts_per_axis**self.lattice.basin.dimension)
 
     def quantum(self, eps: float) -> float:
-        """Unit of moves [m], a power of two whose multiples are exact in the whole basin, in floats of spacing
-        `eps`."""
+        """Unit of moves [m]: a power of two, its multiples exact in the whole basin in floats of spacing `eps`."""
         basin = self.lattice.basin
         return eps * 2.0 ** floor(log2(max(map(abs, (*basin.lower, *basin.upper)))))
 
@@ -159,18 +158,18 @@ class GridSize:
 
     @property
     def segment(self) -> int:
-        """Largest number of candidates in all lists of a group: about twice that of water at rest."""
+        """Largest number of candidates in all lists of a group (its segment): about twice that of water at rest."""
         parts = self.lattice.n / (self.cell_particles / self.parts)
         return int(2.0 * parts / self.groups * self.rest_candidates) + 4 * self.capacity
 
     @property
     def width(self) -> int:
-        """Length of a scratch column of a group: candidates of one cell part, two lists filled up to whole vectors."""
+        """Length of a group's scratch arrays: candidates of one cell part, with filler up to whole vectors."""
         return self.capacity + 2 * VECTOR_LENGTH
 
     @property
     def shapes_per_particle(self) -> int:
-        """Number of gradient shapes (one a pair) stored for each particle; those that do not fit are recomputed."""
+        """Number of gradient shapes (grad W over distance, one a pair) stored per particle; others are recomputed."""
         lattice, side = self.lattice, 1.0 / self.parts_per_axis
         around = side**2 + 4.0 * side + pi
         if lattice.basin.dimension == 3:
@@ -179,11 +178,10 @@ class GridSize:
 
     @property
     def spare_shapes(self) -> int:
-        """Number of gradient shapes that a group stores in reserve; particles without room share the last `width`."""
+        """Number of gradient shapes in a group's reserve; particles without room for theirs share the last `width`."""
         return 4 * self.capacity + self.width
 
     @property
     def kept_candidates(self) -> int:
-        """Largest number of candidates that a group stores with its pairs: `segment`, and entries to fill up
-        vectors."""
+        """Largest number of candidates a group stores with its pairs: `segment`, and filler up to whole vectors."""
         return self.segment + VECTOR_LENGTH * (self.lattice.n // self.groups)

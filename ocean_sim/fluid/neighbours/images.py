@@ -115,8 +115,7 @@ def mirror_direction(mirror, d):
 
 @ti.func
 def hydrostatic_offset(mirror, x, pull):
-    """Rise of p / rho [m2/s2] from x to its image in water at rest, under gravity `pull` [m/s2] and the motion of the
-    side."""
+    """Rise of p / rho [m2/s2] from x to its image in water at rest, by gravity `pull` [m/s2] and the side's motion."""
     wall = tm.vec3([mirror[SIDE_ACCELERATION, k] for k in ti.static(range(3))])
     return (pull - wall).dot(mirror_position(mirror, x) - x)
 
@@ -140,8 +139,8 @@ def mirror_row(mirror, other):
 
 @ti.func
 def mirror_row_free_slip(mirror, other):
-    """Field values of a neighbour's image as `mirror_row`, but in a side taken as frictionless. Water dragged along a
-    rough side is so neither compressed nor stretched by it (Marrone et al. 2011, CMAME 200, sect. 3.2)."""
+    """Field values of a neighbour's image as `mirror_row`, but in a side taken as frictionless, so that the side
+    neither compresses nor stretches water dragged along it (Marrone et al. 2011, CMAME 200, sect. 3.2)."""
     image = mirror_row(mirror, other)
     for k in ti.static(range(3)):
         if mirror[POSITION_SIGN, k] > 0.0:

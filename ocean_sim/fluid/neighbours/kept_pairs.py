@@ -35,12 +35,11 @@ class KeptLaw(Law):
 
     @abstractmethod
     def kept_image(self, other: Any, name: Any, away: Any) -> Any:
-        """Field values of the image of neighbour `other`; `name` codes the mirrored axes; `away` points into the
-        water."""
+        """Field values of the image of neighbour `other`; `name` codes mirrored axes; `away` points into the water."""
 
     @abstractmethod
     def kept_pair(self, own: Any, other: Any, gradient: Any) -> Any:
-        """Contribution of one neighbour from field values `own`, `other` and `gradient`, grad W over its constant."""
+        """Contribution of one neighbour; `own`, `other`: field values; `gradient`: grad W without its constant."""
 
 
 @in_kernels
@@ -112,7 +111,7 @@ class PairSlots(KeptPairs):
 
 @ti.func
 def flip_code(mirror):
-    """Code of the axes that a mirror reverses, three bits above the particle's index in the name of an image."""
+    """Three-bit code of the axes that a mirror reverses, shifted above the bits of a particle's index."""
     mirror_velocity = 0
     for k in ti.static(range(3)):
         mirror_velocity += int(mirror[POSITION_SIGN, k] < 0.0) << k
@@ -121,8 +120,8 @@ def flip_code(mirror):
 
 @in_kernels
 class PairBlocks(KeptPairs):
-    """Stored pairs by cell part: candidates, particles before images, in whole vectors, and the gradient shape of each
-    pair (grad W over the vector between both, one number)."""
+    """Store of pairs by cell part: candidates of the part (particles, then images, filled up to whole vectors), and for
+    each pair its gradient shape (one number, grad W over the vector between both)."""
 
     def __init__(
         self, position: Components, grid: Grid, scratch: tuple[ti.Field, ...], smoothing: Smoothing, size: GridSize
@@ -156,7 +155,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def keep_part(self, k, group, names: Template, n, images, m, end):
-        """Store the candidates of cell part k: n particles, then images from scratch `images` on to `end`, m in all.
+        """Store the m candidates of cell part k: n particles, then images from scratch entry `images` on, up to `end`.
         Return the index of its first gradient shape, the step from particle to particle, and 1 if there was room."""
         scratch, first, begun = group * self.width, self.next_first[group], self.next_begun[group]
         near, seen, room = images - scratch, end - scratch, 1
@@ -226,7 +225,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def pair_sum(self, law: Template, place, own, k, group, begun, begin, end):
-        """Sum for a particle at `place` [m] over candidates `begin` to `end` - 1 of part k, shapes from `begun` on."""
+        """Sum for a particle at `place` [m] over candidates `begin` to `end` - 1; gradient shapes from `begun` on."""
         first, scratch, total = self.first[k], group * self.width, ti.Vector.zero(float, law.terms.size)
         for a in range(begin, end):
             away = place - self.place.at(first + a)

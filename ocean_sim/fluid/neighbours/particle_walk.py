@@ -31,7 +31,7 @@ SUM_BLOCK_CELLS = 128  # cells that a thread adds up
 
 
 def level_sizes(cells: int) -> list[int]:
-    """Lengths of the levels of a prefix sum over cells; a number sums SUM_BLOCK_CELLS of the level below."""
+    """Lengths of the levels of a prefix sum over cells; each number sums SUM_BLOCK_CELLS of the level below it."""
     sizes = [cells + 1]
     while sizes[-1] > 1:
         sizes.append(-(-sizes[-1] // SUM_BLOCK_CELLS))
@@ -94,8 +94,7 @@ class WideGrid(Grid):
 
 @in_kernels
 class WideAccounts(Accounts):
-    """Momentum budget kept for each particle and summed in a fixed order, so that any number of threads gives the
-    same bytes."""
+    """Momentum budget kept for each particle and summed in fixed order: any number of threads gives the same bytes."""
 
     def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...]) -> None:
         super().__init__(groups, impulses, absent, apart=1)
@@ -110,7 +109,7 @@ class WideAccounts(Accounts):
 
     @ti.func
     def add_up(self, b):
-        """Reduce the rows of block b of the particles to one row, impulses and work excepted."""
+        """Reduce the budget rows of block b of the particles to one row, except impulses and work."""
         blocks, end = self.blocks, ti.min((b + 1) * self.block, self.groups)
         v2, a2, thin, dense, total, clipped, crowded, thinner, inner = self.block_extremes(b * self.block, end)
         blocks.speed2[b, 0], blocks.acceleration2[b, 0], blocks.thin[b, 0], blocks.dense[b, 0] = v2, a2, thin, dense
@@ -137,10 +136,10 @@ class WideAccounts(Accounts):
 
 @in_kernels
 class RowLaw:
-    """Adapter that makes a pair law a law of a `PointSum`, to sum over particles or over their mirror images."""
+    """Adapter that makes a pair law a summand of a PointSum, over particles or over their mirror images."""
 
     def __init__(self, law: Law, grid: Grid, reflected: bool) -> None:
-        """Adapt a law. `reflected`: True to sum over images; `own_and_sides` then ends in the code of their sides."""
+        """`reflected`: True to sum over images; then `own_and_sides` in `term` ends with the code of their sides."""
         self.law, self.images, self.reflected, self.sums = law, grid.images, reflected, law.terms.size
         self.periodic = any(grid.basin.periods)
 
@@ -162,7 +161,7 @@ class RowLaw:
 
 @in_kernels
 class PairCollector:
-    """Law of a `PointSum` that does not sum, but stores the pairs of particle `own`."""
+    """Summand of a PointSum that stores the pairs of particle `own` instead of summing over them."""
 
     sums = 1
 
@@ -171,7 +170,8 @@ class PairCollector:
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Store the pair of `own` and particle j, or its image, at d [m] if d is in the support and not 0; 1 if so."""
+        """Store the pair of particle `own` and particle j, or the mirror image of j, that lies d [m] away, if 0 < |d| <
+        support; return 1 if stored, else 0."""
         r2, found = d.dot(d), 0.0
         if r2 < self.smoothing.support * self.smoothing.support and r2 > 0.0:
             seen, found = self.pairs.seen[own], 1.0

@@ -21,9 +21,9 @@ from ocean_sim.runtime import Template, in_kernels
 
 @in_kernels
 class PointSum:
-    """Sum over all water within one support of any point. A `law` has `sums`, the number of its sums, and the ti.func
-    `term(own, j, d, mirror)`: the contribution of particle j whose image in `mirror` lies d [m] away. `own` is the
-    caller's."""
+    """Sum over all water within one support of any point. The summand, `law`, has `sums`, the number of its sums, and
+    the ti.func `term(own, j, d, mirror)`: the contribution of particle j, whose image in `mirror` lies d [m] from the
+    point. `own` is passed on from the caller."""
 
     def __init__(self, position: Iterable[ti.Field], grid: Grid, start: ti.Field | None = None) -> None:
         """Sum over points x, y, z [m] sorted by cell; `start`: first point of each cell, by default from the grid."""
@@ -106,7 +106,7 @@ class PointSum:
 
     @ti.func
     def periodic_home(self, indices):
-        """Indices of the cell in the basin that repeats as the cell `indices`, and the shift [m] between the two."""
+        """Indices of the cell in the basin whose periodic repeat is the cell `indices`, and the shift [m] to it."""
         shift = tm.vec3(0.0)
         for k, period in ti.static(enumerate(self.periods)):
             if ti.static(period > 0.0):

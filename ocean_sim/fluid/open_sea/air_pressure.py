@@ -49,7 +49,8 @@ class AirPressure:
         self.slope.from_numpy(np.stack([along, across], axis=-1).astype(to_numpy_type(self.slope.dtype)))
 
     def collect_impulse(self, dt: float, drift: np.ndarray, centre: np.ndarray) -> None:
-        """Add the wind's impulse over dt [s] to each cell; `drift` of the water and `centre` of the tile, (2,) [m]."""
+        """Add the wind's impulse over dt [s] to each cell of a tile around `centre`, moved by the current by
+        `drift`."""
         first, clock = [axis[0] for axis in self.tile.nodes()], self.wind.clock
         self.add_impulses(clock.since, clock.step, dt, *(tm.vec2(*at) for at in (first, drift, centre)))
         self.gathered += dt

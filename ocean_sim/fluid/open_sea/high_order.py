@@ -89,7 +89,7 @@ class Breaking:
             self.lost += before - sea.energy()
 
     def crest_state(self, sea: "HighOrder") -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Local wavenumber [rad/m], crest speed C [m/s], ratio u/C of water to crest (0 off crests), (cells, rows)."""
+        """Local wavenumber [rad/m], crest speed C [m/s], and water speed over C (0 off crests), each (cells, rows)."""
         tile, (c, s) = self.tile, self.ahead
         e, p = tile.to_modes(sea.eta), tile.to_modes(sea.phi)
         now, (ex, ez) = sea.surface_state(e, p), tile.slopes(e)
@@ -220,7 +220,7 @@ class HighOrder:
         return e, flat, self.higher_orders(self.eta, growth, tile.to_values(self.vertical_factor * growth))[0]
 
     def energy(self) -> float:
-        """Energy over the density [m5/s2]: 1/2 the integral of phi eta_t + g eta^2."""
+        """Energy divided by the density [m5/s2]: 1/2 the integral of phi eta_t + g eta^2."""
         tile = self.tile
         e, p = tile.to_modes(self.eta), tile.to_modes(self.phi)
         eta_t = tile.to_values(self.nonlinear_rates(e, p, self.time)[0] + self.vertical_factor * p)
@@ -234,8 +234,8 @@ def tile_step(tile: Tile) -> float:
 
 
 def nonlinear_sea(sea: waves.Components, tile: Tile, onset: float, breaking: bool, period: float) -> HighOrder:
-    """Make a nonlinear sea from waves periodic on a tile. `onset` [s]: of the nonlinear terms; `breaking`: True if
-    crests may break; `period` [s]: of the highest waves, 0 if none may break."""
+    """Make a nonlinear sea from waves periodic on a tile. `onset`: time scale [s] on which nonlinear terms set in;
+    `breaking`: True if crests may break; `period` [s]: of the highest waves, 0 if none may break."""
     of_tile = replace(tile, part=RESOLVED_SHARE)
     # The mean direction of energy transport is that of the waves.
     ahead = (sea.amplitude[:, None] ** 2 * sea.wavevector / sea.wavenumber[:, None]).sum(axis=0)

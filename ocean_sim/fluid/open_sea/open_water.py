@@ -27,7 +27,7 @@ def status_of(sea: waves.Components, density: float) -> Status:
 
 
 class OpenWater(Fluid):
-    """Base of water as a sum of waves. Kernels read plane waves and `sheets`, Python code plane waves and `tiles`."""
+    """Base class of water as a sum of plane waves and waves stored on tiles (Python: `tiles`; kernels: `sheets`)."""
 
     config: Any
     waves: PlaneWaves  # in closed form
@@ -73,7 +73,7 @@ class OpenWater(Fluid):
         return Window(self, size, step, depths)
 
     def arriving(self, x: float, z: float, afar: bool = False) -> Arriving:
-        """Plane waves at x, z [m], times their ramp, when the last step began: those in kernels; with `afar`, all."""
+        """Plane waves at x, z [m], grown by the ramp, when the last step began: those that kernels sum; `afar`: all."""
         sea = (self.plane_waves if afar else None) or self.waves.sea
         dx, dz = np.array([x, z]) - self.before * np.array(self.current)
         angle = sea.wavevector[:, 0] * dx + sea.wavevector[:, 1] * dz + sea.phase - sea.omega * self.before
@@ -88,7 +88,7 @@ class OpenWater(Fluid):
         return elevation
 
     def sum_elevations(self, points: np.ndarray, tiles: "Sequence[OnTile]") -> np.ndarray:
-        """Heights (m,) [m] at x, z (m, 2) [m], in the current's axes, of the plane waves plus these `tiles`."""
+        """Heights (m,) [m] at x, z (m, 2) [m], in axes moving with the current, of plane waves plus these `tiles`."""
         eta = waves.elevation(self.waves.sea, points, self.time)
         for one in tiles:
             there = one.covers(points)
@@ -106,7 +106,7 @@ class OpenWater(Fluid):
         return self.flow_velocities(at, np.zeros(len(at)))
 
     def flow_velocities(self, at: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Velocities (m, 3) [m/s] at x, z (m, 2) [m] in the current's axes and Wheeler-stretched heights y (m,) [m]."""
+        """Velocities (m, 3) [m/s] at x, z (m, 2) [m] in axes moving with the current and stretched heights y [m]."""
         stretched = np.stack([at[:, 0], y, at[:, 1]], axis=1)
         v = waves.linear_velocity(self.waves.sea, stretched, self.time)
         v += [self.current[0], 0.0, self.current[1]]
@@ -125,8 +125,8 @@ class OpenWater(Fluid):
         return np.where(points[:, 1] < eta, self.rest_density * self.waves.sea.gravity * head, 0.0)
 
     def locate_points(self, points: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
-        """Coordinates of points (m, 3) [m]: x, z (m, 2) in the current's axes; elevation (m,) of the surface there and
-        Wheeler-stretched height (m,) of the point."""
+        """Coordinates of points (m, 3) [m]: x, z (m, 2) in axes moving with the current; elevation (m,) of the surface
+        there, and Wheeler-stretched height (m,) of the point."""
         points = np.asarray(points, dtype=float)
         at = points[:, [0, 2]] - self.drift
         eta = self.sum_elevations(at, self.tiles)

@@ -48,8 +48,7 @@ class PlaneWaves:
 
     @ti.kernel
     def store_waves(self, each: Array2, turns: Doubles2):
-        """Copy the numbers of the waves: `each` (n, 5) of amplitude, k, kx, kz, speed; `turns` (n, 4) of phase, omega,
-        kx, kz over 2 pi."""
+        """Store n waves: `each` (n, 5): amplitude, k, kx, kz, speed; `turns` (n, 4): phase, omega, kx, kz over 2 pi."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(self.amplitude.shape[0]):
             self.amplitude[i], self.k[i], self.speed[i] = each[i, 0], each[i, 1], each[i, 4]
@@ -63,7 +62,7 @@ class PlaneWaves:
 
     @ti.kernel
     def compute_phases(self, time: ti.f64, x: ti.f64, z: ti.f64, share: float):
-        """Compute each wave's phase at a time [s] for a drift x, z [m]; `share`: factor of heights by the ramp."""
+        """Compute each wave's phase at a time [s] and drift x, z [m]; store the ramp's `share` of full wave height."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(self.phase.shape[0]):
             first = self.at_first[i]
@@ -101,8 +100,8 @@ class PlaneWaves:
 
 @in_kernels
 class Window:
-    """Table of a water's plane waves, before their ramp, on a lattice of nodes and Wheeler-stretched depths. Sums are
-    stored for two times a moment apart, and interpolated."""
+    """Lookup table of the sum of plane waves, before their ramp, on a lattice of nodes and Wheeler-stretched depths.
+    Sums are stored for two times a moment apart, and interpolated between them."""
 
     def __init__(self, water: Any, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]) -> None:
         """Make the table for an `OpenWater`: `size` nodes, `step` [m] apart, and levels at `depths` [m], first 0."""
@@ -127,8 +126,8 @@ class Window:
         return word * (waves * (2 * sums + 4 * size[0] + 2 * size[1]) + 4 * size[0] * size[1] * sums + 1)
 
     def now(self) -> tuple[float, float, bool]:
-        """Time of the bodies as a share of the way between both stored times, factor of wave height by the ramp, and
-        True if the stored sums hold then."""
+        """Time of the floating bodies as a share of the way from the first stored time to the second, the ramp's factor
+        of wave height, and True if the stored sums hold at that time."""
         time, there = self.water.before, self.water.waves
         others = self.begun != there.begun
         if others:
@@ -158,7 +157,7 @@ class Window:
         self.clock[None] = self.span
 
     def lay(self, centre: tuple[float, float], heading: tuple[float, float]) -> None:
-        """Sum the waves at the nodes of a lattice around `centre` x, z [m], first axis along unit vector `heading`."""
+        """Place the lattice around `centre` x, z [m], first axis along unit vector `heading`; sum the waves there."""
         sea, time = self.water.waves.sea, self.water.before
         self.start = time
         kx, kz = sea.wavevector.T
@@ -173,8 +172,8 @@ class Window:
 
     @ti.kernel
     def add_up(self, cosine: Doubles2, sine: Doubles2):
-        """Sum n waves at all nodes at both times. Rows of `cosine`, `sine` (4, n): angles at the first node at both
-        times, and their steps along and across."""
+        """Sum n waves at all nodes for both stored times. `cosine`, `sine` (4, n): of the angles at the first node at
+        both times, and of the angles' steps along and across the lattice."""
         # Cosines and sines along the first axis, at both times, and across it: one rotation a node.
         for n in range(self.n):
             along = tm.vec2(cosine[ANGLE_ALONG, n], sine[ANGLE_ALONG, n])
@@ -220,6 +219,6 @@ class Window:
 
     @ti.func
     def interpolate(self, first, last, growth, grows, late):
-        """Hermite cubic in time between `first` and `last`, with rates of change `growth` and `grows` [1/s]."""
+        """Hermite cubic in time, at a share `late` from `first` to `last`, with rates `growth`, `grows` [1/s]."""
         way, back, span = late * late * (3.0 - 2.0 * late), 1.0 - late, self.clock[None]
         return (1.0 - way) * first + way * last + span * late * back * (back * growth - late * grows)

@@ -63,7 +63,8 @@ class Sheet:
         self.store_values(slot, values)
 
     def set_clock(self, shares: tuple[float, float], drifts: np.ndarray, centre: np.ndarray) -> None:
-        """Set shares of the way from slot 0 to 1, `drifts` (2, 2) [m], each now and before, and `centre` (2,) [m]."""
+        """Set the times at which kernels read the waves, now and at the last step's start, by `shares` of the way from
+        slot 0 to 1 and `drifts` (2, 2) [m] by the current; set the tile's `centre` (2,) [m]."""
         tile = self.tile
         size = np.array([tile.side, tile.width])
         first = np.array([axis[0] for axis in tile.nodes()]) + size * np.round(centre / size)

@@ -82,8 +82,7 @@ class Tile:
 
     @cached_property
     def turn_cache(self) -> dict[float, tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """Factors for `evolve`, cached for the last dt [s]: cos(omega dt), sin(omega dt) times omega / g and g /
-        omega."""
+        """Factors of `evolve`, cached for the last dt: cos(omega dt), sin(omega dt) times omega / g and g / omega."""
         return {}
 
     def evolve(self, e: np.ndarray, p: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
@@ -153,8 +152,8 @@ class Tile:
         return self.smoothing / self.cell**2 * self.to_modes(total.reshape(self.shape))
 
     def displaced_modes(self, points: np.ndarray, volumes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Fourier modes of displaced volume per area [m], by volumes (m,) [m3] at x, z, depth (m, 3) [m]: itself, and
-        as the surface feels it, times cosh k (h - depth) / cosh kh, linear between two depths of Gauss's rule."""
+        """Fourier modes of displaced volume per area [m], by `volumes` (m,) [m3] at x, z, depth (m, 3) [m]: (a) itself,
+        (b) times its effect on the surface, cosh k (h - depth) / cosh kh, linear between two Gauss depths."""
         depth, deepest = points[:, 2], max(float(points[:, 2].max(initial=0.0)), 1e-9)
         low = (depth / deepest - UPPER_NODE) / (LOWER_NODE - UPPER_NODE)
         upper, lower = (self.spread_modes(points[:, :2], part * volumes) for part in (1.0 - low, low))
@@ -176,7 +175,7 @@ class Tile:
         return found
 
     def energy(self, eta: np.ndarray, phi: np.ndarray) -> float:
-        """Energy of linear waves over the density [m5/s2], from elevation eta [m] and potential phi [m2/s]."""
+        """Energy of linear waves divided by the density [m5/s2], from elevation eta [m] and potential phi [m2/s]."""
         e, p = self.to_modes(eta), self.to_modes(phi)
         twice = np.full(self.k.shape[1], 2.0)
         twice[0] = 1.0
@@ -275,7 +274,7 @@ class Layer:
 
     @cached_property
     def damping_rate(self) -> np.ndarray:
-        """Decay rate (cells, rows) [1/s] in the tile's rim: RIM_DAMPING_RATIO omega times squared relative depth."""
+        """Decay rate (cells, rows) [1/s] in the tile's rim: RIM_DAMPING_RATIO omega times squared depth (0 to 1)."""
         tile, (x, z) = self.tile, self.tile.nodes()
         far = np.abs(x)[:, None] / (0.5 * tile.side) + 0.0 * z
         if tile.rows > 1:

@@ -14,7 +14,7 @@ from ocean_sim.fluid.sph.lattice import Lattice
 
 @dataclass(frozen=True)
 class Attenuation:
-    """Viscosity nu that a scheme adds, over its h c (smoothing length and sound speed); for standing waves
+    """Viscosity nu that a scheme adds, divided by its smoothing length times sound speed; for standing waves
 
         even + (flat sqrt(coth(k depth)) + steep (H / dx)^1.5 k dx) dx / depth
 
@@ -31,7 +31,8 @@ class Attenuation:
     """Fit for travelling waves; None: this one serves for them too."""
 
     def share(self, k: float, depth: float, height: float, spacing: float, standing: bool) -> float:
-        """Viscosity added to waves of wavenumber k [rad/m], over h c; `height`, `depth`, `spacing` in [m]."""
+        """Viscosity added to waves of wavenumber k [rad/m], divided by smoothing length times sound speed; `height` of
+        the waves, `depth`, particle `spacing` [m]; `standing`: True for standing waves."""
         if self.travelling is not None and not standing:
             return self.travelling.share(k, depth, height, spacing, standing)
         of_layers = self.flat / sqrt(tanh(k * depth)) + self.steep * (height / spacing) ** 1.5 * k * spacing

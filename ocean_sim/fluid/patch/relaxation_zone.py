@@ -56,8 +56,8 @@ class RelaxationBand:
         return tuple(period for period in self.lattice.basin.periods if period)
 
     def height_profile(self, with_waves: float) -> tuple[np.ndarray, np.ndarray] | None:
-        """Distances (n,) [m] from a ship along the highest waves, and the waves' complex height there (with phase) over
-        the sea's; None if losses are unknown. `with_waves`: her speed along them over their group speed."""
+        """Distances (n,) [m] from a ship along the highest waves, and the waves' complex height there (with phase)
+        relative to the sea's; None if losses are unknown. `with_waves`: her speed along them over their group speed."""
         if self.sea is None or self.losses is None:
             return None
         loss, feed = (complex(of[self.sea.highest]) for of in (self.losses, self.feed))
@@ -85,13 +85,13 @@ class RelaxationBand:
         return xi, height
 
     def height_at_ship(self, with_waves: float) -> complex | None:
-        """Complex height of the highest waves at the ship over the sea's, see `height_profile`; None if unknown."""
+        """Complex height of the highest waves at the ship relative to the sea's (see `height_profile`), or None."""
         found = self.height_profile(with_waves)
         return complex(found[1][PATCH_PIECES // 2]) if found is not None else None
 
     @property
     def wake_transmission(self) -> float:
-        """Share of wave height that passes the rim: highest waves, or in calm water waves 4/3 rim widths long."""
+        """Share of their height with which the highest waves, in calm water those 4/3 rim widths long, pass the rim."""
         basin, calm = self.lattice.basin, 2.0 * pi * RIM_WIDTH_WAVES / self.width
         k = calm if self.sea is None else float(self.sea.wavenumber[self.sea.highest])
         group = float(waves.group_speed(k, basin.depth, waves.downward_gravity(basin)))
@@ -205,7 +205,8 @@ class RelaxationBand:
 
 
 def rim_depth(away: np.ndarray, periods: np.ndarray, width: float) -> np.ndarray:
-    """Depth (n,) [m] in a rim of `width` [m], negative outside; `away` (n, 2) [m]: x, z from the patch's centre."""
+    """Distance (n,) [m] into the rim, `width` [m], of a patch with sides `periods` [m], negative outside the rim;
+    `away` (n, 2) [m]: x, z from the patch's centre."""
     depth = np.abs(away - whole_sides(away, periods)) - (0.5 * periods - width)
     return np.where(periods > 0.0, depth, -np.inf).max(axis=-1)
 

@@ -44,8 +44,8 @@ class Depths(NamedTuple):
     bed: float  # the depth of the water
 
     def profiles(self, k: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """Yield for each level the horizontal and vertical velocity (n,) of waves with wavenumbers k (n,) [rad/m], over
-        their velocity amplitude g k / omega at the still level."""
+        """Yield for each level the horizontal and vertical velocity (n,) of waves with wavenumbers k (n,) [rad/m],
+        divided by their velocity amplitude at the still level (wave amplitude times g k / omega)."""
         for level in range(TABLE_LEVELS):
             yield waves.profiles(k, -self.deepest * (level / (TABLE_LEVELS - 1)) ** 2, self.bed)
         (c, s), slope = waves.profiles(k, 0.0, self.bed), np.tanh(k * self.bed)
@@ -68,7 +68,7 @@ class PlaneWaveSource:
         """(levels, values, n) contribution of each wave at the lower corner of the patch and phase 0."""
 
     def modes(self, time: float) -> np.ndarray:
-        """Fourier modes (levels, values, nodes x, nodes z) of velocity and feed at a time [s] not before the last."""
+        """Fourier modes (levels, values, nodes x, nodes z) of velocity and feed at a time [s] that never decreases."""
         found = np.zeros((TABLE_LEVELS + 1, NODE_VALUES, *self.count), dtype=np.complex128)
         origin_phase = np.exp(1j * np.mod(self.sea.phase - self.sea.omega * time, 2.0 * np.pi))
         found[:, :, self.places[0], self.places[1]] = self.shapes * origin_phase
@@ -76,9 +76,10 @@ class PlaneWaveSource:
 
 
 class SteepSource:
-    """Nonlinear sea on a tile over the patch, a cell for each particle spacing, that fills a SeaTable. A wave's feed is
-    a share f of its velocity. Modes E of elevation, P of potential hold waves along the wavevector (P / 2 - i g E / (2
-    omega), share f) and against it (conjugate of f); the sum is Re f P + Im f g E / omega."""
+    """Nonlinear sea on a tile over the patch, one cell a particle spacing, that fills a SeaTable. A wave's feed
+    (acceleration against losses) is f times its velocity. Modes E of elevation, P of potential hold waves along the
+    wavevector (P / 2 - i g E / (2 omega), factor f) and against it (conjugate of f); the sum is Re f P + Im f g E /
+    omega."""
 
     left_out: ClassVar[tuple[str, ...]] = ("shapes", "feed_factors", "origin_phase", "places")
 
@@ -101,7 +102,7 @@ class SteepSource:
         self.places = (along % count[0])[:, None], (np.arange(tile.columns) % count[1])[None, :]
 
     def modes(self, time: float) -> np.ndarray:
-        """Advance the nonlinear sea to a time [s]; return Fourier modes of its velocity and feed."""
+        """Advance the nonlinear sea to a time [s]; return Fourier modes of its velocity and feed (see SteepSource)."""
         left = time - self.sea.time
         for _ in range(steps := int(np.ceil(left / self.step - 1e-9))):
             self.sea.advance(left / steps)
@@ -121,7 +122,7 @@ class SteepSource:
 
 
 def feed_factors(band: RelaxationBand, sea: Components, tile: Tile) -> tuple[np.ndarray, np.ndarray]:
-    """Factors Re f and Im f g / omega (cells, columns) of a tile's Fourier modes, from the waves' feed f [1/s]."""
+    """Factors Re f, Im f g / omega (cells, columns) of a tile's Fourier modes; f: waves' feed, a growth rate [1/s]."""
     order = np.argsort(sea.wavenumber)
     k, f = sea.wavenumber[order], band.feed[order]
     real, imaginary = (np.interp(tile.k, k, of) for of in (f.real, f.imag))
@@ -231,7 +232,7 @@ class SeaTable:
 
     @ti.func
     def sample(self, x):
-        """Velocity of the sea [m/s] and its feed [m/s2] at x [m], six numbers."""
+        """Velocity of the sea [m/s] and its feed (acceleration against losses [m/s2]) at x [m], as six numbers."""
         n, m = ti.static(self.count)
         level, share = self.level_weights(x.y)
         i, along = self.node_weights(x.x, 0)
@@ -248,7 +249,7 @@ class SeaTable:
 
     @ti.func
     def sample_column(self, i, k, level, share):
-        """Velocity and feed (six numbers) at node i, k; `level`, `share`: indices and weights of four levels."""
+        """Velocity and feed (as in `sample`) at node i, k; `level`, `share`: indices and weights of four levels."""
         total = ti.Vector.zero(float, NODE_VALUES)
         for l in ti.static(range(4)):
             for c in ti.static(range(NODE_VALUES)):
@@ -258,7 +259,7 @@ class SeaTable:
 
 @in_kernels
 class SeaRim:
-    """Forcing of particles by relaxation zone and feed. The zone lies opposite the ships' middle, or a moving point."""
+    """Forcing of particles towards the sea: a relaxation zone opposite the ships (or a moving point), and a feed."""
 
     left_out: ClassVar[tuple[str, ...]] = ("ships",)
 
@@ -288,7 +289,7 @@ class SeaRim:
         return self.velocity * time
 
     def on_patch(self, points: np.ndarray) -> np.ndarray:
-        """Periodic repeats (..., 2) on the patch around the origin of points x, z [m]; 0 on an axis without period."""
+        """Points x, z (..., 2) [m] moved by whole periods onto the patch at the origin; 0 on an axis without period."""
         return np.where(self.periods > 0.0, points - whole_sides(points, self.periods), 0.0)
 
     def place_band(self, time: float) -> None:
@@ -308,7 +309,7 @@ class SeaRim:
 
     @ti.func
     def rim_share(self, x):
-        """Depth of x [m] in the relaxation zone over its width: 0 outside, 1 at the seam opposite the ships."""
+        """Relative depth of x [m] in the relaxation zone: 0 outside, 1 at the seam opposite the ships."""
         far = 0.0
         for axis, k, period in ti.static(self.axes):
             xi = x[k] - self.middle[axis]

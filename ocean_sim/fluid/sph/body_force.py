@@ -72,10 +72,10 @@ class Pull:
 
 @in_kernels
 class Relief:
-    """Uneven bed: heights on a regular grid, bilinear between, and how high its boundary particles act."""
+    """Uneven bed: heights on a regular grid, bilinear between, and height up to which its boundary particles act."""
 
     def __init__(self, ground: "Ground", spacing: float, support: float) -> None:
-        """Tabulate the bed. `spacing`: of the particles [m]; `support`: reach of the bed's boundary particles [m]."""
+        """Tabulate the bed, `ground`. `spacing`: of particles [m]; `support`: reach of the bed's particles [m]."""
         from scipy.ndimage import grey_dilation
 
         size = np.array([ground.x[-1] - ground.x[0], ground.z[-1] - ground.z[0]])
@@ -146,9 +146,9 @@ class Bed:
 
     @ti.func
     def push(self, x, v, dt, row, images):
-        """Acceleration [m/s2] by bed friction over dt [s] at x [m]; v: velocity [m/s] without friction. Solves du/dt =
-        -k |u| u, k = drag share / row, exactly, so that no step reverses the flow. `row`, `images`: sums of r^2 grad W
-        as in Stencil.row_on_bed over neighbours and images (none at an uneven bed); the share is less if they lack
+        """Acceleration [m/s2] by bed friction over dt [s] at x [m] on water at v [m/s]: du/dt = -k |u| u, solved
+        exactly, so that no step reverses the flow. k = drag share / row; the share falls where `row`, `images`, the
+        sums of r^2 grad W over neighbours and images as in Stencil.row_on_bed (no images at an uneven bed), lack
         particles."""
         z, along, filled = x.y - self.level, tm.vec3(v.x, 0.0, v.z), row
         if ti.static(self.flat):

@@ -280,7 +280,7 @@ def still_pressure(positions: np.ndarray, basin: Basin, density: float, surface:
 
 
 def displaced_state(sea: waves.Components, positions: np.ndarray, basin: Basin, density: float) -> State:
-    """State at time 0, in these waves, of water that at rest lies at `positions` (n, 3) [m], by linear theory."""
+    """Positions, velocities, pressures at time 0 in these waves of water that rests at `positions` (n, 3) [m]."""
     placed, leap = positions.astype(float), 1.0 / FLOW_STEPS
     for _ in range(FLOW_STEPS):
         a = waves.displacement(sea, placed)
@@ -294,7 +294,7 @@ def displaced_state(sea: waves.Components, positions: np.ndarray, basin: Basin, 
 
 
 def bearable_waves(sea: waves.Components, height: float, shortest: float = 0.0) -> waves.Components:
-    """Random waves scaled to a `height` [m], none below `shortest` [m] or of k > 2 / Hs (Stansberg et al. 2008)."""
+    """Random `sea` scaled to a `height` [m], cut at k = 2 / height (Stansberg et al. 2008), length `shortest` [m]."""
     k = sea.wavenumber
     found = sea.select((k < 2.0 / height) & (shortest * k < 2.0 * pi))
     share = np.linalg.norm(sea.amplitude) / np.linalg.norm(found.amplitude)
@@ -307,7 +307,8 @@ def fitted_waves(sea: waves.Components, basin: Basin) -> waves.Components:
 
 
 def patch_waves(basin: Basin, spacing: float) -> waves.Components | None:
-    """Waves of the sea made periodic on its patch, without random ones too short for a `spacing` [m]; or None."""
+    """Waves of a patch's sea made periodic on it, without random ones too short for a `spacing` [m]; None without
+    sea."""
     sea = basin.sea.plane_waves(basin) if basin.sea is not None else None
     if sea is None or basin.sea is None:
         return None

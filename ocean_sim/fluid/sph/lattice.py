@@ -45,7 +45,7 @@ class Lattice:
 
     @cached_property
     def spacing(self) -> float:
-        """Distance between particles [m]: as given, or the least found that keeps to the key `particles`."""
+        """Distance between particles [m]: the key `spacing`, or the least found that makes at most `particles`."""
         if self.config.spacing is not None:
             return self.config.spacing
         assert self.config.particles is not None
@@ -90,7 +90,7 @@ class Lattice:
 
     @cached_property
     def given(self) -> np.ndarray | None:
-        """Positions (n, 3) [m] of particles from a file, which replace the lattice; None without a file."""
+        """Positions (n, 3) [m] of particles given by a file, which replace the lattice; None without a file."""
         return initial_module.given_positions(self.config.initial, self.basin)
 
     @property
@@ -103,7 +103,7 @@ class Lattice:
 
     @property
     def row(self) -> float:
-        """Thickness [m] of the lowest layer of particles."""
+        """Thickness [m] of the lowest layer (row) of particles."""
         rows = [(low[1], (up[1] - low[1]) / count[1]) for (low, up), count in zip(self.boxes, self.counts, strict=True)]
         return float(min(rows)[1]) if rows else self.spacing
 
@@ -121,7 +121,7 @@ class Lattice:
 
     @cached_property
     def deepest(self) -> float:
-        """Height of the tallest column of water [m]; 0 without water."""
+        """Depth of the deepest column of water [m], whose boxes may be stacked; 0 without water."""
         bed, surface = self.column_ends()
         return float(np.max(surface - bed, initial=0.0))
 
@@ -164,7 +164,7 @@ class Lattice:
 
     @cached_property
     def room_for_bodies(self) -> tuple[np.ndarray, np.ndarray]:
-        """Mask (m,) of lattice points outside bodies, and positions (m, 3) [m] pressed away from bodies (not boxes)."""
+        """Mask (m,) of lattice points in no body or box, and all points (m, 3) [m] pressed away from the bodies."""
         wet, positions = ~in_boxes(self.full_positions, self.basin), self.full_positions
         for solid in self.basin.solids:
             nearest = shifts(positions, solid.origin[[0, 2]], self.basin.periods)
@@ -208,7 +208,7 @@ class Lattice:
 
     @cached_property
     def wet_mask(self) -> np.ndarray:
-        """Mask (m,) of `full_positions` that hold water, outside obstacles and bodies."""
+        """Mask (m,) of the `full_positions` that hold water: those outside obstacles and bodies."""
         ground = self.basin.ground
         if ground is None or len(self.basin.solids) > 1:
             return self.room_for_bodies[0]

@@ -47,18 +47,18 @@ class Law(ABC):
     solid: Any  # SampleSum of the boundary
 
     def add_bodies(self, boundary: Any) -> None:
-        """Sum over the boundary particles of solid bodies, too; None: no bodies. Call once `terms` are set."""
+        """Include solid bodies' boundary particles in the sum (None: no bodies); call it once `terms` are set."""
         if boundary is not None:
             self.bodies, self.boundary, self.solid = True, boundary, boundary.sample_sum(self)
 
     @ti.func
     def prefactor(self, own):
-        """Factor of the whole sum: `factor`, in some laws times field values `own` of the particle."""
+        """Factor by which the whole sum is multiplied: `factor`, in some laws times values of the particle, `own`."""
         return self.factor
 
     @ti.func  # noqa: B027
     def begin(self, group):
-        """Reset what the law sums over a group of particles, before its first; most laws have nothing to reset."""
+        """Reset the law's sums over a group of particles, before the group's first; most laws have nothing to reset."""
 
     @ti.func
     def image(self, other, mirror):

@@ -19,7 +19,7 @@ if TYPE_CHECKING:  # it is imported only where there are bodies
 @in_kernels
 class Force(Law):
     """Base class of pair laws that push particles. Its field values (`row`) begin with position, velocity and pressure.
-    Its sums (`terms`) have `push`; if friction is summed apart `rub`; over a rough bed `filled`."""
+    Its sums (`terms`): `push` (forces), `rub` (friction, if summed apart), `filled` (over a rough bed)."""
 
     stores_pressure_work: ClassVar[bool] = False
     """True if the work of pressure on images and bodies becomes internal energy of the water, not work of walls."""
@@ -43,7 +43,7 @@ class Force(Law):
 
     @ti.func
     def wall_acceleration(self, own, total):
-        """Acceleration [m/s2] by a sum `total`, as far as its work is booked under walls."""
+        """Part of the acceleration [m/s2] by a sum `total` whose work is counted as work of walls."""
         a = self.acceleration(own, total)
         if ti.static(self.stores_pressure_work):
             a = self.prefactor(own) * vec3(total, self.terms.rub)
@@ -69,7 +69,7 @@ class Force(Law):
 
     @ti.func
     def rubbing_sample(self, own, s, d, mirror):
-        """Field values of boundary particle s at d [m]: its velocity for friction; pressure and others as `own`."""
+        """Field values that boundary particle s at d [m] shows to `own`: a velocity for friction, else as `own`."""
         return row_at(own, d, self.boundary.rubbing_velocity(vec3(own, self.row.velocity), s, mirror))
 
     @ti.func
@@ -83,7 +83,7 @@ class Force(Law):
 class MomentumLaw(Force):
     """Momentum equation of a particle (thesis eq. 2.25). A scheme adds (a) the field values that are read: position,
     velocity, its own form of pressure, (b) the forces of a neighbour (`pair`, by `row_of_terms`), (c) the prefactor of
-    their sum, (d) the form's change by a head (`pressure_rise`)."""
+    their sum, (d) the rise of its form of pressure with p / rho (`pressure_rise`)."""
 
     drifted: ClassVar[float] = 0.0
     """Part of a step that the particles have gone before they are pushed; with their new velocity they go the rest."""
@@ -96,7 +96,8 @@ class MomentumLaw(Force):
 
     @ti.func
     def row_of_terms(self, weight, push, rub, shear, x_ij):
-        """Columns of `terms` for a neighbour, times `weight`: `push`, `rub` (all dissipation), `shear` (friction)."""
+        """Contribution of a neighbour: `weight` times `push`, `rub` (dissipation), `shear` (friction), as in
+        `terms`."""
         total = ti.Vector.zero(float, self.terms.size)
         if ti.static(self.fluid.rubs):
             total[self.terms.filled] = self.fluid.smoothing.pair_gradient(x_ij).dot(x_ij)
@@ -111,7 +112,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def continued_sample(self, own, s, d, mirror):
-        """Field values of boundary particle s: the own particle's pressure, continued to d [m] by Boundary.head."""
+        """Field values that boundary particle s at d [m] shows: pressure of `own`, continued to it by Boundary.head."""
         other = self.rubbing_sample(own, s, d, mirror)
         a = tm.vec3([own[self.row.size + k] for k in ti.static(range(3))])
         head = self.boundary.head(vec3(own, self.row.position), a, s, d, mirror)
@@ -175,7 +176,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def remember_acceleration(self, i, own, total, beyond, parts: Template):
-        """Store the acceleration of particle i by gravity and pressure, by which bodies continue its pressure."""
+        """Store the acceleration of particle i by gravity and pressure, used to continue its pressure into bodies."""
         a_water, a_walls = parts[:2]
         a = self.fluid.pull.at_rest(vec3(own, self.row.position)) + a_water + a_walls
         if ti.static(self.sheared):
@@ -224,7 +225,7 @@ class PairSph(Sph):
 
     @ti.kernel
     def move(self, dt: float, since: float):
-        """Move the particles for dt [s] by the forces at their present positions; `since`: the wind's clock [s]."""
+        """Move particles for dt [s] by the forces at their present positions; `since`: time on the wind's clock [s]."""
         self.dt[None] = dt
         self.wind.set_clock(since, dt)
         self.momentum.react(dt)
@@ -232,7 +233,7 @@ class PairSph(Sph):
 
     @ti.kernel
     def settle(self, summary: Array):
-        """Sort the particles, sum their density and pressure, and reduce extremes to `summary`; move nothing."""
+        """Sort the particles, sum density and pressure, and write extremes to `summary`, without moving them."""
         self.grid.sort()
         self.neighbours.walk(self.density, True)
         self.accounts.summarise(summary)

@@ -32,7 +32,7 @@ if TYPE_CHECKING:  # it is imported only where a sea is around
 
 @in_kernels
 class ParticleWater(ParticleFluid):
-    """Base of water of particles, sorted by cell between steps. A kind adds `step` (motion), `arrive` (fields)."""
+    """Base class of particle water, sorted by cell between steps. A kind adds `step` (motion) and `arrive` (fields)."""
 
     particles: Particles
     around: PointSum
@@ -149,7 +149,7 @@ class ParticleWater(ParticleFluid):
 
     @abstractmethod
     def arrive(self) -> None:
-        """Sort the particles at their present positions, compute all their fields, and reduce extremes."""
+        """Sort the particles at their present positions, and compute all their fields and the extremes of these."""
 
     @abstractmethod
     def step(self, dt: float) -> None:
@@ -207,7 +207,7 @@ class ParticleWater(ParticleFluid):
             self.grid.stage_state(i, self.particles.position.at(i), self.particles.velocity.at(i))
 
     def budget(self) -> dict[str, np.ndarray]:
-        """Impulse [N s], work [J] of each force, (4,), by name; an emitter's work is all energy of its water."""
+        """Impulse x, y, z [N s], work [J], (4,), by name of the force; work of "emitter": all energy of its water."""
         total = self.accounts.totals()
         if total and self.jet is not None:
             total["emitter"] = np.append(self.emitted_impulse, self.emitted_work)

@@ -57,7 +57,7 @@ class Count:
 
 
 class Growing(ScalarField):
-    """Field of one number per particle, with room for particles to come, which its NumPy arrays leave out."""
+    """Field of one number per particle, with room for future particles, which are left out of its NumPy arrays."""
 
     def __init__(self, field: ScalarField, count: Count) -> None:
         super().__init__(field.vars[0])
@@ -176,7 +176,8 @@ class Particles:
             number[i], pressure[i] = self.id[i], self.pressure[i]
 
     def in_box(self, middle: np.ndarray, scale: np.ndarray, most: float, every: int) -> np.ndarray:
-        """Every `every`-th particle as (m, 4): (x - `middle`) * `scale`, rounded, within +-`most`, and speed [m/s]."""
+        """Every `every`-th particle as a row of (m, 4): position in a box, (x - `middle`) * `scale`, rounded and
+        clamped to +-`most`, and speed [m/s]."""
         rows: np.ndarray = np.empty((-(-self.count.now // every), 4), self.position.precision)
         self.put_in_box(rows, self.count.now, tm.vec3(*middle), tm.vec3(*scale), most, every)
         return rows

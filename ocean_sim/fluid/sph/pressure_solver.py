@@ -43,7 +43,7 @@ class Compression(KeptLaw):
 
     @ti.func
     def kept_pair(self, own, other, gradient):
-        """Density rate by one neighbour: v_ij . grad W over the kernel's constant; `own`, `other`: velocities."""
+        """Density rate by one neighbour: v_ij . grad W without the kernel's constant; `own`, `other`: velocities."""
         return ti.Vector([gradient.dot(own - other)])
 
     @ti.func
@@ -60,7 +60,7 @@ class Compression(KeptLaw):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Complete the density rate of particle i by solid bodies; compute its density error and next pressure."""
+        """Add solid bodies to the density rate of particle i, then compute its density error and its next pressure."""
         fluid, rate = self.fluid, total[self.terms.rate] + beyond[self.terms.rate]
         if ti.static(fluid.bodies):
             x = tm.vec3([component[i] for component in ti.static(tuple(fluid.particles.position))])
@@ -93,7 +93,7 @@ class Compression(KeptLaw):
 
 @in_kernels
 class Push(KeptLaw):
-    """Pair law for velocities under all pressures, transpose of Compression; summed in full, against rounding."""
+    """Pair law for the velocities that pressures give (transpose of Compression), summed afresh in each iteration."""
 
     row, terms = Columns(position=3, pressure=1), Columns(push=3)  # the row of what is summed over samples of bodies
 
@@ -171,9 +171,9 @@ class Solver:
         start: ti.Field | None = None,
         brief: float = 0.0,
     ) -> None:
-        """Make a solver that changes `velocity`: at most `most` iterations, until the density error over the rest
-        density is below `tolerance`; in calm water and in steps shorter than `brief` [s] it may have to fall to `least`
-        times that. `start`: initial pressures of the divergence solver; None makes the density solver."""
+        """Make a solver that changes `velocity`: at most `most` iterations, until the relative density error is below
+        `tolerance`; in calm water and in steps shorter than `brief` [s] it may have to fall to `least` times that.
+        `start`: initial pressures of the divergence solver; None makes the density solver."""
         self.velocity, self.restores = tuple(velocity), start is None
         self.start = start if start is not None else ti.field(float, shape=())
         self.forces = not (self.restores and fluid.closed)  # whether its pressures are forces

@@ -53,7 +53,7 @@ class Kernel:
     shortest waves are that they resolve, so that the same steps and constants are stable."""
 
     def gradient(self, t: np.ndarray) -> np.ndarray:
-        """Shape of the gradient, grad W over -slope x, at t (n,) = 1 - r/support."""
+        """Gradient without its constant: grad W / (-slope x), at t (n,) = 1 - r/support."""
         return t**self.power * np.polynomial.Polynomial(self.terms)(t)
 
     @property
@@ -64,17 +64,17 @@ class Kernel:
         return tuple(float(term) / (self.power + k + 1) for k, term in enumerate(inwards.coef))
 
     def value(self, t: np.ndarray) -> np.ndarray:
-        """Shape of the kernel, W over slope support^2, at t (n,) = 1 - r/support."""
+        """Kernel without its constant: W / (slope support^2), at t (n,) = 1 - r/support."""
         return t ** (self.power + 1) * np.polynomial.Polynomial(self.value_terms)(t)
 
     def curvature(self, t: np.ndarray) -> np.ndarray:
-        """Shape of the second derivative, W'' over slope, at t (n,) = 1 - r/support."""
+        """Second derivative without its constant: W'' / slope, at t (n,) = 1 - r/support."""
         polynomial = np.polynomial.Polynomial(self.terms)
         falls = self.power * t ** (self.power - 1) * polynomial(t) + t**self.power * polynomial.deriv()(t)
         return (1.0 - t) * falls - self.gradient(t)
 
     def slope(self, dimension: int, support: float) -> float:
-        """Constant of grad W [m^-5], in 2-D [m^-4], with which W integrates to 1."""
+        """Constant `slope` of grad W [m^-5], in 2-D [m^-4], with which W integrates to 1."""
         d = dimension
         moments = (
             term * factorial(self.power + k) * factorial(d + 1) / factorial(self.power + k + d + 2)
@@ -141,22 +141,22 @@ class Smoothing:
 
     @ti.func
     def shape_gradient(self, r):
-        """Shape of grad W, i.e. grad W over -slope x_ij, at distance r [m]; free of division by r, so r = 0 is fine."""
+        """Gradient without its constant, grad W / (-slope x_ij), at a distance r [m]; r = 0 causes no division by 0."""
         return polynomial(self.support_share(r), self.kernel.power, self.kernel.terms)
 
     @ti.func
     def shape_value(self, r):
-        """Shape of W, i.e. W over slope support^2, at a distance r [m]."""
+        """Kernel without its constant, W / (slope support^2), at a distance r [m]."""
         return polynomial(self.support_share(r), self.kernel.power + 1, self.kernel.value_terms)
 
     @ti.func
     def pair_gradient(self, x_ij):
-        """Vector x_ij [m] times the shape of grad W at its length."""
+        """Gradient without its constant for a pair x_ij [m] apart: the vector grad W / -slope."""
         return self.shape_gradient(ti.sqrt(x_ij.dot(x_ij))) * x_ij
 
     @ti.func
     def shape_poly6(self, r2):
-        """Shape of W_poly6, (h^2 - r^2)^3, at a squared distance r2 [m2]."""
+        """Kernel W_poly6 without its constant, (h^2 - r^2)^3, at a squared distance r2 [m2]."""
         w = positive(self.support * self.support - r2)
         return w * w * w
 
@@ -186,12 +186,12 @@ class Stencil:
 
     @cached_property
     def value(self) -> np.ndarray:
-        """Shape of W (n,), over slope support^2, at each lattice point in `offsets`."""
+        """Kernel without its constant, W / (slope support^2) (n,), at each lattice point in `offsets`."""
         return self.smoothing.kernel.value(self.t)
 
     @cached_property
     def gradient(self) -> np.ndarray:
-        """Shape of grad W (n,), over -slope x, at each lattice point in `offsets`."""
+        """Gradient without its constant, grad W / (-slope x) (n,), at each lattice point in `offsets`."""
         return self.smoothing.kernel.gradient(self.t)
 
     @property
@@ -206,17 +206,17 @@ class Stencil:
 
     @property
     def filled_gain(self) -> float:
-        """Ratio of a gradient that a sum over the lattice gives to the true one if W integrates to 1: about 1."""
+        """Ratio of the gradient that a sum over the lattice gives to the true one if W integrates to 1: about 1."""
         return self.gain * self.smoothing.slope / self.slope
 
     @property
     def gain(self) -> float:
-        """Ratio of a gradient that a sum over the lattice gives to the true one; forces are divided by it."""
+        """Ratio of the gradient that a sum over the lattice gives to the true gradient; forces are divided by it."""
         return self.slope * self.volume * float(self.gradient @ self.offsets[:, 0] ** 2)
 
     @property
     def top_deficit(self) -> float:
-        """Relative lack of density in a lattice's top row, over the gradient of the share of water there [m]."""
+        """Relative density deficit of a lattice's top row divided by the gradient of the share of water there [m]."""
         above = self.offsets[:, 1] > 0.5 * self.spacing
         lack = self.smoothing.support**2 * float(self.value[above].sum())
         return lack / float(self.gradient[above] @ self.offsets[above, 1])
@@ -271,7 +271,7 @@ class Stencil:
 
     @property
     def lattice_bonds(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Positions of the neighbours over the spacing, and W'' and W' / r there without the kernel's constant."""
+        """Neighbours' positions divided by the spacing, and W'' and W' / r there, without the kernel's constant."""
         there = (self.t > 0.0) & (self.t < 1.0)
         return self.offsets[there] / self.spacing, self.smoothing.kernel.curvature(self.t[there]), -self.gradient[there]
 

@@ -78,7 +78,7 @@ class SphConfig(WaterConfig):
         return self.speed(basin) / sqrt(self.compression or 0.01)
 
     def ratio(self, basin: Basin) -> float:
-        """Kernel support radius over particle spacing."""
+        """Ratio of the kernel's support radius to the particle spacing."""
         return self.support_ratio or self.default_ratio[basin.dimension - 2]
 
     def smoothing(self, basin: Basin) -> Smoothing:
@@ -199,7 +199,7 @@ class SphConfig(WaterConfig):
                 )
 
     def stiffness_warnings(self, basin: Basin) -> list[str]:
-        """Warnings of water much stiffer or much softer than 1 % of compression asks for."""
+        """Warnings if the sound speed is far above or below the one that keeps compression near 1 %."""
         stiffness, speed = self.sound_speed(basin) ** 2, self.speed(basin)
         times, compression = 0.01 * stiffness / speed**2, speed**2 / stiffness
         if times >= NOTABLE_STIFFNESS * (1.0 - 1e-9):
@@ -233,7 +233,8 @@ class SphConfig(WaterConfig):
         yield f"{pulled} of the water and {squeezed}: levels and pressures are off by as much; {wanted}"
 
     def list_size(self, lattice: Lattice, arch: str, reads: int, carried: int = 0) -> GridSize:
-        """Sizes of grid and lists on a backend. `reads`: most fields a law reads; `carried`: fields sorted along."""
+        """Sizes of grid and lists on a backend (`arch`). `reads`: most fields that a law reads of a particle;
+        `carried`: fields that the sort moves along with the particles."""
         support = self.ratio(lattice.basin) * lattice.spacing
         carried += self.told_to_bodies if has_bodies(lattice.basin) else 0
         return GridSize(lattice, support, PLANS[arch], carried, reads)
@@ -374,7 +375,7 @@ def has_bodies(basin: Basin) -> bool:
 def step_limits(
     smoothing: Smoothing, sound_speed: float, viscosity: float, speed: float, acceleration: float
 ) -> Limits:
-    """Limits of the time step as in `Limits`: speeds [m/s], kinematic viscosity [m2/s], acceleration [m/s2]."""
+    """Limits of the time step (see `Limits`) from speeds [m/s], kinematic viscosity [m2/s], acceleration [m/s2]."""
     h = smoothing.length
     return Limits(
         acoustic=h / (sound_speed + speed),
@@ -462,7 +463,7 @@ class Sph(ParticleWater):
 
     @ti.func
     def damp_crowded(self, i, share):
-        """Limit the stored acceleration of particle i where bodies fill a large `share` of its kernel's space."""
+        """Scale down the stored acceleration of particle i where bodies fill a large `share` of its kernel's space."""
         for component in ti.static(self.last_acceleration):
             component[i] *= tm.min(1.0, CROWDED_SHARE / tm.max(share, CROWDED_SHARE))
 

@@ -134,7 +134,7 @@ class WaterConfig(FluidConfig):
                 )
 
     def losses(self, lattice: Lattice, sea: Components) -> np.ndarray | None:
-        """Complex decay rate (n,) [1/s] of each wave, imaginary part minus its loss of frequency; None if unknown."""
+        """Complex decay rate (n,) [1/s] of each wave; imaginary part: minus its loss of frequency; None if unknown."""
         return None
 
     @property
@@ -160,7 +160,7 @@ class WaterConfig(FluidConfig):
         return MOST_PARTICLES
 
     def fitting_spacing(self, preflight: Preflight) -> str:
-        """Words on the least spacing [m] that fits this machine's memory, scaled from a coarse lattice."""
+        """Text that names the least spacing [m] that fits this machine's memory, scaled from a coarse lattice."""
         volume, d = cast(Lattice, preflight.untouched).volume, preflight.tank.dimension
         coarse = self.model_copy(update={"spacing": (volume / COARSE_PARTICLES) ** (1.0 / d), "particles": None})
         there = replace(preflight, parts={**preflight.parts, "fluid": coarse})

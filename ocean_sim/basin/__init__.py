@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 from math import log
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol
 
@@ -124,8 +125,10 @@ class Floor(Model):
             raise ValueError("give a profile [m], a grid, a roughness [m] or a friction_factor")
         if self.rubs and self.slip == "no_slip":
             raise ValueError("a bed with friction is one that water slides along: leave slip out")
-        if self.profile is not None and (len(self.profile) < 2 or (np.diff(np.array(self.profile)[:, 0]) <= 0.0).any()):
-            raise ValueError("a profile has two points [x, y] or more, and their x rise")
+        x = [point[0] for point in self.profile or ((0.0, 0.0), (1.0, 0.0))]
+        fall = next((f": {b:g} comes after {a:g}" for a, b in pairwise(x) if b <= a), None)
+        if len(x) < 2 or fall:
+            raise ValueError(f"a profile has two points [x, y] or more, and their x rise{fall or ''}")
         return self
 
     @property

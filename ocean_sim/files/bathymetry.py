@@ -74,19 +74,25 @@ def _read_table(path: str | Path) -> Heights:
 
 def _read_esri(path: str | Path) -> Heights:
     """Heights in an ESRI ASCII grid: rows from north to south; its header gives the corner or the centre of a cell."""
-    words, head = read_text(path).split(), dict[str, float]()
+    words = [(word, k) for k, line in enumerate(read_text(path).splitlines(), 1) for word in line.split()]
+    head, numbers = dict[str, float](), list[float]()
     try:
-        while words[0][:1].isalpha():
-            head[words[0].lower()], words = float(words[1]), words[2:]
-        rows = np.array(words, dtype=float).reshape(int(head["nrows"]), int(head["ncols"]))
-        size = head["cellsize"]
-        first = [
-            head[f"{axis}llcorner"] + 0.5 * size if f"{axis}llcorner" in head else head[f"{axis}llcenter"]
-            for axis in "xy"
-        ]
-    except (KeyError, ValueError, IndexError):
-        needed = ", ".join((*ESRI_HEADINGS, "xllcorner, yllcorner"))
-        raise GRID_RULE.broken(path, f"its head lacks one of {needed}, or its rows are not whole") from None
+        for word, k in (rest := iter(words)):
+            if word[:1].isalpha() and not numbers:
+                key, (word, k) = word.lower(), next(rest, ("", k))
+                head[key] = float(word)
+            else:
+                numbers.append(float(word))
+    except ValueError:
+        raise GRID_RULE.broken(path, f"line {k}: {word!r} is not a number") from None
+    absent = [f"{axis}llcorner" for axis in "xy" if not {f"{axis}llcorner", f"{axis}llcenter"} & head.keys()]
+    if absent := [*(name for name in ESRI_HEADINGS if name not in head), *absent]:
+        raise GRID_RULE.broken(path, f"its head lacks {', '.join(absent)}")
+    shape, size = (head["nrows"], head["ncols"]), head["cellsize"]
+    if shape[0] * shape[1] != len(numbers) or any(count < 1.0 or count % 1.0 for count in shape):
+        raise GRID_RULE.broken(path, f"it has {len(numbers)} heights, by its head {shape[0]:g} rows of {shape[1]:g}")
+    rows, half = np.reshape(numbers, [int(count) for count in shape]), 0.5 * size
+    first = [head.get(f"{axis}llcenter", head.get(f"{axis}llcorner", 0.0) + half) for axis in "xy"]
     rows[rows == head.get("nodata_value", -9999.0)] = np.nan
     x, z = (first[k] + size * np.arange(n) for k, n in enumerate(rows.shape[::-1]))
     return Heights(x, z, rows[::-1].T)

@@ -118,6 +118,21 @@ def test_a_table_that_cannot_be_is_refused(row, sentence, tmp_path):
         read_heights(tmp_path / "bed.csv", (0.0, 0.0))
 
 
+@pytest.mark.parametrize(
+    "head, rows, sentence",
+    [
+        ("ncols 2 nrows 2 xllcorner 0 yllcorner 0 cellsize 1", "0 0\n0 a", "line 3: 'a' is not a number"),
+        ("ncols 2 nrows 2 yllcorner 0", "0 0\n0 0", "its head lacks cellsize, xllcorner"),
+        ("ncols 2 nrows 2 xllcenter 0 yllcenter 0 cellsize 1", "0 0\n0", "it has 3 heights, by its head 2 rows of 2"),
+        ("ncols 2 nrows nan xllcenter 0 yllcenter 0 cellsize 1", "0 0\n0 0", "by its head nan rows of 2"),
+    ],
+)
+def test_a_map_that_cannot_be_is_refused(head, rows, sentence, tmp_path):
+    (tmp_path / "bed.asc").write_text(f"{head}\n{rows}\n")
+    with pytest.raises(Unreadable, match=sentence):
+        read_heights(tmp_path / "bed.asc", (0.0, 0.0))
+
+
 def test_a_bed_mostly_dry_is_warned_of():
     for profile, told in (([[-1.0, 0.35], [-0.7, 0.4], [1.0, -0.1]], True), (SLOPE, False)):
         config = load(scene({"profile": profile}))
@@ -158,6 +173,7 @@ def test_still_water_stays_still_over_a_shaped_bed(profile):
             "basin.floor: a profile has two points [x, y] or more, and their x",
         ),
         (scene({"profile": [[-1, float("nan")], [1, 0.1]]}), "basin.floor.profile"),
+        (scene({"profile": [[-1, -0.4], [0.5, -0.2], [0.2, -0.1], [1, 0.1]]}), "their x rise: 0.2 comes after 0.5"),
         (scene({"grid": "nothing.csv"}), "basin.floor.grid: nothing.csv: there is no such file"),
         (scene({"profile": SLOPE, "grid": "a.csv"}), "basin.floor: give either a profile or a grid"),
         (scene({"profile": SLOPE}, walls="periodic"), "basin.floor.profile: x is periodic, and the bed is not as high"),

@@ -40,7 +40,7 @@ class Solid(ShapedSolid):
         slopes = np.gradient(values["distance"], *step)
 
         def off(points: np.ndarray) -> np.ndarray:
-            """(m, 3) points [m], those nearer to the hull than half a spacing moved out to that distance."""
+            """Copy of points (m, 3) [m]; those within half a spacing of the hull are moved out to that distance."""
             at = ((points - self.origin) @ self.turn + self.centre - first) / step
             away = lattice_values(values["distance"], at, 2.0 * spacing)
             return points + np.maximum(START_GAP * spacing - away, 0.0)[:, None] * face_normals(slopes, at, self.turn.T)

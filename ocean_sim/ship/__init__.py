@@ -125,7 +125,7 @@ class Ship(Protocol):
 
     @property
     def orders(self) -> tuple[float, float]:
-        """Present throttle (-1 to 1) and rudder angle [rad]."""
+        """Present throttle (-1 to 1) and rudder angle [rad], as far as they have followed the crew's orders."""
 
     @abstractmethod
     def load(self, wind: "Wind", fluid: "Fluid", surface: "Surface | Fluid") -> Load:

@@ -228,7 +228,7 @@ class SeakeepingShip(FloatingShip):
 
 
 class Config(SeakeepingConfig):
-    """Buoyancy and weight, added mass, wind, propeller, rudder and damping."""
+    """Ship under buoyancy and weight, added mass, wind, propeller, rudder and damping."""
 
     compared: ClassVar[bool] = True
     fineness: ClassVar[int] = 2

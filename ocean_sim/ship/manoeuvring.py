@@ -44,7 +44,7 @@ HOERNER_DRAG = (
 
 
 class Config(VesselConfig):
-    """Start and crew of the ship, and the numbers of her model."""
+    """Start and crew of a ship that moves by a manoeuvring model, and the numbers of that model."""
 
     needs_surface: ClassVar[bool] = False
     kind: Literal["manoeuvring"] = "manoeuvring"

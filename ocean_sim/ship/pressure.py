@@ -32,7 +32,7 @@ STATED_SWING = 0.02  # of the draught, from which on it is said
 
 
 class Config(FloatingConfig):
-    """Weight, the water's pressure, propeller and rudder; in 2-D a metre of the section amidships."""
+    """Ship under her weight, the water's pressure, propeller and rudder; in 2-D a metre of the section amidships."""
 
     needs_surface: ClassVar[bool] = False
     slices: ClassVar[bool] = True

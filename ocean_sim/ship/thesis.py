@@ -24,7 +24,7 @@ THESIS_NODES = 32  # along the basin, as `getWaveHeight` counts them
 
 
 class Config(FloatingConfig):
-    """Columns of water under a hull, and the thesis's damping and step."""
+    """Ship of the thesis: columns of water under the hull, and the thesis's damping and time step."""
 
     kind: Literal["thesis"] = "thesis"
     linear_damping: float = quantity("1/s", 0.2, ge=0.0)

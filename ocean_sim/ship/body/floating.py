@@ -184,7 +184,7 @@ class FloatingConfig(VesselConfig):
         return Solid(self.whole_hull.shape, *place, False, False, body=body, reach=reach)
 
     def above_unsettled_water(self, body: RigidBody, preflight: Preflight) -> RigidBody:
-        """Copy of the initial `body`; at a given height, it is raised as far as the water's particles will settle."""
+        """Copy of the initial `body`; if its height is given, it is raised as far as the particles will settle."""
         rise = 0.0 if self.afloat_at_first else preflight.fluid.settling(preflight)
         return replace(body, position=body.position + [0.0, rise, 0.0])
 
@@ -432,9 +432,9 @@ class Immersion(NamedTuple):
 
 
 def linear_across(wet: Wetted, flat: Wetted, turn: np.ndarray) -> Wetted:
-    """Copy of the loads `wet` on a hull, with the horizontal wave force, yaw moment and water motion of `flat`, the
-    loads on the same hull in her rest position: these have no mean, which the drift force gives. `turn`: (3, 3) matrix
-    from the body axes of `flat` to those of the hull."""
+    """Copy of the loads `wet` on a hull, in which horizontal wave force, yaw moment and water motion are those of
+    `flat`, the loads on the same hull in her rest position. Their mean is zero, so that all mean force is the drift
+    force. `turn`: (3, 3) matrix from the body axes of `flat` to those of the hull."""
     wave = wet.wave.copy()
     wave[0, [0, 2]], wave[1, 1] = flat.wave[0, [0, 2]], flat.wave[1, 1]
     velocity, acceleration = ((moved.reshape(2, 3) @ turn.T).ravel() for moved in (flat.velocity, flat.acceleration))

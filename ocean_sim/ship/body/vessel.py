@@ -178,7 +178,7 @@ class Vessel(Ship):
     prompt: ClassVar[bool] = False  # whether a step ends with the orders of its end, not of its beginning
 
     def __init__(self, name: str, config: VesselConfig, body: RigidBody, actuators: Actuators, bed: float) -> None:
-        """`bed`: height of a flat bed [m]; contact with a bed of another shape is not modelled."""
+        """`body`: ship at the start; `bed`: height of a flat bed [m]; contact with another bed is not modelled."""
         self.name, self.bed, self.body, self.actuators, self.last = name, bed, body, actuators, Load.of({}, self.parts)
         self.shape: SolidShape | None = None  # what it looks like
         self.free = np.array([motion in config.free for motion in Motions._fields])
@@ -248,7 +248,7 @@ class Vessel(Ship):
         return Limits()
 
     def free_step(self, body: RigidBody, load: Load, dt: float) -> RigidBody:
-        """The body a step dt [s] later by the equation of motion of the kind, without held motions or walls."""
+        """The body a step dt [s] later by the equation of motion of this kind of ship, with no held motion or wall."""
         force, torque = load.total
         return advance_body(body, force, torque, dt)
 

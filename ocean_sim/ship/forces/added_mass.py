@@ -194,7 +194,7 @@ class Slamming:
 
     def push(self, volume: float, speed: float, dt: float) -> float:
         """Slamming force upwards [N] in a step of dt [s] that begins with a `volume` under water [m3] and a vertical
-        `speed` V relative to the water [m/s], which becomes V (m + A before) / (m + A now)."""
+        `speed` V relative to the water [m/s]; V becomes V (m + A before) / (m + A now), A being the added mass."""
         if volume == 0.0:
             self.entering, self.moved = True, 0.0
         if not self.entering:

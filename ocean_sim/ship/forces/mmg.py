@@ -36,7 +36,8 @@ class ScrewCoefficients(Model):
 
 
 class RudderCoefficients(Rudder):
-    """Rudder behind a propeller: the force of `Rudder` in the straightened stream, and what it causes on the hull."""
+    """Rudder behind a propeller: force of `Rudder` in the flow that hull and propeller straighten, and effect on
+    hull."""
 
     height: float = quantity("m", gt=0.0)
     """Span."""

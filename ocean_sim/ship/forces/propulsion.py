@@ -226,7 +226,7 @@ class Crew:
             self.time, self.throttle, self.rudder = np.array([[r.time, r.throttle, r.rudder] for r in controls]).T
 
     def order(self, time: float, body: RigidBody) -> tuple[float, float]:
-        """Throttle (-1 to 1) and rudder [rad] ordered at a time [s]: linear between rows, or the autopilot's."""
+        """Throttle (-1 to 1) and rudder [rad] ordered at a time [s]: interpolated, or rudder by the autopilot."""
         if self.course is None:
             return float(np.interp(time, self.time, self.throttle)), float(np.interp(time, self.time, self.rudder))
         error = remainder(radians(self.course.heading_deg) - body.angles[1], 2.0 * pi)

@@ -93,7 +93,7 @@ class BemTable:
 
     @cached_property
     def numbers(self) -> list[int]:
-        """Index in `Motions` of each motion of the table."""
+        """Index in `Motions` (sway, heave, ...) of each motion of the table."""
         return [Motions._fields.index(motion) for motion in self.motions]
 
     def has_coupling(self, one: str, other: str) -> bool:
@@ -164,12 +164,13 @@ def columns_of(motion: str, other: str) -> tuple[str, str]:
 
 
 def read_bem_table(file: str) -> BemTable:
-    """Read a table from a CSV or Capytaine's NetCDF file (.nc); raises ValueError if it lacks something."""
+    """Read a panel method's table from a CSV or Capytaine NetCDF file (.nc); raises ValueError if it lacks
+    something."""
     return read_capytaine(file) if Path(file).suffix == ".nc" else read_csv_table(file)
 
 
 def read_csv_table(file: str) -> BemTable:
-    """Read a table from a CSV file; raises ValueError for a column that is missing or unknown."""
+    """Read a panel method's table from a CSV file; raises ValueError for a column that is missing or unknown."""
     table = csv_file.Table(file)
     names = [motion for motion in Motions._fields if columns_of(motion, motion)[0] in table]
     given = [(a, b) for a, b in product(names, names) if a == b or any(column in table for column in columns_of(a, b))]
@@ -334,7 +335,7 @@ def at_headings(angle: np.ndarray, headings: np.ndarray, values: np.ndarray) -> 
 
 
 def checked_table(file: str) -> BemTable:
-    """Read a table and check that it suffices for radiation; raises ValueError if not, or as `read_bem_table` does."""
+    """Read a table and check that it suffices for radiated waves; raises ValueError if not, or as `read_bem_table`."""
     table = read_bem_table(file)
     omega, back = table.omega, np.flatnonzero(np.diff(table.omega, prepend=0.0) <= 0.0)
     if not MIN_FREQUENCIES <= len(omega) <= MAX_FREQUENCIES:

@@ -211,7 +211,7 @@ class Hydrostatics:
 
     @cached_property
     def section_areas(self) -> np.ndarray:
-        """(m,) area under the still water of every slice of cubes [m2]."""
+        """(m,) cross-section under the still water [m2] of each of the m slices of cubes across the ship."""
         number, n = self.cube_slices
         return np.bincount(number, self.wet_volumes(UPRIGHT, self.waterline), n) / self.voxels.size[2]
 
@@ -222,7 +222,7 @@ class Hydrostatics:
 
     @cached_property
     def cube_slices(self) -> tuple[np.ndarray, int]:
-        """(n,) number of the slice along z of each cube, and the number of slices."""
+        """(n,) number of the slice across the ship (along z) to which each cube belongs, and the number of slices."""
         number = self.voxels.cells[:, 2]
         return number, int(number.max()) + 1
 
@@ -243,7 +243,7 @@ class Wet(NamedTuple):
 
 
 def metacentric_heights(shape: SolidShape, still: Hydrostatics) -> tuple[float, float] | None:
-    """GM across and along [m] of an upright hull in still water, by its faces; None if approximate, or it sinks."""
+    """GM across and along [m] of a hull upright in still water; None if its faces only approximate it, or it sinks."""
     if shape.rounded:
         return None
     vertices, triangles = drawn_mesh(shape)
@@ -260,8 +260,8 @@ def metacentric_heights(shape: SolidShape, still: Hydrostatics) -> tuple[float, 
 
 
 def float_level(wet_under: Callable[[float], Wet], needed: float, low: float, high: float) -> tuple[float, Wet]:
-    """Water level [m], between `low` and `high`, below which the volume is `needed` [m3], and the wet part of the hull
-    there; by Newton's method, else bisection."""
+    """Water level [m] from `low` to `high` under which the volume is `needed` [m3], and the wet part there, by Newton's
+    method or bisection; `wet_under`: function from level to wet part."""
     level, last = 0.5 * (low + high), LEVEL_ROUNDING * (high - low)
     for _ in range(MAX_LEVEL_STEPS):
         wet = wet_under(level)
@@ -302,8 +302,8 @@ def columns_under(mesh: ClosedMesh, level: float) -> Wet:
 
 
 def faces_below(faces: np.ndarray) -> np.ndarray:
-    """Triangles (m, 3, 3) whose sum in an integral is the part below y = 0 of `faces` (n, 3, 3); reversed triangles
-    subtract the tips above it."""
+    """Triangles (m, 3, 3) over which an integral equals that over the part of `faces` (n, 3, 3) below y = 0; reversed
+    triangles subtract the tips above."""
     over = faces[..., 1] > 0.0
     number = np.count_nonzero(over, axis=1)
     cut = number % 3 > 0
@@ -340,7 +340,7 @@ class Slender(NamedTuple):
         return self.sinkage + self.trim * (self.levers[1] if self.trim > 0.0 else -self.levers[0])
 
     def at_speed(self, speed: float, depth: float) -> "Slender":
-        """Squat at a speed [m/s] over a bed at a depth [m]; infinite from F = 1 on."""
+        """Squat at a speed U [m/s] over a bed at a depth h [m]; infinite from U = sqrt(g h) on."""
         factor = squat_factor(speed, depth)
         return self._replace(sinkage=factor * self.sinkage, trim=factor * self.trim)
 

@@ -82,7 +82,7 @@ class Loading(Model):
 
     @property
     def free_surface_loss(self) -> tuple[float, float]:
-        """Loss of metacentric height across and along, by all free surfaces [m]."""
+        """Loss of metacentric height [m] across and along the ship, by the free surfaces of all tanks."""
         moments = (self.tanks[name].free_surface_moments for name in sorted(self.tanks))
         across, along = sum(moments, np.zeros(2)) / self.matter[0]
         return float(across), float(along)
@@ -128,7 +128,7 @@ class Stability:
 
     @cached_property
     def gm(self) -> float:
-        """Metacentric height, free surfaces taken off [m]."""
+        """Metacentric height [m], less the loss by free surfaces."""
         return self.still.metacentric_height()
 
     @cached_property
@@ -143,7 +143,7 @@ class Stability:
 
     @cached_property
     def levers(self) -> np.ndarray:
-        """(n,) righting levers GZ at `heels`, free surfaces taken off [m]."""
+        """(n,) righting levers GZ [m] at `heels`, less the loss by free surfaces."""
         return np.array([self.lever_at(heel) for heel in self.heels.tolist()])
 
     def lever_at(self, heel: float) -> float:

@@ -115,7 +115,7 @@ class SampleLattice:
 
     @ti.func
     def surface_at(self, corner: Template):
-        """Elevation [m] of the water at a place in the lattice, as given by `cell_at`, and minus the slope of the
+        """Elevation [m] of the water at a horizontal position, as `cell_at` gives it, and minus the slope of the
         surface there: the horizontal force of long waves per weight of displaced water."""
         i, k, a, b = corner
         here, left = self.level[i, k], self.level[i, k + 1]
@@ -263,7 +263,7 @@ class SurroundingSea(SampleLattice):
     @ti.func
     def motion_at(self, corner: Template, eta, depth):
         """(6,) velocity [m/s] and acceleration over gravity of the water at `depth` [m] below a surface of elevation
-        `eta` [m]; `corner`: place in the lattice, as given by `cell_at`."""
+        `eta` [m]; `corner`: horizontal position, as `cell_at` gives it."""
         h = ti.static(self.window.depth)
         stretched = h * depth / ti.max(h + eta, 1e-6 * h)  # Wheeler's
         level = tm.clamp(stretched / self.layer, 0.0, DEPTH_LEVELS - 1.0)
@@ -273,6 +273,6 @@ class SurroundingSea(SampleLattice):
 
     @ti.func
     def on_level(self, i, k, a, b, l):
-        """(6,) velocity [m/s], acceleration over gravity on depth level l; i, k, a, b: place, as `cell_at` returns."""
+        """(6,) velocity [m/s], acceleration over gravity on depth level l; i, k, a, b: position, from `cell_at`."""
         near = (1.0 - b) * self.moved[i, k, l] + b * self.moved[i, k + 1, l]
         return (1.0 - a) * near + a * ((1.0 - b) * self.moved[i + 1, k, l] + b * self.moved[i + 1, k + 1, l])

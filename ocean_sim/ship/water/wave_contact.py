@@ -159,7 +159,7 @@ class WaveContact:
     def __init__(
         self, config: Contact, shape: SolidShape, centre: np.ndarray, basin: Basin, fluid: ParticleFluid, gravity: float
     ) -> None:
-        """`centre` of mass from the hull's origin [m]."""
+        """`config`: keys of the collisions; `shape` of the hull, and `centre` of mass from her origin [m]."""
         self.config, self.particles, self.grid, self.walls = config, fluid.particles, fluid.grid, fluid.walls
         self.mass, self.spacing, self.quantum = self.particles.mass, self.particles.spacing, self.grid.quantum
         self.gravity, spacing, reach = tm.vec3(basin.gravity), self.spacing, float(self.grid.support)

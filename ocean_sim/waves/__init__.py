@@ -486,8 +486,8 @@ class FileSpectrum(Model):
     def components(
         self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = SPECTRUM_WAVES
     ) -> Components:
-        """Sea of about `count` plane waves, of equal heights within each band of the file, at least one. Each band has
-        its variance and mean direction; in 2-D, where the unit vector `towards` lies along x, all waves follow it."""
+        """Sea of about `count` plane waves, at least one; those from one band of the file have equal heights, and its
+        variance and mean direction. In 2-D, where the unit vector `towards` lies along x, all waves follow it."""
         table, variance = self.table, self.table.variance
         widths = np.where(variance > 0.0, np.diff(table.edges), 0.0)
         number = np.rint(0.5 * count * (variance / variance.sum() + widths / widths.sum())).astype(int)

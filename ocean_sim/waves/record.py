@@ -48,7 +48,7 @@ CHECKS = (Checked(RECORD_FILES, (exchange.ELEV_RULE, LIKE_A_SEA)),)
 
 
 class Unmeasurable(ValueError):
-    """A record of heights cannot be measured; the message gives the reason."""
+    """Error of a record of heights that cannot be measured; the message gives the reason."""
 
 
 @dataclass(frozen=True)
@@ -279,8 +279,8 @@ def spectral_moments(interval: float, deviation: np.ndarray, up_to: float) -> tu
 
 def sampling_error(deviation: np.ndarray) -> float:
     """Relative standard error of the significant height of a record (n,) of a Gaussian sea less its mean: half that of
-    m0, which is the root of the integral of S^2 over m0^2 and the record's length (Bendat & Piersol 2010, Random Data,
-    4th ed., section 8.2); a periodogram squared is 2 S^2 on average."""
+    m0, sqrt(integral of S^2 / (m0^2 T)), T being its length (Bendat & Piersol 2010, Random Data, 4th ed., section 8.2);
+    a periodogram squared is 2 S^2 on average."""
     power = np.abs(np.fft.rfft(deviation)) ** 2
     return 0.5 * float((0.5 * (power**2).sum()) ** 0.5 / power.sum())
 

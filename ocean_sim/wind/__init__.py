@@ -84,7 +84,7 @@ class Wind(ABC):
 
     def follow(self, middle: np.ndarray) -> None:  # noqa: B027
         """Store the middle x, z (2,) [m], in the world, of the patch of open sea under the wind; called as the patch
-        follows its ships. A wind with a place hands it to its `shared.place.Patch`; a uniform wind ignores it."""
+        follows its ships. Winds whose axes are a `shared.place.Patch` hand it on; a uniform wind ignores it."""
 
     def advance(self, dt: float) -> None:  # noqa: B027
         """Advance the wind to its state in the next time step, of dt [s]; called before each step of the water."""

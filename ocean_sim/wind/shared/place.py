@@ -159,7 +159,7 @@ def within(x, half, radius):
 
 
 class Placed(Model):
-    """Key of a wind that has a place: the frame in which it stands or drifts."""
+    """Key of a wind that has a position: the frame (axes) in which it stands or drifts."""
 
     frame: Literal["tile", "world"] | None = None
     """Over a patch of open sea: `tile`, it travels with the patch, so its places are seen from the ship and it comes in

@@ -243,7 +243,7 @@ class Isosurface:
 
     @ti.func
     def wet_corners(self, rows, i):
-        """Bits of a case of marching cubes for the corners at index i of four `rows`: set where in the water."""
+        """Marching-cubes case bits of the four corners at index i of `rows`: set where the corner is in the water."""
         wet = 0
         for corner in ti.static(range(4)):
             wet |= int(self.value[rows[corner] + i] >= 0.0) << 2 * corner

@@ -676,7 +676,7 @@ class Basin:
 
     @cached_property
     def boxes(self) -> list[BoxObstacle]:
-        """Obstacles that are boxes of this basin's dimension."""
+        """Obstacles that are boxes, with as many coordinates as the basin has dimensions."""
         whole = [box for box in self.config.obstacles if isinstance(box, BoxObstacle)]
         return [box for box in whole if len(box.min) == self.dimension]
 

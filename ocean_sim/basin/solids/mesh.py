@@ -180,7 +180,7 @@ def closed_mesh(file: str, data: bytes, scale: float | None, up: str | None, bow
 
 
 def section_prism(mesh: ClosedMesh) -> ClosedMesh | None:
-    """Prism along z, across z = 0, whose base is the section of a mesh there, as thick as that is broad or high; None
+    """Closed prism along z whose base is the section of a mesh at z = 0, as thick as that is broad or high; None
     without a section. Its ends are fans of triangles around one point; their parts outside the section cancel out."""
     low, high = mesh.triangles[..., 2].min(axis=1), mesh.triangles[..., 2].max(axis=1)
     cut = mesh.triangles[(low <= 0.0) & (high > 0.0)]

@@ -23,27 +23,27 @@ NO_FORCE = np.zeros((2, 3))  # a part that does not act
 
 @dataclass(frozen=True)
 class Load:
-    """Forces on a ship by origin, as `wave`: force [N] and torque about the centre of mass [N m], world axes (4.27)."""
+    """Forces on a ship by cause, as `wave`: force [N] and torque about the centre of mass [N m], world axes (4.27)."""
 
     parts: np.ndarray  # in the order of the ship's `parts`
 
     @classmethod
     def of(cls, forces: dict[str, np.ndarray], names: tuple[str, ...] = PARTS) -> "Load":
-        """Load of `forces` by origin, (2, 3) each; 0 for other `names`. Raises ValueError for one not in `names`."""
+        """Load of `forces` by cause, (2, 3) each; 0 for other `names`. Raises ValueError for one not in `names`."""
         for name in forces:
             if name not in names:
                 raise ValueError(f"a ship with a force {name!r} must name it in `parts`, which are {', '.join(names)}")
         return cls(np.concatenate([forces.get(name, NO_FORCE) for name in names]).reshape(-1, 2, 3))
 
     def plus(self, name: str, more: np.ndarray) -> "Load":
-        """Copy of this load with `more`, a (2, 3) force and torque, added to those of origin `name`, one of PARTS."""
+        """Copy of this load with `more`, a (2, 3) force and torque, added to those of cause `name`, one of PARTS."""
         parts = self.parts.copy()
         parts[PARTS.index(name)] += more
         return Load(parts)
 
     @property
     def total(self) -> np.ndarray:
-        """(2, 3) sum over all origins: force [N] and torque [N m]."""
+        """(2, 3) sum over all causes: force [N] and torque [N m]."""
         return self.parts.sum(axis=0)
 
     @property
@@ -95,7 +95,8 @@ class Outline(NamedTuple):
         return max(least, 0.0)
 
     def images(self, other: "Outline", periods: Sequence[float]) -> list["Outline"]:
-        """Copies of this outline by `periods` (3,) [m] of the basin: the one nearest to `other`, and all around it."""
+        """Copies of this outline, shifted by `periods` (3,) [m] of the basin: the nearest to `other`, and all
+        around."""
         apart = other.plan.mean(axis=0) - self.plan.mean(axis=0)
         sides = np.array(periods[::2])
         next_to = product(*([-side, 0.0, side] if side else [0.0] for side in sides))
@@ -129,7 +130,7 @@ class Ship(Protocol):
 
     @abstractmethod
     def load(self, wind: "Wind", fluid: "Fluid", surface: "Surface | Fluid") -> Load:
-        """Compute all forces and torques on the ship at her present pose, by origin (thesis 4.27)."""
+        """Compute the forces and torques on the ship at her present pose, by cause (thesis 4.27)."""
 
     def advance(self, load: Load, dt: float) -> None:
         """Move the ship by a time step dt [s] under a load (thesis 4.22 to 4.25); raises Diverged."""

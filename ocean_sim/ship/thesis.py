@@ -45,7 +45,7 @@ class Thesis(FloatingShip):
         self.columns = Columns(self.hydrostatics, basin)
 
     def forces(self, now: Immersion) -> dict[str, np.ndarray]:
-        """Force [N] and torque [N m], (2, 3), by origin: buoyancy by columns of water, and no wave force."""
+        """Force [N] and torque [N m], (2, 3), by cause: buoyancy by columns of water, and no wave force."""
         surface = now.surface if self.contact is None else self.water
         self.columns.sum_columns(surface, self.body.position, self.body.matrix)
         carried = self.columns.out.to_numpy().sum(axis=0).reshape(2, 3)

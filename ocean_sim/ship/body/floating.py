@@ -165,7 +165,8 @@ class FloatingConfig(VesselConfig):
         return "" if self.drift is None else self.drift if isinstance(self.drift, str) else "table"
 
     def drift_force(self, still: Hydrostatics, sea: ClosedForm, body: RigidBody) -> "Drift | None":
-        """Drift force of waves of `sea` on this ship, first at `body`; None without key `drift`, or if she sinks."""
+        """Mean and slowly varying force of the waves of `sea` on this ship, whose first pose is `body`; None without
+        the key `drift`, or if she cannot float."""
         if self.drift is None or isinf(still.draught):
             return None
         from ocean_sim.ship.forces import drift
@@ -522,7 +523,7 @@ class FloatingShip(Vessel):
         return replace(body, position=np.array([place[0], height, place[2]]), velocity=velocity, orientation=turn)
 
     def forces(self, now: Immersion) -> dict[str, np.ndarray]:
-        """Force [N] and torque [N m], (2, 3), by origin, world axes, without the reaction of added mass."""
+        """Force [N] and torque [N m], (2, 3), by cause, world axes, without the reaction of added mass."""
         wet, density, damping = now.wet, self.hydrostatics.density, self.damping(now)
         if self.slamming is not None:
             damping = damping + self.slamming.heave_drag(self.wet, self.rising) * self.upwards
@@ -564,7 +565,7 @@ class FloatingShip(Vessel):
         return self.cubes.displaced_water(self.body, self.water)
 
     def limits_of_motion(self, added: np.ndarray) -> Limits:
-        """Limit of the time step: STEPS_A_PERIOD in the ship's shortest natural period, with (6,) `added` mass."""
+        """Limit of the time step: STEPS_A_PERIOD steps in the shortest natural period, with (6,) `added` mass."""
         still = self.hydrostatics
         periods = [] if isinf(still.draught) else [period for period in still.periods(added).values() if period]
         if self.moorings is not None:

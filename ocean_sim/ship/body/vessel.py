@@ -201,7 +201,7 @@ class Vessel(Ship):
             self.add_part("mooring")
 
     def add_part(self, name: str) -> None:
-        """Add `name`, such as `drift`, to the origins of force in the ship's load."""
+        """Add `name`, such as `drift`, to the causes of force in the ship's load."""
         self.parts = (*self.parts, name)
         self.last = Load.of({}, self.parts)
 

@@ -36,8 +36,7 @@ class ScrewCoefficients(Model):
 
 
 class RudderCoefficients(Rudder):
-    """Rudder behind a propeller: force of `Rudder` in the flow that hull and propeller straighten, and effect on
-    hull."""
+    """Rudder behind a propeller: force of `Rudder` in a flow that hull and propeller straighten, effect on the hull."""
 
     height: float = quantity("m", gt=0.0)
     """Span."""
@@ -143,7 +142,7 @@ class MmgHull:
         return self.density * diameter**2 * (k_0 * tip**2 + k_1 * tip * inflow + k_2 * inflow**2)
 
     def stream_speed(self, inflow: float, thrust: float) -> float:
-        """Flow speed at the rudder, along the ship [m/s], by the propeller (Yasukawa & Yoshimura 2015, eq. 24)."""
+        """Flow speed [m/s] at the rudder by propeller inflow [m/s], thrust [N] (Yasukawa & Yoshimura 2015, eq. 24)."""
         (ratio, kept), diameter = self.blade.stream, self.config.propeller.diameter
         far = sqrt(inflow**2 + 8.0 * max(thrust, 0.0) / (pi * self.density * diameter**2))
         share = diameter / self.blade.height

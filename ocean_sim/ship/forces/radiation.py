@@ -71,7 +71,7 @@ class Scattered(NamedTuple):
 
 
 class Response(NamedTuple):
-    """Impulse response of m motions by radiated waves: kernels K of force, L of wave momentum, and A(infinity)."""
+    """Impulse response of m motions to radiation: kernels K of force, L of wave momentum; added mass A(infinity)."""
 
     times: np.ndarray  # (n,) since a push [s]
     kernels: np.ndarray  # (m, m, n) K [kg/s2], [kg m/s2], [kg m2/s2]
@@ -164,8 +164,7 @@ def columns_of(motion: str, other: str) -> tuple[str, str]:
 
 
 def read_bem_table(file: str) -> BemTable:
-    """Read a panel method's table from a CSV or Capytaine NetCDF file (.nc); raises ValueError if it lacks
-    something."""
+    """Read a panel method's table from a CSV or Capytaine's NetCDF file; raises ValueError if something is missing."""
     return read_capytaine(file) if Path(file).suffix == ".nc" else read_csv_table(file)
 
 
@@ -324,7 +323,8 @@ class Scattering:
 
 
 def at_headings(angle: np.ndarray, headings: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """(n,) values at `angle` (n,) [deg], each by its column of `values` (h, n) at `headings` (h,); constant beyond."""
+    """(n,) values at `angle` (n,) [deg], each interpolated linearly in its column of `values` (h, n), whose rows are at
+    `headings` (h,); constant beyond."""
     each = np.arange(len(angle))
     if len(headings) == 1:
         return values[0, each]

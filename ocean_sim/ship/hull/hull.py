@@ -46,7 +46,7 @@ class Hull(Model):
     density."""
 
     def in_still_water(self, cells: float, density: float, gravity: float) -> Hydrostatics:
-        """Hydrostatics at a density [kg/m3] and gravity [m/s2] by cubes, `cells` to the draught; raises ValueError."""
+        """Hydrostatics at a density [kg/m3], gravity [m/s2] by cubes, `cells` over the draught; raises ValueError."""
         lower, upper = self.shape.bounds()
         breadth, height, length = (upper - lower).tolist()
         least, flat = self.smallest_side, MAX_FLATNESS if cells <= FLAT_CUBES_LIMIT else 1.0
@@ -78,7 +78,7 @@ class Hull(Model):
 
 
 def hull_of(name: str, up: AxisName | None = None, bow: AxisName | None = None, scale: float | None = None) -> Hull:
-    """Hull with a name, from configs/hull/, or of a mesh file, read with these axes and scale; raises ValueError."""
+    """Hull named as in configs/hull/, or of a mesh file, read with these axes and scale; raises ValueError."""
     if name in named("hull"):
         return Hull.model_validate(preset("hull", name))
     if Path(name).suffix.lower() in MESH_ENDINGS:

@@ -222,7 +222,7 @@ class Hydrostatics:
 
     @cached_property
     def cube_slices(self) -> tuple[np.ndarray, int]:
-        """(n,) number of the slice across the ship (along z) to which each cube belongs, and the number of slices."""
+        """(n,) number of the slice, counted along z, to which each cube belongs, and the number of slices."""
         number = self.voxels.cells[:, 2]
         return number, int(number.max()) + 1
 
@@ -291,7 +291,7 @@ def wet_part(faces: np.ndarray, level: float) -> Wet:
 
 
 def columns_under(mesh: ClosedMesh, level: float) -> Wet:
-    """Wet part, below a level [m], of a mesh with faces through each other: by columns, and lines across the water."""
+    """Wet part, below a level [m], of a mesh whose faces intersect: by columns, and by lines across the waterplane."""
     volume, below = (mesh.column_integral(lambda y: np.minimum(y - level, 0.0) ** n / n) for n in (1, 2))
     positions, along = gauss_points(mesh.vertices[:, 2])
     line, port, starboard = inside_stretches(mesh.triangles[..., [2, 0, 1]], positions, np.array([level]))

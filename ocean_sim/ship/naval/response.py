@@ -27,7 +27,7 @@ TRUSTED_COHERENCE = 0.8
 
 
 class Response(NamedTuple):
-    """Complex response (m, 6) in MOTION_NAMES at m encounter frequencies, its coherence, and the wave spectrum."""
+    """Complex response (m, 6), in the order of MOTION_NAMES, at m encounter frequencies; coherence; wave spectrum."""
 
     omega: np.ndarray  # (m,) encounter frequency [rad/s]
     wave_density: np.ndarray  # (m,) [m2 s], over frequency in Hz; of a regular wave NaN

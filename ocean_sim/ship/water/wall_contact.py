@@ -53,8 +53,7 @@ class Sides:
         return any(way * (position[axis] - side) < reach[axis] + along for axis, way, side in stops)
 
     def penetrations(self, body: RigidBody) -> list[tuple[int, float, np.ndarray]]:
-        """All sides, each as axis across it, inward direction (1 or -1), and depth (n,) [m] of the corners beyond
-        it."""
+        """All sides, each as axis across it, inward direction (1 or -1), and depth (n,) [m] of corners beyond it."""
         positions = self.points @ body.matrix.T + body.position
         found = [(axis, way, way * (side - positions[:, axis])) for axis, way, side in self.stops]
         if self.ground is not None:

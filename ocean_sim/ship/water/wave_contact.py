@@ -176,7 +176,7 @@ class WaveContact:
         self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s], [J]
 
     def begin(self, body: RigidBody) -> None:
-        """Store the hull's first pose, and compile the kernel of collisions by a call without any before the run."""
+        """Store the hull's first pose, and compile the collision kernel before the run by a call without collisions."""
         write_pose(self.table[0], body)
         self.push_particles(self.table)
 
@@ -245,7 +245,7 @@ class WaveContact:
 
     @ti.func
     def home_cell(self, cell, k: Template):
-        """Index along axis k of the cell inside the grid for `cell`, which may lie beyond a periodic side."""
+        """Index along axis k, inside the grid, of the cell with index `cell`, which may lie beyond a periodic side."""
         if ti.static(self.hull.periods[k] > 0.0):
             n = ti.static(self.grid.cells[k] - 2)
             cell = (cell - 1) - n * int(ti.floor((cell - 1) / n)) + 1

@@ -486,8 +486,8 @@ class FileSpectrum(Model):
     def components(
         self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = SPECTRUM_WAVES
     ) -> Components:
-        """Sea of about `count` plane waves, at least one; those from one band of the file have equal heights, and its
-        variance and mean direction. In 2-D, where the unit vector `towards` lies along x, all waves follow it."""
+        """Sea of about `count` plane waves, at least one. Waves from one band of the file share its variance equally
+        and have its mean direction; in 2-D, where the unit vector `towards` lies along x, all waves follow it."""
         table, variance = self.table, self.table.variance
         widths = np.where(variance > 0.0, np.diff(table.edges), 0.0)
         number = np.rint(0.5 * count * (variance / variance.sum() + widths / widths.sum())).astype(int)
@@ -553,7 +553,7 @@ class WaveTrain(Model):
         return ("height",) if self.spectrum is None else ("spectrum", self.spectrum.height_name)
 
     def train(self, towards: np.ndarray, depth: float, gravity: float, count: int = SPECTRUM_WAVES) -> Components:
-        """Plane waves of this train, towards the unit vector `towards` (x, z); a spectrum becomes `count` waves."""
+        """Plane waves of this train along a unit vector `towards` (x, z); a spectrum becomes `count` waves."""
         if self.spectrum is not None:
             return self.spectrum.components(towards, depth, gravity, count)
         return regular_wave(*self.scale, towards, depth, gravity)

@@ -54,7 +54,7 @@ class Lines:
         return self.at + 1 >= len(self.rows)
 
     def words(self, expected: str, *choices: str) -> list[str]:
-        """Words of the next line; raises LookupError if there is none, or `choices` without its first word."""
+        """Words of the next line; raises LookupError at the end, or if the first word is not one of `choices`."""
         self.at, self.expected = self.at + 1, expected
         found = self.rows[self.at][1].split()
         if choices and found[0] not in choices:

@@ -148,7 +148,7 @@ class Volume(Scheduled):
         return min(slabs, key=lambda slab: slab[2])
 
     def passages(self, basin: Basin, seed: int, number: int) -> Passages:
-        """Repeated crossings of the basin by this volume, the wind's number `number`; `seed`: of random turns."""
+        """Repeated crossings of the basin by this volume; `number`: its own in the wind; `seed`: of random turns."""
         first, speed = self.include[0].core, float(np.linalg.norm(self.velocity))
         rear = first.reach(self.velocity / speed) if speed else 0.0
         return Passages(first.centre, self.velocity, rear, basin, lambda passage: self.redraw(seed, number, passage))

@@ -67,7 +67,7 @@ class Config(Scheduled, WindConfig):
 
     @property
     def needs_bend(self) -> bool:
-        """True if the wind presses on waves of the fluid, for which the slope's change is needed."""
+        """True if the wind's pressure on waves acts on the fluid, so that `force` reads `bend`."""
         return self.needs_area and self.sheltering > 0.0
 
     @property
@@ -198,7 +198,7 @@ def overdamped(wind: Config, u10: float, k: float, preflight: Preflight) -> Iter
 
 
 def unresolved(wind: Config, u10: float, preflight: Preflight) -> Iterator[str]:
-    """Warn of reasons why the scene's water cannot show waves of a wind u10 [m/s]: coarse, too viscous, short."""
+    """Warn if the water cannot show waves of a wind u10 [m/s]: too coarse, too viscous, or in too short a basin."""
     basin, pull, spacing = preflight.tank, hypot(*preflight.tank.gravity), preflight.spacing
     if u10 <= 0.0 or pull <= 0.0 or spacing is None:
         return

@@ -27,7 +27,7 @@ class Noise:
     so that the noise has the same effect at any step; `every` 0: a new one each step, as printed in the thesis."""
 
     def __init__(self, seed: int, every: float, row: DeviceRow) -> None:
-        """`seed` of random numbers; `every` [s]: as above; `row`: on the device, its first columns are DRAWS."""
+        """`seed`: of random numbers; `every`: time that each lasts [s]; `row`: on the device, beginning with DRAWS."""
         self.seed, self.every, self.row, self.steps = seed, every, row, 0
         row.set(DRAWS.each, 1.0)
         row.set(DRAWS.strength, 1.0)

@@ -141,7 +141,7 @@ class Cloth:
 
     @ti.kernel
     def update(self, dt: float):
-        """Advance the sheet by dt [s]: carry nodes on, move them to the water, apply springs; dt 0 stops it."""
+        """Advance the sheet by dt [s]: carry nodes on, move them to the water, apply springs; dt 0: at rest after."""
         for n in self.height:
             way = dt * self.speed[n] * tm.exp(-ti.static(self.config.damping) * dt)
             most = ti.static(MAX_CARRY * self.thickness)

@@ -240,8 +240,7 @@ class MarchingCubes:
 
 
 def flat_share(radius: float, spacing: float) -> float:
-    """Smoothed share of water half a spacing above the top layer of a cubic lattice, where flat water ends; mean over
-    x, z.
+    """Smoothed share of water half a spacing above a cubic lattice of particles, where flat water ends; mean over x, z.
 
     A layer u radii below counts 315/256 (1 - u^2)^4, the integral of the poly6 kernel over it, times spacing over
     radius."""

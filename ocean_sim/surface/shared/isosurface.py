@@ -362,8 +362,8 @@ class Isosurface:
 
     @ti.func
     def vertex_on_edge(self, i, j, k, edge):
-        """Number of the vertex on an edge of cube (i, j, k). Edge 4 axis + e starts at the e-th corner whose bit of
-        that axis is 0; the node at that corner owns it, and numbers its edges in the order of the axes."""
+        """Number of the vertex on an edge of cube (i, j, k): `edge` = 4 axis + e starts at the e-th corner whose bit of
+        that axis is 0. The node at that corner owns the edge, and numbers its edges in the order of the axes."""
         axis, e = edge // 4, edge % 4
         corner = (e >> axis) << (axis + 1) | e & ((1 << axis) - 1)
         owned = self.owned[self.node_at(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2))]

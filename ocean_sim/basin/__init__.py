@@ -520,13 +520,11 @@ class Solid(Protocol):
         self, positions: np.ndarray, beyond: np.ndarray, boxes: "Boxes", lattice: "packing.Lattice"
     ) -> tuple[np.ndarray, np.ndarray]:
         """Make room for the body among particles at `positions` (n, 3) [m], which fill `boxes`; `beyond` (m, 3): points
-        that continue their lattice outside. Returns (n,) booleans, True for particles to remove, and (n, 3) new
-        positions."""
+        that continue their lattice outside. Returns (n,) True for particles to remove, and (n, 3) new positions."""
 
     def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Boundary particles of the body, in it near its surface: (n, 3) positions from the centre of mass in body axes
-        [m], (n,) volumes [m3], in 2-D areas [m2], and (n, 3) outward normals. `spacing` of the particles, `support` of
-        the kernel [m]."""
+        """Boundary particles inside the body near its surface: (n, 3) positions from the centre of mass, body axes [m],
+        (n,) volumes [m3] (2-D: areas [m2]), and (n, 3) outward normals. `spacing`, `support` of the kernel [m]."""
 
 
 @dataclass(frozen=True)

@@ -95,8 +95,8 @@ class Ground:
         return position[self.distances(position) <= TOUCH_DISTANCE * spacing]
 
     def runup(self, position: np.ndarray, spacing: float, axis: int = 0) -> float:
-        """Height [m] of the highest bed point that particles at `position` (n, 3) [m] touch, if water near the bed
-        joins it along `axis` without a gap to the lowest point touched; NaN if no particle touches the bed."""
+        """Run-up [m]: height of the highest bed point that particles at `position` (n, 3) [m] touch, if water near the
+        bed joins it along `axis` without a gap to the lowest point touched; NaN if no particle touches the bed."""
         position = position[np.argsort(position[:, axis])]
         away = self.distances(position)
         over = away <= RUNUP_GAP * spacing

@@ -148,7 +148,7 @@ def overturn_warnings(axis: str, angle: float) -> Iterator[str]:
 
 
 class Harmonic(Tank):
-    """amplitude sin(2 pi t / period + phase), along an axis or about it."""
+    """Motion of the tank as amplitude sin(2 pi t / period + phase), along an axis or about it."""
 
     kind: Literal["harmonic"] = "harmonic"
     axis: Axis

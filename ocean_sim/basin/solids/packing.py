@@ -81,7 +81,7 @@ def fit_particles(
 def cached_room(
     positions: np.ndarray, content: bytes, made: Callable[[], dict[str, np.ndarray]], *asked: type
 ) -> tuple[np.ndarray, np.ndarray]:
-    """`basin.Solid.make_room`, cached for equal bytes `content` and code of classes `asked`, or computed by `made`."""
+    """Result of `Solid.make_room`: cached for equal bytes `content` and code of classes `asked`, else by `made`."""
     found = cached_arrays("rooms", content, made, *asked)
     gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()
     gone[found["gone"]], moved[found["near"]] = True, found["moved"]

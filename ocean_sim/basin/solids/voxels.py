@@ -141,7 +141,8 @@ def sample_cubes(
 
 
 def lattice_shape(shape: SolidShape, side: float, reach: float) -> tuple[float, np.ndarray, np.ndarray]:
-    """Side [m] of at most USUAL_CUBES cubes, (3,) sides [m] that fit the shape's box, and (3,) cubes beyond it."""
+    """Lattice of cubes around a shape: side used [m], at least `side`; (3,) sides [m] that divide the shape's box
+    evenly; (3,) number of cubes beyond that box, for `reach` [m]."""
     lower, upper = shape.bounds()
     side = max(side, float((upper - lower + 2.0 * reach).prod() / USUAL_CUBES) ** (1.0 / 3.0))
     size = (upper - lower) / np.maximum(1, np.ceil((upper - lower) / side - 1e-6))

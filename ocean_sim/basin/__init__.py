@@ -133,12 +133,12 @@ class Floor(Model):
 
     @property
     def shaped(self) -> bool:
-        """True if the bed has a shape of its own."""
+        """True if the bed has a shape of its own, and is not flat."""
         return self.profile is not None or self.grid is not None
 
     @cached_property
     def bed_heights(self) -> Heights:
-        """Nodes and heights of the bed as the scene gives them, in the axes of the basin; raises Unreadable."""
+        """Grid nodes and heights of the bed, as given in the scene, in the axes of the basin; raises Unreadable."""
         if self.profile is not None:
             x, y = np.array(self.profile).T
             return Heights(x, np.array([-OPEN, OPEN]), np.repeat(y[:, None], 2, axis=1))
@@ -311,7 +311,7 @@ class MeshObstacle(Obstacle):
 
     @cached_property
     def corners(self) -> np.ndarray:
-        """(2, n) lowest and highest corner [m], less rounding, with n numbers as `at` has; n = 0 for a faulty mesh."""
+        """(2, n) lowest and highest corner of the mesh [m], less rounding; n as in `at`, or 0 for a faulty mesh."""
         if self.shape.faults:
             return np.zeros((2, 0))
         ends = np.array(self.shape.bounds())[:, : len(self.at)]
@@ -327,7 +327,7 @@ class MeshObstacle(Obstacle):
 
 
 def box_or_mesh(written: Any) -> str:
-    """Pydantic tag of an obstacle: `MeshObstacle` if the data or object `written` has a mesh, else `BoxObstacle`."""
+    """Pydantic tag of an obstacle, `MeshObstacle` or `BoxObstacle`; `written`: mapping of its keys, or the object."""
     is_mesh = "mesh" in written if isinstance(written, dict) else isinstance(written, MeshObstacle)
     return "MeshObstacle" if is_mesh else "BoxObstacle"
 
@@ -441,7 +441,7 @@ def box_faults(key: str, boxes: Sequence[Box | MeshObstacle], basin: "Basin", ov
 
 
 def axes_beyond(low: Sequence[float], up: Sequence[float], basin: "Basin") -> list[str]:
-    """Names of the axes along which a box from `low` to `up` [m] reaches out of the basin; an open basin has no top."""
+    """Names of axes along which a box from `low` to `up` [m] reaches out of the basin; an open one has no top."""
     return [
         axis
         for axis, a, b, least, most in zip("xyz", low, up, basin.lower, basin.upper)
@@ -483,7 +483,7 @@ def path_faults(obstacles: tuple[AnyObstacle, ...], basin: "Basin", duration: fl
 
 
 def crossing_time(box: AnyObstacle, other: AnyObstacle, duration: float) -> float | None:
-    """First time [s] up to `duration` at which two obstacles overlap, interpolated between samples; None if never."""
+    """First time [s] up to `duration` at which two obstacles overlap, interpolated between time samples; else None."""
     gates = [(sign, gate) for sign, gate in ((1.0, box.gate), (-1.0, other.gate)) if gate is not None]
     times = min((gate.moments(duration) for _, gate in gates), key=lambda moments: float(moments[-1]))
     ways = [[sign * moved.way for time in times.tolist() if (moved := gate.at(time))] for sign, gate in gates]
@@ -509,7 +509,7 @@ class Solid(Protocol):
 
     @property
     def is_sampled(self) -> bool:
-        """True if sample points stand for the body in the sums over neighbouring particles of the water."""
+        """True if boundary particles stand for the body in sums over the neighbours of a water particle."""
 
     @property
     def origin(self) -> np.ndarray:
@@ -523,13 +523,11 @@ class Solid(Protocol):
         self, positions: np.ndarray, beyond: np.ndarray, boxes: "Boxes", lattice: "packing.Lattice"
     ) -> tuple[np.ndarray, np.ndarray]:
         """Make room for the body among particles at `positions` (n, 3) [m], which fill `boxes`; `beyond` (m, 3): points
-        that continue their lattice outside. Returns (n,) True for particles to remove, and (n, 3) positions for the
-        rest."""
+        that continue their lattice outside. Returns (n,) True for particles to remove, and (n, 3) new positions."""
 
     def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Sample points in the body near its surface: (n, 3) positions from the centre of mass in body axes [m], (n,)
-        volumes [m3], in 2-D areas [m2], and (n, 3) outward normals. `spacing`: of particles; `support`: of the
-        kernel."""
+        """Boundary particles inside the body near its surface: (n, 3) positions from the centre of mass, body axes [m],
+        (n,) volumes [m3] (2-D: areas [m2]), and (n, 3) outward normals. `spacing`, `support` of the kernel [m]."""
 
 
 @dataclass(frozen=True)
@@ -551,12 +549,12 @@ class Side:
 
 
 def shifts(x: np.ndarray, origin: np.ndarray, period: Sequence[float]) -> np.ndarray:
-    """(n, 3) shifts [m] by whole periods that bring points x (n, 3) [m] nearest to `origin`, an x and z [m]."""
+    """(n, 3) shifts by whole periods [m] that bring points x (n, 3) [m] nearest to `origin`, (2,) x and z [m]."""
     return whole_sides(np.insert(origin, 1, 0.0) - x, np.array([period[0], 0.0, period[2]]))
 
 
 def whole_sides(away: np.ndarray, sides: np.ndarray) -> np.ndarray:
-    """Multiples (..., n) of periods `sides` (n,) [m] nearest to distances `away` (..., n) [m]; 0 for a period of 0."""
+    """Whole multiples of periods `sides` (n,) [m] nearest to distances `away` (..., n) [m]; 0 for a period of 0."""
     return sides * np.round(away / np.where(sides > 0.0, sides, np.inf))
 
 
@@ -585,7 +583,7 @@ class Basin:
 
     @cached_property
     def walls(self) -> Walls:
-        """Kind of the wall on each side, also where the scene gives one kind for all sides."""
+        """Kind of wall on each side, filled in where the scene gives one kind for all sides."""
         walls = self.config.walls
         return walls if isinstance(walls, Walls) else Walls(x=walls, z=walls)
 
@@ -618,8 +616,8 @@ class Basin:
         return tuple(up - low if kind == "periodic" else 0.0 for low, up, kind in ends)  # type: ignore[return-value]
 
     def has_potential(self, steady_force: Sequence[float]) -> bool:
-        """True if gravity's work is always a loss of potential energy: there is no `steady_force` (3,) [m/s2], the tank
-        does not move, and no periodic axis has a component of gravity."""
+        """True if work of gravity is always a change of potential energy: no `steady_force` (3,) [m/s2], no motion of
+        the tank, and no component of gravity along a periodic axis."""
         periodic = any(period > 0.0 and g != 0.0 for period, g in zip(self.periods, self.gravity, strict=True))
         return not (periodic or any(steady_force) or self.config.motion is not None)
 
@@ -679,7 +677,7 @@ class Basin:
 
     @cached_property
     def boxes(self) -> list[BoxObstacle]:
-        """Obstacles that are boxes of this basin's dimension."""
+        """Obstacles that are boxes, with as many coordinates as the basin has dimensions."""
         whole = [box for box in self.config.obstacles if isinstance(box, BoxObstacle)]
         return [box for box in whole if len(box.min) == self.dimension]
 

@@ -49,7 +49,7 @@ class Ground:
         cls, sides: Sequence[tuple[float, float]], given: Heights, lowest: float, dimension: int, *traits: Any
     ) -> "Ground":
         """Bed with the heights `given`, cut at the `sides` (lowest and highest coordinate [m] along x and z); `traits`:
-        values of the fields of Ground after `dimension`."""
+        values of the fields that follow `dimension` in Ground."""
         spans = [sides[0], sides[1] if dimension == 3 else (-SLICE_HALF, SLICE_HALF)]
         x, z = (np.unique(np.clip([low, *nodes, up], low, up)) for (low, up), nodes in zip(spans, (given.x, given.z)))
         whole = cls(given.x, given.z, given.y, lowest, 3, (False, False), False)
@@ -67,7 +67,7 @@ class Ground:
 
     @property
     def foot(self) -> float:
-        """Height [m] down to which pictures draw the bed, a little below the flat bottom."""
+        """Height [m] of the bottom of the bed in pictures, a little below the flat bottom."""
         return float(self.lowest - BASE_SHARE * (self.y.max() - self.lowest))
 
     def shape_at(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -86,7 +86,7 @@ class Ground:
         return self.shape_at(places)[0]
 
     def wet_heights(self, places: np.ndarray, water: np.ndarray) -> np.ndarray:
-        """Heights `water` (n,) [m] of the water at places x, z (n, 2) [m], with NaN where the bed is dry."""
+        """Heights `water` (n,) [m] at places x, z (n, 2) [m], with NaN in place of those where the bed is dry."""
         over = water - self.heights(places) > WET_DEPTH_SHARE * (self.y.max() - self.lowest)
         return np.where(over, water, np.nan)
 
@@ -95,8 +95,8 @@ class Ground:
         return position[self.distances(position) <= TOUCH_DISTANCE * spacing]
 
     def runup(self, position: np.ndarray, spacing: float, axis: int = 0) -> float:
-        """Height [m] of the highest bed point that particles at `position` (n, 3) [m] touch, if water near the bed
-        joins it along `axis` without a gap to the lowest point touched; NaN if no particle touches the bed."""
+        """Run-up [m]: height of the highest bed point that particles at `position` (n, 3) [m] touch, if water near the
+        bed joins it along `axis` without a gap to the lowest point touched; NaN if no particle touches the bed."""
         position = position[np.argsort(position[:, axis])]
         away = self.distances(position)
         over = away <= RUNUP_GAP * spacing
@@ -108,8 +108,8 @@ class Ground:
         return float(bed[touch & (stretch == stretch[np.where(touch, bed, np.inf).argmin()])].max())
 
     def sheet_heights(self, places: np.ndarray, water: np.ndarray, position: np.ndarray, spacing: float) -> np.ndarray:
-        """Heights (n,) [m] of a mesh that shows the `water` (n,) [m] at places x, z (n, 2) [m]. Beyond deep water it
-        goes on level, above the bed only near particles at `position` (m, 3) [m] that touch the bed."""
+        """Heights (n,) [m] of a mesh that draws the `water` (n,) [m] at places x, z (n, 2) [m]. Where it is not deep,
+        the mesh is level, and above the bed only near particles at `position` (m, 3) [m] that touch the bed."""
         from scipy.spatial import cKDTree
 
         bed = self.heights(places)
@@ -253,8 +253,8 @@ class Ground:
 def cells_and_shares(
     places: np.ndarray, nodes: np.ndarray, periodic: bool
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Cells between grid `nodes` along one axis in which `places` (n,) [m] lie: index, share of the way across the
-    cell, size [m], and -1 in the mirror image beyond a side, else 1. With `periodic` the nodes repeat instead."""
+    """Cell between `nodes` of an axis for each of `places` (n,) [m]: index, share of the way across it, size [m], and
+    -1 for places in the mirror image beyond a side, else 1. If `periodic`, the nodes repeat without mirroring."""
     first, size = nodes[0], nodes[-1] - nodes[0]
     turned = np.mod(places - first, size if periodic else 2.0 * size)
     way = np.where(turned > size, -1.0, 1.0)

@@ -45,7 +45,7 @@ NEWTON_STEPS = 8  # from 0, to machine precision
 
 @dataclass(frozen=True)
 class Frame:
-    """Motion of the tank's axes at one time; vectors are in the axes of the tank."""
+    """Motion of the tank's axes in the world at one time; vectors are in the axes of the tank."""
 
     angle: np.ndarray  # (3,) by which they are turned, along the axis of the turn [rad]
     displacement: np.ndarray  # (3,) of the pivot [m]
@@ -127,7 +127,7 @@ def solitary_law(height: float, depth: float, gravity: float) -> tuple[Law, floa
 
 
 class Tank(Model):
-    """The keys of every motion of the tank."""
+    """Keys common to all motions of the tank."""
 
     about: Point | None = quantity("m", None)
     """The point about which it rolls; in 2-D [x, y]; by default the centre of the still surface."""
@@ -148,7 +148,7 @@ def overturn_warnings(axis: str, angle: float) -> Iterator[str]:
 
 
 class Harmonic(Tank):
-    """amplitude sin(2 pi t / period + phase), along an axis or about it."""
+    """Motion of the tank as amplitude sin(2 pi t / period + phase), along an axis or about it."""
 
     kind: Literal["harmonic"] = "harmonic"
     axis: Axis
@@ -251,8 +251,8 @@ class Recorded(Tank):
 
 
 def kind_by_keys(*models: type[Model]) -> BeforeValidator:
-    """Validator that adds a missing `kind` to a mapping: that of the model with most of its keys, the first of several.
-    Raises ValueError for a key that the model of the kind lacks and another model has."""
+    """Validator that adds a missing `kind` to a mapping: that of the first of `models` with most of its keys. Raises
+    ValueError for a key that the model of the kind lacks and another model has."""
     kinds = {model.model_fields["kind"].default: model.model_fields.keys() for model in models}
     known = {key: kind for kind, own in reversed(kinds.items()) for key in own}
 
@@ -286,7 +286,7 @@ class TankMotion:
         return np.eye(3)["xyz".index(self.axis[-1])]
 
     def at(self, time: float) -> Frame:
-        """Displacement, velocity and acceleration of the tank at a time [s], or its angle and the angle's rates."""
+        """Motion of the tank at a time [s]: displacement, velocity and acceleration, or angle and the angle's rates."""
         x, v, a = (value * self.direction for value in self.law(time))
         still, pivot = np.zeros(3), np.array((*(self.about or (0.0, 0.0)), 0.0)[:3])
         if self.axis.startswith("roll"):
@@ -304,7 +304,7 @@ class Path(NamedTuple):
 
 
 class Wavemaker(Model):
-    """The keys of every wavemaker: a wall that moves as a whole, a piston."""
+    """Keys common to all wavemakers: a wall that moves as a whole (a piston)."""
 
     wall: Literal["x_min", "x_max", "z_min", "z_max"] = "x_min"
     """The wall that moves; its waves go into the basin."""
@@ -493,7 +493,7 @@ class Gate(Model):
 
     @property
     def moves(self) -> bool:
-        """True if the gate moves at some time before it is removed from the basin."""
+        """True if the obstacle moves before it is removed from the basin."""
         return self.file is not None or any(self.velocity) or any(self.acceleration)
 
     def rows(self) -> tuple[np.ndarray, np.ndarray]:

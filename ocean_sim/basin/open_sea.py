@@ -100,14 +100,14 @@ class OpenSea(Protocol):
 
     @property
     def nonlinear(self) -> Nonlinear | None:
-        """Settings of a nonlinear sea; None: it is the sum of its plane waves."""
+        """Settings of a nonlinear sea; None if the sea is the sum of its plane waves."""
 
     def plane_waves(self, basin: waves.Tank) -> waves.Components | None:
         """Plane waves of the sea by linear theory, before they are fitted to the patch; None in calm water."""
 
 
 def width_over_length(periods: tuple[float, float, float]) -> Fraction | None:
-    """Width over length of a patch with these periods [m]; 1 in 2-D, None for a denominator above MOST_PARTS."""
+    """Width over length, as a fraction, by a patch's periods [m]; 1 in 2-D, None for a denominator above MOST_PARTS."""
     if not periods[2]:
         return Fraction(1)
     share = periods[2] / periods[0]

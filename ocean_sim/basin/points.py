@@ -9,7 +9,7 @@ from ocean_sim.basin import Basin
 
 
 def in_space(vector: Sequence[float]) -> np.ndarray:
-    """Point or direction in 3-D (3,); z is 0 for a vector of a 2-D basin."""
+    """Point or direction as (3,) vector; z is 0 for one of a 2-D basin."""
     return np.array((*vector, 0.0)[:3])
 
 
@@ -19,7 +19,7 @@ def count(low: float, high: float, spacing: float) -> int:
 
 
 def middles(low: float, high: float, spacing: float) -> np.ndarray:
-    """Middles (n,) of the equal cells from `low` to `high` [m], each at most `spacing` [m] wide."""
+    """Middles (n,) [m] of the equal cells between `low` and `high` [m], as many as `count` gives."""
     return middles_of(low, high, count(low, high, spacing))
 
 

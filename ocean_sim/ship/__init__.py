@@ -23,42 +23,42 @@ NO_FORCE = np.zeros((2, 3))  # a part that does not act
 
 @dataclass(frozen=True)
 class Load:
-    """Forces on a ship by part, as `wave`: force [N] and torque about the centre of mass [N m], world axes (4.27)."""
+    """Forces on a ship by cause, as `wave`: force [N] and torque about the centre of mass [N m], world axes (4.27)."""
 
     parts: np.ndarray  # in the order of the ship's `parts`
 
     @classmethod
     def of(cls, forces: dict[str, np.ndarray], names: tuple[str, ...] = PARTS) -> "Load":
-        """Load of (2, 3) `forces` by part, 0 for other parts in `names`; raises ValueError for one not in `names`."""
+        """Load of `forces` by cause, (2, 3) each; 0 for other `names`. Raises ValueError for one not in `names`."""
         for name in forces:
             if name not in names:
                 raise ValueError(f"a ship with a force {name!r} must name it in `parts`, which are {', '.join(names)}")
         return cls(np.concatenate([forces.get(name, NO_FORCE) for name in names]).reshape(-1, 2, 3))
 
     def plus(self, name: str, more: np.ndarray) -> "Load":
-        """Copy of this load in which `more`, a (2, 3) force and torque, is added to the part `name`, one of PARTS."""
+        """Copy of this load with `more`, a (2, 3) force and torque, added to those of cause `name`, one of PARTS."""
         parts = self.parts.copy()
         parts[PARTS.index(name)] += more
         return Load(parts)
 
     @property
     def total(self) -> np.ndarray:
-        """(2, 3) sum of all parts: force [N] and torque [N m]."""
+        """(2, 3) sum over all causes: force [N] and torque [N m]."""
         return self.parts.sum(axis=0)
 
     @property
     def force(self) -> np.ndarray:
-        """(3,) total force of all parts [N], world axes."""
+        """(3,) total force [N], world axes."""
         return self.total[0]
 
     @property
     def torque(self) -> np.ndarray:
-        """(3,) total torque of all parts about the centre of mass [N m], world axes."""
+        """(3,) total torque about the centre of mass [N m], world axes."""
         return self.total[1]
 
 
 class Look(NamedTuple):
-    """Facts that a picture of a ship needs besides her triangles: name, submerged share of her volume, and breadth."""
+    """Data that a picture of a ship shows besides her hull: name, submerged share of her volume, and breadth."""
 
     name: str  # of its hull, if it has one, and of its shape
     submerged: float  # share of its volume that is under water at rest
@@ -84,7 +84,7 @@ class Outline(NamedTuple):
     highest: float  # [m]
 
     def overlap(self, other: "Outline") -> float:
-        """Shortest displacement [m] that would separate this outline from another; 0 if they do not overlap."""
+        """Length [m] of the shortest shift that would separate this hull from another; 0 if they do not overlap."""
         least = min(self.highest, other.highest) - max(self.lowest, other.lowest)
         for polygon in (self.plan, other.plan):
             along = np.roll(polygon, -1, axis=0) - polygon
@@ -95,7 +95,8 @@ class Outline(NamedTuple):
         return max(least, 0.0)
 
     def images(self, other: "Outline", periods: Sequence[float]) -> list["Outline"]:
-        """Periodic copies of this outline, `periods` (3,) [m] apart: the one nearest to `other`, and all next to it."""
+        """Copies of this outline in a periodic basin, shifted by `periods` (3,) [m]: the one nearest to `other`, and
+        those next to that one."""
         apart = other.plan.mean(axis=0) - self.plan.mean(axis=0)
         sides = np.array(periods[::2])
         next_to = product(*([-side, 0.0, side] if side else [0.0] for side in sides))
@@ -103,7 +104,7 @@ class Outline(NamedTuple):
         return [self._replace(plan=self.plan + (nearest + way)) for way in next_to]
 
     def middle(self, other: "Outline") -> np.ndarray:
-        """(2,) x and z [m] of the middle of the overlap of both outlines' bounding boxes in plan view."""
+        """(2,) x and z [m] of the middle of the rectangle in which the bounding boxes of both outlines overlap."""
         low = np.maximum(self.plan.min(axis=0), other.plan.min(axis=0))
         high = np.minimum(self.plan.max(axis=0), other.plan.max(axis=0))
         return 0.5 * (low + high)
@@ -125,29 +126,30 @@ class Ship(Protocol):
 
     @property
     def orders(self) -> tuple[float, float]:
-        """Present throttle (-1 to 1) and rudder angle [rad]."""
+        """Present throttle (-1 to 1) and rudder angle [rad], as far as they have followed the crew's orders."""
 
     @abstractmethod
     def load(self, wind: "Wind", fluid: "Fluid", surface: "Surface | Fluid") -> Load:
-        """Compute all forces and torques on the ship at her present pose, by part: (4.27) of the thesis."""
+        """Compute the forces and torques on the ship at her present pose, by cause (thesis 4.27)."""
 
     def advance(self, load: Load, dt: float) -> None:
-        """Advance the ship by a step of dt [s] under a load, (4.22) to (4.25) of the thesis; raises Diverged."""
+        """Move the ship by a time step dt [s] under a load (thesis 4.22 to 4.25); raises Diverged."""
 
     def hand_over(self) -> "Person":
-        """Replace the crew by a person and return the person, whose `give(throttle, rudder)` then sets the orders."""
+        """Replace the crew by a person at the helm, who is returned and takes orders by `give(throttle, rudder)`."""
 
     def sail(self, route: list[tuple[float, float]], speed: float) -> "Helmsman":
-        """Replace the crew by the returned pilot along waypoints x, z [m], each reached a ship's length before it."""
+        """Replace the crew by a pilot, who is returned, on a route of waypoints x, z [m] at a speed [m/s]; a waypoint
+        counts as reached a ship's length before it."""
 
     def drawn(self) -> tuple[np.ndarray, np.ndarray] | None:
-        """Hull as drawn: vertices (n, 3) from the centre of mass, body axes [m], triangles (m, 3); None without one."""
+        """Mesh of the hull for pictures: vertices (n, 3) [m] from the centre of mass, body axes; triangles (m, 3)."""
 
     def outline(self) -> Outline | None:
         """Plan-view outline and height range of the hull at its present pose; None where the ship has no shape."""
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
-        """Water that the hull displaces, in m pieces: x, z and depth (m, 3) [m], volume (m,) [m3]; m may be 0."""
+        """Water displaced by the hull, in m pieces (or none): x, z, depth of each (m, 3) [m], and volume (m,) [m3]."""
         return np.zeros((0, 3)), np.zeros(0)
 
     def limits(self) -> "Limits":

@@ -37,7 +37,7 @@ COUPLED_BY_ENDS = (("heave", "pitch"), ("sway", "yaw"), ("yaw", "roll"), ("heave
 
 
 class SeakeepingConfig(FloatingConfig):
-    """Config keys of a ship with added mass and, by a radiation table, with waves that she radiates and scatters."""
+    """Config keys of a ship with added mass and, if a file `radiation` is given, with radiated and scattered waves."""
 
     added_mass: AddedMass = AddedMass()
     damping: Damping = Damping()
@@ -74,7 +74,7 @@ class SeakeepingConfig(FloatingConfig):
         return added
 
     def added_mass_coupling(self) -> np.ndarray | None:
-        """(6, 6) added mass [kg], [kg m], [kg m2] between two motions of `Motions`, diagonal 0; None without any."""
+        """(6, 6) added mass [kg], [kg m], [kg m2] that couples two `Motions`, 0 on the diagonal; None if none does."""
         if self.table is None:
             return None
         own, found = self.table.impulse_response.added, np.zeros((6, 6))
@@ -82,7 +82,7 @@ class SeakeepingConfig(FloatingConfig):
         return found if found.any() else None
 
     def resistance(self, still: Hydrostatics) -> Resistance:
-        """Damping law of the hull; motions in the radiation table have no damping by rule."""
+        """Damping law of the hull, without the empirical damping of motions that the radiation table damps."""
         radiated = [] if self.table is None else [Motions._fields[k] for k in self.table.numbers]
         return Resistance(self.damping, still, self.added_mass_at_infinity(still), radiated)
 
@@ -164,7 +164,7 @@ class SeakeepingConfig(FloatingConfig):
 
 
 class SeakeepingShip(FloatingShip):
-    """Ship of cubes with added mass and, where she has a radiation table, forces of radiated and scattered waves."""
+    """Ship of cubes with added mass and, if she has a radiation table, forces of radiated and scattered waves."""
 
     samples_depth: ClassVar[bool] = True
 
@@ -197,15 +197,16 @@ class SeakeepingShip(FloatingShip):
         return now.share * to_world(resisted, now.axes)
 
     def drift_velocity(self, now: Immersion) -> np.ndarray:
-        """(6,) velocity [m/s], [rad/s] of the water relative to which added mass moves, body axes: of current and
-        waves, but of the current alone in motions whose wave force is in the table."""
+        """(6,) velocity [m/s], [rad/s] of the water around the hull for the terms of added mass, body axes: of current
+        and waves, but of the current alone in motions whose wave force comes from the table."""
         if self.scattering is None:
             return now.wet.velocity
         stream = np.concatenate([now.body.matrix.T @ self.stream, np.zeros(3)])
         return self.through * now.wet.velocity + (1.0 - self.through) * stream
 
     def with_added_mass(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """Forces by part with scattering and reactions of added mass: to the hull in `damping`, to water in `wave`."""
+        """Copy of `forces` with three more: the reaction of added mass to the hull's motion in `damping`, that to the
+        water's motion and the scattering force in `wave`."""
         force, torque = np.concatenate(list(forces.values())).reshape(-1, 2, 3).sum(axis=0)
         wet = now.wet
         if self.scattering is not None and self.sea is not None:
@@ -227,7 +228,7 @@ class SeakeepingShip(FloatingShip):
 
 
 class Config(SeakeepingConfig):
-    """Buoyancy and weight, added mass, wind, propeller, rudder and damping."""
+    """Ship under buoyancy and weight, added mass, wind, propeller, rudder and damping."""
 
     compared: ClassVar[bool] = True
     fineness: ClassVar[int] = 2

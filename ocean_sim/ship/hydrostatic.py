@@ -21,7 +21,7 @@ from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 
 
 class Config(FloatingConfig):
-    """Buoyancy and weight, wind, propeller, rudder and damping."""
+    """Ship under buoyancy and weight, wind, propeller, rudder and damping."""
 
     compared: ClassVar[bool] = True
     fineness: ClassVar[int] = 1

@@ -44,7 +44,7 @@ HOERNER_DRAG = (
 
 
 class Config(VesselConfig):
-    """Start and crew of the ship, and the numbers of her model."""
+    """Start and crew of a ship that moves by a manoeuvring model, and the numbers of that model."""
 
     needs_surface: ClassVar[bool] = False
     kind: Literal["manoeuvring"] = "manoeuvring"
@@ -84,7 +84,7 @@ def skew_matrix(a: np.ndarray) -> np.ndarray:
 
 
 def shift_matrix(arm: np.ndarray) -> np.ndarray:
-    """(6, 6) matrix from the velocity (6,), linear and angular, of a body at one point to that `arm` (3,) [m] away."""
+    """(6, 6) matrix from the linear and angular velocity (6,) of a body at one point to those at `arm` (3,) [m]."""
     whole = np.eye(6)
     whole[:3, 3:] = skew_matrix(arm).T
     return whole
@@ -150,7 +150,8 @@ class Otter:
         return (self.shift.T @ own @ self.shift + water) @ nu
 
     def driving_loads(self, nu: np.ndarray, revolutions: np.ndarray, rudder: float) -> dict[str, np.ndarray]:
-        """(6,) force [N] and torque [N m] of both propellers about the model's origin, SNAME axes."""
+        """(6,) load `propeller`: force [N] and torque [N m] of both propellers about the model's origin, SNAME axes, at
+        (2,) `revolutions` [rad/s], port and starboard."""
         n = revolutions
         port, starboard = np.where(n > 0.0, AHEAD_COEFFICIENT, ASTERN_COEFFICIENT) * n * np.abs(n)
         return {"propeller": np.array([port + starboard, 0.0, 0.0, 0.0, 0.0, PONTOON_OFFSET * (port - starboard)])}
@@ -162,7 +163,7 @@ class Otter:
 
 
 class Manoeuvring(Vessel):
-    """Ship that moves by a manoeuvring model; the rigid body is hull and payload, about their centre of mass."""
+    """Ship moved by a manoeuvring model; her rigid body is hull and payload, about their common centre of mass."""
 
     prompt: ClassVar[bool] = True
 
@@ -230,7 +231,7 @@ class Manoeuvring(Vessel):
         return np.stack([force, torque - np.cross(self.arm, force)])
 
     def advance(self, load: Load, dt: float) -> None:
-        """Take a leapfrog step of dt [s]; propellers follow the mean of orders before and after it, with a delay."""
+        """Take a leapfrog step of dt [s]; propellers follow the mean of the orders before and after it with a delay."""
         body, before, (of, *gained) = self.body, self.model.ordered_revolutions(*self.orders), self.gained
         if of is not body or not np.any(gained):  # it begins: its velocities are still of the time of its place
             slower, less = load.force / body.mass * dt / 2.0, load.torque * dt / 2.0

@@ -32,7 +32,7 @@ STATED_SWING = 0.02  # of the draught, from which on it is said
 
 
 class Config(FloatingConfig):
-    """Weight, the water's pressure, propeller and rudder; in 2-D a metre of the section amidships."""
+    """Ship under her weight, the water's pressure, propeller and rudder; in 2-D a metre of the section amidships."""
 
     needs_surface: ClassVar[bool] = False
     slices: ClassVar[bool] = True
@@ -69,8 +69,8 @@ class Config(FloatingConfig):
             yield f"the hull is {thin:.2g} spacings thin: water on either side acts on that on the other"
 
     def statements(self, preflight: Preflight) -> list[str]:
-        """Sentence for the user on how far the ship heaves while particles around her hull leave their first lattice;
-        empty if that is little."""
+        """Sentence for the user on how far the ship will heave while the particles around her leave their initial
+        lattice; empty if that is little."""
         draught, spacing = self.hydrostatics_of(preflight).draught, preflight.spacing
         if spacing is None or isinf(draught) or REST_SWING * spacing < STATED_SWING * draught:
             return []
@@ -81,7 +81,7 @@ class Config(FloatingConfig):
         ]
 
     def ledger(self, preflight: Preflight) -> tuple[LedgerRow, ...]:
-        """No rows of the memory ledger: the fluid counts the hull's boundary particles among its own."""
+        """No rows of the memory estimate: the hull's boundary particles are in the fluid's row."""
         return ()
 
     def build(self, name: str, basin: Basin, fluid: Fluid) -> Ship:
@@ -110,7 +110,7 @@ class Pressure(Vessel):
         self.place_hull()
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
-        """Compute all forces and torques on the ship (4.27); every force of the particles is in the part `buoyancy`."""
+        """Compute all forces and torques on the ship (thesis 4.27); all forces of particles count as `buoyancy`."""
         forces, torques = self.boundary.forces()
         body = self.body
         motion = np.array([*body.own_velocity, *body.own_spin])

@@ -24,7 +24,7 @@ THESIS_NODES = 32  # along the basin, as `getWaveHeight` counts them
 
 
 class Config(FloatingConfig):
-    """Columns of water under a hull, and the thesis's damping and step."""
+    """Ship of the thesis: columns of water under the hull, and the thesis's damping and time step."""
 
     kind: Literal["thesis"] = "thesis"
     linear_damping: float = quantity("1/s", 0.2, ge=0.0)
@@ -45,7 +45,7 @@ class Thesis(FloatingShip):
         self.columns = Columns(self.hydrostatics, basin)
 
     def forces(self, now: Immersion) -> dict[str, np.ndarray]:
-        """(2, 3) force [N] and torque [N m] by part of the load: buoyancy by columns of water, no wave force."""
+        """Force [N] and torque [N m], (2, 3), by cause: buoyancy by columns of water, and no wave force."""
         surface = now.surface if self.contact is None else self.water
         self.columns.sum_columns(surface, self.body.position, self.body.matrix)
         carried = self.columns.out.to_numpy().sum(axis=0).reshape(2, 3)
@@ -88,7 +88,7 @@ class Columns:
 
     @ti.kernel
     def sum_columns(self, surface: Template, position: tm.vec3, turn: tm.mat3):
-        """Write force [N], torque [N m] of each column to `out`; `position` of the body, `turn` from its axes."""
+        """Write (6,) force [N], torque [N m] of each column to `out`; `turn`: rotation from body to world axes."""
         for k in range(self.n):
             arm = turn @ self.bottom[k]
             x = position + arm

@@ -53,7 +53,7 @@ def sheet(x: np.ndarray, z: np.ndarray, height: np.ndarray) -> Mesh:
 
 @lru_cache(maxsize=4)  # a sheet that moves keeps them
 def cell_triangles(nx: int, nz: int) -> np.ndarray:
-    """Vertex numbers (m, 3) of two triangles per cell of a grid of nx x nz points; cached, and so read-only."""
+    """Vertex numbers (m, 3) of two triangles for each cell of a grid of nx x nz points; cached, and so read-only."""
     number = np.arange(nx * nz, dtype=np.int32).reshape(nx, nz)
     a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
     corners = np.concatenate([np.stack([a, d, b], axis=1), np.stack([b, d, c], axis=1)])

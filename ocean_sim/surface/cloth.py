@@ -141,7 +141,7 @@ class Cloth:
 
     @ti.kernel
     def update(self, dt: float):
-        """Advance the sheet by dt [s]: carry nodes on, move them to the water, apply springs. dt 0: at rest after."""
+        """Advance the sheet by dt [s]: carry nodes on, move them to the water, apply springs; dt 0: at rest after."""
         for n in self.height:
             way = dt * self.speed[n] * tm.exp(-ti.static(self.config.damping) * dt)
             most = ti.static(MAX_CARRY * self.thickness)
@@ -166,7 +166,7 @@ class Cloth:
 
     @ti.func
     def moved_to_water(self, n, y):
-        """Height [m] of node n moved by Newton steps, which never overshoot, from height y [m] to the surface."""
+        """Height [m] of node n after Newton steps, which never overshoot, from the height y [m] to the water."""
         p, start, moves = self.heights.column_place(n), y, 0
         while moves < MAX_MOVES:
             share = self.around.total(tm.vec3(p.x, y, p.y), self.contact, 0.0)  # of the water within a thickness
@@ -224,7 +224,7 @@ class Cloth:
 
 @in_kernels
 class Contact:
-    """Pair sum over particles within `thickness` [m] of a point: smoothed share of water, its upward gradient [1/m]."""
+    """Sum over particles within `thickness` [m] of a point: smoothed share of water and its upward gradient [1/m]."""
 
     sums = 2
 
@@ -236,7 +236,7 @@ class Contact:
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Contribution of particle j, at d [m] from the point, to the share of water and its gradient [1/m]."""
+        """Contribution of particle j, at d [m] from the point, to share and gradient; `own`, `mirror` are not used."""
         w = self.thickness * self.thickness - d.dot(d)
         w = ti.select(w > 0.0, w, 0.0)
         return ti.static(self.constant) * w * w * ti.Vector([w, 6.0 * d.y])
@@ -266,7 +266,7 @@ class Contact:
         return height * self.spacing, shares, weight / weight.sum()
 
     def surface_height(self, share: float) -> float:
-        """Height [m] over flat water, on a lattice, above which the share of water is below `share`; mean over x, z."""
+        """Height [m] over flat water of a particle lattice at which the share falls below `share`; mean over x, z."""
         height, shares, weight = self.over_a_lattice
         k = LATTICE_HEIGHTS - 1 - np.argmax(shares[:, ::-1] >= share, axis=1)
         k = np.minimum(k, LATTICE_HEIGHTS - 2)

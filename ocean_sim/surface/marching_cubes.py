@@ -205,7 +205,7 @@ class MarchingCubes:
 
     @ti.kernel
     def find_heights(self):
-        """Set each column's height to the highest point where its water ends in air, or to the bed if it is dry."""
+        """Set the height of each column to the highest point where water ends in air, or to the bed if it is dry."""
         ny, value = ti.static(self.nodes.inner[1], self.isosurface.value)
         for n in self.heights.height:
             i, k = n // self.heights.count[1], n % self.heights.count[1]
@@ -240,8 +240,7 @@ class MarchingCubes:
 
 
 def flat_share(radius: float, spacing: float) -> float:
-    """Smoothed share of water half a spacing above the top layer of a cubic lattice: where flat water ends. Mean over
-    x, z.
+    """Smoothed share of water half a spacing above a cubic lattice of particles, where flat water ends; mean over x, z.
 
     A layer u radii below counts 315/256 (1 - u^2)^4, the integral of the poly6 kernel over it, times spacing over
     radius."""
@@ -269,10 +268,10 @@ def point_images(basin: Basin, nodes: Nodes) -> np.ndarray:
 
 @in_kernels
 class DensityMap:
-    """Smoothed shares of water at points, from sums over particles sorted into bins at least one radius wide."""
+    """Smoothed share of water at points, summed over particles that are sorted into bins at least one radius wide."""
 
     def __init__(self, particles: "Particles", basin: Basin, nodes: Nodes, radius: float) -> None:
-        """`nodes`: whose box the bins fill; `radius`: of the smoothing kernel, in which a particle counts [m]."""
+        """`nodes`: grid whose box the bins fill; `radius`: of the smoothing kernel, beyond which it is 0 [m]."""
         self.particles, self.nodes, self.radius = particles, nodes, radius
         self.n, self.squared = particles.n, radius * radius
         self.constant = particles.mass / particles.rest_density * 315.0 / (64.0 * pi * radius**9)
@@ -337,7 +336,7 @@ class DensityMap:
 
     @ti.func
     def shares_along(self, x, step, run: Template):
-        """Shares of water (run,) at `run` points in a row: at x (3,) [m], and at every `step` [m] along x after it."""
+        """Shares of water (run,) at `run` points in a row along x, `step` [m] apart, the first at x (3,) [m]."""
         total = ti.Vector.zero(float, run)
         for c in range(AXIS_IMAGES):
             z = self.image[2, c, 0] * x.z + self.image[2, c, 1]
@@ -355,7 +354,7 @@ class DensityMap:
 
     @ti.func
     def in_reach(self, first, last, axis: Template):
-        """True if `first` to `last` [m] on an axis comes within a radius of the box that holds the particles."""
+        """True if the stretch `first` to `last` [m] of an axis comes within a radius of the box with the particles."""
         low, high = self.lower[axis] - self.radius, self.upper[axis] + self.radius
         return tm.max(first, last) > low and tm.min(first, last) < high
 
@@ -390,7 +389,7 @@ class DensityMap:
 
     @ti.func
     def particles_near(self, y, z):
-        """True if particles are in the bins around a row of nodes at y, z [m], its next rows, or images of these."""
+        """True if bins around the row of nodes at y, z [m], its next rows, or images of these hold particles."""
         found = 0
         for c in range(AXIS_IMAGES):
             along = self.image[2, c, 0] * z + self.image[2, c, 1]

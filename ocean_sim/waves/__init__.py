@@ -111,7 +111,7 @@ def ramp_rate(time: float, ramp: float) -> float:
 
 
 def cut_short(duration: float, ramp: float) -> Iterator[str]:
-    """Yield a warning if a run of this duration [s] ends before its waves have grown over their ramp [s]."""
+    """Yield a warning if a run of this duration [s] ends before its waves are at full height, after their ramp [s]."""
     if duration < ramp:
         share = 100.0 * ramp_share(duration, ramp)
         yield (
@@ -143,7 +143,7 @@ class Components:
 
     @property
     def highest(self) -> int:
-        """Index of the wave of greatest amplitude."""
+        """Index of the wave with the greatest amplitude."""
         return int(np.argmax(self.amplitude))
 
     @property
@@ -172,7 +172,7 @@ class Components:
         return bool(np.ptp(self.omega) > 0.0)
 
     def select(self, there: np.ndarray) -> "Components":
-        """Copy of the sea with those waves only whose mask `there` (n,) is True, and always the longest wave."""
+        """Copy of the sea with only those waves for which `there` (n,) is True, and the longest wave."""
         kept = there | (np.arange(len(there)) == np.argmin(self.wavenumber))
         return replace(self, amplitude=self.amplitude[kept], wavevector=self.wavevector[kept], phase=self.phase[kept])
 
@@ -202,8 +202,8 @@ def combine(seas: Sequence[Components], depth: float, gravity: float = GRAVITY) 
 
 
 def merge_waves(sea: Components, wavevector: np.ndarray) -> Components:
-    """Copy of a sea with its n waves moved to other wavevectors (n, 2) [rad/m]. Waves moved to the same wavevector
-    become one wave, with the sum of their variances and the phase of the greatest."""
+    """Copy of a sea in which its n waves have new wavevectors (n, 2) [rad/m]. Waves with equal new wavevectors become
+    one wave, with the sum of their variances and the phase of the greatest."""
     unique, which = np.unique(wavevector.round(9), axis=0, return_inverse=True)
     members = [np.flatnonzero(which.ravel() == k) for k in range(len(unique))]
     greatest = [own[np.argmax(sea.amplitude[own])] for own in members]
@@ -226,7 +226,7 @@ def fit_periods(sea: Components, periods: Sequence[float]) -> Components:
 
 
 def profiles(k: Values, y: Values, depth: float) -> tuple[np.ndarray, np.ndarray]:
-    """Profiles cosh k(y+h) / cosh kh and sinh k(y+h) / cosh kh at heights y [m] over still water of depth h [m]."""
+    """Factors cosh k(y+h) / cosh kh, sinh k(y+h) / cosh kh of orbital motion at heights y [m], for a depth h [m]."""
     rise, mirrored, bed = np.exp(k * y), np.exp(-2.0 * k * (y + depth)), np.exp(-2.0 * k * depth)
     return rise * (1.0 + mirrored) / (1.0 + bed), rise * (1.0 - mirrored) / (1.0 + bed)
 
@@ -237,7 +237,7 @@ def weighted_sum(weight: np.ndarray, waves: np.ndarray) -> np.ndarray:
 
 
 def orbital_sum(sea: Components, points: np.ndarray, time: float, moved: bool) -> np.ndarray:
-    """Velocities (m, 3) [m/s] at points (m, 3) [m], or displacements [m] of the water if `moved`, by linear theory."""
+    """Velocities (m, 3) [m/s] of water at points (m, 3) [m], or if `moved` its displacements [m], by linear theory."""
     total = np.zeros((len(points), 3))
     for some, angle in sea.angles(points, time):
         k, omega, (c, s) = sea.wavenumber[some], sea.omega[some], (np.cos(angle), np.sin(angle))
@@ -263,8 +263,8 @@ def elevation(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndar
 
 
 def lattice_rows(points: np.ndarray) -> int | None:
-    """Number of rows of equal x if points (m, 2 or 3) form a full grid of x and z, z varying fastest; None for other
-    points, and for grids too small for the faster sum over a grid."""
+    """Number of rows of equal x if points (m, 2 or 3) form a full grid of x and z, z varying fastest. None if they do
+    not, or if the grid is too small for the faster sum over a grid."""
     if len(points) < MIN_LATTICE_POINTS:
         return None
     x, z = points[:, 0], points[:, -1]
@@ -278,8 +278,8 @@ def lattice_rows(points: np.ndarray) -> int | None:
 def _on_lattice(
     sea: Components, parts: list[tuple[np.ndarray, np.ndarray]], x: np.ndarray, z: np.ndarray, time: float
 ) -> np.ndarray:
-    """Sums over waves of p cos(angle) + q sin(angle) at the points of a grid x by z [m], z fastest: (points, k), a
-    column for each of the k pairs of factors p, q (n,) in `parts`. Cosines are computed per row and column only."""
+    """Sums over n waves of p cos(angle) + q sin(angle) at the points of a grid x by z [m], z fastest: (points, k), a
+    column for each of the k pairs p, q (n,) in `parts`. Cosines are computed per row and column of the grid only."""
     a = np.outer(x, sea.wavevector[:, 0])
     b = np.outer(sea.wavevector[:, 1], z) + (sea.phase - sea.omega * time)[:, None]
     (cos_a, sin_a), (cos_b, sin_b) = (np.cos(a), np.sin(a)), (np.cos(b), np.sin(b))
@@ -389,8 +389,8 @@ class Spectrum(Model):
     def components(
         self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = SPECTRUM_WAVES
     ) -> Components:
-        """Sea of `count` plane waves along a unit vector `towards` (x, z): one for each of equal slices of the
-        frequency band, with the slice's variance and a random frequency in it, so that the sea has no period."""
+        """Sea of `count` plane waves along a unit vector `towards` (x, z), one for each of as many equal slices of the
+        frequency band. A wave has the slice's variance and a random frequency in it, so that the sea has no period."""
         peak = 1.0 / self.peak_period
         edges = np.linspace(LOWEST_FREQUENCY, self.cut_off, count + 1) * peak
         n = np.arange(count)
@@ -473,10 +473,10 @@ class FileSpectrum(Model):
 
     @property
     def heading_deg(self) -> None:
-        """No single heading: the file has the directions."""
+        """None: the directions of the waves are in the file."""
 
     def statement(self, dimension: int) -> str:
-        """Sentence for the user on how compass directions in the file become headings in a scene of this dimension."""
+        """Sentence for the user on how the file's compass directions become headings in a 2-D or 3-D scene."""
         axes = {0.0: "+z", 90.0: "+x", 180.0: "-z", 270.0: "-x"}
         headings = (((self.north_deg or 0.0) + turn) % 360.0 for turn in (0.0, -90.0))
         north, east = (axes.get(heading, f"heading {heading:g}") for heading in headings)
@@ -486,8 +486,8 @@ class FileSpectrum(Model):
     def components(
         self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = SPECTRUM_WAVES
     ) -> Components:
-        """Sea of about `count` plane waves, of equal heights within each band of the file, at least one. Each band has
-        its variance and mean direction; in 2-D, where the unit vector `towards` lies along x, all waves follow it."""
+        """Sea of about `count` plane waves, at least one. Waves from one band of the file share its variance equally
+        and have its mean direction; in 2-D, where the unit vector `towards` lies along x, all waves follow it."""
         table, variance = self.table, self.table.variance
         widths = np.where(variance > 0.0, np.diff(table.edges), 0.0)
         number = np.rint(0.5 * count * (variance / variance.sum() + widths / widths.sum())).astype(int)
@@ -511,7 +511,7 @@ class FileSpectrum(Model):
 
 
 def spectrum_class(value: Any) -> str:
-    """Name of the class of a spectrum, by its keys as data or by itself, as tag for pydantic."""
+    """Pydantic tag of a spectrum, the name of its class, from a mapping of its keys or from the object itself."""
     named = isinstance(value, dict) and "file" in value
     return "FileSpectrum" if named or isinstance(value, FileSpectrum) else "SpreadSpectrum"
 

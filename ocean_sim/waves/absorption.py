@@ -33,7 +33,7 @@ MAX_DEPTH = 6.0  # [1/k] depth below which no wave is felt
 
 
 def damping_rate(k: float, depth: float, gravity: float, length: float) -> float:
-    """Damping rate [1/s] at the wall for which a zone of a length [m] reflects waves of wavenumber k [rad/m] least."""
+    """Damping rate [1/s] at the wall that makes a zone of a length [m] reflect waves of wavenumber k [rad/m] least."""
     return max(LEAST_REFLECTION_RATE * k, SHORT_ZONE_RATE / length) * float(group_speed(k, depth, gravity))
 
 

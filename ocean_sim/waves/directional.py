@@ -39,12 +39,12 @@ class DirectionalSpectrum:
 
     @property
     def step(self) -> float:
-        """Step between directions [rad]; 1 before they are known."""
+        """Step between directions [rad]; 1 for the spectrum of a buoy before `spread`."""
         return float(np.radians(np.median(np.diff(self.direction)))) if self.moments is None else 1.0
 
     @property
     def edges(self) -> np.ndarray:
-        """Edges (n + 1,) [Hz] of bands, halfway between frequencies: sums over bands are trapezoidal integrals."""
+        """Edges (n + 1,) [Hz] of bands, halfway between the frequencies: sums over bands are trapezoidal."""
         f = np.pad(self.frequency, 1, "edge")
         return 0.5 * (f[1:] + f[:-1])
 
@@ -76,7 +76,7 @@ class DirectionalSpectrum:
         return SeaState(self.significant_height, self.peak_period, (m0 / m2) ** 0.5, angle % 360.0, spread)
 
     def spread(self, method: Spreading) -> "DirectionalSpectrum":
-        """Copy with directions instead of moments, by the maximum entropy method or by Fourier series."""
+        """Copy with density over directions instead of moments, by the maximum entropy method or by Fourier series."""
         if self.moments is None:
             return self
         distribution = maximum_entropy if method == "mem" else fourier_series
@@ -85,7 +85,7 @@ class DirectionalSpectrum:
         return DirectionalSpectrum(self.frequency, MOMENT_DIRECTIONS, self.density * shares)
 
     def partitions(self) -> list["DirectionalSpectrum"]:
-        """Parts of this spectrum around its peaks (Hanson & Phillips 2001), the highest waves first."""
+        """Division of this spectrum into spectra around its peaks (Hanson & Phillips 2001), the highest waves first."""
         labels, least = partition_labels(self), MIN_PARTITION_SHARE**0.5 * self.significant_height
         parts = [replace(self, density=np.where(labels == k, self.density, 0.0)) for k in np.unique(labels)]
         high = [part for part in parts if part.significant_height >= least]
@@ -93,8 +93,8 @@ class DirectionalSpectrum:
 
 
 def fourier_series(turn: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Directional distribution (n, m) of moments (n, 1), where `turn` (m,) is e^(-i theta): their Fourier series, cut
-    off below 0 (Longuet-Higgins, Cartwright & Smith 1963), and rotated to the mean direction it had before the cut."""
+    """Directional distribution (n, m) with moments `first`, `second` (n, 1), where `turn` (m,) is e^(-i theta): Fourier
+    series cut off below 0 (Longuet-Higgins, Cartwright & Smith 1963), and rotated back to its mean direction."""
     for _ in range(2):
         shares = np.maximum(1.0 + 2.0 * (first * turn + second * turn**2).real, 0.0)
         mean = (shares * turn.conj()).sum(axis=1, keepdims=True)
@@ -103,8 +103,8 @@ def fourier_series(turn: np.ndarray, first: np.ndarray, second: np.ndarray) -> n
 
 
 def maximum_entropy(turn: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Directional distribution (n, m) of moments (n, 1) with the most entropy (Lygre & Krogstad 1986), where `turn`
-    (m,) is e^(-i theta). Moments too large for any distribution are reduced to MAX_COHERENCE."""
+    """Directional distribution (n, m) of most entropy with moments `first` and `second` (n, 1) (Lygre & Krogstad 1986),
+    where `turn` (m,) is e^(-i theta). Moments too large for any distribution are reduced to MAX_COHERENCE."""
     first = first / np.maximum(1.0, np.abs(first) / MAX_COHERENCE)
     phi_2 = (second - first**2) / (1.0 - np.abs(first) ** 2)
     phi_2 /= np.maximum(1.0, np.abs(phi_2) / MAX_COHERENCE)
@@ -112,8 +112,8 @@ def maximum_entropy(turn: np.ndarray, first: np.ndarray, second: np.ndarray) -> 
 
 
 def partition_labels(spectrum: DirectionalSpectrum) -> np.ndarray:
-    """Number of the peak to which each cell (n, m) belongs: steepest ascent in the smoothed table leads to it. A peak
-    that a high saddle joins to a higher one counts as that."""
+    """(n, m) number of the spectral peak to which each cell of the table belongs, by steepest ascent in the smoothed
+    table. A peak that a high saddle joins to a higher one counts as the same."""
     from scipy.ndimage import gaussian_filter
 
     widths = SMOOTHING_BANDS, np.radians(SMOOTHING_DEG) / spectrum.step

@@ -122,11 +122,11 @@ class WaveField:
         return waves.velocity(self.sea, row_array("points", points, "x, y, z"), number("time", time, "s"))
 
     def periodic(self, side: float) -> "WaveField":
-        """Copy of this field with wavelengths changed to fit a square of this side [m], which can then be tiled."""
+        """Copy of this field with wavelengths that fit a square of this side [m], so that it can be tiled."""
         return WaveField(waves.fit_periods(self.sea, 2 * [number("side", side, "m", MIN_SQUARE_SIDE)]))
 
     def field(self, cells: int, side: float, time: float) -> np.ndarray:
-        """Heights (cells, cells) [m], x by z, at a time [s] of a tile of `side` [m], one corner at the origin."""
+        """Heights (cells, cells) [m], over x and z, at a time [s] on a square of `side` [m] from the origin on."""
         at = np.arange(whole_number("cells", cells)) * (number("side", side, "m", MIN_SQUARE_SIDE) / cells)
         x, z = np.meshgrid(at, at, indexing="ij")
         heights = self.periodic(side).elevation(np.stack([x.ravel(), z.ravel()], axis=1), time)

@@ -22,7 +22,7 @@ MIN_WAVE_POINTS = 4.0  # [points of the grid] waves that count: shorter ones are
 
 @dataclass(frozen=True)
 class Orbit:
-    """Size and drift of a particle's orbit over whole wave periods."""
+    """Size of a particle's orbit under waves, and its drift, over whole wave periods."""
 
     along_m: float  # half its length along the waves
     up_m: float  # half its height
@@ -64,9 +64,9 @@ def circulation(
 def surface_fall(
     elevation: np.ndarray, spacing_x: float, spacing_z: float, depth: float = inf, shortest: float = 0.0
 ) -> np.ndarray:
-    """Downward acceleration over gravity (nx, nz) of a surface elevation (nx, nz) [m] by linear theory: each of its
-    waves times k tanh(k depth), which on deep water is the convergence of displacement too. The slope across the grid's
-    sides is 0; points are spacing_x and spacing_z [m] apart; waves shorter than `shortest` [m] are left out."""
+    """Downward acceleration of the surface over gravity, (nx, nz), by linear theory from its `elevation` (nx, nz) [m]:
+    each wave times k tanh(k depth). Points are spacing_x and spacing_z [m] apart, and the slope across the grid's sides
+    is 0; waves shorter than `shortest` [m] are left out."""
     from scipy.fft import dctn, idctn
 
     nx, nz = elevation.shape
@@ -78,7 +78,7 @@ def surface_fall(
 
 
 def breaking_cover(falling: np.ndarray) -> float:
-    """Share of a surface on which crests break: `falling`, from `surface_fall`, exceeds BREAKING_ACCELERATION."""
+    """Share of a surface where crests break: where `falling`, from `surface_fall`, exceeds BREAKING_ACCELERATION."""
     return float(np.mean(falling > BREAKING_ACCELERATION))
 
 
@@ -155,7 +155,7 @@ class Grid:
 
     @property
     def is_slice(self) -> bool:
-        """True if the water is a vertical slice in x-y."""
+        """True for a 2-D run, a vertical slice in x-y."""
         return len(self.z) == 1
 
     @property

@@ -48,7 +48,7 @@ CHECKS = (Checked(RECORD_FILES, (exchange.ELEV_RULE, LIKE_A_SEA)),)
 
 
 class Unmeasurable(ValueError):
-    """A record of heights cannot be measured; the message gives the reason."""
+    """Error of a record of heights that cannot be measured; the message gives the reason."""
 
 
 @dataclass(frozen=True)
@@ -94,8 +94,8 @@ def gauge_elevations(path: Path, begin: float) -> tuple[np.ndarray, dict[str, np
 
 
 def stand_in_row(heights: np.ndarray) -> int | None:
-    """Index of the first of heights (n,) [m] that is not measured: a placeholder of nines, or far from the median in a
-    record that jumps; None if all are plausible."""
+    """Index of the first of heights (n,) [m] that is a stand-in for a missing one: a row of nines, or far from the
+    median in a record that jumps; None if all are plausible."""
     off = np.abs(heights - np.median(heights))
     nines = np.array([re.fullmatch("999+", f"{abs(h):g}".replace(".", "")) is not None for h in heights])
     far = (off > MAX_ELEVATION) & bool((np.abs(np.diff(heights)) > MAX_ELEVATION).any())
@@ -131,7 +131,7 @@ def missing_samples(time: np.ndarray) -> str | None:
 
 
 def linear_trend(interval: float, values: np.ndarray) -> float:
-    """Slope [m/s] of the least-squares straight line through a record (n,) [m] with this sampling interval [s]."""
+    """Slope [m/s] of the least-squares straight line through heights `values` (n,) [m] sampled every `interval` [s]."""
     t = interval * (np.arange(len(values)) - 0.5 * (len(values) - 1))
     return float(t @ values / (t @ t))
 
@@ -153,7 +153,7 @@ class Treatment:
         return detrend(values, type="linear" if self.detrended else "constant")
 
     def notes(self) -> dict[str, str]:
-        """Notes for a table of results on the options in use, by name; empty for a record treated by default."""
+        """Notes on those options that differ from the default, by name, for a table of results."""
         found = {"detrended": "less the straight line through each record"} if self.detrended else {}
         return found | ({"hysteresis": f"{self.hysteresis:g} m"} if self.hysteresis else {})
 
@@ -162,7 +162,7 @@ AS_IT_WAS = Treatment()
 
 
 def slow_part(interval: float, values: np.ndarray, treatment: Treatment) -> str | None:
-    """Sentence on a trend or tide that makes a record (n,) [m] TREND_RATIO times as high as its waves, or None."""
+    """Sentence on a trend or tide in a record (n,) [m] that is TREND_RATIO times as high as its waves; else None."""
     treated = treatment.deviation(values)
     level = Treatment(detrended=True).deviation(values)
     if not treatment.detrended and treated.std() > max(TREND_RATIO * level.std(), STILL_RANGE):
@@ -190,7 +190,7 @@ def up_crossings(interval: float, deviation: np.ndarray, hysteresis: float = 0.0
 
 
 def parabola_top(values: np.ndarray) -> float:
-    """Greatest of some values (n,), refined: the top of the parabola through it and its two neighbours."""
+    """Maximum of `values` (n,), also between samples: top of the parabola through the greatest and its neighbours."""
     k = int(values.argmax())
     if not 0 < k < len(values) - 1:
         return float(values[k])
@@ -203,7 +203,7 @@ def zero_crossing_waves(
     interval: float, deviation: np.ndarray, hysteresis: float = 0.0
 ) -> tuple[np.ndarray, np.ndarray]:
     """Heights from trough to crest [m] and periods [s] of all waves between zero up-crossings of a record less its mean
-    (n,) [m], with this sampling interval [s]; `hysteresis` as in `up_crossings`."""
+    (n,) [m], sampled every `interval` [s]; `hysteresis` as in `up_crossings`."""
     times, before = up_crossings(interval, deviation, hysteresis)
     heights = [
         parabola_top(deviation[begin : end + 2]) + parabola_top(-deviation[begin : end + 2])
@@ -235,7 +235,7 @@ def spectral_peak(frequency: np.ndarray, density: np.ndarray) -> float:
 
 
 def segment_count(interval: float, deviation: np.ndarray) -> int:
-    """Number of Welch segments: the most, up to MAX_SEGMENTS, of SEGMENT_PERIODS peak periods each; or else 1."""
+    """Number of Welch segments: as many, up to MAX_SEGMENTS, as hold SEGMENT_PERIODS peak periods each; else 1."""
     for count in range(MAX_SEGMENTS, 1, -1):
         frequency, density = welch_density(interval, deviation, count)
         if spectral_peak(frequency, density) >= SEGMENT_PERIODS * frequency[1]:
@@ -279,8 +279,8 @@ def spectral_moments(interval: float, deviation: np.ndarray, up_to: float) -> tu
 
 def sampling_error(deviation: np.ndarray) -> float:
     """Relative standard error of the significant height of a record (n,) of a Gaussian sea less its mean: half that of
-    m0, which is the root of the integral of S^2 over m0^2 and the record's length (Bendat & Piersol 2010, Random Data,
-    4th ed., section 8.2); a periodogram squared is 2 S^2 on average."""
+    m0, sqrt(integral of S^2 / (m0^2 T)), T being its length (Bendat & Piersol 2010, Random Data, 4th ed., section 8.2);
+    a periodogram squared is 2 S^2 on average."""
     power = np.abs(np.fft.rfft(deviation)) ** 2
     return 0.5 * float((0.5 * (power**2).sum()) ** 0.5 / power.sum())
 

@@ -29,7 +29,7 @@ class Steepening(Model):
     et al. 2018, J. Fluid Mech. 841)."""
 
     def onset_in(self, period: float) -> float:
-        """Time [s] over which the nonlinear terms set in, if the highest waves have this period [s]."""
+        """Time [s] in which the nonlinear terms grow to full strength; `period`: of the highest waves [s]."""
         return ONSET_PERIODS * period if self.onset is None else self.onset
 
 
@@ -54,7 +54,7 @@ class Seas(waves.OpenTrain):
 
     @property
     def trains(self) -> list[tuple[tuple[str | int, ...], waves.OpenTrain]]:
-        """Wave trains of the sea, each after its path of config keys: the sea's own, if any, and each of `spectra`."""
+        """Wave trains of the sea, each with its path of config keys: the sea's own, if any, and those of `spectra`."""
         own = [((), self)] if self.height is not None or self.spectrum is not None else []
         file = [self.components] if isinstance(self.components, waves.FileSpectrum) else []
         listed = [(("components",), waves.OpenTrain(spectrum=each)) for each in file]
@@ -71,7 +71,7 @@ class Seas(waves.OpenTrain):
         return max(sizes) if sizes else None
 
     def table(self) -> dict[str, np.ndarray] | None:
-        """Columns of the file `components` by name; None if no file is given. Raises Unreadable if it is faulty."""
+        """Columns by name of the file `components`, a list of plane waves; None without a file. Raises Unreadable."""
         if not isinstance(self.components, str):
             return None
         if Path(self.components).suffix == ".swd":
@@ -103,7 +103,7 @@ class Seas(waves.OpenTrain):
         return table.like_radians() if isinstance(table, csv_file.Table) else []
 
     def sea_faults(self, basin: waves.Tank) -> list[Fault]:
-        """Reasons why this basin cannot have this sea: path of the config key at fault, and a sentence for each."""
+        """Reasons why this sea is impossible in a basin, as (path of config keys, sentence)."""
         found: list[Fault] = [(("kind",), sentence) for sentence in waves.basin_faults(basin)]
         try:
             self.table()

@@ -34,14 +34,14 @@ Found = DirectionalSpectrum | None
 
 
 class Record(NamedTuple):
-    """Spectra of all points of a file at one time."""
+    """Spectra at one time, one for each point of a file."""
 
     time: datetime | None  # UTC; None in a file without times
     points: list[Found]  # None for a point without data
 
 
 class Lines:
-    """Reader of a text that returns the words of one line after the other, without empty lines and comments."""
+    """Reader of a text file, line by line, without empty lines and comments."""
 
     def __init__(self, path: str | Path) -> None:
         numbered = [(n, line.strip()) for n, line in enumerate(read_text(path).splitlines(), 1) if line.strip()]
@@ -54,7 +54,7 @@ class Lines:
         return self.at + 1 >= len(self.rows)
 
     def words(self, expected: str, *choices: str) -> list[str]:
-        """Words of the next line; raises LookupError at the end, and if the first word is none of the `choices`."""
+        """Words of the next line; raises LookupError at the end, or if the first word is not one of `choices`."""
         self.at, self.expected = self.at + 1, expected
         found = self.rows[self.at][1].split()
         if choices and found[0] not in choices:
@@ -62,7 +62,7 @@ class Lines:
         return found
 
     def numbers(self, count: int, expected: str) -> np.ndarray:
-        """The next `count` numbers, which fill whole lines; raises LookupError or ValueError, noting `expected`."""
+        """The next `count` numbers, which fill lines; raises LookupError or ValueError. `expected`: their meaning."""
         found: list[float] = []
         while len(found) < count:
             found += map(float, self.words(f"{count} {expected}"))
@@ -86,7 +86,7 @@ def read_spectra(path: str | Path) -> list[Record]:
 
 
 def _read_all(lines: Lines, reader: Callable[[Lines], Iterable]) -> list:
-    """All that a `reader` yields from lines; raises Unreadable at the first line that is not as expected."""
+    """All items that a `reader` yields from lines; raises Unreadable at the first line that it does not expect."""
     try:
         return [*reader(lines)]
     except (LookupError, ValueError) as error:
@@ -98,8 +98,8 @@ def _read_all(lines: Lines, reader: Callable[[Lines], Iterable]) -> list:
 
 
 def read_spectrum(path: str | Path, time: str | None, point: int) -> tuple[datetime | None, DirectionalSpectrum]:
-    """Time and spectrum of a point, counted from 1, at a time (ISO 8601, UTC, to the minute), or at the only time of
-    the file; raises Unreadable if there is none."""
+    """Time and spectrum of point number `point`, from 1 on, at a time (ISO 8601, UTC, to the minute), or, if that is
+    None, at the only time of the file; raises Unreadable if there is none."""
     records = {f"{each.time:{TIME_FORM}}" if each.time else "": each for each in read_spectra(path)}
     first, *_, last = [*records, *records]
     asked = first if time is None and len(records) == 1 else in_utc(time or "")
@@ -114,7 +114,7 @@ def read_spectrum(path: str | Path, time: str | None, point: int) -> tuple[datet
 
 
 def in_utc(time: str) -> str:
-    """Text of a time (ISO 8601) in UTC to the minute, to compare with those of files; other text is unchanged."""
+    """Time (ISO 8601) as text in UTC to the minute, comparable with times in files; any other text is unchanged."""
     try:
         there = datetime.fromisoformat(time)
     except ValueError:
@@ -129,7 +129,7 @@ def numbers_in(words: Iterable[str]) -> np.ndarray:
 
 
 def table_spectrum(path: str | Path, frequency: np.ndarray, *others: np.ndarray) -> Found:
-    """Spectrum from directions, densities and moments (`others`), or None without energy; raises Unreadable."""
+    """Checked spectrum; `others`: directions, densities, perhaps moments. None without energy; raises Unreadable."""
     rising = len(frequency) > 1 and frequency[0] > 0.0 and (np.diff(frequency) > 0.0).all()
     if not rising or not others[1].min() >= 0.0 or np.isinf(others[1]).any():
         shown = ", ".join(f"{f:g}" for f in frequency[:3])
@@ -138,8 +138,8 @@ def table_spectrum(path: str | Path, frequency: np.ndarray, *others: np.ndarray)
 
 
 def buoy_spectrum(path: str | Path, frequency: np.ndarray, density: np.ndarray, moments: np.ndarray) -> Found:
-    """Directional spectrum from densities (n,) [m2/Hz] and moments (2, n). Frequencies without a density are left out;
-    those without moments take the nearest ones. None if there is no energy, or no direction."""
+    """Directional spectrum of a buoy, from densities (n,) [m2/Hz] and moments (2, n). Frequencies without a density are
+    left out; those without moments take the nearest ones. None if there is no energy, or no direction."""
     there = np.isfinite(density)
     directed = there & np.isfinite(moments).all(axis=0)
     if not directed.any():
@@ -175,7 +175,7 @@ def _ndbc_rows(lines: Lines) -> Iterable[tuple[datetime, np.ndarray]]:
 
 
 def ndbc_files(path: str | Path) -> list[Path]:
-    """The five files of NDBC of which `path` names one; empty if its name is not one of theirs."""
+    """The five NDBC files to which the one named `path` belongs; empty if its name is not an NDBC one."""
     path = Path(path)
     if path.suffix in NDBC_ENDINGS:
         return [path.with_suffix(ending) for ending in NDBC_ENDINGS]
@@ -184,8 +184,8 @@ def ndbc_files(path: str | Path) -> list[Path]:
 
 
 def _read_ndbc(lines: Lines) -> Iterable[Record]:
-    """Spectra of NDBC: density [m2/Hz], mean direction alpha1 and principal direction alpha2 [deg], and r1, r2, which
-    yearly files give in hundredths."""
+    """Yield spectra of NDBC buoys: density [m2/Hz], mean direction alpha1, principal direction alpha2 [deg], and r1,
+    r2, which yearly files give in hundredths."""
     path = Path(lines.path)
     live, paths = path.suffix in NDBC_ENDINGS, ndbc_files(path)
     if not paths:
@@ -201,8 +201,8 @@ def _read_ndbc(lines: Lines) -> Iterable[Record]:
 
 
 def _read_cdip(lines: Lines) -> Iterable[Record]:
-    """Spectrum of CDIP: rows of frequency, width, energy [m2/Hz], direction, and Fourier moments a1, b1, a2, b2 about
-    north and east of the directions from which waves come."""
+    """Yield the spectrum of a CDIP file: rows of frequency, width, energy [m2/Hz], direction, and Fourier moments a1,
+    b1, a2, b2 about north and east of the directions from which waves come."""
     time = datetime.strptime(lines.words("File Name: sp and a time like 202610031200")[2][-12:], "%Y%m%d%H%M")
     while lines.words("freq")[0].lower() != "freq":
         pass
@@ -215,7 +215,7 @@ def _read_cdip(lines: Lines) -> Iterable[Record]:
 
 
 def _read_spotter(lines: Lines) -> Iterable[Record]:
-    """Spectra of a Spotter buoy: Fourier moments, about east and north, of the directions to which waves travel."""
+    """Yield spectra of a Spotter buoy: Fourier moments, about east and north, of directions to which waves travel."""
     rows = Table(lines.path)
     count = sum(name.startswith("varianceDensity_") for name in rows.names)
     names = [f"{name}_{k}" for name in ("f", "varianceDensity", "a1", "b1", "a2", "b2") for k in range(count or 1)]
@@ -230,8 +230,8 @@ def _read_spotter(lines: Lines) -> Iterable[Record]:
 
 
 def _read_swan(lines: Lines) -> Iterable[Record]:
-    """Spectra of SWAN. Directions are NDIR, from which waves come, clockwise from north, or CDIR, to which they travel,
-    counter-clockwise from the x-axis, taken as east; density in m2 or J/m2 per Hz and degree."""
+    """Yield spectra of SWAN. Directions are NDIR (from which waves come, clockwise from north) or CDIR (to which they
+    travel, counter-clockwise from the x-axis, taken as east); density is in m2 or J/m2 per Hz and degree."""
     axes: dict[str, np.ndarray] = {}
     timed, points = False, 1
     keys = "TIME", "LONLAT", "LOCATIONS", "AFREQ", "RFREQ", "NDIR", "CDIR", "QUANT"
@@ -262,8 +262,8 @@ def _read_swan(lines: Lines) -> Iterable[Record]:
 
 
 def _read_ww3(lines: Lines) -> Iterable[Record]:
-    """Spectra of WAVEWATCH III: directions [rad] to which waves travel, clockwise from north, and for each time and
-    point densities [m2/(Hz rad)], with the frequency running fastest."""
+    """Yield spectra of WAVEWATCH III: directions [rad] to which waves travel, clockwise from north, then for each time
+    and point densities [m2/(Hz rad)], frequency running fastest."""
     lines.words("numbers of frequencies and directions")
     n, m = map(int, lines.begin.split("'")[2].split()[:2])
     frequency, towards = lines.numbers(n, "frequencies [Hz]"), np.degrees(lines.numbers(m, "directions [rad]"))
@@ -279,7 +279,7 @@ def _read_ww3(lines: Lines) -> Iterable[Record]:
 
 
 def _read_era5(path: str | Path) -> Iterable[Record]:
-    """Spectra of ERA5: log10 of the density [m2/(Hz rad)], missing if low; over time, frequency, direction, places."""
+    """Yield spectra of ERA5: log10 of density [m2/(Hz rad)], missing if low, by time, frequency, direction, place."""
     try:
         with open_netcdf(path) as file:
             variable = file.variables["d2fd"]

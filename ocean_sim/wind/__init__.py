@@ -15,7 +15,7 @@ CLOCK_RESTART_TIME = 1.0  # [s] how long the clock runs: up to here single preci
 
 
 class Clock:
-    """Clock of a wind: simulated time and step length; it stays at 0 for a wind that needs none."""
+    """Clock of a wind, for kernels: simulated time and length of the step. It stays at 0 for a wind that needs none."""
 
     def __init__(self) -> None:
         self.time = 0.0  # [s] since the beginning
@@ -26,7 +26,7 @@ class Clock:
         self.time, self.since, self.step = self.time + dt, self.since + dt, dt
 
     def is_due(self) -> bool:
-        """True if the clock has to be restarted to keep its single precision."""
+        """True if the clock must be restarted, lest `since` lose its precision in single precision."""
         return self.since > CLOCK_RESTART_TIME
 
     def restart(self) -> None:
@@ -35,13 +35,13 @@ class Clock:
 
 
 class DeviceRow:
-    """Row of numbers in device memory for kernels, 0 at first; a number is copied there only when it changes."""
+    """Array of numbers in device memory, read by kernels, 0 at first; a number is copied there only when it changes."""
 
     def __init__(self, size: int) -> None:
         self.field, self.values = ti.field(float, shape=size), [0.0] * size
 
     def set(self, column: int, number: float) -> None:
-        """Write a number into a column of the row, for kernels launched from now on."""
+        """Write a number into an element (`column`) of the array, for kernels launched from now on."""
         if number != self.values[column]:
             self.values[column] = number
             self.field[column] = float(number)
@@ -49,7 +49,7 @@ class DeviceRow:
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """Lines around a wind and arrows along it, for pictures of the scene."""
+    """Lines and arrows by which pictures show a wind: its outline and its direction."""
 
     lines: np.ndarray  # (n, 2, 3) ends of the lines that show where it blows [m]
     tails: np.ndarray  # (m, 3) where arrows begin [m]
@@ -79,18 +79,18 @@ class Wind(ABC):
         self.clock = Clock() if clock is None else clock
 
     def on(self, target: Target) -> "Wind":
-        """Wind that acts on a target: this one, or still air if this one does not act on it."""
+        """Wind as felt by a kind of body, `fluid` or `ship`: this one, or still air if it does not act on that."""
         return self if target in self.config.acts_on else StillAir()
 
     def follow(self, middle: np.ndarray) -> None:  # noqa: B027
         """Store the middle x, z (2,) [m], in the world, of the patch of open sea under the wind; called as the patch
-        follows its ships. A wind with a place hands it to its `shared.place.Patch`; a uniform wind ignores it."""
+        follows its ships. Winds whose axes are a `shared.place.Patch` hand it on; a uniform wind ignores it."""
 
     def advance(self, dt: float) -> None:  # noqa: B027
         """Advance the wind to its state in the next time step, of dt [s]; called before each step of the water."""
 
     def strengthen(self, factor: float) -> None:
-        """Set the factor on the strength that the scene gives, from the next step on; no kernel is compiled again."""
+        """Set a factor on the strength given in the scene, from the next step on, without compiling a kernel again."""
         self.gain = factor
 
     def drawing(self) -> Drawing:

@@ -101,7 +101,7 @@ class Volume(Scheduled):
         return self.include[0].core.chord(self.velocity / speed) / speed if speed else inf
 
     def blows(self, time: float, dt: float = 0.0) -> tuple[float, float]:
-        """Factor on the wind's strength in a step of dt [s] from a time [s], and its turn [rad] by the schedule."""
+        """Factor on the wind's strength, and its turn [rad] by the schedule, in a step of dt [s] from a time [s] on."""
         if self.course is None:
             return self.blowing(time, dt), 0.0
         speed, heading = self.course.at(time + 0.5 * dt)
@@ -111,7 +111,7 @@ class Volume(Scheduled):
 
     @property
     def strongest(self) -> float:
-        """Value of the longest arrow drawn: the acceleration [m/s2], or wind_speed [m/s] if there is none."""
+        """Strength that the longest arrow shows: acceleration [m/s2] or, without one, wind_speed [m/s]."""
         return hypot(*self.acceleration) or self.wind_speed
 
     @property
@@ -120,7 +120,7 @@ class Volume(Scheduled):
         return [(shape, 1.0) for shape in self.include] + [(shape, -1.0) for shape in self.exclude]
 
     def redraw(self, seed: int, number: int, passage: int) -> tuple[float, float]:
-        """Random turn [rad] and strength factor of volume `number` on its crossing of the basin number `passage`."""
+        """Random turn [rad] and strength factor of volume `number`; `passage`: number of its crossing of the basin."""
         side, force, _ = numpy_uniform3(seed, PASSAGE_STREAM + number, 0, passage)[0]
         given = self.include[0].core.yaw
         low, high = (radians(a) for a in self.redraw_yaw_deg) if self.redraw_yaw_deg else (given, given)
@@ -148,7 +148,7 @@ class Volume(Scheduled):
         return min(slabs, key=lambda slab: slab[2])
 
     def passages(self, basin: Basin, seed: int, number: int) -> Passages:
-        """Repeated path of volume `number` of the wind across the basin; `seed` of its random turns."""
+        """Repeated crossings of the basin by this volume; `number`: its own in the wind; `seed`: of random turns."""
         first, speed = self.include[0].core, float(np.linalg.norm(self.velocity))
         rear = first.reach(self.velocity / speed) if speed else 0.0
         return Passages(first.centre, self.velocity, rear, basin, lambda passage: self.redraw(seed, number, passage))
@@ -223,13 +223,13 @@ def joined(drawings: list[Drawing]) -> Drawing:
 
 
 def row_size(volumes: list[Volume]) -> int:
-    """Number of columns in the device row of a volume: its own numbers, and those of as many shapes as any has."""
+    """Length of a volume's row of numbers on the device: its own, and those of the most shapes that any volume has."""
     return VOLUME.size + SHAPE.size * max(len(volume.shapes) for volume in volumes)
 
 
 @in_kernels
 class Gusts(Wind):
-    """Wind of drifting volumes of air, each with a row of numbers on the device."""
+    """Wind of drifting volumes of air; kernels read the numbers of each volume from its row of an array."""
 
     config: Config
 
@@ -297,7 +297,7 @@ class Gusts(Wind):
             self.noise.advance()
 
     def _lay_out(self, g: int) -> None:
-        """Write slab and shapes of volume number g, as turned at present, into its row of the array on the host."""
+        """Write slab and shapes of volume g, in its present orientation, into its row of the array on the host."""
         volume, turn = self.volumes[g], self.passages[g].turn
         centre = volume.include[0].core.centre
         normal, middle, self.half[g] = volume.slab(turn)
@@ -349,7 +349,7 @@ class Gusts(Wind):
 
     @ti.func
     def push(self, g, key, position, velocity, area, mass):
-        """Force [N] of volume g on a particle or voxel at a position [m] in the wind's axes; 0 outside the volume."""
+        """Force [N] of volume g on a particle or voxel at `position` [m], in the wind's axes; 0 outside the volume."""
         total, off = tm.vec3(0.0), position.dot(self.vector(g, VOLUME.normal)) - self.row[g, VOLUME.slab]
         if ti.abs(off) <= self.row[g, VOLUME.half_thickness]:
             if self.contains(g, position - self.vector(g, VOLUME.centre)):
@@ -364,7 +364,7 @@ class Gusts(Wind):
 
     @ti.func
     def load(self, g, wind, area):
-        """Drag and lift [N] of volume g on an exposed area [m2]; `wind`: air velocity relative to the area [m/s]."""
+        """Drag and lift [N] by volume g on an exposed area [m2]; `wind`: air velocity relative to that area [m/s]."""
         return drag(wind, area) + lift(wind, area, self.row[g, VOLUME.lift])
 
     @ti.func
@@ -382,13 +382,13 @@ class Gusts(Wind):
 
     @ti.func
     def vector(self, g, column):
-        """Vector (3,) in three neighbouring columns of the device row of volume g; `column`: number of the first."""
+        """Vector (3,) in the row of numbers of volume g: three columns from `column` on."""
         return tm.vec3(self.row[g, column], self.row[g, column + 1], self.row[g, column + 2])
 
 
 @in_kernels
 class Aimed(Wind):
-    """Subset of the volumes of a `Gusts`, for a target on which not all of them act."""
+    """Some of the volumes of a `Gusts` as a wind, for a target (fluid or ships) on which not all of them act."""
 
     def __init__(self, gusts: Gusts, numbers: list[int]) -> None:
         """`numbers`: indices of the volumes in `gusts`."""

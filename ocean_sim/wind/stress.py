@@ -67,7 +67,7 @@ class Config(Scheduled, WindConfig):
 
     @property
     def needs_bend(self) -> bool:
-        """True if the pressure on waves acts on the fluid."""
+        """True if the wind's pressure on waves acts on the fluid, so that `force` reads `bend`."""
         return self.needs_area and self.sheltering > 0.0
 
     @property
@@ -75,7 +75,7 @@ class Config(Scheduled, WindConfig):
         return self.targets
 
     def blows(self, time: float, dimension: int) -> tuple[float, float]:
-        """U10 [m/s] and heading [deg] at a time [s] in a basin of 2 or 3 dimensions, without the ramp of the stress."""
+        """U10 [m/s] and heading [deg] at a time [s] in a 2-D or 3-D basin; the ramp of the stress is not included."""
         if self.course is not None:
             return self.course.at(time)
         return self.speed, (90.0 if dimension == 2 else 0.0) if self.heading_deg is None else self.heading_deg
@@ -94,7 +94,7 @@ class Config(Scheduled, WindConfig):
         return self.speed if self.course is None else float(self.course.speed.max())
 
     def on_water(self, u10: float) -> float:
-        """Stress on the water [Pa] at a wind speed u10 [m/s], times `gain`."""
+        """Stress on the water [Pa] by a wind speed u10 [m/s], with the factor `gain`."""
         return self.gain * stress(u10, self.law)
 
     @property
@@ -103,7 +103,7 @@ class Config(Scheduled, WindConfig):
         return self.gain if self.pressure_gain is None else self.pressure_gain
 
     def sheltered(self, u10: float) -> float:
-        """Pressure on waves per slope along the wind [Pa] (Jeffreys 1925) at a wind speed u10 [m/s], times its gain."""
+        """Pressure on waves [Pa] per slope along the wind (Jeffreys 1925), by a wind u10 [m/s], with its gain."""
         relative = u10 - self.wave_speed
         return self.gain_of_pressure * self.sheltering * AIR_DENSITY * relative * abs(relative)
 
@@ -172,8 +172,8 @@ def plant(u10: float, k: float, gravity: float = GRAVITY) -> float:
 
 
 def growth_rate(wind: Config, u10: float, k: float, depth: float, pull: float) -> float:
-    """Growth rate of energy [1/s] that the scene's wind gives waves of wavenumber k [1/m] under a gravity `pull`
-    [m/s2]: by its pressure on waves if it has one, else by Plant's law (`plant`) times its gain."""
+    """Growth rate of energy [1/s] of waves of wavenumber k [1/m] in the scene's wind, under gravity `pull` [m/s2]: by
+    its pressure on waves if it has one, else by Plant's law (`plant`) times its gain."""
     if wind.sheltering:
         return wind.sheltered(u10) * k * float(waves.angular_frequency(k, depth, pull)) / (WATER_DENSITY * pull)
     return wind.gain * plant(u10, k, pull)
@@ -198,7 +198,7 @@ def overdamped(wind: Config, u10: float, k: float, preflight: Preflight) -> Iter
 
 
 def unresolved(wind: Config, u10: float, preflight: Preflight) -> Iterator[str]:
-    """Warn of reasons why this water cannot show the waves of a wind u10 [m/s]: coarse, too viscous, too short."""
+    """Warn if the water cannot show waves of a wind u10 [m/s]: too coarse, too viscous, or in too short a basin."""
     basin, pull, spacing = preflight.tank, hypot(*preflight.tank.gravity), preflight.spacing
     if u10 <= 0.0 or pull <= 0.0 or spacing is None:
         return
@@ -225,7 +225,7 @@ def unresolved(wind: Config, u10: float, preflight: Preflight) -> Iterator[str]:
 
 
 def rigid_layer_warnings(stress: float, preflight: Preflight) -> Iterator[str]:
-    """Warn if particles that have left their lattice rows would resist a stress [Pa] like a solid, rather than flow."""
+    """Warn if particles that have left their lattice would resist a stress [Pa] like a solid, instead of flowing."""
     fluid, tank = preflight.fluid, preflight.tank
     pressure, share = fluid.rest_density * hypot(*tank.gravity) * tank.depth, fluid.bears_shear
     if 0.0 < stress < FLOW_SHEAR_RATIO * share * pressure:

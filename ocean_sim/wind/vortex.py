@@ -69,7 +69,7 @@ class Config(Timed, Placed, WindConfig):
         return any(self.noise)
 
     def circulation(self, radius: float) -> float:
-        """Integral [m2/s2] of the water's acceleration along a circle of a radius [m] about the vortex axis."""
+        """Line integral [m2/s2] of the acceleration around a circle of a radius [m] about the vortex axis."""
         return 2.0 * pi * self.acceleration * min(radius**2 / self.core_radius, self.core_radius)
 
     def build(self, basin: Basin, seed: int) -> Wind:

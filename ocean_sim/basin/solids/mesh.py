@@ -36,7 +36,7 @@ CHECKS = (
 
 
 class BadMesh(ValueError):
-    """Error of a mesh that bounds no body; `problems` are sentences on the fault and its place."""
+    """Error of a mesh that is no closed body; `problems`: sentences on each fault and its position."""
 
     def __init__(self, *problems: Unreadable) -> None:
         self.problems = [str(problem) for problem in problems]
@@ -85,11 +85,11 @@ class ClosedMesh:
 
     @cached_property
     def inside_columns(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Segments of the columns of `_column_plan` inside the mesh: index of the column, lower and upper end [m]."""
+        """Segments, inside the mesh, of the columns of `_column_plan`: index of the column, lower and upper end [m]."""
         return inside_stretches(self.triangles, *self._column_plan[:2])
 
     def column_integral(self, of_heights: Callable[[np.ndarray], np.ndarray]) -> float:
-        """Integral over the inside of the mesh, by columns, of the height derivative of `of_heights`."""
+        """Integral of f(y) over the inside of the mesh, by columns; `of_heights`: antiderivative of f."""
         line, low, high = self.inside_columns
         return float(self._column_plan[2].ravel()[line] @ (of_heights(high) - of_heights(low)))
 
@@ -102,7 +102,7 @@ class ClosedMesh:
 
     @cached_property
     def mean_thickness(self) -> float:
-        """Thickness [m] of a shell with the mesh's volume and the mesh's faces on both of its sides."""
+        """Thickness [m] of a plate with the mesh's volume and, over both of its sides together, the mesh's area."""
         a, b, c = np.moveaxis(self.triangles, 1, 0)
         return 4.0 * self.volume / float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
 
@@ -180,7 +180,7 @@ def closed_mesh(file: str, data: bytes, scale: float | None, up: str | None, bow
 
 
 def section_prism(mesh: ClosedMesh) -> ClosedMesh | None:
-    """Prism along z, across z = 0, whose base is the section of a mesh there, as thick as that is broad or high; None
+    """Closed prism along z whose base is the section of a mesh at z = 0, as thick as that is broad or high; None
     without a section. Its ends are fans of triangles around one point; their parts outside the section cancel out."""
     low, high = mesh.triangles[..., 2].min(axis=1), mesh.triangles[..., 2].max(axis=1)
     cut = mesh.triangles[(low <= 0.0) & (high > 0.0)]
@@ -254,7 +254,7 @@ def edge_uses(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def closed_skins(faces: np.ndarray) -> np.ndarray:
-    """(m,) index of the skin (faces joined by edges) of each face; all 0 if some skin is not closed by itself."""
+    """(m,) number of each face's skin (faces joined by edges), or all 0 if some skin is not closed by itself."""
     from trimesh.graph import connected_component_labels, face_adjacency
 
     labels = np.asarray(connected_component_labels(face_adjacency(faces), node_count=len(faces)))
@@ -269,7 +269,7 @@ def signed_volumes(triangles: np.ndarray) -> np.ndarray:
 
 
 def faces_outwards(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, list[str]]:
-    """(m, 3) faces, reversed where their closed skin faces inwards, and sentences on multiple or inverted skins."""
+    """(m, 3) faces, with those of inward-facing closed skins reversed, and sentences on multiple or inverted skins."""
     labels = closed_skins(faces)
     volumes = np.bincount(labels, signed_volumes(vertices[faces]))
     inverted = volumes < 0.0
@@ -356,8 +356,8 @@ def pairs_within(low: np.ndarray, high: np.ndarray, values: np.ndarray) -> tuple
 
 
 def lone_corner_first(faces: np.ndarray, beyond: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Corners a, b, c (n, 3) of faces (n, 3, 3) that a plane cuts, a being the one alone on its side, and (n,) True if
-    a lies beyond the plane; `beyond` (n, 3): True for each corner that does."""
+    """Corners a, b, c (n, 3) of triangles `faces` (n, 3, 3) that a plane cuts, a being alone on its side of it; and
+    (n,) True if a lies beyond the plane. `beyond` (n, 3): True for corners beyond it."""
     alone = np.count_nonzero(beyond, axis=1) == 1
     first = np.argmax(beyond == alone[:, None], axis=1)[:, None]
     a, b, c = np.moveaxis(np.take_along_axis(faces, ((first + range(3)) % 3)[..., None], axis=1), 1, 0)
@@ -365,13 +365,13 @@ def lone_corner_first(faces: np.ndarray, beyond: np.ndarray) -> tuple[np.ndarray
 
 
 def on_edge(a: np.ndarray, b: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """(n, 3) points at z (n,) on edges from a to b (n, 3), equal to the last bit if a and b are exchanged."""
+    """(n, 3) points with coordinate z (n,) on edges from a to b (n, 3); bitwise the same if a and b are exchanged."""
     low, high = np.where((a[:, 2] < b[:, 2])[:, None], [a, b], [b, a])
     return np.asarray(low + ((z - low[:, 2]) / (high[:, 2] - low[:, 2]))[:, None] * (high - low))
 
 
 def inside_stretches(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Segments inside a mesh of lines along y at x and z [m]: index as in `line_crossings`, lower and upper end [m]."""
+    """Segments of lines along y, at x and z [m], inside a mesh: line as in `line_crossings`, lower, upper end [m]."""
     line, height, winding = line_crossings(triangles, x, z)
     inside = winding > 0
     before = np.r_[False, inside[:-1]]
@@ -380,7 +380,7 @@ def inside_stretches(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tup
 
 
 def column_shares(triangles: np.ndarray, x: np.ndarray, z: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """(len(x), len(edges) - 1, len(z)) share inside a mesh of each interval between y `edges`, on lines at x, z."""
+    """(len(x), len(edges) - 1, len(z)) share inside a mesh of each interval of y `edges`, for lines at x, z [m]."""
     line, low, high = inside_stretches(triangles, x, z)
     parts = np.diff(np.clip(edges, low[:, None], high[:, None])) / np.diff(edges)
     shares = np.zeros((len(x) * len(z), len(edges) - 1))

@@ -18,13 +18,13 @@ EVERYWHERE = np.full(3, -np.inf), np.full(3, np.inf)
 
 
 class Kernel(Protocol):
-    """Interface of the smoothing kernel by which particles are packed, that of the water's pressure."""
+    """Interface of a smoothing kernel W for packing particles: that of the water's pressure."""
 
     def value(self, t: np.ndarray) -> np.ndarray:
         """Kernel W at t (n,) = 1 - r / support, without its constant factor."""
 
     def gradient(self, t: np.ndarray) -> np.ndarray:
-        """Gradient of W over -x / support^2, for a distance vector x, at t (n,), without the constant factor."""
+        """Factor g (n,) in the gradient of W, -g x / support^2 at a distance vector x, without the constant."""
 
 
 class Wendland:
@@ -81,7 +81,7 @@ def fit_particles(
 def cached_room(
     positions: np.ndarray, content: bytes, made: Callable[[], dict[str, np.ndarray]], *asked: type
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Result of `basin.Solid.make_room` from the user's cache, or computed by `made` if `content` is not in it."""
+    """Result of `Solid.make_room`: cached for equal bytes `content` and code of classes `asked`, else by `made`."""
     found = cached_arrays("rooms", content, made, *asked)
     gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()
     gone[found["gone"]], moved[found["near"]] = True, found["moved"]
@@ -104,7 +104,7 @@ def even_out(
     box: tuple[np.ndarray, np.ndarray],
     iterations: int,
 ) -> np.ndarray:
-    """(n, 3) positions [m] of points moved from `free`, inside `box`, for the smallest sum of the kernel over pairs;
+    """(n, 3) positions [m] to which points `free` move, inside `box`, for the smallest sum of the kernel over pairs;
     `fixed` points (m, 3) [m], which count with `weights` (m,), stay."""
     from scipy.optimize import minimize
     from scipy.spatial import cKDTree

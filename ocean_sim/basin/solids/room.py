@@ -20,7 +20,7 @@ UNBOUNDED_BOX = [(np.full(3, -np.inf), np.full(3, np.inf))]  # a box without bou
 
 @dataclass(frozen=True, eq=False)
 class ShapedSolid:
-    """A solid body given by a shape, at its pose at time 0; in 2-D a section of the shape."""
+    """Solid body given by a shape and its pose at time 0; in 2-D a section of the shape."""
 
     shape: SolidShape
     centre: np.ndarray  # (3,) of the body from the shape's origin [m]
@@ -71,12 +71,12 @@ class ShapedSolid:
         return fit_particles(points, water, gone, (at @ self.turn.T + origin, volumes), lattice, self.dimension)
 
     def deepest_first(self, own: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) distances [m] from the body of points `own` (n, 3) in its axes, and their order, deepest first."""
+        """(n,) distances [m] of points `own` (n, 3), in the body's axes, from the body; their order, deepest first."""
         distance = self.distances(own, spacing)
         return distance, deepest_first(distance, spacing)
 
     def lattice(self, spacing: float) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
-        """Signed distances on a lattice around the body, up to two spacings [m] beyond it; see `distance_lattice`."""
+        """Signed distances on a lattice around the body, two spacings [m] beyond it; returns as `distance_lattice`."""
         return distance_lattice(self.shape, spacing / CUBES_A_SPACING, spacing, 2.0 * spacing)
 
     def distances(self, own: np.ndarray, spacing: float) -> np.ndarray:
@@ -98,7 +98,7 @@ class ShapedSolid:
         return found * float(cubes.size[: self.dimension].prod())
 
     def body_cubes(self, cubes: Voxels) -> np.ndarray:
-        """(n,) True for cubes of which the body in the water consists: all in 3-D, in 2-D one layer, the section."""
+        """(n,) True for cubes of the body that are in the basin: all in 3-D; in 2-D one layer, the section."""
         if not self.flat:
             return np.ones(len(cubes.share), dtype=bool)
         lower, upper = self.shape.bounds()
@@ -146,7 +146,7 @@ class MeshSolid(ShapedSolid):
         return f"{size}; a body has {1.0 / CUBES_A_SPACING:.2g} spacings at least and {MAX_CUBES:.3g} particles at most"
 
     def net(self, spacing: float) -> Distance:
-        """Signed distance from the mesh, for kernels in which particles a `spacing` [m] apart bounce off it."""
+        """Signed distance from the mesh for kernels, in which particles a `spacing` [m] apart bounce off it."""
         return Distance(self.shape, self.centre, spacing / CUBES_A_SPACING, spacing, 2.0 * spacing)
 
     def net_bytes(self, spacing: float, word: int) -> int:
@@ -166,8 +166,8 @@ class MeshSolid(ShapedSolid):
 
 
 def face_normals(slopes: Sequence[np.ndarray], at: np.ndarray, turn: np.ndarray) -> np.ndarray:
-    """(n, 3) outward unit normals at positions `at` (n, 3), in lattice steps, from the `slopes` of the distance on the
-    lattice along each axis, times a matrix `turn`."""
+    """(n, 3) outward unit normals at positions `at` (n, 3), in lattice steps, by the `slopes` of the distance along
+    each axis of the lattice; `turn`: (3, 3) matrix applied to them."""
     from scipy.ndimage import map_coordinates
 
     found = np.stack([map_coordinates(slope, at.T, order=1, mode="nearest") for slope in slopes], axis=1) @ turn
@@ -175,7 +175,7 @@ def face_normals(slopes: Sequence[np.ndarray], at: np.ndarray, turn: np.ndarray)
 
 
 def lattice_values(values: np.ndarray, at: np.ndarray, outside: float) -> np.ndarray:
-    """(n,) values at positions `at` (n, 3), in lattice steps, interpolated linearly in a lattice; else `outside`."""
+    """(n,) values at `at` (n, 3), in lattice steps, interpolated linearly; `outside` beyond the lattice."""
     from scipy.ndimage import map_coordinates
 
     return np.asarray(map_coordinates(values, at.T, order=1, cval=outside))

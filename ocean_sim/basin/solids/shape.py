@@ -25,7 +25,7 @@ class SolidShape(Model):
     rounded: ClassVar[bool] = False  # whether the faces that it is drawn with only approach it
 
     def content(self) -> bytes:
-        """Bytes that identify the shape, and name its voxels and lattices in the cache."""
+        """Bytes that identify the shape, by which its voxels and lattices are cached."""
         return self.model_dump_json().encode()
 
     @abstractmethod

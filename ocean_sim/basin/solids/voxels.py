@@ -32,7 +32,7 @@ SMOOTHING_CUBES = 0.5  # [cubes] over which steps of cubes are smoothed
 
 @dataclass(frozen=True, eq=False)
 class Voxels:
-    """Cubes wholly or partly inside a hull, in its axes: middle, share inside, and hull area of each."""
+    """Cubes wholly or partly inside a hull, in the hull's axes: centre, share inside, and hull area of each."""
 
     lower: np.ndarray  # (3,) corner of the box that they fill [m]
     size: np.ndarray  # (3,) of each [m]
@@ -55,7 +55,7 @@ class Voxels:
         return up[0] * self.centre[:, 0] + up[1] * self.centre[:, 1] + up[2] * self.centre[:, 2]
 
     def height_spread(self, up: np.ndarray) -> float:
-        """Height [m] of a cube along a unit vector `up`: that of a level layer whose points vary as much in height."""
+        """Height [m] of a level layer with the variance of heights that a cube has along a unit vector `up`."""
         return float(np.linalg.norm(self.size * up))
 
     def cut_offset(self, turn: Sequence[Sequence[float]], cut: float) -> tuple[float, float]:
@@ -141,7 +141,8 @@ def sample_cubes(
 
 
 def lattice_shape(shape: SolidShape, side: float, reach: float) -> tuple[float, np.ndarray, np.ndarray]:
-    """Side of a cube [m], (3,) sides [m] that fit the hull's box, and (3,) number of cubes around it for `reach`."""
+    """Lattice of cubes around a shape: side used [m], at least `side`; (3,) sides [m] that divide the shape's box
+    evenly; (3,) number of cubes beyond that box, for `reach` [m]."""
     lower, upper = shape.bounds()
     side = max(side, float((upper - lower + 2.0 * reach).prod() / USUAL_CUBES) ** (1.0 / 3.0))
     size = (upper - lower) / np.maximum(1, np.ceil((upper - lower) / side - 1e-6))
@@ -196,7 +197,7 @@ class Distance:
     """Signed distance from a hull and its outward normal, for kernels, in body axes from the centre of mass."""
 
     def __init__(self, shape: SolidShape, centre: np.ndarray, side: float, support: float, reach: float) -> None:
-        """`centre`: of mass from the origin; `side`: of cubes; `support`: of the kernel; `reach`: over the hull [m]."""
+        """`centre` of mass from the origin; `side` of cubes, `support` of the kernel, `reach` beyond the hull [m]."""
         values, first, step = distance_lattice(shape, side, support, reach)
         size = values["share"].shape
         self.lower = first - centre  # [m]

@@ -107,7 +107,7 @@ class FloatingConfig(VesselConfig):
 
     @cached_property
     def whole_hull(self) -> Hull:
-        """Hull of the ship, with mass, centre of mass and inertia of this config, where given, in place of its own."""
+        """Hull of the ship; mass, centre of mass and inertia given in this config replace the hull's own."""
         hull = hull_of(self.hull) if isinstance(self.hull, str) else self.hull
         own = {"mass": self.mass, "centre_of_mass": self.centre_of_mass, "inertia": self.inertia}
         return hull.model_copy(update={key: value for key, value in own.items() if value is not None})
@@ -165,7 +165,8 @@ class FloatingConfig(VesselConfig):
         return "" if self.drift is None else self.drift if isinstance(self.drift, str) else "table"
 
     def drift_force(self, still: Hydrostatics, sea: ClosedForm, body: RigidBody) -> "Drift | None":
-        """Drift force of `sea` on this ship, `body` at first; None without the key `drift`, or if she cannot float."""
+        """Mean and slowly varying force of the waves of `sea` on this ship, whose first pose is `body`; None without
+        the key `drift`, or if she cannot float."""
         if self.drift is None or isinf(still.draught):
             return None
         from ocean_sim.ship.forces import drift
@@ -184,7 +185,7 @@ class FloatingConfig(VesselConfig):
         return Solid(self.whole_hull.shape, *place, False, False, body=body, reach=reach)
 
     def above_unsettled_water(self, body: RigidBody, preflight: Preflight) -> RigidBody:
-        """Copy of `body`; if its height is given, raised by how far the water will settle, so that no gap opens."""
+        """Copy of the initial `body`; if its height is given, it is raised as far as the particles will settle."""
         rise = 0.0 if self.afloat_at_first else preflight.fluid.settling(preflight)
         return replace(body, position=body.position + [0.0, rise, 0.0])
 
@@ -227,7 +228,7 @@ class FloatingConfig(VesselConfig):
         return found
 
     def unfollowable_orders(self) -> Faults:
-        """Yield faults (key, sentence) of orders for which the ship has no propeller or rudder."""
+        """Yield faults (key, sentence) of orders to a propeller or a rudder that the ship does not have."""
         pilot, autopilot = self.helm, isinstance(self.controls, Autopilot)
         if pilot is not None and (self.propeller is None or "surge" not in self.free):
             lacks = "she has no propeller" if self.propeller is None else "her surge is held"
@@ -257,7 +258,7 @@ class FloatingConfig(VesselConfig):
         return found
 
     def missing_water(self, preflight: Preflight) -> Iterator[str]:
-        """Warn of water that is missing under the ship, or that does not bear her."""
+        """Warn if there is no water under the ship, or none that bears her."""
         fluid, (x, z) = preflight.fluid, (self.position[0], self.position[-1])
         if not fluid.made_of_particles:
             large = self.oversize(preflight.tank)
@@ -272,7 +273,7 @@ class FloatingConfig(VesselConfig):
             yield f"there is no water under the ship at x = {x:g}, z = {z:g} m at first: it falls"
 
     def start_height_warnings(self, hull: Hydrostatics, preflight: Preflight) -> Iterator[str]:
-        """Warn of a ship that begins more than a draught above its floating height, or wholly under water."""
+        """Warn of a ship that starts more than a draught above her height afloat, or wholly under water."""
         if self.afloat_at_first:
             return
         above = self.position[1] - afloat_pose(hull)[0]
@@ -287,11 +288,11 @@ class FloatingConfig(VesselConfig):
             yield f"{fall}: it falls on the water at {speed:.2g} m/s, and {rule}"
 
     def feels_bed(self, depth: float) -> bool:
-        """True if the ship's added mass and damping are those over a bed at this depth [m]."""
+        """True if added mass and damping of the ship account for a bed at this depth [m]."""
         return False
 
     def shallow_water_warning(self, hull: Hydrostatics, depth: float) -> str:
-        """Warning of effects of water of a depth [m], such as squat, that are not modelled."""
+        """Warning that effects of shallow water, such as squat, are not modelled, for water of a depth [m]."""
         bed = "squat is" if self.feels_bed(depth) else "squat, and the bed's part in added mass and damping, are"
         message = f"the water is {depth / hull.draught:.3g} draughts deep: {bed} not modelled"
         speed = max(float(np.linalg.norm(self.velocity)), self.helm.speed if self.helm is not None else 0.0)
@@ -304,7 +305,7 @@ class FloatingConfig(VesselConfig):
         return f"{message}; at {speed:.3g} m/s her bow would lie {sunk:.2g} m deeper{touches} (ICORELS 1980)"
 
     def cube_gm_warnings(self, still: Hydrostatics) -> Iterator[str]:
-        """Warn if GM of the cubes differs from GM of the hull's faces by more than GM_TOLERANCE."""
+        """Warn if metacentric heights by cubes and by faces of the hull differ by more than GM_TOLERANCE."""
         gm, own = still.metacentric_height(), still.gm_of_faces
         if self.carried_as_body or own is None or abs(gm - own) <= GM_TOLERANCE * abs(own):
             return
@@ -382,7 +383,7 @@ class FloatingConfig(VesselConfig):
 
 
 def afloat_pose(still: Hydrostatics) -> tuple[float, np.ndarray]:
-    """Height of the centre of mass [m], quaternion (4,) of a ship at rest; upright if she has no balance or sinks."""
+    """Height of the centre of mass [m], quaternion (4,) of a ship at rest; upright if she sinks or has no balance."""
     if isinf(still.draught):
         return float(still.matter.centre[1] - still.voxels.centre[:, 1].max()), euler_quaternion(0.0, 0.0, 0.0)
     found = rest_angles(still)
@@ -397,7 +398,7 @@ def rest_angles(still: Hydrostatics) -> np.ndarray | None:
     """(2,) pitch and roll [rad] at which a floating hull balances, upright if it can; None if beyond MAX_LEAN."""
 
     def levers(angle: np.ndarray) -> np.ndarray:
-        """(2,) distances [m] ahead and to port from centre of mass to buoyancy; `angle`: pitch and roll [rad]."""
+        """(2,) distances [m] ahead and to port from centre of mass to centre of buoyancy, at (2,) pitch, roll [rad]."""
         return still.buoyancy_offset(lean_matrix(angle))[::-1]
 
     upright = np.zeros(2)
@@ -421,7 +422,7 @@ def lean_matrix(angle: np.ndarray) -> np.ndarray:
 
 
 class Immersion(NamedTuple):
-    """State of a hull in the water at one time: loads of water and wind, relative velocity, and pose."""
+    """State of a hull in the water at one time: loads of water and wind, velocity through the water, and pose."""
 
     wet: Wetted
     share: float  # of added mass, damping and thrust that is left, 0 to 1
@@ -432,9 +433,9 @@ class Immersion(NamedTuple):
 
 
 def linear_across(wet: Wetted, flat: Wetted, turn: np.ndarray) -> Wetted:
-    """Copy of `wet` with the horizontal wave force, yaw moment and water motion of `flat`, the same hull afloat at
-    rest. They are linear in the waves there, so the mean force of drift is not counted twice. `turn`: (3, 3) matrix
-    from the body axes of `flat` to those of the hull."""
+    """Copy of the loads `wet` on a hull, in which horizontal wave force, yaw moment and water motion are those of
+    `flat`, the loads on the same hull in her rest position. Their mean is zero, so that all mean force is the drift
+    force. `turn`: (3, 3) matrix from the body axes of `flat` to those of the hull."""
     wave = wet.wave.copy()
     wave[0, [0, 2]], wave[1, 1] = flat.wave[0, [0, 2]], flat.wave[1, 1]
     velocity, acceleration = ((moved.reshape(2, 3) @ turn.T).ravel() for moved in (flat.velocity, flat.acceleration))
@@ -516,13 +517,13 @@ class FloatingShip(Vessel):
         return Load.of(self.with_added_mass(now, self.forces(now)), self.parts)
 
     def level_body(self, body: RigidBody, place: np.ndarray, velocity: np.ndarray) -> RigidBody:
-        """Copy of `body` afloat at rest, at x, z of `place` [m], with the same heading and a `velocity` [m/s]."""
+        """Copy of `body` at rest afloat with the same heading, at x, z of `place` [m] and with a `velocity` [m/s]."""
         height, trim = self.rest
         turn = quaternion_product(euler_quaternion(0.0, body.angles[1], 0.0), trim)
         return replace(body, position=np.array([place[0], height, place[2]]), velocity=velocity, orientation=turn)
 
     def forces(self, now: Immersion) -> dict[str, np.ndarray]:
-        """Force [N] and torque [N m], (2, 3), by part of the load, world axes, without the reaction of added mass."""
+        """Force [N] and torque [N m], (2, 3), by cause, world axes, without the reaction of added mass."""
         wet, density, damping = now.wet, self.hydrostatics.density, self.damping(now)
         if self.slamming is not None:
             damping = damping + self.slamming.heave_drag(self.wet, self.rising) * self.upwards
@@ -544,11 +545,11 @@ class FloatingShip(Vessel):
         return np.zeros((2, 3))
 
     def with_added_mass(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """Forces by part with the reaction of added mass; this base class has none and returns `forces` unchanged."""
+        """Forces with the reaction of added mass; this base class has none and returns `forces` unchanged."""
         return forces
 
     def advance(self, load: Load, dt: float) -> None:
-        """Take a step of dt [s] with slamming; raises Diverged if a ship heavier than her volume reaches the bed."""
+        """Move the ship by a step dt [s], with slamming; raises Diverged if one too heavy to float reaches the bed."""
         if self.slamming is not None:
             push = self.slamming.push(self.wet, self.rising, dt)
             if push > 0.0:
@@ -564,7 +565,7 @@ class FloatingShip(Vessel):
         return self.cubes.displaced_water(self.body, self.water)
 
     def limits_of_motion(self, added: np.ndarray) -> Limits:
-        """Limit of the time step: STEPS_A_PERIOD steps in the shortest natural period, with (6,) added mass."""
+        """Limit of the time step: STEPS_A_PERIOD steps in the shortest natural period, with (6,) `added` mass."""
         still = self.hydrostatics
         periods = [] if isinf(still.draught) else [period for period in still.periods(added).values() if period]
         if self.moorings is not None:

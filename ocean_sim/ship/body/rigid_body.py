@@ -81,12 +81,12 @@ class RigidBody:
 
 
 def to_world(load: np.ndarray, body: RigidBody) -> np.ndarray:
-    """(2, 3) force and torque in world axes, from a `load` in the body axes of `body`."""
+    """Force and torque `load` (2, 3) in the body axes of `body`, turned to world axes."""
     return np.array([small_linalg.matrix_times(body.rows, part) for part in load.tolist()])
 
 
 def for_arrays(law: Callable[..., Any]) -> Callable[..., np.ndarray]:
-    """Make a function of `small_linalg` take arrays: (k,), many times as quick as NumPy's, or n vectors as (k, n)."""
+    """Make a function of `small_linalg` take and return arrays: of one vector (k,), or of n vectors as (k, n)."""
     return lambda *vectors: np.array(law(*(v.tolist() if v.ndim == 1 else list(v) for v in vectors)))
 
 
@@ -169,8 +169,8 @@ def thesis_advance(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: f
 
 
 def hold_motions(body: RigidBody, free: np.ndarray) -> RigidBody:
-    """Copy of a body without velocity in motions that are not `free`, (6,) booleans in the order of `Motions`. Sway and
-    surge are along the ship's heading, heave is vertical, and turns are about the body's axes."""
+    """Copy of a body in which velocities are 0 but in its `free` motions, (6,) booleans in the order of `Motions`. Sway
+    and surge are along the ship's heading, heave is vertical, and turns are about the body's axes."""
     if False not in free.tolist():
         return body
     r, heading = body.matrix, axis_rotation(1, body.angles[1])
@@ -183,7 +183,7 @@ def hold_motions(body: RigidBody, free: np.ndarray) -> RigidBody:
 
 
 def guide_step(before: RigidBody, after: RigidBody, free: np.ndarray, dt: float) -> RigidBody:
-    """Copy of `after`, the body dt [s] after `before`, moved only in its `free` motions (6,), so no others creep."""
+    """Copy of `after`, the body dt [s] after `before`, that has moved since only in its `free` motions (6,)."""
     if False not in free.tolist():
         return after
     heading, rates = axis_rotation(1, before.angles[1]), np.where(free[3:], after.rates, 0.0)

@@ -100,7 +100,7 @@ def unit_quaternion(q: Vector) -> Four:
 
 
 def turn_quaternion(turn: Vector) -> Four:
-    """Quaternion of a turn about the vector `turn` by the angle of its length [rad], a factor in (4.25)."""
+    """Quaternion of a rotation about the vector `turn`, whose length is the angle [rad]; a factor in (4.25)."""
     x, y, z = turn
     angle = sqrt(x * x + y * y + z * z)
     half = sin(0.5 * angle) / angle if angle > 1e-150 else 0.5
@@ -108,5 +108,5 @@ def turn_quaternion(turn: Vector) -> Four:
 
 
 def spin_of(turn: Rows, momentum: Vector, inertia_body: Rows) -> Three:
-    """Angular velocity [rad/s] of a body with a `momentum` [kg m2/s], world axes (4.19); `turn`: body to world."""
+    """Angular velocity [rad/s], world axes, from angular momentum [kg m2/s] (4.19); `turn`: rotation, body to world."""
     return matrix_times(turn, solve_3x3(inertia_body, transpose_times(turn, momentum)))

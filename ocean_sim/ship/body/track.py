@@ -19,7 +19,7 @@ class Track(NamedTuple):
     velocity: np.ndarray
 
     def moments(self, number: np.ndarray) -> "Track":
-        """Track with only the moments whose indices are `number` (m,)."""
+        """Copy of this track with only the moments whose indices are `number` (m,)."""
         return Track(self.time[number], self.place[:, number], self.velocity[:, number])
 
 
@@ -40,14 +40,14 @@ class Attitude(NamedTuple):
         return self.matrix[0] * vector[0] + self.matrix[1] * vector[1] + self.matrix[2] * vector[2]
 
     def point_acceleration(self, arm: np.ndarray, acceleration: np.ndarray, turning: np.ndarray) -> np.ndarray:
-        """(3, n) acceleration [m/s2] of a point at `arm` [m], body axes, of a body with a linear `acceleration` [m/s2]
-        and an angular acceleration `turning` [rad/s2]."""
+        """(3, n) acceleration [m/s2] of the point at `arm` [m], body axes, of a body whose centre has an `acceleration`
+        [m/s2] and which has an angular acceleration `turning` [rad/s2]."""
         away = self.matrix[:, 0] * arm[0] + self.matrix[:, 1] * arm[1] + self.matrix[:, 2] * arm[2]
         return acceleration + cross(turning, away) + cross(self.spin, cross(self.spin, away))
 
 
 def continuous_signs(orientation: np.ndarray) -> np.ndarray:
-    """(4, n) quaternions of successive moments, each with the sign that brings it nearer to the one before."""
+    """Quaternions (4, n) of successive moments, each multiplied by 1 or -1 so that it lies nearer to the one before."""
     away = (orientation[:, 1:] * orientation[:, :-1]).sum(axis=0) < 0.0
     return orientation * np.cumprod(np.append(1.0, np.where(away, -1.0, 1.0))) if away.any() else orientation
 
@@ -58,23 +58,23 @@ def pure_quaternion(vector: np.ndarray) -> np.ndarray:
 
 
 def first_derivative(velocity: np.ndarray, spin: np.ndarray, orientation: np.ndarray) -> np.ndarray:
-    """(7, n) time derivatives of position and quaternion, from velocity [m/s] and `spin` [rad/s], (3, n) each."""
+    """(7, n) time derivatives of position and quaternion, from velocity [m/s] and angular velocity `spin` [rad/s]."""
     return np.concatenate([velocity, 0.5 * quaternion_product(pure_quaternion(spin), orientation)])
 
 
 def second_derivative(
     acceleration: np.ndarray, turning: np.ndarray, spin: np.ndarray, orientation: np.ndarray
 ) -> np.ndarray:
-    """(7, n) second time derivatives of position and quaternion; `turning`: angular acceleration, `spin`: velocity."""
+    """(7, n) second derivatives of position and quaternion; `turning`, `spin`: angular acceleration and velocity."""
     x, y, z = spin
     turned = quaternion_product(pure_quaternion(turning), orientation) - 0.5 * (x * x + y * y + z * z) * orientation
     return np.concatenate([acceleration, 0.5 * turned])
 
 
 def join_moments(time: np.ndarray, place: np.ndarray, bends: np.ndarray, first: np.ndarray) -> Track:
-    """Track through positions and quaternions `place` (7, n) at times (n,) [s]. Its velocities are the means over
-    steps, corrected by second derivatives `bends` (7, n), which are linear over a step. `first`: (7,) velocity at the
-    first moment, or NaN to estimate it."""
+    """Track through positions and quaternions `place` (7, n) at times (n,) [s]. Velocities are means over each step,
+    corrected by the second derivatives `bends` (7, n), taken as linear over a step. `first`: (7,) velocity at the first
+    moment, or NaN to estimate it."""
     step = time[1:] - time[:-1]
     mean = (place[:, 1:] - place[:, :-1]) / step
     if np.isnan(first).any():
@@ -85,7 +85,7 @@ def join_moments(time: np.ndarray, place: np.ndarray, bends: np.ndarray, first: 
 
 
 class Between:
-    """Interpolation of a track at times (n,) [s], each between two neighbouring moments."""
+    """Interpolation of a track at n given times, each between two neighbouring moments."""
 
     def __init__(self, track: Track, time: np.ndarray, number: np.ndarray) -> None:
         """Locate each time (n,) [s] in its step; `number` (n,): index of the moment that ends the step."""

@@ -40,7 +40,7 @@ Free = Literal["sway", "heave", "surge", "pitch", "yaw", "roll"]  # Motions, in 
 
 
 class VesselConfig(Helm, ShipConfig):
-    """Base config of every kind of ship: start, held motions, named points, orders, and checks of them."""
+    """Base config of every kind of ship: initial state, motions held fixed, named points, and orders of the crew."""
 
     slices: ClassVar[bool] = False  # whether it also floats in 2-D
 
@@ -96,8 +96,8 @@ class VesselConfig(Helm, ShipConfig):
         return len(self.position) == 2
 
     def body_at_start(self, matter: Matter, height: float, trim: np.ndarray) -> RigidBody:
-        """Rigid body at the start. `height` of its centre of mass [m] and `trim`, its quaternion afloat, count where
-        the config gives none."""
+        """Rigid body at the start. `height` of the centre of mass [m] and `trim`, a quaternion, both of the ship
+        afloat, are used where the config gives no height or attitude."""
         pitch, yaw, roll = (radians(angle) for angle in self.attitude_deg)
         turn = euler_quaternion(pitch, yaw + radians(self.heading_deg), roll)
         if not (pitch or roll):
@@ -108,17 +108,17 @@ class VesselConfig(Helm, ShipConfig):
         return with_spin(body, rotate_vector(turn, np.array(self.rates)))
 
     def settled_body(self, body: RigidBody, fluid: Fluid) -> RigidBody:
-        """Copy of the initial body in settled water: lowered with the surface if afloat, else at its given height."""
+        """Copy of the initial body in settled water: if afloat, lowered with the surface, else at its given height."""
         x, y, z = body.position
         level = y - fluid.surface_drop if self.afloat_at_first else self.position[1]
         return replace(body, position=np.array([x, level, z]))
 
 
 class Actuators:
-    """Propeller and rudder of one ship, and the crew that orders them."""
+    """Propeller and rudder of one ship, and the crew that gives them orders."""
 
     def __init__(self, config: Helm, propeller: Propeller | None, rudder: Rudder | None, centre: np.ndarray) -> None:
-        """`config`: keys of orders or of a pilot; `centre`: centre of mass from the hull's origin [m]."""
+        """`config`: keys of the crew's orders or pilot; `centre`: centre of mass from the hull's origin [m]."""
         self.crew: Crew | Helmsman | Person = config.crew()
         self.propeller, self.rudder_blade, self.centre = propeller, rudder, centre
         pushing = np.zeros(3) if propeller is None or propeller.position is None else propeller.position - centre
@@ -132,7 +132,7 @@ class Actuators:
         return self.rudder_blade.limit if self.rudder_blade else radians(90.0)
 
     def steer(self, body: RigidBody, dt: float, ahead: float = 0.0) -> None:
-        """Move throttle and rudder for dt [s] towards the orders of `ahead` [s] from now; with dt 0, there at once."""
+        """Move throttle and rudder for dt [s] towards the orders for `ahead` [s] from now; with dt 0, at once."""
         throttle, rudder = self.crew.order(self.time + ahead, body)
         blade, screw = self.rudder_blade, self.propeller
         self.throttle = rate_limited(self.throttle, throttle, screw.rate if screw and dt else None, dt, 1.0)
@@ -163,7 +163,7 @@ def force_at(arm: small_linalg.Vector, force: small_linalg.Three) -> np.ndarray:
 
 
 def placed_outline(corners: np.ndarray, body: RigidBody) -> Outline:
-    """Outline of a hull with (m, 3) corners from its centre of mass, body axes [m], at the pose of a body."""
+    """Outline, at the pose of a body, of a hull whose (m, 3) corners from the centre of mass [m] are in body axes."""
     from scipy.spatial import ConvexHull
 
     at = np.einsum("ij,kj->ik", corners, body.matrix) + body.position
@@ -172,13 +172,13 @@ def placed_outline(corners: np.ndarray, body: RigidBody) -> Outline:
 
 
 class Vessel(Ship):
-    """Base class of ships: body, actuators, last load, named points, and the step in time. Kinds implement `load`."""
+    """Base class of ships: rigid body, actuators, last load, named points, and time step. Kinds implement `load`."""
 
     left_out: ClassVar[tuple[str, ...]] = ("outline_corners",)  # of its shape, made again when asked for
     prompt: ClassVar[bool] = False  # whether a step ends with the orders of its end, not of its beginning
 
     def __init__(self, name: str, config: VesselConfig, body: RigidBody, actuators: Actuators, bed: float) -> None:
-        """`bed`: height of a flat bed [m]; contact with a bed of another shape is not modelled."""
+        """`body`: ship at the start; `bed`: height of a flat bed [m]; contact with another bed is not modelled."""
         self.name, self.bed, self.body, self.actuators, self.last = name, bed, body, actuators, Load.of({}, self.parts)
         self.shape: SolidShape | None = None  # what it looks like
         self.free = np.array([motion in config.free for motion in Motions._fields])
@@ -195,13 +195,13 @@ class Vessel(Ship):
         actuators.steer(body, 0.0)
 
     def moor(self, lines: list[Mooring], points: Mapping[str, tuple[float, ...]]) -> None:
-        """Moor the ship by lines and fenders at her named `points`; the part `mooring` of her load is their force."""
+        """Moor the ship by lines and fenders at her named `points`; her load then has their force under `mooring`."""
         if lines:
             self.moorings = Moorings(lines, points, self.actuators.centre, self.body)
             self.add_part("mooring")
 
     def add_part(self, name: str) -> None:
-        """Add `name` to the names of the forces that make up the ship's load."""
+        """Add `name`, such as `drift`, to the causes of force in the ship's load."""
         self.parts = (*self.parts, name)
         self.last = Load.of({}, self.parts)
 
@@ -238,7 +238,7 @@ class Vessel(Ship):
 
     @property
     def centred_body(self) -> RigidBody:
-        """Copy of the body with velocities at the time of its position; the integrator's are half a step older."""
+        """Copy of the body with velocities at the time of its position, not half a step before (leapfrog)."""
         body, (of, faster, more) = self.body, self.gained
         if of is not body:
             return body
@@ -248,7 +248,7 @@ class Vessel(Ship):
         return Limits()
 
     def free_step(self, body: RigidBody, load: Load, dt: float) -> RigidBody:
-        """The body a step of dt [s] later by the kind's law of motion, with all motions free and without walls."""
+        """The body a step dt [s] later by the equation of motion of this kind of ship, with no held motion or wall."""
         force, torque = load.total
         return advance_body(body, force, torque, dt)
 
@@ -259,11 +259,11 @@ class Vessel(Ship):
             sides = None
 
         def guided_step(load: Load) -> RigidBody:
-            """The body dt [s] later, moved in its free motions alone."""
+            """The body dt [s] later, moved only in its free motions."""
             return guide_step(before, self.free_step(before, load, dt), self.free, dt)
 
         def walled_step(load: Load) -> RigidBody:
-            """The body dt [s] later, in its free motions, and moved back from walls and bed."""
+            """The body dt [s] later, moved only in its free motions, and put back from walls and bed."""
             return guided_step(load) if sides is None else sides.moved_inside(guided_step(load))
 
         touched = False

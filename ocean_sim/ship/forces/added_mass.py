@@ -68,7 +68,7 @@ class AddedMass(Model):
     """About z."""
 
     def diagonal(self, hull: Hydrostatics) -> np.ndarray:
-        """(6,) added mass [kg] and inertia [kg m2], given or by rule, in the order of `Motions`."""
+        """(6,) added mass [kg] and inertia [kg m2] in the order of `Motions`; those not given in the config by rule."""
         given = [self.sway, self.heave, self.surge, self.pitch, self.yaw, self.roll]
         return np.array([rule if value is None else value for value, rule in zip(given, by_rule(hull))])
 
@@ -93,7 +93,7 @@ def by_rule(hull: Hydrostatics) -> np.ndarray:
 
 
 def equivalent_breadth_4(hull: Hydrostatics, breadth: np.ndarray, draught: np.ndarray) -> np.ndarray:
-    """(n,) breadth^4 [m4] of flat plates with the added inertia in roll of sections of a `breadth`, `draught` [m]."""
+    """(n,) breadth^4 [m4] of flat plates whose added roll inertia is that of sections of a `breadth`, `draught` [m]."""
     full = min(hull.needed_volume, hull.voxels.volume) / float((breadth * draught).sum() * hull.voxels.size[2])
     share = min(max((full - pi / 4.0) / (1.0 - pi / 4.0), 0.0), 1.0)
     deep = np.minimum(draught / np.maximum(breadth, 1e-9), DRAUGHT_RATIOS[-1])
@@ -152,7 +152,7 @@ def line_and_turn(motion: np.ndarray) -> tuple[list[float], list[float]]:
 
 def water_momentum(water: list[float], between: np.ndarray | None, line: Vector, turn: Vector) -> tuple[Three, Three]:
     """Linear and angular momentum of added mass `water` (6,), with coupling `between` (6, 6), at a linear and an
-    angular velocity `line` and `turn`; with accelerations in their place, the rates of change."""
+    angular velocity `line` and `turn`. Given accelerations instead, their rates of change."""
     own = times_each(water[:3], line), times_each(water[3:], turn)
     if between is None:
         return own
@@ -178,7 +178,7 @@ def joint_acceleration(
 
 
 class Slamming:
-    """Added mass of one hull in heave as it enters the water, and the slamming force by its growth."""
+    """Added mass in heave of one hull as she enters the water, and the slamming force, which is due to its growth."""
 
     def __init__(self, hull: Hydrostatics, usual: float) -> None:
         """`usual`: added mass in heave of the hull afloat [kg]."""
@@ -189,12 +189,12 @@ class Slamming:
         self.entering, self.moved = False, usual  # since it left the water [kg]
 
     def added(self, volume: float) -> float:
-        """Added mass in heave [kg] of the entering hull at a volume under water [m3], at most that afloat."""
+        """Added mass in heave [kg] of the entering hull at a volume under water [m3]; at most its value afloat."""
         return min(float(np.interp(volume, self.volumes, self.masses)), self.usual)
 
     def push(self, volume: float, speed: float, dt: float) -> float:
         """Slamming force upwards [N] in a step of dt [s] that begins with a `volume` under water [m3] and a vertical
-        `speed` V relative to the water [m/s], which becomes V (m + A before) / (m + A now)."""
+        `speed` V relative to the water [m/s]; V becomes V (m + A before) / (m + A now), A being the added mass."""
         if volume == 0.0:
             self.entering, self.moved = True, 0.0
         if not self.entering:
@@ -204,14 +204,14 @@ class Slamming:
         return -self.mass * min(speed, 0.0) * (now - before) / (self.mass + now) / dt
 
     def heave_drag(self, volume: float, speed: float) -> float:
-        """Drag [N] upwards on a hull far from its draught, by volume under water [m3] and upward speed [m/s]."""
+        """Upward drag [N] on a hull far off her draught, at a volume under water [m3] and an upward speed [m/s]."""
         depth = volume / self.volume
         unusual = min(max(2.0 * abs(depth - 1.0) - 1.0, 0.0), 1.0)
         return -self.drag * unusual * min(1.0, 2.0 * depth) * abs(speed) * speed
 
 
 def entry_curve(hull: Hydrostatics) -> tuple[np.ndarray, np.ndarray]:
-    """Volumes under water [m3], and added mass in heave [kg], of an upright hull that enters the water."""
+    """Volumes under water [m3] of an upright hull that enters the water, and her added mass in heave [kg] at each."""
     v = hull.voxels
     lower = v.centre[:, 1:].min(axis=0)
     layer, slice_ = np.round((v.centre[:, 1:] - lower) / v.size[1:]).astype(int).T

@@ -89,7 +89,7 @@ class Resistance:
             self.warnings = [*self.warnings, adds]
 
     def undamped_warnings(self, free: Collection[str]) -> Iterator[str]:
-        """Yield warnings of free motions that nothing damps, or nothing but the waves of a table."""
+        """Yield warnings of `free` motions without damping, or damped by the radiation table's waves alone."""
         if "roll" in free and not (self.linear["roll"] or self.roll or self.rolling):
             left = "the waves of the table" if "roll" in self.radiated else "the drag of what crosses her"
             adds = "damping.ikeda: {} adds both by her form, damping.roll as a share of critical"

@@ -34,14 +34,14 @@ wavenumbers (n,) [rad/m], and headings (n,) [rad] to which they go, from that of
 
 
 class DriftTable(NamedTuple):
-    """Drift force per squared amplitude: linear between frequencies and headings, nearest beyond, 0 at 0 rad/s."""
+    """Tabulated drift force per squared wave amplitude: linear in between, constant beyond the table, 0 at 0 rad/s."""
 
     omega: np.ndarray  # (n,) [rad/s], rising
     headings: np.ndarray  # (h,) to which waves go, from that of the ship [deg], rising
     force: np.ndarray  # (3, h, n) surge, sway [N/m2], yaw [N m/m2]
 
     def coefficients(self, omega: np.ndarray, wavenumber: np.ndarray, heading: np.ndarray) -> np.ndarray:
-        """(3, n) drift force as a `Law`; a table up to 180 degrees is mirrored for waves from starboard."""
+        """(3, n) drift force of n waves, as in `Law`; a table of 0 to 180 degrees is mirrored for the other side."""
         angle, signs = np.degrees(heading) % 360.0, np.ones((3, len(omega)))
         if self.headings[-1] <= 180.0:
             signs = np.where(angle > 180.0, SIGNS[:, None], 1.0)
@@ -70,7 +70,7 @@ def read_table(file: str) -> DriftTable:
 
 
 def waterline_law(hull: Hydrostatics) -> Law:
-    """Drift force by rule from the waterline of a floating hull: limit of short waves times Ursell's reflection."""
+    """Function for the drift force by a floating hull's waterline: limit of short waves times Ursell's reflection."""
     from scipy.special import ive, kve
 
     z, breadth, draught = (values[hull.stations[1] > 0.0] for values in hull.stations)
@@ -87,7 +87,7 @@ def waterline_law(hull: Hydrostatics) -> Law:
     sides = np.stack([nz, nx, z * nx - x * nz])
 
     def coefficients(omega: np.ndarray, wavenumber: np.ndarray, heading: np.ndarray) -> np.ndarray:
-        """(3, n) drift force of this waterline, as a `Law`."""
+        """(3, n) drift force of n waves on this waterline, as defined by `Law`."""
         met = np.minimum((np.outer(nx, np.sin(heading)) + np.outer(nz, np.cos(heading))) / size[:, None], 0.0)
         under = np.outer(deep, wavenumber)
         passed = kve(1, under) / ive(1, under) * np.exp(-2.0 * under) / np.pi
@@ -97,11 +97,10 @@ def waterline_law(hull: Hydrostatics) -> Law:
 
 
 class Drift:
-    """Drift force of plane waves in a closed-form sea on one hull, and her slow place: her position without swing.
+    """Drift force of the waves of a closed-form sea on one hull, and her slow position: her path without wave motion.
 
-    First-order forces are those on the hull at rest there, so no mean of them counts twice. The slow place e follows
-    the ship x: e''' = r^3 (x - e) + 2 r^2 (x' - e') - 2 r e'', r = SLOW_SHARE of the waves' mean frequency.
-    """
+    First-order forces are those on the hull at rest there, so no mean of them counts twice. The slow position e follows
+    the ship x: e''' = r^3 (x - e) + 2 r^2 (x' - e') - 2 r e'', r = SLOW_SHARE of the waves' mean frequency."""
 
     def __init__(self, law: Law, sea: ClosedForm, body: RigidBody) -> None:
         self.law, self.sea, self.rate = law, sea, 0.0
@@ -109,7 +108,7 @@ class Drift:
         self.known: tuple[float, np.ndarray, np.ndarray] | None = None  # a heading, frequencies, coefficients (3, n)
 
     def follow(self, body: RigidBody, dt: float) -> None:
-        """Move the slow place for a step of dt [s], in which it follows a body."""
+        """Advance the slow position by a step dt [s], in which it follows the ship's `body`."""
         r, (place, speed, change) = self.rate, self.slow
         change = change + dt * (
             r**3 * (body.position - place) + 2.0 * r**2 * (body.velocity - speed) - 2.0 * r * change
@@ -118,7 +117,7 @@ class Drift:
         self.slow = np.array([place + dt * speed, speed, change])
 
     def load(self, body: RigidBody) -> np.ndarray:
-        """(2, 3) drift force [N], torque about the centre of mass [N m] at place and heading of a body, world axes."""
+        """(2, 3) drift force [N], torque about the centre of mass [N m], world axes, for the pose of `body`."""
         (x, _, z), (_, yaw, _) = body.position, body.angles
         waves, known = self.sea.arriving(float(x), float(z), afar=True), self.known
         if known is None or abs(yaw - known[0]) > HEADING_STEP or not np.array_equal(waves.omega, known[1]):

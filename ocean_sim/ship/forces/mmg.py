@@ -36,7 +36,7 @@ class ScrewCoefficients(Model):
 
 
 class RudderCoefficients(Rudder):
-    """Rudder behind a propeller: the force of `Rudder` in the straightened stream, and what it causes on the hull."""
+    """Rudder behind a propeller: force of `Rudder` in a flow that hull and propeller straighten, effect on the hull."""
 
     height: float = quantity("m", gt=0.0)
     """Span."""
@@ -74,7 +74,7 @@ class MmgCoefficients(Model):
 
 
 class MmgHull:
-    """One ship of the MMG model: masses, stiffness and forces, (6,) in SNAME axes about midships at the still water."""
+    """One ship of the MMG model: masses, stiffness and loads (6,) in SNAME axes about midships at the still water."""
 
     payload, payload_mass = np.zeros(3), 0.0  # her mass is in equilibrium with the buoyancy
     propeller_delay, level = 2.0, True  # [s]; her axes turn with the heading alone
@@ -106,7 +106,8 @@ class MmgHull:
         return speed, v / speed, r * self.length / speed
 
     def drag_load(self, nu: np.ndarray) -> np.ndarray:
-        """Load of the hull (Yasukawa & Yoshimura 2015, eqs. 7 and 8), and linear damping of heave, roll and pitch."""
+        """(6,) force [N] and moment [N m] on the bare hull at a velocity `nu` (6,): Yasukawa & Yoshimura 2015, eqs. 7
+        and 8, and linear damping of heave, roll and pitch."""
         speed, aside, turning = self.scaled_motion(nu)
         drift = -asin(aside)
         ahead, across, turn = (sum(c * aside**v * drift**b * turning**r for v, b, r, c in row) for row in self.terms)
@@ -117,13 +118,13 @@ class MmgHull:
         return load
 
     def centripetal_load(self, nu: np.ndarray) -> np.ndarray:
-        """Centripetal load of hull and added mass (Yasukawa & Yoshimura 2015, eq. 4); Munk's is in `drag_load`."""
+        """(6,) centripetal load of hull and added mass (Yasukawa & Yoshimura 2015, eq. 4), without Munk's moment."""
         u, v, r = nu[0], nu[1], nu[5]
         across = -(self.mass + self.added[1]) * v * r - self.lever * r**2
         return np.array([across, (self.mass + self.added[0]) * u * r, 0.0, 0.0, 0.0, self.lever * u * r])
 
     def ordered_revolutions(self, throttle: float, rudder: float) -> np.ndarray:
-        """(1,) revolutions [1/s] that a throttle orders."""
+        """(1,) revolutions [1/s] of the propeller at a `throttle` from -1 to 1; the rudder has no effect on them."""
         return np.array([max(throttle, 0.0) * self.config.propeller.revolutions])
 
     def inflow_speed(self, nu: np.ndarray) -> float:
@@ -141,14 +142,15 @@ class MmgHull:
         return self.density * diameter**2 * (k_0 * tip**2 + k_1 * tip * inflow + k_2 * inflow**2)
 
     def stream_speed(self, inflow: float, thrust: float) -> float:
-        """Speed [m/s] along the rudder, by the propeller's inflow and thrust (Yasukawa & Yoshimura 2015, eq. 24)."""
+        """Flow speed [m/s] at the rudder by propeller inflow [m/s], thrust [N] (Yasukawa & Yoshimura 2015, eq. 24)."""
         (ratio, kept), diameter = self.blade.stream, self.config.propeller.diameter
         far = sqrt(inflow**2 + 8.0 * max(thrust, 0.0) / (pi * self.density * diameter**2))
         share = diameter / self.blade.height
         return ratio * sqrt(share * (inflow + kept * (far - inflow)) ** 2 + (1.0 - share) * inflow**2)
 
     def driving_loads(self, nu: np.ndarray, revolutions: np.ndarray, rudder: float) -> dict[str, np.ndarray]:
-        """Loads of propeller and rudder by name; `rudder`: [rad] to port (Yasukawa & Yoshimura 2015, eqs. 9, 18-23)."""
+        """(6,) loads [N], [N m] of `propeller` and `rudder`, at a velocity `nu` (6,), revolutions (1,) [1/s] and a
+        `rudder` [rad] to port (Yasukawa & Yoshimura 2015, eqs. 9, 18-23)."""
         (below, above, arm), (lost, pushed, where) = self.blade.straightening, self.blade.interaction
         speed, aside, turning = self.scaled_motion(nu)
         inflow = self.inflow_speed(nu)

@@ -40,7 +40,7 @@ class Moorings:
     def __init__(
         self, configs: list[Mooring], points: Mapping[str, tuple[float, ...]], centre: np.ndarray, body: RigidBody
     ) -> None:
-        """`points` of the ship by name, her `centre` of mass, from the hull's origin [m]; `body`: at the start."""
+        """`points` of the ship by name, `centre` of mass, from the hull's origin [m]; `body`: ship at the start."""
         at = [points[c.fairlead] if isinstance(c.fairlead, str) else c.fairlead for c in configs]
         self.arm = np.array(at).reshape(-1, 3) - centre  # (n, 3) body axes [m]
         self.to = np.array([c.to for c in configs]).reshape(-1, 3)

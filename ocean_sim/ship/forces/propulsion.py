@@ -210,12 +210,12 @@ class Helm(Model):
         return csv_file.unreached_times_warning("controls", times, duration, "only its {} row holds")
 
     def crew(self) -> "Crew | Helmsman":
-        """Crew that gives these orders, or the helmsman of `helm`."""
+        """Crew that gives the scene's orders, or the helmsman who steers by the key `helm`."""
         return Crew(self.controls) if self.helm is None else self.helm.crew()
 
 
 class Crew:
-    """Crew that follows a scene's orders: throttle and rudder [rad] given over time, or by the autopilot."""
+    """Crew that gives a scene's orders: throttle and rudder [rad] as given over time, or the rudder by an autopilot."""
 
     def __init__(self, controls: Controls) -> None:
         self.course = controls.autopilot if isinstance(controls, Autopilot) else None
@@ -226,7 +226,7 @@ class Crew:
             self.time, self.throttle, self.rudder = np.array([[r.time, r.throttle, r.rudder] for r in controls]).T
 
     def order(self, time: float, body: RigidBody) -> tuple[float, float]:
-        """Throttle (-1 to 1) and rudder [rad] ordered at a time [s]: linear between rows, or the autopilot's."""
+        """Throttle (-1 to 1) and rudder [rad] ordered at a time [s]: interpolated, or rudder by the autopilot."""
         if self.course is None:
             return float(np.interp(time, self.time, self.throttle)), float(np.interp(time, self.time, self.rudder))
         error = remainder(radians(self.course.heading_deg) - body.angles[1], 2.0 * pi)
@@ -235,7 +235,7 @@ class Crew:
 
 
 class Helmsman:
-    """A pilot at the helm, with the state of steering: present leg, integrals of drift, heading and speed."""
+    """Pilot at the helm, and the state of steering: present leg, and integrals of drift, heading and speed errors."""
 
     start: tuple[float, float] | None
 
@@ -266,7 +266,7 @@ class Helmsman:
         return min(max(wanted, -1.0), 1.0), rudder
 
     def wanted_heading(self, body: RigidBody, dt: float) -> float:
-        """Heading [rad] to steer: along the route by line of sight, or the given one; dt [s] since the last order."""
+        """Heading [rad] to steer: along the route by line of sight, or the one given; dt [s] since the last order."""
         if not self.route:
             return radians(self.config.heading_deg or 0.0)
         route, x, z = self.route, float(body.position[0]), float(body.position[2])
@@ -289,13 +289,13 @@ class Helmsman:
         return self.route[self.leg :]
 
     def has_arrived(self, body: RigidBody) -> bool:
-        """True if the last waypoint is reached; from there the ship goes on as on the last leg."""
+        """True if the last waypoint has been reached; the ship then goes on along the last leg."""
         if self.start is None or len(self.ahead) > 1:
             return False
         return self.leg_position(float(body.position[0]), float(body.position[2]))[1] < self.near
 
     def leg_position(self, x: float, z: float) -> tuple[float, float, float]:
-        """Heading of the present leg [rad], distance along it to its end [m], and offset to port of it [m], at x, z."""
+        """Present leg seen from x, z [m]: heading [rad], distance along it to its end [m], offset to its port [m]."""
         assert self.start is not None
         (x_0, z_0), (x_1, z_1) = self.start, self.route[self.leg]
         along = atan2(x_1 - x_0, z_1 - z_0)
@@ -304,10 +304,10 @@ class Helmsman:
 
 
 class Person:
-    """A person at the helm, whose last order holds until the next."""
+    """Person at the helm; an order given by `give` holds until the next."""
 
     def __init__(self, throttle: float, rudder: float, limit: float) -> None:
-        """Throttle and rudder [rad] at first; `limit`: largest rudder angle [rad]."""
+        """`throttle` and `rudder` [rad] until the first order; `limit`: largest rudder angle [rad]."""
         self.throttle, self.rudder, self.limit = throttle, rudder, limit
 
     def give(self, throttle: float, rudder: float) -> None:

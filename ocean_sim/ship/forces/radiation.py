@@ -71,7 +71,7 @@ class Scattered(NamedTuple):
 
 
 class Response(NamedTuple):
-    """Impulse response of m motions by radiated waves: K, L and A(infinity) of this module's equations."""
+    """Impulse response of m motions to radiation: kernels K of force, L of wave momentum; added mass A(infinity)."""
 
     times: np.ndarray  # (n,) since a push [s]
     kernels: np.ndarray  # (m, m, n) K [kg/s2], [kg m/s2], [kg m2/s2]
@@ -81,7 +81,7 @@ class Response(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class BemTable:
-    """Hydrodynamic coefficients of some motions over frequency; coupling is symmetric, 0 where the table has none."""
+    """Added mass, damping and wave force of m motions over n frequencies; couplings that the table lacks are 0."""
 
     omega: np.ndarray  # (n,) [rad/s]
     motions: list[str]
@@ -93,7 +93,7 @@ class BemTable:
 
     @cached_property
     def numbers(self) -> list[int]:
-        """Index in `Motions` of each motion of the table."""
+        """Index in `Motions` (sway, heave, ...) of each motion of the table."""
         return [Motions._fields.index(motion) for motion in self.motions]
 
     def has_coupling(self, one: str, other: str) -> bool:
@@ -103,7 +103,7 @@ class BemTable:
 
     @property
     def unphysical_entries(self) -> Iterator[str]:
-        """Yield sentences on entries that no hull has: damping that would give energy, negative added mass."""
+        """Yield sentences on entries that no hull can have: damping that would give energy, negative added mass."""
         own = np.diag_indices(len(self.numbers))
         most = np.sqrt(np.abs(self.damping[own]).max(axis=1))
         lowest = np.linalg.eigvalsh(np.moveaxis(self.damping, 2, 0) / np.outer(most, most))[:, 0]
@@ -118,7 +118,7 @@ class BemTable:
 
     @cached_property
     def impulse_response(self) -> Response:
-        """Impulse response of the table's motions, until all kernels fall below FORGOTTEN_SHARE of their largest."""
+        """Impulse response of the table's motions, until all kernels stay below FORGOTTEN_SHARE of their largest."""
         from scipy.integrate import cumulative_trapezoid
 
         omega, apart = self.omega, np.diff(self.omega, prepend=0.0).max()
@@ -140,7 +140,8 @@ class BemTable:
         return Response(times, kernels, whole - whole[:, :, -1:], added)
 
     def retardation_kernel(self, times: np.ndarray, damping: np.ndarray) -> np.ndarray:
-        """Kernel K (n,) at times (n,) [s] of `damping` over frequency, which falls by a power law beyond the table."""
+        """Kernel K (n,) [kg/s2] at times (n,) [s] after a push, from `damping` over frequency, which is continued
+        beyond the table by a power law."""
         from scipy.interpolate import PchipInterpolator
 
         omega = self.omega
@@ -156,19 +157,19 @@ class BemTable:
 
 
 def columns_of(motion: str, other: str) -> tuple[str, str]:
-    """Names of the columns of added mass and damping, of one motion (`other` is the same) or of a coupling of two."""
+    """Names of the columns for added mass and damping, of one motion (`other` is the same) or of a coupling of two."""
     whole = motion if motion == other else f"{motion}_{other}"
     unit = ADDED_UNITS[motion] if ADDED_UNITS[motion] == ADDED_UNITS[other] else "kg_m"
     return f"{whole}_added_{unit}", f"{whole}_damping_{unit}_s"
 
 
 def read_bem_table(file: str) -> BemTable:
-    """Read a table from a CSV or Capytaine's NetCDF file (.nc); raises ValueError if it lacks something."""
+    """Read a panel method's table from a CSV or Capytaine's NetCDF file; raises ValueError if something is missing."""
     return read_capytaine(file) if Path(file).suffix == ".nc" else read_csv_table(file)
 
 
 def read_csv_table(file: str) -> BemTable:
-    """Read a table from a CSV file; raises ValueError for a column that is missing or unknown."""
+    """Read a panel method's table from a CSV file; raises ValueError for a column that is missing or unknown."""
     table = csv_file.Table(file)
     names = [motion for motion in Motions._fields if columns_of(motion, motion)[0] in table]
     given = [(a, b) for a, b in product(names, names) if a == b or any(column in table for column in columns_of(a, b))]
@@ -203,7 +204,7 @@ def read_csv_table(file: str) -> BemTable:
 
 
 def scattering_columns(table: dict[str, np.ndarray]) -> Iterator[tuple[str, tuple[int, float, complex]]]:
-    """Yield columns like `heave_scattered_90_re`: name, (index in `Motions`, heading [deg], 1 if `re`, i if `im`)."""
+    """Yield columns like `heave_scattered_90_re`: name, (index in `Motions`, heading [deg], 1 for `re`, i for `im`)."""
     for column in table:
         motion, _, rest = column.partition("_scattered_")
         heading, _, part = rest.rpartition("_")
@@ -264,16 +265,16 @@ def symmetric_part(file: str, names: list[str], matrix: np.ndarray) -> np.ndarra
 
 
 def in_axis_order(data: Any, name: str, axes: tuple[str, ...]) -> np.ndarray:
-    """Array `name` of an open HDF5 file `data`, transposed so that its axes follow in the order `axes`."""
+    """Array `name` of an open HDF5 file `data`, transposed so that its axes are in the order of the names `axes`."""
     numbers = read_data_set(data, name)
     names = [dimension[0].name.strip("/") for dimension in data[name].dims]
     return np.transpose(numbers, [names.index(axis) for axis in axes])
 
 
 class Scattering:
-    """Force on one hull by the arriving waves that she scatters. Held fixed in water that moves with w she feels
-    X(omega) = (B - i omega A) w, which gives w. Under way she meets w at the frequency of encounter, with A and B
-    there; her velocity times the waves' momentum adds a moment (table 2 of Salvesen, Tuck & Faltinsen 1970)."""
+    """Force on one hull by the waves that she scatters. The table's force on a hull at rest, X(omega) = (B - i omega A)
+    w, gives an equivalent velocity w of the water. Under way w counts with A and B at the frequency of encounter, and
+    her velocity times the waves' momentum adds a moment (table 2 of Salvesen, Tuck & Faltinsen 1970)."""
 
     def __init__(self, table: BemTable) -> None:
         assert table.scattered is not None
@@ -284,7 +285,8 @@ class Scattering:
         self.known: tuple[float, np.ndarray, np.ndarray] | None = None  # a heading, frequencies, what is given (6, n)
 
     def load(self, waves: Arriving, yaw: float, velocity: np.ndarray) -> np.ndarray:
-        """(2, 3) scattering force [N] and torque [N m], world axes; `yaw` [rad], `velocity` through the water [m/s]."""
+        """(2, 3) scattering force [N] and torque [N m] by `waves`, world axes, on a hull with heading `yaw` [rad] and a
+        velocity (3,) through the water [m/s]."""
         known, still = self.known, waves.omega
         if known is None or abs(yaw - known[0]) > HEADING_STEP or not np.array_equal(still, known[1]):
             # Momentum that waves of unit amplitude give a hull at rest, divided by its `complex_inertia`.
@@ -306,7 +308,7 @@ class Scattering:
         return found
 
     def unit_wave_forces(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
-        """(6, n) complex forces per unit amplitude by frequency and relative heading [deg]; beyond 180 by symmetry."""
+        """(6, n) complex forces of waves of unit amplitude, by frequency [rad/s], heading from the ship's [deg]."""
         headings, force = self.scattered
         angle, turned = heading % 360.0, np.ones((6, len(heading)))
         if headings.max() <= 180.0:
@@ -321,7 +323,8 @@ class Scattering:
 
 
 def at_headings(angle: np.ndarray, headings: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """(n,) values at angles (n,) [deg], linear between `values` (h, n) at `headings` (h,); the nearest ones beyond."""
+    """(n,) values at `angle` (n,) [deg], each interpolated linearly in its column of `values` (h, n), whose rows are at
+    `headings` (h,); constant beyond."""
     each = np.arange(len(angle))
     if len(headings) == 1:
         return values[0, each]
@@ -332,7 +335,7 @@ def at_headings(angle: np.ndarray, headings: np.ndarray, values: np.ndarray) -> 
 
 
 def checked_table(file: str) -> BemTable:
-    """Read a table and check that it suffices for radiation; raises ValueError if not, or as `read_bem_table` does."""
+    """Read a table and check that it suffices for radiated waves; raises ValueError if not, or as `read_bem_table`."""
     table = read_bem_table(file)
     omega, back = table.omega, np.flatnonzero(np.diff(table.omega, prepend=0.0) <= 0.0)
     if not MIN_FREQUENCIES <= len(omega) <= MAX_FREQUENCIES:
@@ -350,7 +353,7 @@ def checked_table(file: str) -> BemTable:
 
 
 class Memory:
-    """Radiation force on one hull: a memory of the waves that her past motions made (Cummins 1962)."""
+    """Radiation force on one hull, from the stored history of her motion (Cummins 1962)."""
 
     def __init__(self, table: BemTable) -> None:
         self.impulse_response, self.numbers = table.impulse_response, np.array(table.numbers)
@@ -372,7 +375,7 @@ class Memory:
         return -rate.reshape(2, 3) - [cross(omega, line), cross(omega, turn) + cross(v, line)]
 
     def remember(self, time: float, motion: np.ndarray) -> None:
-        """Store the velocity (6,) at a time [s], unless one was stored less than a step of the kernel before."""
+        """Store the velocity (6,) at a time [s], unless less than a step of the kernel has passed since the last."""
         if len(self.when) == 0 or time - self.when[-1] >= self.often * (1.0 - 1e-9):
             near = self.when >= time - self.impulse_response.times[-1] - self.often
             self.when = np.append(self.when[near], time)

@@ -30,12 +30,12 @@ WETTED_DRAUGHTS = 1.75  # draughts of a hull's sides in the wetted surface
 
 @cache
 def regressions() -> dict[str, Any]:
-    """Coefficients of the regressions, and `limits` of their arguments by name, of roll_damping.yaml."""
+    """Coefficients of the regressions in roll_damping.yaml, and the `limits` of their arguments by name."""
     return read_mapping(Path(__file__).with_suffix(".yaml")).plain()
 
 
 def polynomial_at(coefficients: Sequence[Any], x: float, *others: float) -> float:
-    """Value at x of a polynomial: `coefficients` by falling powers, each itself a polynomial in `others`, if any."""
+    """Value of a polynomial at x: `coefficients` by falling powers, each a number or a polynomial in `others`."""
     return float(np.polyval([polynomial_at(row, *others) for row in coefficients] if others else coefficients, x))
 
 
@@ -71,7 +71,7 @@ class Form(NamedTuple):
 
     @property
     def limited_ratios(self) -> dict[str, float]:
-        """Ratios that the regressions' `limits` bound, by name."""
+        """Those ratios of this form that the regressions limit, by name."""
         keels = () if self.keels is None else self.keels[::-1]
         ratios = self.block, self.midship, self.breadth / self.draught, self.axis, self.frequency
         return dict(zip(regressions()["limits"], (*ratios, *keels)))
@@ -105,7 +105,7 @@ def form_of(hull: Hydrostatics, omega: float, keels: BilgeKeels | None) -> Form:
 
 
 def ratios_beyond(form: Form) -> list[str]:
-    """Texts on each ratio of a hull beyond the limits of the regressions: name, value and limits."""
+    """Texts (name, value, limits) on ratios of a hull that lie outside the limits of the regressions."""
     found = []
     for name, value in form.limited_ratios.items():
         low, high = regressions()["limits"][name]
@@ -115,7 +115,7 @@ def ratios_beyond(form: Form) -> list[str]:
 
 
 def damping_components(form: Form, amplitude: float, viscosity: float, gravity: float) -> Components:
-    """Roll damping at an amplitude [deg], `viscosity` [m2/s]; ratios of the form are clipped to their limits."""
+    """Roll damping at an amplitude [deg] and `viscosity` [m2/s]; ratios of the form are clipped to the `limits`."""
     held = (float(np.clip(value, *regressions()["limits"][name])) for name, value in form.limited_ratios.items())
     cb, cm, bd, og, frequency, *keels = held
     return Components(
@@ -127,7 +127,7 @@ def damping_components(form: Form, amplitude: float, viscosity: float, gravity: 
 
 
 def skin_friction(form: Form, amplitude: float, viscosity: float, gravity: float) -> float:
-    """Damping by skin friction at an amplitude [deg] (Kato 1958): Blasius's boundary layer on a mean cylinder."""
+    """Roll damping by skin friction at an amplitude [deg] (Kato 1958): Blasius's boundary layer on a mean cylinder."""
     _, broad, deep, cb, _, og, frequency, _ = form
     phi, omega = radians(amplitude), frequency * sqrt(2.0 * gravity / broad)
     radius = deep * ((0.887 + 0.145 * cb) * (1.7 + cb * broad / deep) - 2.0 * og) / pi
@@ -176,7 +176,7 @@ def keel_damping(cb: float, cm: float, bd: float, og: float, amplitude: float, l
 
 
 def lift_damping(form: Form, density: float) -> float:
-    """Roll damping by lift of the hull: moment divided by rate of roll and speed ahead [N s2 rad-1]."""
+    """Roll damping by lift of the hull: moment per rate of roll and per speed ahead [N s2 rad-1]."""
     length, broad, deep, _, cm, _, _, _ = form
     held = min(max(cm, 0.91), 0.99)
     slope = 2.0 * pi * deep / length
@@ -219,9 +219,9 @@ class RollDamping:
         return said
 
     def critical_share(self, amplitude: float) -> float:
-        """Damping by all components over critical damping at one of FIT_AMPLITUDES [deg]; 0 if nothing rights her."""
+        """Roll damping at one of FIT_AMPLITUDES [deg] over critical damping; 0 for a hull without righting moment."""
         return self.scale * sum(self.parts[amplitude]) / self.critical if self.parts else 0.0
 
     def roll_moment(self, rate: float, ahead: float) -> float:
-        """Moment [N m] against a rate of roll [rad/s], at a speed ahead [m/s]."""
+        """Damping moment [N m], opposite to a rate of roll [rad/s], at a speed ahead [m/s]."""
         return -(self.linear + self.quadratic * abs(rate) + self.ahead * max(ahead, 0.0)) * rate

@@ -38,9 +38,9 @@ class Windage(Model):
 def wave_motion(
     waves: Arriving, yaw: float, velocity: np.ndarray, box: tuple[float, float, float], depth: float
 ) -> np.ndarray:
-    """(3, 6) in SNAME axes: mean velocity of the water in the ship's box [m/s], [rad/s], its rate of change seen from
-    her, and surface height and slope [m], [rad]. `yaw`: her heading [rad]; `velocity`: hers through the water (3,)
-    [m/s]; `box`: length, breadth, draught [m]; `depth`: of the water [m]."""
+    """Mean motion of waves over a ship's box, as (3, 6) in SNAME axes: velocity of the water [m/s], [rad/s], its rate
+    of change seen from the ship, and surface height and slope [m], [rad]. `yaw`: heading [rad]; `velocity` (3,): hers
+    through the water [m/s]; `box`: length, breadth, draught [m]; `depth` of the water [m]."""
     (length, breadth, draught), k, angle = box, waves.wavenumber, waves.heading - yaw
     along, aside = k * np.cos(angle), k * np.sin(angle)
     across = np.sinc(aside * breadth / (2.0 * np.pi))

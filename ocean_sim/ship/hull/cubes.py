@@ -46,7 +46,7 @@ FACE_COLUMNS = Columns(
 
 
 class Wetted(NamedTuple):
-    """Sums over a hull's cubes: force [N] and torque [N m] (2, 3) by part, world axes; wet volume, water's motion."""
+    """Loads (2, 3), force [N] and torque [N m], world axes, summed over cubes; wet volume; motion of the water."""
 
     buoyancy: np.ndarray
     wave: np.ndarray
@@ -62,7 +62,7 @@ class Cubes:
     """Cubes of a hull in Taichi fields, in body axes from the centre of mass, and kernels that sum forces over them."""
 
     def __init__(self, hull: Hydrostatics) -> None:
-        """Copy the cubes to fields, the lowest first, in blocks of BLOCK_CUBES."""
+        """Copy the cubes of the hull to fields, ordered by height from the lowest, in blocks of BLOCK_CUBES."""
         cubes, matter = hull.voxels, hull.matter
         self.n, self.cubes = len(cubes.share), cubes
         self.blocks = -(-self.n // BLOCK_CUBES)
@@ -131,7 +131,7 @@ class Cubes:
     def displaced_water(
         self, body: RigidBody, around: SurroundingWater | SurroundingSea
     ) -> tuple[np.ndarray, np.ndarray]:
-        """x, z, depth (m, 3) [m], volume (m,) [m3] of the cubes' wet parts, in the water of the last load, moved on."""
+        """x, z, depth (m, 3) [m] and volume (m,) [m3] of the cubes' wet parts at the pose of `body`."""
         write_pose(self.table[0], body)
         middle = around.middle_now()
         self.table[0, [pose.position, pose.position + 2]] -= middle
@@ -156,7 +156,7 @@ class Cubes:
 
     @ti.kernel
     def sum_blocks(self, around: Template, water: Template, wind: Template, table: Array2):
-        """Sample `water` on the lattice `around`; sum SUM_COLUMNS over each block of cubes to its row of `table`."""
+        """Sample `water` on the lattice `around`, and sum the loads on each block of cubes to a row of `table`."""
         around.read_water(water, table)
         wind.set_clock(ti.cast(table[0, ROW_COLUMNS.since], float), ti.cast(table[0, ROW_COLUMNS.step], float))
         ti.loop_config(serialize=ti.static(runs_alone()))
@@ -192,7 +192,7 @@ class Cubes:
         omega,
     ):
         """Add loads of water and wind on cube k to its block's `total`. `tall`: height of the turned cubes [m];
-        `middle`: x, z of the lattice [m]; `position`, `turn`, `velocity`, `omega`: of the hull."""
+        `middle` of the lattice, x, z [m]; `position`, `turn` (rotation), `velocity` and `omega` of the hull."""
         arm = turn @ self.arm[k]
         x, wet = position + arm, 0.0
         if x.y - 0.5 * tall < water.frame[HIGHEST_LEVEL]:
@@ -207,7 +207,7 @@ class Cubes:
 
     @ti.func
     def add_water(self, total: Template, k, water: Template, tall, arm, x, turn: Template):
-        """Add the water's loads on cube k at x, `tall` [m], `arm` from the centre of mass; return its wet share."""
+        """Add loads of water on cube k, at x, `tall` high, `arm` from the centre of mass [m]; return its wet share."""
         corner = water.cell_at(x.x, x.z)
         eta, slope = water.surface_at(corner)
         depth = eta - x.y
@@ -251,7 +251,8 @@ class Cubes:
 
     @ti.func
     def add_motion(self, total: Template, column: Template, own, face, moved):
-        """Add the water's motion `moved` times a cube's `face` areas, and its moments at `own`, to `total`."""
+        """Add one cube's terms for the fit of `as_one_body` to `total`: the water's motion `moved` times the cube's
+        `face` areas, and moments of that about the centre of mass; `own`: position of the cube from there [m]."""
         for c in ti.static(range(3)):
             self.add_number(total, column + c, face[c] * moved[c])
         self.add_number(total, column + 3, -face.y * own.z * moved.y)
@@ -260,8 +261,8 @@ class Cubes:
 
 
 def as_one_body(moved: list[float], faces: list[float], size: list[float]) -> np.ndarray:
-    """(6,) motion of the rigid body that fits the water's best, by least squares. `moved` (6,): sums of the water's
-    motion times areas, and their moments; `faces`: FACE_COLUMNS; `size`: sides of a cube [m]."""
+    """(6,) motion of the rigid body that fits the water's motion over all cubes best, by least squares. `moved` (6,):
+    sums of `Cubes.add_motion`; `faces`: sums in the order of FACE_COLUMNS; `size`: sides of a cube [m]."""
     x, y, z, turned_x, turned_y, turned_z = moved
     area_x, area_y, area_z = (max(area, 1e-12) for area in faces[:3])
     ahead, ahead_x, aside = faces[3] / area_y, faces[4] / area_x, faces[5] / area_y

@@ -22,7 +22,7 @@ MESH_ENDINGS = (".stl", ".obj", ".ply")
 
 
 def check_inertia(inertia: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Return principal moments of inertia [kg m2] unchanged; raises ValueError if no distribution of mass has them."""
+    """Return principal moments of inertia [kg m2] unchanged; raises ValueError if no body can have them."""
     if not min(inertia) > 0.0:
         raise ValueError(f"each moment of inertia must be above 0, got {list(inertia)}")
     if 2.0 * max(inertia) > (1.0 + 1e-9) * sum(inertia):
@@ -46,7 +46,7 @@ class Hull(Model):
     density."""
 
     def in_still_water(self, cells: float, density: float, gravity: float) -> Hydrostatics:
-        """Hydrostatics with `cells` cubes over the draught, by density and gravity; raises ValueError."""
+        """Hydrostatics at a density [kg/m3], gravity [m/s2] by cubes, `cells` over the draught; raises ValueError."""
         lower, upper = self.shape.bounds()
         breadth, height, length = (upper - lower).tolist()
         least, flat = self.smallest_side, MAX_FLATNESS if cells <= FLAT_CUBES_LIMIT else 1.0
@@ -63,7 +63,7 @@ class Hull(Model):
 
     @property
     def smallest_side(self) -> float:
-        """Smallest side [m] of cubes that is tried: CUBE_BUDGET such cubes fill the box around the hull."""
+        """Smallest side [m] allowed for cubes: CUBE_BUDGET of them fill the box around the hull."""
         lower, upper = self.shape.bounds()
         return float((upper - lower).prod() / CUBE_BUDGET) ** (1.0 / 3.0)
 
@@ -78,7 +78,7 @@ class Hull(Model):
 
 
 def hull_of(name: str, up: AxisName | None = None, bow: AxisName | None = None, scale: float | None = None) -> Hull:
-    """Hull of a name in configs/hull/ or of a mesh file, read with these axes and scale; raises ValueError."""
+    """Hull named as in configs/hull/, or of a mesh file, read with these axes and scale; raises ValueError."""
     if name in named("hull"):
         return Hull.model_validate(preset("hull", name))
     if Path(name).suffix.lower() in MESH_ENDINGS:

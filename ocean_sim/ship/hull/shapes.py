@@ -157,7 +157,7 @@ Shape = Annotated[Box | Wigley | Cylinder | Sphere | Outline | MeshFile, Field(d
 
 
 def drawn_mesh(shape: SolidShape) -> tuple[np.ndarray, np.ndarray]:
-    """(n, 3) vertices [m] in the hull's axes and (m, 3) outward triangles, of the mesh or the shape's convex hull."""
+    """(n, 3) vertices [m] in the hull's axes, (m, 3) outward triangles of a shape's mesh, or of its convex hull."""
     mesh = shape.closed_mesh()
     if mesh is not None:
         return mesh.vertices, mesh.faces
@@ -166,7 +166,7 @@ def drawn_mesh(shape: SolidShape) -> tuple[np.ndarray, np.ndarray]:
 
 
 def convex_triangles(shape: SolidShape) -> dict[str, np.ndarray]:
-    """Arrays `vertices`, all points of the sections of a shape, and `triangles` of their convex hull."""
+    """Convex hull of a shape: arrays `vertices`, the points of `section_points`, and `triangles`."""
     from scipy.spatial import ConvexHull
 
     vertices = shape.vertices()

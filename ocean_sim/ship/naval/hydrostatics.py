@@ -55,15 +55,15 @@ class Hydrostatics:
 
     @property
     def needed_volume(self) -> float:
-        """Volume of water that carries the mass [m3]."""
+        """Volume of water that weighs as much as the ship [m3]."""
         return self.matter.mass / self.density
 
     def wet_volumes(self, up: np.ndarray, level: float) -> np.ndarray:
-        """(n,) volume of each cube [m3] under a water level [m] along `up`, a unit vector in the hull's axes."""
+        """(n,) volume [m3] of each cube below a water level [m] along `up`, a unit vector in the hull's axes."""
         return self.cube_volumes * np.clip(self.wet_shares(up, level), 0.0, 1.0)
 
     def wet_shares(self, up: np.ndarray, level: float) -> np.ndarray:
-        """(n,) share of each cube under a level [m] along `up`: 0 as it touches the water, 1 when wet; not clipped."""
+        """(n,) share of each cube's height below a level [m] along `up`; below 0 or above 1 for cubes not cut."""
         return (level - self.voxels.centre_heights(up)) / self.voxels.height_spread(up) + 0.5
 
     @cached_property
@@ -72,7 +72,7 @@ class Hydrostatics:
         return self.voxels.size.prod() * self.voxels.share
 
     def water_level(self, up: np.ndarray) -> float:
-        """Height of the water along a unit vector `up` [m] at which the hull floats; infinite if it sinks."""
+        """Height of the water along the unit vector `up` [m] at which a hull so turned floats; infinite if it sinks."""
         if self.needed_volume >= self.voxels.volume:
             return inf
         height, spread = self.voxels.centre_heights(up), self.voxels.height_spread(up)
@@ -98,11 +98,11 @@ class Hydrostatics:
 
     @cached_property
     def keel(self) -> float:
-        """Height of the hull's lowest cubes over its origin [m]: 0, unless points of an outline go lower or higher."""
+        """Height of the lowest cubes over the hull's origin [m]: 0, unless an outline's lowest point is not there."""
         return float(self.voxels.lower[1])
 
     def centre_of_buoyancy(self, turn: np.ndarray | None = None) -> np.ndarray:
-        """(3,) centre of buoyancy of a turned hull (upright by default) from its origin, axes of the world [m]."""
+        """(3,) centre of buoyancy from the origin [m], world axes; `turn`: rotation of the hull, by default upright."""
         turn = np.eye(3) if turn is None else turn
         share = self.wet_shares(turn[1], self.water_level(turn[1]))
         volume = self.cube_volumes * np.clip(share, 0.0, 1.0)
@@ -110,12 +110,12 @@ class Hydrostatics:
         return (turn @ (volume[:, None] * self.voxels.centre).sum(axis=0) + [dx, 0.0, dz]) / volume.sum()
 
     def buoyancy_offset(self, turn: np.ndarray) -> np.ndarray:
-        """(2,) offset [m], to port and ahead, from the centre of mass (with free surfaces) to that of buoyancy."""
+        """(2,) offset [m], to port and ahead, of the centre of buoyancy from that of mass (with free surfaces)."""
         between = self.centre_of_buoyancy(turn) - turn @ self.matter.centre
         return between[[0, 2]] + self.free_surface_loss * turn[1, [0, 2]]
 
     def righting_lever(self, axis: int, degrees: float) -> float:
-        """Righting lever [m] at a turn [deg] about z (2: GZ) or x (0: in trim), with free sinkage."""
+        """Righting lever [m] of a hull turned about z (`axis` 2: GZ) or x (0: in trim), at her floating height."""
         to_port, ahead = self.buoyancy_offset(axis_rotation(axis, radians(degrees))).tolist()
         return -to_port if axis == 2 else ahead
 
@@ -129,13 +129,13 @@ class Hydrostatics:
         return float(self.centre_of_buoyancy()[1]) - self.keel
 
     def metacentric_height(self, axis: int = 2) -> float:
-        """Metacentric height GM [m] in heel (axis 2) or trim (0), by a small turn both ways."""
+        """Metacentric height GM [m] in heel (`axis` 2) or trim (0), from righting levers at a small angle both ways."""
         rise = self.righting_lever(axis, SMALL_TURN) - self.righting_lever(axis, -SMALL_TURN)
         return rise / (2.0 * sin(radians(SMALL_TURN)))
 
     @cached_property
     def gm_of_faces(self) -> float | None:
-        """GM [m] by the faces of the shape, not by its cubes; None as for `metacentric_heights`, or without a shape."""
+        """GM [m] in heel by faces, not cubes, of the shape; None without a shape, or as for `metacentric_heights`."""
         heights = None if self.shape is None else metacentric_heights(self.shape, self)
         return None if heights is None else heights[0]
 
@@ -169,13 +169,13 @@ class Hydrostatics:
 
     @cached_property
     def waterline_volumes(self) -> np.ndarray:
-        """(n,) volume [m3] of each cube within a quarter of a cube's height above and below the still water."""
+        """(n,) part [m3] of each cube's volume that lies within a quarter of a cube's height of the still water."""
         step = 0.25 * self.voxels.size[1]
         return self.wet_volumes(UPRIGHT, self.waterline + step) - self.wet_volumes(UPRIGHT, self.waterline - step)
 
     @cached_property
     def stations(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Position along z, breadth at the still water, and draught of each slice of cubes, (m,) each [m]."""
+        """Position along z, breadth at the still water, and draught (m,) [m] of each slice of cubes across the ship."""
         v, level = self.voxels, self.waterline
         _, tall, long = v.size
         number, n = self.cube_slices
@@ -211,24 +211,24 @@ class Hydrostatics:
 
     @cached_property
     def section_areas(self) -> np.ndarray:
-        """(m,) area under the still water of every slice of cubes [m2]."""
+        """(m,) cross-section under the still water [m2] of each of the m slices of cubes across the ship."""
         number, n = self.cube_slices
         return np.bincount(number, self.wet_volumes(UPRIGHT, self.waterline), n) / self.voxels.size[2]
 
     @property
     def waterline(self) -> float:
-        """Height of the still water over the hull's origin [m]; of a ship that sinks, that of its deck."""
+        """Height of the still water above the hull's origin [m]; for a ship that sinks, height of her deck."""
         return min(self.draught + self.keel, float(self.voxels.centre[:, 1].max()))
 
     @cached_property
     def cube_slices(self) -> tuple[np.ndarray, int]:
-        """(n,) number of the slice along z of each cube, and the number of slices."""
+        """(n,) number of the slice, counted along z, to which each cube belongs, and the number of slices."""
         number = self.voxels.cells[:, 2]
         return number, int(number.max()) + 1
 
 
 def volume_under(level: float, height: np.ndarray, spread: float, whole: np.ndarray) -> float:
-    """Volume [m3] under a level [m] of cubes: centres at `height` [m], `spread` [m] high, `whole` volumes [m3]."""
+    """Volume [m3] below a level [m] of cubes: n centres at `height` [m], `spread` [m] high, volumes `whole` [m3]."""
     return float((whole * np.clip((level - height) / spread + 0.5, 0.0, 1.0)).sum())
 
 
@@ -260,7 +260,8 @@ def metacentric_heights(shape: SolidShape, still: Hydrostatics) -> tuple[float, 
 
 
 def float_level(wet_under: Callable[[float], Wet], needed: float, low: float, high: float) -> tuple[float, Wet]:
-    """Level [m] from `low` to `high` with the volume `needed` [m3] below, and the wet part: Newton, else bisection."""
+    """Water level [m] from `low` to `high` under which the volume is `needed` [m3], and the wet part there, by Newton's
+    method or bisection; `wet_under`: function from level to wet part."""
     level, last = 0.5 * (low + high), LEVEL_ROUNDING * (high - low)
     for _ in range(MAX_LEVEL_STEPS):
         wet = wet_under(level)
@@ -290,7 +291,7 @@ def wet_part(faces: np.ndarray, level: float) -> Wet:
 
 
 def columns_under(mesh: ClosedMesh, level: float) -> Wet:
-    """Wet part of a mesh whose faces pass through each other, by columns of volume and lines across the waterplane."""
+    """Wet part, below a level [m], of a mesh whose faces intersect: by columns, and by lines across the waterplane."""
     volume, below = (mesh.column_integral(lambda y: np.minimum(y - level, 0.0) ** n / n) for n in (1, 2))
     positions, along = gauss_points(mesh.vertices[:, 2])
     line, port, starboard = inside_stretches(mesh.triangles[..., [2, 0, 1]], positions, np.array([level]))
@@ -301,7 +302,8 @@ def columns_under(mesh: ClosedMesh, level: float) -> Wet:
 
 
 def faces_below(faces: np.ndarray) -> np.ndarray:
-    """(m, 3, 3) triangles that add up to the part of faces (n, 3, 3) below y = 0; reversed ones subtract tips above."""
+    """Triangles (m, 3, 3) over which an integral equals that over the part of `faces` (n, 3, 3) below y = 0; reversed
+    triangles subtract the tips above."""
     over = faces[..., 1] > 0.0
     number = np.count_nonzero(over, axis=1)
     cut = number % 3 > 0
@@ -325,7 +327,7 @@ def squat_factor(speed: float, depth: float) -> float:
 
 
 class Slender(NamedTuple):
-    """Squat of a slender hull in shallow open water (Tuck 1966); without `at_speed` per F^2 / sqrt(1 - F^2)."""
+    """Squat of a slender hull in shallow water (Tuck 1966): per F^2 / sqrt(1 - F^2), or at a speed from `at_speed`."""
 
     sinkage: float  # of the centre of her waterplane [m]
     trim: float  # bow down [rad]
@@ -338,7 +340,7 @@ class Slender(NamedTuple):
         return self.sinkage + self.trim * (self.levers[1] if self.trim > 0.0 else -self.levers[0])
 
     def at_speed(self, speed: float, depth: float) -> "Slender":
-        """Squat at a speed [m/s] over a bed at a depth [m]; infinite from F = 1 on."""
+        """Squat at a speed U [m/s] over a bed at a depth h [m]; infinite from U = sqrt(g h) on."""
         factor = squat_factor(speed, depth)
         return self._replace(sinkage=factor * self.sinkage, trim=factor * self.trim)
 

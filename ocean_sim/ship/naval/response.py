@@ -27,7 +27,7 @@ TRUSTED_COHERENCE = 0.8
 
 
 class Response(NamedTuple):
-    """Complex response (m, 6) of MOTION_NAMES at m encounter frequencies, its coherence, and the wave spectrum."""
+    """Complex response (m, 6), in the order of MOTION_NAMES, at m encounter frequencies; coherence; wave spectrum."""
 
     omega: np.ndarray  # (m,) encounter frequency [rad/s]
     wave_density: np.ndarray  # (m,) [m2 s], over frequency in Hz; of a regular wave NaN
@@ -55,8 +55,8 @@ def mean_path(time: np.ndarray, place: np.ndarray, period: float) -> tuple[np.nd
 
 
 def waves_at(sea: Components, time: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """Elevation [m] and wave slope (n, 2) of a fully grown sea at x, z (n, 2) [m] and times (n,) [s]. The slope is the
-    sum of each wave's elevation times its wavenumber, so it is in phase with the crests."""
+    """Elevation [m] and slope, (n, 2), of a sea at full height, at `place` x, z (n, 2) [m] and times (n,) [s]. The
+    slope is the sum of each wave's elevation times its wavenumber, so it is in phase with the crests."""
     found = np.zeros((2, len(time)))
     for a, k, omega, phase, size in zip(sea.amplitude, sea.wavevector, sea.omega, sea.phase, sea.wavenumber):
         found += np.outer([a, a * size], np.cos(place @ k - omega * time + phase))
@@ -64,12 +64,12 @@ def waves_at(sea: Components, time: np.ndarray, place: np.ndarray) -> np.ndarray
 
 
 def least_record(period: float) -> float:
-    """Least length [s] of a record for cross spectra of waves whose spectral peak is met every `period` [s]."""
+    """Shortest record [s] that gives cross spectra, for waves whose spectral peak the ship meets every `period` [s]."""
     return 0.5 * (MIN_SEGMENTS + 1) * MIN_SEGMENT_PERIODS * period
 
 
 def irregular_response(waves: np.ndarray, motions: np.ndarray, every: float, period: float) -> Response:
-    """Response by cross spectra of `waves` (n, 2), elevation [m] and slope, and `motions` (n, 6), in rows `every` [s].
+    """Response by cross spectra of `waves` (n, 2), elevation [m] and slope, and `motions` (n, 6), sampled `every` [s].
     `period` [s]: of the spectral peak; the record is at least as long as `least_record` says."""
     from scipy.signal import csd, detrend
 

@@ -82,7 +82,7 @@ class Loading(Model):
 
     @property
     def free_surface_loss(self) -> tuple[float, float]:
-        """Loss of metacentric height across and along, by all free surfaces [m]."""
+        """Loss of metacentric height [m] across and along the ship, by the free surfaces of all tanks."""
         moments = (self.tanks[name].free_surface_moments for name in sorted(self.tanks))
         across, along = sum(moments, np.zeros(2)) / self.matter[0]
         return float(across), float(along)
@@ -106,7 +106,7 @@ class Loading(Model):
 
 
 class Criterion(NamedTuple):
-    """A stability criterion: value of the ship, and least value required."""
+    """One stability criterion: value that the ship has, and least value required."""
 
     name: str
     value: float
@@ -128,12 +128,12 @@ class Stability:
 
     @cached_property
     def gm(self) -> float:
-        """Metacentric height, free surfaces taken off [m]."""
+        """Metacentric height [m], less the loss by free surfaces."""
         return self.still.metacentric_height()
 
     @cached_property
     def heeling_side(self) -> float:
-        """Side to which she heels by herself: -1 to port, else 1, starboard."""
+        """Side to which the ship heels by herself: -1 for port, else 1 for starboard."""
         return -1.0 if self.still.gz(0.0) > LIST_TOLERANCE * abs(self.gm) else 1.0
 
     @cached_property
@@ -143,7 +143,7 @@ class Stability:
 
     @cached_property
     def levers(self) -> np.ndarray:
-        """(n,) righting levers GZ at `heels`, free surfaces taken off [m]."""
+        """(n,) righting levers GZ [m] at `heels`, less the loss by free surfaces."""
         return np.array([self.lever_at(heel) for heel in self.heels.tolist()])
 
     def lever_at(self, heel: float) -> float:
@@ -152,7 +152,7 @@ class Stability:
 
     @cached_property
     def flooding_heel(self) -> tuple[float, str]:
-        """Least heel up to 90 [deg], to either side, that floods an opening, and its name; infinite if none does."""
+        """Smallest heel up to 90 [deg], to either side, that floods an opening, and its name; infinite if none is."""
         found = (inf, "")
         for name, point in (self.openings or {}).items():
             for side in (1.0, -1.0):
@@ -166,7 +166,7 @@ class Stability:
 
     @cached_property
     def water_levels(self) -> dict[float, tuple[np.ndarray, float]]:
-        """Water surface by heel to both sides [deg]: upward unit vector (3,), hull's axes, and height along it [m]."""
+        """Water surface by heel [deg] to both sides: upward unit vector (3,), hull's axes, and height along it [m]."""
         heels = [side * heel for heel in self.heels.tolist() for side in (1.0, -1.0)]
         ups = {heel: axis_rotation(2, radians(heel))[1] for heel in heels}
         return {heel: (up, self.still.water_level(up)) for heel, up in ups.items()}
@@ -186,7 +186,7 @@ class Stability:
 
     @cached_property
     def rest_heel(self) -> float | None:
-        """Heel [deg] of the ship at rest, a list or a loll; 0 if upright, None if no lever rights her."""
+        """Heel [deg] of the ship at rest (list or loll): 0 if upright, None if no righting lever is above 0."""
         righted = np.flatnonzero(self.levers[1:] > 0.0)
         if not len(righted):
             return None
@@ -200,7 +200,7 @@ class Stability:
 
     @property
     def vanishing_heel(self) -> float:
-        """Heel [deg] at which the righting lever comes back to 0; 90 if it does not, 0 if no lever rights the ship."""
+        """Heel [deg] at which the righting lever falls to 0 again; 90 if it does not, 0 if it is never above 0."""
         heels, levers = self.curve
         if self.rest_heel is None:
             return 0.0
@@ -210,7 +210,7 @@ class Stability:
 
     @property
     def criteria(self) -> list[Criterion]:
-        """Criteria of A.749(18), 3.1.2.1 to 3.1.2.4, with the ship's values; levers end at the angle of flooding."""
+        """Criteria of A.749(18), 3.1.2.1 to 3.1.2.4, with the ship's values; levers count up to the flooding angle."""
         end = min(self.flooding_heel[0], 40.0)
         heels, levers = (part[self.curve[0] <= self.flooding_heel[0]] for part in self.curve)
         beyond = float(levers[heels >= 30.0].max()) if heels[-1] >= 30.0 else 0.0

@@ -31,8 +31,8 @@ class Solid(ShapedSolid):
         return self.carve_room(positions, boxes, lattice.spacing)
 
     def carve_room(self, positions: np.ndarray, boxes: Boxes, spacing: float) -> dict[str, np.ndarray]:
-        """Make room for a hull without boundary particles: indices of the particles `gone` from inside her and of those
-        `near`, and the positions [m] to which the latter are `moved`."""
+        """Make room for a hull without boundary particles. Returns indices of particles inside her, to be removed
+        (`gone`), and of those close to her (`near`), and positions [m] to which the latter are moved (`moved`)."""
         values, first, step = self.lattice(spacing)
         distance, order = self.deepest_first((positions - self.origin) @ self.turn + self.centre, spacing)
         gone = np.zeros(len(positions), dtype=bool)
@@ -40,7 +40,7 @@ class Solid(ShapedSolid):
         slopes = np.gradient(values["distance"], *step)
 
         def off(points: np.ndarray) -> np.ndarray:
-            """(m, 3) points [m], those nearer to the hull than half a spacing moved out to that distance."""
+            """Copy of points (m, 3) [m]; those within half a spacing of the hull are moved out to that distance."""
             at = ((points - self.origin) @ self.turn + self.centre - first) / step
             away = lattice_values(values["distance"], at, 2.0 * spacing)
             return points + np.maximum(START_GAP * spacing - away, 0.0)[:, None] * face_normals(slopes, at, self.turn.T)

@@ -22,12 +22,13 @@ MAX_TOUCHING = 8  # points of a side that are looked at: the deepest
 
 
 class Sides:
-    """Contact of one hull with walls and bed, as impulses on its corners."""
+    """Contact of one hull with walls and bed, by impulses on the corners of the hull."""
 
     def __init__(
         self, shape: SolidShape, centre: np.ndarray, basin: Basin, room: float = 0.0, axes: tuple[int, ...] = (0, 1, 2)
     ) -> None:
-        """`centre` of mass from the hull's origin, `room` to leave at each side [m]; only sides across `axes` count."""
+        """`centre`: centre of mass from the hull's origin [m]; `room`: distance that the hull keeps from each side [m];
+        `axes`: those across which sides are considered."""
         self.points = convex_corners(shape) - centre  # body axes [m]
         self.middle: list[float] = (0.5 * (self.points.max(axis=0) + self.points.min(axis=0))).tolist()
         self.half: list[float] = (0.5 * np.ptp(self.points, axis=0)).tolist()  # of the box around them [m]
@@ -52,7 +53,7 @@ class Sides:
         return any(way * (position[axis] - side) < reach[axis] + along for axis, way, side in stops)
 
     def penetrations(self, body: RigidBody) -> list[tuple[int, float, np.ndarray]]:
-        """Axis, inward direction (1 or -1), depths (n,) [m] of corners beyond each side in turn; a shaped bed last."""
+        """All sides, each as axis across it, inward direction (1 or -1), and depth (n,) [m] of corners beyond it."""
         positions = self.points @ body.matrix.T + body.position
         found = [(axis, way, way * (side - positions[:, axis])) for axis, way, side in self.stops]
         if self.ground is not None:
@@ -60,7 +61,8 @@ class Sides:
         return found
 
     def inward(self, axis: int, way: float, at: np.ndarray) -> np.ndarray:
-        """(3,) normal, into the basin, of the side across `axis` at a point (3,) [m]; `way`: inward direction."""
+        """(3,) unit normal, pointing into the basin at a point (3,) [m], of the side across `axis` whose inward
+        direction along it is `way`, 1 or -1."""
         if self.ground is None or (axis, way) != (1, 1.0):
             return way * np.eye(3)[axis]
         return self.ground.normals(at[None, [0, 2]])[0]
@@ -73,7 +75,8 @@ class Sides:
         return replace(body, position=body.position + move) if move.any() else body
 
     def with_impulses(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> Load:
-        """Copy of `load` with impulses of walls and bed over dt [s] in `wave`; `after(load)`: the body dt later."""
+        """Copy of `load` with the impulses of walls and bed in a step dt [s] added to `wave`; `after(load)` gives the
+        body at the end of the step."""
         body = after(load)
         normals, arms = [], []
         self.bed = False
@@ -90,8 +93,8 @@ class Sides:
         return load.plus("wave", total / dt)
 
     def contact_impulses(self, body: RigidBody, normals: np.ndarray, arms: np.ndarray) -> np.ndarray:
-        """(2, 3) impulse [N s], moment [N m s] of sides with `normals` (n, 3) that stop points at `arms` (n, 3) [m]
-        from the centre of mass. Points are taken one by one, again and again."""
+        """(2, 3) impulse [N s] and moment [N m s] by which sides with `normals` (n, 3) stop the hull's points at `arms`
+        (n, 3) [m] from the centre of mass, by sequential impulses: point after point, in several sweeps."""
         turn = body.matrix
         inverse_inertia = turn @ np.linalg.inv(body.inertia_body) @ turn.T
         velocity, omega = body.velocity.copy(), body.angular_velocity.copy()
@@ -119,6 +122,6 @@ class Sides:
 
 
 def effective_mass(mass: float, inverse_inertia: np.ndarray, arm: np.ndarray, along: np.ndarray) -> float:
-    """Mass [kg] of a body at `arm` [m]: impulse `along` a unit vector over the speed that it adds there; world axes."""
+    """Mass [kg] felt by a push at `arm` [m] `along` a unit vector: impulse over speed gained there; world axes."""
     lever = cross(arm, along)
     return float(1.0 / (1.0 / mass + lever @ inverse_inertia @ lever))

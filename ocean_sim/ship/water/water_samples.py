@@ -74,22 +74,22 @@ class SampleLattice:
         return word * (NODES_ALONG * NODES_ACROSS + HIGHEST_LEVEL + 1)
 
     def place(self, body: RigidBody, row: np.ndarray) -> None:
-        """Move the lattice to a body, and write its own pose to `row`, as ROW_COLUMNS say; by default do nothing."""
+        """Move the lattice to the hull `body`, and write both poses to `row` (ROW_COLUMNS); does nothing by default."""
 
     def middle_now(self) -> np.ndarray:
-        """(2,) x, z [m] of the lattice's middle after the bodies have taken their step."""
+        """(2,) x, z [m] of the lattice's middle once the hulls have been moved in the present time step."""
         return np.array(self.middle)
 
     @ti.func
     def node_place(self, n, sine, cosine):
-        """Indices of node n along and across the lattice, and its x, z from the middle [m]; sine, cosine of heading."""
+        """Indices of node n along and across the lattice, and x, z from its middle [m]; sine, cosine of heading."""
         i, k = n // NODES_ACROSS, n % NODES_ACROSS
         along, across = i * self.step[0] - self.half[0], k * self.step[1] - self.half[1]
         return i, k, along * sine + across * cosine, along * cosine - across * sine
 
     @ti.func
     def keep_frame(self, x, z, sine, cosine):
-        """Store middle x, z [m], heading and highest level of the lattice. Call it at the top of a kernel."""
+        """Store middle x, z [m], heading and highest water level of the lattice. Call it at the top of a kernel."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             self.frame[0], self.frame[1], self.frame[2], self.frame[3] = x, z, cosine, sine
@@ -100,7 +100,7 @@ class SampleLattice:
 
     @ti.func
     def cell_at(self, x, z):
-        """Cell of x, z [m] in the lattice: indices of its first node along and across, and place in it, 0 to 1 each."""
+        """Cell of x, z [m] in the lattice: its indices along and across, and position in it, 0 to 1 each way."""
         dx, dz = x - self.frame[0], z - self.frame[1]
         a = (dx * self.frame[3] + dz * self.frame[2] + self.half[0]) / self.step[0]
         b = (dx * self.frame[2] - dz * self.frame[3] + self.half[1]) / self.step[1]
@@ -115,7 +115,8 @@ class SampleLattice:
 
     @ti.func
     def surface_at(self, corner: Template):
-        """Elevation [m] at a position from `cell_at`, and long waves' force over displaced weight: minus the slope."""
+        """Elevation [m] of the water at a horizontal position, as `cell_at` gives it, and minus the slope of the
+        surface there: the horizontal force of long waves per weight of displaced water."""
         i, k, a, b = corner
         here, left = self.level[i, k], self.level[i, k + 1]
         ahead, across = self.level[i + 1, k], self.level[i + 1, k + 1]
@@ -127,7 +128,7 @@ class SampleLattice:
 
 @in_kernels
 class SurroundingWater(SampleLattice):
-    """Height of the water around a hull, of particles or closed form, sampled anew around her at each load."""
+    """Height of the water around a hull, of particles or closed form, sampled anew each time loads are computed."""
 
     samples_depth = False
     left_out: ClassVar[tuple[str, ...]] = ("others",)  # the water keeps them
@@ -141,8 +142,8 @@ class SurroundingWater(SampleLattice):
         rim: float = 0.0,
         others: Sequence[Contact] = (),
     ) -> None:
-        """Size of the hull [m]. `hollow`: distance to a hull that keeps particles out, so that the surface sags up to
-        `rim` [m] from her; `others`: contacts of all such hulls."""
+        """Dimensions of the hull [m]. `hollow`: distance function of a hull that keeps particles out, so that the
+        surface sags within `rim` [m] of her; `others`: contacts of all such hulls."""
         self.size_lattice(length, breadth, height, rim)
         self.hollow = hollow is not None
         if hollow is not None:
@@ -150,7 +151,7 @@ class SurroundingWater(SampleLattice):
             self.is_clear = ti.field(int, shape=(NODES_ALONG, NODES_ACROSS))
 
     def other_hulls(self) -> list[Hull]:
-        """The other hulls that keep particles out."""
+        """All hulls but this one that keep particles out."""
         return [other.hull for other in self.others if other.hull.distance is not self.hull]
 
     @ti.func
@@ -199,7 +200,7 @@ class SurroundingSea(SampleLattice):
     def __init__(
         self, length: float, breadth: float, height: float, draught: float, gravity: float, sea: ClosedForm
     ) -> None:
-        """Sizes and draught of the hull [m], and gravity [m/s2]."""
+        """Dimensions and draught of the hull [m], gravity [m/s2], and the sea to sample."""
         self.size_lattice(length, breadth, height)
         self.gravity, self.layer = gravity, 0.5 * draught
         self.depths = tuple(float(d) for d in self.layer * np.arange(DEPTH_LEVELS))  # [m]
@@ -238,13 +239,13 @@ class SurroundingSea(SampleLattice):
         return super().middle_now() + (water.time - water.before) * np.array(water.current)
 
     def is_astray(self, x: float, z: float) -> bool:
-        """True if a hull at x, z from the middle of the lattice [m] is too far away from it."""
+        """True if a hull at x, z [m] from the lattice's middle is so far off that the lattice must be laid anew."""
         (s, c), (ahead, aside) = self.heading, self.half
         return abs(x * s + z * c) > LATTICE_SLACK * ahead or abs(x * c - z * s) > LATTICE_SLACK * aside
 
     @ti.func
     def read_water(self, water: Template, table: Template):
-        """Sample the waves at the nodes, plus the rise and motion that `water` adds. Call it at the top of a kernel."""
+        """Sample the waves at the lattice nodes, and add the disturbance of `water`. Call it at the top of a kernel."""
         sine, cosine = ti.cast(table[0, ROW_COLUMNS.heading], float), ti.cast(table[0, ROW_COLUMNS.heading + 1], float)
         late, share = ti.cast(table[0, ROW_COLUMNS.late], float), ti.cast(table[0, ROW_COLUMNS.share], float)
         for n in range(NODES_ALONG * NODES_ACROSS):
@@ -261,8 +262,8 @@ class SurroundingSea(SampleLattice):
 
     @ti.func
     def motion_at(self, corner: Template, eta, depth):
-        """(6,) velocity [m/s], acceleration over gravity of water at `corner`, from `cell_at`, `depth` below `eta`
-        [m]."""
+        """(6,) velocity [m/s] and acceleration over gravity of the water at `depth` [m] below a surface of elevation
+        `eta` [m]; `corner`: horizontal position, as `cell_at` gives it."""
         h = ti.static(self.window.depth)
         stretched = h * depth / ti.max(h + eta, 1e-6 * h)  # Wheeler's
         level = tm.clamp(stretched / self.layer, 0.0, DEPTH_LEVELS - 1.0)
@@ -272,6 +273,6 @@ class SurroundingSea(SampleLattice):
 
     @ti.func
     def on_level(self, i, k, a, b, l):
-        """(6,) velocity [m/s], acceleration over gravity on depth level l, at a position i, k, a, b from `cell_at`."""
+        """(6,) velocity [m/s], acceleration over gravity on depth level l; i, k, a, b: position, from `cell_at`."""
         near = (1.0 - b) * self.moved[i, k, l] + b * self.moved[i, k + 1, l]
         return (1.0 - a) * near + a * ((1.0 - b) * self.moved[i + 1, k, l] + b * self.moved[i + 1, k + 1, l])

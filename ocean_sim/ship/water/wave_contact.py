@@ -53,7 +53,7 @@ BOX_COLUMNS = Columns(**POSE_COLUMNS, middle=3, half=3)
 
 @in_kernels
 class MovingHull:
-    """A hull at its last pose, as kernels use it: distance to it, and its push on the particles."""
+    """Hull at the pose of the last step, for kernels: distance from it, and its push on the particles."""
 
     def __init__(
         self, distance: Distance, bounds: np.ndarray, reach: float, periods: tuple[float, ...], gravity: float
@@ -79,7 +79,7 @@ class MovingHull:
 
     @ti.func
     def pose_vector(self, first: Template):
-        """Vector of three numbers of the pose, from column `first` on."""
+        """Vector (3,) in three columns of the stored pose; `first`: number of the first of them."""
         return tm.vec3(self.pose[first], self.pose[first + 1], self.pose[first + 2])
 
     @ti.func
@@ -95,7 +95,7 @@ class MovingHull:
 
     @ti.func
     def offset_to(self, x):
-        """Vector from the centre of mass to x [m], the shortest one where sides are periodic."""
+        """Vector (3,) [m] from the centre of mass to the point x [m]; the shortest one if the basin is periodic."""
         d = x - self.pose_vector(BOX_COLUMNS.position)
         for k, period in ti.static(enumerate(self.periods)):
             if ti.static(period > 0.0):
@@ -104,7 +104,7 @@ class MovingHull:
 
     @ti.func
     def is_near(self, d, more):
-        """True if a position d from the centre of mass lies at most `more` [m] beyond the box around the hull."""
+        """True if the point d [m] from the centre of mass lies within the box around the hull, grown by `more` [m]."""
         return (abs(d - self.pose_vector(BOX_COLUMNS.middle)) < self.pose_vector(BOX_COLUMNS.half) + more).all()
 
     @ti.func
@@ -114,19 +114,20 @@ class MovingHull:
 
     @ti.func
     def sample(self, d, turn: Template):
-        """Normal, distance [m], -(integral of grad W over the hull) [1/m] at d from the centre of mass; world axes."""
+        """Normal, distance [m], -(integral of grad W over the hull) [1/m] at d from its centre of mass [m], world axes;
+        `turn`: rotation from hull to world."""
         normal, away, thinning = self.distance.at(turn.transpose() @ d)
         return turn @ normal, away, turn @ thinning
 
     @ti.func
     def distance_to(self, x):
-        """Distance of x [m] from the hull [m], negative inside."""
+        """Distance [m] of the point x [m] from the hull, negative inside."""
         _normal, away, _thinning = self.distance.at(self.rotation().transpose() @ self.offset_to(x))
         return away
 
     @ti.func
     def push(self, x, ahead):
-        """Acceleration [m/s2] of water at x [m] by the hull's push; she has moved on from her pose for `ahead` [s]."""
+        """Acceleration [m/s2] of water at x [m] by the hull's push, `ahead` [s] after the time of her pose."""
         d, a = self.offset_to(x), tm.vec3(0.0)
         if self.is_near(d, self.reach):
             d -= ahead * self.point_velocity(d)
@@ -158,7 +159,7 @@ class WaveContact:
     def __init__(
         self, config: Contact, shape: SolidShape, centre: np.ndarray, basin: Basin, fluid: ParticleFluid, gravity: float
     ) -> None:
-        """`centre` of mass from the hull's origin [m]."""
+        """`config`: keys of the collisions; `shape` of the hull, and `centre` of mass from her origin [m]."""
         self.config, self.particles, self.grid, self.walls = config, fluid.particles, fluid.grid, fluid.walls
         self.mass, self.spacing, self.quantum = self.particles.mass, self.particles.spacing, self.grid.quantum
         self.gravity, spacing, reach = tm.vec3(basin.gravity), self.spacing, float(self.grid.support)
@@ -175,7 +176,7 @@ class WaveContact:
         self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s], [J]
 
     def begin(self, body: RigidBody) -> None:
-        """Set the hull's first pose, and compile the kernel of collisions before the run, by a call without any."""
+        """Store the hull's first pose, and compile the collision kernel before the run by a call without collisions."""
         write_pose(self.table[0], body)
         self.push_particles(self.table)
 
@@ -212,7 +213,7 @@ class WaveContact:
 
     @ti.kernel
     def find_touching(self, table: Array2):
-        """List the particles near the hull, and sum those that touch it to `table`, as FOUND_COLUMNS say."""
+        """List particles near the hull; write collision sums (FOUND_COLUMNS) of those that touch it to `table`."""
         self.hull.take_pose(table)
         if ti.static(self.serial):
             ti.loop_config(serialize=True)
@@ -225,7 +226,7 @@ class WaveContact:
 
     @ti.func
     def cell_range(self, k: Template):
-        """First cell along axis k that the box around the hull reaches, and number of cells. A margin is added for
+        """First grid cell along axis k that the box around the hull reaches, and number of cells. A margin covers
         particles that have left their cell, as some schemes sort them in the middle of a step."""
         pose = ti.static(self.hull.pose)
         position, centre = pose[ti.static(BOX_COLUMNS.position + k)], pose[ti.static(BOX_COLUMNS.middle + k)]
@@ -244,7 +245,7 @@ class WaveContact:
 
     @ti.func
     def home_cell(self, cell, k: Template):
-        """Cell inside the grid, along axis k, for a cell that may lie beyond a periodic side."""
+        """Index along axis k, inside the grid, of the cell with index `cell`, which may lie beyond a periodic side."""
         if ti.static(self.hull.periods[k] > 0.0):
             n = ti.static(self.grid.cells[k] - 2)
             cell = (cell - 1) - n * int(ti.floor((cell - 1) / n)) + 1
@@ -252,7 +253,7 @@ class WaveContact:
 
     @ti.func
     def find_in_layer(self, layer, table: Template):
-        """List and sum particles as `find_touching` does, for one layer of cells across z."""
+        """Do the part of `find_touching` for one layer of grid cells, that of index `layer` along z."""
         total, count = ti.Vector.zero(ti.f64, FOUND_COLUMNS.size), 0
         first_x, across = self.cell_range(0)
         first_y, down = self.cell_range(1)
@@ -271,7 +272,7 @@ class WaveContact:
 
     @ti.func
     def list_particle(self, total: Template, i, to):
-        """List particle i at index `to` if near the hull; add it to `total` if it touches; return 1 if near, else 0."""
+        """Return 1 and list particle i at index `to` if near the hull, else 0; add it to `total` if it touches."""
         near, d = 0, self.hull.offset_to(self.particles.position.at(i))
         if self.hull.is_near(d, self.spacing):
             normal, away, _thinning = self.hull.sample(d, self.hull.rotation())
@@ -284,7 +285,7 @@ class WaveContact:
 
     @ti.func
     def add_touching(self, total: Template, normal, d, v):
-        """Add a particle at d from the hull's centre, with velocity v relative to it, to the collision sums b and A."""
+        """Add a particle at d [m] from the hull's centre, with relative velocity v, to the sums b and A in `total`."""
         total[FOUND_COLUMNS.touching] += 1.0
         speed = v.dot(normal)
         if speed < 0.0:
@@ -317,8 +318,8 @@ class WaveContact:
 
     @ti.func
     def collide_particle(self, total: Template, i, first, spin, slipping):
-        """Collide particle i with the hull and move it off; add impulse, moment and work to `total`. `first`, `spin`:
-        velocities of the hull without collisions; `slipping`: factor on the change of velocity by friction."""
+        """Collide particle i with the hull, move it off; add impulse, moment, work to `total`. `first`, `spin`: linear
+        and angular velocity of the hull before collisions; `slipping`: factor on the change of velocity by friction."""
         x, v = self.particles.position.at(i), self.particles.velocity.at(i)
         d = self.hull.offset_to(x)
         normal, away, _thinning = self.hull.sample(d, self.hull.rotation())
@@ -344,7 +345,7 @@ class WaveContact:
 
     @ti.func
     def move_off(self, i, x):
-        """Move particle i from x [m] off the hull, in quanta of the grid, not through walls; return its shift [m]."""
+        """Move particle i from x [m] off the hull by whole `quantum` steps, not through walls; return its shift [m]."""
         start, turn = x, self.hull.rotation()
         for _ in range(EXIT_STEPS):
             normal, away, _thinning = self.hull.sample(self.hull.offset_to(x), turn)

@@ -17,7 +17,7 @@ def column_counts(basin: Basin, spacing: float) -> tuple[int, int]:
 
 @in_kernels
 class Heights:
-    """Heights of water [m] on columns; (i, k) is number i nz + k. A point beyond a side has the height at that side."""
+    """Heights of water [m] on a grid of columns, where (i, k) has number i nz + k; constant beyond the sides."""
 
     def __init__(
         self,

@@ -37,9 +37,9 @@ CASE_FILE = Path(__file__).with_name("cube_cases.csv")
 
 @dataclass(frozen=True)
 class Nodes:
-    """Regular grid of nodes: one in the middle of each cell of a box, and one more row beyond each side.
+    """Regular grid of nodes: one in the middle of each cell of a box, and one more layer beyond each side.
 
-    So a side of the box lies half-way between two rows, and a surface that closes there lies on it."""
+    So a side of the box lies half-way between two layers, and a surface that closes there lies on it."""
 
     lower: tuple[float, float, float]  # [m]
     upper: tuple[float, float, float]  # [m]
@@ -70,7 +70,7 @@ class Nodes:
 
 @in_kernels
 class Rows:
-    """Rows of nodes along x whose field is stored. All others share one dry row, which is read and never written."""
+    """Rows of nodes along x whose field values are stored. All other rows share one dry row, which is never written."""
 
     def __init__(self, nodes: Nodes, most_nodes: int) -> None:
         """Store every row if that takes at most `most_nodes` nodes, else none at first (`keep_rows` then chooses)."""
@@ -96,7 +96,7 @@ class Rows:
         return 4 * (2 * nodes.shape[1] * nodes.shape[2] + cls.fitting_rows(nodes, most_nodes) + 1)
 
     def keep_rows(self) -> None:
-        """Store only the rows marked `near` from now on; raises Diverged if their nodes exceed `most_nodes`."""
+        """Store only rows marked in `near` from now on; raises Diverged if they have more than `most_nodes` nodes."""
         if (wanted := self.renew_rows()) > self.most:
             raise Diverged(
                 f"{wanted * self.length} nodes of the surface lie near water, more than surface.most_nodes "
@@ -105,7 +105,7 @@ class Rows:
 
     @ti.kernel
     def renew_rows(self) -> int:
-        """Number the rows marked `near` in the order of the grid; returns how many are marked."""
+        """Number the rows marked in `near`, in the order of the grid; returns how many are marked."""
         wanted = 0
         ti.loop_config(serialize=True)
         for row in range(self.all):
@@ -159,7 +159,7 @@ class Counts(NamedTuple):
 
 @in_kernels
 class Isosurface:
-    """Field at the stored nodes (positive in the water), and marching cubes on the surface where it is zero."""
+    """Field stored at nodes, positive in the water, and the surface where it is zero, by marching cubes."""
 
     def __init__(
         self,
@@ -168,7 +168,7 @@ class Isosurface:
         most_nodes: int = MAX_NODES,
         dry: float = -1.0,
     ) -> None:
-        """`periodic`: axes on which the field repeats; `most_nodes`: stored at most; `dry`: field at all others."""
+        """`periodic`: axes on which the field repeats; `most_nodes`: most nodes stored; `dry`: field at all others."""
         self.nodes, self.shape, self.periodic, self.rows = nodes, nodes.shape, periodic, Rows(nodes, most_nodes)
         self.lower, self.upper, self.width = tm.vec3(nodes.lower), tm.vec3(nodes.upper), tm.vec3(nodes.width)
         kept = (self.rows.most + 1) * self.rows.length
@@ -236,14 +236,14 @@ class Isosurface:
 
     @ti.func
     def edge_rows(self, j, k):
-        """Indices of the first nodes of the four rows that bound a row of cubes: (j, k), (j + 1, k), (j, k + 1), (j +
-        1, k + 1), clamped to the grid."""
+        """Indices of the first nodes of the four rows of nodes at the edges of a row of cubes: (j, k), (j + 1, k), (j,
+        k + 1), (j + 1, k + 1), clamped to the grid."""
         up, on = tm.min(j + 1, self.shape[1] - 1), tm.min(k + 1, self.shape[2] - 1)
         return tm.ivec4(self.node_at(0, j, k), self.node_at(0, up, k), self.node_at(0, j, on), self.node_at(0, up, on))
 
     @ti.func
     def wet_corners(self, rows, i):
-        """Case bits of the four cube corners at node i of the four `rows`: set where that node is in the water."""
+        """Marching-cubes case bits of the four corners at index i of `rows`: set where the corner is in the water."""
         wet = 0
         for corner in ti.static(range(4)):
             wet |= int(self.value[rows[corner] + i] >= 0.0) << 2 * corner
@@ -251,7 +251,7 @@ class Isosurface:
 
     @ti.func
     def first_row(self, slab):
-        """Index of the first stored row of a slab; a slab is a group of successive rows that one thread handles."""
+        """Index of the first stored row of a slab, which is a group of successive rows that one thread handles."""
         return slab * self.rows.count[None] // ROW_SLABS
 
     @ti.kernel
@@ -310,7 +310,7 @@ class Isosurface:
 
     @ti.func
     def write_vertices(self, n, vertices: Template, normals: Template):
-        """Write the vertices on the edges that node n owns, where the linear field is 0, and their unit normals."""
+        """Write vertices and unit normals on the edges of node n; a vertex lies where the linear field is 0."""
         node = self.node_indices(n)
         vertex, mask = self.owned[n] >> 3, self.owned[n] & 7
         own, slope = self.value[n], self.gradient(node)
@@ -362,8 +362,8 @@ class Isosurface:
 
     @ti.func
     def vertex_on_edge(self, i, j, k, edge):
-        """Number of the vertex on an edge of cube (i, j, k). Edge 4 axis + e starts at the e-th corner whose bit of
-        that axis is 0; the node at that corner owns it, and numbers its edges in the order of the axes."""
+        """Number of the vertex on an edge of cube (i, j, k): `edge` = 4 axis + e starts at the e-th corner whose bit of
+        that axis is 0. The node at that corner owns the edge, and numbers its edges in the order of the axes."""
         axis, e = edge // 4, edge % 4
         corner = (e >> axis) << (axis + 1) | e & ((1 << axis) - 1)
         owned = self.owned[self.node_at(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2))]

@@ -27,13 +27,13 @@ class Noise:
     so that the noise has the same effect at any step; `every` 0: a new one each step, as printed in the thesis."""
 
     def __init__(self, seed: int, every: float, row: DeviceRow) -> None:
-        """`row`: device row that begins with the columns of DRAWS."""
+        """`seed`: of random numbers; `every`: time that each lasts [s]; `row`: on the device, beginning with DRAWS."""
         self.seed, self.every, self.row, self.steps = seed, every, row, 0
         row.set(DRAWS.each, 1.0)
         row.set(DRAWS.strength, 1.0)
 
     def restart(self, time: float) -> None:
-        """Store number and phase of the random vector in use at a time [s]; called when the wind's clock restarts."""
+        """Store number and phase of the random vector in use at a time [s]; called as the wind's clock restarts."""
         if self.every:
             draws = time / self.every
             self.row.set(DRAWS.number, int(draws) % DRAW_NUMBERS)
@@ -62,7 +62,7 @@ class Noise:
 
     @ti.func
     def of(self, stream, key):
-        """Noise (3,) of this step for particle `key`, -1 to 1 along each axis; `stream`: number of its sequence."""
+        """Noise (3,) of this step on particle `key`, -1 to 1 along each axis; `stream`: number of its sequence."""
         row = ti.static(self.row.field)
         draw, left = (int(row[DRAWS.number]) + int(row[DRAWS.first])) % DRAW_NUMBERS, row[DRAWS.left]
         mean = (1.0 - left) * uniform3(self.seed, stream, key, draw)

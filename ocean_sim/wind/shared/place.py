@@ -25,7 +25,7 @@ from ocean_sim.wind import DeviceRow
 
 @dataclass(frozen=True)
 class Core:
-    """Shape made of all points within `radius` of a box."""
+    """Shape of a volume of air: a box and all points within `radius` of it."""
 
     centre: np.ndarray  # [m]
     half: tuple[float, float, float]  # half size of the box [m]: zero in a sphere, one axis long in a capsule
@@ -33,7 +33,7 @@ class Core:
     yaw: float  # turn about the vertical [rad]
 
     def in_own_axes(self, direction: np.ndarray) -> np.ndarray:
-        """Direction vector in the axes of the shape, from one in the axes of the world."""
+        """Components in the axes of the shape of a direction vector in world axes."""
         return turned(direction, -self.yaw)
 
     def edges(self) -> np.ndarray:
@@ -41,7 +41,7 @@ class Core:
         return turned(outline(self.half, self.radius), self.yaw) + self.centre
 
     def spread(self) -> np.ndarray:
-        """Points (n, 3) [m] at the height of the centre, where arrows start: 3 by 3, or 5 in a line on a long shape."""
+        """Points (n, 3) [m] from which arrows start, at the centre's height: 3 by 3, or 5 in line in a long shape."""
         size = np.array(self.half)[[0, 2]] + self.radius
         counts = (3, 3) if size.max() < 2.0 * size.min() else (5, 1) if size[0] > size[1] else (1, 5)
         x, z = (np.linspace(-0.7, 0.7, n) * s if n > 1 else np.zeros(1) for n, s in zip(counts, size))
@@ -53,7 +53,7 @@ class Core:
         return float(np.abs(self.in_own_axes(direction)) @ self.half + self.radius)
 
     def chord(self, direction: np.ndarray) -> float:
-        """Length [m] inside the shape of a line through its centre along a unit vector."""
+        """Length [m], inside the shape, of the line through its centre along a unit vector."""
         along = np.abs(self.in_own_axes(direction))
         inside, outside = 0.0, 2.0 * (float(np.linalg.norm(self.half)) + self.radius)
         for _ in range(50):
@@ -67,7 +67,7 @@ class Core:
 
 @lru_cache(maxsize=64)  # frames ask for it again and again
 def outline(half: tuple[float, float, float], radius: float) -> np.ndarray:
-    """Line segments (n, 2, 3) [m] that draw a core, in its own axes, of box half sizes `half` [m] and a radius [m]."""
+    """Line segments (n, 2, 3) [m] that draw a `Core` of half sizes `half` [m] and a radius [m], in its own axes."""
     if radius == 0.0:
         corners = np.array(list(np.ndindex(2, 2, 2))) * 2.0 - 1.0
         near = np.abs(corners[:, None] - corners[None]).sum(axis=2) == 2.0
@@ -153,13 +153,13 @@ def rotated_back(v, cosine, sine):
 
 @ti.func
 def within(x, half, radius):
-    """True if point x [m], from a core's centre and in its axes, lies in that core, of half sizes and a radius [m]."""
+    """True if point x [m] lies in a `Core` of half sizes and a radius [m]; x is from its centre and in its axes."""
     beyond = ti.max(ti.abs(x) - half, 0.0)
     return beyond.dot(beyond) <= radius * radius
 
 
 class Placed(Model):
-    """Key of a wind that has a place: the frame in which it stands or drifts."""
+    """Key of a wind that has a position: the frame (axes) in which it stands or drifts."""
 
     frame: Literal["tile", "world"] | None = None
     """Over a patch of open sea: `tile`, it travels with the patch, so its places are seen from the ship and it comes in
@@ -174,7 +174,7 @@ class Placed(Model):
 
 @in_kernels
 class Patch:
-    """Coordinates of a wind over a patch of open sea. Over any other basin the wind's axes are those of the world."""
+    """Axes of a wind over a patch of open sea. Over any other basin they are those of the world."""
 
     def __init__(self, config: Placed, basin: Basin) -> None:
         periods = (basin.periods[0], basin.periods[2]) if basin.sea is not None else (0.0, 0.0)
@@ -195,7 +195,7 @@ class Patch:
 
     @ti.func
     def seen(self, position):
-        """Position [m], in the wind's axes, of a particle on the patch or a ship in the world at `position` [m]."""
+        """Position [m] in the wind's axes of a particle of the patch, or of a ship in the world, at `position` [m]."""
         found = position
         for axis, k, period in ti.static(self.axes):
             middle = self.row.field[axis]
@@ -210,8 +210,8 @@ class Passages:
     """Repeated passages of a drifting wind across the basin: its centre [m], turn [rad], strength and passage number.
 
     The first begins at `start`. When the wind's rear has left the basin, direction and strength are chosen at random,
-    and its front comes in at the upwind border, on a line through the point of the first path nearest to the centre.
-    """
+    and its front comes in again at the upwind border, on a line through that point of the first path which is nearest
+    to the centre of the basin."""
 
     def __init__(
         self,

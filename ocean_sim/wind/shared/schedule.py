@@ -45,8 +45,8 @@ class Timed(Model):
         return self.start == 0.0 and self.end is None and self.ramp == 0.0
 
     def blowing(self, time: float, dt: float = 0.0) -> float:
-        """Share of full strength, 0 to 1, in a step of dt [s] that begins at a time [s]; on the ramp it is 3 s^2 - 2
-        s^3. If the wind blows in a part of the step only, that part is a factor, so that the impulse is right."""
+        """Share of full strength, 0 to 1, in a step of dt [s] that begins at a time [s]; on the ramp 3 s^2 - 2 s^3, s
+        being 0 to 1. If the wind blows in a part of the step only, that part is a factor: the impulse is right."""
         begin, end = max(time, self.start), min(time + dt, np.inf if self.end is None else self.end)
         if end < begin or (end == begin and dt > 0.0) or time == self.end:
             return 0.0
@@ -95,7 +95,7 @@ class Scheduled(Timed):
 
     @cached_property
     def table(self) -> csv_file.Table | None:
-        """Table read from the CSV file of the schedule; None if there is no file. Raises Unreadable if it is faulty."""
+        """Table in the schedule's CSV file; None if no file is given. Raises Unreadable for a faulty one."""
         return csv_file.Table(self.schedule.file) if isinstance(self.schedule, File) else None
 
     @cached_property

@@ -1,6 +1,6 @@
 """The walk over neighbours for processors.
 
-The unit of work is a cell, as wide as the support, or a part of a large one. Its candidates are the particles within
+The unit of work is a cell, a support wide, or a sub-cell of a large one. Its candidates are the particles within
 one support of the bounding box of its own particles. They are found once a step and kept. A pair law is then summed
 over them in one long loop without branches. Sums are gathered and never scattered, so the result does not depend on the
 number of threads.
@@ -25,8 +25,8 @@ UNSHIFTED_CODE = 13  # code of what is seen where it is, through no periodic sid
 
 @in_kernels
 class CellWalk:
-    """Neighbour walk for processors. For each part of a cell it lists candidates (possible neighbours), copies their
-    fields to scratch arrays, one a field, and sums pair laws over them."""
+    """Neighbour walk for processors. For each sub-cell (GridSize.parts) it lists candidates (possible neighbours),
+    copies their fields to the scratch (a column for each field), and sums pair laws over them."""
 
     def __init__(self, particles: Particles, grid: Grid, accounts: Accounts, size: GridSize) -> None:
         self.position, self.grid, self.accounts = particles.position, grid, accounts
@@ -40,14 +40,14 @@ class CellWalk:
         self.size, self.keeps = size, False  # whether pairs are kept
 
     def keep_pairs(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> KeptPairs:
-        """Make the store of pairs for solvers that iterate over them; later walks with `find` fill it."""
+        """Make the store of pairs that walks with `find` fill for solvers; `neighbours` and `tasks` are not used."""
         self.keeps, self.blocks = True, PairBlocks(self.position, self.grid, self.scratch, smoothing, self.size)
         self.name = ti.field(int, shape=self.groups * self.width)
         return self.blocks
 
     @ti.func
     def part_bounds(self, k):
-        """Centre and half sides [m] of the box around the particles in cell part k (number among occupied ones)."""
+        """Centre and half sides [m] of the box around the particles of sub-cell k (numbered among occupied ones)."""
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         first = self.grid.first[k]
         lo = tm.vec3(x[first], y[first], z[first])  # outside all loops, without which those of `list_near` are slow
@@ -67,8 +67,8 @@ class CellWalk:
 
     @ti.func
     def list_near(self, begin, end, code, shift, middle, half, first):
-        """List, from index `first` on, those of particles `begin` to `end` - 1 that lie near a box (`middle`, `half`
-        sides) once moved by `shift` [m], each with the shift's `code` added; return their number."""
+        """List in `candidate`, from `first` on, those of particles `begin` to `end` - 1 that, moved by `shift` [m], lie
+        near a box (centre `middle`, `half` sides [m]), each as index + `code` of the shift; return their number."""
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         for a in range(end - begin):
             at = begin + a
@@ -77,7 +77,8 @@ class CellWalk:
 
     @ti.func
     def compact(self, names: Template, first, n, name):
-        """Replace n marks (0 or 1) in `names` from `first` on by `name` + a for each a marked 1; return their count."""
+        """Turn n marks (0 or 1) in the field `names`, from index `first` on, into a list there of the marked: a mark of
+        1 at `first` + a becomes an entry `name` + a. Return the number of entries."""
         kept = 0
         for a in range(n):
             marked = names[first + a]
@@ -87,8 +88,8 @@ class CellWalk:
 
     @ti.func
     def find_candidates(self, c, code, middle, half, first, room):
-        """List the particles in and around cell c that lie near a box (`middle`, `half` sides [m]), from index `first`
-        on, each with `code` added; return their number, or -1 if there are more than `room`."""
+        """List in `candidate`, from `first` on, the particles in and around cell c near a box (centre `middle`, `half`
+        sides [m]), each as index + `code` (of no shift); return their number, -1 if it exceeds `room`."""
         grid = self.grid
         m, full = 0, 0
         for dz in range(-1, 2):
@@ -103,8 +104,8 @@ class CellWalk:
 
     @ti.func
     def find_periodic_candidates(self, indices, middle, half, first, room):
-        """List candidates as `find_candidates` does, around the cell with these indices next to a periodic side; each
-        gets the code of its shift added."""
+        """List candidates as `find_candidates` does, around the cell with these `indices` next to a periodic side: each
+        as index + MOST_PARTICLES times the code (`code_shift`) of the repeat that is near."""
         grid = self.grid
         m, full = 0, 0
         for d in range(27):
@@ -138,9 +139,9 @@ class CellWalk:
 
     @ti.func
     def find_images(self, mirror, middle, half, scratch, n, gap, m, first):
-        """List, from index `first` on, those of m candidates whose image in `mirror` is near a box (`middle`, `half`
-        sides [m]); return their number. The scratch has their positions from index `scratch` on: n, a `gap`, and the
-        rest."""
+        """List in `candidate`, from `first` on, those of m scratch entries whose image by matrix `mirror` lies near a
+        box (centre `middle`, `half` sides [m]); return their number. The entries are n particles from entry `scratch`
+        on and, behind a `gap` of dummies, m - n images in other sides."""
         x, y, z = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
         for a in range(m):
             at = scratch + a + ti.select(a < n, 0, gap)
@@ -150,16 +151,16 @@ class CellWalk:
 
     @ti.func
     def walk(self, law: Template, find: Template):
-        """Sum law.pair over the candidates of each particle, then call law.finish; call it at a kernel's top level.
-        `find`: True to list the candidates anew, at the positions in law.reads. Mirror images are summed with the
-        particles, or by themselves if the law's options say `apart`."""
+        """Sum law.pair over the candidates (possible neighbours) of each particle, mirror images included, then call
+        law.finish; call it at a kernel's top level. `find`: True to list candidates anew by the positions in law.reads,
+        False to reuse the lists. Images are summed by themselves if law.options.apart."""
         for g in range(self.groups * TASK_ITERATIONS):
             if g % TASK_ITERATIONS == 0:
                 self.walk_group(g // TASK_ITERATIONS, law, find)
 
     @ti.func
     def walk_group(self, group, law: Template, find: Template):
-        """Sum a law for all particles in one group of cells (the work of one task), and call its `finish`."""
+        """Sum `law` for all particles of a task (`group` of sub-cells), and call law.finish; `find`: as in `walk`."""
         kept = group * self.segment  # where the list of the next part begins
         if ti.static(find):
             self.accounts.overflow[group, 0] = 0
@@ -179,8 +180,8 @@ class CellWalk:
 
     @ti.func
     def list_candidates(self, k, middle, half, group, first, room):
-        """List the candidates of cell part k, which are near its box (`middle`, `half` sides [m]), from index `first`
-        on; record an overflow if they exceed `room`."""
+        """List in `candidate`, from `first` on, the candidates (possible neighbours) of sub-cell k, near its box
+        (centre `middle`, `half` sides [m]); if they exceed `room`, record an overflow in the task's row `group`."""
         c = self.grid.occupied[k]
         if ti.static(not self.periodic):
             self.candidates[k] = self.find_candidates(c, 0, middle, half, first, room)
@@ -194,7 +195,8 @@ class CellWalk:
 
     @ti.func
     def gather_part(self, k, law: Template, find: Template, group, first):
-        """Copy the law's fields of the candidates of cell part k to its group's scratch array; return their number."""
+        """Copy the fields law.reads of the candidates of sub-cell k, listed in `candidate` from `first` on, to the
+        scratch of task `group`, and their indices if `find`; return their number."""
         scratch, n = group * self.width, self.candidates[k]
         if ti.static(not self.periodic):
             self.gather_unshifted(law, find, scratch, first, n, 0)
@@ -213,7 +215,8 @@ class CellWalk:
 
     @ti.func
     def gather_unshifted(self, law: Template, find: Template, scratch, first, n, code):
-        """Copy the fields of n candidates, listed with this `code` and not shifted periodically, to the scratch."""
+        """Copy the fields law.reads of n candidates, listed from `first` on as index + `code` and not shifted
+        periodically, to the scratch from entry `scratch` on; their indices too if `find`."""
         for a in range(n):
             j = self.candidate[first + a] - code
             if ti.static(find and self.keeps):
@@ -223,9 +226,9 @@ class CellWalk:
 
     @ti.func
     def append_images(self, k, law: Template, find: Template, middle, half, group, n, entry, room):
-        """Append the mirror images of the n candidates of cell part k to the scratch array. Return the number of
-        candidates with images, and the index at which the next list may begin. From `entry` on the list holds, side by
-        side, the number of images in a side and the candidates mirrored there."""
+        """Append mirror images of sub-cell k's n candidates to the scratch of task `group`. Return the number of both,
+        and the end of the list in `candidate`: from `entry` on, for each side, the number of candidates mirrored and
+        each one's number. `find`: list those with images near a box (`middle`, `half` sides [m]), else reuse it."""
         scratch, last, m, gap = group * self.width, (group + 1) * self.segment, n, self.image_gap(law, n)
         if ti.static(self.images.sides > 0):
             indices = self.grid.indices_of(self.grid.occupied[k])
@@ -249,8 +252,8 @@ class CellWalk:
 
     @ti.func
     def add_images(self, law: Template, find: Template, mirror, scratch, n, gap, m, first, run):
-        """Append to the scratch the images in `mirror` of the `run` candidates listed from `first` on. It holds m
-        entries so far: n particles, a `gap`, and earlier images."""
+        """Append images by matrix `mirror` to the scratch: of the `run` entries listed in `candidate` from `first` on.
+        A task's scratch, from entry `scratch` on, holds n particles, `gap` dummies, m - n earlier images."""
         for b in range(run):
             a, to = self.candidate[first + b], scratch + gap + m + b
             a += scratch + ti.select(a < n, 0, gap)
@@ -270,7 +273,7 @@ class CellWalk:
 
     @ti.func
     def image_gap(self, law: Template, n):
-        """Number of filler entries in the scratch between n particles and their images; 0 if summed together."""
+        """Number of dummies that fill n candidates up to whole vectors before their images; 0 if not summed apart."""
         return self.padded_count(law, n) - n if ti.static(law.options.apart) else 0
 
     @ti.func
@@ -290,9 +293,9 @@ class CellWalk:
 
     @ti.func
     def candidate_sums(self, law: Template, pair: Template, own, begin, middle, end, find: Template, to):
-        """Two sums of `pair`: over scratch entries `begin` to `middle` - 1, and over images, `middle` to `end` - 1, if
-        these are summed apart. With `find`, gradient shapes (grad W over the distance vector) are stored from index
-        `to` on."""
+        """Two sums of `pair` for a particle of values `own`: over scratch entries (candidates) `begin` to `middle` - 1,
+        and, if images are summed apart, over those from `middle` to `end` - 1. With `find`, the pairs' gradient shapes
+        (grad W over the distance vector) are stored from index `to` on."""
         total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
         for a in range(begin, middle):
             total += self.candidate_term(law, pair, own, a, find, to + a - begin)
@@ -303,7 +306,8 @@ class CellWalk:
 
     @ti.func
     def candidate_term(self, law: Template, pair: Template, own, a, find: Template, to):
-        """Contribution of scratch entry a to a sum of `pair`; with `find`, its gradient shape goes to index `to`."""
+        """Value of `pair` for field values `own` of a particle and those in scratch entry a (a candidate); with `find`,
+        the pair's gradient shape (grad W over the distance vector) is stored at index `to`."""
         other = ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))])
         if ti.static(find and self.keeps):
             self.blocks.keep_shape(vec3(own, law.row.position) - vec3(other, law.row.position), to)
@@ -311,7 +315,8 @@ class CellWalk:
 
     @ti.func
     def sum_up(self, k, law: Template, find: Template, group, n, m):
-        """Sum the law for each particle of cell part k over n candidates and m - n images, and call its `finish`."""
+        """Sum `law` for each particle of sub-cell k over n candidates and m - n mirror images in the scratch of task
+        `group`, and call law.finish; `find`: also keep the pairs, if pairs are kept."""
         # Layout of the scratch: particles up to `images`, then their images up to `end`, each filled up if padded.
         scratch = group * self.width
         images, end = scratch + n + self.image_gap(law, n), scratch + self.padded_count(law, m)

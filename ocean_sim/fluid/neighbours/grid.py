@@ -1,5 +1,4 @@
-"""A uniform grid of cells at least a support wide, and a stable counting sort into cells, within large cells by their
-parts.
+"""A uniform grid of cells at least a support wide, and a stable counting sort into cells, of large ones into sub-cells.
 
 Chunks of particles are counted apart and placed in order, so the result depends neither on the number of chunks nor on
 that of threads. Particles beyond the grid belong to its border cells. A jet above the grid would crowd these, so it
@@ -68,7 +67,7 @@ class Grid:
 
     @ti.func
     def cell_coordinates(self, x):
-        """Position x [m] in cell widths from the padding's corner; above the grid, heights fold into its top layers."""
+        """Position x [m] in cell widths from the padding's corner; y above the grid zigzags through its top layers."""
         place = (x - self.lower) * self.per_width + 1.0
         above = place.y - self.top
         if above > 0.0:
@@ -83,7 +82,7 @@ class Grid:
 
     @ti.func
     def part_at(self, x):
-        """Number of the cell part that holds x [m]; the parts of all cells are numbered in succession."""
+        """Number of the sub-cell that holds x [m]: the cell's number times `parts`, plus the number within the cell."""
         place = self.cell_coordinates(x)
         indices = self.cell_of(place)
         part = self.cell_at(indices)
@@ -96,7 +95,7 @@ class Grid:
 
     @ti.func
     def first_part(self, group):
-        """Index of a group's first occupied cell part; for `group` = number of groups, the number of occupied parts."""
+        """Index of a task's first sub-cell among occupied ones; their number if `group` is the number of tasks."""
         return group * self.occupied_count[None] // ti.static(self.size.groups)
 
     @ti.func
@@ -125,7 +124,7 @@ class Grid:
 
     @ti.func
     def stage_state(self, i, x, v):
-        """Store the next position x [m] and velocity v [m/s] of particle i, and its cell part, for the next sort."""
+        """Store the next position x [m], velocity v [m/s] and sub-cell (sort key) of particle i for the next sort."""
         x = self.wrap_position(x)
         self.part[i] = self.part_at(x)
         self.stage_motion(i, x, v)
@@ -140,7 +139,7 @@ class Grid:
 
     @ti.func
     def whole_quanta(self, i, way):
-        """Round `way` [m] of particle i, plus the remainder of its last move, to whole quanta; store the remainder."""
+        """Return `way` [m] of particle i plus its stored rest, in whole multiples of `quantum`; store the new rest."""
         now = tm.vec3(0.0)
         for k in ti.static(self.axes):
             whole = way[k] + self.left[k][i]
@@ -170,7 +169,7 @@ class Grid:
 
     @ti.func
     def count_chunk(self, b):
-        """Count the particles of chunk b, a run of particles in storage order, in each cell part."""
+        """Count, in `count`, the particles of chunk b (a run of particles in storage order) in each sub-cell."""
         first = b * self.cell_count * self.parts
         for c in range(self.cell_count * self.parts):
             self.count[first + c] = 0
@@ -181,7 +180,7 @@ class Grid:
 
     @ti.func
     def scan_counts(self):
-        """Turn the counts into first indices of every cell, part and chunk (prefix sum); list occupied cell parts."""
+        """Turn counts by sub-cell and chunk (particle run) to first indices (prefix sum); list occupied sub-cells."""
         total, occupied = 0, 0
         for c in range(self.cell_count):
             self.start[c] = total
@@ -200,7 +199,7 @@ class Grid:
 
     @ti.func
     def place_chunk(self, b):
-        """Move the staged states of the particles of chunk b to their sorted places."""
+        """Move the staged states of chunk b, a run of particles, to sorted places, from indices in `count` on."""
         n = self.particles.there()
         for i in range(b * n // self.chunks, (b + 1) * n // self.chunks):
             k = b * self.cell_count * self.parts + self.part[i]

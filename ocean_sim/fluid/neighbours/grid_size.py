@@ -32,7 +32,7 @@ class Plan:
     samples: ClassVar[int] = 32  # samples of solid bodies of a task
 
     def task_count(self, n: int) -> int:
-        """Number of tasks for n particles; each has a group of particles and a row of the momentum budget."""
+        """Number of tasks for n particles; a task is a thread's share of them, with a row of the momentum budget."""
         return FEW_TASKS if n <= MAX_SERIAL_PARTICLES else MANY_TASKS
 
     def chunk_count(self, n: int) -> int:
@@ -58,11 +58,12 @@ class Plan:
         return names + word * (shapes + 3 * size.groups * size.kept_candidates)
 
     def highest_index(self, size: "GridSize", neighbours: int) -> int:
-        """Highest index in a walk, which must fit in 32 bits; `neighbours` of a particle, 0 if pairs are not stored."""
+        """Highest index into neighbour lists, to fit in 32 bits; `neighbours`: of a particle, 0 if unstored."""
         return size.groups * max(size.lattice.n, size.kept_candidates if neighbours else size.segment)
 
     def account_bytes(self, n: int, word: int, impulses: bool) -> int:
-        """Memory [bytes] of the momentum budget of n particles; 0 where it is negligible."""
+        """Memory [bytes] of the momentum budget (extremes and, if `impulses`, impulse and work of each force) of n
+        particles, `word` bytes a float; 0 where it is negligible."""
         return 0
 
 
@@ -91,7 +92,7 @@ class GridSize:
 
     @property
     def sky(self) -> int:
-        """Number of top layers of cells, into which particles above the grid are folded by height."""
+        """Number of top layers of cells that also hold particles above the grid, in zigzag (down, up) by height."""
         return max(1, self.inner_cells[1][0] // 2)
 
     @property
@@ -101,7 +102,7 @@ class GridSize:
 
     @property
     def count_numbers(self) -> int:
-        """Number of counters for the sort: one for each cell part and chunk of particles."""
+        """Number of counters for the sort: one for each sub-cell in each chunk (run of particles counted alone)."""
         return self.cell_count * self.parts * self.chunks
 
     @property
@@ -111,16 +112,16 @@ class GridSize:
 
     @property
     def parts_per_axis(self) -> int:
-        """Number of parts, 1 or 2, into which each cell is cut along an axis."""
+        """Number of sub-cells, 1 or 2, into which each cell is cut along an axis."""
         return self.plan.parts_per_axis(self.cell_particles, self.lattice.basin.dimension)
 
     @property
     def parts(self) -> int:
-        """Number of parts of a cell. Particles are sorted by cell part, as a part has fewer candidates than a cell."""
+        """Number of sub-cells (1, or 2 along each axis) of a cell: each has fewer candidates (possible neighbours)."""
         return int(self.parts_per_axis**self.lattice.basin.dimension)
 
     def quantum(self, eps: float) -> float:
-        """Unit of moves [m]: a power of two, its multiples exact in the whole basin in floats of spacing `eps`."""
+        """Unit [m] of moves, a power of two, so that positions hold them exactly; `eps`: floats' relative precision."""
         basin = self.lattice.basin
         return eps * 2.0 ** floor(log2(max(map(abs, (*basin.lower, *basin.upper)))))
 
@@ -135,7 +136,7 @@ class GridSize:
 
     @property
     def occupied(self) -> int:
-        """Upper bound of the number of cell parts that hold a particle."""
+        """Upper bound of the number of sub-cells (see `parts`) that hold a particle."""
         return min(self.lattice.n, self.cell_count * self.parts)
 
     def bytes(self, word: int) -> int:
@@ -148,28 +149,28 @@ class GridSize:
 
     @property
     def rest_candidates(self) -> float:
-        """Mean number of candidates of a cell part in water at rest: particles in a box two supports wider."""
+        """Mean number of candidates (possible neighbours) of a sub-cell at rest: in a box two supports wider."""
         return (2.0 + 1.0 / self.parts_per_axis) ** self.lattice.basin.dimension * self.cell_particles
 
     @property
     def capacity(self) -> int:
-        """Largest number of candidates of a cell part: four times that of water at rest, and 256 for splashes."""
+        """Largest number of candidates (possible neighbours) of a sub-cell: four times that at rest, plus 256."""
         return int(4.0 * self.rest_candidates) + 256
 
     @property
     def segment(self) -> int:
-        """Largest number of candidates in all lists of a group (its segment): about twice that of water at rest."""
+        """Largest number of candidates listed for all sub-cells of a task (its segment): about twice that at rest."""
         parts = self.lattice.n / (self.cell_particles / self.parts)
         return int(2.0 * parts / self.groups * self.rest_candidates) + 4 * self.capacity
 
     @property
     def width(self) -> int:
-        """Length of a group's scratch arrays: candidates of one cell part, with filler up to whole vectors."""
+        """Length of a task's scratch columns: fields of one sub-cell's candidates, dummies up to whole vectors."""
         return self.capacity + 2 * VECTOR_LENGTH
 
     @property
     def shapes_per_particle(self) -> int:
-        """Number of gradient shapes (grad W over distance, one a pair) stored per particle; others are recomputed."""
+        """Number of pairs per particle whose shape, grad W over distance, is stored; without room it is recomputed."""
         lattice, side = self.lattice, 1.0 / self.parts_per_axis
         around = side**2 + 4.0 * side + pi
         if lattice.basin.dimension == 3:
@@ -178,10 +179,11 @@ class GridSize:
 
     @property
     def spare_shapes(self) -> int:
-        """Number of gradient shapes in a group's reserve; particles without room for theirs share the last `width`."""
+        """Number of pair shapes (grad W over distance) in a task's reserve for crowded sub-cells. Sub-cells without
+        room there recompute theirs, particle by particle, in the last `width` places."""
         return 4 * self.capacity + self.width
 
     @property
     def kept_candidates(self) -> int:
-        """Largest number of candidates a group stores with its pairs: `segment`, and filler up to whole vectors."""
+        """Largest number of candidates stored with the pairs of a task: `segment`, and dummies up to whole vectors."""
         return self.segment + VECTOR_LENGTH * (self.lattice.n // self.groups)

@@ -23,8 +23,8 @@ POSITION_SIGN, POSITION_OFFSET, VELOCITY_SIGN, VELOCITY_OFFSET, SIDE_ACCELERATIO
 
 @in_kernels
 class Images:
-    """Flat sides of the basin that mirror the water. A row of `side`: axis, first and last layer of cells next to it,
-    position [m], slip, twice its velocity [m/s] and its acceleration along the axis [m/s2]."""
+    """Flat sides of the basin that mirror the water. A row of `side`: axis (0 to 2), first and last layer of cells next
+    to it, position [m], no slip (1 or 0), twice its velocity [m/s] (added to images'), acceleration [m/s2]."""
 
     def __init__(self, size: GridSize) -> None:
         sides = size.lattice.basin.sides
@@ -75,7 +75,7 @@ class Images:
 
 @ti.func
 def identity_mirror():
-    """Mirror matrix (rows as in Images.mirror) that leaves positions and velocities unchanged."""
+    """Mirror matrix (5, 3), see Images.mirror, of signs 1 and offsets 0: positions and velocities stay the same."""
     mirror = ti.Matrix.zero(float, 5, 3)
     for k in ti.static(range(3)):
         mirror[POSITION_SIGN, k] = mirror[VELOCITY_SIGN, k] = 1.0
@@ -103,32 +103,32 @@ def mirror_position(mirror, x):
 
 @ti.func
 def mirror_midpoint(mirror, x):
-    """Midpoint [m] between x [m] and its image, where a field linear in position has its mean over that line."""
+    """Midpoint [m] between x [m] and its image by matrix `mirror`: there a linear field has its mean over both."""
     return 0.5 * (x + mirror_position(mirror, x))
 
 
 @ti.func
 def mirror_direction(mirror, d):
-    """Image of a direction or vector d in a mirror."""
+    """Image of a vector d by matrix `mirror` (see Images.mirror): components across sides change sign."""
     return tm.vec3([mirror[POSITION_SIGN, k] * d[k] for k in ti.static(range(3))])
 
 
 @ti.func
 def hydrostatic_offset(mirror, x, pull):
-    """Rise of p / rho [m2/s2] from x to its image in water at rest, by gravity `pull` [m/s2] and the side's motion."""
+    """Hydrostatic rise of p / rho [m2/s2] from x to its image by `mirror`, by gravity `pull` and the side's motion."""
     wall = tm.vec3([mirror[SIDE_ACCELERATION, k] for k in ti.static(range(3))])
     return (pull - wall).dot(mirror_position(mirror, x) - x)
 
 
 @ti.func
 def mirror_velocity(mirror, v):
-    """Velocity [m/s] of the image of a particle with velocity v [m/s], by the slip of the mirror."""
+    """Velocity [m/s] of the image of a particle with velocity v [m/s] by matrix `mirror`, free-slip or no-slip."""
     return tm.vec3([mirror[VELOCITY_SIGN, k] * v[k] + mirror[VELOCITY_OFFSET, k] for k in ti.static(range(3))])
 
 
 @ti.func
 def mirror_row(mirror, other):
-    """Field values of the image of a neighbour `other`: position and velocity mirrored, all else the same."""
+    """Field values `other` (MOTION_COLUMNS first) with position and velocity imaged by matrix `mirror`."""
     x_image = mirror_position(mirror, vec3(other, MOTION_COLUMNS.position))
     v_image = mirror_velocity(mirror, vec3(other, MOTION_COLUMNS.velocity))
     image = other
@@ -139,8 +139,8 @@ def mirror_row(mirror, other):
 
 @ti.func
 def mirror_row_free_slip(mirror, other):
-    """Field values of a neighbour's image as `mirror_row`, but in a side taken as frictionless, so that the side
-    neither compresses nor stretches water dragged along it (Marrone et al. 2011, CMAME 200, sect. 3.2)."""
+    """Field values `other` imaged by matrix `mirror` as `mirror_row` does, but with free slip even at a no-slip side,
+    which then neither compresses nor stretches water dragged along it (Marrone et al. 2011, CMAME 200, sect. 3.2)."""
     image = mirror_row(mirror, other)
     for k in ti.static(range(3)):
         if mirror[POSITION_SIGN, k] > 0.0:

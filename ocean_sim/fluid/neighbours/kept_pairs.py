@@ -1,9 +1,9 @@
 """Pairs of neighbours kept for a step, each with its gradient, for solvers that iterate over them.
 
 An image is named by its particle and by the axes along which it is mirrored, so its fields follow its particle.
-`PairSlots` keeps the pairs of each particle. `PairBlocks` keeps those of the particles of a part of a cell with all
-candidates of the part, near or not. There a pair costs one number, the shape of grad W, instead of its gradient and a
-name; and the fields of the candidates are fetched once for the part, so that sums run through adjacent numbers.
+`PairSlots` keeps the pairs of each particle. `PairBlocks` keeps those of the particles of a sub-cell with all its
+candidates, near or not. There a pair costs one number, the shape of grad W, instead of its gradient and a name;
+and the fields of the candidates are fetched once for the sub-cell, so that sums run through adjacent numbers.
 """
 
 from abc import ABC, abstractmethod
@@ -35,7 +35,8 @@ class KeptLaw(Law):
 
     @abstractmethod
     def kept_image(self, other: Any, name: Any, away: Any) -> Any:
-        """Field values of the image of neighbour `other`; `name` codes mirrored axes; `away` points into the water."""
+        """Field values of the mirror image of a neighbour with values `other`. Axis k is mirrored if bit k of `name` //
+        MOST_PARTICLES is set; the vector `away` points from the image into the water."""
 
     @abstractmethod
     def kept_pair(self, own: Any, other: Any, gradient: Any) -> Any:
@@ -56,18 +57,19 @@ class KeptPairs(ABC):
 
     @ti.func
     def particle_row(self, law: Template, j):
-        """Values, for particle j, of the fields that a law reads."""
+        """Vector of values, at particle j, of the fields that a pair law reads (law.reads)."""
         return ti.Vector([field[j] for field in ti.static(law.reads)])
 
     @ti.func
     def image_row(self, law: Template, name, away):
-        """Values of a law's fields for the image with code `name` (particle and axes); `away` points into the water."""
+        """Vector of law.reads' values for an image: `name` is its particle's index + MOST_PARTICLES times one bit for
+        each mirrored axis; the vector `away` points from the image into the water."""
         return law.kept_image(self.particle_row(law, name % MOST_PARTICLES), name, away)
 
     @ti.func
     def image_velocity(self, v, name, away):
-        """Velocity [m/s] of the image of a particle with velocity v: mirrored axes, coded in `name`, change sign. An
-        image in a piston gains twice the piston's velocity; `away` leads from the image into the water."""
+        """Velocity [m/s] of the image of a particle with velocity v: component k changes sign if bit k of `name` //
+        MOST_PARTICLES is set. A piston adds twice its own; `away`: vector from the image into the water."""
         image, flips = v, name // MOST_PARTICLES
         for k in ti.static(range(3)):
             image[k] = ti.select(flips >> k & 1, -image[k], image[k])
@@ -111,7 +113,7 @@ class PairSlots(KeptPairs):
 
 @ti.func
 def flip_code(mirror):
-    """Three-bit code of the axes that a mirror reverses, shifted above the bits of a particle's index."""
+    """Three-bit code of the axes that matrix `mirror` reverses, shifted above the bits of a particle's index."""
     mirror_velocity = 0
     for k in ti.static(range(3)):
         mirror_velocity += int(mirror[POSITION_SIGN, k] < 0.0) << k
@@ -120,13 +122,13 @@ def flip_code(mirror):
 
 @in_kernels
 class PairBlocks(KeptPairs):
-    """Store of pairs by cell part: candidates of the part (particles, then images, filled up to whole vectors), and for
-    each pair its gradient shape (one number, grad W over the vector between both)."""
+    """Store of pairs by sub-cell (GridSize.parts): candidates of each (particles, then images, both filled with dummies
+    to whole vectors), and of each pair its gradient shape, a number: grad W over the distance vector."""
 
     def __init__(
         self, position: Components, grid: Grid, scratch: tuple[ti.Field, ...], smoothing: Smoothing, size: GridSize
     ) -> None:
-        """Make the store; `scratch`: columns with one number for each candidate of a cell part, position first."""
+        """Make the store; `scratch`: columns of fields, position first, of the candidates of a sub-cell at a time."""
         super().__init__(grid.images)
         self.position, self.grid, self.scratch, self.smoothing = position, grid, scratch, smoothing
         self.groups, self.width, self.segment = size.groups, size.width, size.kept_candidates
@@ -140,23 +142,24 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def begin(self, group):
-        """Empty the lists of a group, before pairs are stored anew."""
+        """Empty the lists of a task (`group` of sub-cells), before pairs are stored anew."""
         self.next_first[group], self.next_begun[group] = group * self.segment, self.shape_start(group)
 
     @ti.func
     def shape_start(self, group):
-        """Index of the first stored gradient shape (see PairBlocks) of a group, by the particles before the group."""
+        """Index in `shape` (grad W over distance, of pairs) at which task `group` begins, behind tasks before it."""
         return self.shapes_per_particle * self.grid.first[self.grid.first_part(group)] + group * self.spare_shapes
 
     @ti.func
     def spare_start(self, group):
-        """Index of a group's reserve of gradient shapes, shared by its particles without room for their own."""
+        """Index of the last `width` places of task `group` in `shape`, for sub-cells whose pairs find no room."""
         return self.shape_start(group + 1) - self.width
 
     @ti.func
     def keep_part(self, k, group, names: Template, n, images, m, end):
-        """Store the m candidates of cell part k: n particles, then images from scratch entry `images` on, up to `end`.
-        Return the index of its first gradient shape, the step from particle to particle, and 1 if there was room."""
+        """Store m candidates of sub-cell k from the scratch of task `group`: n particles, then images from entry
+        `images` to `end` - 1; `names`: particle and mirrored axes of each. Return the index in `shape` of its first
+        pair, the step from particle to particle (0 if all reuse one place), and 1 if there was room, else 0."""
         scratch, first, begun = group * self.width, self.next_first[group], self.next_begun[group]
         near, seen, room = images - scratch, end - scratch, 1
         if first + seen > (group + 1) * self.segment:
@@ -177,7 +180,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def keep_shape(self, away, to):
-        """Store the gradient shape of a pair (see PairBlocks) at index `to`; `away`: between both particles [m]."""
+        """Store a pair's gradient shape (grad W over its distance vector, `away` [m]) at index `to` of `shape`."""
         self.shape[to] = self.smoothing.shape_gradient(ti.sqrt(away.dot(away)))
 
     @ti.func
@@ -195,7 +198,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def gather(self, k, law: Template, scratch):
-        """Copy the fields that the law reads, for the candidates of cell part k, to the scratch from `scratch` on."""
+        """Copy fields law.reads of the stored candidates of sub-cell k to scratch columns, from entry `scratch` on."""
         first, near = self.first[k], self.near[k]
         own = self.position.at(self.grid.first[k])  # of one of them, in the water
         for a in range(near):
@@ -209,7 +212,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def sum_up(self, k, law: Template, group):
-        """Sum the law for every particle of cell part k over its stored candidates, and call its `finish`."""
+        """Sum `law` for each particle of sub-cell k, in task `group`, over stored candidates; call law.finish."""
         begun, near, seen = self.begun[k], self.near[k], self.seen[k]
         kept = begun < self.spare_start(group)
         for i in range(self.grid.first[k], self.grid.first[k + 1]):
@@ -225,7 +228,8 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def pair_sum(self, law: Template, place, own, k, group, begun, begin, end):
-        """Sum for a particle at `place` [m] over candidates `begin` to `end` - 1; gradient shapes from `begun` on."""
+        """Sum of law.kept_pair, for a particle at `place` [m] of values `own`, over the stored candidates `begin` to
+        `end` - 1 of sub-cell k in task `group`; the pairs' gradient shapes lie from index `begun` of `shape` on."""
         first, scratch, total = self.first[k], group * self.width, ti.Vector.zero(float, law.terms.size)
         for a in range(begin, end):
             away = place - self.place.at(first + a)

@@ -109,7 +109,7 @@ class WideAccounts(Accounts):
 
     @ti.func
     def add_up(self, b):
-        """Reduce the budget rows of block b of the particles to one row, except impulses and work."""
+        """Reduce extremes and counts of the particles of block b to one row; impulses: see `add_up_impulses`."""
         blocks, end = self.blocks, ti.min((b + 1) * self.block, self.groups)
         v2, a2, thin, dense, total, clipped, crowded, thinner, inner = self.block_extremes(b * self.block, end)
         blocks.speed2[b, 0], blocks.acceleration2[b, 0], blocks.thin[b, 0], blocks.dense[b, 0] = v2, a2, thin, dense
@@ -136,16 +136,17 @@ class WideAccounts(Accounts):
 
 @in_kernels
 class RowLaw:
-    """Adapter that makes a pair law a summand of a PointSum, over particles or over their mirror images."""
+    """Adapter that lets a PointSum (sum over particles near a point) sum a pair law: `term` calls law.pair."""
 
     def __init__(self, law: Law, grid: Grid, reflected: bool) -> None:
-        """`reflected`: True to sum over images; then `own_and_sides` in `term` ends with the code of their sides."""
+        """`reflected`: True to sum over mirror images; `own_and_sides` in `term` then ends with a bit code of sides."""
         self.law, self.images, self.reflected, self.sums = law, grid.images, reflected, law.terms.size
         self.periodic = any(grid.basin.periods)
 
     @ti.func
     def term(self, own_and_sides, j, d, mirror):
-        """Contribution of particle j or its image at d [m]; `own_and_sides`: own particle's values, then its sides."""
+        """Value of law.pair for particle j at d [m], or for its image in the sides whose bits end `own_and_sides`, if
+        `reflected`. This vector begins with the other particle's own values; `mirror` is not used."""
         own = ti.Vector([own_and_sides[k] for k in ti.static(range(self.law.row.size))])
         other = ti.Vector([field[j] for field in ti.static(self.law.reads)])
         if ti.static(self.reflected):
@@ -161,7 +162,7 @@ class RowLaw:
 
 @in_kernels
 class PairCollector:
-    """Summand of a PointSum that stores the pairs of particle `own` instead of summing over them."""
+    """Summand for PointSum that adds nothing but stores each pair; `own` is the index of the particle at its point."""
 
     sums = 1
 
@@ -170,8 +171,8 @@ class PairCollector:
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Store the pair of particle `own` and particle j, or the mirror image of j, that lies d [m] away, if 0 < |d| <
-        support; return 1 if stored, else 0."""
+        """Store the pair of particles of index `own` and j, or of `own` and the image of j by matrix `mirror`, d [m]
+        away, if 0 < |d| < support; return 1 if so, else 0."""
         r2, found = d.dot(d), 0.0
         if r2 < self.smoothing.support * self.smoothing.support and r2 > 0.0:
             seen, found = self.pairs.seen[own], 1.0
@@ -195,13 +196,13 @@ class ParticleWalk:
         self.keeps = False
 
     def keep_pairs(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> KeptPairs:
-        """Make the store of pairs, filled by walks with `find`; `neighbours`: of a particle on the lattice."""
+        """Make the store of pairs filled by walks with `find`; `neighbours` of a lattice particle; `tasks`: of sums."""
         self.keeps, self.pairs = True, PairSlots(self.most, self.grid.images, tasks, neighbours)
         self.kept = PairCollector(self.pairs, smoothing)
         return self.pairs
 
     def sums_of(self, law: Law) -> tuple[PointSum, RowLaw, RowLaw]:
-        """Objects that sum a law, cached by law: a PointSum of its fields, and RowLaws for particles and images."""
+        """Objects that sum a law, cached: a PointSum, and its summands (RowLaw) for particles and for mirror images."""
         if law not in self.shown:
             places = PointSum(law.reads[:3], self.grid)
             self.shown[law] = places, RowLaw(law, self.grid, False), RowLaw(law, self.grid, True)
@@ -228,7 +229,7 @@ class ParticleWalk:
 
     @ti.func
     def image_total(self, x, own, around: Template, images: Template):
-        """Sum of a law over mirror images around a particle at x [m]; `around`, `images`: from `sums_of`."""
+        """Sum of a law over mirror images for a particle at x [m], values `own`: PointSum `around`, RowLaw `images`."""
         here, total = self.grid.wrap_position(x), ti.Vector.zero(float, images.sums)
         reach = around.sides_in_reach(here)
         own_and_sides = ti.Vector.zero(float, images.law.row.size + 1)
@@ -242,7 +243,7 @@ class ParticleWalk:
 
     @ti.func
     def store_pairs(self, i, x, around: Template):
-        """Store the pairs of particle i at x [m], found by the PointSum `around`: first particles, then images."""
+        """Store the pairs of particle i at x [m] in `pairs`, particles first, then images; `around`: their PointSum."""
         pairs = self.pairs
         pairs.seen[i] = 0
         around.water_total(x, self.kept, i)
@@ -302,6 +303,6 @@ def mesh_ledger(size: GridSize, word: int) -> list[LedgerRow]:
 
 
 def account_ledger(size: GridSize, word: int, impulses: bool) -> list[LedgerRow]:
-    """Row of the memory ledger for the momentum budget if it has a row for each particle; else empty."""
+    """Row, if any, of the memory ledger for a momentum budget with a row a particle; `word`: bytes of a `float`."""
     taken = size.plan.account_bytes(size.lattice.n, word, impulses)
     return [LedgerRow("fluid", "accounts", taken, "a row for each particle")] if taken else []

@@ -1,5 +1,4 @@
-"""Sums over the water around a point that need not be a particle: particles, their repeats beyond periodic sides, and
-their images in walls, floor and lid.
+"""Sums over the water around any point: particles, their repeats beyond periodic sides, their images in flat sides.
 
 The point is mirrored, not the water: an image lies from the point as its particle lies from the mirrored point, turned
 round. Every set of sides within reach is a mirror of its own, so corners are mirrored in all of theirs.
@@ -21,12 +20,11 @@ from ocean_sim.runtime import Template, in_kernels
 
 @in_kernels
 class PointSum:
-    """Sum over all water within one support of any point. The summand, `law`, has `sums`, the number of its sums, and
-    the ti.func `term(own, j, d, mirror)`: the contribution of particle j, whose image in `mirror` lies d [m] from the
-    point. `own` is passed on from the caller."""
+    """Sum over all water within a support of any point. The summand, `law`, has `sums`, its number of columns, and
+    ti.func `term(own, j, d, mirror)` for particle j, whose image by matrix `mirror` is d [m] from the point."""
 
     def __init__(self, position: Iterable[ti.Field], grid: Grid, start: ti.Field | None = None) -> None:
-        """Sum over points x, y, z [m] sorted by cell; `start`: first point of each cell, by default from the grid."""
+        """Prepare sums over points x, y, z [m] sorted by cell; `start`: first index of each cell (None: grid's)."""
         self.position, self.grid, self.start = tuple(position), grid, grid.start if start is None else start
         self.periods, self.across = grid.basin.periods, grid.basin.periods[0] > 0.0
         self.images = grid.images
@@ -38,18 +36,18 @@ class PointSum:
 
     @ti.func
     def image_total(self, x, law: Template, own):
-        """Sum of law.term around x [m] over mirror images only."""
+        """Sum of law.term around x [m] over mirror images only; `own` is handed to law.term."""
         return self.subset_total(1, x, law, own)
 
     @ti.func
     def water_total(self, x, law: Template, own):
-        """Sum of law.term around x [m] over particles only, without mirror images."""
+        """Sum of law.term around x [m] over particles only, without mirror images; `own` is handed to law.term."""
         return self.mirror_total(self.grid.wrap_position(x), identity_mirror(), law, own)
 
     @ti.func
     def subset_total(self, first, x, law: Template, own):
-        """Sum of law.term around x [m] over the mirrors of all sets of sides in reach (a set has one bit a side).
-        `first`: 0 to begin with the empty set, which are the particles themselves, 1 without it."""
+        """Sum of law.term around x [m] over all sets of sides in reach (bit k: side k): of each, over the images in all
+        of its sides. `first`: 0 to begin with the empty set, the particles themselves, else 1; `own`: for law.term."""
         here = self.grid.wrap_position(x)
         reach = self.sides_in_reach(here)
         total = ti.Vector.zero(float, law.sums)
@@ -80,7 +78,7 @@ class PointSum:
 
     @ti.func
     def mirror_total(self, x, mirror, law: Template, own):
-        """Sum of law.term over the particles whose images in this mirror lie around x [m]."""
+        """Sum of law.term over particles whose images by matrix `mirror` lie around x [m]; `own`: for law.term."""
         grid = self.grid
         px, py, pz = ti.static(self.position[0], self.position[1], self.position[2])
         y = mirror_position(mirror, x)  # flat mirrors at right angles are their own inverse

@@ -9,7 +9,6 @@ times the tasks, and one iteration in TASK_ITERATIONS does the work of a task:
             work(g // TASK_ITERATIONS)
 
 On a graphics card each iteration is a thread of its own, and each particle a task.
-
 Only one thread writes to the scratch and the sums of a task, so results depend neither on the number of threads nor on
 their order. The sums of different tasks lie ROW_PADDING numbers apart, since threads that write to the same line of a
 processor's cache wait for each other.
@@ -38,7 +37,7 @@ class Tasks:
 
     @ti.func
     def first_particle(self, group):
-        """Index of the first particle of a group; for `group` = number of groups, the number of all particles."""
+        """Index of the first particle of task `group`; for `group` = number of tasks, the number of all particles."""
         n = self.particles.there()
         first = ti.min(group, n)
         if ti.static(not self.single):
@@ -69,7 +68,7 @@ class Rows:
 
     @ti.func
     def sum_into(self, sums: Template):
-        """Write the sum of each column to `sums`; call it at a kernel's top level."""
+        """Write the sum of each column over all tasks to the array `sums`; call it at a kernel's top level."""
         if ti.static(self.block > 1):
             for b in range(self.last.shape[0]):
                 for k in ti.static(range(self.columns)):

@@ -1,2 +1,1 @@
-"""Smoothed particle hydrodynamics: the interface of a law, sums over pairs, smoothing kernels, pressure solver, and the
-state that particles start from."""
+"""Smoothed particle hydrodynamics: interface of pair laws, smoothing kernels, pressure solver, initial states."""

@@ -146,10 +146,10 @@ class Bed:
 
     @ti.func
     def push(self, x, v, dt, row, images):
-        """Acceleration [m/s2] by bed friction over dt [s] at x [m] on water at v [m/s]: du/dt = -k |u| u, solved
-        exactly, so that no step reverses the flow. k = drag share / row; the share falls where `row`, `images`, the
-        sums of r^2 grad W over neighbours and images as in Stencil.row_on_bed (no images at an uneven bed), lack
-        particles."""
+        """Acceleration [m/s2] of water at x [m], v [m/s] by bed friction: du/dt = -k |u| u, solved exactly over dt [s],
+        so that no step reverses the flow. k is the drag coefficient times a share, divided by a row's height. The share
+        falls where the row has gaps: `row` and `images`, the sums of Stencil.row_on_bed over neighbours and over their
+        mirror images (not used at an uneven bed), are then less than those of a full row."""
         z, along, filled = x.y - self.level, tm.vec3(v.x, 0.0, v.z), row
         if ti.static(self.flat):
             filled += images

@@ -294,7 +294,8 @@ def displaced_state(sea: waves.Components, positions: np.ndarray, basin: Basin, 
 
 
 def bearable_waves(sea: waves.Components, height: float, shortest: float = 0.0) -> waves.Components:
-    """Random `sea` scaled to a `height` [m], cut at k = 2 / height (Stansberg et al. 2008), length `shortest` [m]."""
+    """Waves of a random `sea` with k < 2 / height (Stansberg et al. 2008), `height` being the significant height [m],
+    and no shorter than `shortest` [m]; enlarged so that they have the variance of all."""
     k = sea.wavenumber
     found = sea.select((k < 2.0 / height) & (shortest * k < 2.0 * pi))
     share = np.linalg.norm(sea.amplitude) / np.linalg.norm(found.amplitude)
@@ -307,8 +308,8 @@ def fitted_waves(sea: waves.Components, basin: Basin) -> waves.Components:
 
 
 def patch_waves(basin: Basin, spacing: float) -> waves.Components | None:
-    """Waves of a patch's sea made periodic on it, without random ones too short for a `spacing` [m]; None without
-    sea."""
+    """Waves of the sea around a patch (the part of it filled with particles), each of the nearest wavevector that is
+    periodic in the basin; without random ones too short for a `spacing` [m]. None without sea."""
     sea = basin.sea.plane_waves(basin) if basin.sea is not None else None
     if sea is None or basin.sea is None:
         return None

@@ -176,7 +176,7 @@ class Lattice:
 
     @property
     def packed(self) -> "packing.Lattice":
-        """Spacing, particle volume and kernel, as needed to press particles away from bodies."""
+        """Spacing, particle volume and kernel, by which Solid.make_room moves particles out of a solid body."""
         from ocean_sim.basin.solids import packing
 
         volume = self.mass / self.config.rest_density
@@ -184,7 +184,7 @@ class Lattice:
 
     @property
     def repeated_boxes(self) -> "Boxes":
-        """Corners of the boxes, and of their repeats beyond periodic sides."""
+        """Lowest and highest corner [m] of each box of water, and of its repeats beyond periodic sides."""
         ways = product(*((-period, 0.0, period) if period else (0.0,) for period in self.basin.periods[::2]))
         return [(low + [x, 0.0, z], up + [x, 0.0, z]) for x, z in ways for low, up in self.boxes]
 

@@ -58,7 +58,7 @@ class Law(ABC):
 
     @ti.func  # noqa: B027
     def begin(self, group):
-        """Reset the law's sums over a group of particles, before the group's first; most laws have nothing to reset."""
+        """Reset the law's sums over the particles of task `group`, before the first; most laws need none."""
 
     @ti.func
     def image(self, other, mirror):
@@ -67,7 +67,8 @@ class Law(ABC):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values that boundary particle s, seen at d [m] in a `mirror`, shows to a particle with values `own`."""
+        """Field values to use in `pair` for boundary particle s of a body, beside a particle of values `own`; d [m]:
+        from that particle to s, or to the image of s by matrix `mirror`."""
         return own + d
 
     @abstractmethod
@@ -76,11 +77,12 @@ class Law(ABC):
 
     @abstractmethod
     def finish(self, i: Any, own: Any, total: Any, beyond: Any, group: Any) -> None:
-        """Use the sums of particle i: `total`, and `beyond` over images if apart; `group`: its row of the budget."""
+        """Use the sums over neighbours of particle i with values `own`: `total`, and, if options.apart, `beyond` over
+        mirror images in the basin's sides. `group`: row of particle i's task in the momentum budget."""
 
     @ti.func
     def with_bodies(self, total, x, own):
-        """Sum `total` of a law plus the contributions of boundary particles around x [m]."""
+        """Sums `total` (columns `terms`) of a particle at x [m], values `own`, plus those over boundary particles."""
         both = total
         if ti.static(self.bodies):
             both += self.solid.total(x, own)

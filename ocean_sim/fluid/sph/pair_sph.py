@@ -18,15 +18,16 @@ if TYPE_CHECKING:  # it is imported only where there are bodies
 
 @in_kernels
 class Force(Law):
-    """Base class of pair laws that push particles. Its field values (`row`) begin with position, velocity and pressure.
-    Its sums (`terms`): `push` (forces), `rub` (friction, if summed apart), `filled` (over a rough bed)."""
+    """Base class of pair laws that push particles. A subclass defines `row`, the columns read of a particle (position,
+    velocity, pressure first), and `terms`, the columns of its sums: `push` (forces), `rub` (friction, if summed apart)
+    and `filled` (over a rough bed, the sum that tells gaps in a row of particles: see Bed.push)."""
 
     stores_pressure_work: ClassVar[bool] = False
     """True if the work of pressure on images and bodies becomes internal energy of the water, not work of walls."""
     reaction: "Reaction"
 
     def __init__(self, fluid: Sph) -> None:
-        """Attach the law to its water, bodies included; call it once `reads` and `terms` are set."""
+        """Attach the law to its water, bodies included, once `reads` (fields of `row`) and `terms` (sums) are set."""
         self.fluid = fluid
         self.options = WalkOptions(apart=fluid.accounts.impulses, padded=True)
         self.told = (*self.reads, *fluid.last_acceleration)  # what solid bodies read of a particle
@@ -43,7 +44,8 @@ class Force(Law):
 
     @ti.func
     def wall_acceleration(self, own, total):
-        """Part of the acceleration [m/s2] by a sum `total` whose work is counted as work of walls."""
+        """Part of the acceleration [m/s2], by sums `total` over images or bodies, whose work is counted as work of
+        walls: friction alone if `stores_pressure_work`, else all. `own`: field values of the particle."""
         a = self.acceleration(own, total)
         if ti.static(self.stores_pressure_work):
             a = self.prefactor(own) * vec3(total, self.terms.rub)
@@ -51,17 +53,18 @@ class Force(Law):
 
     @ti.func
     def pressure_rise(self, head):
-        """Rise of the law's pressure column for a rise `head` [m2/s2] of p / rho."""
+        """Rise of the `pressure` in `row`, here [Pa], for a rise `head` [m2/s2] of pressure over density."""
         return self.fluid.rest_density * head
 
     @ti.func
     def begin(self, group):
-        """Reset the largest speed and acceleration of a group of particles."""
+        """Reset the largest speed and acceleration of the particles of task `group`."""
         self.fluid.accounts.begin_motion(group)
 
     @ti.func
     def image(self, other, mirror):
-        """Field values of a neighbour's image: velocity mirrored by the wall's slip, pressure continued by gravity."""
+        """Field values of the image of neighbour `other` by matrix `mirror`: velocity reversed as the side's slip
+        demands, pressure changed by the hydrostatic difference between neighbour and image."""
         x, image = vec3(other, self.row.position), mirror_row(mirror, other)
         pull = self.fluid.pull.at_rest(mirror_midpoint(mirror, x))
         image[self.row.pressure] += self.pressure_rise(hydrostatic_offset(mirror, x, pull))
@@ -69,7 +72,8 @@ class Force(Law):
 
     @ti.func
     def rubbing_sample(self, own, s, d, mirror):
-        """Field values that boundary particle s at d [m] shows to `own`: a velocity for friction, else as `own`."""
+        """Field values to use for boundary particle s, d [m] away (or its image by matrix `mirror`): those of the
+        particle itself, `own`, but with a velocity that makes the body's friction, see Boundary.rubbing_velocity."""
         return row_at(own, d, self.boundary.rubbing_velocity(vec3(own, self.row.velocity), s, mirror))
 
     @ti.func
@@ -81,9 +85,9 @@ class Force(Law):
 
 @in_kernels
 class MomentumLaw(Force):
-    """Momentum equation of a particle (thesis eq. 2.25). A scheme adds (a) the field values that are read: position,
-    velocity, its own form of pressure, (b) the forces of a neighbour (`pair`, by `row_of_terms`), (c) the prefactor of
-    their sum, (d) the rise of its form of pressure with p / rho (`pressure_rise`)."""
+    """Momentum equation of a particle (thesis eq. 2.25). A scheme sets (a) `row` and `reads`: position, velocity and
+    pressure, or a multiple of it that its forces need, such as p / rho^2; (b) `pair`: the forces of a neighbour, put in
+    columns by `row_of_terms`; (c) `prefactor` of their sum; (d) `pressure_rise`, in the unit of (a)."""
 
     drifted: ClassVar[float] = 0.0
     """Part of a step that the particles have gone before they are pushed; with their new velocity they go the rest."""
@@ -96,8 +100,8 @@ class MomentumLaw(Force):
 
     @ti.func
     def row_of_terms(self, weight, push, rub, shear, x_ij):
-        """Contribution of a neighbour: `weight` times `push`, `rub` (dissipation), `shear` (friction), as in
-        `terms`."""
+        """Vector of sums (columns `terms`) of a neighbour at x_ij [m]: `weight` times `push` (pressure), `rub` (all
+        friction) and `shear` (viscous part of it); times `prefactor` these are accelerations [m/s2]."""
         total = ti.Vector.zero(float, self.terms.size)
         if ti.static(self.fluid.rubs):
             total[self.terms.filled] = self.fluid.smoothing.pair_gradient(x_ij).dot(x_ij)
@@ -112,7 +116,8 @@ class MomentumLaw(Force):
 
     @ti.func
     def continued_sample(self, own, s, d, mirror):
-        """Field values that boundary particle s at d [m] shows: pressure of `own`, continued to it by Boundary.head."""
+        """Field values to use for boundary particle s, d [m] from a particle of values `own`, or its image by matrix
+        `mirror`: the pressure is that of `own` plus its rise over d (Boundary.head)."""
         other = self.rubbing_sample(own, s, d, mirror)
         a = tm.vec3([own[self.row.size + k] for k in ti.static(range(3))])
         head = self.boundary.head(vec3(own, self.row.position), a, s, d, mirror)
@@ -132,7 +137,8 @@ class MomentumLaw(Force):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Accelerate particle i by all forces (thesis eq. 2.25), move it, stop it at walls, and record the budget."""
+        """Accelerate particle i by all forces (thesis eq. 2.25), move it, stop it at walls; add impulse and work to row
+        `group` of the budget. `own`: its values; `total`, `beyond`: sums over neighbours and over images."""
         fluid, dt = self.fluid, self.fluid.dt[None]
         x, v = vec3(own, self.row.position), vec3(own, self.row.velocity)
         if ti.static(fluid.bodies):
@@ -148,7 +154,8 @@ class MomentumLaw(Force):
 
     @ti.func
     def kick(self, i, own, total, beyond, dt):
-        """Acceleration [m/s2] of particle i, and its parts: by water, walls, wind, gravity, hulls, bed, sea."""
+        """Acceleration [m/s2] of particle i over dt [s] and the tuple of its parts: water, walls, wind, gravity, hulls,
+        bed, sea. `own`: field values; `total`, `beyond`: sums over neighbours, and over mirror images and bodies."""
         fluid, x, v = self.fluid, vec3(own, self.row.position), vec3(own, self.row.velocity)
         a_water, a_walls = self.acceleration(own, total), self.acceleration(own, beyond)
         a_wind = fluid.wind_acceleration(i, x, v)
@@ -176,7 +183,8 @@ class MomentumLaw(Force):
 
     @ti.func
     def remember_acceleration(self, i, own, total, beyond, parts: Template):
-        """Store the acceleration of particle i by gravity and pressure, used to continue its pressure into bodies."""
+        """Store the acceleration of particle i by gravity and pressure, to continue its pressure to bodies. `own`:
+        values; `total`, `beyond`: sums over neighbours, over images; `parts`: accelerations from `kick`."""
         a_water, a_walls = parts[:2]
         a = self.fluid.pull.at_rest(vec3(own, self.row.position)) + a_water + a_walls
         if ti.static(self.sheared):
@@ -186,7 +194,8 @@ class MomentumLaw(Force):
 
     @ti.func
     def book_step(self, group, own, total, beyond, a, parts: Template, x_free, x_new, v_new, dt):
-        """Add impulse and work of each force on a particle to row `group`; arguments as from `kick`, `constrain`."""
+        """Add impulse and work of each force on a particle to row `group` of the budget. `own`, `total`, `beyond`: as
+        in `finish`; `a`, `parts`: from `kick`; `x_free`, `x_new`, `v_new`: from `constrain`; dt [s]."""
         fluid, m = self.fluid, ti.static(self.fluid.particles.mass)
         accounts = fluid.accounts
         x, v = vec3(own, self.row.position), vec3(own, self.row.velocity)
@@ -225,7 +234,7 @@ class PairSph(Sph):
 
     @ti.kernel
     def move(self, dt: float, since: float):
-        """Move particles for dt [s] by the forces at their present positions; `since`: time on the wind's clock [s]."""
+        """Move particles for dt [s] by forces at their present positions; `since`: time of the gust clock [s]."""
         self.dt[None] = dt
         self.wind.set_clock(since, dt)
         self.momentum.react(dt)
@@ -233,7 +242,7 @@ class PairSph(Sph):
 
     @ti.kernel
     def settle(self, summary: Array):
-        """Sort the particles, sum density and pressure, and write extremes to `summary`, without moving them."""
+        """Sort the unmoved particles, sum density and pressure; fill `summary` (9,) with extremes of speed, density."""
         self.grid.sort()
         self.neighbours.walk(self.density, True)
         self.accounts.summarise(summary)

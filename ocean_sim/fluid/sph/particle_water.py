@@ -32,7 +32,8 @@ if TYPE_CHECKING:  # it is imported only where a sea is around
 
 @in_kernels
 class ParticleWater(ParticleFluid):
-    """Base class of particle water, sorted by cell between steps. A kind adds `step` (motion) and `arrive` (fields)."""
+    """Base class of particle water, sorted by cell between steps. A scheme adds `step`, which moves the particles, and
+    `arrive`, which sorts them and computes their fields at the start and whenever an emitter has added some."""
 
     particles: Particles
     around: PointSum
@@ -87,7 +88,7 @@ class ParticleWater(ParticleFluid):
 
     @property
     def can_be_disturbed(self) -> bool:
-        """True if the particles are a patch of open sea."""
+        """True if the surface may differ from `plane_waves`: for particles that fill a patch of open sea."""
         return self.joined
 
     @property
@@ -102,7 +103,7 @@ class ParticleWater(ParticleFluid):
         self.accounts.idle = tuple(term for term in self.accounts.idle if term != budget.SHIP)
 
     def add_ships(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
-        """Let a patch of open sea follow these ships; all of them feel this same water."""
+        """Let the patch of open sea (filled with particles) follow ships; return this same water for each of them."""
         if self.joined and ships:
             self.rim.follow(ships)
         return super().add_ships(ships)
@@ -114,7 +115,7 @@ class ParticleWater(ParticleFluid):
 
     @ti.func
     def surface_bend(self, i):
-        """Second derivatives of the surface's height at particle i times a depth, as in Exposure.bend_of; here zero."""
+        """Second derivatives xx, xz, zz of the surface's height at particle i times Stencil.skin_depth; here zero."""
         return tm.vec3(0.0)
 
     @ti.func
@@ -149,11 +150,11 @@ class ParticleWater(ParticleFluid):
 
     @abstractmethod
     def arrive(self) -> None:
-        """Sort the particles at their present positions, and compute all their fields and the extremes of these."""
+        """Sort the particles, at the start or after new ones; compute all fields, and extremes of speed, density."""
 
     @abstractmethod
     def step(self, dt: float) -> None:
-        """Move the particles for dt [s], then update fields and extremes as `arrive` does."""
+        """Move the particles for dt [s] and sort them; update all their fields, and extremes of speed and density."""
 
     def advance_boundaries(self, dt: float) -> None:
         """Move tank and wavemaker to the middle of a step of dt [s]; gates, zones and sea to its end."""

@@ -176,8 +176,7 @@ class Particles:
             number[i], pressure[i] = self.id[i], self.pressure[i]
 
     def in_box(self, middle: np.ndarray, scale: np.ndarray, most: float, every: int) -> np.ndarray:
-        """Every `every`-th particle as a row of (m, 4): position in a box, (x - `middle`) * `scale`, rounded and
-        clamped to +-`most`, and speed [m/s]."""
+        """Rows (m, 4) of every `every`-th particle: (x - `middle`) * `scale` rounded, within +-`most`; speed [m/s]."""
         rows: np.ndarray = np.empty((-(-self.count.now // every), 4), self.position.precision)
         self.put_in_box(rows, self.count.now, tm.vec3(*middle), tm.vec3(*scale), most, every)
         return rows

@@ -34,7 +34,7 @@ class Compression(KeptLaw):
 
     @ti.func
     def begin(self, group):
-        """Reset the sums of density errors of a group of particles."""
+        """Reset the sums of density errors of the particles of task `group`."""
         self.fluid.rows.clear(group)
 
     @ti.func
@@ -48,19 +48,20 @@ class Compression(KeptLaw):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Position and velocity of boundary particle s, which moves with its body, seen at d [m] in a mirror."""
+        """Position, velocity of boundary particle s, or its image by matrix `mirror`, d [m] from particle `own`."""
         return row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
 
     @ti.func
     def pair(self, own, other):
-        """Density rate by one boundary particle: v_ij . grad W; the kernel's constant comes later."""
+        """Density rate by a body's particle, v_ij . grad W over the factor `rate`; `own`, `other`: `row` of each."""
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         v_ij = vec3(own, self.row.velocity) - vec3(other, self.row.velocity)
         return ti.Vector([v_ij.dot(self.fluid.smoothing.pair_gradient(x_ij))])
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Add solid bodies to the density rate of particle i, then compute its density error and its next pressure."""
+        """Add bodies to the density rate of particle i, `total` + `beyond` (sums over neighbours, images); compute its
+        error and next pressure. `own`: its velocity; `group`: row of its task in the sums of errors."""
         fluid, rate = self.fluid, total[self.terms.rate] + beyond[self.terms.rate]
         if ti.static(fluid.bodies):
             x = tm.vec3([component[i] for component in ti.static(tuple(fluid.particles.position))])
@@ -71,7 +72,8 @@ class Compression(KeptLaw):
 
     @ti.func
     def judge_particle(self, i, rate, group):
-        """Compute density error and next pressure of particle i from its density `rate`; sum errors of its group."""
+        """Compute the density error that particle i has by its density `rate` (sum of v_ij . grad W), and its pressure
+        in the next iteration; add the error to the sums of its task, row `group`."""
         fluid, solver, dt = self.fluid, self.solver, self.fluid.dt[None]
         r = dt * self.rate * rate
         if ti.static(solver.restores):
@@ -93,7 +95,7 @@ class Compression(KeptLaw):
 
 @in_kernels
 class Push(KeptLaw):
-    """Pair law for the velocities that pressures give (transpose of Compression), summed afresh in each iteration."""
+    """Pair law for velocities under the pressures p of an iteration: base velocity plus sum of (p_i + p_j) grad W."""
 
     row, terms = Columns(position=3, pressure=1), Columns(push=3)  # the row of what is summed over samples of bodies
 
@@ -104,28 +106,28 @@ class Push(KeptLaw):
 
     @ti.func
     def kept_image(self, other, name, away):
-        """Pressure of the mirror image of a neighbour, equal to the neighbour's own."""
+        """Pressure of the image of neighbour `other`: its own, whatever the mirrored axes (`name`) and `away`."""
         return other
 
     @ti.func
     def kept_pair(self, own, other, gradient):
-        """Contribution of one neighbour to the pressure force: (p_i + p_j) grad W; the constant factor comes later."""
+        """Pressure force (p_i + p_j) grad W of one neighbour, before `finish` scales it; `own`, `other`: pressures."""
         return (own[0] + other[0]) * gradient
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Position and pressure of boundary particle s at d [m]; the pressure is 0, as bodies have no own."""
+        """Position of boundary particle s, or its image by matrix `mirror`, d [m] from particle `own`; pressure 0."""
         return tm.vec4(vec3(own, self.row.position) + d, 0.0)
 
     @ti.func
     def pair(self, own, other):
-        """Contribution of one boundary particle to the pressure force: (p_i + p_j) grad W; constants come later."""
+        """Pressure force (p_i + p_j) grad W of a body's particle, before `finish` scales it; `own`, `other`: rows."""
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         return (own[self.row.pressure] + other[self.row.pressure]) * self.fluid.smoothing.pair_gradient(x_ij)
 
     @ti.func
     def body_total(self, i, own):
-        """Pressure force of all boundary particles on particle i; the constant factor comes later."""
+        """Pressure force (p_i + p_j) grad W of all bodies on particle i, before `finish` scales it; own[0]: p_i."""
         total = tm.vec3(0.0)
         if ti.static(self.fluid.bodies):
             x = tm.vec3([component[i] for component in ti.static(tuple(self.fluid.particles.position))])
@@ -134,7 +136,8 @@ class Push(KeptLaw):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Store the velocity of particle i under the added pressures, and its pressure in this iteration."""
+        """Store pressure `own` and velocity of particle i in this iteration; `total`, `beyond`: sums of `kept_pair`
+        over neighbours and over mirror images; `group` is not used."""
         fluid, solver = self.fluid, self.solver
         scale = fluid.dt[None] * fluid.pressing
         push = total + beyond + self.body_total(i, own)
@@ -153,7 +156,8 @@ class Account(Push):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Record the change of velocity of particle i by the solver's pressures."""
+        """Book the change of velocity of particle i by its final pressure, `own`, in the budget: the sum `total` over
+        neighbours as pressure, the sums over mirror images, `beyond`, and over bodies as walls."""
         self.fluid.apply_pressures(i, self.fluid.dt[None], total, beyond + self.body_total(i, own))
 
 

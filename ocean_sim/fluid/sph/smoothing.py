@@ -53,7 +53,7 @@ class Kernel:
     shortest waves are that they resolve, so that the same steps and constants are stable."""
 
     def gradient(self, t: np.ndarray) -> np.ndarray:
-        """Gradient without its constant: grad W / (-slope x), at t (n,) = 1 - r/support."""
+        """Factor f of grad W = -slope f x, with a constant `slope` and distance vector x, at t (n,) = 1 - r/support."""
         return t**self.power * np.polynomial.Polynomial(self.terms)(t)
 
     @property
@@ -64,17 +64,17 @@ class Kernel:
         return tuple(float(term) / (self.power + k + 1) for k, term in enumerate(inwards.coef))
 
     def value(self, t: np.ndarray) -> np.ndarray:
-        """Kernel without its constant: W / (slope support^2), at t (n,) = 1 - r/support."""
+        """Factor f of W = slope support^2 f, with a constant `slope`, at t (n,) = 1 - r/support."""
         return t ** (self.power + 1) * np.polynomial.Polynomial(self.value_terms)(t)
 
     def curvature(self, t: np.ndarray) -> np.ndarray:
-        """Second derivative without its constant: W'' / slope, at t (n,) = 1 - r/support."""
+        """Factor f of W'' = slope f, with a constant `slope`, at t (n,) = 1 - r/support."""
         polynomial = np.polynomial.Polynomial(self.terms)
         falls = self.power * t ** (self.power - 1) * polynomial(t) + t**self.power * polynomial.deriv()(t)
         return (1.0 - t) * falls - self.gradient(t)
 
     def slope(self, dimension: int, support: float) -> float:
-        """Constant `slope` of grad W [m^-5], in 2-D [m^-4], with which W integrates to 1."""
+        """Constant of grad W = -slope `gradient` x with which W integrates to 1 [m^-5], in 2-D [m^-4]."""
         d = dimension
         moments = (
             term * factorial(self.power + k) * factorial(d + 1) / factorial(self.power + k + d + 2)
@@ -141,17 +141,17 @@ class Smoothing:
 
     @ti.func
     def shape_gradient(self, r):
-        """Gradient without its constant, grad W / (-slope x_ij), at a distance r [m]; r = 0 causes no division by 0."""
+        """Factor f of grad W = -slope f x_ij at a distance r [m], with a constant `slope`; finite at r = 0."""
         return polynomial(self.support_share(r), self.kernel.power, self.kernel.terms)
 
     @ti.func
     def shape_value(self, r):
-        """Kernel without its constant, W / (slope support^2), at a distance r [m]."""
+        """Factor f of W = slope support^2 f at a distance r [m], with a constant `slope`."""
         return polynomial(self.support_share(r), self.kernel.power + 1, self.kernel.value_terms)
 
     @ti.func
     def pair_gradient(self, x_ij):
-        """Gradient without its constant for a pair x_ij [m] apart: the vector grad W / -slope."""
+        """Vector f x_ij of grad W = -slope f x_ij for a pair x_ij [m] apart, with a constant `slope`."""
         return self.shape_gradient(ti.sqrt(x_ij.dot(x_ij))) * x_ij
 
     @ti.func
@@ -186,12 +186,12 @@ class Stencil:
 
     @cached_property
     def value(self) -> np.ndarray:
-        """Kernel without its constant, W / (slope support^2) (n,), at each lattice point in `offsets`."""
+        """Factor f (n,) of W = slope support^2 f, with a constant `slope`, at each lattice point in `offsets`."""
         return self.smoothing.kernel.value(self.t)
 
     @cached_property
     def gradient(self) -> np.ndarray:
-        """Gradient without its constant, grad W / (-slope x) (n,), at each lattice point in `offsets`."""
+        """Factor f (n,) of grad W = -slope f x, with a constant `slope`, at each lattice point x in `offsets`."""
         return self.smoothing.kernel.gradient(self.t)
 
     @property
@@ -216,15 +216,16 @@ class Stencil:
 
     @property
     def top_deficit(self) -> float:
-        """Relative density deficit of a lattice's top row divided by the gradient of the share of water there [m]."""
+        """Relative density deficit in the top row of a lattice over the gradient of the share of water there [m]: times
+        this gradient it is the deficit that a flat surface explains, so that only more counts as a gap."""
         above = self.offsets[:, 1] > 0.5 * self.spacing
         lack = self.smoothing.support**2 * float(self.value[above].sum())
         return lack / float(self.gradient[above] @ self.offsets[above, 1])
 
     @property
     def surface_deficit(self) -> tuple[float, float]:
-        """Coefficients a, b of the share of a kernel beyond a flat surface, a e - b e^2, where e is the support times
-        the gradient of the share of water. The parabola passes through the two top rows of a lattice."""
+        """Coefficients a, b of a e - b e^2, the share of a particle's kernel above a flat surface, exact in the two top
+        rows of a lattice; e is the support times the gradient of the share of water, 0 deep inside."""
         up, weight = self.offsets[:, 1], self.gradient * (self.offsets**2).sum(axis=1)
         edges: list[float] = []
         ratios: list[float] = []
@@ -237,14 +238,14 @@ class Stencil:
         return ratios[0] + bend * edges[0], bend
 
     def row_on_bed(self, mirrored: bool) -> float:
-        """Sum of r^2 times `gradient` [m2] over one layer of the lattice and, if `mirrored`, its image in the bed."""
+        """Sum of r^2 `gradient` [m2] over a full layer and, if `mirrored`, its image in the bed: norm for Bed.push."""
         lowest = -1.5 if mirrored else -0.5
         rows = (self.offsets[:, 1] < 0.5 * self.spacing) & (self.offsets[:, 1] > lowest * self.spacing)
         return float(self.gradient[rows] @ (self.offsets[rows] ** 2).sum(axis=1))
 
     @property
     def skin_depth(self) -> float:
-        """Mean depth [m] below the surface of the areas that a lattice, filling half of space, exposes to the air."""
+        """Mean depth [m] of particles below a flat surface, weighted by the area of each exposed to the air."""
         up = np.maximum(self.offsets[:, 1], 0.0)
         exposed = self.gradient * up  # by the row that is seen from `up` below: each counts for all rows less deep
         rows = np.rint(up / self.spacing)
@@ -289,7 +290,7 @@ class Stencil:
 
 
 def rigidity_notes(smoothing: Smoothing, spacing: float) -> Iterator[str]:
-    """Yield a sentence on how much the starting lattice's rigidity changes the speed of waves, if that is notable."""
+    """Yield a sentence on how the starting lattice's resistance to shear changes wave speed, if that is notable."""
     share, ratio = Stencil(smoothing, spacing).rigidity, smoothing.support / spacing
     way = "fast: the lattice that the water starts from bears shear" if share > 0.0 else "slow: the lattice is unstable"
     if abs(share) >= NOTABLE_RIGIDITY:

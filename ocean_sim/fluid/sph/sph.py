@@ -314,8 +314,8 @@ class SphConfig(WaterConfig):
 
 
 def scheme_ledger(preflight: Preflight, sizes: GridSize, numbers: int, what: str, told: int = 0) -> Iterator[LedgerRow]:
-    """Yield a scheme's rows of the memory ledger. `numbers`: per particle, besides its id (`what` names them); `told`:
-    numbers per particle that bodies read."""
+    """Yield a scheme's rows of the memory ledger. `numbers`: floats stored per particle besides its id (`what` names
+    them); `told`: floats per particle that are sorted along for solid bodies to read."""
     n, lattice, word, wind = sizes.lattice.n, sizes.lattice, preflight.word, preflight.wind
     yield LedgerRow("fluid", f"{n} particles", (numbers * word + 4) * n, what)
     yield LedgerRow("fluid", f"grid of {sizes.cell_count} cells", sizes.bytes(word), f"support {sizes.support:g} m")
@@ -350,7 +350,7 @@ def sea_ledger(lattice: Lattice, word: int) -> Iterator[LedgerRow]:
 
 
 def body_ledger(grid: GridSize, word: int, accounts: bool, told: int) -> Iterator[LedgerRow]:
-    """Yield ledger rows of solid bodies. `told`: numbers per particle that they read; `accounts`: True to sum work."""
+    """Yield memory ledger rows of bodies. `told`: floats per particle that they read; `accounts`: True to sum work."""
     from ocean_sim.fluid.bodies.boundary import any_moves, fixed_bodies, floating_bodies, memory
 
     lattice, common = grid.lattice, (grid.cell_count, word * told * grid.lattice.n)  # counted with the first bodies
@@ -417,7 +417,7 @@ class Sph(ParticleWater):
 
     @property
     def listed_positions(self) -> tuple[ti.Field, ...]:
-        """Fields x, y, z of the positions [m] by which the neighbour walk lists candidates."""
+        """Fields x, y, z of the positions [m] at which neighbours were last listed: here the present ones."""
         return tuple(self.particles.position)
 
     def advance_boundaries(self, dt: float) -> None:

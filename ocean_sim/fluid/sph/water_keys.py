@@ -78,7 +78,7 @@ class WaterConfig(FluidConfig):
         return self
 
     def sums_impulses(self, read: bool) -> bool:
-        """True if the key `impulses` asks for sums, whether or not an observer reads them (`read`)."""
+        """True if the key `impulses` asks to sum impulse and work of forces; `read`, an observer's need, is ignored."""
         return self.impulses
 
     def statements(self, preflight: Preflight) -> Iterator[str]:

@@ -311,7 +311,8 @@ class MeshObstacle(Obstacle):
 
     @cached_property
     def corners(self) -> np.ndarray:
-        """(2, n) lowest and highest corner of the mesh [m], less rounding; n as in `at`, or 0 for a faulty mesh."""
+        """(2, n) lowest and highest corner of the mesh [m], drawn in by MESH_ROUNDING of its size; n: 2 or 3 numbers,
+        as the point `at` has, or 0 for a faulty mesh."""
         if self.shape.faults:
             return np.zeros((2, 0))
         ends = np.array(self.shape.bounds())[:, : len(self.at)]
@@ -522,8 +523,9 @@ class Solid(Protocol):
     def make_room(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: "Boxes", lattice: "packing.Lattice"
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Make room for the body among particles at `positions` (n, 3) [m], which fill `boxes`; `beyond` (m, 3): points
-        that continue their lattice outside. Returns (n,) True for particles to remove, and (n, 3) new positions."""
+        """Make room for the body among particles at `positions` (n, 3) [m], which fill `boxes` (lower and upper
+        corners). Points `beyond` (m, 3) [m] continue their `lattice` outside and fill the space there, lest particles
+        be pushed into it. Returns (n,) True for particles to remove, and (n, 3) new positions [m] of all."""
 
     def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Boundary particles inside the body near its surface: (n, 3) positions from the centre of mass, body axes [m],

@@ -48,8 +48,8 @@ class Ground:
     def within(
         cls, sides: Sequence[tuple[float, float]], given: Heights, lowest: float, dimension: int, *traits: Any
     ) -> "Ground":
-        """Bed with the heights `given`, cut at the `sides` (lowest and highest coordinate [m] along x and z); `traits`:
-        values of the fields that follow `dimension` in Ground."""
+        """Bed with the heights `given`, cut at the `sides` (lowest and highest coordinate [m] along x, and along z) and
+        at the height `lowest` [m] of the flat bottom; `traits`: the fields `periodic` and `no_slip`."""
         spans = [sides[0], sides[1] if dimension == 3 else (-SLICE_HALF, SLICE_HALF)]
         x, z = (np.unique(np.clip([low, *nodes, up], low, up)) for (low, up), nodes in zip(spans, (given.x, given.z)))
         whole = cls(given.x, given.z, given.y, lowest, 3, (False, False), False)
@@ -131,8 +131,7 @@ class Ground:
         return across / np.linalg.norm(across, axis=1, keepdims=True)
 
     def body_mesh(self, breadth: float) -> tuple[np.ndarray, np.ndarray]:
-        """Corners (m, 3, 3) [m] and outward unit normals (m, 3) of triangles around the bed as a closed body;
-        `breadth`: its breadth [m] along z in 2-D."""
+        """Corners (m, 3, 3) [m], outward normals (m, 3) of triangles around the bed; `breadth`: along z in 2-D [m]."""
         nodes = self.x, self.z if self.dimension == 3 else 0.5 * breadth * self.z
         x, z = np.meshgrid(*(np.pad(places, 1, "edge") for places in nodes), indexing="ij")
         shell = np.stack([x, np.pad(self.y, 1, constant_values=self.foot), z], axis=-1)  # surface and sides
@@ -166,7 +165,8 @@ class Ground:
         return np.concatenate([2.0 * edges[0] - before[::-1], edges, 2.0 * edges[-1] - after[::-1]])
 
     def columns(self, spacing: float, margin: float) -> tuple[np.ndarray, np.ndarray]:
-        """Middles x, z (k, 2) [m] of the columns of sample points, and cross-sections (k,) [m2], in 2-D widths [m]."""
+        """Upright columns that divide the bed and a `margin` [m] beyond its sides, about a `spacing` [m] apart along
+        the bed: middles x, z (k, 2) [m], and cross-sections (k,) [m2], in 2-D widths [m]."""
         edges = [self.column_edges(axis, spacing, margin) for axis in range(self.dimension - 1)]
         middles = [0.5 * (edge[1:] + edge[:-1]) for edge in edges] + [np.zeros(1)]
         widths = [np.diff(edge) for edge in edges] + [np.ones(1)]
@@ -174,8 +174,8 @@ class Ground:
         return places, np.multiply.outer(*widths[:2]).ravel()
 
     def samples(self, spacing: float, support: float, margin: float = 0.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Sample points within `support` [m] of the bed, as `basin.Solid.samples` returns them; with a `margin` [m]
-        also in the bed's mirror images beyond the sides and below the flat bottom."""
+        """Boundary particles within `support` [m] of the bed: (n, 3) positions [m], (n,) volumes [m3] (2-D: areas
+        [m2]), (n, 3) normals; with a `margin` [m] also in its mirror images beyond the sides and the flat bottom."""
         places, areas = self.columns(spacing, margin)
         heights, slopes = self.shape_at(places)
         steep = np.sqrt(1.0 + np.square(slopes).sum(axis=1))
@@ -234,7 +234,8 @@ class Ground:
     def make_room(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, lattice: Lattice
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Make room for the bed among the initial particles, as `basin.Solid.make_room`; results are cached on disk."""
+        """Make room for the bed among particles at `positions` (n, 3) [m] in `boxes`, with points `beyond` (m, 3) [m]
+        around these. Returns (n,) True for particles to remove, (n, 3) new positions [m]; cached on disk."""
         numbers = repr([lattice, self.lowest, self.periodic, *(x.tolist() for box in boxes for x in box)])
         content = b"".join(array.tobytes() for array in (self.x, self.z, self.y, positions, beyond)) + numbers.encode()
 

@@ -56,8 +56,7 @@ class Frame:
     pivot: np.ndarray  # (3,) [m] in the tank
 
     def push(self, gravity: np.ndarray) -> np.ndarray:
-        """(3,) apparent gravity g - a [m/s2] in the tank's axes; a: acceleration of the pivot; `gravity`: g in world
-        axes."""
+        """(3,) apparent gravity g - a [m/s2], tank's axes; a: acceleration of the pivot; `gravity`: g, world axes."""
         return turned(gravity, -self.angle) - self.acceleration
 
 
@@ -105,8 +104,7 @@ def solitary_law(height: float, depth: float, gravity: float) -> tuple[Law, floa
 
     The wave is eta = H / cosh^2 theta, theta = kappa (c t - x), kappa = sqrt(3 H / 4 d) / d, c = sqrt(g (d + H)). The
     wall moves with the mean velocity of the water before it, xi' = c eta / (d + eta), so xi = H / (kappa d) tanh theta
-    with theta = kappa (c t - xi), both counted from the middle of the stroke.
-    """
+    with theta = kappa (c t - xi), both counted from the middle of the stroke."""
     ratio, c = height / depth, sqrt(gravity * (depth + height))
     kappa = sqrt(0.75 * ratio) / depth
     half = STROKE_END_TANH * ratio / kappa

@@ -95,8 +95,7 @@ class Outline(NamedTuple):
         return max(least, 0.0)
 
     def images(self, other: "Outline", periods: Sequence[float]) -> list["Outline"]:
-        """Copies of this outline in a periodic basin, shifted by `periods` (3,) [m]: the one nearest to `other`, and
-        those next to that one."""
+        """Copies of this outline by `periods` (3,) [m] of the basin: the nearest to `other`, and those around it."""
         apart = other.plan.mean(axis=0) - self.plan.mean(axis=0)
         sides = np.array(periods[::2])
         next_to = product(*([-side, 0.0, side] if side else [0.0] for side in sides))

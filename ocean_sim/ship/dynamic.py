@@ -82,7 +82,7 @@ class SeakeepingConfig(FloatingConfig):
         return found if found.any() else None
 
     def resistance(self, still: Hydrostatics) -> Resistance:
-        """Damping law of the hull, without the empirical damping of motions that the radiation table damps."""
+        """Damping law of the hull (hydrostatics `still`), with no rule for motions that the radiation table damps."""
         radiated = [] if self.table is None else [Motions._fields[k] for k in self.table.numbers]
         return Resistance(self.damping, still, self.added_mass_at_infinity(still), radiated)
 
@@ -197,16 +197,16 @@ class SeakeepingShip(FloatingShip):
         return now.share * to_world(resisted, now.axes)
 
     def drift_velocity(self, now: Immersion) -> np.ndarray:
-        """(6,) velocity [m/s], [rad/s] of the water around the hull for the terms of added mass, body axes: of current
-        and waves, but of the current alone in motions whose wave force comes from the table."""
+        """(6,) velocity [m/s], [rad/s], body axes, of the water through which the hull's added mass moves: of current
+        and waves, but of the current alone in motions whose wave force comes from the radiation table."""
         if self.scattering is None:
             return now.wet.velocity
         stream = np.concatenate([now.body.matrix.T @ self.stream, np.zeros(3)])
         return self.through * now.wet.velocity + (1.0 - self.through) * stream
 
     def with_added_mass(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """Copy of `forces` with three more: the reaction of added mass to the hull's motion in `damping`, that to the
-        water's motion and the scattering force in `wave`."""
+        """Copy of `forces` by cause. The key `damping` gains the reaction of added mass to the hull's motion, the key
+        `wave` that to the water's motion, and the force of scattered waves."""
         force, torque = np.concatenate(list(forces.values())).reshape(-1, 2, 3).sum(axis=0)
         wet = now.wet
         if self.scattering is not None and self.sea is not None:

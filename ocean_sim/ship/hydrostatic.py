@@ -29,7 +29,7 @@ class Config(FloatingConfig):
     damping: Damping = Damping(heave=0.05, pitch=0.05, roll=0.05)
 
     def resistance(self, still: Hydrostatics) -> Resistance:
-        """Damping law of the hull, with Munk's moment, which comes from added mass in other kinds."""
+        """Damping law of the hull (hydrostatics `still`), with Munk's moment, which other kinds have by added mass."""
         sway, _, surge = by_rule(still)[:3]
         return Resistance(self.damping, still, np.zeros(6), munk=sway - surge)
 

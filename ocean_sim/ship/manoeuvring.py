@@ -183,8 +183,7 @@ class Manoeuvring(Vessel):
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
         """All forces and torques of the model about the centre of mass, by the velocity relative to the water (Fossen
-        2021, ch. 10). A steady current changes no acceleration in world axes; water that waves move carries her
-        along."""
+        2021, ch. 10). A steady current changes no acceleration in world axes; wave motion carries her along."""
         model, body = self.model, self.centred_body
         pitch, yaw, roll = body.angles
         r, omega, turning, inertia = body.matrix, body.rates, body.rates, body.inertia_body

@@ -55,7 +55,7 @@ class Config(FloatingConfig):
         return Solid(self.whole_hull.shape, still.matter.centre, body.position, body.matrix, flat, body=body)
 
     def added_mass_diagonal(self, still: Hydrostatics) -> np.ndarray:
-        """(6,) added mass [kg], inertia [kg m2] by rule, for natural periods alone; in a run the particles react."""
+        """(6,) added mass [kg], [kg m2] by hull sections, for natural periods alone; in a run the particles react."""
         return by_rule(still)
 
     def warnings(self, preflight: Preflight) -> Iterator[str]:
@@ -69,8 +69,7 @@ class Config(FloatingConfig):
             yield f"the hull is {thin:.2g} spacings thin: water on either side acts on that on the other"
 
     def statements(self, preflight: Preflight) -> list[str]:
-        """Sentence for the user on how far the ship will heave while the particles around her leave their initial
-        lattice; empty if that is little."""
+        """Sentence for the user on the ship's heave while particles leave their lattice; empty if that is little."""
         draught, spacing = self.hydrostatics_of(preflight).draught, preflight.spacing
         if spacing is None or isinf(draught) or REST_SWING * spacing < STATED_SWING * draught:
             return []
@@ -122,13 +121,14 @@ class Pressure(Vessel):
         return Load.of(forces_of | {part: to_world(force, body) for part, force in driven.items()}, self.parts)
 
     def advance(self, load: Load, dt: float) -> None:
-        """Take a step of dt [s], then give the water the hull's new pose and its relaxed acceleration."""
+        """Take a step of dt [s] under a load by cause, then give the water the hull's new pose and an acceleration that
+        follows hers by a share of the difference a step (under-relaxation)."""
         super().advance(load, dt)
         self.known += self.share * (np.stack([self.acceleration, self.turning]) - self.known)
         self.place_hull()
 
     def place_hull(self) -> None:
-        """Give the fluid the pose, velocity and relaxed acceleration of its boundary body, the hull."""
+        """Give the fluid pose, velocity and under-relaxed acceleration (`advance`) of its boundary body, the hull."""
         body = hold_motions(self.body, self.free)
         linear, turning = self.known
         moving = body.velocity, body.angular_velocity, linear, turning

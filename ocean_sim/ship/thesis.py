@@ -37,7 +37,7 @@ class Config(FloatingConfig):
 
 
 class Thesis(FloatingShip):
-    """The ship of the thesis: columns of water carry the hull, and forward Euler moves it."""
+    """Ship as in the master's thesis that the program redraws: columns of water carry her, forward Euler moves her."""
 
     def __init__(self, name: str, config: Config, basin: Basin, fluid: Fluid) -> None:
         super().__init__(name, config, basin, fluid)
@@ -64,7 +64,7 @@ class Columns:
     """Squares of a hull's bottom, each of which carries the weight of the column of water above it (5.3)."""
 
     def __init__(self, still: Hydrostatics, basin: Basin) -> None:
-        """Make one square of the bottom for each upright stack of the hull's cubes."""
+        """Make one square of the bottom for each upright stack of the cubes of the hull with hydrostatics `still`."""
         cubes, size = still.voxels, still.voxels.size
         down = np.round(cubes.centre[:, [0, 2]] / size[[0, 2]] * 2.0).astype(int)
         _, column = np.unique(down, axis=0, return_inverse=True)
@@ -88,7 +88,8 @@ class Columns:
 
     @ti.kernel
     def sum_columns(self, surface: Template, position: tm.vec3, turn: tm.mat3):
-        """Write (6,) force [N], torque [N m] of each column to `out`; `turn`: rotation from body to world axes."""
+        """Write (6,) force [N], torque [N m] of the water on each square of the bottom to the field `out`, by
+        `elevation` of the `surface`; `position`: centre of mass [m]; `turn`: rotation from body to world axes."""
         for k in range(self.n):
             arm = turn @ self.bottom[k]
             x = position + arm

@@ -224,7 +224,7 @@ class Cloth:
 
 @in_kernels
 class Contact:
-    """Sum over particles within `thickness` [m] of a point: smoothed share of water and its upward gradient [1/m]."""
+    """Contact of a point with water: smoothed share within `thickness` [m], and upward gradient [1/m] of this share."""
 
     sums = 2
 
@@ -236,16 +236,17 @@ class Contact:
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Contribution of particle j, at d [m] from the point, to share and gradient; `own`, `mirror` are not used."""
+        """(2,) contribution of particle j, at d [m] from the point, to the smoothed share of water and to its upward
+        gradient; `own`, `mirror` are not used."""
         w = self.thickness * self.thickness - d.dot(d)
         w = ti.select(w > 0.0, w, 0.0)
         return ti.static(self.constant) * w * w * ti.Vector([w, 6.0 * d.y])
 
     @cached_property
     def over_a_lattice(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Shares of water near the surface of flat water whose particles lie on a lattice: (a) heights (h,) of the
-        point [m], rising; (b) shares (p, h) at p horizontal positions between particles; (c) weights (p,) of these
-        positions, which make up for mirrored ones that are left out."""
+        """Smoothed share of water around points near flat water whose particles lie on a lattice: (a) heights (h,) [m]
+        of the points over the surface, rising; (b) shares (p, h) at p horizontal positions between particles; (c)
+        weights (p,) of the positions, greater where one stands for its mirror image, too."""
         reach = self.thickness / self.spacing
         n = ceil(reach) + 1
         height = np.linspace(-n, n, LATTICE_HEIGHTS)
@@ -266,7 +267,7 @@ class Contact:
         return height * self.spacing, shares, weight / weight.sum()
 
     def surface_height(self, share: float) -> float:
-        """Height [m] over flat water of a particle lattice at which the share falls below `share`; mean over x, z."""
+        """Height [m] over a flat lattice of particles where the smoothed share of water is `share`; mean over x, z."""
         height, shares, weight = self.over_a_lattice
         k = LATTICE_HEIGHTS - 1 - np.argmax(shares[:, ::-1] >= share, axis=1)
         k = np.minimum(k, LATTICE_HEIGHTS - 2)
@@ -276,7 +277,7 @@ class Contact:
 
     @cached_property
     def at_surface(self) -> float:
-        """Smoothed share of water on the surface of flat water on a lattice; nodes move to where it has this value."""
+        """Smoothed share of water at the flat surface of a particle lattice; nodes move to where the share is this."""
         low, high = 0.05, 0.95
         for _ in range(40):
             middle = 0.5 * (low + high)
@@ -285,6 +286,6 @@ class Contact:
 
     @cached_property
     def steepness(self) -> float:
-        """Steepest decrease of the share of water with height [1/m] through a flat surface."""
+        """Steepest decrease with height [1/m] of the smoothed share of water around a point, through a flat surface."""
         height, shares, weight = self.over_a_lattice
         return float(-np.gradient(weight @ shares, height).min())

@@ -125,8 +125,7 @@ class Config(SurfaceConfig):
 
 @in_kernels
 class MarchingCubes:
-    """Surface on which the smoothed share of water equals `isovalue`. Triangles, and the height of the highest water in
-    each column, are computed only when they are read."""
+    """Surface on which the smoothed share of water is `isovalue`; mesh and column heights are found when read."""
 
     left_out = ("followed", "read_by_kernel")  # of checkpoints: what this simulation's kernels are compiled for
 
@@ -154,8 +153,8 @@ class MarchingCubes:
         )
 
     def follow(self, particles: "Particles", dt: float) -> None:
-        """Note that the particles have moved by one time step; the heights are then out of date. They are recomputed at
-        once if a kernel reads them, and in the first step, in which such a kernel may be compiled."""
+        """Note that the particles have moved by one step. Heights, now out of date, are recomputed at once if a kernel
+        calls `elevation`, and in the first step, which may compile one: that needs heights up to date."""
         self.moment += 1
         if self.read_by_kernel or not self.followed:
             self.update_heights()
@@ -242,8 +241,7 @@ class MarchingCubes:
 def flat_share(radius: float, spacing: float) -> float:
     """Smoothed share of water half a spacing above a cubic lattice of particles, where flat water ends; mean over x, z.
 
-    A layer u radii below counts 315/256 (1 - u^2)^4, the integral of the poly6 kernel over it, times spacing over
-    radius."""
+    A layer u radii below counts 315/256 (1 - u^2)^4 (integral of the poly6 kernel) times spacing over radius."""
     u = (np.arange(int(radius / spacing) + 1) + 0.5) * spacing / radius
     return float(315.0 / 256.0 * spacing / radius * (np.maximum(1.0 - u * u, 0.0) ** 4).sum())
 
@@ -379,8 +377,8 @@ class DensityMap:
 
     @ti.kernel
     def mark_rows(self, rows: Template):
-        """Mark the rows of nodes within one radius plus one node spacing of any particle, so that all neighbours of wet
-        nodes are marked too. A row beyond a side counts as the row next to it."""
+        """Mark in `rows` each row of nodes along x within one radius plus one node spacing of any particle, so that all
+        neighbours of wet nodes are marked. A row beyond a side of the box counts as the next one inside."""
         for row in rows.near:
             inner = tm.clamp(tm.ivec2(row % rows.across, row // rows.across) - 1, 0, tm.ivec2(self.nodes.inner[1:]) - 1)
             y = self.lower.y + self.width.y * (inner.x + 0.5)
@@ -416,7 +414,8 @@ class DensityMap:
 
     @ti.func
     def fill_group(self, group, rows: Template, value: Template, level):
-        """Do one thread's part of `fill_rows`: every ROW_GROUPS-th stored row, beginning with row `group`."""
+        """Do one thread's part of `fill_rows`, which writes share of water minus `level` to the nodes' `value`: every
+        ROW_GROUPS-th of the stored `rows` (Rows) of nodes along x, beginning with number `group`."""
         nx, ny, nz = ti.static(self.nodes.inner)
         for turn in range((rows.count[None] - group + ROW_GROUPS - 1) // ROW_GROUPS):
             n = group + turn * ROW_GROUPS

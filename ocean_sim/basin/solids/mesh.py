@@ -85,7 +85,8 @@ class ClosedMesh:
 
     @cached_property
     def inside_columns(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Segments, inside the mesh, of the columns of `_column_plan`: index of the column, lower and upper end [m]."""
+        """Segments inside the mesh, (k,) each, of upright columns at the quadrature points x, z of `column_integral`:
+        index of the column (that of x times the number of z, plus that of z), lower and upper end [m]."""
         return inside_stretches(self.triangles, *self._column_plan[:2])
 
     def column_integral(self, of_heights: Callable[[np.ndarray], np.ndarray]) -> float:

@@ -24,7 +24,8 @@ class Kernel(Protocol):
         """Kernel W at t (n,) = 1 - r / support, without its constant factor."""
 
     def gradient(self, t: np.ndarray) -> np.ndarray:
-        """Factor g (n,) in the gradient of W, -g x / support^2 at a distance vector x, without the constant."""
+        """Factor g (n,), at t (n,) = 1 - r / support, in the gradient -g x / support^2 of W without its constant
+        factor, at a distance vector x of length r."""
 
 
 class Wendland:
@@ -64,9 +65,9 @@ def fit_particles(
     iterations: int = FIT_ITERATIONS,
 ) -> dict[str, np.ndarray]:
     """Move particles near a body to positions for the smallest sum of the kernel over pairs. `points` (n, 3) [m]:
-    particles where `water` is True, and lattice points beyond; `gone`: points that the body displaces; `samples`:
-    positions (m, 3) [m] and volumes (m,) [m3] of the body's sample points; `box`: corners (3,) [m], points outside do
-    not move. Returns indices of particles displaced (`gone`) and moved (`near`), and new positions [m] (`moved`)."""
+    particles (`water` True), then a lattice beyond; `gone`: True where the body displaces them; `samples`: positions
+    (m, 3) [m], volumes (m,) [m3] of its sample points; `box`: corners (3,) [m], points outside stay. Returns indices in
+    `points` of particles to remove (`gone`) and moved (`near`), and new positions [m] (`moved`)."""
     at, weight, spacing = samples[0], samples[1] / lattice.volume, lattice.spacing
     near = near_to(points, at, FIT_REACH * spacing) & ((points >= box[0]) & (points <= box[1])).all(axis=1)
     free = near & ~gone
@@ -81,7 +82,8 @@ def fit_particles(
 def cached_room(
     positions: np.ndarray, content: bytes, made: Callable[[], dict[str, np.ndarray]], *asked: type
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Result of `Solid.make_room`: cached for equal bytes `content` and code of classes `asked`, else by `made`."""
+    """(n,) True for particles to remove, and (n, 3) new positions [m]: `positions` with the arrays of `fit_particles`,
+    computed by `made`, or cached for the same input bytes `content` and source files of `made` and classes `asked`."""
     found = cached_arrays("rooms", content, made, *asked)
     gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()
     gone[found["gone"]], moved[found["near"]] = True, found["moved"]

@@ -43,7 +43,8 @@ class ShapedSolid:
     def make_room(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, lattice: Lattice
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Make room for the body among the initial particles, as `basin.Solid.make_room`; slow, so cached on disk."""
+        """Make room for the body among particles at `positions` (n, 3) [m] in `boxes`, with points `beyond` (m, 3) [m]
+        around these. Returns (n,) True for particles to remove, (n, 3) new positions [m]; cached on disk."""
         poses = [self.centre, self.origin, self.turn, *(corner for box in boxes for corner in box)]
         numbers = repr([lattice, self.is_sampled, self.flat, *(array.tolist() for array in poses)]).encode()
         content = self.shape.content() + numbers + positions.tobytes() + beyond.tobytes()
@@ -56,8 +57,9 @@ class ShapedSolid:
     def room_arrays(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, lattice: Lattice
     ) -> dict[str, np.ndarray]:
-        """Particles around this body: indices of those displaced (`gone`) and moved (`near`), and positions [m] of the
-        latter (`moved`) where an even pressure pushes none (particle packing, Colagrossi et al. 2012)."""
+        """Indices of particles that this body displaces (`gone`) and that are moved around it (`near`), of those at
+        `positions` (n, 3) [m] in `boxes`, with points `beyond` (m, 3) [m] around; and positions [m] of the moved ones
+        (`moved`) at which an even pressure pushes none (particle packing, Colagrossi et al. 2012)."""
         points, spacing = np.concatenate([positions, beyond]), lattice.spacing
         water = np.arange(len(points)) < len(positions)
         # To a thousandth of a spacing, since minimisation would make rounding of a pose a hundred times as large.
@@ -76,7 +78,8 @@ class ShapedSolid:
         return distance, deepest_first(distance, spacing)
 
     def lattice(self, spacing: float) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
-        """Signed distances on a lattice around the body, two spacings [m] beyond it; returns as `distance_lattice`."""
+        """Lattice around the body, to two spacings [m] beyond it: for each node `distance` [m], signed, and `share` of
+        the body, smoothed; first node (3,) in the body's axes, and steps (3,) [m]."""
         return distance_lattice(self.shape, spacing / CUBES_A_SPACING, spacing, 2.0 * spacing)
 
     def distances(self, own: np.ndarray, spacing: float) -> np.ndarray:
@@ -146,11 +149,11 @@ class MeshSolid(ShapedSolid):
         return f"{size}; a body has {1.0 / CUBES_A_SPACING:.2g} spacings at least and {MAX_CUBES:.3g} particles at most"
 
     def net(self, spacing: float) -> Distance:
-        """Signed distance from the mesh for kernels, in which particles a `spacing` [m] apart bounce off it."""
+        """Field of the signed distance from the mesh, off which kernels bounce particles a `spacing` [m] apart."""
         return Distance(self.shape, self.centre, spacing / CUBES_A_SPACING, spacing, 2.0 * spacing)
 
     def net_bytes(self, spacing: float, word: int) -> int:
-        """Memory [bytes] of the distances of `net` with floats of `word` bytes."""
+        """Memory [bytes], with floats of `word` bytes, of the field of distances from the mesh that `net` makes."""
         return lattice_memory(self.shape, spacing / CUBES_A_SPACING, 2.0 * spacing, word)[1]
 
     def tops_below(self, points: np.ndarray) -> np.ndarray:

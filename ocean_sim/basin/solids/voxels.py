@@ -141,8 +141,8 @@ def sample_cubes(
 
 
 def lattice_shape(shape: SolidShape, side: float, reach: float) -> tuple[float, np.ndarray, np.ndarray]:
-    """Lattice of cubes around a shape: side used [m], at least `side`; (3,) sides [m] that divide the shape's box
-    evenly; (3,) number of cubes beyond that box, for `reach` [m]."""
+    """Lattice of cubes that covers a shape and `reach` [m] beyond: greatest side [m] (`side`, or more lest cubes be too
+    many); (3,) sides [m], which divide the shape's box evenly; (3,) numbers of cubes beyond each end of that box."""
     lower, upper = shape.bounds()
     side = max(side, float((upper - lower + 2.0 * reach).prod() / USUAL_CUBES) ** (1.0 / 3.0))
     size = (upper - lower) / np.maximum(1, np.ceil((upper - lower) / side - 1e-6))
@@ -150,7 +150,8 @@ def lattice_shape(shape: SolidShape, side: float, reach: float) -> tuple[float, 
 
 
 def lattice_memory(shape: SolidShape, side: float, reach: float, word: int) -> tuple[int, int]:
-    """Number of nodes of the lattice of `lattice_shape`, and their memory [bytes] with floats of `word` bytes."""
+    """Number of nodes, and their memory [bytes] with floats of `word` bytes, of a lattice of cubes of `side` [m] that
+    covers a shape and `reach` [m] beyond (`lattice_shape`)."""
     _, size, margin = lattice_shape(shape, side, reach)
     lower, upper = shape.bounds()
     n = int((np.round((upper - lower) / size) + 2 * margin).prod())
@@ -210,7 +211,8 @@ class Distance:
 
     @ti.func
     def at(self, position):
-        """Outward normal, signed distance [m] (`reach` off the lattice), -grad of the share [1/m] at a position [m]."""
+        """Outward normal, signed distance [m] (`reach` off the lattice), and minus the gradient [1/m] of the share of
+        the hull, 1 in it and 0 outside, smoothed by the kernel, at a position [m]."""
         a = (position - self.first) * self.per_step
         c = tm.clamp(int(ti.floor(a)), 0, self.last)
         normal, distance, thinning = tm.vec3(0.0), self.far, tm.vec3(0.0)

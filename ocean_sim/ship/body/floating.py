@@ -129,11 +129,11 @@ class FloatingConfig(VesselConfig):
         return self.in_still_water(-preflight.tank.gravity[1], preflight.fluid.rest_density)
 
     def added_mass_diagonal(self, still: Hydrostatics) -> np.ndarray:
-        """(6,) added mass [kg] and inertia [kg m2] in the equation of motion, in the order of `Motions`; default 0."""
+        """(6,) added mass [kg], [kg m2] in the equation of motion, by `Motions`; default 0. `still`: hydrostatics."""
         return np.zeros(6)
 
     def resistance(self, still: Hydrostatics) -> Resistance | None:
-        """Damping law of the hull; None (the default) if only particles slow it down."""
+        """Damping law of the hull, by her hydrostatics `still`; None (the default) if only particles slow it down."""
         return None
 
     def floats(self, preflight: Preflight) -> Afloat:
@@ -157,7 +157,7 @@ class FloatingConfig(VesselConfig):
         return placed_outline(corners, self.resting_body(still))
 
     def resting_body(self, still: Hydrostatics) -> RigidBody:
-        """Rigid body at the start; afloat at rest where the config gives no height or attitude."""
+        """Rigid body at the start; by the hydrostatics `still` afloat where no height or attitude is given."""
         return self.body_at_start(still.matter, *afloat_pose(still))
 
     @property
@@ -165,8 +165,8 @@ class FloatingConfig(VesselConfig):
         return "" if self.drift is None else self.drift if isinstance(self.drift, str) else "table"
 
     def drift_force(self, still: Hydrostatics, sea: ClosedForm, body: RigidBody) -> "Drift | None":
-        """Mean and slowly varying force of the waves of `sea` on this ship, whose first pose is `body`; None without
-        the key `drift`, or if she cannot float."""
+        """Mean and slow second-order force of the waves of `sea` on this ship, with hydrostatics `still` and the first
+        pose `body`; None without the key `drift`, or if she cannot float."""
         if self.drift is None or isinf(still.draught):
             return None
         from ocean_sim.ship.forces import drift
@@ -305,7 +305,7 @@ class FloatingConfig(VesselConfig):
         return f"{message}; at {speed:.3g} m/s her bow would lie {sunk:.2g} m deeper{touches} (ICORELS 1980)"
 
     def cube_gm_warnings(self, still: Hydrostatics) -> Iterator[str]:
-        """Warn if metacentric heights by cubes and by faces of the hull differ by more than GM_TOLERANCE."""
+        """Warn if GM by cubes, in the hydrostatics `still`, and by faces differs by more than GM_TOLERANCE."""
         gm, own = still.metacentric_height(), still.gm_of_faces
         if self.carried_as_body or own is None or abs(gm - own) <= GM_TOLERANCE * abs(own):
             return
@@ -395,7 +395,7 @@ def afloat_pose(still: Hydrostatics) -> tuple[float, np.ndarray]:
 
 @lru_cache(maxsize=4)
 def rest_angles(still: Hydrostatics) -> np.ndarray | None:
-    """(2,) pitch and roll [rad] at which a floating hull balances, upright if it can; None if beyond MAX_LEAN."""
+    """(2,) pitch and roll [rad] at which a hull (`still`) balances, upright if it can; None if beyond MAX_LEAN."""
 
     def levers(angle: np.ndarray) -> np.ndarray:
         """(2,) distances [m] ahead and to port from centre of mass to centre of buoyancy, at (2,) pitch, roll [rad]."""

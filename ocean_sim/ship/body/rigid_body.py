@@ -183,7 +183,8 @@ def hold_motions(body: RigidBody, free: np.ndarray) -> RigidBody:
 
 
 def guide_step(before: RigidBody, after: RigidBody, free: np.ndarray, dt: float) -> RigidBody:
-    """Copy of `after`, the body dt [s] after `before`, that has moved since only in its `free` motions (6,)."""
+    """Copy of `after`, the body dt [s] after `before`, as if on guides: its velocity is 0, and its pose that of
+    `before`, in motions that are not `free`, (6,) booleans in the order of `Motions`."""
     if False not in free.tolist():
         return after
     heading, rates = axis_rotation(1, before.angles[1]), np.where(free[3:], after.rates, 0.0)

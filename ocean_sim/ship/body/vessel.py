@@ -132,7 +132,8 @@ class Actuators:
         return self.rudder_blade.limit if self.rudder_blade else radians(90.0)
 
     def steer(self, body: RigidBody, dt: float, ahead: float = 0.0) -> None:
-        """Move throttle and rudder for dt [s] towards the orders for `ahead` [s] from now; with dt 0, at once."""
+        """Move throttle and rudder, as fast as they can, for dt [s] (0: at once) towards the crew's orders for a time
+        `ahead` [s] from now, the beginning of the step: 0, or dt for its end."""
         throttle, rudder = self.crew.order(self.time + ahead, body)
         blade, screw = self.rudder_blade, self.propeller
         self.throttle = rate_limited(self.throttle, throttle, screw.rate if screw and dt else None, dt, 1.0)
@@ -259,11 +260,11 @@ class Vessel(Ship):
             sides = None
 
         def guided_step(load: Load) -> RigidBody:
-            """The body dt [s] later, moved only in its free motions."""
+            """The body at the end of the step under `load`, moved only in motions that the config calls `free`."""
             return guide_step(before, self.free_step(before, load, dt), self.free, dt)
 
         def walled_step(load: Load) -> RigidBody:
-            """The body dt [s] later, moved only in its free motions, and put back from walls and bed."""
+            """The body at the end of the step under `load`, as by `guided_step`, put back from walls and bed."""
             return guided_step(load) if sides is None else sides.moved_inside(guided_step(load))
 
         touched = False

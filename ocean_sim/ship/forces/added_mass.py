@@ -122,8 +122,7 @@ def water_reaction(
     Kirchhoff's equations, solved together with the hull's, so that a hull lighter than its added mass stays stable. In
     body axes, (6,): added mass `added`, coupled by `between` (6, 6), symmetric with diagonal 0; velocity `drift` and
     acceleration `surge` of the water. `force`, `torque`: all other loads. Motions not `free` (6,) have no acceleration.
-    The axes turn, so the relative velocity also changes by omega x `drift` (Fossen 2021, 10.3).
-    """
+    The axes turn, so the relative velocity also changes by omega x `drift` (Fossen 2021, 10.3)."""
     r, inertia, water = body.rows, body.inertia_body.tolist(), added.tolist()
     v, omega = body.own_velocity, body.own_spin
     (stream, swirl), (pull, pull_turn) = line_and_turn(drift), line_and_turn(surge)

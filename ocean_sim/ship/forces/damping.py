@@ -54,8 +54,7 @@ class Resistance:
         self, config: Damping, hull: Hydrostatics, added: np.ndarray, radiated: Collection[str] = (), munk: float = 0.0
     ) -> None:
         """`added`: (6,) added mass that oscillates with the hull; `radiated`: motions whose wave damping a table gives,
-        not the rules; `munk`: added mass of sway less surge [kg], for Munk's moment in kinds that move without added
-        mass."""
+        not the rules; `munk`: added mass of sway less surge [kg], for Munk's moment in kinds without added mass."""
         whole, stiffness = hull.inertia, hull.stiffness
         extra, self.radiated, self.cross_flow = Motions(*added), radiated, config.cross_flow
         self.linear: dict[str, float] = {}

@@ -41,7 +41,8 @@ class DriftTable(NamedTuple):
     force: np.ndarray  # (3, h, n) surge, sway [N/m2], yaw [N m/m2]
 
     def coefficients(self, omega: np.ndarray, wavenumber: np.ndarray, heading: np.ndarray) -> np.ndarray:
-        """(3, n) drift force of n waves, as in `Law`; a table of 0 to 180 degrees is mirrored for the other side."""
+        """(3, n) surge, sway force [N/m2], yaw moment [N m/m2] per squared amplitude of n waves, whose heading [rad]
+        counts from the ship's; a table of 0 to 180 degrees is mirrored for the other side."""
         angle, signs = np.degrees(heading) % 360.0, np.ones((3, len(omega)))
         if self.headings[-1] <= 180.0:
             signs = np.where(angle > 180.0, SIGNS[:, None], 1.0)
@@ -70,7 +71,8 @@ def read_table(file: str) -> DriftTable:
 
 
 def waterline_law(hull: Hydrostatics) -> Law:
-    """Function for the drift force by a floating hull's waterline: limit of short waves times Ursell's reflection."""
+    """Drift force by a floating hull's waterline, as a function of the waves' frequencies, wavenumbers and headings
+    (`Law`): the limit of short waves times Ursell's reflection."""
     from scipy.special import ive, kve
 
     z, breadth, draught = (values[hull.stations[1] > 0.0] for values in hull.stations)
@@ -87,7 +89,7 @@ def waterline_law(hull: Hydrostatics) -> Law:
     sides = np.stack([nz, nx, z * nx - x * nz])
 
     def coefficients(omega: np.ndarray, wavenumber: np.ndarray, heading: np.ndarray) -> np.ndarray:
-        """(3, n) drift force of n waves on this waterline, as defined by `Law`."""
+        """(3, n) surge, sway force [N/m2], yaw moment [N m/m2] per squared amplitude of n waves on this waterline."""
         met = np.minimum((np.outer(nx, np.sin(heading)) + np.outer(nz, np.cos(heading))) / size[:, None], 0.0)
         under = np.outer(deep, wavenumber)
         passed = kve(1, under) / ive(1, under) * np.exp(-2.0 * under) / np.pi
@@ -108,7 +110,7 @@ class Drift:
         self.known: tuple[float, np.ndarray, np.ndarray] | None = None  # a heading, frequencies, coefficients (3, n)
 
     def follow(self, body: RigidBody, dt: float) -> None:
-        """Advance the slow position by a step dt [s], in which it follows the ship's `body`."""
+        """Advance the slow position, that of the ship's `body` with her wave motion filtered out, by a step dt [s]."""
         r, (place, speed, change) = self.rate, self.slow
         change = change + dt * (
             r**3 * (body.position - place) + 2.0 * r**2 * (body.velocity - speed) - 2.0 * r * change

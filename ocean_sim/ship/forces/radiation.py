@@ -71,7 +71,8 @@ class Scattered(NamedTuple):
 
 
 class Response(NamedTuple):
-    """Impulse response of m motions to radiation: kernels K of force, L of wave momentum; added mass A(infinity)."""
+    """Impulse response of m motions to radiation: convolved with their velocities, kernels K give the force and L the
+    momentum left in the waves; A(infinity) is the added mass of quick motions."""
 
     times: np.ndarray  # (n,) since a push [s]
     kernels: np.ndarray  # (m, m, n) K [kg/s2], [kg m/s2], [kg m2/s2]
@@ -140,8 +141,7 @@ class BemTable:
         return Response(times, kernels, whole - whole[:, :, -1:], added)
 
     def retardation_kernel(self, times: np.ndarray, damping: np.ndarray) -> np.ndarray:
-        """Kernel K (n,) [kg/s2] at times (n,) [s] after a push, from `damping` over frequency, which is continued
-        beyond the table by a power law."""
+        """Kernel K (n,) [kg/s2] at times (n,) [s] after a push, from `damping`, beyond the table by a power law."""
         from scipy.interpolate import PchipInterpolator
 
         omega = self.omega
@@ -272,9 +272,9 @@ def in_axis_order(data: Any, name: str, axes: tuple[str, ...]) -> np.ndarray:
 
 
 class Scattering:
-    """Force on one hull by the waves that she scatters. The table's force on a hull at rest, X(omega) = (B - i omega A)
-    w, gives an equivalent velocity w of the water. Under way w counts with A and B at the frequency of encounter, and
-    her velocity times the waves' momentum adds a moment (table 2 of Salvesen, Tuck & Faltinsen 1970)."""
+    """Force on one hull by the waves that she scatters. A table's force on her at rest, divided by its B - i omega A
+    (damping B, added mass A), is a velocity w of the water. Under way the force is (B - i omega A) w at the frequency
+    of encounter; her velocity times the waves' momentum adds a moment (table 2 of Salvesen, Tuck & Faltinsen 1970)."""
 
     def __init__(self, table: BemTable) -> None:
         assert table.scattered is not None

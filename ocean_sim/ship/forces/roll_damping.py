@@ -87,7 +87,7 @@ class Components(NamedTuple):
 
 
 def form_of(hull: Hydrostatics, omega: float, keels: BilgeKeels | None) -> Form:
-    """Form of a hull that rolls at a frequency `omega` [rad/s], with its bilge keels, if any."""
+    """Dimensions and ratios, for the regressions, of a hull that rolls at `omega` [rad/s]; `keels`: her bilge keels."""
     _, breadth, draught = hull.stations
     length, broad = hull.length, float(breadth.max())
     deep = float(draught.max())
@@ -138,9 +138,8 @@ def skin_friction(form: Form, amplitude: float, viscosity: float, gravity: float
 
 
 def wave_damping(cb: float, cm: float, bd: float, og: float, frequency: float) -> float:
-    """Roll damping by waves of a hull without forward speed, in the units of `Components`. `cb`, `cm`: block and
-    midship coefficient; `bd`: breadth over draught; `og`: depth of the centre of mass over draught; `frequency`: omega
-    sqrt(B / 2g)."""
+    """Roll damping by waves of a hull without forward speed, as in `Components`. `cb`, `cm`: block and midship
+    coefficient; `bd`, `og`: breadth, and depth of the centre of mass, over draught; `frequency`: omega sqrt(B / 2g)."""
     if frequency == 0.0:
         return 0.0
     over, of = 1.0 - og, regressions()
@@ -153,7 +152,8 @@ def wave_damping(cb: float, cm: float, bd: float, og: float, frequency: float) -
 
 
 def eddy_damping(cb: float, cm: float, bd: float, og: float, amplitude: float) -> float:
-    """Eddy damping divided by frequency, at an amplitude [deg]; cb to og as in `wave_damping`; 0 from cb 0.84 on."""
+    """Eddy damping over `frequency` (see `wave_damping`), at an amplitude [deg]; 0 from cb 0.84 on. `cb`, `cm`: block
+    and midship coefficient; `bd`, `og`: breadth, and depth of the centre of mass, over draught."""
     form = max((-0.0182 * cb + 0.0155) * (bd - 1.8) ** 3 + polynomial_at(regressions()["eddies_form"], cb), 0.0)
     axis = (3.98 * cb - 5.1525) * (-0.2 * bd + 1.6) * og
     axis *= (0.9717 * cb**2 - 1.55 * cb + 0.723) * og + 0.04567 * cb + 0.9408
@@ -164,8 +164,8 @@ def eddy_damping(cb: float, cm: float, bd: float, og: float, amplitude: float) -
 
 
 def keel_damping(cb: float, cm: float, bd: float, og: float, amplitude: float, long: float, broad: float) -> float:
-    """Bilge keel damping divided by frequency, at an amplitude [deg]; cb to og as in `wave_damping`; `long`, `broad`:
-    length and breadth of a keel over those of the hull."""
+    """Bilge keel damping over `frequency` (see `wave_damping`), at an amplitude [deg]. `cb`, `cm`: block, midship
+    coefficient; `bd`, `og`: breadth, depth of the centre of mass over draught; `long`, `broad`: keel over hull."""
     form = (-0.3651 * cb + 0.3907) * (bd - 2.83) ** 2 - 2.21 * cb + 2.632
     swing = 0.00255 * amplitude**2 + 0.122 * amplitude + 0.4794
     size = (-0.8913 * broad**2 - 0.0733 * broad) * long**2

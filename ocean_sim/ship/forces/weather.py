@@ -28,7 +28,8 @@ class Windage(Model):
     """c_x, c_y, c_n: the middle of what Fossen gives (0.5 to 0.9, 0.7 to 0.95, 0.05 to 0.2)."""
 
     def wind_load(self, ahead: float, port: float, length: float) -> np.ndarray:
-        """(6,) load [N], [N m], SNAME axes, of a relative wind that blows ahead and to port [m/s]."""
+        """(6,) load [N], [N m], SNAME axes, of a wind with the relative velocity `ahead` (towards the bow) and `port`
+        [m/s] on a ship of a `length` [m]."""
         (c_x, c_y, c_n), speed = self.coefficients, hypot(ahead, port)
         front, side = (0.5 * AIR_DENSITY * area for area in (self.frontal, self.lateral))
         turn = side * length * c_n * 2.0 * ahead * port  # away from a wind on the bow

@@ -91,7 +91,8 @@ class Cubes:
 
     @ti.kernel
     def upload_cubes(self, arm: Array2, area: Array2, volume: Array, box: Array2, key: Integers):
-        """Copy `arm`, `area`, `volume`, `key` of the cubes and middle and half size (`box`) of each block to fields."""
+        """Copy to fields, of each cube, position `arm` from the centre of mass [m], hull `area` [m2], `volume` [m3],
+        and number `key`, by which gusts differ; of each block of BLOCK_CUBES cubes the `box`: middle, half size [m]."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for k in range(self.n):
             self.arm[k] = tm.vec3(arm[k, 0], arm[k, 1], arm[k, 2])
@@ -141,7 +142,8 @@ class Cubes:
 
     @ti.kernel
     def find_immersed(self, around: Template, table: Array2, found: Array2):
-        """Write x, z, depth [m], volume [m3] of each cube's wet part to `found` (n, 4), at the pose in `table`."""
+        """Write x, z, depth [m] and volume [m3] of each cube's wet part to `found` (n, 4); `around`: lattice of water
+        samples; first row of `table`: the hull's pose (POSE_COLUMNS), its x, z from the lattice's middle."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for block in range(self.blocks):
             position, turn = row_vector(table, pose.position), row_matrix(table)
@@ -156,7 +158,8 @@ class Cubes:
 
     @ti.kernel
     def sum_blocks(self, around: Template, water: Template, wind: Template, table: Array2):
-        """Sample `water` on the lattice `around`, and sum the loads on each block of cubes to a row of `table`."""
+        """Sample `water`, a surface or fluid, on the lattice `around`, and write the sums of its and the wind's loads
+        on each block of cubes (SUM_COLUMNS) to `table` from row 1 on; row 0: hull, clock, lattice (ROW_COLUMNS)."""
         around.read_water(water, table)
         wind.set_clock(ti.cast(table[0, ROW_COLUMNS.since], float), ti.cast(table[0, ROW_COLUMNS.step], float))
         ti.loop_config(serialize=ti.static(runs_alone()))
@@ -191,8 +194,8 @@ class Cubes:
         velocity,
         omega,
     ):
-        """Add loads of water and wind on cube k to its block's `total`. `tall`: height of the turned cubes [m];
-        `middle` of the lattice, x, z [m]; `position`, `turn` (rotation), `velocity` and `omega` of the hull."""
+        """Add loads on cube k to its block's sums `total` (SUM_COLUMNS). `water`: the lattice of samples; `wind`: a
+        Wind; `tall`: height of a turned cube [m]; `position` from `middle` [m], rotation `turn`, motion of the hull."""
         arm = turn @ self.arm[k]
         x, wet = position + arm, 0.0
         if x.y - 0.5 * tall < water.frame[HIGHEST_LEVEL]:
@@ -207,7 +210,8 @@ class Cubes:
 
     @ti.func
     def add_water(self, total: Template, k, water: Template, tall, arm, x, turn: Template):
-        """Add loads of water on cube k, at x, `tall` high, `arm` from the centre of mass [m]; return its wet share."""
+        """Add loads of water on cube k to its block's sums `total`; return its wet share. `water`: lattice of samples;
+        `tall`: its height [m]; `arm`, `x`: its position from the centre of mass, and in space [m]; `turn`: to world."""
         corner = water.cell_at(x.x, x.z)
         eta, slope = water.surface_at(corner)
         depth = eta - x.y
@@ -251,8 +255,8 @@ class Cubes:
 
     @ti.func
     def add_motion(self, total: Template, column: Template, own, face, moved):
-        """Add one cube's terms for the fit of `as_one_body` to `total`: the water's motion `moved` times the cube's
-        `face` areas, and moments of that about the centre of mass; `own`: position of the cube from there [m]."""
+        """Add one cube's terms for the fit of `as_one_body` to the sums `total` from `column` on: the water's motion
+        `moved` times wet `face` areas, and moments of that; `own`: position from the centre of mass [m]; body axes."""
         for c in ti.static(range(3)):
             self.add_number(total, column + c, face[c] * moved[c])
         self.add_number(total, column + 3, -face.y * own.z * moved.y)
@@ -261,8 +265,9 @@ class Cubes:
 
 
 def as_one_body(moved: list[float], faces: list[float], size: list[float]) -> np.ndarray:
-    """(6,) motion of the rigid body that fits the water's motion over all cubes best, by least squares. `moved` (6,):
-    sums of `Cubes.add_motion`; `faces`: sums in the order of FACE_COLUMNS; `size`: sides of a cube [m]."""
+    """(6,) velocity (or acceleration) of a rigid body that fits the water's over all cubes best, by least squares.
+    `moved` (6,): sums of the water's motion times wet areas, and their moments about the centre of mass; `faces` (10,):
+    sums of these areas (FACE_COLUMNS); `size`: sides of a cube [m]."""
     x, y, z, turned_x, turned_y, turned_z = moved
     area_x, area_y, area_z = (max(area, 1e-12) for area in faces[:3])
     ahead, ahead_x, aside = faces[3] / area_y, faces[4] / area_x, faces[5] / area_y

@@ -166,7 +166,7 @@ def drawn_mesh(shape: SolidShape) -> tuple[np.ndarray, np.ndarray]:
 
 
 def convex_triangles(shape: SolidShape) -> dict[str, np.ndarray]:
-    """Convex hull of a shape: arrays `vertices`, the points of `section_points`, and `triangles`."""
+    """Convex hull of a shape: `vertices` (n, 3) [m], its corners or points all over it; outward `triangles` (m, 3)."""
     from scipy.spatial import ConvexHull
 
     vertices = shape.vertices()

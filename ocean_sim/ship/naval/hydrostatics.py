@@ -110,7 +110,8 @@ class Hydrostatics:
         return (turn @ (volume[:, None] * self.voxels.centre).sum(axis=0) + [dx, 0.0, dz]) / volume.sum()
 
     def buoyancy_offset(self, turn: np.ndarray) -> np.ndarray:
-        """(2,) offset [m], to port and ahead, of the centre of buoyancy from that of mass (with free surfaces)."""
+        """(2,) offset [m], to port and ahead, of the centre of buoyancy from that of mass at a rotation `turn` (3, 3),
+        hull to world; free surfaces of liquids on board shift the centre of mass."""
         between = self.centre_of_buoyancy(turn) - turn @ self.matter.centre
         return between[[0, 2]] + self.free_surface_loss * turn[1, [0, 2]]
 
@@ -135,7 +136,7 @@ class Hydrostatics:
 
     @cached_property
     def gm_of_faces(self) -> float | None:
-        """GM [m] in heel by faces, not cubes, of the shape; None without a shape, or as for `metacentric_heights`."""
+        """GM [m] in heel from faces of the shape, which cubes only approach; None without these, or if she sinks."""
         heights = None if self.shape is None else metacentric_heights(self.shape, self)
         return None if heights is None else heights[0]
 
@@ -175,7 +176,7 @@ class Hydrostatics:
 
     @cached_property
     def stations(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Position along z, breadth at the still water, and draught (m,) [m] of each slice of cubes across the ship."""
+        """Position along z, breadth at the still water, draught (m,) [m] of m slices of the hull, each a cube long."""
         v, level = self.voxels, self.waterline
         _, tall, long = v.size
         number, n = self.cube_slices
@@ -211,7 +212,7 @@ class Hydrostatics:
 
     @cached_property
     def section_areas(self) -> np.ndarray:
-        """(m,) cross-section under the still water [m2] of each of the m slices of cubes across the ship."""
+        """(m,) cross-section under the still water [m2] of each of m slices of the hull, each a cube long."""
         number, n = self.cube_slices
         return np.bincount(number, self.wet_volumes(UPRIGHT, self.waterline), n) / self.voxels.size[2]
 
@@ -314,9 +315,8 @@ def faces_below(faces: np.ndarray) -> np.ndarray:
 
 
 def bow_squat(volume: float, length: float, speed: float, depth: float) -> float:
-    """Sinkage of the bow [m] of a ship of a volume under water [m3] and length [m] at a speed [m/s] over a bed at a
-    depth [m]: 2.4 V / L^2 F^2 / sqrt(1 - F^2) with F^2 = U^2 / (g h) (Tuck 1966, J. Fluid Mech. 26; as in PIANC's
-    ICORELS 1980); infinite from F = 1 on, the end of the law."""
+    """Bow sinkage [m] of a ship of a volume under water [m3] and length [m] at a speed [m/s] and depth [m]: 2.4 V / L^2
+    F^2 / sqrt(1 - F^2), F^2 = U^2 / (g h) (Tuck 1966, J. Fluid Mech. 26; ICORELS 1980); infinite from F = 1 on."""
     return BOW_SINKAGE * volume / length**2 * squat_factor(speed, depth)
 
 
@@ -327,7 +327,7 @@ def squat_factor(speed: float, depth: float) -> float:
 
 
 class Slender(NamedTuple):
-    """Squat of a slender hull in shallow water (Tuck 1966): per F^2 / sqrt(1 - F^2), or at a speed from `at_speed`."""
+    """Squat of a slender hull (Tuck 1966): sinkage and trim over F^2 / sqrt(1 - F^2), or whole, from `at_speed`."""
 
     sinkage: float  # of the centre of her waterplane [m]
     trim: float  # bow down [rad]
@@ -364,7 +364,8 @@ def slender_squat(hull: Hydrostatics) -> Slender:
         return np.diff(np.diff(values) / np.diff(x), prepend=0.0, append=0.0)
 
     def pull_integral(values: np.ndarray) -> float:
-        """Double integral of `slender_squat` with `values` in place of B, times rho g / (2 pi)."""
+        """Upward force [N] of the flow (see `slender_squat`), over F^2 / sqrt(1 - F^2), on a waterplane whose breadths
+        at the points x are `values` (m,) [m]; its moment [N m] if these are multiplied by levers."""
         return -float(slope_changes(values) @ kernel @ slope_changes(s)) * hull.density * hull.gravity / (2.0 * pi)
 
     stiff = hull.stiffness

@@ -61,8 +61,7 @@ class Sides:
         return found
 
     def inward(self, axis: int, way: float, at: np.ndarray) -> np.ndarray:
-        """(3,) unit normal, pointing into the basin at a point (3,) [m], of the side across `axis` whose inward
-        direction along it is `way`, 1 or -1."""
+        """(3,) unit normal into the basin, at a point (3,) [m], of the side across `axis` that faces `way`, 1 or -1."""
         if self.ground is None or (axis, way) != (1, 1.0):
             return way * np.eye(3)[axis]
         return self.ground.normals(at[None, [0, 2]])[0]

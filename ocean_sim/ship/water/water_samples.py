@@ -74,7 +74,8 @@ class SampleLattice:
         return word * (NODES_ALONG * NODES_ACROSS + HIGHEST_LEVEL + 1)
 
     def place(self, body: RigidBody, row: np.ndarray) -> None:
-        """Move the lattice to the hull `body`, and write both poses to `row` (ROW_COLUMNS); does nothing by default."""
+        """Lay the lattice around the hull `body`; write its middle and heading, and her position from there, to `row`
+        (ROW_COLUMNS). By default nothing: then `read_water` lays it around her pose each time."""
 
     def middle_now(self) -> np.ndarray:
         """(2,) x, z [m] of the lattice's middle once the hulls have been moved in the present time step."""
@@ -89,7 +90,7 @@ class SampleLattice:
 
     @ti.func
     def keep_frame(self, x, z, sine, cosine):
-        """Store middle x, z [m], heading and highest water level of the lattice. Call it at the top of a kernel."""
+        """Store middle x, z [m], heading, highest `level` of the lattice in `frame`. Call it at the top of a kernel."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             self.frame[0], self.frame[1], self.frame[2], self.frame[3] = x, z, cosine, sine
@@ -115,8 +116,8 @@ class SampleLattice:
 
     @ti.func
     def surface_at(self, corner: Template):
-        """Elevation [m] of the water at a horizontal position, as `cell_at` gives it, and minus the slope of the
-        surface there: the horizontal force of long waves per weight of displaced water."""
+        """Elevation [m] of the water at a `corner` of `cell_at` (cell, and position in it); then minus the slope (3,)
+        of the surface there, which is the horizontal force of long waves per weight of displaced water."""
         i, k, a, b = corner
         here, left = self.level[i, k], self.level[i, k + 1]
         ahead, across = self.level[i + 1, k], self.level[i + 1, k + 1]
@@ -156,7 +157,8 @@ class SurroundingWater(SampleLattice):
 
     @ti.func
     def read_water(self, water: Template, table: Template):
-        """Sample the elevation of `water` around a hull at the pose in `table`. Call it at the top of a kernel."""
+        """Store elevations of `water`, a surface or fluid, at nodes around a hull in `level`. Row 0 of `table`: the
+        hull's pose (POSE_COLUMNS). Call it at the top of a kernel."""
         position, turn = row_vector(table, pose.position), row_matrix(table)
         ahead, heading = tm.vec2(turn[0, 2], turn[2, 2]), tm.vec2(0.0, 1.0)
         if ahead.norm() > 0.0:
@@ -245,7 +247,8 @@ class SurroundingSea(SampleLattice):
 
     @ti.func
     def read_water(self, water: Template, table: Template):
-        """Sample the waves at the lattice nodes, and add the disturbance of `water`. Call it at the top of a kernel."""
+        """Store elevation, motion of a ClosedForm `water` at the nodes in `level`, `moved`: plane waves, and waves on
+        grids. Row 0 of `table`: place of the lattice (ROW_COLUMNS). Call it at the top of a kernel."""
         sine, cosine = ti.cast(table[0, ROW_COLUMNS.heading], float), ti.cast(table[0, ROW_COLUMNS.heading + 1], float)
         late, share = ti.cast(table[0, ROW_COLUMNS.late], float), ti.cast(table[0, ROW_COLUMNS.share], float)
         for n in range(NODES_ALONG * NODES_ACROSS):
@@ -262,8 +265,8 @@ class SurroundingSea(SampleLattice):
 
     @ti.func
     def motion_at(self, corner: Template, eta, depth):
-        """(6,) velocity [m/s] and acceleration over gravity of the water at `depth` [m] below a surface of elevation
-        `eta` [m]; `corner`: horizontal position, as `cell_at` gives it."""
+        """(6,) velocity (x, y, z) [m/s] and acceleration over gravity, a force per weight of water, at `depth` [m]
+        below a surface of elevation `eta` [m]; `corner`: cell of the lattice and position in it, from `cell_at`."""
         h = ti.static(self.window.depth)
         stretched = h * depth / ti.max(h + eta, 1e-6 * h)  # Wheeler's
         level = tm.clamp(stretched / self.layer, 0.0, DEPTH_LEVELS - 1.0)
@@ -273,6 +276,6 @@ class SurroundingSea(SampleLattice):
 
     @ti.func
     def on_level(self, i, k, a, b, l):
-        """(6,) velocity [m/s], acceleration over gravity on depth level l; i, k, a, b: position, from `cell_at`."""
+        """(6,) velocity [m/s], acceleration over gravity (x, y, z) on depth level l, shares a, b across cell i, k."""
         near = (1.0 - b) * self.moved[i, k, l] + b * self.moved[i, k + 1, l]
         return (1.0 - a) * near + a * ((1.0 - b) * self.moved[i + 1, k, l] + b * self.moved[i + 1, k + 1, l])

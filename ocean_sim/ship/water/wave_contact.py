@@ -127,7 +127,8 @@ class MovingHull:
 
     @ti.func
     def push(self, x, ahead):
-        """Acceleration [m/s2] of water at x [m] by the hull's push, `ahead` [s] after the time of her pose."""
+        """Acceleration [m/s2] of water at x [m] by the hull's push, the pressure that still water in her place would
+        have, `ahead` [s] after the time of her stored pose."""
         d, a = self.offset_to(x), tm.vec3(0.0)
         if self.is_near(d, self.reach):
             d -= ahead * self.point_velocity(d)
@@ -153,8 +154,7 @@ class Contact(Model):
 
 @in_kernels
 class WaveContact:
-    """Contact of a hull with the particles; call `collide_step` in every step. The particles that touch the hull are
-    found through the cells of the fluid's grid."""
+    """Contact of a hull with particles, found through the cells of the fluid's grid; call `collide_step` each step."""
 
     def __init__(
         self, config: Contact, shape: SolidShape, centre: np.ndarray, basin: Basin, fluid: ParticleFluid, gravity: float
@@ -213,7 +213,8 @@ class WaveContact:
 
     @ti.kernel
     def find_touching(self, table: Array2):
-        """List particles near the hull; write collision sums (FOUND_COLUMNS) of those that touch it to `table`."""
+        """List particles near the hull in `near`, and sum up, by layer of grid cells, those that touch it: their
+        number, b and A of the collisions (FOUND_COLUMNS), in `table` from row 1 on; row 0: pose (POSE_COLUMNS)."""
         self.hull.take_pose(table)
         if ti.static(self.serial):
             ti.loop_config(serialize=True)
@@ -253,7 +254,8 @@ class WaveContact:
 
     @ti.func
     def find_in_layer(self, layer, table: Template):
-        """Do the part of `find_touching` for one layer of grid cells, that of index `layer` along z."""
+        """Do the part of `find_touching`, listing and summing, for the layer of grid cells with index `layer` along z;
+        its sums (FOUND_COLUMNS) go to row 1 + `layer` of `table`."""
         total, count = ti.Vector.zero(ti.f64, FOUND_COLUMNS.size), 0
         first_x, across = self.cell_range(0)
         first_y, down = self.cell_range(1)
@@ -272,7 +274,8 @@ class WaveContact:
 
     @ti.func
     def list_particle(self, total: Template, i, to):
-        """Return 1 and list particle i at index `to` if near the hull, else 0; add it to `total` if it touches."""
+        """Return 1 and write particle i to `near` at index `to` if close to the hull, else 0; if it touches, add it to
+        the sums `total` (FOUND_COLUMNS)."""
         near, d = 0, self.hull.offset_to(self.particles.position.at(i))
         if self.hull.is_near(d, self.spacing):
             normal, away, _thinning = self.hull.sample(d, self.hull.rotation())
@@ -285,7 +288,8 @@ class WaveContact:
 
     @ti.func
     def add_touching(self, total: Template, normal, d, v):
-        """Add a particle at d [m] from the hull's centre, with relative velocity v, to the sums b and A in `total`."""
+        """Add a particle at d [m] from the hull's centre, with velocity v [m/s] relative to her there, to `total`:
+        number, and sums b and A of the joint collision (FOUND_COLUMNS)."""
         total[FOUND_COLUMNS.touching] += 1.0
         speed = v.dot(normal)
         if speed < 0.0:
@@ -301,7 +305,8 @@ class WaveContact:
 
     @ti.kernel
     def push_particles(self, table: Array2):
-        """Collide listed particles with the hull after the step; write impulse, moment and work to `table`."""
+        """Collide particles listed in `near` with the hull after the step; write impulse, moment and work on the water
+        (PUSH_COLUMNS) to row 1 of `table`; row 0: the hull (CONTACT_COLUMNS)."""
         self.hull.take_pose(table)
         ti.loop_config(serialize=True)
         for _ in range(1):
@@ -318,7 +323,7 @@ class WaveContact:
 
     @ti.func
     def collide_particle(self, total: Template, i, first, spin, slipping):
-        """Collide particle i with the hull, move it off; add impulse, moment, work to `total`. `first`, `spin`: linear
+        """Collide particle i with the hull, move it off; add to sums `total` (PUSH_COLUMNS). `first`, `spin`: linear
         and angular velocity of the hull before collisions; `slipping`: factor on the change of velocity by friction."""
         x, v = self.particles.position.at(i), self.particles.velocity.at(i)
         d = self.hull.offset_to(x)
@@ -345,7 +350,8 @@ class WaveContact:
 
     @ti.func
     def move_off(self, i, x):
-        """Move particle i from x [m] off the hull by whole `quantum` steps, not through walls; return its shift [m]."""
+        """Move particle i from x [m] off the hull, not through walls, by multiples of `quantum`, which float positions
+        hold exactly; return its shift [m]."""
         start, turn = x, self.hull.rotation()
         for _ in range(EXIT_STEPS):
             normal, away, _thinning = self.hull.sample(self.hull.offset_to(x), turn)

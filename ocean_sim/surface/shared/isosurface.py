@@ -47,13 +47,13 @@ class Nodes:
 
     @cached_property
     def inner(self) -> tuple[int, int, int]:
-        """Numbers of cells along x, y and z: the fewest that are at most `cell` wide, and at least 1."""
+        """Numbers of cells, each with a node, of the box along x, y, z: the fewest at most `cell` wide, at least 1."""
         extents = np.subtract(self.upper, self.lower)
         return tuple(max(1, int(np.ceil(extent / self.cell - 1.0e-6))) for extent in extents)  # type: ignore[return-value]
 
     @cached_property
     def shape(self) -> tuple[int, int, int]:
-        """Numbers of nodes along x, y and z, including the rows beyond the sides."""
+        """Numbers of nodes along x, y and z, including the layers beyond the sides."""
         nx, ny, nz = self.inner
         return nx + 2, ny + 2, nz + 2
 
@@ -73,7 +73,7 @@ class Rows:
     """Rows of nodes along x whose field values are stored. All other rows share one dry row, which is never written."""
 
     def __init__(self, nodes: Nodes, most_nodes: int) -> None:
-        """Store every row if that takes at most `most_nodes` nodes, else none at first (`keep_rows` then chooses)."""
+        """Store all rows along x if they have at most `most_nodes` nodes; else those near water, by `keep_rows`."""
         self.length, self.across, along = nodes.shape
         self.all, self.most_nodes = self.across * along, most_nodes
         self.most = self.fitting_rows(nodes, most_nodes)
@@ -86,7 +86,7 @@ class Rows:
 
     @staticmethod
     def fitting_rows(nodes: Nodes, most_nodes: int) -> int:
-        """Number of rows that can be stored within `most_nodes` nodes."""
+        """Number of rows of nodes along x, of all in the grid, that can be stored within `most_nodes` nodes."""
         nx, ny, nz = nodes.shape
         return min(ny * nz, max(1, most_nodes // nx))
 
@@ -96,7 +96,8 @@ class Rows:
         return 4 * (2 * nodes.shape[1] * nodes.shape[2] + cls.fitting_rows(nodes, most_nodes) + 1)
 
     def keep_rows(self) -> None:
-        """Store only rows marked in `near` from now on; raises Diverged if they have more than `most_nodes` nodes."""
+        """Store from now on only rows of nodes along x that are marked in the field `near` as near water; raises
+        Diverged if these have more than `most_nodes` nodes."""
         if (wanted := self.renew_rows()) > self.most:
             raise Diverged(
                 f"{wanted * self.length} nodes of the surface lie near water, more than surface.most_nodes "
@@ -105,7 +106,7 @@ class Rows:
 
     @ti.kernel
     def renew_rows(self) -> int:
-        """Number the rows marked in `near`, in the order of the grid; returns how many are marked."""
+        """Number the rows along x marked in `near`, as near water, in the grid's order; return how many there are."""
         wanted = 0
         ti.loop_config(serialize=True)
         for row in range(self.all):
@@ -120,11 +121,11 @@ class Rows:
 
     @ti.func
     def row_indices(self, n):
-        """Indices j, k along y, z of the n-th stored row."""
+        """Indices j, k along y, z of the n-th stored row of nodes, a row along x."""
         return self.row[n] % self.across, self.row[n] // self.across
 
     def spread_values(self, values: np.ndarray) -> np.ndarray:
-        """Values (nz, ny, nx) at all nodes of the grid, from those at the stored nodes."""
+        """Values (nz, ny, nx) at all nodes, from `values` of stored ones; nodes of other rows get the dry value."""
         found = values.reshape(-1, self.length)[self.first.to_numpy() // self.length]
         return found.reshape(-1, self.across, self.length)
 
@@ -190,9 +191,8 @@ class Isosurface:
 
     @ti.kernel
     def pad_field(self, open_sides: int):
-        """Set the field beyond the sides of the box. Through sides with a bit set in `open_sides` (2 axis, + 1 if
-        upper) it continues, level or periodic, and the surface stays open; elsewhere it is dry, and the surface
-        closes."""
+        """Set the field beyond the sides of the box. Through sides with a bit in `open_sides` (2 axis, + 1 if upper) it
+        continues, level or periodic, and the surface stays open; elsewhere it is dry, and the surface closes."""
         for n in range(self.rows.count[None] * self.rows.length):
             node = self.node_indices(n)
             inner = tm.clamp(node, 1, tm.ivec3(self.shape) - 2)
@@ -225,7 +225,7 @@ class Isosurface:
 
     @ti.func
     def node_at(self, i, j, k):
-        """Index of node (i, j, k) in the stored field; nodes of rows that are not stored share the dry row."""
+        """Index of node (i, j, k) in the stored field; rows along x that are not stored share one row of dry values."""
         return i + self.rows.first[j + self.shape[1] * k]
 
     @ti.func
@@ -243,7 +243,8 @@ class Isosurface:
 
     @ti.func
     def wet_corners(self, rows, i):
-        """Marching-cubes case bits of the four corners at index i of `rows`: set where the corner is in the water."""
+        """Marching-cubes case bits 0, 2, 4, 6, set where a corner is in the water: the i-th node of each of four rows
+        along x, given by their first nodes `rows` (see `edge_rows`)."""
         wet = 0
         for corner in ti.static(range(4)):
             wet |= int(self.value[rows[corner] + i] >= 0.0) << 2 * corner
@@ -256,8 +257,8 @@ class Isosurface:
 
     @ti.kernel
     def number_slabs(self, totals: Array):
-        """Count vertices, triangles, cut and ambiguous cubes of each slab; store for each slab the sum over those
-        before it, and write the totals to `totals` (4,)."""
+        """Count vertices, triangles, cut and ambiguous cubes of each slab (group of rows); store for each the sum over
+        those before it, and write the totals to `totals` (4,)."""
         for s in range(ROW_SLABS * TASK_ITERATIONS):
             if s % TASK_ITERATIONS == 0:
                 self.count_slab(s // TASK_ITERATIONS)
@@ -272,7 +273,7 @@ class Isosurface:
 
     @ti.func
     def count_slab(self, slab):
-        """Count vertices, triangles, cut and ambiguous cubes of one slab, and number its vertices."""
+        """Count vertices, triangles, cut and ambiguous cubes of one `slab` (group of rows); number its vertices."""
         nx, ny, nz = ti.static(self.shape)
         vertices, triangles, cut, ambiguous = 0, 0, 0, 0
         for n in range(self.first_row(slab), self.first_row(slab + 1)):

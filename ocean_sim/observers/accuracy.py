@@ -93,7 +93,8 @@ class Accuracy(Observer, of=Config):
         return meaning | {solver: solvers[solver] for solver in self.solvers}
 
     def balances(self, simulation: Simulation, totals: Totals) -> list[float]:
-        """Values of the columns BALANCE_COLUMNS, then impulse [N s] and work [J] of each force since the start."""
+        """Values of the columns BALANCE_COLUMNS (compression, energies and momenta of all water), then impulse [N s]
+        and work [J] of each force since the start. `totals`: sums over all particles."""
         fluid = with_particles(simulation.fluid)
         n, mass = fluid.particles.count.now, fluid.particles.mass
         impulse, work, internal = fluid.impulse, fluid.work, fluid.internal_energy()

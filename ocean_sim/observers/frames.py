@@ -154,8 +154,8 @@ class Frames(Observer, of=Config):
         self, simulation: Simulation, points: np.ndarray, elevation: np.ndarray, snapshot: "Snapshot | None"
     ) -> dict[str, np.ndarray]:
         """Foam arrays of a frame, by name: shares of white water, displacement of the foam's texture [m], surface
-        velocity [m/s], drops, and a target cover unless the water models foam. `points` (n, 2): x, z [m]; `elevation`
-        (nx, nz): heights [m] there; `snapshot`: particles, or None."""
+        velocity [m/s], drops and, unless the water models foam, the share that breaking crests should whiten. `points`
+        (n, 2): x, z [m]; `elevation` (nx, nz): heights [m] there; `snapshot`: particles, or None."""
         assert self.white is not None
         origin = points[0] - self.points[0]
         for field in (self.white, self.left):

@@ -66,8 +66,8 @@ class Runup(Model):
 
 
 class Sensor(Model):
-    """A pressure sensor, which may have a face flush with a wall, and may ride: move with a ship or a patch of open
-    sea."""
+    """A pressure sensor at a point, or with a face (disc over which it averages) flush with a wall. It may ride: move
+    with a ship or a patch of open sea."""
 
     at: Point = quantity("m")
     """The middle of its face [x, y, z]; in 2-D [x, y]."""
@@ -193,7 +193,7 @@ class Config(PeriodicConfig):
 
     @property
     def sensors(self) -> dict[str, Sensor]:
-        """Pressure sensors by name; a point given in the scene becomes a sensor at that point without a face."""
+        """Pressure sensors by name; a point given in the scene becomes a sensor that reads at that point alone."""
         return {n: s if isinstance(s, Sensor) else Sensor(at=s) for n, s in self.pressure.items()}
 
 
@@ -207,8 +207,7 @@ def riding_problem(preflight: Preflight) -> str | None:
 
 
 def outside_reason(point: tuple[float, ...], axes: str, basin: Basin) -> str | None:
-    """Reason why a point, by its coordinates along `axes`, is outside the basin, or None. Above an open basin is
-    inside."""
+    """Reason why a point, by coordinates along `axes`, is outside the basin, or None. Above an open basin is inside."""
     wanted = axes if basin.dimension == 3 else axes.replace("z", "")
     if len(point) != len(wanted):
         slice_ = "" if basin.dimension == 3 else ", the basin is 2-D"
@@ -224,7 +223,7 @@ def outside_reason(point: tuple[float, ...], axes: str, basin: Basin) -> str | N
 
 
 def face_problem(sensor: Sensor, basin: Basin) -> str | None:
-    """Reason why a sensor whose middle is in the basin cannot have the face that its keys describe; None if it can."""
+    """Reason why a sensor with its middle in the basin cannot have its stated face (averaging area); None if it can."""
     wanted = "xyz"[: basin.dimension]
     if sensor.normal is not None and len(sensor.normal) != len(wanted):
         return f"the normal {list(sensor.normal)} should be [{', '.join(wanted)}]"
@@ -243,7 +242,7 @@ def face_problem(sensor: Sensor, basin: Basin) -> str | None:
 
 
 def sensor_description(sensor: Sensor, points: int) -> str:
-    """Text on a sensor's position and face for the comment lines of gauges.csv; `points`: their number on its face."""
+    """Text on a sensor's position and face (averaging area) for gauges.csv; `points`: their number on the face."""
     place = f"{list(sensor.at)} m{RIDING_PHRASE if sensor.rides else ''}"
     if points == 1:
         return f"pressure at {place}"
@@ -251,8 +250,7 @@ def sensor_description(sensor: Sensor, points: int) -> str:
 
 
 def hydrostatic_offset(simulation: Simulation) -> dict[str, object]:
-    """Comment line of gauges.csv, by its name: how far compression by weight lowers the surface; empty if not at
-    all."""
+    """Comment line of gauges.csv, by name: how far compression by weight lowers the surface; empty if it does not."""
     if not simulation.fluid.surface_drop:
         return {}
     by = f"{simulation.fluid.surface_drop:.4g} m where it is deepest, g h^2 / (2 c^2) of a column of height h"

@@ -265,8 +265,8 @@ class Health(OutcomeObserver, of=Config):
             self.event_times[kind], self.recorded[kind] = self.simulation.time, value
 
     def note_work(self, totals: Totals) -> None:
-        """Record an event if the water gained too much energy that no force explains. It is compared with the energy
-        scale plus the highest kinetic energy so far plus the work of the driving forces, gravity included."""
+        """Record an event if energy that no force explains, gained or lost, exceeds the share WORK_REPORTED of this
+        sum: `energy_scale`, the highest kinetic energy so far, and the work of the driving forces, gravity included."""
         if self.balance is not None and not self.simulation.fluid.status.clipped:
             work, moving = self.simulation.fluid.work, kinetic_and_potential(self.simulation, totals)[0]
             self.highest_motion = max(self.highest_motion, moving)
@@ -275,7 +275,8 @@ class Health(OutcomeObserver, of=Config):
             self.report_excess("energy that no work has given", "over_all_work", share, WORK_REPORTED)
 
     def unexplained_energy(self, balance: Balance, totals: Totals) -> float:
-        """Energy [J] gained by the water without work of a force, since the first check or a change of stiffness."""
+        """Energy [J] gained by the water without work of a force, since the first check, or since the user last changed
+        the speed of sound, on which the energy of compression depends."""
         fluid = self.simulation.fluid
         if fluid.sound_speed != self.stiffness:  # a person has changed the stiffness
             balance.at_first, self.stiffness = None, fluid.sound_speed

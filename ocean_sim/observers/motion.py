@@ -198,8 +198,7 @@ class Log:
 
     def load_table(self, body: Attitude, acceleration: np.ndarray, turning: np.ndarray, rest: np.ndarray) -> np.ndarray:
         """Columns (n, m) of the log at n times: accelerations, specific forces, loads, throttle, rudder.
-        `acceleration`, `turning` (3, n): linear [m/s2], angular [rad/s2]; `rest` (n, k): throttle, rudder, components
-        of load."""
+        `acceleration`, `turning` (3, n): linear [m/s2], angular [rad/s2]; `rest` (n, k): throttle, rudder, loads."""
         felt = body.point_acceleration(self.arm, acceleration, turning)
         specific = to_frame(self.frame, body.to_body(felt - self.gravity[:, None]).T)
         orders, parts = rest[:, :2], rest[:, 2:].reshape(len(rest), -1, 6)

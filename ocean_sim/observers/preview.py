@@ -96,7 +96,7 @@ class Buffer:
     """Taichi field of vectors or whole numbers from which GGUI draws; it grows if more values are put into it."""
 
     def __init__(self, length: int = 3) -> None:
-        """`length`: components of each vector; 0: a field of whole numbers."""
+        """`length`: components of the vectors drawn (points, colours); 0: whole numbers (corners of triangles)."""
         self.length = length
         self.field: Any = None
 

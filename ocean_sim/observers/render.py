@@ -115,7 +115,8 @@ class Config(Drawing, PeriodicConfig):
         return alone * wall + by_turns * wall_by_turns
 
     def scenery(self, preflight: Preflight) -> str:
-        """Kind of scenery that pictures will show, a key of PROCESS_BYTES, as far as it is known before the run."""
+        """Scenery of the pictures, as far as it is known before the run: "sea", "tank" or "particles", the keys of
+        PROCESS_BYTES, which gives the memory that drawing takes."""
         tank, water = preflight.tank, preflight.untouched
         if self.particles or tank.dimension == 2:
             return "particles"
@@ -244,10 +245,12 @@ class DrawingProcess:
 
 
 class Drawer(DrawingProcess):
-    """Child process that draws the pictures of some `Order`s, in a Unix session of its own, which `stop` ends."""
+    """Child process that draws pictures of runs in a Unix session of its own, which `stop` ends. An `Order` (options of
+    all pictures of a run) describes those of each run."""
 
     def __init__(self, orders: Sequence[Order], progress: Progress | None = None, goes_on: bool = False) -> None:
-        """Start the child. `goes_on`: True if the run still writes frames, until `finish` is called.
+        """Start to draw the pictures that `orders` describe. `progress`: called with the numbers of pictures drawn and
+        in all; `goes_on`: True if the run still writes frames, until `finish` is called.
 
         Raises RenderFailed if the run of an order lacks what it needs, OpenGLMissing if this machine cannot draw."""
         for order in orders:
@@ -316,8 +319,7 @@ def painter_count(pictures: float) -> int:
 
 
 def draw_apart(orders: Sequence[Order], progress: Progress | None = None) -> None:
-    """Draw the pictures described by `orders` in a child process and wait for it; raises OpenGLMissing or
-    RenderFailed."""
+    """Draw the pictures of `orders` in a child process and wait for it; raises OpenGLMissing or RenderFailed."""
     Drawer(orders, progress).finish()
 
 
@@ -394,8 +396,8 @@ def draw_order(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]
 
 
 def begin_picture(order: Order, over: threading.Event) -> tuple[Picture, "ComingFrames"]:
-    """`Picture` that will draw the frames of the run in an `Order`, and the files of these frames, which may be still
-    to come. `over`: as in `draw_order`."""
+    """`Picture` that will draw the frames of the run in an `Order` (options of its pictures), and the files of these
+    frames, which may be still to come. `over`: event that is set when the run ends."""
     folder = Path(order.folder)
     with open_frame(folder / "frames" / "grid.npz") as file:
         grid = dict(file)
@@ -436,8 +438,7 @@ class ComingFrames:
         self.look()
 
     def chosen(self, every: float) -> Iterator[tuple[Path, int]]:
-        """Yield, for each picture of a film with pictures `every` [s] apart: its frame file, and the number of pictures
-        in all, 0 while unknown."""
+        """Yield, for each picture of a film, `every` [s] apart: its frame file, and their number, 0 while unknown."""
         done = 0
         while True:
             ended, there = self.ended, len(self.log.files)
@@ -456,7 +457,7 @@ class Painter(DrawingProcess, AbstractContextManager["Painter"]):
     """Further process that draws every n-th picture of a film; the one that writes the film reads it from a pipe."""
 
     def __init__(self, order: Order, over: threading.Event, turn: int) -> None:
-        """Start the process. `over`: as in `draw_order`; `turn`: its number, from 1; this process has number 0."""
+        """Start the process. `over`: event set when the run ends; `turn`: its number, from 1; this process has 0."""
         super().__init__(Request(orders=[order], goes_on=not over.is_set(), turn=turn))
         self.shape = *order.size[::-1], 3
         if not over.is_set():
@@ -489,7 +490,8 @@ def film_turns(coming: ComingFrames, every: float, of: int) -> Iterator[tuple[Pa
 def write_film(
     path: Path, order: Order, picture: Picture, coming: ComingFrames, others: Sequence[Painter]
 ) -> Iterator[tuple[int, int]]:
-    """Write a film in real time (H.264), and a sheet of small pictures from it; yields numbers as `draw_order` does."""
+    """Write a film (H.264) that lasts as long as its frames `coming`, and a sheet of small pictures from it. `picture`
+    draws here, the processes `others` by turns with it. Yields numbers of pictures as `draw_order` does."""
     with atomic_write(path) as draft:
         moments, image = Moments(), np.zeros(0)
         with film_writer(draft, order.every) as writer:
@@ -503,7 +505,8 @@ def write_film(
 
 
 def hand_over(order: Order, over: threading.Event, turn: int) -> None:
-    """Draw the film pictures that `film_turns` gives to process `turn`, and write their pixels to standard output."""
+    """Draw the pictures of a film that `film_turns` gives to this process, of number `turn`, and write their pixels to
+    standard output. `over`: event that is set when the run ends."""
     with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as pixels:
         os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # for what else is printed
         picture, coming = begin_picture(order, over)

@@ -155,7 +155,7 @@ def film_frames(times: np.ndarray, every: float, ended: bool = True) -> list[int
 
 def ends_afloat(frame: Frame, grid: Any) -> np.ndarray:
     """Water height [m], and depth under water of the hull's middle line [m], at bow and stern of each ship: (ends, 2).
-    `grid`: arrays that a run saves once."""
+    `grid`: arrays in the run's grid.npz."""
     ends = [np.zeros((0, 3))]
     for key, (position, turn) in frame.ships.items():
         ends.append(position + np.outer([-0.5, 0.5], np.ptp(grid[f"{key}_vertices"][:, 2]) * turn[:, 2]))

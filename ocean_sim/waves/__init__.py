@@ -98,8 +98,7 @@ def ramp_share(time: float, ramp: float) -> float:
     pi s) / (2 pi), with s from 0 to 1 over the ramp.
 
     Its rate is Hann's window, which has no part at the frequency of a wave with two or more whole periods in the ramp:
-    a body that floats at rest at first then moves to and fro about one place, whatever the phase of the wave.
-    """
+    a body that floats at rest at first then moves to and fro about one place, whatever the phase of the wave."""
     s = min(max(time / ramp, 0.0), 1.0) if ramp > 0.0 else 1.0
     return s - sin(2.0 * pi * s) / (2.0 * pi)
 

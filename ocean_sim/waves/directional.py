@@ -39,7 +39,8 @@ class DirectionalSpectrum:
 
     @property
     def step(self) -> float:
-        """Step between directions [rad]; 1 for the spectrum of a buoy before `spread`."""
+        """Step between directions [rad] over which density is summed; 1 for the spectrum of a buoy, which has moments
+        instead of directions until `spread` is called."""
         return float(np.radians(np.median(np.diff(self.direction)))) if self.moments is None else 1.0
 
     @property

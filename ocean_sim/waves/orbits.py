@@ -166,7 +166,7 @@ class Grid:
 
 @dataclass(frozen=True)
 class SurfaceRecord:
-    """Time series of circulation and white-cap cover of the water, one value per output frame."""
+    """Time series of the water's circulation about a vertical axis and white-cap cover, one value per output frame."""
 
     time: np.ndarray  # (n,) [s]
     radius: float  # radius of the circle about the middle of the basin, or of a patch around its ships [m]
@@ -183,7 +183,8 @@ class SurfaceRecord:
 
 
 def surface_record(grid: Grid, frames: Iterable[Frame], begin: float) -> SurfaceRecord | None:
-    """Circulation and white-cap cover of all frames from time `begin` [s] on; None if there are no such frames."""
+    """Circulation of the water about the vertical axis in the basin's middle, and white-cap cover, in all frames from
+    time `begin` [s] on; None if there are no such frames."""
     dx, dz = (float(points[1] - points[0]) if len(points) > 1 else 1.0 for points in (grid.x, grid.z))
     shortest = MIN_WAVE_POINTS * (dx if grid.is_slice else max(dx, dz))
     times, cover, turning = [], [], []

@@ -20,7 +20,7 @@ CHECKS = (Checked(CHECKED_FILE, (POSITIVE_PERIODS, exchange.SWD_RULE)),)
 
 
 class Steepening(Model):
-    """Keys for how a nonlinear sea starts and breaks."""
+    """Keys of a sea whose waves steepen by nonlinear terms: time in which these set in, and breaking of its crests."""
 
     onset: float | None = quantity("s", None, ge=0.0)
     """Time over which the nonlinear terms set in, at order 3 (Dommermuth 2000); null: five periods."""

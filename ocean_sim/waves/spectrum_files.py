@@ -129,7 +129,8 @@ def numbers_in(words: Iterable[str]) -> np.ndarray:
 
 
 def table_spectrum(path: str | Path, frequency: np.ndarray, *others: np.ndarray) -> Found:
-    """Checked spectrum; `others`: directions, densities, perhaps moments. None without energy; raises Unreadable."""
+    """Checked spectrum; `others`: directions (m,) [deg], densities (n, m) and, of a buoy, moments (2, n), as fields of
+    `DirectionalSpectrum`. None without energy; raises Unreadable."""
     rising = len(frequency) > 1 and frequency[0] > 0.0 and (np.diff(frequency) > 0.0).all()
     if not rising or not others[1].min() >= 0.0 or np.isinf(others[1]).any():
         shown = ", ".join(f"{f:g}" for f in frequency[:3])
@@ -138,8 +139,8 @@ def table_spectrum(path: str | Path, frequency: np.ndarray, *others: np.ndarray)
 
 
 def buoy_spectrum(path: str | Path, frequency: np.ndarray, density: np.ndarray, moments: np.ndarray) -> Found:
-    """Directional spectrum of a buoy, from densities (n,) [m2/Hz] and moments (2, n). Frequencies without a density are
-    left out; those without moments take the nearest ones. None if there is no energy, or no direction."""
+    """Directional spectrum of a buoy, from densities (n,) [m2/Hz] and complex Fourier moments, first and second (2, n).
+    Frequencies without density are left out; those without moments take the nearest. None without energy or moments."""
     there = np.isfinite(density)
     directed = there & np.isfinite(moments).all(axis=0)
     if not directed.any():

@@ -64,8 +64,8 @@ NO_DRAWING = Drawing(np.zeros((0, 2, 3)), np.zeros((0, 3)), np.zeros((0, 3)))
 @in_kernels
 class Wind(ABC):
     """Base class of moving air. A kind implements `force`, and overrides those other methods that it needs. A kernel
-    gets `since` and `step` as arguments, calls `set_clock(since, step)` before its loop over particles or voxels, and
-    then `force` for each of them."""
+    takes `since` and `step` (time since the clock's restart, time step) [s], calls `set_clock(since, step)` before its
+    loop over particles or voxels, and then `force` for each of them."""
 
     blows: bool = True  # False: `force` is always zero, and kernels leave it out
     needs_area: bool  # True if `force` reads `area`: the fluid then finds the exposed area of its particles
@@ -73,7 +73,7 @@ class Wind(ABC):
     real_velocity: tuple[float, float] = (0.0, 0.0)  # [m/s] along x and z, of a real wind that is the same everywhere
 
     def __init__(self, config: Any, clock: Clock | None = None) -> None:
-        """`config`: the kind's Config; `clock`: clock shared with another wind; by default a new one."""
+        """`config`: the kind's Config; `clock`: simulated time and step; given if this is a part of another wind."""
         self.config, self.gain = config, 1.0
         self.needs_area, self.needs_bend = config.needs_area, config.needs_bend
         self.clock = Clock() if clock is None else clock
@@ -83,8 +83,8 @@ class Wind(ABC):
         return self if target in self.config.acts_on else StillAir()
 
     def follow(self, middle: np.ndarray) -> None:  # noqa: B027
-        """Store the middle x, z (2,) [m], in the world, of the patch of open sea under the wind; called as the patch
-        follows its ships. Winds whose axes are a `shared.place.Patch` hand it on; a uniform wind ignores it."""
+        """Store the middle x, z (2,) [m], in the world, of the patch of open sea under the wind; called as it follows
+        ships. A wind with a position passes it to its axes (`shared.place.Patch`); a uniform wind ignores it."""
 
     def advance(self, dt: float) -> None:  # noqa: B027
         """Advance the wind to its state in the next time step, of dt [s]; called before each step of the water."""
@@ -99,7 +99,7 @@ class Wind(ABC):
 
     @ti.func  # noqa: B027
     def set_clock(self, since, step):
-        """Compute the wind's state in this step from the clock's `since` and `step` [s]; called as a kernel begins."""
+        """Begin a kernel: compute the wind's state in a step of `step` [s], `since` [s] after the clock's restart."""
 
     @abstractmethod
     def force(self, key, position, velocity, area, bend, mass):

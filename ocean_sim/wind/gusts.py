@@ -57,8 +57,8 @@ SHAPE = Columns(
 class Volume(Scheduled):
     """One volume of moving air: all included shapes less all excluded ones.
 
-    Its wind may begin, end and follow a `schedule`: the speed, over the highest in the schedule, is a factor on
-    acceleration, noise and wind_speed, which turn to the schedule's heading; the drift of the volume stays as it is."""
+    Its wind may begin, end and follow a `schedule`: the speed, over the highest in the schedule, is a factor on noise
+    (random acceleration), acceleration and wind_speed; these last two turn to its heading; the drift stays."""
 
     include: list[Shape] = Field(min_length=1)
     """Shapes it is made of; the centre of the first is the centre of the volume."""
@@ -111,7 +111,7 @@ class Volume(Scheduled):
 
     @property
     def strongest(self) -> float:
-        """Strength that the longest arrow shows: acceleration [m/s2] or, without one, wind_speed [m/s]."""
+        """Strength that the longest arrow in pictures shows: acceleration [m/s2] or, without one, wind_speed [m/s]."""
         return hypot(*self.acceleration) or self.wind_speed
 
     @property
@@ -135,8 +135,9 @@ class Volume(Scheduled):
         return np.concatenate(lines), turned(first.spread() - first.centre, turn)
 
     def slab(self, turn: float) -> tuple[np.ndarray, float, float]:
-        """Thinnest slab across an axis of the first shape that contains the volume turned by `turn` [rad]: its unit
-        normal, the distance of its middle from the volume's centre along that normal, and half its thickness [m]."""
+        """Thinnest slab, between two planes normal to an axis of the first shape (box, sphere or capsule), around the
+        volume turned by `turn` [rad] about the vertical: its unit normal, the distance of its middle from the volume's
+        centre along that normal, and half its thickness [m]."""
         cores = [shape.core for shape in self.include]
         slabs = []
         for axis in np.eye(3):
@@ -148,7 +149,8 @@ class Volume(Scheduled):
         return min(slabs, key=lambda slab: slab[2])
 
     def passages(self, basin: Basin, seed: int, number: int) -> Passages:
-        """Repeated crossings of the basin by this volume; `number`: its own in the wind; `seed`: of random turns."""
+        """Repeated crossings of the basin by this volume, which may turn at random each time. `number`: index of the
+        volume in the wind, and `seed`, select the random numbers."""
         first, speed = self.include[0].core, float(np.linalg.norm(self.velocity))
         rear = first.reach(self.velocity / speed) if speed else 0.0
         return Passages(first.centre, self.velocity, rear, basin, lambda passage: self.redraw(seed, number, passage))
@@ -187,7 +189,7 @@ class Config(Placed, WindConfig):
         return any(any(v.noise) or v.redraw_yaw_deg or v.redraw_strength != (1.0, 1.0) for v in self.volumes)
 
     def aimed(self, target: Target) -> list[int]:
-        """Indices of the volumes that act on a target."""
+        """Indices of the volumes of moving air that act on a target, "fluid" or "ship"."""
         return [g for g, v in enumerate(self.volumes) if target in (self.targets if v.targets is None else v.targets)]
 
     def problems(self, preflight: Preflight) -> Faults:
@@ -278,7 +280,7 @@ class Gusts(Wind):
         self.patch.follow(middle)
 
     def advance(self, dt: float) -> None:
-        """Move all volumes by a step of dt [s] (Algorithm 1), and set their strength and noise for it."""
+        """Move all volumes of air by a step of dt [s] (thesis, Algorithm 1); set wind, acceleration, noise for it."""
         begun, changed = self.clock.time, False
         self.clock.advance(dt)
         for g, (passage, volume) in enumerate(zip(self.passages, self.volumes)):
@@ -297,7 +299,7 @@ class Gusts(Wind):
             self.noise.advance()
 
     def _lay_out(self, g: int) -> None:
-        """Write slab and shapes of volume g, in its present orientation, into its row of the array on the host."""
+        """Write shapes (boxes, spheres, capsules) and slab of volume g, as turned now, into its row on the host."""
         volume, turn = self.volumes[g], self.passages[g].turn
         centre = volume.include[0].core.centre
         normal, middle, self.half[g] = volume.slab(turn)
@@ -310,7 +312,7 @@ class Gusts(Wind):
         self.rows[g, VOLUME.size : VOLUME.size + len(numbers)] = numbers
 
     def _set_strength(self, g: int) -> None:
-        """Write the present acceleration, noise and wind of volume g into its row of the array on the host."""
+        """Write acceleration, noise (random acceleration) and wind of volume g at present into its row on the host."""
         p, volume, (part, turn) = self.passages[g], self.volumes[g], self.blown[g]
         part *= self.gain
         acceleration = part * p.strength * turned(volume.acceleration, p.turn + turn)
@@ -320,7 +322,7 @@ class Gusts(Wind):
         self.rows[g, VOLUME.half_thickness] = self.half[g] if any(numbers) else -1.0
 
     def _restart(self) -> None:
-        """Restart the clock: write present centres into all rows, and copy them to the device."""
+        """Restart the clock: write the volumes' present centres into their rows, and copy these to the device."""
         for numbers, passage in zip(self.rows, self.passages):
             numbers[VOLUME.start : VOLUME.acceleration] = (*passage.centre, *passage.velocity)
         self.row.from_numpy(self.rows)
@@ -341,7 +343,8 @@ class Gusts(Wind):
 
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):
-        """Force [N] on a particle or voxel: (2.26) of the thesis, summed over the volumes that contain its position."""
+        """Force [N] on a particle or voxel: (2.26) of the thesis, summed over the volumes that contain its position.
+        `key`: its number, by which noise (random acceleration) is drawn; `bend` is not used. See `Wind.force`."""
         total, x = tm.vec3(0.0), self.patch.seen(position)
         for g in range(self.n):
             total += self.push(g, key, x, velocity, area, mass)
@@ -349,7 +352,8 @@ class Gusts(Wind):
 
     @ti.func
     def push(self, g, key, position, velocity, area, mass):
-        """Force [N] of volume g on a particle or voxel at `position` [m], in the wind's axes; 0 outside the volume."""
+        """Force [N] of volume number g on a particle or voxel at `position` [m], in the wind's axes; 0 outside the
+        volume. `key`: number of the particle, by which noise is drawn; other arguments as in `Wind.force`."""
         total, off = tm.vec3(0.0), position.dot(self.vector(g, VOLUME.normal)) - self.row[g, VOLUME.slab]
         if ti.abs(off) <= self.row[g, VOLUME.half_thickness]:
             if self.contains(g, position - self.vector(g, VOLUME.centre)):
@@ -388,10 +392,10 @@ class Gusts(Wind):
 
 @in_kernels
 class Aimed(Wind):
-    """Some of the volumes of a `Gusts` as a wind, for a target (fluid or ships) on which not all of them act."""
+    """Wind of some of the volumes of moving air of a `Gusts`: those that act on a target, the fluid or ships."""
 
     def __init__(self, gusts: Gusts, numbers: list[int]) -> None:
-        """`numbers`: indices of the volumes in `gusts`."""
+        """`numbers`: indices of the volumes in `gusts` that act on the target."""
         super().__init__(gusts.config, gusts.clock)
         self.gusts, self.n = gusts, len(numbers)
         self.number = ti.field(int, shape=self.n)

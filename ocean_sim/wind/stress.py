@@ -67,7 +67,7 @@ class Config(Scheduled, WindConfig):
 
     @property
     def needs_bend(self) -> bool:
-        """True if the wind's pressure on waves acts on the fluid, so that `force` reads `bend`."""
+        """True if the wind presses on the fluid's waves: `force` then reads `bend`, the slope's change with depth."""
         return self.needs_area and self.sheltering > 0.0
 
     @property
@@ -225,7 +225,7 @@ def unresolved(wind: Config, u10: float, preflight: Preflight) -> Iterator[str]:
 
 
 def rigid_layer_warnings(stress: float, preflight: Preflight) -> Iterator[str]:
-    """Warn if particles that have left their lattice would resist a stress [Pa] like a solid, instead of flowing."""
+    """Warn if particles whose rows (lattice) are broken up would bear a stress [Pa] like a solid instead of flowing."""
     fluid, tank = preflight.fluid, preflight.tank
     pressure, share = fluid.rest_density * hypot(*tank.gravity) * tank.depth, fluid.bears_shear
     if 0.0 < stress < FLOW_SHEAR_RATIO * share * pressure:
@@ -299,7 +299,8 @@ class Stress(Wind):
 
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):
-        """Force [N]: on a particle stress on plan area, and pressure on the surface's slope; on a hull drag (2.22)."""
+        """Force [N]: on a particle stress on plan area, and pressure on the surface's slope, from `area` and `bend`; on
+        a voxel of a hull drag (2.22), from `area` and `velocity`. Arguments: see `Wind.force`; no others are used."""
         row = ti.static(self.row.field)
         total = tm.vec3(0.0)
         if ti.static(self.afloat):

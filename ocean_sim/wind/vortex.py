@@ -112,7 +112,7 @@ class Vortex(Wind):
         self.patch.follow(middle)
 
     def advance(self, dt: float) -> None:
-        """Move the axis by a step of dt [s] (Algorithm 1), and set strength and noise for the step."""
+        """Move the axis by a step of dt [s] (thesis, Algorithm 1), and set strength and noise (random acceleration)."""
         before, part, begun = self.passage.number, self.part, self.clock.time
         self.passage.advance(dt)
         self.clock.advance(dt)
@@ -157,7 +157,8 @@ class Vortex(Wind):
 
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):
-        """Force [N]: mass times acceleration around, towards and along the axis, and noise, fading with depth."""
+        """Force [N]: mass times acceleration around, towards and along the axis, and noise (random acceleration, drawn
+        by the number `key` of a particle or voxel), fading with depth. `velocity`, `area` and `bend` are not used."""
         row = ti.static(self.row.field)
         drift = ti.static(self.config.drift)
         x, z = row[ROW.axis_x] + row[ROW.since] * drift[0], row[ROW.axis_z] + row[ROW.since] * drift[1]

@@ -81,7 +81,8 @@ class Symmetry:
                 self.twins[axis] = twin
 
     def largest_distance(self, simulation: Simulation) -> float:
-        """Largest distance [spacings] between a particle and the mirror image of its twin; 0 without twins."""
+        """Largest distance [spacings], along an axis, between a particle and the mirror image of its twin, the particle
+        that was its image in x = 0 or z = 0 at first; 0 if there are no such pairs to check."""
         if not self.twins:
             return 0.0
         place, _ = sorted_by_id(simulation)
@@ -177,9 +178,9 @@ def stored_by_weight(simulation: Simulation) -> float:
 
 
 def energy_scale(simulation: Simulation) -> float:
-    """Energy [J] by which gains of energy are judged: that of compression under the water's weight, plus over an uneven
-    bed that of lifting it by a spacing (settling takes a share of this), or on open sea that of the waves. If
-    incompressible: 1 % of mass times reference speed squared, plus lifting by a spacing."""
+    """Energy [J] with which unexplained gains are compared: that stored as the weight compresses the water, plus that
+    of the waves on open sea, or of lifting all water by a spacing over an uneven bed, where particles settle. If none
+    is stored: 1 % of mass times reference speed squared, plus lifting by a spacing."""
     basin, particles = simulation.basin, with_particles(simulation.fluid).particles
     compresses = simulation.fluid.sound_speed > 0.0 and not simulation.fluid.solvers
     stored = stored_by_weight(simulation) if compresses else 0.0
@@ -200,8 +201,7 @@ def separable_work_terms(simulation: Simulation) -> list[str]:
     """Names of the forces whose work adds up to the energy given to the water; empty if no such sum is known.
 
     With a pressure solver, the works of pressure inside the water and at walls are known only together: their sum is
-    the solver's error plus the work of walls. Where walls drive the water, the two cannot be told apart.
-    """
+    the solver's error plus the work of walls. Where walls drive the water, the two cannot be told apart."""
     fluid = simulation.fluid
     if not fluid.solvers:
         return list(fluid.work)

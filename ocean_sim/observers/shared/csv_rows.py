@@ -28,7 +28,8 @@ TIME_TOLERANCE = 1.0e-9  # of `every`: a time so little short of a multiple has 
 
 
 def heading(simulation: "Simulation", rate: str, **more: object) -> dict[str, object]:
-    """Comment lines, by name, at the top of each CSV file of a run; `rate`: text on its rows; `more`: further lines."""
+    """Comment lines, by name, at the top of each CSV file of a run: axes, seed, `rate` (text on the rows' times, as
+    "every 0.1 s, linear between steps"), and further lines `more`."""
     axes = "right-handed, x and z horizontal, y up, origin at the centre of the still surface"
     return {"frame": "world", "axes": axes, "rate": rate, "seed": simulation.scene.seed, **more}
 
@@ -89,7 +90,7 @@ class Multiples:
 
 
 class Sample(NamedTuple):
-    """Row at a time [s]: `values` are interpolated linearly between two states, `held` are those of the earlier one."""
+    """Row at a time [s]: `values` are interpolated linearly between two states, `held` (names, counts) of the first."""
 
     time: float
     values: np.ndarray
@@ -109,8 +110,8 @@ class Sampled:
         self.before = None
 
     def rows(self, time: float, values: np.ndarray, held: tuple = ()) -> list[Sample]:
-        """Store the state (`values`, `held`) at `time` [s]; return a sample for each multiple of `every` since the last
-        call, or only the first and last of more than `most`."""
+        """Store the state at `time` [s]: `values`, and `held` (names, counts; not interpolated). Return a sample for
+        each multiple of `every` since the last call, or only the first and last of more than `most`."""
         now = Sample(time, np.asarray(values, dtype=np.float64), held)
         passed = self.multiples.reached(time)
         shown = passed if len(passed) <= self.most else (passed[0], passed[-1])
@@ -120,8 +121,8 @@ class Sampled:
 
 
 def interpolated(before: Sample, after: Sample, time: float) -> Sample:
-    """Sample at `time` [s] on the line between two samples. `held` is that of `before`, or of `after` once its time is
-    reached."""
+    """Sample at `time` [s] on the line between two samples. Its `held` (names, counts) is not interpolated: it is that
+    of `before`, or of `after` once its time is reached."""
     if time >= after.time or after.time <= before.time:
         return Sample(time, after.values, after.held)
     part = max(0.0, (time - before.time) / (after.time - before.time))

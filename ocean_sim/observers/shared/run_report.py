@@ -170,8 +170,8 @@ def whole_lines(path: Path) -> list[dict[str, Any]]:
 
 
 def draw(log: Table, plot: Mapping[str, Any], limits: Mapping[str, float]) -> str:
-    """HTML of one plot over time. `plot`: its entry in PLAN_FILE; `log`: table of the run that has its columns;
-    `limits`: values by name for its horizontal lines. Empty if there is no curve."""
+    """HTML of one plot over time; empty if there is no curve. `plot`: its keys (`label`, `curves` and so on; see
+    PLAN_FILE); `log`: table of the run that has its columns; `limits`: values by name for its horizontal lines."""
     columns, shown = plot["curves"], {name: limits[name] for name in plot.get("limits", ()) if name in limits}
     columns = columns_like(log, columns) if isinstance(columns, str) else columns
     series = {name: plot.get("times", 1.0) * log[column] for name, column in columns.items() if column in log}

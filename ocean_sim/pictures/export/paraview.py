@@ -63,8 +63,7 @@ def export_particles(
 
 
 def dots_at(time: float, cloud: dict[str, np.ndarray]) -> Moment:
-    """Points without triangles as a `Moment` (time, points, faces, fields of an object). `cloud`: `position` (n, 3) [m]
-    and further fields by name."""
+    """Points of an object, without triangles, as a `Moment`. `cloud`: `position` (n, 3) [m] and more fields by name."""
     fields = {name: values for name, values in cloud.items() if name != "position"}
     return time, cloud["position"], np.arange(len(cloud["position"]))[:, None], fields
 

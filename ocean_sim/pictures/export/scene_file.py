@@ -85,8 +85,8 @@ class RunWakes:
         return [ship for ship in ships if ship.wet]
 
     def wave_heights(self, time: float, points: np.ndarray, answer: np.ndarray | None) -> np.ndarray:
-        """Height (nx, nz) [m] to add to the run's water for ship waves (bow waves excepted), at grid points x, z (nx
-        nz, 2) [m]. `answer`: response [m] of the run's own water to its ships, or None; near them it is limited."""
+        """Height (nx, nz) [m] to add to the run's water for ship waves (bow waves excepted), at points x, z (nx nz, 2)
+        [m]. `answer`: heights [m] that its ships raise, or None; `limited_answer` cuts them near a ship."""
         shape = len(self.x), len(self.z)
         more = np.zeros(shape)
         if answer is not None:
@@ -108,7 +108,7 @@ def shows_sea(files: list[Path], depth: float) -> bool:
 
 
 class ExportShot(NamedTuple):
-    """Contents of one frame to export: time, water mesh with its fields, ships, particles, spray and gates."""
+    """Frame to export: time, water mesh, ships, particles, spray, and gates (obstacles that move or leave)."""
 
     time: float  # [s]
     points: np.ndarray  # (n, 3) of the surface of the water [m]

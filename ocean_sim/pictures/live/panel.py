@@ -52,7 +52,8 @@ class Panel:
     """Actions due before the next picture: step, reset, snapshot, helm."""
 
     def offer(self, cameras: tuple[str, ...], contents: tuple[str, ...], ships: tuple[str, ...]) -> None:
-        """Set the names that keys cycle through; a present choice that is not among them becomes the first."""
+        """Set the names of cameras, contents (surface, particles or both) and ships that can be chosen by keyboard; a
+        present choice that is not among them becomes the first."""
         self.cameras, self.contents, self.ships, self.person = cameras, contents, ships, None
         chosen = (self.camera, cameras), (self.content, contents or ("surface",)), (self.ship, ships or ("",))
         self.camera, self.content, self.ship = (name if name in names else names[0] for name, names in chosen)
@@ -77,7 +78,8 @@ class Panel:
                 self.requests.add(REQUEST_KEYS[key])
 
     def hold(self, keys: set[str], seconds: float) -> None:
-        """Change throttle and rudder by helm keys held for `seconds`; until the helm is taken, request it instead."""
+        """Change throttle and rudder by helm keys held for `seconds`. Before the helm is the user's (`person`), add
+        "helm" to `requests` instead, and it will be given before the next picture."""
         pedal, wheel = (sum(HELM_KEYS[key][k] for key in keys if key in HELM_KEYS) for k in range(2))
         if not pedal and not wheel:
             return

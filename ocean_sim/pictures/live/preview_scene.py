@@ -124,7 +124,8 @@ class PreviewScene:
         return Patch(np.concatenate([points, self.sheet.sides(points)]), triangles, np.concatenate([colours, sides]))
 
     def folded_patch(self, heights: np.ndarray, eye: np.ndarray) -> Patch | None:
-        """Mesh of a folding surface, coloured for an eye (3,) [m], darker where it faces down; None if empty."""
+        """Coloured triangles of a water surface that overturns, for an eye (3,) [m], darker where it faces down; None
+        if it has none. `heights`: as in `surface_colours`."""
         surface = self.simulation.surface
         assert surface is not None  # only a surface folds
         mesh = surface.mesh()

@@ -16,7 +16,7 @@ BARB_LENGTH, BARB_SPREAD = 0.28, 0.4  # over the length of an arrow, and sideway
 
 
 def box_top(simulation: "Simulation", ship_length: float) -> float:
-    """Height [m] over still water of the top of the drawn box of air; `ship_length`: of the longest ship [m]."""
+    """Height [m] to which a preview shows wind and ships over still water; `ship_length`: of the longest ship [m]."""
     ground = simulation.basin.ground
     return max(0.25 * simulation.basin.depth, 0.3 * ship_length, 0.0 if ground is None else float(ground.y.max()))
 
@@ -32,7 +32,7 @@ def surface_heights(simulation: "Simulation", points: np.ndarray) -> np.ndarray:
 
 
 def scene_lines(simulation: "Simulation", top: float) -> tuple[np.ndarray, np.ndarray]:
-    """End points (n, 2, 3) [m] and display RGB (n, 3) of all lines in a preview; `top`: height of the drawn air [m]."""
+    """End points (n, 2, 3) [m] and display RGB (n, 3) of all lines in a preview; `top`: height [m] of drawn wind."""
     basin, fluid, wind = simulation.basin, simulation.fluid, simulation.wind.drawing()
     lower, upper = np.array(basin.lower, dtype=float), np.array(basin.upper, dtype=float)
     flat = basin.dimension == 2

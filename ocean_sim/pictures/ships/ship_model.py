@@ -32,7 +32,7 @@ BODY_PAINTS = 4 * ("yellow",)  # of a body without a style, a box or a cylinder:
 
 
 class ShipModel(NamedTuple):
-    """Drawn model of a ship in body axes from her centre of mass: painted mesh, helm and physical hull."""
+    """Drawn model of a ship in body axes from her centre of mass: painted mesh, helmsman's eye and physical hull."""
 
     mesh: Mesh
     helm: np.ndarray  # (3,) eye of a helmsman [m]
@@ -52,7 +52,7 @@ class ShipModel(NamedTuple):
 
 
 def kept_models(grid: Mapping[str, Any]) -> dict[str, ShipModel]:
-    """Models to draw of all ships of a run, by ship name, from the arrays that it saves once (`grid`)."""
+    """Models to draw of all ships of a run, by ship name, from the arrays in its grid.npz (`grid`)."""
     return {key.removeprefix(f"{SEVERAL}."): kept_model(grid, key) for key in ship_keys(grid, "_look")}
 
 

@@ -308,7 +308,8 @@ def rest_plane(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
         return unit_vector(np.array([np.sin(roll), 1.0, np.sin(pitch)]))
 
     def residual(state: np.ndarray) -> np.ndarray:
-        """Relative errors (3,) of volume and centre of buoyancy; `state`: level over hull size, two slopes."""
+        """Errors (3,) of the volume under water, relative to `displaced`, and of the centre of buoyancy along z and x,
+        over the hull's size. `state` (3,): level of the plane over that size, and its slopes."""
         up = tilted(*state[1:])
         volume, *moment = submerged_moments(corners, up, size * state[0])
         arm = np.array(moment) / max(volume, 1e-12)

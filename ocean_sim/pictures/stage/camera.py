@@ -76,7 +76,7 @@ class Track:
 
 
 class Vessel(NamedTuple):
-    """Ship as cameras and wakes know her: size, helm and track."""
+    """Ship as cameras and wakes know her: size, eye of her helmsman, and track (poses over time)."""
 
     length: float  # [m]
     helm: np.ndarray  # (3,) body axes from the centre of mass [m]
@@ -189,8 +189,8 @@ def camera_looking(eye: np.ndarray, target: np.ndarray, near: float | None = Non
 
 
 def helm_camera(position: np.ndarray, turn: np.ndarray, helm: np.ndarray, near: float) -> Camera:
-    """Camera at a ship's `helm` (3,) [m] in body axes, looking ahead and a little down. `position` [m] and `turn` (3,
-    3), from body to world: of the ship; `near`: smallest distance that is drawn [m]."""
+    """Camera at the eye of a ship's helmsman, `helm` (3,) [m] in body axes, looking ahead and a little down. `position`
+    [m] and `turn` (3, 3), from body to world: of the ship; `near`: smallest distance that is drawn [m]."""
     angle = np.radians(HELM_PITCH)
     forward, up = np.array([0.0, -np.sin(angle), np.cos(angle)]), np.array([0.0, np.cos(angle), np.sin(angle)])
     return Camera(position + turn @ helm, turn @ forward, turn @ up, None, WIDE_ANGLE, near)

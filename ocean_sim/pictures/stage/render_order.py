@@ -82,7 +82,8 @@ class Drawing(Model):
 
 
 class Order(Drawing):
-    """All options for the pictures of a run: a scene's, the folders to read and write, and details of the look."""
+    """Request for the pictures of a run: the options that a scene may set, the run's folder, the one for the pictures,
+    and switches of the water's look (mirrored sky, glint of the sun, light from within)."""
 
     folder: str
     out: str

@@ -24,7 +24,7 @@ class Streaks:
     """All spray parcels of a picture, as one mesh of rectangles that face the eye."""
 
     def __init__(self, stage: Stage, sky: Sky, exposure: float) -> None:
-        """`sky`: whose light drops scatter; `exposure`: factor on light, as for the water in the picture."""
+        """Add the mesh of the spray to a `stage`. `sky`: whose light drops scatter; `exposure`: factor on light."""
         self.stage = stage
         program = water_glsl.shader("streaks", sys.modules[__name__])
         textures = {"sky": water_glsl.make_texture(np.zeros((2, 2, 3), np.uint8))}  # which the common functions name
@@ -34,7 +34,7 @@ class Streaks:
         stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
 
     def show(self, parcels: np.ndarray) -> None:
-        """Draw parcels (n, 9) of drops, with columns as in `spray.Spray`."""
+        """Draw parcels of drops (n, 9: position, velocity, radius and number of drops, own radius; see `Spray`)."""
         parcels = parcels[(parcels[:, :3] - self.stage.camera.eye) @ self.stage.camera.forward > 0.0]
         self.shaded.actor.SetVisibility(len(parcels) > 0)
         if not len(parcels):

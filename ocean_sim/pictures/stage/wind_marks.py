@@ -21,7 +21,8 @@ MIN_ARROW, CROSS_SIZE = 0.02, 0.05
 
 
 class WindMarks:
-    """Marks of the wind, drawn anew in each picture: its volumes (regions), arrows, and crosses where it is noise."""
+    """Marks of the wind, drawn anew in each picture: walls of its volumes (regions of moving air), arrows, and crosses
+    for arrows too short to draw, as where the wind is random alone."""
 
     def __init__(self, stage: Stage, lower: np.ndarray, upper: np.ndarray) -> None:
         self.stage, self.length = stage, float(max(upper[0] - lower[0], upper[2] - lower[2]))

@@ -57,7 +57,8 @@ class PlaneWaves:
         self.along_x, self.along_z = np.exp(1j * x[:, None] * kx), np.exp(1j * z[:, None] * kz)
 
     def at(self, turning: np.ndarray) -> SeaSample:
-        """Heights and convergence at the nodes, for amplitudes `turning` (n,) [m] from `complex_amplitudes`."""
+        """Heights [m] and convergence (downward acceleration over gravity) at the nodes. `turning` (n,): complex
+        amplitudes [m] of the waves at one time, from `complex_amplitudes`."""
         x, z = self.along_x * turning, self.along_z.T
         # The real part of a product of complex matrices is two products of real ones.
         height = x.real @ z.real - x.imag @ z.imag
@@ -116,7 +117,7 @@ class Fan:
     resolve; slopes of waves too narrow for the pixels are left out, and widen the sun's glint instead."""
 
     def __init__(self, sea: Components) -> None:
-        """`sea`: plane waves, whose amplitudes may change with time."""
+        """Begin without nodes, which `turn_to` places. `sea`: plane waves, whose amplitudes may change with time."""
         self.sea = sea
         self.looked: tuple[float, ...] = ()
         self.nodes = np.zeros((0, 2))  # around the eye [m]
@@ -127,9 +128,9 @@ class Fan:
     def turn_to(
         self, height: float, heading: float, half: float, lowest: float, pixel: float, row: float, amplitude: np.ndarray
     ) -> bool:
-        """Turn the fan towards a `heading` [rad, from +x to +z]; True if its nodes changed. `height`: of the eye over
-        water [m]. Angles of view [rad]: `half` to either side, `lowest` below the horizon, of a `pixel`, of a `row` of
-        samples (one ring at most is drawn in it). `amplitude` (n,): of the waves now [m]."""
+        """Place nodes, on rays from the eye and rings around it, about a `heading` [rad, from +x to +z]; True if they
+        changed. `height`: of the eye over water [m]; `amplitude` (n,): of waves [m]. Angles of view [rad]: `half` to
+        either side, `lowest` below the horizon, of a `pixel`, of a `row` of samples, which shows one ring at most."""
         whole = half > 0.5 * pi
         bucket = 0.0 if whole else TURN_STEP * round(heading / TURN_STEP)
         step = 2.0 ** (np.round(2.0 * np.log2(max(height, 0.5))) / 2.0)  # heights that are alike look alike
@@ -190,14 +191,14 @@ class Fan:
         return 0.25 * (1.0 - self.sloping**2) @ (amplitude * self.sea.wavenumber) ** 2
 
     def convergence_deviation(self, amplitude: np.ndarray) -> tuple[float, np.ndarray]:
-        """Standard deviation of the sea's convergence: (a) of all its waves; (b) of those drawn on each ring (rings,).
-        `amplitude` (n,): of the waves now [m]."""
+        """Standard deviation of the convergence (downward acceleration over gravity) of (a) all waves; (b) those that
+        the nodes of each ring around the eye resolve (rings,). `amplitude` (n,): of the waves now [m]."""
         each = 0.5 * (amplitude * self.sea.wavenumber) ** 2
         return max(float(np.sqrt(each.sum())), 1e-12), np.sqrt(self.drawn**2 @ each)
 
     def at(self, turning: np.ndarray) -> np.ndarray:
-        """Height [m], slopes along x and z, and convergence of the sea on the fan (rings, rays, 4). `turning`: complex
-        amplitudes (n,) [m] of the waves at the eye (see `complex_amplitudes`)."""
+        """Height [m], slopes along x and z, and convergence (downward acceleration over gravity) of the sea at its
+        nodes (rings, rays, 4). `turning` (n,): complex amplitudes [m] at the eye, from `complex_amplitudes`."""
         kx, kz = self.sea.wavevector.T
         level, slope = turning * self.drawn, turning * self.sloping
         columns = np.stack([level, 1j * kx * slope, 1j * kz * slope, self.sea.wavenumber * level], axis=-1)
@@ -243,8 +244,8 @@ class Modes:
         self.sea = Components(np.ones(len(n)), np.stack([sign_x * kx, sign_z * kz], axis=1), phase, depth)
 
     def variances(self, elevation: np.ndarray) -> np.ndarray:
-        """Variances (n,) [m2] of the plane waves; their sum is the variance of the heights (nx, nz) [m] in the
-        basin."""
+        """Variances (n,) [m2] of the plane waves, from heights (nx, nz) [m] in the basin: in the ratio of the power of
+        the modes that each replaces, and with the variance of the heights as their sum."""
         from scipy.fft import dctn
 
         power = dctn(elevation - elevation.mean(), type=2, norm="ortho") ** 2 / elevation.size

@@ -47,8 +47,8 @@ def crest_cover(convergence: np.ndarray) -> float:
 
 
 def white_shares(convergence: np.ndarray, wanted: float, among: np.ndarray | None = None) -> np.ndarray:
-    """Whiteness (n,), 0 to 1, of points with `convergence` (n,): highest where that is strongest, `wanted` on average.
-    `among`: sorted convergence of other points against which these are ranked; default: themselves."""
+    """Whiteness (n,), 0 to 1, of points with `convergence` (n,) (see `crest_cover`): highest where that is strongest,
+    `wanted` on average. `among`: sorted convergence of the points to rank these among, by default themselves."""
     known = np.sort(convergence, axis=None) if among is None else among
     if wanted * len(known) < 1.0 or known[0] == known[-1]:  # not one of them would be white
         return np.zeros(np.shape(convergence))
@@ -66,8 +66,8 @@ def monahan_cover(speed: float) -> float:
 
 
 def smoothed_convergence(convergence: np.ndarray) -> np.ndarray:
-    """Convergence (n, m) averaged over the width of a foam patch, to choose the crests that break. It is lowered at the
-    sides of the grid, where a mean over fewer cells varies more and would start too much foam."""
+    """Convergence (n, m) (see `crest_cover`) averaged over the width of a foam patch, to choose the crests that break.
+    It is lowered at the grid's sides, where a mean over fewer cells varies more and would start too much foam."""
     from scipy.ndimage import gaussian_filter
 
     whole = np.ones_like(convergence)
@@ -76,7 +76,7 @@ def smoothed_convergence(convergence: np.ndarray) -> np.ndarray:
 
 
 def wanted_cover(convergence: np.ndarray, wind: float) -> float:
-    """Target cover of white water: from the wind speed [m/s], or if that is 0, from the crests' convergence."""
+    """Target share of white water: from the wind speed [m/s], or if 0, from convergence (downward acceleration / g)."""
     return min(monahan_cover(wind), MAX_COVER) if wind > 0.0 else crest_cover(convergence)
 
 
@@ -88,8 +88,7 @@ class FoamField:
     of which there are FLECKS_PER_CELL along each side of a cell of the waves' grid."""
 
     def __init__(self, shape: tuple[int, int], cell: np.ndarray, lasts: float = FADE_SECONDS) -> None:
-        """`shape`, `cell`: number and sides [m] of the heights' cells on x, z; `lasts`: time of fading to a third
-        [s]."""
+        """`shape`, `cell`: number and sides [m] of the heights' cells on x, z; `lasts`: time [s] of fading to 1/e."""
         self.cell, self.lasts, self.time = cell, lasts, 0.0
         self.origin = np.zeros(2)  # of the grid along x and z [cells of the waves]
         self.flecks = np.zeros((4, 0))  # places along x and z [cells of the waves], thickness, and what that rises to
@@ -140,7 +139,7 @@ class FoamField:
             self.cover += (wanted - self.cover) * (1.0 - before / self.called)
 
     def breaking_foam(self, convergence: np.ndarray, time: float, step: float) -> np.ndarray:
-        """Thickness of new foam in each foam cell (0: none), to bring the mean cover to its target; `step`: time since
+        """Thickness (1: white) of new foam in each foam cell, to bring the mean cover to its target; `step`: time since
         the last call [s]. White cells count as less convergent; else foam on standing waves would never end."""
         white, least = self.cell_shares(self.flecks[2:].max(axis=0)), PATCH_CELLS**2 / self.white.size
         lacks = self.cover - white.mean()
@@ -158,8 +157,8 @@ class FoamField:
         return np.where(born > white, born, 0.0)
 
     def add(self, rises_to: np.ndarray, thick: np.ndarray) -> None:
-        """Add flecks on the cells where `rises_to` is not 0, in place of older ones there. Their thickness is `thick`
-        now, and will grow to `rises_to`."""
+        """Add flecks (pieces of foam that drift freely), one on each foam cell where `rises_to` is not 0, in place of
+        older ones there. In each cell their thickness (1: white) is `thick` now, and will grow to `rises_to`."""
         covered = rises_to[tuple(self.fleck_cells())] > 0.0
         i, k = np.nonzero(rises_to)
         x, z = ((cell + 0.5) / FLECKS_PER_CELL - 0.5 for cell in (i, k))
@@ -168,7 +167,7 @@ class FoamField:
         self.white = self.cell_shares(self.flecks[2])
 
     def fleck_cells(self) -> np.ndarray:
-        """Indices (2, n) of the foam's cells in which the flecks lie."""
+        """Indices (2, n) of the foam cells that hold the n flecks (pieces of foam that drift freely)."""
         return np.floor(FLECKS_PER_CELL * (self.flecks[:2] + 0.5)).astype(int)
 
     def receive(self, places: np.ndarray, area: np.ndarray) -> None:
@@ -192,7 +191,8 @@ class FoamField:
         self.flecks = np.stack([x, z, thick, rises_to])[:, np.maximum(thick, rises_to) > MIN_SHARE]
 
     def cell_shares(self, thick: np.ndarray) -> np.ndarray:
-        """Share of white water in each foam cell, for flecks of thickness `thick` (n,); less where they spread."""
+        """Share of white water in each foam cell, from flecks (drifting pieces of foam) of thickness `thick` (n,), 1
+        being a white cell; less where the water has spread them apart."""
         rows, columns = self.white.shape
         x, z = (FLECKS_PER_CELL * (along + 0.5) - 0.5 for along in self.flecks[:2])
         i, k = np.floor(x).astype(int), np.floor(z).astype(int)
@@ -276,7 +276,7 @@ def read_cells(values: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 def new_foam(white: np.ndarray, convergence: np.ndarray, wanted: float) -> np.ndarray:
-    """Thickness of new foam, on the most convergent water, that raises the white share from `white` to `wanted`."""
+    """Thickness (1: white) of new foam, on the most convergent water, that raises the mean of `white` to `wanted`."""
     born, (low, high) = np.zeros_like(white), (0.0, 1.0)
     if white.mean() >= wanted or np.ptp(convergence) == 0.0:
         return born

@@ -47,7 +47,7 @@ class Sea(Content):
     """Water in a picture at sea: the basin's surface, blended into the far sea, which ends in fog at the horizon."""
 
     def __init__(self, stage: Stage, order: Order, vessels: dict[str, Vessel], grid: Any, state: SeaState) -> None:
-        """`vessels`: ships by key; `grid`: arrays that a run saves once; `state`: sea around the basin over time."""
+        """`vessels`: ships by key; `grid`: arrays in the run's grid.npz; `state`: sea around the basin over time."""
         self.stage, self.order, self.state = stage, order, state
         self.surface = SeaSurface(grid, state, BASIN_NODES[order.quality])
         sky = self.sky = sky_module.cloudy_sky() if order.sky else sky_module.clear_sky_image()
@@ -84,7 +84,8 @@ class Sea(Content):
         self.raises = "sea_answers" not in grid  # the water of the run knows of no wave at a bow
 
     def mesh_of(self, nodes: np.ndarray, corners: np.ndarray) -> Any:
-        """Level PyVista mesh of nodes x, z (n, 2) [m] and triangles `corners` (m, 3), whose NODE_TRAITS are all 0."""
+        """Level PyVista mesh of nodes x, z (n, 2) [m] and triangles `corners` (m, 3). NODE_TRAITS, which shaders read
+        at the nodes (normal, whiteness and so on), are all 0."""
         points = np.insert(nodes, 1, 0.0, axis=1)
         return self.stage.mesh(points, corners, **dict.fromkeys(NODE_TRAITS, np.zeros(points.shape)))
 
@@ -191,7 +192,7 @@ class Sea(Content):
         self.set_nodes(self.near, points, surface.normals(height).reshape(-1, 3), traits.reshape(-1, 3), grain)
 
     def wetted_hull(self, key: str, position: np.ndarray, turn: np.ndarray) -> WettedHull:
-        """Hull of a ship at a position (3,) [m], in the water drawn now; `turn`: (3, 3) from body to world."""
+        """Hull of the ship `key` at a position (3,) [m], in the water drawn now; `turn`: (3, 3) from body to world."""
         speed = self.vessels[key].speed(self.frame.time) if key in self.vessels else 0.0
         return self.hulls[key].wetted_hull(position, turn, speed, self.heights_at)
 

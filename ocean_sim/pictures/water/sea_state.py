@@ -38,7 +38,7 @@ class SeaState:
     """Estimate of the sea around the basin of a run at the time of each frame, from that frame and earlier ones."""
 
     def __init__(self, scene: dict[str, Any], grid: Any, log: FrameLog) -> None:
-        """`scene`: resolved scene of the run; `grid`: arrays that a run saves once; `log`: times of its frames."""
+        """`scene`: resolved scene of the run; `grid`: arrays in the run's grid.npz; `log`: times of its frames."""
         self.scene, self.log = scene, log
         self.exact = exact_waves(grid)  # the waves themselves, where water is a closed form
         self.resolved = float(grid["spacing"])  # [m] between particles, or half the shortest wave
@@ -133,7 +133,7 @@ def stated_wind_speed(scene: dict[str, Any]) -> float:
 
 
 def gust_speed(scene: dict[str, Any]) -> float:
-    """Largest speed [m/s] of the air in a scene's wind volumes or of the volumes' own drift; 0 without volumes."""
+    """Largest speed [m/s] of the air in a scene's volumes of moving air or of their drift; 0 without volumes."""
     volumes = (scene.get("wind") or {}).get("volumes") or []
     return max((max(float(np.linalg.norm(v["drift"])), v["wind_speed"]) for v in volumes), default=0.0)
 
@@ -148,7 +148,7 @@ def wind_heading(scene: dict[str, Any], sea: Components | None) -> float:
 
 
 def scene_wind_heading(wind: dict[str, Any]) -> float | None:
-    """Angle [rad], from +x to +z, to which a wind config blows or its volumes push the water; None without."""
+    """Angle [rad], +x to +z, to which a wind config blows or its volumes of moving air push the water; None without."""
     if wind.get("heading_deg") is not None:
         turn = np.radians(wind["heading_deg"])
         return float(np.arctan2(np.cos(turn), np.sin(turn)))

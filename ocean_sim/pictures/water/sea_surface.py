@@ -20,7 +20,7 @@ class SeaSurface:
     of the basin its waves are blended into those of the far sea. Only heights and the origin change."""
 
     def __init__(self, grid: Any, state: SeaState, nodes: int) -> None:
-        """`grid`: arrays that a run saves once; `state`: sea over time; `nodes`: approximate number in the basin."""
+        """`grid`: arrays in the run's grid.npz; `state`: sea over time; `nodes`: approximate number in the basin."""
         self.state = state
         self.lower, self.upper = grid["lower"][[0, 2]], grid["upper"][[0, 2]]
         self.margin = far_sea.BLEND_MARGIN * float((self.upper - self.lower).min())
@@ -38,7 +38,7 @@ class SeaSurface:
         self.wanted = 0.0  # share of white water
 
     def grain_at(self, origin: np.ndarray) -> np.ndarray:
-        """Factor (nx, nz), 1 on average, that makes foam patchy, at the basin's nodes for an `origin` x, z [m]."""
+        """Factor (nx, nz), 1 on average, that makes foam patchy, at the nodes of a basin around x, z `origin` [m]."""
         return foam.gathering_noise((self.nodes + origin).T / GATHERING_LENGTH).reshape(len(self.x), len(self.z))
 
     def blend_weight(self, k: int) -> np.ndarray:
@@ -46,8 +46,8 @@ class SeaSurface:
         return far_sea.blend_weight((self.x, self.z)[k], self.lower[k], self.upper[k], self.margin)
 
     def at(self, frame: Frame, now: SeaNow, answer: np.ndarray | None = None) -> far_sea.SeaSample:
-        """Heights [m] and convergence at the basin's nodes (nx, nz) in a frame. `answer` [m]: what ships, winds and
-        wave steepness add to the exact plane waves, on the frame's grid."""
+        """Heights [m] and convergence (downward acceleration over gravity) at the basin's nodes (nx, nz) in a frame;
+        `now`: sea around it. `answer`: heights [m] by ships, wind and steepness on exact plane waves, on its grid."""
         far = self.far.at(far_sea.complex_amplitudes(now.waves, frame.time, frame.origin))
         (x, z), mine = self.own, self.share
         if self.exact is not None and self.state.exact is not None:
@@ -68,7 +68,8 @@ class SeaSurface:
         )
 
     def far_samples(self, frame: Frame, eye: np.ndarray, now: SeaNow) -> np.ndarray:
-        """Height [m], slopes, convergence (rings, rays, 4) of the far sea around an eye (3,) [m], as in `Fan.at`."""
+        """Height [m], slopes along x and z, and convergence (downward acceleration over gravity) of the far sea `now`,
+        at nodes on rings around an eye (3,) [m] and rays from it (rings, rays, 4)."""
         found = self.fan.at(far_sea.complex_amplitudes(now.waves, frame.time, eye[[0, 2]]))
         found[..., 0] += now.level
         return found
@@ -80,16 +81,17 @@ class SeaSurface:
         return normal / np.linalg.norm(normal, axis=-1, keepdims=True)
 
     def foam(self, convergence: np.ndarray, cover: float | None = None) -> np.ndarray:
-        """Share (nx, nz) of white water from convergence, on average `cover`; default: the cover of breaking crests."""
+        """Share (nx, nz) of white water, highest where `convergence` (downward acceleration over gravity) is; `cover`
+        on average, by default the share of crests that break."""
         self.wanted = foam.crest_cover(convergence) if cover is None else cover
         return foam.white_shares(convergence * self.grain, self.wanted)
 
     def far_foam(
         self, found: np.ndarray, rings: np.ndarray, nodes: np.ndarray, eye: np.ndarray, amplitude: np.ndarray
     ) -> np.ndarray:
-        """Share (bands, rays) of white water on the far sea, at nodes x, z (bands * rays, 2) [m] on `rings` (bands,
-        rays). `found`: from `far_samples`; `amplitude` (m,): of the waves [m]. Each ring has the basin's mean share,
-        the more evenly spread the more waves are too short to draw there."""
+        """Share (bands, rays) of white water at nodes x, z (bands * rays, 2) [m] of the far sea: for each row of pixels
+        (band) and ray from the eye, on ring number `rings`. `found`: from `far_samples`; `amplitude` (m,): of the waves
+        [m]. Each ring has the basin's mean share; the more waves are too short to draw there, the less it varies."""
         if self.wanted <= 0.0:
             return np.zeros(rings.shape)
         fan = self.fan
@@ -104,8 +106,8 @@ class SeaSurface:
         return self.wanted + told[rings] * (white - self.wanted)
 
     def blended_foam(self, fresh: np.ndarray, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
-        """Share (nx, nz) of white water at the basin's nodes: inside, a frame's foam `kept` (`grain`: see
-        `laced_foam`); towards the basin's sides, foam on the far sea's crests, `fresh` (nx, nz)."""
+        """Share (nx, nz) of white water at the basin's nodes: inside, the share `kept` on a frame's grid; at the sides,
+        `fresh` (nx, nz) on converging crests. `grain` (n, 2): positions [m] in the noise that bends edges."""
         return self.laced_foam(kept, grain) + (1.0 - self.share) * fresh
 
     def on_nodes(self, kept: np.ndarray) -> np.ndarray:

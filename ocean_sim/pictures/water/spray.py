@@ -63,8 +63,7 @@ def drop_radius(speed: np.ndarray) -> np.ndarray:
 
 
 def thrown_mass(power: np.ndarray, speed: np.ndarray) -> np.ndarray:
-    """Mass thrown per second (n,) [kg/s] by a power (n,) [W] of breaking, where bodies of water collide at a relative
-    speed (n,) [m/s]."""
+    """Mass thrown [kg/s] (n,) by a power [W] (n,) of breaking, where waters collide at a relative speed (n,) [m/s]."""
     return np.where(speed > MIN_MEETING_SPEED, EJECTED_SHARE * power / np.maximum(0.5 * speed**2, 1e-9), 0.0)
 
 
@@ -92,7 +91,8 @@ class Spray:
         return parcels[~flying]
 
     def throw_parcels(self, source: Source, step: float, most: float, wind: np.ndarray) -> np.ndarray:
-        """Parcels (n, 9) that a source throws within `step` [s], moved to the end of it; about `most` or fewer."""
+        """Parcels (n, 9: position, velocity, radius and number of drops, own radius) that a source throws within `step`
+        [s], moved to its end. So many drops share a parcel that there are about `most` parcels or fewer."""
         volume = 4.0 / 3.0 * np.pi * source.radius**3 * np.exp(4.5 * RADIUS_DEVIATION**2)  # mean of a drop [m3]
         number = source.mass * step / (WATER_DENSITY * volume)
         each = max(float(number.sum()) / most, 1.0)  # drops of a parcel
@@ -115,8 +115,8 @@ class Spray:
 
 
 def fly_parcels(parcels: np.ndarray, seconds: np.ndarray | float, wind: np.ndarray) -> np.ndarray:
-    """Parcels (n, 9) after a flight of `seconds` under gravity and linear drag, by which they tend to their terminal
-    speed (Atlas, Srivastava & Sekhon 1973, Rev. Geophys. 11). `wind`: x, z [m/s] at 10 m."""
+    """Parcels (n, 9: position, velocity, radius and number of drops, own radius) after `seconds` of gravity and linear
+    drag, with the terminal speed of Atlas, Srivastava & Sekhon (1973, Rev. Geophys. 11). `wind`: x, z [m/s] at 10 m."""
     place, velocity, many = parcels[:, :3], parcels[:, 3:6], parcels[:, 7]
     falling = np.maximum(9.65 - 10.3 * np.exp(-1200.0 * parcels[:, 6]), 0.1)
     left = np.exp(-GRAVITY * seconds / falling)[:, None]
@@ -128,7 +128,7 @@ def fly_parcels(parcels: np.ndarray, seconds: np.ndarray | float, wind: np.ndarr
 
 
 def cross_section(parcels: np.ndarray) -> np.ndarray:
-    """Total cross-section (n,) [m2] of the drops in each of the parcels (n, 9)."""
+    """Total cross-section (n,) [m2] of a parcel's drops; columns 6 and 7 of (n, 9) are their radius [m] and number."""
     return np.asarray(parcels[:, 7] * np.pi * parcels[:, 6] ** 2)
 
 

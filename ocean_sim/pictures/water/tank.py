@@ -150,7 +150,7 @@ class Shell(Content):
     """Water in a glass tank, drawn as a clear, smooth closed surface."""
 
     def __init__(self, stage: Stage, grid: Any, upper: np.ndarray, white: bool) -> None:
-        """`grid`: arrays that a run saves once; `upper`: top corner of the tank [m]; `white`: True to draw foam."""
+        """`grid`: arrays in the run's grid.npz; `upper`: top corner of the tank [m]; `white`: True to draw foam."""
         depth = self.depth = float(grid["depth"])
         self.stage, self.white, self.sides = stage, white, (grid["lower"][[0, 2]], grid["upper"][[0, 2]])
         self.lower, self.upper, self.spacing = tuple(grid["lower"]), tuple(upper), float(grid["spacing"])
@@ -181,8 +181,8 @@ class Shell(Content):
         self.measure.add_actor(self.backs.actor, reset_camera=False, render=False)
 
     def surface(self, frame: Frame) -> tuple[Mesh, np.ndarray, np.ndarray]:
-        """Smoothed surface mesh of a frame, and at its vertices (see WATER_TRAITS) the share of air (n, 3), in column
-        0, and the positions (n, 3) [m] that their water had in the first frame."""
+        """Smoothed surface mesh of a frame, and at its vertices, as vectors for the shader (n, 3), the share of air
+        (column 0; the others are 0) and the positions [m] that their water had in the first frame."""
         assert frame.mesh is not None
         skin = smooth_mesh(Mesh(*frame.mesh), self.lower, self.upper, MAX_SMOOTHING * self.spacing)
         if not self.white or frame.left is None or frame.carried is None or not len(skin.vertices):
@@ -218,7 +218,8 @@ class Shell(Content):
         water_glsl.fill_image(self.farther.GetInput(), nearest)
 
     def distances(self) -> np.ndarray:
-        """Render distances from the eye to the water's back faces, as an image (height, width, 4), lowest row first."""
+        """Render distances from the eye to the water surfaces that face away from it, over the shader's `reach` [m], as
+        8-bit RGBA (height, width, 4), lowest row first: red in steps of 1/255, green the rest of a step."""
         self.measure.render()
         return self.measure.screenshot(None, return_img=True, transparent_background=True)[::-1]
 

@@ -64,7 +64,8 @@ def panel_light(points: np.ndarray, panel: Panel, all_of_them: list[Panel], heig
 
 
 def line_sides(low: float, up: float, step: float) -> Iterator[np.ndarray]:
-    """Yield both edges [m] of each line to draw at a multiple of `step` on an axis from `low` to `up` [m]."""
+    """Yield both edges (2,) [m] of each line to draw at a multiple of `step` [m] on an axis from `low` to `up` [m].
+    Lines are LINE_BREADTH steps wide."""
     for at in step * np.arange(np.ceil(low / step), np.floor(up / step) + 1.0):
         yield np.clip(at + 0.5 * LINE_BREADTH * step * np.array([-1.0, 1.0]), low, up)
 

@@ -27,8 +27,7 @@ class WaterMesh:
     """Mesh of a block of water: its surface, and cut sides down to the bed; only heights change from frame to frame."""
 
     def __init__(self, x: np.ndarray, z: np.ndarray, lower: np.ndarray, upper: np.ndarray, nodes: int) -> None:
-        """`x`, `z`: cell centres of the heights [m]; `lower`, `upper`: corners of the basin [m]; `nodes`: approximate
-        number of nodes of the surface."""
+        """`x`, `z`: cell centres of the heights [m]; `lower`, `upper`: basin's corners [m]; `nodes`: about how many."""
         factor = int(np.clip(np.sqrt(nodes / (len(x) * len(z))), 1, 12))
         self.along_x, self.along_z = spline_matrix(len(x), factor), spline_matrix(len(z), factor)
         self.x = np.linspace(lower[0], upper[0], len(self.along_x))

@@ -17,7 +17,7 @@ class Water(Content):
     """Water of a basin in a picture: surface and cut sides, coloured at their nodes for the eye."""
 
     def __init__(self, stage: Stage, grid: Any, nodes: int) -> None:
-        """`grid`: arrays that a run saves once; `nodes`: approximate number of nodes of the surface."""
+        """`grid`: arrays in the run's grid.npz (basin, x and z of heights); `nodes`: about how many the surface has."""
         self.stage = stage
         self.scale = 0.02 * float(grid["depth"])  # [m] the least height that counts as a crest
         self.most = self.scale  # [m] height from which crests have one colour

@@ -27,10 +27,10 @@ FOAM_TRAIL = 0.9  # [breadths] behind the crest in which its white falls to a th
 class Bow(NamedTuple):
     """Bow wave of a ship at a steady speed, and the foam into which it breaks.
 
-    Height and position of the crest are those of a wedge (Noblesse, Delhommeau, Guilbaud, Hendrix & Yang 2008, J. Fluid
-    Mech. 600); the crest's line and the white are our own. The height is V^2 / 2 g where V / sqrt(g D) = 4.4 tan / cos
-    - 1 (Delhommeau, Guilbaud, David, Yang & Noblesse 2009, J. Fluid Mech. 620, abstract); the number of the position
-    was not checked against the paper."""
+    Height and position of the crest are those of a wedge of half angle a and draught D (Noblesse, Delhommeau, Guilbaud,
+    Hendrix & Yang 2008, J. Fluid Mech. 600); the crest's line and the white are our own. The height is V^2 / 2 g where
+    V / sqrt(g D) = 4.4 tan a / cos a - 1 (Delhommeau, Guilbaud, David, Yang & Noblesse 2009, J. Fluid Mech. 620,
+    abstract); CREST_DISTANCE was not checked against the paper."""
 
     length: float  # [m]
     breadth: float  # [m]
@@ -43,7 +43,7 @@ class Bow(NamedTuple):
 
     @property
     def slowed_head(self) -> float:
-        """Length scale [m] of the crest: V^2 / g over 1 plus the Froude number of the draught."""
+        """Scale [m] of the crest's height and distance: V^2 / g over 1 + V / sqrt(g D), speed V and draught D."""
         return float(self.speed**2 / GRAVITY / (1.0 + self.speed / np.sqrt(GRAVITY * DRAUGHT_SHARE * self.breadth)))
 
     @property
@@ -137,7 +137,7 @@ class Hull:
     """Surface mesh of a ship's hull, from which water cuts a waterline."""
 
     def __init__(self, grid: Any, key: str) -> None:
-        """Read the hull of the ship with this key from the arrays that a run saves once (`grid`)."""
+        """Read the hull of the ship with this key from the arrays in the run's grid.npz (`grid`)."""
         self.vertices, self.triangles = grid[f"{key}_vertices"].astype(float), grid[f"{key}_triangles"].astype(int)
         self.beam, _, self.length = (float(size) for size in np.ptp(self.vertices, axis=0))  # [m]
 

@@ -70,7 +70,8 @@ def drag(wind, area):
 
 @ti.func
 def lift(wind, area, coefficient):
-    """Lift vector [N] on an `area` [m2], upwards across the wind: (2.23) with a plus sign. `wind`: as in `drag`."""
+    """Lift vector [N] on an `area` [m2], upwards across the wind: (2.23) with a plus sign. `wind`: air velocity
+    relative to the area [m/s]; `coefficient`: C_L."""
     across = tm.vec3(wind.z, 0.0, -wind.x)
     horizontal = ti.max(across.norm(), 1e-12)  # in a vertical wind there is no lift
     return 0.5 * AIR_DENSITY * coefficient * area * wind.norm() * wind.cross(across) / horizontal

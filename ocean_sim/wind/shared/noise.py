@@ -27,27 +27,29 @@ class Noise:
     so that the noise has the same effect at any step; `every` 0: a new one each step, as printed in the thesis."""
 
     def __init__(self, seed: int, every: float, row: DeviceRow) -> None:
-        """`seed`: of random numbers; `every`: time that each lasts [s]; `row`: on the device, beginning with DRAWS."""
+        """`seed`: of random numbers; `every`: time that a vector lasts [s]; `row`: on the device, with columns DRAWS
+        (vectors in use) first."""
         self.seed, self.every, self.row, self.steps = seed, every, row, 0
         row.set(DRAWS.each, 1.0)
         row.set(DRAWS.strength, 1.0)
 
     def restart(self, time: float) -> None:
-        """Store number and phase of the random vector in use at a time [s]; called as the wind's clock restarts."""
+        """Store number and elapsed share of the random vector (noise of the wind) in use at a `time` [s]; called as the
+        wind's clock, which counts from there, restarts."""
         if self.every:
             draws = time / self.every
             self.row.set(DRAWS.number, int(draws) % DRAW_NUMBERS)
             self.row.set(DRAWS.phase, draws % 1.0)
 
     def advance(self) -> None:
-        """Take the next random vector, if there is one per step; called as the wind advances."""
+        """Go on to the next random vector if each lasts a step (`every` 0); if they last a time, `set_clock` does."""
         if not self.every:
             self.row.set(DRAWS.number, self.steps % DRAW_NUMBERS)
             self.steps += 1
 
     @ti.func
     def set_clock(self, since, step):
-        """Compute the random vectors used in the step of `step` [s] that ends `since` [s] after the clock's restart."""
+        """Compute numbers and weights of the random vectors in a step [s], `since` [s] after the clock's restart."""
         if ti.static(self.every > 0.0):
             row = ti.static(self.row.field)
             span, left, each, strength = step / self.every, 0.0, 1.0, 1.0

@@ -37,7 +37,7 @@ class Core:
         return turned(direction, -self.yaw)
 
     def edges(self) -> np.ndarray:
-        """Line segments (n, 2, 3) [m] that draw the shape: edges of a box, else an outline in each of its planes."""
+        """Line segments (n, 2, 3) [m] that draw the shape: edges of a box, or else one outline across each axis."""
         return turned(outline(self.half, self.radius), self.yaw) + self.centre
 
     def spread(self) -> np.ndarray:
@@ -84,7 +84,7 @@ def outline(half: tuple[float, float, float], radius: float) -> np.ndarray:
 
 
 class Box(Model):
-    """A box with a level top, turned by `yaw_deg` about the vertical through its centre."""
+    """A box of moving air with a level top, turned by `yaw_deg` about the vertical through its centre."""
 
     kind: Literal["box"] = "box"
     centre: Vector3 = quantity("m", (0.0, 0.0, 0.0))
@@ -100,7 +100,7 @@ class Box(Model):
 
 
 class Sphere(Model):
-    """A sphere."""
+    """A sphere of moving air."""
 
     kind: Literal["sphere"] = "sphere"
     centre: Vector3 = quantity("m", (0.0, 0.0, 0.0))
@@ -114,7 +114,7 @@ class Sphere(Model):
 
 
 class Capsule(Model):
-    """A cylinder with round ends."""
+    """A cylinder of moving air with round ends."""
 
     kind: Literal["capsule"] = "capsule"
     centre: Vector3 = quantity("m", (0.0, 0.0, 0.0))
@@ -153,7 +153,7 @@ def rotated_back(v, cosine, sine):
 
 @ti.func
 def within(x, half, radius):
-    """True if point x [m] lies in a `Core` of half sizes and a radius [m]; x is from its centre and in its axes."""
+    """True if point x [m], in the axes of a `Core`, is within `radius` [m] of its box of half sizes `half` [m]."""
     beyond = ti.max(ti.abs(x) - half, 0.0)
     return beyond.dot(beyond) <= radius * radius
 
@@ -174,7 +174,8 @@ class Placed(Model):
 
 @in_kernels
 class Patch:
-    """Axes of a wind over a patch of open sea. Over any other basin they are those of the world."""
+    """Axes in which a wind has its position over a patch of open sea: they travel with the patch, which follows its
+    ships, or stand in the world. Over any other basin they are those of the world."""
 
     def __init__(self, config: Placed, basin: Basin) -> None:
         periods = (basin.periods[0], basin.periods[2]) if basin.sea is not None else (0.0, 0.0)
@@ -210,8 +211,7 @@ class Passages:
     """Repeated passages of a drifting wind across the basin: its centre [m], turn [rad], strength and passage number.
 
     The first begins at `start`. When the wind's rear has left the basin, direction and strength are chosen at random,
-    and its front comes in again at the upwind border, on a line through that point of the first path which is nearest
-    to the centre of the basin."""
+    and its front comes in again upwind, on a line through the point of the first path nearest to the basin's centre."""
 
     def __init__(
         self,
@@ -222,7 +222,7 @@ class Passages:
         redraw: Callable[[int], tuple[float, float]] = lambda passage: (0.0, 1.0),
     ) -> None:
         """`start`: first centre [m]; `drift`: velocity [m/s]; `reach`: from centre to rear [m]; `redraw`: function from
-        the number of a passage, from 1 for the second, to its turn [rad] and strength; by default 0 and 1."""
+        the number of a crossing, 1 for the second, to its random turn [rad] and strength; by default 0 and 1."""
         self.drift, self.reach, self.redraw = np.array(drift, dtype=float), reach, redraw
         self.lower, self.upper = np.array(basin.lower), np.array(basin.upper)
         if basin.dimension == 2:  # a slice of a sea without sides
@@ -243,7 +243,7 @@ class Passages:
 
     @property
     def centre(self) -> np.ndarray:
-        """Present centre (3,) [m] of the wind, in its own axes (see `Patch`)."""
+        """Present centre (3,) [m] of the drifting volume of air or vortex, in the axes of its wind (see `Patch`)."""
         return self.origin + self.velocity * self.elapsed
 
     def advance(self, dt: float) -> None:

@@ -46,8 +46,7 @@ Problems = list[tuple[Key, str]]  # where below the part's own key, and a senten
 
 @cache
 def library(folder: str) -> Path:
-    """Path of the program's data folder `scenes`, `configs` or `figures`: in the package, or beside it in a
-    checkout."""
+    """Path of the data folder `scenes`, `configs` or `figures`: in the package, or beside it in a checkout."""
     inside = PACKAGE / folder
     return inside if inside.is_dir() else PACKAGE.parent / folder
 
@@ -343,7 +342,7 @@ class SurfaceConfig(KindConfig):
 
     @abstractmethod
     def build(self, basin: Basin, fluid: Fluid) -> Surface:
-        """Build the surface over the water; its keys have to be `completed` before."""
+        """Build the surface over the water `fluid`; `completed` must have filled in the keys that a user left open."""
 
 
 class ShipConfig(KindConfig):
@@ -560,19 +559,19 @@ class Scene(Protocol):
 
 
 def config_of(slot: str, kind: str) -> type[KindConfig]:
-    """Config class of a kind of a slot; imports the module of the kind."""
+    """Config class of a kind (as `gusts`) of a slot (key of a scene, as `wind`); imports the module of the kind."""
     return import_module(f"ocean_sim.{slot}.{kind}").Config
 
 
 @cache
 def from_coarse(slot: str) -> tuple[str, ...]:
-    """Kinds of a slot ordered from the coarsest to the finest, by their `fineness`; imports them all."""
+    """Kinds of a slot (as `mueller` of `fluid`) by `fineness`, the coarsest model first; imports them all."""
     return tuple(sorted(kinds(slot), key=lambda kind: config_of(slot, kind).fineness))
 
 
 @cache
 def compared(slot: str) -> tuple[str, ...]:
-    """Kinds of a slot that studies compare with each other, from the coarsest to the finest; imports all kinds."""
+    """Kinds of a slot (as `delta_sph` of `fluid`) that studies compare, the coarsest model first; imports all kinds."""
     return tuple(kind for kind in from_coarse(slot) if config_of(slot, kind).compared)
 
 

@@ -76,7 +76,7 @@ class Result:
 
 
 class ProgressLines(Observer):
-    """Observer that prints simulated time, speed and time left after each tenth of a run, then the pictures drawn."""
+    """Observer that prints time, speed over real time, time left at each tenth of a run; then numbers of pictures."""
 
     def __init__(self, duration: float) -> None:
         self.duration, self.every = duration, duration / PROGRESS_PARTS

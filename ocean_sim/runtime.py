@@ -58,7 +58,8 @@ Kind = TypeVar("Kind", bound=type)
 
 
 def in_kernels(kind: Kind) -> Kind:
-    """Decorator for a class with Taichi kernels or functions; attributes stay faster than under `ti.data_oriented`."""
+    """Decorate a class `kind` with Taichi kernels or functions, in place of `ti.data_oriented`, which slows all access
+    to attributes; kernels skip Taichi's look-ups from their second launch on."""
     if kernel_library.LIBRARY_NAME == kernel_library.QUADRANTS:
         if "__dataclass_fields__" in vars(kind):  # by which it would take `self` for a struct, handed over by value
             del kind.__dataclass_fields__  # type: ignore[attr-defined]
@@ -120,7 +121,7 @@ class Launch:
         return True
 
     def __call__(self, given: tuple) -> None:
-        """Launch the kernel with these arguments, for which `suits` must be true."""
+        """Launch the compiled kernel with the arguments `given` in a call, for which `suits` must be true."""
         context = self.kernel.make_launch_context()
         for k, slot, whole in self.numbers:
             if whole:
@@ -293,7 +294,8 @@ class Fields:
         self.freed = False
 
     def __enter__(self) -> "Fields":
-        """Begin to own fields; raises RuntimeError in a thread other than the one that started Taichi."""
+        """Begin the block: fields declared from here on belong to this owner, which frees them. Raises RuntimeError in
+        a thread other than the one that started Taichi."""
         with _starting:
             if threading.get_ident() != _thread:
                 raise RuntimeError(OTHER_THREAD_MESSAGE)

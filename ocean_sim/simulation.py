@@ -243,8 +243,7 @@ class Simulation:
             raise failures[0]
 
     def conclude(self) -> list[BaseException]:
-        """Close all observers, even if one raises; returns the exceptions. The first makes an outcome `done` a
-        failure."""
+        """Close all observers, even if one raises; return the exceptions. The first makes `done` a failure."""
         failures: list[BaseException] = []
         concluded: list[OutcomeObserver] = []
         for observer in sorted(self.observers, key=lambda observer: isinstance(observer, OutcomeObserver)):

@@ -97,7 +97,7 @@ class Platform(Protocol):
         """Lengths (6,) of the legs in the neutral pose [m]."""
 
     def follow(self, ride: Ride, ahead: Ride | None = None) -> Commands:
-        """Commands for the next rows of ship motion, continuing the last call's. `ahead`: as for `Washout.follow`."""
+        """Commands for the next rows of ship motion, after the last call's. `ahead`: the rows after them, or None."""
 
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
         """Commands from the last two poses, `past` (2, 6), back to neutral; the last was at `time` [s] in row `seq`."""

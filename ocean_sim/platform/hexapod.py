@@ -47,7 +47,8 @@ class Config(PlatformConfig):
         return preset(info.field_name, value) if isinstance(value, str) else value
 
     def mismatches(self, preflight: Preflight) -> Faults:
-        """Yield faults (key, sentence): a ship that is missing, or a washout that needs motion ahead of a run."""
+        """Yield faults (key, sentence): those of the base class, and a washout that plans with the ship's future
+        motion, which only a finished log has."""
         yield from super().mismatches(preflight)
         if cast(WashoutConfig, self.washout).look_ahead > 0.0:
             yield ("washout",), "predictive looks ahead, in a finished log: use `ocean-sim platform RUN`"
@@ -145,8 +146,8 @@ class HexapodPlatform:
         return lengths, speeds, limited
 
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
-        """Commands that glide back to neutral in the time of the ramp, more if legs are slow; arguments as in
-        `Platform`."""
+        """Commands from the last two poses, `past` (2, 6), back to neutral, in the time of the ramp or, if legs are
+        slow, longer. The last pose was at `time` [s], in the row numbered `seq`."""
         lengths, every, machine = self.hexapod.legs(past), self.every, self.geometry
         stroke = machine.longest - machine.shortest
         longest = stroke / machine.leg_speed + machine.leg_speed / machine.leg_acceleration  # [s]

@@ -112,7 +112,7 @@ class Composition:
             self.problems.append(problem_at(ship.key_location, f"{SEVERAL}.{name}", message, meant))
 
     def another_kind(self, place: str, below: Choice, kind: Node) -> Choice:
-        """Copy of a choice `below` with another kind or preset; keys that this lacks are dropped, with a note."""
+        """Copy of a choice `below` with another `kind` or preset at `place`; keys that this lacks go, with a note."""
         slot = slot_of(place)
         base = choice_of(place, kind.with_data({"kind": kind})).base
         written = below.own if isinstance(kind.data, str) and kind.data not in kinds(slot) else below.whole()
@@ -159,7 +159,7 @@ class Composition:
         return None
 
     def lay_beside(self, key: str, node: Node) -> None:
-        """Apply a key that belongs to a part, but stands at the scene's top level (KEYS_BESIDE_SLOTS), to that part."""
+        """Apply a key that a scene may write beside the part to which it belongs (as `rim`, of `sea`) to that part."""
         slot = KEYS_BESIDE_SLOTS[key]
         choice = self.slots.get(slot)
         if choice is not None and key in choice.own.data:
@@ -170,7 +170,8 @@ class Composition:
             self.set_part(slot, (key,), node)
 
     def below(self, place: str, node: Node) -> Choice | None:
-        """Choice that earlier layers made for the part at `place`, or its default kind, located at `node`, or None."""
+        """Choice of kind and keys that earlier layers (scene, then profile) made for the part at `place` (as `wind`);
+        else its default kind, located at `node` for messages; else None."""
         absent = self.slots.get(place) is None and place in DEFAULT_KINDS
         return choice_of(place, node.with_data(DEFAULT_KINDS[place])) if absent else self.slots.get(place)
 
@@ -273,7 +274,7 @@ def choice_of(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
 
 
 def without_kind(place: str, node: Node) -> Problem:
-    """Problem to report for the part at `place` (such as `wind`) that names no kind, with a guess of the kind meant."""
+    """Problem to report: the part at `place` (as `wind`) names no kind (as `gusts`); with a guess of the kind meant."""
     slot = slot_of(place)
     end = f"there are {', '.join(known_names(slot))}"
     if not node.is_mapping:
@@ -301,7 +302,7 @@ def key_for_name(name: str, ship: Node) -> str | None:
 
 
 def kind_of_keys(slot: str, node: Node) -> str | None:
-    """Kind of a slot that has most keys of a mapping, slips of spelling allowed; None if none or several do."""
+    """Kind (as `gusts`) of a slot (as `wind`) that has most keys of a mapping, misspelt ones too; None if undecided."""
     fields = {kind: config_of(slot, kind).model_fields for kind in kinds(slot)}
     had = {kind: sum(likeliest(str(key), keys) is not None for key in node.data) for kind, keys in fields.items()}
     most = max(had.values(), default=0)
@@ -310,7 +311,8 @@ def kind_of_keys(slot: str, node: Node) -> str | None:
 
 
 def with_owners(found: Problem, slot: str, place: str) -> Problem:
-    """Add to a problem of an unknown key, unless it has a suggestion, the kinds of the slot that have this key."""
+    """Add to a problem `found`, an unknown key of the part at `place` (as `wind`), the kinds of its slot, as `gusts`,
+    that have this key; a problem with a suggestion stays as it is."""
     key = found.key.removeprefix(f"{place}.")
     if not found.message.startswith("unknown key") or found.suggestion is not None:
         return found
@@ -321,12 +323,12 @@ def with_owners(found: Problem, slot: str, place: str) -> Problem:
 
 
 def kind_named(slot: str, name: str) -> str:
-    """Kind of the preset or kind called `name` in a slot; raises SceneError if there is none."""
+    """Kind that `name`, a kind or a preset of a slot (as `wind`), stands for; raises SceneError if there is none."""
     return choice_of(slot, node_of({"kind": name}, Location(name))).kind
 
 
 def known_names(slot: str) -> list[str]:
-    """All names that a slot accepts, sorted: presets and kinds."""
+    """All names that a slot accepts, sorted: presets (for `wind`, as `gale`) and kinds (as `gusts`)."""
     return sorted({*named(slot), *kinds(slot)})
 
 

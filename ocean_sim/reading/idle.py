@@ -19,12 +19,13 @@ GRAPHICS_BACKENDS = ("cuda", "metal", "vulkan", "gpu")  # backends that no threa
 
 
 def has_particles(mapping: Any, known: Preflight, *_: Any) -> bool:
-    """True if the scene's water is made of particles; a condition in IDLE_RULES, which reads `known` only."""
+    """True if the scene's water is made of particles; for IDLE_RULES. Of its arguments it reads only `known`."""
     return known.fluid.made_of_particles
 
 
 def has_stops(mapping: Any, known: Preflight, *_: Any) -> bool:
-    """True if particles of the water can meet a wall, a floor, a lid or an obstacle; a condition in IDLE_RULES."""
+    """True if particles of the scene's water can meet a wall, a floor, a lid or an obstacle. For IDLE_RULES, the rules
+    on keys without effect; of its arguments it reads only `known`, the scene."""
     return known.fluid.made_of_particles and bool(known.tank.sides or known.tank.config.obstacles)
 
 

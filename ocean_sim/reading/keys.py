@@ -42,7 +42,7 @@ class Key(NamedTuple):
 
 @cache
 def by_path() -> dict[str, Key]:
-    """All keys of all parts and kinds by path, in the order of the schema."""
+    """All keys of a scene by path, as `wind.stress.u10` for the kind `stress` of `wind`, in the order of the schema."""
     whole, found = scene_schema(), dict[str, Key]()
     for name, node in whole["properties"].items():
         if name in SLOTS:
@@ -197,7 +197,7 @@ def bound_of(node: dict[str, Any], *names: str) -> float | None:
 
 
 def keys_at(word: str) -> list[Key]:
-    """The key at the path `word`, then those directly below it; a path without the kind matches every kind."""
+    """The key at the path `word`, then those directly below; `wind.u10`, without a kind, matches that of every kind."""
     wanted = word.replace("[]", "").strip(".").split(".")
     steps = [step for step in wanted if not step.isdigit()]
     exact, below = [], []

@@ -151,7 +151,7 @@ def observer_names() -> tuple[str, ...]:
 
 
 def on_unless_null(slots: Iterable[str]) -> list[str]:
-    """Names of the observers that run unless a scene sets them to null, if it fills these slots (such as `ship`)."""
+    """Names of the observers that run unless set to null, in a scene that has the parts `slots` (as `ship`)."""
     return [*ALWAYS_ON, *(name for name, slot in ON_WITH.items() if slot in slots)]
 
 
@@ -239,7 +239,7 @@ class _SceneCheck:
         self.problems += composition.problems
 
     def node(self, place: str) -> Node | None:
-        """The node (value with location) of a part or observer by its key, as `ships.tug`; None if it is absent."""
+        """The node (value with location) of a part or observer at `place`, as `ships.tug`; None if it is absent."""
         slot, _, name = place.partition(".")
         node = self.root.data.get(slot)
         return node.child(name) if node is not None and name else node
@@ -305,7 +305,7 @@ class _SceneCheck:
                 self.report(place, sentence, path)
 
     def part(self, place: str, model: type[Model] | None = None) -> Any:
-        """The checked Config of a part, of class `model` or else of its kind; None where it is absent or wrong."""
+        """Checked Config of the part at `place` (as `ships.tug`), of `model` or its kind; None if absent or wrong."""
         node = self.node(place)
         if node is not None and node.data is not None:
             if model is not None:

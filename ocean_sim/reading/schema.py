@@ -81,7 +81,8 @@ def _slot_schema(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:
 
 
 def _preset_schema(slot: str, name: str, definitions: dict[str, Any]) -> dict[str, Any]:
-    """Schema of a mapping whose `kind` is a preset: the keys of its kind, none of them required."""
+    """Schema of a part in a slot (as `wind`) whose `kind` is the preset `name` (as `gale`): keys of the kind on which
+    this is based, none of them required. `definitions`: schemas of all Configs by name."""
     name_only = {"const": name, "description": part_sentence(slot, name)}
     properties = definitions[f"{slot}.{kind_named(slot, name)}"]["properties"] | {"kind": name_only}
     mapping = {"type": "object", "description": part_sentence(slot, name), "properties": properties}

@@ -181,15 +181,16 @@ class Restorer:
             file.truncate()
 
     def value(self, node: Any, fresh: Any, path: str) -> Any:
-        """Restored value of a node; `fresh`, newly built in its place, is kept and filled if it has fields. May raise
-        Mismatch."""
+        """Value restored from a `node` of the saved tree, at `path` from the root. `fresh`, the value newly built
+        there, is kept and filled if it has Taichi fields. May raise Mismatch."""
         found = self.restore_node(node, fresh, path) if isinstance(node, dict) else node
         if has_wrong_kind(found, fresh):
             raise Mismatch(f"its {path.lstrip('.')} is {found!r:.60}")
         return found
 
     def restore_node(self, node: Any, fresh: Any, path: str) -> Any:
-        """Restored value of a dict node, by the method for the kind that its first key names, such as `from_list`."""
+        """Value restored from a dict node of the saved tree, by the method for its first key: `from_list` for `list`.
+        `fresh`: the value newly built there."""
         kind = next(iter(node))
         if kind == SAME_KEY:
             return self.made[node[SAME_KEY]]
@@ -207,7 +208,8 @@ class Restorer:
         return np.dtype(dtype).type(value)
 
     def from_path(self, node: Any, fresh: Any, path: str) -> Path:
-        """Path in the run folder; `cut` restores it if it was a folder. Raises Mismatch for a path of another name."""
+        """Path in the run folder, from its saved name; raises Mismatch if `fresh`, the newly built path, has another
+        name. A folder that is gone by now is made again by `cut`."""
         found = self.folder / path_inside(node[PATH_KEY])
         if isinstance(fresh, Path) and not (fresh.is_dir() if found == self.folder else fresh.name == found.name):
             raise Mismatch(f"its {path.lstrip('.')} is {node[PATH_KEY]!r:.60}")
@@ -231,7 +233,8 @@ class Restorer:
         return self.arrays[node[ARRAY_KEY]]
 
     def from_file(self, node: Any, fresh: Any, path: str) -> TextIOWrapper:
-        """Text file in the run folder, opened to go on writing; raises FileShortened if it has lost saved bytes."""
+        """Text file in the run folder, from its saved name and size, opened to go on writing in place of `fresh`, the
+        newly built one; raises FileShortened if it has lost saved bytes."""
         name, size = node[FILE_KEY]
         if type(size) is not int or size < 0:
             raise Mismatch(f"{name} cannot have {size!r:.60} bytes")
@@ -248,12 +251,12 @@ class Restorer:
         return range(*node[RANGE_KEY])
 
     def from_list(self, node: Any, fresh: Any, path: str) -> list:
-        """Restored list; instead the newly built list `fresh` if its items are identical to the restored ones."""
+        """Restored list; or the newly built list `fresh`, so that it keeps its identity, if its items are identical."""
         new = self.restore_items(node[LIST_KEY], fresh if isinstance(fresh, list) else [], path)
         return fresh if isinstance(fresh, list) and are_same_things(new, fresh) else new
 
     def from_tuple(self, node: Any, fresh: Any, path: str) -> tuple:
-        """Restored tuple or named tuple; instead the newly built `fresh` if its items are identical to those."""
+        """Restored tuple or named tuple; or the newly built one, `fresh`, if its items are identical to those."""
         new = self.restore_items(node[TUPLE_KEY], fresh if isinstance(fresh, tuple) else (), path)
         if isinstance(fresh, tuple) and are_same_things(new, fresh):
             return fresh
@@ -265,12 +268,13 @@ class Restorer:
         return named
 
     def restore_items(self, nodes: list, fresh: Any, path: str) -> list:
-        """Restored values of a list of tree nodes, each with the newly built item of `fresh` at its index, if any."""
+        """Values restored from `nodes` of the saved tree, in a list. `fresh`: list newly built there, whose items are
+        kept and filled if they have Taichi fields; `path`: of the list from the root."""
         built = [*fresh, *([MISSING_VALUE] * (len(nodes) - len(fresh)))]
         return [self.value(node, built[k], f"{path}.{k}") for k, node in enumerate(nodes)]
 
     def from_dict(self, node: Any, fresh: Any, path: str) -> dict:
-        """Restored dict; instead the newly built dict `fresh` if its keys are equal and its values identical."""
+        """Restored dict; or the newly built dict `fresh`, so that it keeps its identity, if all in it is identical."""
         new, there = {}, fresh if isinstance(fresh, dict) else {}
         for k, (key, inner) in enumerate(node[DICT_KEY]):
             name = self.value(key, MISSING_VALUE, f"{path}.{path_step(key, k)}.key")
@@ -278,8 +282,8 @@ class Restorer:
         return there if list(new) == list(there) and are_same_things(new.values(), there.values()) else new
 
     def restore_object(self, node: Any, fresh: Any, path: str) -> Any:
-        """Restored object of this package: data are created anew, any other object of equal class is updated in
-        place."""
+        """Restored object of this package: `fresh`, newly built, updated in place; but data, and objects of another
+        class, are created anew."""
         made, data = find_class(node[OBJECT_KEY]), node["data"]
         if type(data) is not bool:
             raise Mismatch(f"its {path.lstrip('.')} is neither data nor not: {data!r:.60}")

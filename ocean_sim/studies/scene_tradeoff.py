@@ -60,13 +60,13 @@ class Budget:
         return cls(text.strip(), float(found[1]) if found[1] else 1.0)
 
     def seconds(self, row: dict[str, Any]) -> float | None:
-        """Time [s] per simulated second, or of the whole run if that is limited, from the costs in `row`: the smaller
-        of wall and processor time (waiting raises the one, several cores the other). None without both."""
+        """Time [s] per simulated second, or of the whole run if that is limited, from `row` of a study's table: the
+        smaller of wall and processor time (waiting raises the one, several cores the other). None without both."""
         unit = "per_s" if self.name == "realtime" or self.name.endswith("ms") else "s"
         return min(filter(None, (row.get(f"wall_{unit}"), row.get(f"cpu_{unit}"))), default=None)
 
     def spent(self, row: dict[str, Any]) -> float | None:
-        """Time of the run with the costs in `row`, in the unit of the limit `most`; None if unknown."""
+        """Time of the run in `row` of a study's table, in [ms] a frame or [s] as limited; None if unknown."""
         cost = self.seconds(row)
         return 1e3 * cost / 60.0 if cost is not None and self.name.endswith("ms") else cost
 
@@ -179,7 +179,8 @@ def errors_against(result: Result, reference: Result) -> dict[str, float | None]
 
 
 def _wave_errors(gauge: str, own: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> dict[str, float | None]:
-    """Differences of wave heights [m] and period [s] at a gauge between two tables, by name; None without waves."""
+    """Differences of wave heights [m] and period [s] at a gauge, by name, between the gauge records (columns by name)
+    of a run, `own`, and of the reference, `other`; None without waves."""
     a, b = (scene_run.wave_heights(gauge, table["time_s"], table[f"{gauge}_m"]) for table in (own, other))
     return {key: abs(a[key] - b[key]) if a[key] is not None and b[key] is not None else None for key in b}  # type: ignore[operator]
 

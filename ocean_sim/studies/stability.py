@@ -85,12 +85,14 @@ class Spot(Point):
 
 
 def grid_points(quick: bool, scene: str | None = None) -> list[Spot]:
-    """All runs of all maps, of the study's own scenes, or of a user's `scene` (SceneError if that is invalid)."""
+    """All runs of all stability maps, of the study's own scenes, or of a user's `scene` (SceneError if that is
+    invalid). `quick`: fewer values and time steps, shorter runs."""
     return [spot for axis in EXTREME_AXES for spot in _axis_points(axis, quick, scene)]
 
 
 def _axis_points(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
-    """Yield the runs of the map that varies `axis`; none if the map does not apply to the user's scene."""
+    """Yield the runs of the map of time step against the setting `axis`, fewer if `quick`; none of a user's `scene`
+    whose water has no particles, or if the setting is a ship's."""
     afloat, theirs = axis.of == "ship", None if scene is None else load(scene).fluid
     if theirs is not None and (afloat or not theirs.made_of_particles):
         return  # a hull has a mass of its own, and water without particles cannot become unstable
@@ -121,7 +123,7 @@ def verdict_of(
     answer: dict[str, Any], accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool
 ) -> tuple[str, str, dict[str, float]]:
     """Verdict (one of VERDICT_WORDS) on a run, its reason, and by name its energy gain and greatest mean compression.
-    `accuracy`: columns of accuracy.csv; `driven`: True if wind drives the water."""
+    `answer`: outcome and reason; `accuracy`: columns of accuracy.csv; `driven`: True if wind drives the water."""
     gain = energy_gain(accuracy, scene, driven)
     dense = float(np.max(accuracy.get("compression_mean", [0.0]), initial=0.0))
     numbers = {"energy_gain": gain, "compression_mean": dense}

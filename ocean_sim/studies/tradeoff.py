@@ -50,7 +50,7 @@ class Trial(Model):
 
     @property
     def schemes(self) -> Sequence[str]:
-        """Names of the schemes (kinds of the slot `slot`) with which the case is run."""
+        """Names of the schemes with which the case is run: kinds of a scene's part `slot`, as `mueller` of `fluid`."""
         return self.only or compared(self.slot)
 
 
@@ -67,7 +67,7 @@ class CasePoint(Point):
     settings: dict[str, Any]
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
-        """Table rows of this run: one for each error of the case; just one, without error, if the run gave none."""
+        """Table rows of this run, one per error in its results `answer`; just one, without error, if it gave none."""
         names = {"case": self.trial.case, "set_up": self.trial.set_up, "scheme": self.scheme, "changed": self.changed}
         keys = ("resolution", *(key for axes in PLAN["axes"].values() for key in axes))
         head = names | {"coarse": self.coarse} | {key: self.settings.get(key) for key in keys}
@@ -83,13 +83,13 @@ class CasePoint(Point):
 
 
 def study_points(quick: bool) -> list[CasePoint]:
-    """All runs of the study of validation cases, the cheap (coarse) ones of all cases first."""
+    """All runs of the study of validation cases, fewer if `quick`; the cheap (coarse) ones of all cases first."""
     found = [point for trial in TRIAL_CASES if trial.quick or not quick for point in _trial_points(trial, quick)]
     return sorted(found, key=lambda point: (not point.coarse, point.settings.get("resolution", 1.0) < 1.0))
 
 
 def _trial_points(trial: Trial, quick: bool) -> Iterator[CasePoint]:
-    """Yield the runs of one case: every scheme, at each resolution, and with each other setting changed."""
+    """Yield a case's runs: each scheme at each resolution, and with each other setting changed; fewer if `quick`."""
 
     def point(scheme: str, coarse: bool, settings: dict[str, Any]) -> CasePoint:
         names = {"task": __name__, "case": trial.case, "set_up": trial.set_up, "coarse": coarse, "scheme": scheme}
@@ -145,9 +145,10 @@ def pareto_front(pairs: list[tuple[float, float]]) -> list[int]:
 
 
 def equal_cost_rows(rows: list[dict[str, Any]], speed: str) -> list[dict[str, Any]]:
-    """Rows with the best run of each scheme in each case, at equal time (column `speed`) or equal number of particles.
+    """Best run of each scheme in each case, a row each, at equal time or equal number of particles.
 
-    Equal time is that of the slowest scheme's cheapest run; equal numbers are compared for default settings only."""
+    Equal time (column `speed`, per simulated second) is that of the slowest scheme's cheapest run; equal numbers are
+    compared for default settings only."""
     done = [row for row in rows if row.get("error") is not None and row.get(speed)]
     found = []
     for case in dict.fromkeys(row["case"] for row in done):

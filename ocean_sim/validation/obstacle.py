@@ -83,7 +83,7 @@ def arrival_time(time: np.ndarray, channel: np.ndarray, threshold: float) -> flo
 
 
 def compare_channels(time: np.ndarray, channels: dict[str, np.ndarray]) -> Finding:
-    """Compare recorded `channels` (n,), heights [m] and pressures [Pa] by name, at times (n,) [s], with the table."""
+    """Compare recorded `channels` (n,), heights [m], pressures [Pa] by name, at times (n,) [s], with measured ones."""
     data = table(CHANNEL_TABLE)
     found: dict[str, Number] = {}
     within = (data["t"] <= END_TIME) & (data["t"] <= time[-1] + SAMPLE_INTERVAL)

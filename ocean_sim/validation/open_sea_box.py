@@ -150,7 +150,8 @@ def box_keys(moves: Sequence[str]) -> dict[str, Any]:
 
 
 def motion_amplitudes(rows: np.ndarray, speed: float) -> list[float]:
-    """Amplitudes of heave and pitch in the last wave periods, from rows of `follow_motions` at a `speed` [m/s]."""
+    """Amplitudes of heave and pitch in the last wave periods, over those of wave and wave slope, from rows (n, 3) of
+    time and both motions (`follow_motions`); `speed` [m/s]: of towing along x."""
     t = rows[:, 0]
     last = t > t[-1] - JUDGED_PERIODS * PERIOD
     encounter = 2.0 * pi / PERIOD - WAVENUMBER * speed  # [rad/s]
@@ -158,7 +159,7 @@ def motion_amplitudes(rows: np.ndarray, speed: float) -> list[float]:
 
 
 def motion_curves(rows: np.ndarray, suffix: str = "") -> list[case.Curve]:
-    """Curves of heave and pitch over time, from rows (n, 3) of `follow_motions`; `suffix`: end of their labels."""
+    """Curves of heave and pitch over time from rows (n, 3) of time, heave, pitch; `suffix`: end of their labels."""
     return [case.Curve(f"{motion}{suffix}", rows[:, 0] / PERIOD, rows[:, k + 1]) for k, motion in enumerate(MOTIONS)]
 
 
@@ -178,7 +179,8 @@ def follow_motions(simulation: Simulation, speed: float) -> np.ndarray:
 
 
 def closed_form_motions(simulation: Simulation, speed: float) -> np.ndarray:
-    """Motions of the same box in `linear_waves` at a speed [m/s] along x: rows (n, 3) as of `follow_motions`."""
+    """Motions of the same box towed in `linear_waves` at a speed [m/s] along x: rows (n, 3) of time [s], heave over
+    wave amplitude, pitch over wave slope."""
     extra = {"kind": "dynamic", "radiation": str(table_path("box_radiation")), "damping": {"cross_flow": 0.0}}
     of_waves = {"height": 2.0 * AMPLITUDE, "period": PERIOD, "heading_deg": 90.0}
     scene = at_sea(box_keys(SHIP_MOTIONS) | extra, BREADTH, PERIOD / PERIOD_STEPS, RUN_PERIODS * PERIOD, **of_waves)

@@ -134,7 +134,8 @@ def linear_wave_share(simulation: Simulation, time: np.ndarray) -> np.ndarray:
 
 
 def packet_problem(width: float, within: float) -> Problem:
-    """Set-up of a wave packet in a calm sea that meets a rim `width` [wavelengths] wide; `within`: tolerance [%]."""
+    """Set-up of a wave packet in a calm sea that meets a rim (relaxation zone) `width` [wavelengths] wide; `within`:
+    tolerance [%] of the height that comes through or back."""
     quantity = f"rim of {width:g} wavelengths: height of a packet that returns once round"
     promise = Promise(quantity, "%", f"none; {within:g} %", {"delta_sph": within})
     periods = PACKET_WAY * LENGTH / GROUP_SPEED / PERIOD + 1.0
@@ -202,7 +203,8 @@ def random_problem() -> Problem:
 
 
 def measure_random(simulation: Simulation) -> Finding:
-    """Run; compare wave height and phase between the rims, in the second half of the run, with linear theory."""
+    """Run; compare height and phase of waves between the rims (relaxation zones at the ends of the patch), in the
+    second half of the run, with linear theory."""
     sea = patch_waves(simulation.basin, simulation.fluid.spacing)
     assert sea is not None
     half = (0.5 * RANDOM_PATCH - RANDOM_RIM) * LENGTH

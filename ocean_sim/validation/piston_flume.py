@@ -38,8 +38,8 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def flume_problem(far: int, begin: float, tolerance: float, coarse: bool, slow: bool = False) -> Problem:
-    """Set-up of a flume with gauges 1 and `far` wavelengths from the piston, whose records count from `begin` [s] on;
-    `tolerance` [%]: of the far gauge."""
+    """Set-up of a flume with gauges 1 and `far` wavelengths from the piston, whose records count from `begin` [s] on.
+    `tolerance` [%]: of the height at the far gauge; `coarse`: twice the spacing; `slow`: takes minutes."""
     zone = 0.5 * (GROUP_SPEED * (begin + RECORD_LENGTH) + far * WAVELENGTH)  # [m] from the piston to the zone
     waves_made = {"height": HEIGHT, "period": PERIOD}
     scene = flume_scene(zone + WAVELENGTH, DEPTH, DEPTH / (10 if coarse else 20), begin + RECORD_LENGTH, waves_made)

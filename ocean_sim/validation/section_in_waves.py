@@ -134,13 +134,14 @@ def measure_particles(simulation: Simulation, period: float) -> Finding:
 
 
 def section_keys(cells: int) -> dict[str, Any]:
-    """Scene keys of the ship that is the section, free in heave and roll, with `cells` cubes over its draught."""
+    """Scene keys of a ship with the measured section, free in heave and roll, with `cells` cubes over its draught."""
     whole = ships.ship_of_section(BREADTH, HEIGHT, BILGE, LENGTH, MASS, KG, ROLL_RADIUS, cells)
     return whole | {"free": ["heave", "roll"]}
 
 
 def measured_amplitudes(scenario: str = "heave+roll") -> dict[float, dict[str, float]]:
-    """Published amplitudes by wave period [s] and motion: roll over wave slope k a, others over wave amplitude a."""
+    """Published amplitudes by wave period [s] and motion: roll over wave slope k a, others over wave amplitude a.
+    `scenario`: motions that were free, a key of FREE_MOTIONS."""
     table = csv_file.read_columns(table_path("sundsdal2025_section"))
     found: dict[float, dict[str, float]] = {}
     for motion in FREE_MOTIONS[scenario]:

@@ -150,8 +150,8 @@ def measure_still(simulation: Simulation) -> Finding:
 def flume_problem(
     name: str, scene: dict[str, Any], gauges: np.ndarray, promises: Sequence[Promise], compare: Compare
 ) -> Problem:
-    """Set-up of a flume with gauges at x (m,) [m] from the piston; `compare`: turns times and records into the numbers
-    of the `promises`."""
+    """Set-up of a flume with gauges at x (m,) [m] from the piston. `promises`: quantities and tolerances; `compare`:
+    from times and records to value, reference and error of each."""
 
     def measure(simulation: Simulation) -> Finding:
         basin, ground = simulation.basin, simulation.basin.ground

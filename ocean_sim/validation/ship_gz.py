@@ -22,7 +22,7 @@ SOURCE_TEXT = "hull sections clipped as polygons"
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Set-ups to run: three hulls at two resolutions (coarse: one), and the barge under the thesis's force law."""
+    """Set-ups to run: three hulls at two resolutions (coarse: one), and the barge on the thesis's water columns."""
     cells = ((8, 4.0),) if coarse else ((8, 4.0), (16, 2.0))
     found = [hull_problem(hull, n, limit) for n, limit in cells for hull in RIGHTING_LEVERS]
     return [*found, thesis_problem()]
@@ -49,7 +49,8 @@ def hull_problem(hull: str, cells: int, limit: float) -> Problem:
 
 
 def thesis_problem() -> Problem:
-    """Set-up of the barge under the thesis's force law as printed, judged by righting levers that this implies."""
+    """Set-up of the barge carried by columns of water, as the thesis prints, that push on the vertical through the
+    hull's bottom; judged by righting levers that this implies."""
     scene = at_sea({"hull": "barge20", "cells_per_draught": 16}, 20.0, 0.01)
     source, limit = "columns on the vertical through the bottom", {"thesis": 0.004}
     promises = tuple(Promise(f"as printed: GZ at {heel} degrees [m]", "m", source, limit) for heel in COLUMN_LEVERS)

@@ -40,7 +40,8 @@ def problems(coarse: bool) -> list[Problem]:
 def release_problem(
     name: str, keys: dict[str, Any], limits: dict[str, float], schemes: tuple[str, ...], cells: int
 ) -> Problem:
-    """Set-up of the barge with ship `keys` (none: added mass by rule of thumb); `limits`: tolerances [%] by scheme."""
+    """Set-up of the barge, displaced and released, with `cells` cubes over its draught and ship `keys` (none: added
+    mass by rule of thumb); `limits`: tolerances [%] by scheme."""
     ship = {"hull": "barge20", "cells_per_draught": cells, "free": list(STIFFNESS)} | keys
     promises = tuple(Promise(f"{name}: {motion} period [s]", "%", SOURCE_TEXT, limits) for motion in STIFFNESS)
 

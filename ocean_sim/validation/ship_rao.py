@@ -47,7 +47,8 @@ def problems(coarse: bool) -> list[Problem]:
 def hull_problem(
     hull: str, sea: str, omegas: tuple[float, ...], schemes: tuple[str, ...], keys: dict[str, Any], cells: int
 ) -> Problem:
-    """Set-up of a hull in a `head` or `beam` sea of frequencies `omegas` [rad/s], with further ship `keys`."""
+    """Set-up of a hull, `cells` cubes over its draught, in a `head` or `beam` sea of frequencies `omegas` [rad/s], with
+    further ship `keys`; `schemes`: kinds of ship to run."""
     name, turn = f"{hull}, {sea} sea", "pitch" if sea == "head" else "roll"
     name += ", memory" if "radiation" in keys else ""
     free = ["surge", "heave", "pitch"] if sea == "head" else ["sway", "heave", "roll"]

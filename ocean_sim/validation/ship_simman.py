@@ -61,8 +61,7 @@ def sailed_problem(row: dict[str, str]) -> Problem:
 
 
 def measure_sailed(simulation: Simulation, test: str, speed: float, measured: list[float]) -> Finding:
-    """Run a test, such as `circle 35 port`, from a speed [m/s]; compare indices such as advance with `measured`
-    ones."""
+    """Run a test, as `circle 35 port`, from a speed [m/s]; compare indices such as advance with `measured` ones."""
     (kind, angle, side), ship = test.split(), cast(Any, ships.ship_of(simulation))
     way, sailing = 1.0 if side == "port" else -1.0, (set_steady_throttle(ship, speed), 0.0)
     if kind == "circle":

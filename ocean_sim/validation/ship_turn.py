@@ -145,8 +145,8 @@ def measure_circle(simulation: Simulation, length: float) -> Finding:
 def zigzag_record(
     simulation: Simulation, angle: float, way: float, *sailing: float
 ) -> tuple[np.ndarray, list[float], list[float]]:
-    """Run a zig-zag by an angle [deg], first to port (`way` 1) or starboard (-1): rows of `sail_rows`, reversal times
-    [s], and overshoot after each but the last [deg]; `sailing`: arguments of `sail_rows` from the duration on."""
+    """Run a zig-zag by an angle [deg], first to port (`way` 1) or starboard (-1): `sail_rows` (time, place, yaw, ...),
+    reversal times [s], overshoot after each but the last [deg]. `sailing`: duration [s], throttle, approach [s]."""
     ways, executed = [way], []
 
     def orders(time: float, yaw: float) -> float:

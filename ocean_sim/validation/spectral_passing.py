@@ -55,7 +55,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 class GaussianPressure(Displacing):
-    """A moving pressure of Gaussian shape, which the tile receives as a displaced volume of the same weight."""
+    """A moving pressure of Gaussian shape, in the form of a body that displaces water of the same weight."""
 
     def __init__(self) -> None:
         ticks = np.arange(-3.0, 3.01, 0.125)

@@ -97,7 +97,7 @@ def michell_resistance(u: float) -> float:
 
 
 def elevation_behind(x: float, z: float, u: float) -> float:
-    """Elevation [m] of the waves that follow the thin hull, `x` ahead of amidships and `z` beside the track [m]."""
+    """Elevation [m] of the thin hull's wake at speed `u` [m/s], `x` ahead of amidships (< 0), `z` abeam [m]."""
     t = np.linspace(-LAST_ANGLE, np.arctan2(-x, z), ANGLE_NODES)
     k, source = wave_source(t, u)
     wave = k * source * np.sin(k * (x * np.cos(t) + z * np.sin(t))) / np.cos(t) ** 2

@@ -140,7 +140,8 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def wave_problem(reynolds: float | None, coarse: bool, decay: dict[str, float], slow: bool = False) -> Problem:
-    """Set-up of the wave at a Reynolds number sqrt(g H) H / nu (None: inviscid); `decay`: tolerances by scheme."""
+    """Set-up of the wave at a Reynolds number sqrt(g H) H / nu (None: inviscid). `coarse`: twice the spacing; `decay`:
+    tolerances by scheme; `slow`: takes minutes."""
     name = f"Re {reynolds:g}" if reynolds else "nu 0"
     viscosity = DEEP_WAVE.viscosity(reynolds) if reynolds else 0.0
     scene = {
@@ -160,8 +161,7 @@ def wave_problem(reynolds: float | None, coarse: bool, decay: dict[str, float], 
 
 
 def compare_wave(times: np.ndarray, share: np.ndarray, viscosity: float) -> Finding:
-    """Compare period and decay rate of a wave, from its amplitude ratio `share` (n,), with theory for a viscosity
-    [m2/s]."""
+    """Compare a wave's period and decay, by its amplitude ratio `share` (n,), with theory for a viscosity [m2/s]."""
     period, rate = DEEP_WAVE.fit_damped_cosine(times, share)
     expected, root = DEEP_WAVE.leading_rate(viscosity), DEEP_WAVE.viscous_root(viscosity)
     effective = rate / DEEP_WAVE.leading_rate(1.0)

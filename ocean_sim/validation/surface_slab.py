@@ -58,7 +58,7 @@ def wave_positions(position: np.ndarray) -> np.ndarray:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Shear the slab, let the surface settle, and compare it along the middle with the wave."""
+    """Shear the slab of particles into a wave, let the fitted surface settle, and compare both along the middle."""
     start = particle_state(simulation).position
     set_state(simulation, wave_positions(start), np.zeros_like(start))
     surface: Any = simulation.surface

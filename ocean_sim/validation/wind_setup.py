@@ -40,7 +40,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def basin_problem(layers: int, slow: bool = False) -> Problem:
-    """Set-up of the basin with a number of layers of particles over its depth."""
+    """Set-up of the basin with a number of layers of particles over its depth; `slow`: True if it takes minutes."""
     scene = {
         "duration": 5.0,
         "basin": {"length": LENGTH, "depth": DEPTH, "floor": "no_slip"},

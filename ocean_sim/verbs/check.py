@@ -60,8 +60,7 @@ def check(
 
 
 def preflight(config: SceneConfig) -> dict[str, Any]:
-    """Report on a scene as JSON data: particles, memory, time step, wall time, ships, warnings; problems under `urgent`
-    may end a run."""
+    """Report on a scene as JSON data: particles, memory, times, ships, warnings; problems in `urgent` may end a run."""
     known, rows, urgent = config.preflight, config.ledger(), []
     particles = known.particles
     memory = runtime.base_memory(particles) + sum(row.bytes for row in rows)
@@ -164,8 +163,7 @@ def ledger_rows(found: dict[str, Any], config: SceneConfig) -> list[dict[str, An
 
 
 def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
-    """Text on the estimated wall time of a run and its basis: a guess, or the last run of such water on this
-    machine."""
+    """Text on the estimated wall time of a run, and its basis: a guess, or the last run of such water here."""
     parts = found["estimated_by_part"]
     terms = ", ".join(
         f"{name.removesuffix('_s')} {console.duration(seconds)}" for name, seconds in parts.items() if seconds

@@ -45,7 +45,7 @@ def new(
 
 
 def scene_lines(scene: Node, file: Path) -> Iterator[str]:
-    """Yield the lines of a scene file with a comment on each key, and on slots that are left out; `file`: its path."""
+    """Yield the lines of a scene file with a comment on each key, then on absent parts, as `wind`; `file`: its path."""
     schema, here = schema_file(), file.absolute().parent
     near = schema.is_relative_to(PACKAGE) and PACKAGE.parent in (here, *here.parents)  # in a checkout
     yield f"# yaml-language-server: $schema={os.path.relpath(schema, here) if near else schema.absolute().as_uri()}"
@@ -98,7 +98,7 @@ def with_comment(text: str, comment: str) -> str:
 def print_schema(
     out: Path | None = typer.Option(None, help="A file to write instead of standard output."),
 ) -> None:
-    """Print the schema, or write it into a file."""
+    """Print the JSON Schema of scenes, or write it into a file."""
     if out is None:
         with console.NAMED_OUTPUT:
             sys.stdout.write(schema_text())

@@ -21,7 +21,7 @@ def stability(
     workers: int | None = typer.Option(None, min=1, help="Runs at a time; by default one per core."),
     out: Path = typer.Option(Path("runs/stability"), help="Where tables, pictures and runs go."),
 ) -> int:
-    """Map stability over all settings; writes stability.csv, limits.csv, pictures; 1 where a point has no verdict."""
+    """Map stable settings of water; writes stability.csv, limits.csv, pictures; exit code 1 if a run gave no answer."""
     with console.claim(out, "stability.csv", "runs"):
         plan = grid_points(quick, scene)
         if not plan:
@@ -44,7 +44,8 @@ def stability(
 
 
 def print_map(lines: list[dict[str, Any]], table: list[dict[str, Any]], out: Path) -> None:
-    """Print the limits of stability (`lines`), points of `table` that are degraded or lack a verdict, and counts."""
+    """Print limits of stability (`lines`), points of `table` that are degraded (too much energy or compression) or lack
+    a verdict (the run gave no answer), and counts."""
     names = list(lines[0])
     title = (
         "steps over courant's own in still water; numbers: the longest stable step over h / c, h^2 / nu, sqrt(h / a)"

@@ -106,7 +106,8 @@ def print_settings(title: str, rows: list[dict[str, Any]], speed: str) -> None:
 
 
 def study_scene(plan: list[Setting], limit: Budget | None, by: str | None, quick: bool, out: Path) -> None:
-    """Run a scene with every setting and seed, one run at a time; write tradeoff.csv, seeds.csv and a picture."""
+    """Run a scene with every setting of `plan` and every seed (`quick`: fewer), one at a time; write tradeoff.csv,
+    seeds.csv and a picture. `by`: the error that decides (None: the first); `limit`: of time."""
     seeds = SEED_COUNTS[quick] if any(setting.scenes[0].wind.is_random for setting in plan) else 1
     if not console.json_asked:
         finest = next(setting for setting in plan if setting.finest).line()
@@ -182,7 +183,7 @@ def confirmed_setting(
 
 
 def budget_verdict(found: dict[str, Any] | None, rows: list[dict[str, Any]], judge: str, limit: Budget) -> str:
-    """Text on `found`, the best setting within the budget, or if it is None on the reason why there is none."""
+    """Text on `found`, the best setting within `limit` by error `judge`; if None, on why none of `rows` fits."""
     if found is not None:
         return (
             f"most accurate within {limit.name}, by the {measure_label(judge)}: {found['setting']}\n"

@@ -39,7 +39,7 @@ def waves(
     ),
     out: Path | None = typer.Option(None, help="Where the plot and the spectra go; by default next to the record."),
 ) -> None:
-    """Measure every gauge; writes waves.csv, spectra.csv, waves.png, of frames surface.csv, of tracers orbits.csv."""
+    """Measure gauges; writes waves.csv, spectra.csv, waves.png, surface.csv (of frames), orbits.csv (of tracers)."""
     treatment = record.Treatment(detrend, hysteresis)
     if not isfinite(treatment.hysteresis):
         raise console.Refused(f"--hysteresis is a height in metres, not {treatment.hysteresis:g}")
@@ -108,7 +108,7 @@ def read_surface(folder: Path, begin: float) -> SurfaceRecord | None:
 
 
 def surface_sentence(surface: SurfaceRecord) -> str:
-    """Sentences on the mean white-cap cover and the mean circulation in a record."""
+    """Sentences on means over frames: white-cap cover, and circulation of the water about the basin's middle."""
     cover = f"white caps on {100.0 * surface.cover.mean():.3g} % of the surface on average, "
     cover += f"{100.0 * surface.cover.max():.3g} % at most: where it falls faster than {BREAKING_ACCELERATION:g} g "
     cover += f"by waves of {surface.shortest:.3g} m and longer, four points of the frames"

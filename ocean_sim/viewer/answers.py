@@ -31,8 +31,7 @@ def key_table(scene: SceneConfig) -> list[dict[str, Any]]:
 
 
 def model_rows(place: str, path: str, model: BaseModel) -> list[dict[str, Any]]:
-    """Rows of `key_table` for a config model and its sub-models. `place`: the model's path in the scene; `path`: in the
-    table of keys."""
+    """Rows of `key_table` for a model and its sub-models; `place`: its path in the scene, `path`: in the table."""
     rows: list[dict[str, Any]] = []
     for name in type(model).model_fields:
         value, known = getattr(model, name), by_path().get(f"{path}.{name}")

@@ -188,7 +188,7 @@ class Server(AbstractContextManager["Server"]):
         self.loop.call_soon_threadsafe(self.keep_packets, None, frame)
 
     def tell(self, watcher: int | None, **message: Any) -> None:
-        """Send a text message to the page of this number, or to all (None); later pages get the last `panel`."""
+        """Send a text message to page number `watcher`, or all (None); later pages get the last `panel` (settings)."""
         self.loop.call_soon_threadsafe(self.queue_text, watcher, message)
 
     def orders(self) -> list[Order]:
@@ -349,7 +349,7 @@ class Server(AbstractContextManager["Server"]):
         return socket
 
     def receive(self, watcher: Watcher, text: str) -> None:
-        """Handle a page's message: hand over the helm, or queue the command. BadMessage closes the connection."""
+        """Handle a page's message: pass the helm (right to command), or queue it. BadMessage closes the connection."""
         if not watcher.may_ask():
             raise BadMessage("too many messages")
         order = parse_command(text)
@@ -370,7 +370,7 @@ class Server(AbstractContextManager["Server"]):
         self.queue_text(watcher.number, {"type": "said", "text": text, "bad": True})
 
     def take_helm(self, number: int) -> bool:
-        """Hand the helm to the page of this number if it is free or its holder is idle; True if the page has it now."""
+        """Give page `number` the helm (right to command) if it is free or its holder is idle; True if it has it now."""
         now = monotonic()
         if self.helm in (0, number) or now - self.touched > HELM_IDLE_SECONDS:
             before, self.helm, self.touched = self.helm, number, now
@@ -379,11 +379,11 @@ class Server(AbstractContextManager["Server"]):
         return self.helm == number
 
     def tell_helm(self) -> None:
-        """Tell all pages which page, by number, has the helm."""
+        """Tell all pages which page, by number, has the helm, the right to command the simulation."""
         self.queue_text(None, {"type": "helm", "holder": self.helm, "watchers": len(self.all)})
 
     def queue_text(self, number: int | None, message: dict[str, Any]) -> None:
-        """Queue a message for the page of this number, or for all (None); keep the last `panel` for new pages."""
+        """Queue a message for page `number`, or all (None); keep the last `panel` (settings) for new pages."""
         if message.get("type") == "panel" and number is None:
             self.panel = message
         text = json.dumps(message, allow_nan=False, default=str)

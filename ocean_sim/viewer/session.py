@@ -65,7 +65,7 @@ class Session(AbstractContextManager["Session"]):
     def __init__(
         self, source: Source, server: Server, out: Path, described: Callable[[], list[dict[str, str]]]
     ) -> None:
-        """Start a scene. `out`: folder of records (run folders) and saved scenes; `described`: lists packaged ones."""
+        """Start a scene. `out`: folder of recorded runs and saved scenes; `described`: rows on packaged scenes."""
         self.source, self.server, self.out, self.described = source, server, out, described
         self.paused, self.message = False, ""  # and a sentence about the last failure
         self.winds, self.wind = [*named("wind"), "still"], ""  # names of presets, and of the one that blows

@@ -137,7 +137,8 @@ class StaticScene:
     def ship_header(
         self, k: int, name: str, model: ShipModel, arrays: dict[str, Any], boxes: dict[str, Any]
     ) -> dict[str, Any]:
-        """Header entry of ship k; puts her triangles and waterline distances in `arrays`, their scales in `boxes`."""
+        """Entry on ship k in the header of the packet. Her triangles and map of distances to the waterline go to
+        `arrays`, by name as `corners0`, the corners [m] of the boxes that these span to `boxes`."""
         hull, corners = model.hull, model.mesh.corners.reshape(-1, 3)
         low, high = corners.min(axis=0), corners.max(axis=0)
         arrays[f"corners{k}"] = box_positions(corners, low, high)

@@ -173,7 +173,8 @@ class SmoothPose:
     """
 
     def __init__(self, hold: float = 0.1, ramp: float = 3.0, home: float = np.inf) -> None:
-        """`hold`: time [s] without packets after which a stream is interrupted; `ramp`, `home` [s]: see the class."""
+        """Times [s]: silence `hold` that interrupts a stream; `ramp` of a blend into other poses; silence `home` before
+        the return to neutral."""
         self.hold, self.ramp, self.home = hold, ramp, home
         self.last: wire.Packet | None = None
         self.line: list[tuple[float, np.ndarray]] = []  # the last two poses, and when they came [s]
@@ -235,7 +236,8 @@ class Receiver(SmoothPose):
     def __init__(
         self, geometry: Geometry, key: bytes = b"", hold: float = 0.1, ramp: float = 3.0, home: float = 2.0
     ) -> None:
-        """`key`: signature key, empty for none; `hold`, `ramp`, `home` [s]: as in SmoothPose."""
+        """`key`: signature key, empty for none. Times [s]: silence `hold` that interrupts a stream; `ramp` of a blend
+        into other poses; silence `home` before the return to neutral."""
         super().__init__(hold, ramp, home)
         self.hexapod = Hexapod(geometry)
         self.speeds = UNKNOWN_SPEEDS  # (6,) of the legs, from the last pose but one to the last [m/s]

@@ -100,8 +100,7 @@ class Hexapod:
         return np.sqrt((self.leg_vectors(pose)[0] ** 2).sum(axis=2))
 
     def jacobian(self, pose: np.ndarray) -> np.ndarray:
-        """Jacobians (n, 6, 6), from velocity and turn rate (floor axes) to leg speeds, at poses (n, 6), row (u, R p x
-        u)."""
+        """Jacobians (n, 6, 6) at poses (n, 6), from velocity and turn rate (floor axes) to leg speeds: (u, R p x u)."""
         leg, arm = self.leg_vectors(pose)
         along = leg / np.sqrt((leg**2).sum(axis=2))[:, :, None]
         return np.concatenate([along, np.cross(arm, along)], axis=2)

@@ -47,8 +47,9 @@ class LegTrack(NamedTuple):
 
 
 def sensed_modes(every: float) -> list[tuple[np.ndarray, np.ndarray, float]]:
-    """Residues (2,), poles (2,) and direct share of six digital filters for rows `every` [s] (linear between them), one
-    per component of motion: from an error of specific force [m/s2] or rate [rad/s] to its sensed size in thresholds."""
+    """Digital filters of the organs of balance for samples `every` [s] (linear between them), from the error of each of
+    six components (specific force [m/s2], rate [rad/s]) to its sensed size over the threshold of perception: as partial
+    fractions, with residues (2,), poles (2,) and direct term."""
     from scipy.signal import cont2discrete, residuez
 
     sampled = [cont2discrete(organ, every, method="foh") for organ in (OTOLITH_FILTER, CANAL_FILTER)]
@@ -58,8 +59,8 @@ def sensed_modes(every: float) -> list[tuple[np.ndarray, np.ndarray, float]]:
 
 
 def sensed_error(error: np.ndarray, every: float, state: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Sensed sizes (n, 6), in thresholds, of errors (n, 6) of specific force [m/s2] and rate [rad/s] in rows `every`
-    [s]; and the final state (6, 2) of the filters. `state`: that before the first row, by default 0."""
+    """Sensed sizes (n, 6), over thresholds of perception, of errors (n, 6) of specific force [m/s2] and rate [rad/s] at
+    samples `every` [s]; and the final state (6, 2) of the filters. `state`: that before the first one, by default 0."""
     from scipy.signal import lfilter
 
     sizes, last = np.zeros(error.shape), np.zeros((6, 2)) if state is None else state.copy()
@@ -78,7 +79,7 @@ def motion_at(rows: np.ndarray, times: np.ndarray) -> np.ndarray:
 
 
 def felt_at(motion: np.ndarray) -> np.ndarray:
-    """Specific force [m/s2] and angular rate [rad/s] (n, 6) felt on a platform in `motion` (n, 18), as in LegTrack."""
+    """Specific force [m/s2] and rate [rad/s] (n, 6) felt in `motion` (n, 18): pose, its rate, its second derivative."""
     return np.hstack(felt_motion(motion[:, :6], motion[:, 12:15], motion[:, 9:12]))
 
 
@@ -119,8 +120,8 @@ def leg_track(hexapod: Hexapod, points: np.ndarray, guess: np.ndarray) -> LegTra
 
 
 def felt_by_points(track: LegTrack) -> list[Any]:
-    """Derivatives of felt motion at n knots with respect to the control points, leg after leg: a sparse (n, 6 n + 12)
-    for each of six components."""
+    """Derivatives of felt motion at n knots by the control points of the leg-length splines, leg after leg: for each of
+    six components (specific force [m/s2], then rate [rad/s]) a sparse matrix (n, 6 (n + 2)) [per m]."""
     from scipy.sparse import diags_array, hstack
 
     of_pose, of_rate, of_second = np.split(derivatives(felt_at, track.motion), 3, axis=2)
@@ -135,7 +136,7 @@ def felt_by_points(track: LegTrack) -> list[Any]:
 
 
 def load_solver() -> Any:
-    """Module of the solver; raises SolverMissing where it is not installed."""
+    """Module of Clarabel, the solver of quadratic programmes; raises SolverMissing where it is not installed."""
     try:
         import clarabel
     except ImportError:
@@ -153,12 +154,12 @@ def solve_programme(
     tolerance: float,
     still_points: int,
 ) -> np.ndarray:
-    """Best control points (n + 2, 6) [m] for specific force [m/s2] and rate [rad/s] `asked` for at knots (n, 6).
+    """Control points (n + 2, 6) [m] of six leg-length splines, best for the motion `asked` for (n, 6) at n knots.
 
-    Motion is linearised about an earlier solution `past` (n + 2, 6), whose first REST_POINTS are kept. `guess` (n, 6):
-    its poses, roughly; `state` (6, 2): of the senses' filters before the first knot; `tolerance`: of the solver;
-    `still_points`: number of last points that are equal. Raises SolverMissing, and Failed without a solution.
-    """
+    Motion (specific force [m/s2] and rate [rad/s]) is linearised about an earlier solution `past` (n + 2, 6), whose
+    first REST_POINTS are kept. `guess` (n, 6): poses near it; `state` (6, 2): of the filters `sensed_modes` before the
+    first knot; `tolerance`: of the solver; `still_points`: the last so many are equal (REST_POINTS: rest). Raises
+    SolverMissing, and Failed without a solution."""
     clarabel = load_solver()
     from scipy.sparse import block_array, block_diag, csr_array, diags_array, eye_array, kron
 
@@ -209,7 +210,7 @@ def solve_programme(
 
 
 class LegPlan:
-    """Plan of the legs over the knots ahead, beginning in neutral; `leave` drops the knots that are past."""
+    """Plan of leg lengths over the time ahead: splines with knots KNOT_INTERVAL apart, which begin in neutral."""
 
     def __init__(self, geometry: Geometry, hexapod: Hexapod, still_points: int = 1) -> None:
         """`still_points`: how many of the last control points are equal; REST_POINTS for a plan that ends at rest."""
@@ -219,8 +220,8 @@ class LegPlan:
         self.state = np.zeros((6, 2))  # of the organs before the first knot
 
     def improve(self, asked: np.ndarray, tolerances: Sequence[float]) -> None:
-        """Plan for the motion `asked` for at knots (n, 6): solve the programme once per tolerance, each time linearised
-        about the solution before. Raises SolverMissing, and Failed where there is no plan."""
+        """Plan `points` for the specific force and rate `asked` for at knots (n, 6): `solve_programme` with each of the
+        `tolerances`, about the solution before. Raises SolverMissing, and Failed where there is no plan."""
         self.points, self.motion = extended(self.points, len(asked) + 2), extended(self.motion, len(asked))
         for tolerance in tolerances:
             guess = self.motion[:, :6]
@@ -230,8 +231,8 @@ class LegPlan:
             self.motion = leg_track(self.hexapod, self.points, guess).motion
 
     def leave(self, asked: np.ndarray) -> None:
-        """Advance the filters of the senses by the error of felt motion against `asked` (k, 6) at the first k knots,
-        then drop these knots."""
+        """Drop the first k knots of the plan, which are past. The filters of the senses (`state`) advance over them by
+        the error of the felt motion against the motion `asked` for (k, 6)."""
         k = len(asked)
         self.state = sensed_error(felt_at(self.motion[:k]) - asked, KNOT_INTERVAL, self.state)[1]
         self.points, self.motion = self.points[k:], self.motion[k:]
@@ -248,8 +249,8 @@ def extended(rows: np.ndarray, count: int) -> np.ndarray:
 
 
 def best_poses(geometry: Geometry, hexapod: Hexapod, rows: np.ndarray) -> np.ndarray:
-    """Poses (n, 6) of the best ride from neutral for `rows` (n, 7): time [s], and the specific force [m/s2] and rate
-    [rad/s] asked for. Raises SolverMissing, and Failed where there is none."""
+    """Poses (n, 6) of the ride from neutral whose error is sensed least, for `rows` (n, 7): time [s], specific force
+    [m/s2] and rate [rad/s] asked for, platform axes. Raises SolverMissing, and Failed where there is none."""
     window, kept = round(WINDOW_TIME / KNOT_INTERVAL), round(KEPT_TIME / KNOT_INTERVAL)
     at = (rows[:, 0] - rows[0, 0]) / KNOT_INTERVAL
     asked = motion_at(rows, rows[0, 0] + KNOT_INTERVAL * np.arange(int(at[-1]) + 2))

@@ -19,8 +19,7 @@ USAGE_TOLERANCE = 1e-10  # part of the stroke
 
 
 def soften_usage(usage: np.ndarray, knee: np.ndarray | float = KNEE_USAGE) -> np.ndarray:
-    """Fractions (n,) of the stroke, limited softly: equal to the wanted `usage` (n,) up to `knee`, above it compressed
-    (tanh) to stay below 1."""
+    """Fractions (n,) of the stroke: the wanted `usage` (n,) up to `knee`, above it compressed (tanh) to less than 1."""
     room = np.maximum(1.0 - knee, USAGE_TOLERANCE)
     return np.where(usage > knee, knee + room * np.tanh((usage - knee) / room), usage)
 
@@ -41,11 +40,10 @@ class Workspace:
         return most * whole ** (1.0 / USAGE_NORM)
 
     def scale_back(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Poses (n, 6) in the workspace, scaled back from wanted ones (n, 6), and bits (n,) of the limits that acted.
+        """Poses (n, 6) in the workspace, scaled back from wanted ones, and bits (n,), as STROKE_LIMIT, of limits met.
 
         Angles are scaled back first, as if there were no displacement; then the displacement, to fit the rest of the
-        stroke. People notice at once a deck that is tilted wrongly, but not one that travels less.
-        """
+        stroke. People notice at once a deck that is tilted wrongly, but not one that travels less."""
         far = pose / np.where(pose > 0.0, self.ends[:, 1], self.ends[:, 0])
         angles = pose * TURN_MASK * np.where(far > KNEE_USAGE, soften_usage(far) / np.maximum(far, KNEE_USAGE), 1.0)
         shift = pose * (1.0 - TURN_MASK)
@@ -88,7 +86,7 @@ class Workspace:
         return guess
 
     def condition_factor(self, pose: np.ndarray) -> np.ndarray:
-        """Factors (n,) on poses (n, 6), just below the smallest at which the condition number is beyond its limit."""
+        """Factors (n,) on poses (n, 6), just below the smallest at which the leg Jacobian is ill-conditioned."""
         low, high = np.zeros(len(pose)), np.ones(len(pose))
         out = np.zeros(len(pose), dtype=bool)
         for part in np.linspace(0.0, 1.0, 17)[1:]:
@@ -115,7 +113,7 @@ class Governor:
     """
 
     def __init__(self, geometry: Geometry, hexapod: Hexapod, every: float, catch_up: float) -> None:
-        """`every`: time between rows [s]; `catch_up`: acceleration of a platform that fell behind [m/s2]."""
+        """`every`: time [s] between rows (commands); `catch_up`: acceleration [m/s2] of a platform that fell behind."""
         self.hexapod, self.every, self.catch_up = hexapod, every, catch_up
         self.speed, self.acceleration = geometry.leg_speed, geometry.leg_acceleration
         self.brake = min(BRAKE_FACTOR * catch_up, geometry.leg_acceleration / LEG_ACCELERATION_RATIO)  # [m/s2]
@@ -124,8 +122,8 @@ class Governor:
         self.asked = np.zeros((2, 6))  # the last two requested poses
 
     def follow(self, wanted: np.ndarray, asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Poses (n, 6) that the machine can follow, and bits (n,) of the limits that acted. `wanted` (n, 6): poses in
-        the workspace; `asked` (n, 6): those requested by the washout, whose accelerations are always allowed."""
+        """Poses (n, 6) that the machine can follow, and bits (n,), as LEG_SPEED_LIMIT, of limits that acted. `wanted`
+        (n, 6): poses in the workspace; `asked` (n, 6): the washout's own, whose accelerations are always allowed."""
         n, dt = len(wanted), self.every
         known, free = np.vstack([self.target, wanted]), np.vstack([self.asked, asked])
         self.asked = free[-2:]
@@ -152,7 +150,7 @@ class Governor:
         return given, limited
 
     def motion_sizes(self, motion: np.ndarray) -> np.ndarray:
-        """Sizes (n,) [m] of pose changes (n, 6): shift of the reference point, or way of turned joints if larger."""
+        """Sizes (n,) [m] of pose changes (n, 6): shift of the reference point or, if larger, of joints in the turn."""
         along, around = np.linalg.norm(motion[:, :3], axis=1), np.linalg.norm(motion[:, 3:], axis=1)
         return np.maximum(along, self.hexapod.radius * around)
 
@@ -161,7 +159,7 @@ class Governor:
 
     def can_follow(self, step: np.ndarray, allowed: float) -> bool:
         """True if the platform is at its target, and its legs can change to the pose velocity `step` (6,) [m/s, rad/s]
-        in one row, with a change of at most `allowed` [m/s]."""
+        in one time step (row), with a change of at most `allowed` [m/s]."""
         if self.motion_size(self.pose - self.target) > LEG_MATCH:
             return False
         change = step - self.velocity
@@ -175,8 +173,8 @@ class Governor:
         return self.hexapod.jacobian(pose)[0] @ np.concatenate([motion[:3], turning])
 
     def chase_step(self, step: np.ndarray) -> int:
-        """Move a platform that lags behind for one row towards its target, which has velocity `step` (6,) [m/s, rad/s];
-        return bits of the limits that acted."""
+        """Move a lagging platform through one time step (row) towards its target, which moves at a velocity `step` (6,)
+        [m/s, rad/s]; return the bits, as LEG_SPEED_LIMIT, of limits that acted."""
         dt, a = self.every, self.catch_up
         behind = self.target - self.pose
         far = self.motion_size(behind)
@@ -192,8 +190,8 @@ class Governor:
         return (LEG_SPEED_LIMIT if share < 1.0 else 0) | (LEG_ACCELERATION_LIMIT if hard > 1.0 or share >= 1.0 else 0)
 
     def stoppable_velocity(self, velocity: np.ndarray) -> np.ndarray:
-        """Pose velocity (6,) [m/s, rad/s] for the next row from which a stop is possible: as near to `velocity` as that
-        allows, else that of braking."""
+        """Pose velocity (6,) [m/s, rad/s] for the next time step (row) from which a stop within the strokes is
+        possible: as near to `velocity` as that allows, else that of braking as hard as `brake`."""
         size = max(self.motion_size(self.velocity), USAGE_TOLERANCE)
         braked = self.velocity * max(0.0, 1.0 - self.brake * self.every / size)
         fits, part, step = 0.0, 1.0, 0.5
@@ -214,7 +212,7 @@ class Governor:
         return np.asarray(within.all(axis=1))
 
     def stopping_speed(self, acceleration: float, left: np.ndarray) -> np.ndarray:
-        """Highest speed [m/s] from which braking at `acceleration` [m/s2], in whole rows, ends within `left` [m]."""
+        """Highest speed [m/s] from which braking at `acceleration` [m/s2] in steps `every` ends within `left` [m]."""
         lost = 0.5 * acceleration * self.every
         return np.sqrt(lost**2 + 2.0 * acceleration * np.maximum(left, 0.0)) - lost
 
@@ -228,13 +226,13 @@ class Legs:
     def __init__(
         self, geometry: Geometry, every: float, length: np.ndarray, velocity: np.ndarray | None = None
     ) -> None:
-        """`every`: time between rows [s]; `length` (6,) [m], `velocity` (6,) [m/s], default 0: at the start."""
+        """`every`: time of a row (command) [s]; `length` (6,) [m], `velocity` (6,) [m/s], default 0: at the start."""
         self.speed, self.acceleration, self.every = geometry.leg_speed, geometry.leg_acceleration, every
         self.target, self.length = length, length
         self.velocity = np.zeros(6) if velocity is None else velocity
 
     def follow(self, targets: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Lengths (n, 6) [m], speeds (n, 6) [m/s], bits (n,) of limits that acted, for wanted lengths (n, 6) [m]."""
+        """Lengths (n, 6) [m], speeds (n, 6) [m/s], bits (n,) of limits (LIMIT_TEXTS) met for wanted lengths (n, 6)."""
         n, dt = len(targets), self.every
         wanted = np.diff(targets, axis=0, prepend=self.target[None]) / dt
         turn = np.abs(np.diff(wanted, axis=0, prepend=wanted[:1])).max(axis=1, initial=0.0)
@@ -254,15 +252,15 @@ class Legs:
         return length, velocity, limited
 
     def can_follow(self, wanted: np.ndarray) -> bool:
-        """True if the legs are at their targets and can change to the speeds `wanted` (6,) [m/s] in one row."""
+        """True if the legs are at their targets and can change to speeds `wanted` (6,) [m/s] in one time step (row)."""
         there = float(np.abs(self.length - self.target).max()) < LEG_MATCH
         fast = float(np.abs(wanted).max()) > self.speed
         hard = float(np.abs(wanted - self.velocity).max()) > self.acceleration * self.every * (1.0 + 1e-9)
         return there and not fast and not hard
 
     def chase_step(self, target: np.ndarray, wanted: np.ndarray) -> int:
-        """Move legs that lag behind for one row towards lengths `target` (6,) [m], which change at `wanted` (6,) [m/s];
-        return bits of the limits that acted."""
+        """Move lagging legs through one time step (row) towards lengths `target` (6,) [m], which change at speeds
+        `wanted` (6,) [m/s]; return the bits, as LEG_SPEED_LIMIT, of limits that acted."""
         dt, a = self.every, self.acceleration
         behind = self.target - self.length
         brake = np.sqrt((0.5 * a * dt) ** 2 + 2.0 * a * np.abs(behind)) - 0.5 * a * dt  # stops in whole rows

@@ -47,8 +47,8 @@ def ride_metrics(ride: Ride, done: Commands, hexapod: Hexapod, every: float) -> 
 
 
 def possible_shares(done: Commands, best: Commands, every: float) -> list[Metric]:
-    """Errors of motion, as the senses weigh them: of what a platform has `done` and of the `best` possible, and ratios
-    best over done. Of all motion and of each component."""
+    """Metrics: rms of the error that the senses feel, over their thresholds, in commands `done` and in the `best`
+    possible; ratios best over done, of all motion and of each component. `every`: time between rows [s]."""
     scaled, sizes = np.hstack([done.cue.force, done.cue.rate]), []
     for ride in (best, done):
         sensed = leg_programme.sensed_error(felt_motions(ride.pose, every) - scaled, every)[0]
@@ -71,7 +71,8 @@ def rest_value(name: str) -> float:
 
 
 def compare_motion(name: str, unit: str, felt: np.ndarray, scaled: np.ndarray, every: float) -> list[Metric]:
-    """Six metrics of a motion component: `felt` (n,) on the platform against the ship's `scaled` one (n,)."""
+    """Six metrics of a motion component: rms of `felt` (n,), on the platform, of `scaled` (n,), to be felt, and of
+    their difference; correlation, delay, largest false cue (`felt` against `scaled`). `every`: between rows [s]."""
     against = felt * np.sign(scaled) < 0.0
     return [
         Metric(f"{name}_scaled_rms", rms(scaled), unit),
@@ -109,8 +110,7 @@ def motion_gain(felt: np.ndarray, given: np.ndarray, every: float) -> float:
 
 
 def delayed_products(felt: np.ndarray, given: np.ndarray, every: float) -> np.ndarray:
-    """Cross-correlation (2 m + 1,) of signals (n,) at delays of -m to m rows `every` [s]; one NaN if one is
-    constant."""
+    """Cross-correlation (2 m + 1,) of signals (n,) at delays of -m to m samples `every` [s]; one NaN if one is flat."""
     from scipy.signal import correlate
 
     a, b = felt - felt.mean(), given - given.mean()

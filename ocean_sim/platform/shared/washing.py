@@ -43,17 +43,17 @@ class WashingConfig(Model):
 
 
 class Travelling(Protocol):
-    """Interface of a filter from acceleration to displacement of the platform along one axis."""
+    """Interface of a filter from acceleration of the ship to displacement (travel) of the platform along an axis."""
 
     def displace(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Displacements (n,) [m] for scaled accelerations (n,) [m/s2], and (n,) True where an acceleration was cut."""
 
 
 class Filter:
-    """Digital filter of a transfer function (Tustin) for rows `every` [s], which keeps its state between calls."""
+    """Digital filter of a transfer function (Tustin) for samples `every` [s], which keeps its state between calls."""
 
     def __init__(self, zeros: Sequence[float], poles: Sequence[complex], gain: float, every: float) -> None:
-        """`zeros`, `poles` [rad/s], `gain`: of the transfer function; `every`: time between rows [s]."""
+        """`zeros`, `poles` [rad/s], `gain`: of the transfer function; `every`: time between samples [s]."""
         self.sections = design_sections(zeros, poles, gain, every)
         self.state = np.zeros((len(self.sections), 2))
 
@@ -72,7 +72,7 @@ class Filter:
 
 
 def design_sections(zeros: Sequence[float], poles: Sequence[complex], gain: float, every: float) -> np.ndarray:
-    """Second-order sections (m, 6) of a filter for rows `every` [s]; cached on disk, as SciPy's import is slow."""
+    """Second-order sections (m, 6) of a filter for samples `every` [s]; cached on disk, as SciPy's import is slow."""
     import scipy
 
     def design() -> dict[str, np.ndarray]:
@@ -117,7 +117,7 @@ class Washing:
     plans_legs = False
 
     def __init__(self, config: WashingConfig, every: float, travels: Sequence[Travelling]) -> None:
-        """`every`: time between rows [s]; `travels`: filters of displacement along x, y and z."""
+        """`every`: time between rows [s]; `travels`: filters from acceleration to displacement, along x, y and z."""
         self.config, self.travels = config, travels
         self.tilts = [Tilt(config.tilt_frequency, np.radians(config.tilt_rate_deg), every) for _ in range(2)]
         # s^2 / (s^2 + 2 omega s + omega^2) of a rate, integrated once
@@ -127,7 +127,8 @@ class Washing:
         ]
 
     def follow(self, ride: Ride, ahead: Ride | None = None) -> Cue:
-        """Requested poses for the next rows of ship motion: filtered displacements and turns, plus tilt angles."""
+        """Requested poses, and motion to be felt, for the next rows of ship motion: filtered displacements and turns,
+        plus tilt angles. `ahead`, the rows after them, is not used."""
         config = self.config
         limited = np.zeros(len(ride.time), dtype=int)
         level = turn_to_level(ride.attitude, ride.specific_force) - [0.0, 0.0, GRAVITY]
@@ -153,8 +154,8 @@ class Washing:
         return np.clip(wanted, -limit, limit)
 
     def lasting_force(self, ride: Ride) -> np.ndarray:
-        """Scaled specific force (n, 2) [m/s2] along x, y that tilt is to show; gravity is left out where the platform's
-        angle already follows the ship's."""
+        """Scaled specific force (n, 2) [m/s2] along x, y, the slow part of which a tilt imitates. Where the platform
+        follows the ship's roll or pitch unfiltered, gravity's part is subtracted, since that angle already shows it."""
         force, own = ride.specific_force[:, :2].copy(), rest_force(ride.attitude)
         if self.turns[1] is None:
             force[:, 0] -= own[:, 0]

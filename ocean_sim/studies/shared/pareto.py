@@ -20,7 +20,7 @@ MIN_DRAWN_ERROR = 1e-6  # an error of nothing still has a position on a logarith
 
 
 def draw_pareto(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> None:
-    """Draw errors of a case into a picture file: over time (column `speed`), and over number of particles if any."""
+    """Draw errors of a case (`trial`) into a picture file: over time (column `speed`), and over particles if any."""
     from matplotlib.figure import Figure
 
     of = f" of {trial.work}" if trial.work else ""
@@ -40,7 +40,7 @@ def draw_pareto(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str
 
 
 def draw_panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
-    """Draw the errors in `rows` of a case over their column `key`, with Pareto front and failed runs, into axes."""
+    """Draw errors in `rows` over column `key` into axes, with Pareto front, failed runs and the scatter of `trial`."""
     axes.set_xscale("log")
     axes.set_yscale("log")
     there = [row for row in rows if row.get(key)]
@@ -80,7 +80,7 @@ def drawn_error(row: dict[str, Any]) -> float:
 
 
 def scatter_points(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
-    """Draw rows over column `key`: full points joined by lines for default settings, hollow points for others."""
+    """Draw rows over column `key`, by scheme of `trial`: default settings full and joined by lines, others hollow."""
     for n, scheme in enumerate(trial.schemes):
         own = [row for row in rows if row["scheme"] == scheme]
         look = {"color": SERIES[n % len(SERIES)], "marker": MARK_SHAPES[n % len(MARK_SHAPES)]}

@@ -45,7 +45,8 @@ class Clocked(Simulation):
         self.spent.append((FRAME_SECONDS, perf_counter() - wall, process_time() - cpu))
 
     def costs(self) -> list[dict[str, float]]:
-        """Costs, as of `mean_cost`, of TIMED_PARTS interleaved groups of steps: a disturbance rarely hits two."""
+        """Costs of TIMED_PARTS groups of steps, dealt to them in turn, of which a disturbance rarely hits two: each
+        wall and processor time per simulated second, and mean step [s]."""
         parts = [
             [step for k, step in enumerate(self.spent[WARM_UP_STEPS:]) if k // BLOCK_STEPS % TIMED_PARTS == n]
             for n in range(TIMED_PARTS)

@@ -159,7 +159,7 @@ def _death_reason(code: int, errors: str) -> str:
 
 
 def _run_child(folder: Path) -> None:
-    """Run the order in a folder, in this child process, and write its answer; a refusal goes to standard error."""
+    """Run the order (job description) in a folder, in this child process; write its answer, or a refusal to stderr."""
     exit_with_parent()
     with stoppable(), Claim(folder):
         order = input_file.read_json(folder / ORDER_FILE)

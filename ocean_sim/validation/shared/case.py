@@ -38,7 +38,7 @@ class Promise:
         return dict(zip(ROW_KEYS, cells, strict=True))
 
     def coarsened(self, case: str) -> "Promise":
-        """Copy with the tolerances that data/coarse.csv has for coarse set-ups; the promise itself if it has none."""
+        """Copy with the tolerances in data/coarse.csv for this quantity in a coarse `case`; itself if it has none."""
         own = coarse_tolerances().get((case, self.quantity))
         if own is None:
             return self
@@ -57,7 +57,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Finding:
-    """Results of one run: `numbers` in the order of the promises (empty if the run diverged), and curves to plot."""
+    """Results of one run: `numbers`, one for each promised quantity (none if the run diverged), and curves to plot."""
 
     numbers: Sequence[Number]
     measured: list[Curve] = field(default_factory=list)
@@ -100,7 +100,7 @@ class Problem:
         return [promise.row(case, scheme, *number) for promise, number in pairs], found
 
     def coarsened(self, case: str) -> "Problem":
-        """Copy with tolerances for coarse set-ups; marked slow if too long for a regression gate or not judged."""
+        """Copy with tolerances for a coarse `case`; slow if too long for a regression gate or without tolerances."""
         promises = tuple(promise.coarsened(case) for promise in self.promises)
         judged = any(scheme in promise.tolerance for promise in promises for scheme in self.schemes)
         slow = self.slow or not judged or (case, self.name) in too_long_for_gate()

@@ -57,7 +57,8 @@ class Anew(BaseException):
         self.library = library
 
     def begin(self, arguments: list[str]) -> None:
-        """Replace this process by the same command (`arguments`) with the other library; does not return."""
+        """Replace this process by the same command (`arguments`) with the other kernel library, Taichi or Quadrants, as
+        a process can use only one; does not return."""
         from ocean_sim import kernel_library
 
         for stream in (sys.stdout, sys.stderr):
@@ -94,7 +95,7 @@ def complain(text: str) -> None:
 
 def escape_controls(text: str) -> str:
     """Text whose unprintable characters, except line breaks, are escape sequences, so that no terminal obeys them;
-    commands in it begin as the user's did."""
+    commands quoted in it (`ocean-sim ...`) begin with the name by which the user called the program."""
     text = text.replace("`ocean-sim ", f"`{os.environ.get(COMMAND_VARIABLE, 'ocean-sim')} ")
     return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
 
@@ -211,8 +212,9 @@ def duration(seconds: float) -> str:
 def must_compute_with(
     library: str | None, asked: str = "runtime.library", cure: str = ", or leave the key out"
 ) -> None:
-    """Raise Anew (restart) if this process uses another kernel library than `library`, unless the environment fixes it.
-    Raise Lacking, with a message that begins with `asked` and ends with `cure`, if `library` is not installed."""
+    """Raise Anew (restart) if this process computes with another kernel library (Taichi, Quadrants) than `library`,
+    unless the environment fixes it. Raise Lacking, with a message that begins with `asked`, the setting, and ends with
+    `cure`, its remedy, if `library` is not installed."""
     from ocean_sim import kernel_library
 
     if library in (None, kernel_library.LIBRARY_NAME) or kernel_library.LIBRARY_VARIABLE in os.environ:

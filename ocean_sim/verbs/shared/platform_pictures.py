@@ -29,8 +29,8 @@ PLATE_THICKNESS = 0.025  # of the drawn platform, as a part of its height
 def draw_pictures(
     folder: Path, done: Commands, best: Commands | None, config: Config, machine: HexapodPlatform, film: bool
 ) -> None:
-    """Draw pictures of a ride (`done`) into a folder: motion.png, legs.png, workspace.png and strips.png, best.png if
-    there is a `best` ride, and film.gif if `film` is true."""
+    """Draw pictures of the commands `done` into a folder: motion.png, legs.png, workspace.png and strips.png, best.png
+    if there are those of the `best` ride within the limits, and film.gif if `film` is true."""
     span = liveliest_span(done, machine, MAX_CURVE_SECONDS)
     shown = done.select(span)
     curves = [(draw_motion(shown), "motion.png"), (draw_legs(shown, config.geometry), "legs.png")]
@@ -127,7 +127,7 @@ def label_axes(axis: Any, title: str, columns: int) -> None:
 
 
 def draw_legs(done: Commands, geometry: Any) -> Any:
-    """Figure of leg lengths [m] and leg speeds [m/s] over time, with their limits."""
+    """Figure of leg lengths [m] and speeds [m/s] in commands `done` over time, with limits from the `geometry`."""
     picture, axes = new_figure(2, 1, (10, 6.5), sharex=True)
     ends = (geometry.shortest + geometry.buffer, geometry.longest - geometry.buffer)
     speeds = (-geometry.leg_speed, geometry.leg_speed)

@@ -46,7 +46,7 @@ class Progress(OutcomeObserver):
         self.unsolved: dict[str, int] = {}  # steps of each solver that ended above its tolerance
 
     def observe(self, simulation: Simulation) -> None:
-        """Record time and limit of the last step, and show them if the bar is due; called after each step."""
+        """Record time, steps and which limit, as `viscous`, set the last step; redraw the bar if it is due."""
         now = perf_counter()
         self.time, self.steps = simulation.time, simulation.steps
         self.wall = now - self.began

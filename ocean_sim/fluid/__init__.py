@@ -53,7 +53,7 @@ class Status:
 
 
 class Totals(NamedTuple):
-    """Sums over all particles, in float64, and the bounding box of their positions."""
+    """Sums over all particles in float64 (density, its errors, position, velocity, turning), and their bounding box."""
 
     density: float  # [kg/m3]
     compression: float  # sum of max(density / rest density - 1, 0)
@@ -99,7 +99,7 @@ class Contact(Protocol):
 
     @property
     def hull(self) -> Hull:
-        """Hull whose `push` accelerates the water."""
+        """Ship's hull, whose ti.func `push` gives the acceleration [m/s2] of the water near it."""
 
     given: np.ndarray  # (3,) impulse [N s] of collisions on the water, since the start
     work: float  # [J] of these collisions
@@ -244,15 +244,15 @@ class ClosedForm(Fluid, Protocol):
     current: tuple[float, float]  # velocity of all the water along x and z [m/s]
 
     def arriving(self, x: float, z: float, afar: bool = False) -> Arriving:
-        """Plane waves at x, z [m] at the start of the last step, which is the time of floating bodies. By default those
-        that kernels sum; with `afar` all of `plane_waves`, also if kernels read their sum from a tile."""
+        """Plane waves at x, z [m] when the last step began, the time of floating bodies, grown by the ramp: those that
+        kernels sum one by one; with `afar` all of the sea, also of a nonlinear one, which kernels read from a grid."""
 
     def rise(self, x: Any, z: Any) -> Any:
         """ti.func: elevation [m] at x, z [m] by the waves stored on grids (tiles) alone, when the last step began."""
 
     def moving(self, x: Any, z: Any, depth: Any) -> Any:
-        """ti.func: velocity [m/s] and acceleration [m/s2] of the water by the current and the waves on tiles alone, at
-        x, z and a Wheeler-stretched `depth` [m]."""
+        """ti.func: velocity [m/s] and acceleration [m/s2] of the water by the current and the waves stored on grids
+        (tiles), plane waves left out, at x, z and a Wheeler-stretched `depth` [m]."""
 
     def window(self, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]) -> Window:
         """Make a table (Window) of the plane waves on a lattice of `size` nodes, `step` [m] apart, at `depths` [m]."""
@@ -274,7 +274,7 @@ class ParticleFluid(Fluid, Protocol):
         """Add a ship's hull, which pushes the water from the first step on."""
 
     def totals(self) -> Totals:
-        """Sums over all particles in their present state, and their bounding box."""
+        """Sums of density, position, velocity and more (Totals) over all particles now, and their bounding box."""
 
     def positions(self) -> np.ndarray:
         """Positions (n, 3) [m] of the particles in float64, at least as exact as `particles.position`."""

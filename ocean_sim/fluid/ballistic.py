@@ -36,7 +36,7 @@ class Config(WaterConfig):
             yield ("kind",), f"{layer}; leave basin.floor out"
 
     def size(self, basin: Basin, arch: str) -> GridSize:
-        """Sizes of the grid of cells for the tasks of a backend (`arch`)."""
+        """Sizes of the grid of cells and of the tasks (shares of the work) into which backend `arch` divides it."""
         lattice = self.lattice(basin)
         return GridSize(lattice, self.ratio(basin) * lattice.spacing, PLANS[arch])
 
@@ -88,7 +88,7 @@ class Ballistic(ParticleWater):
 
     @ti.kernel
     def settle(self, summary: Array):
-        """Sort the particles and write extremes of speed, acceleration and density to `summary`, without a move."""
+        """Sort the particles and write extremes to `summary` (Accounts.summarise), without a move."""
         self.grid.sort()
         for t in range(self.tasks.iterations):
             if t % self.tasks.stride == 0:
@@ -119,7 +119,8 @@ class Ballistic(ParticleWater):
 
     @ti.kernel
     def advance_all(self, dt: float, since: float, summary: Array):
-        """Move all particles for dt [s] and sort them; write extremes to `summary`; `since`: time on wind clock [s]."""
+        """Move all particles for dt [s], sort them, fill `summary` (Accounts.summarise). `since`: wind clock's time
+        [s], which restarts now and then to stay exact in single precision."""
         self.wind.set_clock(since, dt)
         for t in range(self.tasks.iterations):
             if t % self.tasks.stride == 0:

@@ -200,7 +200,7 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def viscosity_without_surface(self, v_ij):
-        """Viscous part of a pair, a vector exact on a lattice: -2 nu v_ij / rho0 (Morris, Fox & Zhu 1997, eq. 22)."""
+        """Viscous part of a pair without a free surface: -2 nu v_ij / rho0 (Morris, Fox & Zhu 1997, eq. 22)."""
         return -self.laminar * v_ij
 
     @ti.func
@@ -217,7 +217,8 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values that boundary particle s at d [m] shows to `own`; it cannot pull water with a free surface."""
+        """Field values that boundary particle s, at d [m] in matrix `mirror`, shows to a particle of values `own`; with
+        a free surface it cannot pull water."""
         other = self.continued_sample(own, s, d, mirror)
         if ti.static(not self.is_enclosed):
             other[self.row.pressure] = ti.max(other[self.row.pressure], -own[self.row.pressure])
@@ -225,17 +226,17 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def pair(self, own, other):
-        """Contribution of one neighbour to all pair forces, for pressures of either sign."""
+        """Forces (`terms`) by a neighbour at pressures of any sign; `own`, `other`: values of the two (`row`)."""
         return self.sum_of_terms(own, other, True)
 
     @ti.func
     def pair_without_tension(self, own, other):
-        """Contribution of one neighbour if no pressure is negative: as `pair`, without the artificial stress."""
+        """Forces by a neighbour as in `pair`, but without the artificial stress: no pressure of both is negative."""
         return self.sum_of_terms(own, other, False)
 
     @ti.func
     def sum_of_terms(self, own, other, tense: Template):
-        """Contribution of one neighbour to all pair forces; `tense`: True if a pressure may be negative."""
+        """Forces by a neighbour as in `pair`; `tense`: True if a pressure may be negative: with artificial stress."""
         x_ij = self.fluid.smoothing.difference(own, other, self.row.position)
         r2 = x_ij.dot(x_ij)
         r = ti.sqrt(r2)
@@ -264,8 +265,8 @@ class Momentum(MomentumLaw):
 @in_kernels
 class Continuity(Law):
     """Pair law for the rate of density (Monaghan 1994, eq. 2.4), its diffusion and, in a closed basin, the shift of
-    particles. It reads positions and velocities at the step's end, densities in its middle, and the diffusion share of
-    the last step's end. Contributions are to be multiplied by -m grad W / x_ij."""
+    particles. It reads positions and velocities at the step's end, densities in its middle, and particles' shares of
+    diffusion (0 to 1) of the last step's end. Contributions are to be multiplied by -m grad W / x_ij."""
 
     row = Columns(position=3, velocity=3, deviation=1, share=1)
     options = WalkOptions(padded=True)
@@ -295,7 +296,7 @@ class Continuity(Law):
 
     @ti.func
     def image(self, other, mirror):
-        """Field values of a neighbour's mirror image: normal velocity reversed, density continued by gravity."""
+        """Values of neighbour `other` in matrix `mirror`: normal velocity reversed, density risen as in still water."""
         x, image = vec3(other, self.row.position), mirror_row_free_slip(mirror, other)
         pull = self.fluid.pull.at_rest(mirror_midpoint(mirror, x))
         image[self.row.deviation] += self.heavier * hydrostatic_offset(mirror, x, pull)
@@ -303,9 +304,9 @@ class Continuity(Law):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values that boundary particle s at d [m] shows to `own`: the body's velocity, and a density that gives
-        no diffusion. Water that reaches a face then gains just the density that boundary particles contribute. With the
-        velocity of a mirror image that gain, and the push on a stream, would be double."""
+        """Field values that boundary particle s, at d [m] in matrix `mirror`, shows to a particle of values `own`: a
+        density that gives no diffusion, and the body's velocity. With that of a mirror image, 2 v_body - v, water would
+        approach faces twice as fast: its rise of density, and the push on it, would double."""
         other = row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
         still = self.still_gradient(vec3(own, self.row.position) + 0.5 * d)
         other[self.row.deviation] = own[self.row.deviation] + still.dot(d)
@@ -323,8 +324,8 @@ class Continuity(Law):
 
     @ti.func
     def density_diffusion(self, own, other, x_ij):
-        """Diffusion of a pair: rho_j - rho_i beyond the hydrostatic difference (Fourtakas et al. 2019, eq. 9). The
-        factor 2 delta h c / rho0 comes later (Molteni & Colagrossi 2009; Antuono et al. 2010, eq. 1)."""
+        """Diffusion of a pair (`own`, `other`: `row`s): rho_j - rho_i but for hydrostatics (Fourtakas et al. 2019, eq.
+        9). Factor 2 delta h c / rho0 comes later (Molteni & Colagrossi 2009; Antuono et al. 2010, eq. 1)."""
         still = self.still_gradient(vec3(own, self.row.position) - 0.5 * x_ij)
         return other[self.row.deviation] - own[self.row.deviation] + still.dot(x_ij)
 
@@ -336,8 +337,8 @@ class Continuity(Law):
 
     @ti.func
     def pair(self, own, other):
-        """Contribution of one neighbour: (a) compression, (b) diffusion, (c) filling of the kernel, (d) gradient of the
-        share of water, or in a closed basin the particle shift."""
+        """Contribution of a neighbour to `terms` (`own`, `other`: `row` of both): (a) compression, (b) diffusion, (c)
+        filled part of the kernel, (d) gradient of the share of water, or in a closed basin particle shift."""
         smoothing = self.fluid.smoothing
         x_ij = smoothing.difference(own, other, self.row.position)
         v_ij = smoothing.difference(own, other, self.row.velocity)
@@ -362,8 +363,8 @@ class Continuity(Law):
 
     @ti.func
     def grade_diffusion(self, i, filled):
-        """Store particle i's share of density diffusion: 1 in a `filled` kernel, 0 near a free surface. There it rises
-        to 1 in sheared water (spin as great as strain; a switch as of Balsara 1995, J. Comput. Phys. 121)."""
+        """Store particle i's share of density diffusion: 0 to 1 as the part `filled` of its kernel is CUT_SHARE to
+        FILLED_SHARE; up to 1 near a surface in sheared water (spin as strain; Balsara 1995, J. Comput. Phys. 121)."""
         fluid, spin, strain = self.fluid, self.fluid.spin[i], self.fluid.strain[i]
         inside = tm.clamp((filled - CUT_SHARE) / (FILLED_SHARE - CUT_SHARE), 0.0, 1.0)
         beyond = spin / (strain + fluid.calm) - STRETCHED_RATIO
@@ -373,12 +374,12 @@ class Continuity(Law):
 
     @ti.func
     def filled_share(self, own, total):
-        """Share M of the kernel that particles fill, 1 on a lattice: divergence of positions divided by dimension."""
+        """Part M of a particle's kernel that neighbours fill: sum of m r |grad W|, by `total`, over a lattice's."""
         return self.prefactor(own) * total[self.terms.filled] / self.whole
 
     @ti.func
     def edge(self, own, total):
-        """Closeness of a free surface, e = H |sum m / rho0 grad W| with the support H: 0 inside the water."""
+        """Closeness of the water's edge: e = H |sum m / rho0 grad W|, from `total`, with support H; 0 inside."""
         squared = 0.0
         for k in ti.static(range(self.fluid.smoothing.dimension)):
             squared += total[self.terms.edge + k] ** 2
@@ -386,20 +387,22 @@ class Continuity(Law):
 
     @ti.func
     def swelling(self, filled, edge, deviation):
-        """Share by which particles lie further apart than their density says: rho / rho0 - M - (a - b e) e. Here a e -
-        b e^2 is the share of the kernel beyond a flat surface (Stencil.surface_deficit)."""
+        """Share by which particles lie further apart than density says: 1 + `deviation` / rho0 - M - (a - b e) e, M
+        `filled`, e `edge`; a e - b e^2 is the share of the kernel beyond a flat surface (Stencil.surface_deficit)."""
         return 1.0 + deviation / self.fluid.rest_density - filled - (self.deficit - self.deficit_bend * edge) * edge
 
     @ti.func
     def leak(self, thinner, edge, deviation):
-        """Decay rate [1/s], up to c / H, of a density `deviation` too high or too low for the packing (`swelling`)."""
+        """Rate [1/s], up to c / support, at which a density's `deviation` [kg/m3] from rest leaks away where it does
+        not fit the packing: `thinner` is the result of `swelling`; near a surface (`edge`) more misfit is tolerated."""
         beyond = (ti.abs(thinner) - PACKING_TOLERANCE - EDGE_TOLERANCE * edge) / PACKING_RANGE
         rate = self.fluid.sound_speed / self.fluid.smoothing.support * tm.clamp(beyond, 0.0, 1.0)
         return ti.select(thinner * deviation > 0.0, rate, 0.0)
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Advance density and pressure of particle i to the step's end; store its diffusion share or particle shift."""
+        """Advance density and pressure of particle i to the step's end by the sums `total` over neighbours of `own`;
+        store its share of diffusion or, in a closed basin, its shift. `group`: row of the budget."""
         fluid, particles, rho_0 = self.fluid, self.fluid.particles, ti.static(self.fluid.rest_density)
         dt, deviation = fluid.dt[None], own[self.row.deviation]
         if ti.static(fluid.bodies):
@@ -437,8 +440,8 @@ class Continuity(Law):
 
     @ti.func
     def book_work(self, i, own, compressed, diffused, group):
-        """Add the work [J] of compression and diffusion to the budget; that of bulk viscosity counts as viscosity.
-        `compressed`, `diffused`: the law's sums for both."""
+        """Add the work [J] of compression and diffusion on particle i (values `own`) to row `group` of the budget; that
+        of bulk viscosity counts as viscosity. `compressed`, `diffused`: the law's sums for both."""
         fluid, deviation = self.fluid, own[self.row.deviation]
         closer = fluid.particles.mass * fluid.dt[None] * self.prefactor(own)
         p = fluid.equation_of_state(deviation) / (fluid.rest_density + deviation) ** 2
@@ -462,17 +465,17 @@ class Shear(Law):
 
     @ti.func
     def image(self, other, mirror):
-        """Field values of a neighbour's mirror image in a side taken as frictionless."""
+        """Position and velocity (`other`) of a neighbour, seen in matrix `mirror` of a side taken as frictionless."""
         return mirror_row_free_slip(mirror, other)
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values that boundary particle s at d [m] shows to `own`: it moves with its body."""
+        """Position, at d [m] from that in `own`, and velocity in matrix `mirror` of boundary particle s of a body."""
         return row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
 
     @ti.func
     def pair(self, own, other):
-        """Products of the components of x_ij and v_ij, to be multiplied by -m grad W / x_ij."""
+        """Velocity gradient by a neighbour, without its factor; `own`, `other`: position and velocity of both."""
         x_ij = self.fluid.smoothing.difference(own, other, self.row.position)
         v_ij = self.fluid.smoothing.difference(own, other, self.row.velocity)
         lever, total = self.fluid.smoothing.pair_gradient(x_ij), ti.Vector.zero(float, self.terms.size)
@@ -482,7 +485,7 @@ class Shear(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Update the averages of squared spin and strain rate of particle i; in simple shear both are equal."""
+        """Update particle i's averages of squared spin and strain rate (equal in simple shear) by its sums `total`."""
         fluid, both = self.fluid, self.with_bodies(total, vec3(own, self.row.position), own)
         gradient = ti.Matrix.zero(float, self.dimension, self.dimension)  # of velocity k along axis j [1/s]
         for j, k in ti.static(ti.ndrange(self.dimension, self.dimension)):
@@ -500,9 +503,9 @@ class Shear(Law):
 
 @in_kernels
 class DeltaSph(Sph):
-    """Water by delta-SPH. Between steps all fields are at one time, sorted by the cells of half a step ago. Without a
-    free surface, particles are shifted down the gradient of their number, or they would line up along streamlines (Lind
-    et al. 2012, J. Comput. Phys. 231; Sun et al. 2017, CMAME 315, eq. 16)."""
+    """Water by delta-SPH. Between steps all fields hold at one time; particles are in the order of cells of mid-step.
+    Without a free surface they are shifted to where fewer are, or they would line up along streamlines (Lind et al.
+    2012, J. Comput. Phys. 231; Sun et al. 2017, CMAME 315, eq. 16)."""
 
     config: Config
 
@@ -546,11 +549,11 @@ class DeltaSph(Sph):
 
     @property
     def listed_positions(self) -> tuple[ti.Field, ...]:
-        """Fields x, y, z of the positions at the step's end [m], in mid-step order, not wrapped at periodic sides."""
+        """Fields x, y, z [m] of positions at the step's end, in order of the last sort, not wrapped into periods."""
         return self.grid.moved[: STATE_COLUMNS.velocity]
 
     def arrive(self) -> None:
-        """Sort the particles at their present positions, and compute the density's rate there."""
+        """Sort the particles after they were placed outside a step, and compute the rate of their density there."""
         self.settle(self.summary)
 
     def step(self, dt: float) -> None:
@@ -565,7 +568,7 @@ class DeltaSph(Sph):
 
     @ti.func
     def stage_particle(self, i, x, v):
-        """Store the next position x [m] and velocity v [m/s] of particle i, which keeps its grid cell of mid-step."""
+        """Store position x [m], velocity v [m/s] of particle i at the step's end; it stays in the order of mid-step."""
         self.grid.stage_motion(i, x, v)
 
     @ti.func
@@ -587,7 +590,7 @@ class DeltaSph(Sph):
 
     @ti.kernel
     def settle(self, summary: Array):
-        """Sort the particles, compute their rate of density, and write extremes to `summary`, without moving them."""
+        """Sort the particles where they are, compute their rate of density, fill `summary` (Accounts.summarise)."""
         self.dt[None] = 0.0
         for i in range(self.particles.count.there()):
             self.next_deviation[i] = self.excess_of(self.particles.pressure[i])
@@ -608,8 +611,8 @@ class DeltaSph(Sph):
 
     @ti.kernel
     def drift_kick_drift(self, dt: float, speed: float, since: float):
-        """Move the particles by dt [s]: drift, sort, kick, drift. `speed`: of particle shifts [m/s]; `since`: time on
-        the wind's clock [s]."""
+        """Move the particles by dt [s]: drift, sort, kick, drift. `speed` [m/s]: scale of shifts out of crowds, in a
+        closed basin; `since` [s]: time since the wind's clock restarted."""
         self.dt[None] = dt
         self.wind.set_clock(since, dt)
         h = self.smoothing.length
@@ -635,8 +638,8 @@ class DeltaSph(Sph):
 
     @ti.kernel
     def find_density_rate(self, summary: Array):
-        """Compute the density's rate at the end of a step and write extremes to `summary`. It is a kernel of its own,
-        since Taichi 1.7 cannot compile both walks in one for Vulkan."""
+        """Compute the density's rate at the end of a step; fill `summary` (Accounts.summarise). It is a kernel of its
+        own, since Taichi 1.7 cannot compile both walks in one for Vulkan."""
         self.neighbours.walk(self.continuity, False)
         self.accounts.summarise(summary)
 

@@ -99,8 +99,8 @@ class Config(SphConfig):
         return artificial + super().viscosity_added(preflight, length, height, standing)
 
     def limits_at(self, basin: Basin, speed: float, acceleration: float) -> Limits:
-        """Time step limits at this speed [m/s] and acceleration [m/s2]; sound sets none. Neighbours under a pressure p
-        oscillate at sqrt(p / density) / spacing; friction of a pair relaxes up to twice as fast as its sum."""
+        """Time step limits at this speed [m/s], acceleration [m/s2]. Neighbours under a pressure p oscillate at sqrt(p
+        / density) / spacing: hence a least speed; pairs relax at up to twice the viscous rate. Sound sets no limit."""
         speed = max(speed, MIN_LIMIT_SPEED * self.speed(basin))
         return step_limits(self.smoothing(basin), 0.0, 2.0 * self.viscosity(basin), speed, acceleration)
 
@@ -143,8 +143,8 @@ class Config(SphConfig):
 
 @in_kernels
 class Density(Law):
-    """Pair law for (a) the summed density, (b) the rise of density allowed where a gap closes and (c) the diagonal A_ii
-    over dt^2 (1 / alpha of Bender & Koschier 2015, eq. 9), raised in crowds so that Jacobi steps do not overshoot."""
+    """Pair law for (a) the density sum, (b) its rise allowed in a step where water is too thin (a gap), (c) the
+    diagonal A_ii / dt^2 (1 / alpha of Bender & Koschier 2015, eq. 9), raised in crowds lest Jacobi steps overshoot."""
 
     terms, options = Columns(density=1, gradient=3, squares=1), WalkOptions(apart=True, padded=True)
 
@@ -165,7 +165,7 @@ class Density(Law):
 
     @ti.func
     def pair(self, own, other):
-        """W, grad W and |grad W|^2 of one neighbour; the constants of the kernel come later."""
+        """W, grad W, |grad W|^2 (`terms`) of a neighbour, without constants; `own`, `other`: positions of both [m]."""
         x_ij = own - other
         r2 = x_ij.dot(x_ij)
         r, smoothing = ti.sqrt(r2), self.fluid.smoothing
@@ -174,7 +174,8 @@ class Density(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Store particle i's density, A_ii and allowed rise of density; without a free surface, its particle shift."""
+        """Store density, A_ii, allowed rise of density or, without a free surface, shift of particle i at `own` [m], by
+        the sums `total` over particles and `beyond` over images. `group`: row of the budget."""
         fluid, rest = self.fluid, ti.static(self.fluid.particles.rest_density)
         total += beyond
         if ti.static(fluid.bodies):
@@ -199,7 +200,7 @@ class Density(Law):
 
 @in_kernels
 class Forces(Force):
-    """Pair law for all forces but pressure, and those of last step's pressures, where the divergence solver starts."""
+    """Pair law for all forces, those by last step's pressures among them: the divergence solver starts from these."""
 
     fluid: "Dfsph"
     row = FORCE_ROW
@@ -218,7 +219,8 @@ class Forces(Force):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values that boundary particle s at d [m] shows; its pressure is 0 (Bender & Koschier 2017, sect. 5)."""
+        """Field values that boundary particle s, at d [m] in matrix `mirror`, shows to a particle of values `own`: a
+        velocity for friction, and pressure 0 (Bender & Koschier 2017, sect. 5)."""
         other = self.rubbing_sample(own, s, d, mirror)
         other[self.row.pressure] = 0.0
         return other
@@ -242,7 +244,7 @@ class Forces(Force):
 
     @ti.func
     def viscosity_without_surface(self, v_ij, r2):
-        """Viscous part of a pair over 2 nu V: v_ij W' / r (Morris, Fox & Zhu 1997, eq. 22)."""
+        """Viscous part of a pair without a free surface, over 2 nu V: v_ij W' / r (Morris, Fox & Zhu 1997, eq. 22)."""
         return self.fluid.smoothing.shape_gradient(ti.sqrt(r2)) * v_ij
 
     @ti.func
@@ -265,7 +267,7 @@ class Forces(Force):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Predict the velocity of particle i under these forces, from which the divergence solver starts."""
+        """Predict particle i's velocity, to begin the divergence solver, by sums `total` and, of images, `beyond`."""
         fluid = self.fluid
         dt, x, v = fluid.dt[None], vec3(own, self.row.position), fluid.particles.velocity.at(i)
         beyond = self.with_bodies(beyond, x, own)
@@ -405,7 +407,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def predict(self, dt: float, since: float, report: Array):
-        """Predict velocities after dt [s]; sum density errors into `report`; `since`: time on the wind's clock [s]."""
+        """Predict velocities after dt [s]; sum density errors in `report`; `since` [s]: since wind clock's restart."""
         self.dt[None], self.momentum[None] = dt, 0.0
         self.wind.set_clock(since, dt)
         self.neighbours.walk(self.forces, False)
@@ -427,7 +429,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def predict_density(self, speed: float, report: Array):
-        """Predict densities after the step; sum errors into `report`. `speed`: of shifts in closed water [m/s]."""
+        """Predict densities after the step; errors to `report`. `speed` [m/s]: of particle shifts in closed basins."""
         self.momentum[None] = 0.0
         for i in range(self.particles.count.there()):
             self.incompressible.begin(i)
@@ -465,7 +467,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def displace_all(self):
-        """Move all particles by dt times the field `way` [m/s] and stop them at walls; velocities stay unchanged."""
+        """Move all particles by dt times `way`, a move over dt [m/s], but not into walls; velocities do not change."""
         for i in range(self.particles.count.there()):
             v, way = self.particles.velocity.at(i), self.way.at(i)
             x, _ = self.landing(i, self.dt[None] * way, v)
@@ -496,7 +498,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def settle(self, summary: Array, report: Array):
-        """Sort the particles, compute densities; write extremes to `summary`, the sum of densities to `report`."""
+        """Sort the particles, compute densities; fill `summary` (Accounts.summarise); `report`: sum of densities."""
         self.grid.sort()
         self.neighbours.walk(self.density, True)
         self.rows.sum_into(report)

@@ -55,7 +55,7 @@ class Config(waves.GrowingTrain, FluidConfig):
 
     @property
     def interpolation_limits(self) -> Limits:
-        """Time step limits that keep the error of linear interpolation between a file's steps within 0.05 %."""
+        """Limits of the time step by which waves, interpolated between the steps of a file, err by at most 0.05 %."""
         return Limits(force=SMOOTH_STEP_PERIODS * self.scale[1])
 
     def point_spacing(self, preflight: Preflight) -> float:

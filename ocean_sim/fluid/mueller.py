@@ -62,7 +62,7 @@ class Config(SphConfig):
         return self
 
     def speed(self, basin: Basin) -> float:
-        """Reference speed [m/s]: as in SphConfig; without gravity that of 1 % compression at the given `stiffness`."""
+        """Reference speed [m/s]: given or sqrt(|g| depth); without gravity 0.1 sqrt(`stiffness`): 1 % compression."""
         return super().speed(basin) or 0.1 * sqrt(self.stiffness or 0.0)
 
     def sound_speed(self, basin: Basin) -> float:
@@ -92,7 +92,7 @@ class Config(SphConfig):
 
 @in_kernels
 class Density(Law):
-    """Pair law for the density (thesis eq. 2.13) by the poly6 kernel, and then the pressure (eq. 2.15)."""
+    """Pair law (sum over neighbours) for the density (thesis eq. 2.13, poly6 kernel), and pressure by it (eq. 2.15)."""
 
     terms = Columns(density=1)
 
@@ -109,7 +109,7 @@ class Density(Law):
 
     @ti.func
     def pair(self, own, other):
-        """Poly6 kernel of one neighbour, without its constant (thesis eq. 2.13)."""
+        """Poly6 kernel for positions `own`, `other` [m] of a pair, without its constant (thesis eq. 2.13)."""
         x_ij = own - other
         return ti.Vector([self.fluid.smoothing.shape_poly6(x_ij.dot(x_ij))])
 
@@ -149,12 +149,13 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def prefactor(self, own):
-        """Factor of the sum: particle mass times the spiky kernel's constant over the particle's density."""
+        """Factor of the force sum: mass times 3/2 spiky constant over density, from the particle's values `own`."""
         return self.constant * own[self.row.volume]
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values that boundary particle s at d [m] shows: continued pressure, 1 / density of water at rest."""
+        """Field values that boundary particle s, at d [m] in matrix `mirror`, shows to a particle of values `own`: its
+        pressure continued to there, 1 / density of water at rest."""
         other = self.continued_sample(own, s, d, mirror)
         other[self.row.volume] = 1.0 / self.fluid.rest_density
         return other
@@ -171,7 +172,7 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def pair(self, own, other):
-        """Pressure and viscous force of one neighbour (thesis eqs. 2.16, 2.18), with factors h - r and 1 / rho_j."""
+        """Pressure and viscous force by a neighbour (thesis eqs. 2.16, 2.18) but for `prefactor`, from both `row`s."""
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         v_ji = vec3(other, self.row.velocity) - vec3(own, self.row.velocity)
         r = ti.sqrt(x_ij.dot(x_ij) + SQUARED_GAP)

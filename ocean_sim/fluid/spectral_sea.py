@@ -63,7 +63,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
     """Density of the water."""
 
     def tiled(self, basin: waves.Tank, length: float, width: float) -> Tile:
-        """Make the tile of sea on which waves are computed, for a basin of this length and width [m]."""
+        """Make the tile (periodic grid of sea, by default six waves long) for a basin of this length, width [m]."""
         side, g = self.tile, waves.downward_gravity(basin)
         if side is None and self.highest is not None:
             side = PER_TILE * 2.0 * pi / float(waves.wavenumber(2.0 * pi / self.highest[1], basin.depth, g))
@@ -97,7 +97,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return found
 
     def unfitted(self, basin: Basin) -> Problems:
-        """Faults (key, sentence) of waves not periodic on the tile, or of a tile that holds too little energy."""
+        """Faults (key, sentence) of a tile (periodic grid) that does not fit waves or holds under half their energy."""
         tile, found = self.tile_of(basin), Problems()
         for _, train in self.trains:
             if train.spectrum is not None or not train.scale[0]:
@@ -177,7 +177,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return self.interpolation_limits(self.tile_of(preflight.tank))
 
     def interpolation_limits(self, tile: Tile) -> Limits:
-        """Time step limits that keep the error of linear interpolation within 0.05 %, and skip no step of the tile."""
+        """Time step limits: waves interpolated between steps err by at most 0.05 %, and no tile step is skipped."""
         period = self.highest[1] if self.highest is not None else np.inf
         return Limits(force=min(SMOOTH_STEP_PERIODS * period, 4.0 * self.tile_step(tile)))
 
@@ -203,7 +203,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
             yield LedgerRow("fluid", f"the wind's waves on {cells} cells", size, why)
 
     def summed_waves(self, preflight: Preflight) -> int:
-        """Number of plane waves that kernels sum: all of a linear sea; 1 for a nonlinear sea, stored on a tile."""
+        """Number of plane waves that kernels sum: all of a linear sea; 1, of height 0, if a grid holds the sea."""
         return len(self.sea_of(preflight.tank).amplitude) if self.order == 1 else 1
 
     def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
@@ -227,7 +227,7 @@ class OwnWaves(OnTile):
         return self.layer.covers(points)
 
     def modes_at(self, time: float) -> TileModes:
-        """Fourier modes of these waves at a time [s], extrapolated from the tile's last step."""
+        """Fourier modes of the ship's or wind's waves at a time [s], by linear theory from their grid's last step."""
         dt, tile = time - self.time, self.tile
         e, p = self.layer.propagate(dt)
         u, w = self.velocity
@@ -237,7 +237,7 @@ class OwnWaves(OnTile):
 
 
 class NonlinearSea(OnTile):
-    """Nonlinear sea, stored at two times, one tile step apart, and interpolated to the present time between them."""
+    """Nonlinear sea on a periodic grid (tile), stored at two times, one time step of it apart, interpolated between."""
 
     def __init__(self, sea: HighOrder, step: float, ramp: float) -> None:
         """Compute the first two states of `sea`, `step` [s] apart; `ramp`: time [s] over which its height grows."""
@@ -247,7 +247,7 @@ class NonlinearSea(OnTile):
         self.advance_step()
 
     def advance_step(self) -> None:
-        """Advance the nonlinear sea by a step, and store its modes as the later of the two states."""
+        """Advance the nonlinear sea by its step; store its modes as the later of the two states for interpolation."""
         self.sea.advance(self.step)
         self.number += 1
         self.slots = [self.slots[1], np.array(self.sea.potentials())]
@@ -262,7 +262,7 @@ class NonlinearSea(OnTile):
         return TileModes(*(grown * ((1.0 - late) * a + late * b) for a, b in zip(*self.slots)))
 
     def ramped_modes(self, slot: int) -> np.ndarray:
-        """Fourier modes (3, cells, columns) of the earlier (`slot` 0) or later (1) stored state, times its ramp."""
+        """Modes (3, cells, columns; TileModes) of the earlier (`slot` 0) or later (1) state, times the ramp in time."""
         return waves.ramp_share(self.step * (self.number - 1 + slot), self.ramp) * self.slots[slot]
 
 
@@ -350,7 +350,7 @@ class SpectralSea(OpenWater):
         self.waves.begin(self.afar)
 
     def add_ships(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
-        """Give each ship that displaces water a tile for her waves; return the water each feels, without her own."""
+        """Give each ship that displaces water a grid (tile) for her waves; return the water each feels, less these."""
         wakes = [OwnWaves(self.tile, ship) for ship in ships if len(ship.displaced()[1])]
         self.made += wakes
         self.tiles = [*self.tiles, *wakes]
@@ -433,13 +433,13 @@ class SpectralSea(OpenWater):
             made.begun = True
 
     def wind_centre(self) -> np.ndarray:
-        """Centre x, z (2,) [m] of the wind's tile in the current's axes: the first ship, or the basin's middle."""
+        """Centre x, z (2,) [m] of the wind's tile (wave grid) in the current's axes: first ship, or basin's middle."""
         first = next((made.ship for made in self.made if made.ship is not None), None)
         at = np.zeros(2) if first is None else np.array([first.body.position[0], first.body.position[2]])
         return at - self.drift
 
     def write_waves(self, made: OwnWaves, sheet: Sheet) -> None:
-        """Write waves of a ship or wind, now and one tile step later, to the fields for kernels (`sheet`)."""
+        """Write waves of a ship or wind, now and one step of their tile (grid) later, to kernels' fields (`sheet`)."""
         for slot, time in enumerate((self.time, self.time + self.step)):
             sheet.write_modes(slot, *made.modes_at(time))
 

@@ -33,7 +33,7 @@ class Tree:
     """Syntax tree of a function that Taichi compiles; Taichi stores results on its nodes while it translates them."""
 
     def __init__(self, source: "Source") -> None:
-        """Parse a tree, and store in each node its line in the source and the method of Taichi that translates it."""
+        """Parse a syntax tree; store in each node its source line and Taichi's method for it: they are read often."""
         self.source, self.root = source, source.parse()
         self.root.tree = self
         self.nodes: list[Any] = [*ast.walk(self.root)]
@@ -43,7 +43,7 @@ class Tree:
             node.read = node_reader(node.__class__)
 
     def clear(self) -> None:
-        """Remove Taichi's results from the nodes: they refer to simulations, and would keep them in memory."""
+        """Remove Taichi's results (expressions) from the syntax nodes: they would keep simulations in memory."""
         for node in self.nodes:
             node.ptr = None
         for node in self.attributes:
@@ -51,7 +51,7 @@ class Tree:
 
 
 class Source:
-    """Source text of a function, and the syntax trees parsed from it that are not in use."""
+    """Source text of a function, and a pool of its syntax trees: each is out of it while Taichi translates it."""
 
     def __init__(self, function: FunctionType) -> None:
         self.name, self.file = function.__name__, kernel_impl.getsourcefile(function)

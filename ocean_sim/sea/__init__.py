@@ -8,8 +8,8 @@ from ocean_sim.waves.seas import Seas
 
 
 class Written(Seas, SeaConfig):
-    """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `spectra` on top. Of
-    random waves those of fewer than ten particles are left out with their part of the height; `check` says how much."""
+    """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `spectra` on top. Random
+    waves shorter than ten particle spacings are left out with their part of the height; `check` says how much."""
 
     rim: Rim = Rim()
     feed: float | None = quantity("1/s", None, ge=0.0)

@@ -6,7 +6,7 @@ from ocean_sim.sea import Written
 
 
 class Config(Written):
-    """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `spectra` on top. Of
-    random waves those of fewer than ten particles are left out with their part of the height; `check` says how much."""
+    """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `spectra` on top. Random
+    waves shorter than ten particle spacings are left out with their part of the height; `check` says how much."""
 
     kind: Literal["linear_waves"] = "linear_waves"

@@ -10,8 +10,8 @@ from ocean_sim.waves.seas import Steepening
 
 class Config(Steepening, Written):
     """Regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `spectra` on top: nonlinear up to the
-    third order in their slope. Of random waves those of fewer than ten particles are left out at first, with their part
-    of the height; `check` says how much."""
+    third order in their slope. Random waves shorter than ten particle spacings are left out at the start, with their
+    part of the height; `check` says how much."""
 
     kind: Literal["spectral_sea"] = "spectral_sea"
     order: Literal[1, 3] = 3

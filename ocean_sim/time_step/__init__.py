@@ -12,7 +12,7 @@ class TimeStep:
     limited_by = ""  # the limit that ruled the last answer: "acoustic", "viscous", "force", "longest" or "fixed"
 
     def __init__(self, config: Any, adjusted: str, unit: str) -> None:
-        """`config`: keys of the rule, with a method `longest_step`; `adjusted`: its adjustable key, in this unit."""
+        """`config`: keys of the rule, with `longest_step`; `adjusted`: key that `adjust` may change, in this `unit`."""
         self.config, self.adjusted, self.unit = config, adjusted, unit
 
     @property

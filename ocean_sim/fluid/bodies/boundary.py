@@ -62,7 +62,8 @@ class Body:
     counts: bool = True  # whether the forces of the water on it are summed
 
     def strength(self, smoothing: Smoothing, spacing: float) -> float:
-        """Factor of the boundary particles' weight: 1, but more in a gate so thin that it has fewer layers of them."""
+        """Factor by which each boundary particle counts in sums over neighbours: 1, but more in a gate thinner than a
+        kernel support, so that its few layers push water as those of a thick body do."""
         count, apart = self.across
         if count == 0:
             return 1.0
@@ -274,8 +275,8 @@ class Boundary:
 
     @ti.func
     def turn_arm(self, s, motion: Template):
-        """Rotate, as `motion` says, the vector from its body's origin to boundary particle s, and extend the body's
-        bounding box to it."""
+        """Rotate the vector from its body's origin to boundary particle s by the rotation in `motion`, which has a row
+        (MOTION_COLUMNS) for each body; extend the body's bounding box to it."""
         b, local = self.owner[s], self.local.at(s)
         for k, arm in ti.static(enumerate(self.arm)):
             along = ti.cast(body_vector(motion, b, MOTION_COLUMNS.rotation + 3 * k).dot(local), float)
@@ -285,14 +286,16 @@ class Boundary:
 
     @ti.func
     def sample_position(self, s, motion: Template):
-        """Position [m] in the tank of boundary particle s of bodies that moved by `motion`; call `turn_arm` before."""
+        """Position [m] in the tank of boundary particle s: its body's position, from `motion` (for each body a row of
+        MOTION_COLUMNS), plus the vector to s, which `turn_arm` has to rotate before."""
         return self.grid.wrap_position(
             ti.cast(body_vector(motion, self.owner[s], MOTION_COLUMNS.position) + self.arm.at(s), float)
         )
 
     @ti.func
     def store_sample(self, s, to, motion: Template):
-        """Store position, velocity, acceleration and normal of boundary particle s at index `to`, sorted by cell."""
+        """Store position, velocity, acceleration, normal of boundary particle s at index `to` of the fields in the
+        order of cells, from its body's row of `motion` (MOTION_COLUMNS)."""
         b, arm, x, facing = self.owner[s], self.arm.at(s), self.sample_position(s, motion), self.facing.at(s)
         spin = body_vector(motion, b, MOTION_COLUMNS.angular_velocity)
         swept = spin.cross(arm)
@@ -327,7 +330,8 @@ class Boundary:
 
     @ti.func
     def head(self, x, a, s, d, mirror):
-        """Rise of p / rho [m2/s2] from a particle at x [m], acceleration a [m/s2], to boundary particle s at x + d."""
+        """Rise of p / rho [m2/s2], by gravity less acceleration, from a particle at x [m], accelerated by a [m/s2], to
+        boundary particle s at x + d, seen in the matrix `mirror`."""
         n, a_s = (
             mirror_direction(mirror, self.normal.at(s)),
             mirror_direction(mirror, self.acceleration.at(s)),
@@ -336,18 +340,19 @@ class Boundary:
 
     @ti.func
     def mirrored_velocity(self, s, mirror):
-        """Velocity [m/s] of the image of boundary particle s in a mirror."""
+        """Velocity [m/s] of boundary particle s, seen in the matrix `mirror` (Images.mirror)."""
         return mirror_velocity(mirror, self.velocity.at(s))
 
     @ti.func
     def rubbing_velocity(self, v, s, mirror):
-        """Velocity [m/s] of boundary particle s for friction with water at v: v itself on a free-slip body, else
-        mirrored in the body, 2 v_body - v."""
+        """Velocity [m/s] that boundary particle s, seen in the matrix `mirror`, shows to water at v for friction: v
+        itself, without friction, on a free-slip body, else the body's reflected, 2 v_body - v."""
         return ti.select(self.free[s] == 1, v, 2.0 * self.mirrored_velocity(s, mirror) - v)
 
     @ti.func
     def react(self, law: Template, dt):
-        """Sum force [N] and impulse [N s] of the water on each boundary particle; call it at a kernel's top level."""
+        """Sum force [N] and, over dt [s], impulse [N s] of the water on each boundary particle by the Reaction `law`,
+        into `force` and `impulse`; call it at a kernel's top level."""
         for t in range(self.blocks * self.stride):
             if t % self.stride == 0:
                 b = t // self.stride
@@ -432,25 +437,25 @@ class SolidShare:
     sums = 1
 
     def __init__(self, boundary: Boundary, smoothing: Smoothing, unit: float) -> None:
-        """`boundary`: where the boundary particles are; `unit`: volume of a particle [m3]."""
+        """Share of space that particles of `boundary` fill; `unit`: volume [m3] of a water particle, in 2-D [m2]."""
         self.boundary, self.smoothing, self.unit = boundary, smoothing, unit
 
     @ti.func
     def term(self, own, s, d, mirror):
-        """Kernel-weighted share of space that boundary particle s, at d [m] from the point, fills."""
+        """Kernel-weighted share of space that boundary particle s, d [m] away, fills; `own`, `mirror` not used."""
         return ti.Vector([self.unit * self.boundary.share[s] * self.smoothing.W_poly6(d.dot(d))])
 
 
 @in_kernels
 class SampleSum:
-    """Summand of a PointSum: contributions of the boundary particles around a particle to its pair law."""
+    """Contributions of boundary particles to the sum of a pair `law`: a summand of PointSum, with `sums` and `term`."""
 
     def __init__(self, boundary: Boundary, law: Law) -> None:
         self.boundary, self.law, self.sums = boundary, law, law.terms.size
 
     @ti.func
     def term(self, own, s, d, mirror):
-        """Weighted contribution of boundary particle s, seen at d [m] in a mirror; `own`: values of the particle."""
+        """Contribution of boundary particle s, at d [m] in matrix `mirror`, to a particle of field values `own`."""
         total = ti.Vector.zero(float, self.sums)
         if d.dot(d) < self.boundary.grid.support**2:
             total = self.boundary.particle_equivalent(s) * self.law.pair(own, self.law.sample(own, s, d, mirror))
@@ -458,7 +463,7 @@ class SampleSum:
 
     @ti.func
     def total(self, x, own):
-        """Sum of the pair law over all boundary particles around x [m]; zero away from bodies."""
+        """Sum of `law` over boundary particles around a particle at x [m] of values `own`; zero away from bodies."""
         total = ti.Vector.zero(float, self.sums)
         if self.boundary.near(x):
             total = self.boundary.around.total(x, self, own)
@@ -467,18 +472,19 @@ class SampleSum:
 
 @in_kernels
 class Reaction:
-    """Summand of a PointSum: force [N] of water particles on a boundary particle, and its part whose work counts as
-    work of walls. Of the force by a mirror image, the part across the mirror acts on that side instead."""
+    """Force [N] of water particles on a boundary particle, and its part whose work counts as work of walls: a summand
+    of PointSum. The force of a particle's image counts along its wall only; across the wall it acts on the wall."""
 
     def __init__(self, boundary: Boundary, law: Law, told: tuple[ti.Field, ...], forces: tuple[Any, ...]) -> None:
-        """`told`: particle fields that `law` reads; `forces`: ti.funcs that turn its sums to accelerations [m/s2]."""
+        """Use the pair `law`, which reads the particle fields `told`; `forces`: ti.funcs from its sums to accelerations
+        [m/s2], by all forces and by those whose work counts as work of walls."""
         self.boundary, self.law, self.told, self.mass = boundary, law, told, boundary.mass
         self.forces = forces if boundary.working else forces[:1]
         self.sums = 3 * len(self.forces)
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Force on boundary particle `own` by particle j, seen at d [m] in a mirror: minus its push on particle j."""
+        """Force on boundary particle `own` (index) by particle j, at d [m] in matrix `mirror`: minus its push on j."""
         law = self.law
         here = ti.Vector([field[j] for field in ti.static(self.told)])
         away = tm.vec3([-mirror[POSITION_SIGN, k] * d[k] for k in ti.static(range(3))])

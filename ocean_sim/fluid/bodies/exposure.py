@@ -27,7 +27,7 @@ RENEWAL_DISTANCE = 0.5
 
 
 def memory(n: int, word: int, bends: bool) -> int:
-    """Memory [bytes] of an Exposure of n particles; `word`: bytes of a `float`; `bends`: True with surface bends."""
+    """Memory [bytes] of an Exposure of n particles; `word`: bytes of a `float`; `bends`: True with curvature too."""
     return ((9 if bends else 3) * n + 1) * word + 8 * -(-n // AREAS_PER_THREAD)
 
 
@@ -38,7 +38,7 @@ class Exposure(Law):
     terms = Columns(area=3)
 
     def __init__(self, water: Any, plan_area: float, bends: bool) -> None:
-        """`water`: an Sph; `plan_area`: area [m2] of its still surface, 0 if unknown; `bends`: True to find bends."""
+        """`water`: an Sph; `plan_area` [m2]: of its still surface, 0 if unknown; `bends`: True to find curvature."""
         particles, smoothing = water.particles, water.smoothing
         self.particles, self.smoothing, self.neighbours = particles, smoothing, water.neighbours
         self.plan_area, self.reads = plan_area, water.listed_positions
@@ -91,13 +91,13 @@ class Exposure(Law):
 
     @ti.func
     def pair(self, own, other):
-        """Gradient of the kernel at one neighbour; the constant factor comes later."""
+        """Gradient of the kernel from `own` to a neighbour `other` [m], but for the constant `factor` of the sum."""
         return -self.smoothing.pair_gradient(own - other)
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Store the exposed area of particle i, twice its volume times the gradient of the share of water, outwards.
-        Bodies count as water, so that water at walls is not exposed."""
+        """Store the exposed area of particle i at `own` [m], outwards: twice its volume times the gradient of the share
+        of water (`total`), half of whose fall lies outside. Bodies count as water: water at walls is not exposed."""
         area = self.prefactor(own) * self.with_bodies(total, own, own)
         if area.norm() < self.least:
             area = tm.vec3(0.0)
@@ -108,7 +108,7 @@ class Exposure(Law):
 
     @ti.func
     def bend_of(self, i):
-        """Slope derivatives d(slope_x)/dx, d(slope_x)/dz, d(slope_z)/dz of the surface at i times `skin`; 0 inside."""
+        """Second derivatives xx, xz, zz of the surface's height at i, times areas' mean depth `skin`; 0 inside."""
         bend = tm.vec3(0.0)
         if ti.static(self.bends):
             bend = self.bending.bend.at(self.particles.id[i])
@@ -117,7 +117,7 @@ class Exposure(Law):
 
 @in_kernels
 class Bend(Law):
-    """Pair law for second derivatives of the surface's height, fitted to differences in slope between particles."""
+    """Pair law for the bend of the surface, second derivatives of its height: fitted to slope differences."""
 
     row = Columns(position=3, slope=2, area=1)
     terms = Columns(xx=1, xz=1, zz=1, x_along_x=1, cross=1, z_along_z=1)
@@ -130,7 +130,7 @@ class Bend(Law):
 
     @ti.func
     def image(self, other, mirror):
-        """Field values of a neighbour's mirror image: its position, and its slope across the side reversed in sign."""
+        """Values (`row`) of a neighbour, seen in matrix `mirror`: position; slope, reversed across it; area."""
         x, image = mirror_position(mirror, vec3(other, self.row.position)), other
         for k in ti.static(range(3)):
             image[self.row.position + k] = x[k]
@@ -140,7 +140,7 @@ class Bend(Law):
 
     @ti.func
     def pair(self, own, other):
-        """Products of distance and slope difference to one neighbour, weighted by the kernel: terms of the fit."""
+        """Terms of the bend's fit for two particles (`row`): kernel-weighted products of distance, slope difference."""
         x = vec3(other, self.row.position) - vec3(own, self.row.position)
         weight = other[self.row.area] * self.smoothing.shape_gradient(ti.sqrt(x.dot(x)))
         steeper_x = other[self.row.slope] - own[self.row.slope]
@@ -150,8 +150,8 @@ class Bend(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Store `skin` times the Hessian H of the surface at particle i. It solves H M + M H = 2 S with the sums over
-        neighbours M of x x and S of slope difference times x."""
+        """Store `skin`, the mean depth [m] of exposed areas, times the surface's Hessian H at particle i (`own`: its
+        `row`). H M + M H = 2 S holds with sums over neighbours (`total`): M of x x, S of slope difference times x."""
         xx, xz, zz = total[self.terms.xx], total[self.terms.xz], total[self.terms.zz]
         along_x, along_z = total[self.terms.x_along_x], total[self.terms.z_along_z]
         bend, narrow = tm.vec3(0.0), xx * zz - xz * xz < MIN_DETERMINANT * xx * zz

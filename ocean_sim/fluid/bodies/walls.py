@@ -56,7 +56,7 @@ class Zone:
 
     @property
     def wavelength(self) -> float:
-        """Wavelength [m] of the highest waves that the zone is designed for; infinite if the scene names no waves."""
+        """Wavelength [m] of the highest waves this absorbing zone is made for; infinite if the scene names none."""
         return inf if self.coming is None else self.coming.wavelength
 
     @cached_property
@@ -112,7 +112,8 @@ def zones(lattice: Lattice) -> tuple[Zone, ...]:
 
 
 def zone(side: Side, basin: Basin, of_scene: waves.Components | None, absorbing: list[Side], spacing: float) -> Zone:
-    """Make the absorbing zone of a `side` for waves that it lets in, else `of_scene`; `absorbing`: all such sides."""
+    """Make the absorbing zone of a `side`, for the waves of its target or else `of_scene`; `absorbing`: all such sides,
+    between which the basin's length is shared out; `spacing` [m]: of particles."""
     asked, axis = side.absorbing, side.axis
     assert asked is not None
     target, given = asked.target, None
@@ -163,7 +164,7 @@ class Target:
 
     @ti.func
     def velocity(self, x):
-        """Target velocity [m/s] at x [m]: current plus orbital velocity of the waves, at the time set by `turn`."""
+        """Target velocity [m/s] at x [m]: current plus orbital velocity of the waves, at the time given to `turn`."""
         v = self.current
         if ti.static(self.waving):
             v += self.waves.velocity(x)
@@ -313,7 +314,7 @@ class Walls:
 
     @ti.func
     def limit_motion(self, v, dt):
-        """Velocity [m/s] scaled down to the motion limit of a step of dt [s]; and 1 if scaled, else 0."""
+        """Velocity v [m/s], scaled down if its way in dt [s] exceeds `motion_limit`; and 1 if scaled, else 0."""
         fast = 0
         if ti.static(self.limited):
             way = v.norm() * dt

@@ -36,7 +36,7 @@ SURFACE_HALVINGS = 4
 
 @in_kernels
 class Spread:
-    """Summand of a PointSum: share of space filled by water around a point, with its first and second moments."""
+    """Summand of a PointSum (over particles near a point): share of space they fill, its first, second moments."""
 
     sums = MOMENT_COLUMNS.size
 
@@ -45,14 +45,14 @@ class Spread:
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Share that particle j at d [m] fills, and its products with the components of d (MOMENT_COLUMNS)."""
+        """Share of space that particle j, d [m] away, fills, times 1 and products of d / support (MOMENT_COLUMNS)."""
         w, q = self.field.weight(d), d / self.field.smoothing.support
         return w * ti.Vector([1.0, q.x, q.y, q.z, q.x * q.x, q.y * q.y, q.z * q.z, q.x * q.y, q.y * q.z, q.z * q.x])
 
 
 @in_kernels
 class DynamicPressure:
-    """Summand of a PointSum: dynamic pressure p - rho0 g . x [Pa]; mirror images add that of moving walls and tank."""
+    """Summand of a PointSum: p - rho0 g . x [Pa] of particles; of images, plus the rise by moving walls or tank."""
 
     sums = 1
 
@@ -61,7 +61,7 @@ class DynamicPressure:
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Weighted dynamic pressure [Pa] of particle j, seen at d [m] in a mirror; `own`: weights by `fit_plane`."""
+        """Weighted dynamic pressure [Pa] of particle j, at d [m] in matrix `mirror`; `own`: FACTOR_COLUMNS."""
         particles = self.field.particles
         x, weight = particles.position.at(j), self.field.weight(d) * self.field.factor(own, d)
         unsteady = self.field.unsteady_pull(mirror_midpoint(mirror, x))
@@ -71,7 +71,7 @@ class DynamicPressure:
 
 @in_kernels
 class Velocity:
-    """Summand of a PointSum: velocity [m/s] of a particle, or of its mirror image by the wall's slip."""
+    """Summand of a PointSum: velocity [m/s] of a particle, or of its image in a wall with free slip or no slip."""
 
     sums = 3
 
@@ -80,7 +80,7 @@ class Velocity:
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Weighted velocity [m/s] of particle j, seen at d [m] in a mirror; `own`: weights by `fit_plane`."""
+        """Weighted velocity [m/s] of particle j, at d [m] in matrix `mirror`; `own`: its weights (FACTOR_COLUMNS)."""
         weight = self.field.weight(d) * self.field.factor(own, d)
         return weight * mirror_velocity(mirror, self.field.particles.velocity.at(j))
 
@@ -140,13 +140,13 @@ class Field:
 
     @ti.func
     def factor(self, own, d):
-        """Correction of a neighbour's weight, linear in its distance vector d [m]; `own`: result of `fit_plane`."""
+        """Factor constant - slope . d / support of the weight of a neighbour at d [m]; `own`: both (FACTOR_COLUMNS)."""
         return own[FACTOR_COLUMNS.constant] - vec3(own, FACTOR_COLUMNS.slope).dot(d / self.smoothing.support)
 
     @ti.func
     def fit_plane(self, x):
-        """Share of water around x [m], and the constant and slope of weights that make sums exact for linear fields.
-        The slope is limited far from the neighbours."""
+        """Share of water around x [m], and constant and slope (FACTOR_COLUMNS) of the factor (`factor`) of neighbours'
+        weights that makes sums exact for fields linear in position. Far from the neighbours the slope is limited."""
         m = self.around.total(x, self.spread, 0.0)
         share = tm.max(m[MOMENT_COLUMNS.share], 1.0e-12)
         mean = vec3(m, MOMENT_COLUMNS.first) / share
@@ -206,12 +206,12 @@ class Share:
     sums = 1
 
     def __init__(self, smoothing: Smoothing, volume: float) -> None:
-        """Weigh by the poly6 kernel; `volume`: of a particle [m3], in 2-D its area [m2]."""
+        """Share of space that particles of this `volume` [m3], in 2-D area [m2], fill, by the poly6 kernel."""
         self.smoothing, self.constant = smoothing, volume * smoothing.poly6_constant
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Share that particle j, at d [m] from the point, fills."""
+        """Share of the space around the point that particle j, d [m] away, fills; `own` and `mirror` are not used."""
         return ti.Vector([self.constant * self.smoothing.shape_poly6(d.dot(d))])
 
 
@@ -229,7 +229,7 @@ class FreeSurface:
 
     @ti.func
     def ceiling(self, x, z):
-        """Height [m] from which to search at x, z [m]: a support above particles around it, at most the lid."""
+        """Height [m] to search the surface down from at x, z [m]: a support over the highest particle, or the lid."""
         p, grid = self.particles.position, self.grid
         h = self.smoothing.support
         home = grid.indices_at(grid.wrap_position(tm.vec3(x, self.bed, z)))

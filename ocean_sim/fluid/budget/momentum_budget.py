@@ -33,17 +33,17 @@ def absent_terms(basin: Basin) -> tuple[int, ...]:
 
 
 def impulse_terms(absent: tuple[int, ...]) -> tuple[int, ...]:
-    """Indices of the force terms with impulses: all but pure energy terms (diffusion, leak) and `absent` ones."""
+    """Indices in TERM_NAMES of terms with impulse: not those of energy (diffusion, leak of density) or `absent`."""
     return tuple(term for term in range(len(TERM_NAMES)) if term not in (*absent, *ENERGY_TERMS))
 
 
 @in_kernels
 class Accounts:
-    """Momentum budget: extremes, impulse and work, in a row for each group of particles. Rows are added in order, so
-    that no result depends on the order of threads."""
+    """Momentum budget: extremes of motion and density, impulse and work, in a row for each group of particles (a
+    thread's task). Rows are added in order, so that no result depends on the order of threads."""
 
     def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...], apart: int = ROW_PADDING) -> None:
-        """Make `groups` rows, spaced `apart` numbers. `impulses`: also sum impulse and work, except `absent` terms."""
+        """Make `groups` rows of `apart` numbers. `impulses`: also sum impulse, work of TERM_NAMES but `absent` ones."""
         self.groups, self.impulses = groups, impulses
         self.idle = absent  # terms that nothing in the scene gives
         self.overflow, self.clipped = (ti.field(int, shape=(groups, apart)) for _ in range(2))
@@ -59,18 +59,18 @@ class Accounts:
 
     @ti.func
     def begin_motion(self, group):
-        """Reset the largest speed and acceleration recorded for a group of particles."""
+        """Reset the largest speed and acceleration of a group of particles; `group`: index of its row of the budget."""
         self.speed2[group, 0] = self.acceleration2[group, 0] = self.sum[group, 0] = 0.0
 
     @ti.func
     def begin_density(self, group):
-        """Reset the least and largest density recorded for a group of particles."""
+        """Reset the least and largest density of a group of particles; `group`: index of its row of the budget."""
         self.thin[group, 0], self.dense[group, 0] = UNREACHABLE_DENSITY, 0.0
         self.thinner[group, 0] = self.inner[group, 0] = 0.0
 
     @ti.func
     def count_motion(self, group, v, a, fast):
-        """Record velocity v [m/s], acceleration a [m/s2] of a particle; `fast`: 1 if the motion limit slowed it."""
+        """Record velocity v [m/s], acceleration a [m/s2] in row `group`; `fast`: 1 if `motion_limit` slowed them."""
         v2, a2 = v.dot(v), a.dot(a)
         self.speed2[group, 0] = ti.max(self.speed2[group, 0], v2)
         self.acceleration2[group, 0] = ti.max(self.acceleration2[group, 0], a2)
@@ -79,19 +79,19 @@ class Accounts:
 
     @ti.func
     def count_density(self, group, density):
-        """Record a particle's density [kg/m3] in the extremes of its group."""
+        """Record a particle's density [kg/m3] in the extremes of its group, row `group` of the budget."""
         self.thin[group, 0] = ti.min(self.thin[group, 0], density)
         self.dense[group, 0] = ti.max(self.dense[group, 0], density)
 
     @ti.func
     def count_packing(self, group, thinner):
-        """Record a particle inside the water; `thinner`: share by which particles there lie too far apart."""
+        """Record an inner particle; `thinner`: share by which it is packed less densely than its density says."""
         self.thinner[group, 0] = self.thinner[group, 0] + thinner
         self.inner[group, 0] = self.inner[group, 0] + 1.0
 
     @ti.func
     def count_impulse(self, group, term: Template, impulse, v):
-        """Add a term's impulse [N s] and work v . impulse [J] to a group; v [m/s]: particle's mean velocity."""
+        """Add impulse [N s] and work v . impulse [J] of a `term` to row `group`; v [m/s]: particle's mean velocity."""
         if ti.static(term not in self.idle):  # as the kernel is compiled; sums of other terms stay zero
             four = ti.Vector([impulse.x, impulse.y, impulse.z, impulse.dot(v)])
             for k in ti.static(range(WORK_COLUMN + 1)):
@@ -99,18 +99,18 @@ class Accounts:
 
     @ti.func
     def count_impulses(self, group, terms: Template, kick, accelerations: Template, v):
-        """Add impulses of several force terms to a group: `kick` [kg s] times `accelerations`; v [m/s]: for work."""
+        """Add impulses of `terms` to row `group`: `kick`, mass times dt [kg s], times `accelerations`; v: for work."""
         for term, a in ti.static(zip(terms, accelerations)):
             self.count_impulse(group, term, kick * a, v)
 
     @ti.func
     def count_work(self, group, term: Template, work):
-        """Add the work [J] of a force term on a particle, without an impulse."""
+        """Add the work [J] of a `term` (its index in TERM_NAMES) without impulse on a particle to row `group`."""
         self.given[group, term, WORK_COLUMN] = self.given[group, term, WORK_COLUMN] + ti.cast(work, ti.f64)
 
     @ti.func
     def block_extremes(self, begin, end):
-        """Reduce rows `begin` to `end` - 1 to the extremes, sums and counts that `summarise` lists."""
+        """Return the numbers of `summarise` (extremes, sums, counts) over the rows of groups `begin` to `end` - 1."""
         speed2, acceleration2, thin, dense, total, clipped, crowded = 0.0, 0.0, UNREACHABLE_DENSITY, 0.0, 0.0, 0, 0
         thinner, inner = 0.0, 0.0
         for g in range(begin, end):
@@ -124,15 +124,15 @@ class Accounts:
 
     @ti.func
     def summarise(self, summary: Template):
-        """Fill `summary` with largest squared speed and acceleration, least and largest density, a sum that is finite
-        if all terms are, number of particles slowed by the motion limit, and number of cells whose list overflows."""
+        """Fill `summary` (9,): largest speed^2, acceleration^2; least, largest density; a sum, finite if all terms are;
+        number of particles slowed by `motion_limit`, of cells with overfull lists; sum, count of `count_packing`."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             for k, number in ti.static(enumerate(self.block_extremes(0, self.groups))):
                 summary[k] = number
 
     def status(self, summary: np.ndarray, grid: Grid) -> Status:
-        """Status from the numbers of `summarise`; raise Diverged where a list of candidates overflowed."""
+        """Status from the numbers of `summarise`; raise Diverged where a cell's neighbours overflowed their list."""
         speed2, acceleration2, thin, dense, total, clipped, crowded, thinner, inner = summary.tolist()
         if crowded:
             x, y, z = grid.fullest_place()
@@ -162,14 +162,14 @@ class Accounts:
 
 @in_kernels
 class Summing:
-    """Sums over all particles in float64. Fixed blocks are added in order, so no result depends on threads."""
+    """Adder of all particles' density, position, velocity (Totals) in float64: in blocks, regardless of threads."""
 
     def __init__(self, particles: Particles) -> None:
         self.particles = particles
         self.table = np.zeros((SUM_BLOCKS, SUM_COLUMNS.size + MAX_COLUMNS.size))
 
     def totals(self) -> Totals:
-        """Sums over all particles in their present state, and their bounding box."""
+        """Sums of density, position, velocity and more (Totals) over all particles now, and their bounding box."""
         self.add_up(self.table)
         with np.errstate(invalid="ignore"):  # infinite both ways is NaN
             total, most = self.table[:, : SUM_COLUMNS.size].sum(axis=0), self.table[:, SUM_COLUMNS.size :].max(axis=0)
@@ -188,14 +188,14 @@ class Summing:
 
     @ti.kernel
     def add_up(self, table: Doubles2):
-        """Fill the table (a row for each block of particles) with sums and maxima."""
+        """Fill the table (a row for each block of particles) with sums (SUM_COLUMNS) and maxima (MAX_COLUMNS)."""
         for b in range(SUM_BLOCKS * TASK_ITERATIONS):
             if b % TASK_ITERATIONS == 0:
                 self.add_block(b // TASK_ITERATIONS, table)
 
     @ti.func
     def add_block(self, block, table: Template):
-        """Write sums and maxima over one block of particles to its row of the table."""
+        """Write sums (SUM_COLUMNS) and maxima (MAX_COLUMNS) over one block of particles to its row of the table."""
         n = self.particles.count.there()
         total, compressed = ti.Vector.zero(ti.f64, SUM_COLUMNS.size), ti.cast(0.0, ti.f64)
         low, high = tm.vec3(FAR_COORDINATE), tm.vec3(-FAR_COORDINATE)

@@ -21,7 +21,7 @@ WIND_SLABS = 4  # slabs of water in which a wind acts on mass
 
 @in_kernels
 class AirPressure:
-    """Vertical impulse of the wind on the water in each cell of a tile, summed over a step of the tile."""
+    """Vertical impulse of the wind on the water in each cell of a tile (periodic grid), summed over a step of it."""
 
     left_out: ClassVar[tuple[str, ...]] = ("weights",)
 
@@ -45,18 +45,18 @@ class AirPressure:
         return cells * (8 * (WIND_SLABS + 1) + 2 * word)
 
     def set_slopes(self, along: np.ndarray, across: np.ndarray) -> None:
-        """Set the slopes of the surface along x and z, (cells, rows) each, on which the wind presses."""
+        """Set the surface slopes on which wind presses, `along` x and `across`, along z: (cells, rows) of the tile."""
         self.slope.from_numpy(np.stack([along, across], axis=-1).astype(to_numpy_type(self.slope.dtype)))
 
     def collect_impulse(self, dt: float, drift: np.ndarray, centre: np.ndarray) -> None:
-        """Add the wind's impulse over dt [s] to each cell of a tile around `centre`, moved by the current by
-        `drift`."""
+        """Add the wind's impulse over dt [s] to each cell of a tile around `centre`, which the current has moved by
+        `drift`, x, z (2,) [m] each."""
         first, clock = [axis[0] for axis in self.tile.nodes()], self.wind.clock
         self.add_impulses(clock.since, clock.step, dt, *(tm.vec2(*at) for at in (first, drift, centre)))
         self.gathered += dt
 
     def take_pressure(self) -> np.ndarray:
-        """Fourier modes of the wind's mean pressure / density [m2/s2] since the last call; reset the impulses."""
+        """Fourier modes of the wind's mean pressure / density [m2/s2] by impulses since the last call; reset these."""
         tile, pushed = self.tile, self.impulse.to_numpy()
         modes = sum(weight * tile.to_modes(slab) for weight, slab in zip(self.weights, pushed))
         span, self.gathered = self.gathered, 0.0
@@ -65,8 +65,8 @@ class AirPressure:
 
     @ti.kernel
     def add_impulses(self, since: float, step: float, dt: float, first: tm.vec2, drift: tm.vec2, centre: tm.vec2):
-        """Add the wind's upward impulse over dt [s] by cell and slab; `since`, `step` [s]: of the wind's clock;
-        `first`: middle of the first cell, `drift` by the current, `centre` of the tile [m]."""
+        """Add the wind's upward impulse over dt [s] by cell and slab (layer of depth). `since`, `step` [s]: wind
+        clock's time, last step; x, z [m]: `first` cell's middle, `drift` by the current, `centre` of the tile."""
         self.wind.set_clock(since, step)
         for i, k in ti.ndrange(self.cells, self.rows):
             at, sides = first + self.cell * tm.vec2(i, k), self.cell * tm.vec2(self.cells, self.rows)

@@ -116,7 +116,7 @@ class Breaking:
 
 
 class HighOrder:
-    """Nonlinear sea on a periodic tile: its elevation `eta` and surface potential `phi`, advanced in time."""
+    """Nonlinear sea on a tile (periodic grid): its elevation `eta` and surface potential `phi`, advanced in time."""
 
     def __init__(self, tile: Tile, onset: float, breaking: Breaking | None = None) -> None:
         """Start with calm water; `onset`: time scale [s] on which the nonlinear terms set in, 0 for at once."""
@@ -228,7 +228,7 @@ class HighOrder:
 
 
 def tile_step(tile: Tile) -> float:
-    """Time step [s] of a tile, in which waves STEP_WAVE_CELLS cells long advance by the phase STEP_ANGLE."""
+    """Time step [s] of waves on a tile (a periodic grid): those STEP_WAVE_CELLS cells long turn by STEP_ANGLE [rad]."""
     k = 2.0 * pi / (STEP_WAVE_CELLS * tile.cell)
     return STEP_ANGLE / float(waves.angular_frequency(k, tile.depth, tile.gravity))
 

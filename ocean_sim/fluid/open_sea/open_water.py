@@ -27,7 +27,7 @@ def status_of(sea: waves.Components, density: float) -> Status:
 
 
 class OpenWater(Fluid):
-    """Base class of water as a sum of plane waves and waves stored on tiles (Python: `tiles`; kernels: `sheets`)."""
+    """Base class of water as a sum of plane waves and of waves on `tiles` (grids), which kernels read from `sheets`."""
 
     config: Any
     waves: PlaneWaves  # in closed form
@@ -73,7 +73,6 @@ class OpenWater(Fluid):
         return Window(self, size, step, depths)
 
     def arriving(self, x: float, z: float, afar: bool = False) -> Arriving:
-        """Plane waves at x, z [m], grown by the ramp, when the last step began: those that kernels sum; `afar`: all."""
         sea = (self.plane_waves if afar else None) or self.waves.sea
         dx, dz = np.array([x, z]) - self.before * np.array(self.current)
         angle = sea.wavevector[:, 0] * dx + sea.wavevector[:, 1] * dz + sea.phase - sea.omega * self.before
@@ -88,7 +87,7 @@ class OpenWater(Fluid):
         return elevation
 
     def sum_elevations(self, points: np.ndarray, tiles: "Sequence[OnTile]") -> np.ndarray:
-        """Heights (m,) [m] at x, z (m, 2) [m], in axes moving with the current, of plane waves plus these `tiles`."""
+        """Heights (m,) [m] at x, z (m, 2) [m], in the current's axes, of plane waves plus those on grids (`tiles`)."""
         eta = waves.elevation(self.waves.sea, points, self.time)
         for one in tiles:
             there = one.covers(points)
@@ -106,7 +105,7 @@ class OpenWater(Fluid):
         return self.flow_velocities(at, np.zeros(len(at)))
 
     def flow_velocities(self, at: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Velocities (m, 3) [m/s] at x, z (m, 2) [m] in axes moving with the current and stretched heights y [m]."""
+        """Velocities (m, 3) [m/s] at x, z (m, 2) [m] in the current's axes and Wheeler-stretched heights y (m,) [m]."""
         stretched = np.stack([at[:, 0], y, at[:, 1]], axis=1)
         v = waves.linear_velocity(self.waves.sea, stretched, self.time)
         v += [self.current[0], 0.0, self.current[1]]

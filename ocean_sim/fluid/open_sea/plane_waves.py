@@ -48,7 +48,8 @@ class PlaneWaves:
 
     @ti.kernel
     def store_waves(self, each: Array2, turns: Doubles2):
-        """Store n waves: `each` (n, 5): amplitude, k, kx, kz, speed; `turns` (n, 4): phase, omega, kx, kz over 2 pi."""
+        """Store n waves: `each` (n, 5): amplitude, k, kx, kz, orbital speed; `turns` (n, 4), in float64 for exact
+        phases at late times: phase, omega, kx, kz over 2 pi."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(self.amplitude.shape[0]):
             self.amplitude[i], self.k[i], self.speed[i] = each[i, 0], each[i, 1], each[i, 4]
@@ -126,8 +127,8 @@ class Window:
         return word * (waves * (2 * sums + 4 * size[0] + 2 * size[1]) + 4 * size[0] * size[1] * sums + 1)
 
     def now(self) -> tuple[float, float, bool]:
-        """Time of the floating bodies as a share of the way from the first stored time to the second, the ramp's factor
-        of wave height, and True if the stored sums hold at that time."""
+        """Time of the floating bodies, 0 at the first and 1 at the second of the two times for which sums of waves are
+        stored at the lattice's nodes; the ramp's factor of wave height; True if the stored sums serve at that time."""
         time, there = self.water.before, self.water.waves
         others = self.begun != there.begun
         if others:
@@ -142,7 +143,7 @@ class Window:
         return self.water.current
 
     def set_waves(self, sea: waves.Components) -> None:
-        """Set the amplitudes of these waves at each level, and the time between the two stored times."""
+        """Set the waves' amplitudes at the surface and each depth of the table, and the time between its two times."""
         a, k, omega, g = sea.amplitude, sea.wavenumber, sea.omega, sea.gravity
         kx, kz = sea.wavevector.T
         cosines, sines = [a], [a * omega]
@@ -210,7 +211,8 @@ class Window:
 
     @ti.func
     def moving(self, i, k, l, late):
-        """Velocity [m/s] and acceleration [m/s2] at node i, k and level l; `late` as in `elevation`."""
+        """Velocity [m/s], acceleration [m/s2] of water at node i, k and depth number l; `late`: share of the way from
+        the first stored time to the second."""
         first, last = self.speed[0, i, k, l], self.speed[1, i, k, l]
         pulled, pulls = self.pull[0, i, k, l], self.pull[1, i, k, l]
         mean = (last - first) / self.clock[None]
@@ -219,6 +221,6 @@ class Window:
 
     @ti.func
     def interpolate(self, first, last, growth, grows, late):
-        """Hermite cubic in time, at a share `late` from `first` to `last`, with rates `growth`, `grows` [1/s]."""
+        """Hermite cubic in time, a share `late` of the way from `first` to `last`; `growth`, `grows`: their rates."""
         way, back, span = late * late * (3.0 - 2.0 * late), 1.0 - late, self.clock[None]
         return (1.0 - way) * first + way * last + span * late * back * (back * growth - late * grows)

@@ -32,7 +32,7 @@ def cubic_weights(s):
 
 @in_kernels
 class Sheet:
-    """Waves on a tile as Taichi fields. Beyond the tile the water is calm, or periodic if the sheet `repeats`."""
+    """Waves on a tile (grid of sea) as Taichi fields. Beyond it water is calm, or periodic if the sheet `repeats`."""
 
     left_out: ClassVar[tuple[str, ...]] = ("profiles",)
     now: ClassVar[int] = 0  # row of the clock: at the end of the water's last step,
@@ -63,8 +63,8 @@ class Sheet:
         self.store_values(slot, values)
 
     def set_clock(self, shares: tuple[float, float], drifts: np.ndarray, centre: np.ndarray) -> None:
-        """Set the times at which kernels read the waves, now and at the last step's start, by `shares` of the way from
-        slot 0 to 1 and `drifts` (2, 2) [m] by the current; set the tile's `centre` (2,) [m]."""
+        """Set where kernels read between both stored times (slots 0, 1), now and at the last step's start: `shares` (2)
+        of the way to slot 1, `drifts` (2, 2) [m] by the current until then; set the tile's `centre` (2,) [m]."""
         tile = self.tile
         size = np.array([tile.side, tile.width])
         first = np.array([axis[0] for axis in tile.nodes()]) + size * np.round(centre / size)
@@ -73,7 +73,8 @@ class Sheet:
 
     @ti.kernel
     def store_values(self, slot: int, values: ti.types.ndarray(ndim=3)):  # type: ignore[valid-type]
-        """Copy `values` to a slot: elevation, then three velocities and three accelerations at each level."""
+        """Copy `values` (1 + 6 SHEET_LEVELS, cells, rows) to `slot` 0 or 1, one of the two stored times: elevation,
+        then at each level (depth) three velocities and three accelerations."""
         for i, k in ti.ndrange(self.cells, self.rows):
             self.level[slot, i, k] = values[0, i, k]
             for l in range(SHEET_LEVELS):
@@ -83,7 +84,7 @@ class Sheet:
 
     @ti.func
     def locate_cell(self, x, z, when: Template):
-        """Indices of the cell at x, z [m], shares of the way to the next, True if covered; `when` as in `elevation`."""
+        """Cell indices at x, z [m], shares of the way to the next, True if on the tile; `when`: `now` or `before`."""
         a, b = (x - self.clock[when, 1]) / self.cell, (z - self.clock[when, 2]) / self.cell
         i, k = int(ti.floor(a)), int(ti.floor(b))
         there = True
@@ -118,17 +119,18 @@ class Sheet:
 
     @ti.func
     def velocity(self, x, z, depth, when: Template):
-        """Velocity [m/s] at x, z [m] and a Wheeler-stretched depth [m]; `when` as in `elevation`."""
+        """Velocity [m/s] at x, z and a Wheeler-stretched depth [m]; `when`: `now` or `before` the last step."""
         return self.interpolate(self.speed, x, z, depth, when)
 
     @ti.func
     def acceleration(self, x, z, depth, when: Template):
-        """Acceleration [m/s2] at x, z [m] and a Wheeler-stretched depth [m]; `when` as in `elevation`."""
+        """Acceleration [m/s2] at x, z and a Wheeler-stretched depth [m]; `when`: `now` or `before` the last step."""
         return self.interpolate(self.pull, x, z, depth, when)
 
     @ti.func
     def interpolate(self, field: Template, x, z, depth, when: Template):
-        """Vector of a field at x, z, depth [m]: bilinear in the cell, cubic over levels, linear in time."""
+        """Vector of `field`, `speed` or `pull`, at x, z, depth [m] and time `when`, `now` or `before` (the last step):
+        bilinear in the cell, cubic over levels, linear in time."""
         i, k, a, b, there = self.locate_cell(x, z, when)
         total, late = tm.vec3(0.0), ti.cast(self.clock[when, 0], float)
         if there:

@@ -153,7 +153,7 @@ class Tile:
 
     def displaced_modes(self, points: np.ndarray, volumes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Fourier modes of displaced volume per area [m], by `volumes` (m,) [m3] at x, z, depth (m, 3) [m]: (a) itself,
-        (b) times its effect on the surface, cosh k (h - depth) / cosh kh, linear between two Gauss depths."""
+        (b) as it moves the surface, times cosh k (h - depth) / cosh kh, linear in depth through Gauss's two nodes."""
         depth, deepest = points[:, 2], max(float(points[:, 2].max(initial=0.0)), 1e-9)
         low = (depth / deepest - UPPER_NODE) / (LOWER_NODE - UPPER_NODE)
         upper, lower = (self.spread_modes(points[:, :2], part * volumes) for part in (1.0 - low, low))
@@ -186,7 +186,7 @@ class Tile:
 
 
 class TileModes(NamedTuple):
-    """Fourier modes (cells, columns) on a tile: elevation, potential at the still level, and its rate of change."""
+    """Fourier modes (cells, columns) on a tile (periodic grid): elevation, potential at the still level, its rate."""
 
     e: np.ndarray
     potential: np.ndarray
@@ -194,7 +194,8 @@ class TileModes(NamedTuple):
 
 
 class OnTile:
-    """Interface of waves on a tile, at times [s] and points x, z (m, 2) [m] in axes that move with the current."""
+    """Interface of waves on a `tile` (periodic grid of sea) with `modes_at`, at times [s] and points x, z (m, 2) [m] in
+    axes that move with the current."""
 
     tile: Tile
 
@@ -232,8 +233,8 @@ class OnTile:
         return found
 
     def point_modes(self, points: np.ndarray, y: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-        """Yield each point's index and factors (cells, columns) of the Fourier modes at its x, z and height y [m]: for
-        horizontal velocity and pressure, and (times k [1/m]) for vertical velocity."""
+        """Yield each point's index and factors (cells, columns) whose products with Fourier modes sum to values at its
+        x, z, y [m]: for horizontal velocity and pressure; for vertical velocity, k [1/m] included."""
         tile, first = self.tile, np.array([axis[0] for axis in self.tile.nodes()])
         twice = np.where((np.arange(tile.k.shape[1]) == 0) | (2 * np.arange(tile.k.shape[1]) == tile.rows), 1.0, 2.0)
         scale = twice * tile.directed_modes / (tile.cells * tile.rows)
@@ -258,7 +259,7 @@ def cubic_weights(s: np.ndarray) -> list[np.ndarray]:
 
 
 class Layer:
-    """Linear waves on a tile whose centre follows the ship or wind that makes them."""
+    """Linear waves on a tile (periodic grid) around the ship or wind that makes them, added to other waves."""
 
     def __init__(self, tile: Tile, rim: bool = True) -> None:
         self.tile, self.rim = tile, rim
@@ -274,7 +275,7 @@ class Layer:
 
     @cached_property
     def damping_rate(self) -> np.ndarray:
-        """Decay rate (cells, rows) [1/s] in the tile's rim: RIM_DAMPING_RATIO omega times squared depth (0 to 1)."""
+        """Decay rate (cells, rows) [1/s] in the rim: RIM_DAMPING_RATIO omega times squared depth in it (0 to 1)."""
         tile, (x, z) = self.tile, self.tile.nodes()
         far = np.abs(x)[:, None] / (0.5 * tile.side) + 0.0 * z
         if tile.rows > 1:
@@ -289,7 +290,7 @@ class Layer:
         return {}
 
     def begin(self, pressure: np.ndarray, centre: np.ndarray, dt: float) -> None:
-        """Start at rest around `centre`, under a `pressure` / density (Fourier modes [m2/s2]), for steps of dt [s]."""
+        """Start at rest under `pressure` / density (Fourier modes [m2/s2]), tile at `centre` [m]; dt [s]: of a step."""
         tile, half = self.tile, 0.5 * dt * self.tile.omega
         rest = np.divide(half, np.tan(half), out=np.ones(half.shape), where=half > 0.0) / tile.gravity
         self.set_pressure(pressure)
@@ -313,7 +314,8 @@ class Layer:
             self.eta -= self.eta.mean()
 
     def propagate(self, dt: float) -> tuple[np.ndarray, np.ndarray]:
-        """Fourier modes of elevation and potential dt [s] later, before the second half of the pressure acts."""
+        """Fourier modes of elevation and potential dt [s] later: half of the step's pressure acts, then the waves run
+        freely; `advance` lets the other half act."""
         tile = self.tile
         return tile.evolve(tile.to_modes(self.eta), tile.to_modes(self.phi) - 0.5 * dt * self.pressure, dt)
 

@@ -41,8 +41,8 @@ class Attenuation:
 
 @dataclass(frozen=True)
 class Delay:
-    """Share by which a scheme lengthens the period of waves, low / (1 + high (H / dx)^3) (k dx)^2, as in Attenuation.
-    Fitted to travelling waves in slices of 10 and 20 layers, k depth pi, H 0.6 to 1.9 dx."""
+    """Share by which a scheme lengthens the period of waves, low / (1 + high (H / dx)^3) (k dx)^2 (wavenumber k, height
+    H, spacing dx). `low`, `high` are fitted to travelling waves: 10 and 20 layers, k depth pi, H 0.6 to 1.9 dx."""
 
     low: float
     high: float = 0.0

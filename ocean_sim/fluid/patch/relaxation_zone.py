@@ -56,8 +56,8 @@ class RelaxationBand:
         return tuple(period for period in self.lattice.basin.periods if period)
 
     def height_profile(self, with_waves: float) -> tuple[np.ndarray, np.ndarray] | None:
-        """Distances (n,) [m] from a ship along the highest waves, and the waves' complex height there (with phase)
-        relative to the sea's; None if losses are unknown. `with_waves`: her speed along them over their group speed."""
+        """Distances (n,) [m] from a ship, round the patch along the sea's highest waves, and their complex height there
+        over the sea's; None if losses by the scheme are unknown. `with_waves`: her speed over theirs (group speed)."""
         if self.sea is None or self.losses is None:
             return None
         loss, feed = (complex(of[self.sea.highest]) for of in (self.losses, self.feed))
@@ -85,13 +85,13 @@ class RelaxationBand:
         return xi, height
 
     def height_at_ship(self, with_waves: float) -> complex | None:
-        """Complex height of the highest waves at the ship relative to the sea's (see `height_profile`), or None."""
+        """Complex height of highest waves at the ship over the sea's, or None; `with_waves`: her speed over theirs."""
         found = self.height_profile(with_waves)
         return complex(found[1][PATCH_PIECES // 2]) if found is not None else None
 
     @property
     def wake_transmission(self) -> float:
-        """Share of their height with which the highest waves, in calm water those 4/3 rim widths long, pass the rim."""
+        """Share of height with which waves as long as the sea's highest (calm sea: 4/3 rim widths) pass the rim."""
         basin, calm = self.lattice.basin, 2.0 * pi * RIM_WIDTH_WAVES / self.width
         k = calm if self.sea is None else float(self.sea.wavenumber[self.sea.highest])
         group = float(waves.group_speed(k, basin.depth, waves.downward_gravity(basin)))
@@ -234,7 +234,7 @@ def relaxation_band(lattice: Lattice) -> RelaxationBand | None:
 
 
 def tile_cells(band: RelaxationBand) -> tuple[int, int]:
-    """Numbers of cells along x and z of the tile for a nonlinear sea: about one per particle spacing."""
+    """Numbers of cells along x, z of the grid (tile) of a nonlinear sea on a patch: about one a particle spacing."""
     basin = band.lattice.basin
     share = width_over_length(basin.periods)
     assert share is not None

@@ -32,7 +32,7 @@ NODE_VALUES = 6  # values of a node: velocity [m/s] and its feed [m/s2]
 
 
 def wave_counts(band: RelaxationBand, sea: Components) -> np.ndarray:
-    """Number (n, 2) of wavelengths of each wave along the patch's sides x and z."""
+    """Number (n, 2) of wavelengths of each wave of a `sea` along the sides x and z of the patch of `band`."""
     return np.round(sea.wavevector * np.array(band.lattice.basin.periods)[::2] / (2.0 * np.pi)).astype(int)
 
 
@@ -53,7 +53,7 @@ class Depths(NamedTuple):
 
 
 class PlaneWaveSource:
-    """Linear sea (a sum of plane waves) that fills a SeaTable; the table applies the ramp."""
+    """Linear sea (sum of plane waves, not yet grown by the ramp) for a SeaTable, a grid over a patch of particles."""
 
     left_out: ClassVar[tuple[str, ...]] = ("shapes", "places")
 
@@ -68,7 +68,7 @@ class PlaneWaveSource:
         """(levels, values, n) contribution of each wave at the lower corner of the patch and phase 0."""
 
     def modes(self, time: float) -> np.ndarray:
-        """Fourier modes (levels, values, nodes x, nodes z) of velocity and feed at a time [s] that never decreases."""
+        """Fourier modes (depths, 6, nodes x, nodes z) of velocity and feed (against losses [m/s2]) at a time [s]."""
         found = np.zeros((TABLE_LEVELS + 1, NODE_VALUES, *self.count), dtype=np.complex128)
         origin_phase = np.exp(1j * np.mod(self.sea.phase - self.sea.omega * time, 2.0 * np.pi))
         found[:, :, self.places[0], self.places[1]] = self.shapes * origin_phase
@@ -76,10 +76,10 @@ class PlaneWaveSource:
 
 
 class SteepSource:
-    """Nonlinear sea on a tile over the patch, one cell a particle spacing, that fills a SeaTable. A wave's feed
-    (acceleration against losses) is f times its velocity. Modes E of elevation, P of potential hold waves along the
-    wavevector (P / 2 - i g E / (2 omega), factor f) and against it (conjugate of f); the sum is Re f P + Im f g E /
-    omega."""
+    """Nonlinear sea on a grid (tile) over the patch, one cell a particle spacing, for a SeaTable. A wave's feed, the
+    acceleration that makes up for the scheme's losses, is a complex f times its velocity. Modes P of potential, E of
+    elevation are waves along the wavevector, P / 2 - i g E / (2 omega), fed by f, and waves against it, fed by its
+    conjugate: in all by Re f P + Im f g E / omega."""
 
     left_out: ClassVar[tuple[str, ...]] = ("shapes", "feed_factors", "origin_phase", "places")
 
@@ -102,7 +102,7 @@ class SteepSource:
         self.places = (along % count[0])[:, None], (np.arange(tile.columns) % count[1])[None, :]
 
     def modes(self, time: float) -> np.ndarray:
-        """Advance the nonlinear sea to a time [s]; return Fourier modes of its velocity and feed (see SteepSource)."""
+        """Advance the nonlinear sea to a time [s]; return modes of velocity, feed, as PlaneWaveSource.modes does."""
         left = time - self.sea.time
         for _ in range(steps := int(np.ceil(left / self.step - 1e-9))):
             self.sea.advance(left / steps)
@@ -122,7 +122,8 @@ class SteepSource:
 
 
 def feed_factors(band: RelaxationBand, sea: Components, tile: Tile) -> tuple[np.ndarray, np.ndarray]:
-    """Factors Re f, Im f g / omega (cells, columns) of a tile's Fourier modes; f: waves' feed, a growth rate [1/s]."""
+    """Factors Re f and Im f g / omega (cells, columns) by which a tile's modes of potential and elevation are
+    multiplied, and then added, to feed waves at the complex rate f [1/s] against their losses (see SteepSource)."""
     order = np.argsort(sea.wavenumber)
     k, f = sea.wavenumber[order], band.feed[order]
     real, imaginary = (np.interp(tile.k, k, of) for of in (f.real, f.imag))
@@ -130,7 +131,7 @@ def feed_factors(band: RelaxationBand, sea: Components, tile: Tile) -> tuple[np.
 
 
 def table_nodes(band: RelaxationBand, sea: Components) -> tuple[int, ...]:
-    """Numbers of nodes along x and z of a SeaTable for a sea."""
+    """Numbers of nodes along x and z of the SeaTable for a `sea` over the patch of `band`, by the shortest wave."""
     periods = band.lattice.basin.periods[::2]
     crests = np.abs(wave_counts(band, sea)).max(axis=0)
     if band.nonlinear is not None:
@@ -140,14 +141,14 @@ def table_nodes(band: RelaxationBand, sea: Components) -> tuple[int, ...]:
 
 
 def table_bytes(band: RelaxationBand, sea: Components, word: int) -> int:
-    """Memory [bytes] of a SeaTable for a sea; `word`: size of a `float` [bytes]."""
+    """Memory [bytes] of the SeaTable (velocity, feed at nodes over a patch) for a sea; `word`: bytes of a `float`."""
     x, z = table_nodes(band, sea)
     return 3 * x * z * (TABLE_LEVELS + 1) * NODE_VALUES * word
 
 
 @in_kernels
 class SeaTable:
-    """Table over a patch of the sea's velocity, and of its feed (acceleration against losses by the scheme)."""
+    """Table over x, z of a patch and depth: the sea's velocity and feed (acceleration against the scheme's losses)."""
 
     def __init__(self, band: RelaxationBand, sea: Components) -> None:
         basin, self.sea = band.lattice.basin, sea
@@ -199,7 +200,7 @@ class SeaTable:
 
     @ti.kernel
     def interpolate_slots(self, share: float):
-        """Interpolate the table between its slots, at a share of the way from slot 0 to 1."""
+        """Interpolate the table between its two stored times, at a `share` of the way from slot 0 to slot 1."""
         for i, k in ti.ndrange(*self.count):
             for l, c in ti.ndrange(TABLE_LEVELS + 1, NODE_VALUES):
                 self.now[i, k, l, c] = tm.mix(self.slots[0, i, k, l, c], self.slots[1, i, k, l, c], share)
@@ -232,7 +233,7 @@ class SeaTable:
 
     @ti.func
     def sample(self, x):
-        """Velocity of the sea [m/s] and its feed (acceleration against losses [m/s2]) at x [m], as six numbers."""
+        """Velocity [m/s] of the sea and feed (acceleration [m/s2] against the scheme's losses) at x [m]: 6 numbers."""
         n, m = ti.static(self.count)
         level, share = self.level_weights(x.y)
         i, along = self.node_weights(x.x, 0)
@@ -249,7 +250,7 @@ class SeaTable:
 
     @ti.func
     def sample_column(self, i, k, level, share):
-        """Velocity and feed (as in `sample`) at node i, k; `level`, `share`: indices and weights of four levels."""
+        """Velocity and feed (as in `sample`) at node i, k by four depths: indices `level`, weights `share` (4,)."""
         total = ti.Vector.zero(float, NODE_VALUES)
         for l in ti.static(range(4)):
             for c in ti.static(range(NODE_VALUES)):
@@ -259,7 +260,8 @@ class SeaTable:
 
 @in_kernels
 class SeaRim:
-    """Forcing of particles towards the sea: a relaxation zone opposite the ships (or a moving point), and a feed."""
+    """Forcing of particles towards the sea: relaxation in a zone opposite the ships (or a moving point), and a feed,
+    which returns the height that waves lose by the scheme."""
 
     left_out: ClassVar[tuple[str, ...]] = ("ships",)
 
@@ -278,7 +280,7 @@ class SeaRim:
         self.advance(0.0)
 
     def follow(self, ships: Sequence[Displacing]) -> None:
-        """Keep the relaxation zone opposite the middle of these ships from now on."""
+        """Keep the relaxation zone half a period, along each axis, from the middle of these ships from now on."""
         self.ships = tuple(ships)
         self.place_band(0.0)
 
@@ -289,7 +291,7 @@ class SeaRim:
         return self.velocity * time
 
     def on_patch(self, points: np.ndarray) -> np.ndarray:
-        """Points x, z (..., 2) [m] moved by whole periods onto the patch at the origin; 0 on an axis without period."""
+        """Points x, z (..., 2) [m] moved by whole periods onto the patch at the origin; without period set to 0."""
         return np.where(self.periods > 0.0, points - whole_sides(points, self.periods), 0.0)
 
     def place_band(self, time: float) -> None:
@@ -309,7 +311,7 @@ class SeaRim:
 
     @ti.func
     def rim_share(self, x):
-        """Relative depth of x [m] in the relaxation zone: 0 outside, 1 at the seam opposite the ships."""
+        """Depth of x [m] in the relaxation zone over its width: 0 outside, 1 half a period away from the ships."""
         far = 0.0
         for axis, k, period in ti.static(self.axes):
             xi = x[k] - self.middle[axis]

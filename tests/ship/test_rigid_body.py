@@ -228,6 +228,20 @@ def test_motions_that_are_held_do_not_creep_however_long_the_step():
     assert abs(turned[0]) > 0.5
 
 
+@pytest.mark.parametrize("held", [0, 1, 2])
+def test_two_turns_together_leave_the_angle_that_is_held(held):
+    """Turns by 0.2 rad about two axes, a quarter of a period apart, turn a body about the third by some degrees."""
+    body = rigid.RigidBody(2.0, np.eye(3), np.zeros(3), rigid.euler_quaternion(0.1, 3.1, 0.2), np.zeros(3), np.zeros(3))
+    free, first, wildest = np.array([True] * 3 + [k != held for k in range(3)]), body.angles, 0.0
+    for t in np.arange(0.0, 60.0, 0.05):
+        rates = 0.2 * np.cos(t) * free[3:]
+        rates[(held + 1) % 3] = 0.2 * np.sin(t)
+        body = rigid.guide_step(body, rigid.with_spin(body, body.matrix @ rates), free, 0.05)
+        wildest = max(wildest, np.abs(np.sin(body.angles - first)).max())
+    assert body.angles[held] == pytest.approx(first[held], abs=1e-9)
+    assert wildest > 0.1
+
+
 def test_a_small_system_is_solved_as_numpy_does():
     random = np.random.default_rng(5)
     for _ in range(20):

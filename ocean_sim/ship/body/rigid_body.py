@@ -191,5 +191,9 @@ def guide_step(before: RigidBody, after: RigidBody, free: np.ndarray, dt: float)
     ways = after.velocity, after.position - before.position
     velocity, moved = (heading @ np.where(free[:3], heading.T @ way, 0.0) for way in ways)
     turned = unit_quaternion(quaternion_product(before.orientation, turn_quaternion(rates * dt)))
+    if (held := ~free[3:]).sum() == 1:  # two turns together, as roll and pitch, also turn about the third axis
+        now, then = euler_angles(turned), before.angles
+        held &= np.abs(np.sin(0.5 * (now - then))) < 0.5  # else pitch went through a right angle, where angles jump
+        turned = euler_quaternion(*np.where(held, then, now))
     body = replace(after, velocity=velocity, position=before.position + moved, orientation=turned)
     return with_spin(body, body.matrix @ rates)

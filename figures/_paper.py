@@ -45,9 +45,7 @@ def save_figure(figure: Any, path: Path, found: str = "") -> None:
     lines = wrap(words, int(width * LETTERS / small))
     figure.supxlabel("\n".join(lines), x=0.01, ha="left", fontsize=8.0 * small, color=SOFT)
     if Said.fast and not Said.whole:
-        figure.text(
-            0.5, 0.5, HASTY, rotation=24.0, ha="center", va="center", fontsize=4.0 * width, color=INK, alpha=0.10
-        )
+        figure.text(0.995, 0.995, HASTY, ha="right", va="top", fontsize=8.0 * small, color=SOFT)
     figure.savefig(path, dpi=DPI, metadata={"Software": None})
 
 

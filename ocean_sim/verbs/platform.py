@@ -245,7 +245,10 @@ def print_report(done: Commands, found: list[Metric], files: list[Path]) -> None
     kinds = ("scaled_rms", "felt_rms", "error_rms", "correlation", "delay", "false_cue")
     numbers = [[value[f"{name}_{kind}"] for kind in kinds] for name in FELT_COLUMNS]
     rows = [[name, *("-" if np.isnan(n) else f"{n:.4g}" for n in row)] for name, row in zip(FELT_COLUMNS, numbers)]
-    title = "specific force [m/s2] and rates [rad/s]: scaled, and felt on the platform (late by < 0: early)"
+    title = (
+        "specific force [m/s2] and rates [rad/s] along x forward, y to port, z up: scaled, and felt on the platform "
+        "(late by < 0: early)"
+    )
     console.table(title, ["", "scaled rms", "felt rms", "error rms", "correlation", "late by [s]", "false cue"], rows)
     sick = (value["motion_sickness_dose_ship"], value["motion_sickness_dose_platform"])
     limited, stroke = 100.0 * value["share_limited"], 100.0 * value["stroke_used"]

@@ -67,7 +67,8 @@ def rao(
         "axes": motion_log.AXES_IN_WORDS["flu"] + ", about the centre of mass, along her mean heading",
         "responses": "translations over wave amplitude, rotations over wave slope (wavenumber times amplitude)",
         "phase": "by which a motion leads the crest where the ship is",
-        "frequency": f"of encounter, at {facts['speed_m_s']:.4g} m/s in waves {facts['wave_direction_deg']:.4g} deg "
+        "frequency": f"of encounter, at {round(facts['speed_m_s'], 3) + 0.0:.4g} m/s "
+        f"in waves {facts['wave_direction_deg']:.4g} deg "
         "from her bow, to port (180: a head sea)",
         "closed form": "of a box of her length, waterplane and displacement (Jensen, Mansour & Olsen 2004)",
     }

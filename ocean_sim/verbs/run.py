@@ -174,6 +174,7 @@ def run_summary(facts: dict[str, Any]) -> str:
     ]
     lines += facts["remarks"]
     lines += [f"event at t = {e.get('time_s', 0.0):.3f} s: {describe_event(e)}" for e in facts["events"][:5]]
+    lines += ["docs/guide/health.md says what events mean"] if facts["events"] else []
     if len(facts["events"]) > 5:
         lines.append(f"... and {len(facts['events']) - 5} more events in events.jsonl")
     return "\n".join([*lines, f"{facts['folder']}: {' '.join(facts['files'])}"])

@@ -27,9 +27,9 @@ from ocean_sim.observers.shared.checks import (
     stored_by_weight,
     surely_inside,
 )
-from ocean_sim.parts import ALONE
+from ocean_sim.parts import ALONE, PeriodicConfig
 from ocean_sim.ship import Ship
-from ocean_sim.simulation import NO_FOLDER, OutcomeObserver, PeriodicConfig, Simulation
+from ocean_sim.simulation import NO_FOLDER, OutcomeObserver, Simulation
 
 STEPS_BETWEEN_CHECKS = 50  # of all positions
 ENERGY_CHECK_INTERVAL = 0.1  # [depth over reference speed] at most, between two checks of the energy

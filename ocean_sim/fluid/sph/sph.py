@@ -24,8 +24,8 @@ from ocean_sim.fluid.sph.particle_water import ParticleWater
 from ocean_sim.fluid.sph.smoothing import NEUTRAL_KERNEL, NEUTRAL_RATIO, Kernel, Smoothing, rigidity_notes
 from ocean_sim.fluid.sph.water_keys import Lattice, WaterConfig, free_fall_speed
 from ocean_sim.kernel_library import ti, tm
-from ocean_sim.model import quantity
-from ocean_sim.parts import LedgerRow, Preflight, Problems, called, key_of
+from ocean_sim.model import Fault, quantity
+from ocean_sim.parts import LedgerRow, Preflight, called, key_of
 from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import Wind
 
@@ -101,7 +101,7 @@ class SphConfig(WaterConfig):
     def viscosity_asked(self) -> float:
         return self.kinematic_viscosity
 
-    def problems(self, preflight: Preflight) -> Problems:
+    def problems(self, preflight: Preflight) -> list[Fault]:
         found, basin = list(super().problems(preflight)), preflight.tank
         if self.sound_speed(basin) == 0.0:
             found.append((("reference_speed",), "is required without gravity: compression needs a speed to refer to"))

@@ -179,11 +179,6 @@ class WindConfig(KindConfig):
     """True if there is no wind."""
 
     @property
-    def stylised(self) -> bool:
-        """True if the wind is a stylised force field, not a physical stress."""
-        return False
-
-    @property
     def acts_on(self) -> Sequence[Target]:
         """Targets, "fluid" and "ship", on which the wind acts; others are in still air."""
         return ("fluid", "ship")

@@ -60,7 +60,7 @@ class Predictive:
 
     def follow(self, ride: Ride, ahead: Ride | None = None) -> Cue:
         """Requested poses for the next rows of ship motion. `ahead`: rows that follow them, over the whole horizon.
-        Raises SolverMissing, and Failed where there is no plan."""
+        Raises Lacking, and Failed where there is no plan."""
         self.start = float(ride.time[0]) if np.isnan(self.start) else self.start
         config, scaled = self.config, [self.known]
         for part in (ride, ahead):

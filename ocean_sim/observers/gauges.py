@@ -171,17 +171,13 @@ class Config(PeriodicConfig):
 
     def misplaced_gauges(self, basin: Basin) -> list[Fault]:
         """Faults (key, sentence) of gauges that are outside the water or have an impossible face or line."""
-        points: dict[Key, tuple[tuple[float, ...], str]]
-        points = {("elevation", name): (wave.at, "xz") for name, wave in self.waves.items()}
-        sensors: dict[Key, Sensor] = {("pressure", name): sensor for name, sensor in self.sensors.items()}
-        points |= {key: (sensor.at, "xyz") for key, sensor in sensors.items()}
-        found = [(key, outside_reason(point, axes, basin)) for key, (point, axes) in points.items()]
-        right = {key for key, sentence in found if sentence is None}
-        found += [(key, face_problem(sensor, basin)) for key, sensor in sensors.items() if key in right]
-        found += [(("runup", name), line.problem(basin)) for name, line in self.runup.items()]
+        found: dict[Key, str | None] = {("runup", name): line.problem(basin) for name, line in self.runup.items()}
+        found |= {("elevation", name): outside_reason(wave.at, "xz", basin) for name, wave in self.waves.items()}
+        for name, sensor in self.sensors.items():
+            found["pressure", name] = outside_reason(sensor.at, "xyz", basin) or face_problem(sensor, basin)
         if self.elevation and basin.periods[1] > 0.0:
-            found.append((("elevation",), "a basin that is periodic along y has no surface"))
-        return [(key, sentence) for key, sentence in found if sentence is not None]
+            found["elevation",] = "a basin that is periodic along y has no surface"
+        return [(key, sentence) for key, sentence in found.items() if sentence is not None]
 
     @property
     def waves(self) -> dict[str, Wave]:

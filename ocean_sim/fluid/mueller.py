@@ -73,10 +73,8 @@ class Config(SphConfig):
         pull = waves.downward_gravity(basin)
         seen = pull > 0.0 and preflight.duration > BOILING_TIME * sqrt(basin.depth / pull)
         if seen and self.kinematic_viscosity < 0.9 * least:
-            yield (
-                f"still water of mueller boils within seconds below a viscosity of about {least:.1g} m2/s; set "
-                "fluid.kinematic_viscosity, or take delta_sph"
-            )
+            boils = f"still water of mueller boils within seconds below a viscosity of about {least:.1g} m2/s"
+            yield f"{boils}; set fluid.kinematic_viscosity, or take delta_sph"
 
     def ledger(self, preflight: Preflight) -> Iterator[LedgerRow]:
         sizes = self.list_size(self.start_lattice(preflight), preflight.arch, Momentum.row.size)

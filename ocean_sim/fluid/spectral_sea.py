@@ -153,16 +153,12 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
     def notes(self, preflight: Preflight) -> Iterator[str]:
         side = self.tile_of(preflight.tank).side
         if self.order == 3 and self.highest is not None:
-            yield (
-                f"order 3: the sea from afar is nonlinear and repeats itself after {side:.4g} m; the waves of ships "
-                "and winds stay linear"
-            )
+            afar = f"order 3: the sea from afar is nonlinear and repeats itself after {side:.4g} m"
+            yield f"{afar}; the waves of ships and winds stay linear"
         for name, ship in preflight.ships.items():
             if ship.look(preflight) is not None:
-                yield (
-                    f"the waves that {called(name)} makes are seen and act on other ships, but not on herself: her "
-                    "damping stands for their force"
-                )
+                unfelt = f"the waves that {called(name)} makes are seen and act on other ships, but not on herself"
+                yield f"{unfelt}: her damping stands for their force"
 
     def statements(self, preflight: Preflight) -> Iterator[str]:
         tile = self.tile_of(preflight.tank)

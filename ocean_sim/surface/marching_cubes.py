@@ -191,11 +191,9 @@ class MarchingCubes:
         self.update_field()
         self.isosurface.pad_field(open_sides)
         counts = self.isosurface.count_surface()
-        if counts.triangles > self.config.most_triangles:
-            raise Diverged(
-                f"the surface has {counts.triangles} triangles, more than surface.most_triangles "
-                f"{self.config.most_triangles}; try a larger surface.spacing, or see whether the water has come apart"
-            )
+        if counts.triangles > (most := self.config.most_triangles):
+            many = f"the surface has {counts.triangles} triangles, more than surface.most_triangles {most}"
+            raise Diverged(f"{many}; try a larger surface.spacing, or see whether the water has come apart")
         return self.isosurface.mesh(counts), counts
 
     @ti.kernel

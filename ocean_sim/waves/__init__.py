@@ -113,10 +113,8 @@ def cut_short(duration: float, ramp: float) -> Iterator[str]:
     """Yield a warning if a run of this duration [s] ends before its waves are at full height, after their ramp [s]."""
     if duration < ramp:
         share = 100.0 * ramp_share(duration, ramp)
-        yield (
-            f"the waves grow from calm water over the first {ramp:.4g} s, and the run ends at {duration:.4g} s, when "
-            f"they have {share:.2g} % of their height; take a longer duration or a shorter ramp"
-        )
+        grow = f"the waves grow from calm water over the first {ramp:.4g} s, and the run ends at {duration:.4g} s"
+        yield f"{grow}, when they have {share:.2g} % of their height; take a longer duration or a shorter ramp"
 
 
 @dataclass(frozen=True)

@@ -116,10 +116,8 @@ class WaterConfig(FluidConfig):
         for k, box in enumerate(tank.config.obstacles):
             thin = min(up - low for low, up in zip(box.min, box.max))
             if spacing is not None and thin < MIN_GATE_SPACINGS * spacing - BOX_ROUNDING:
-                yield (
-                    f"obstacles.{k} is {thin / spacing:.2g} spacings thin: water on either side feels the other; "
-                    f"take {MIN_GATE_SPACINGS:g} spacings, or a smaller fluid.spacing"
-                )
+                sheet = f"obstacles.{k} is {thin / spacing:.2g} spacings thin: water on either side feels the other"
+                yield f"{sheet}; take {MIN_GATE_SPACINGS:g} spacings, or a smaller fluid.spacing"
         yield from (f"obstacles.{k}: {skin}" for k, mesh in tank.meshes.items() for skin in mesh.mesh.skins)
         for k, gate in tank.gates:
             yield from gate.warnings(preflight.duration)

@@ -272,10 +272,8 @@ class Vessel(Ship):
         speed = sqrt(small_linalg.dot(velocity, velocity))
         if not speed <= MAX_SPEED:
             x, y, z = before.position
-            raise Diverged(
-                f"{called(self.name)} at ({x:.4g}, {y:.4g}, {z:.4g}) m reached {speed:.4g} m/s (bound {MAX_SPEED:g} "
-                "m/s); try a smaller time step"
-            )
+            fast = f"{called(self.name)} at ({x:.4g}, {y:.4g}, {z:.4g}) m reached {speed:.4g} m/s"
+            raise Diverged(f"{fast} (bound {MAX_SPEED:g} m/s); try a smaller time step")
         if after.position[1] < self.bed:
             x, _, z = after.position
             raise Diverged(f"{called(self.name)} has sunk to the bed, {-self.bed:g} m down, at ({x:.4g}, {z:.4g}) m")

@@ -53,9 +53,11 @@ class FileShortened(Mismatch):
 
 def saved_attributes(value: Any) -> dict[str, Any]:
     """Attributes of an object that are saved, by name: all but `left_out`, cached properties and those of Taichi."""
-    kind = type(value)
-    out = {name for name in vars(value) if isinstance(getattr(kind, name, None), cached_property)}  # computed again
-    kept = {name: inner for name, inner in vars(value).items() if name not in {*out, *getattr(kind, "left_out", ())}}
+    declared: dict[str, Any] = {}
+    for kind in reversed(type(value).__mro__):
+        declared |= vars(kind)
+    out = {name for name in vars(value) if isinstance(declared.get(name), cached_property)}  # computed again
+    kept = {name: inner for name, inner in vars(value).items() if name not in {*out, *declared.get("left_out", ())}}
     return {name: inner for name, inner in kept.items() if not is_library_attribute(name, inner)}
 
 

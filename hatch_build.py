@@ -15,7 +15,7 @@ import sys
 from unittest.mock import MagicMock
 
 sys.modules["ocean_sim.kernel_library"] = MagicMock(LIBRARY_NAME="taichi")
-from ocean_sim.reading.schema import schema_text
+from ocean_sim.reading.keys import schema_text
 
 sys.stdout.buffer.write(schema_text().encode())
 """

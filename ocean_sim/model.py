@@ -1,11 +1,12 @@
 """Frozen and strict models of all user input: numbers with units, no unknown keys."""
 
 from collections.abc import Iterable
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-Fault = tuple[tuple[str | int, ...], str]  # key path below a part or a key of it, and a sentence
+Key = tuple[str | int, ...]  # path below a part, or below a key of it
+Fault = tuple[Key, str]  # a key and a sentence
 Faults = Iterable[Fault]
 
 
@@ -13,6 +14,16 @@ class Model(BaseModel):
     """Base of all models of user input: frozen, strict about types, no unknown keys, no NaN and no infinity."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    def contradictions(self) -> Iterable[str]:
+        """Sentences on keys of this model that do not go together; the first one refuses it."""
+        return ()
+
+    @model_validator(mode="after")
+    def _without_contradiction(self) -> Self:
+        for sentence in self.contradictions():
+            raise ValueError(sentence)
+        return self
 
 
 def quantity(unit: str, default: Any = ..., **bounds: Any) -> Any:

@@ -7,15 +7,16 @@ building. The object that a Config builds has a protocol in the `__init__.py` of
 
 from __future__ import annotations
 
+import re
 from abc import abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from importlib import import_module
 from importlib.resources import files
 from math import hypot
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, Self, cast
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, cast
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.model import Faults, Model
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from ocean_sim.basin.open_sea import Nonlinear, Rim
     from ocean_sim.fluid import Fluid, Lattice, Limits
     from ocean_sim.platform import Platform
-    from ocean_sim.runtime import RuntimeConfig
     from ocean_sim.ship import Afloat, Look, Outline, Ship
     from ocean_sim.surface import Surface
     from ocean_sim.time_step import TimeStep
@@ -39,9 +39,6 @@ KEYS_BESIDE_SLOTS = {"rim": "sea"}  # keys that may also stand beside the part t
 GRAVITY_TOLERANCE = 0.1  # [m/s2] by which gravity may differ from that under a platform
 MEANT = {"sea": "linear_waves"}  # the kind of a part that names none
 PACKAGE = Path(str(files("ocean_sim")))
-
-Key = tuple[str | int, ...]
-Problems = list[tuple[Key, str]]  # where below the part's own key, and a sentence
 
 
 @cache
@@ -157,22 +154,19 @@ class SeaConfig(KindConfig):
     def plane_waves(self, basin: waves.Tank) -> waves.Components | None:
         """Plane waves of the sea by linear theory, before they are fitted to the patch; None in calm water."""
 
-    def problems(self, preflight: Preflight) -> Problems:
+    def problems(self, preflight: Preflight) -> Faults:
         """Mistakes (key, sentence) that forbid a patch of sea in this basin, such as sides that are not periodic."""
-        tank, found = preflight.tank, Problems()
-        across = tank.dimension == 3
-        if not tank.periods[0] or (across and not tank.periods[2]):
-            found.append((("kind",), "a patch of open sea has periodic sides; set basin.walls: periodic"))
+        tank, across = preflight.tank, preflight.tank.dimension == 3
+        periods = [tank.periods[axis] for axis in ((0, 2) if across else (0,))]
+        if not all(periods):
+            yield ("kind",), "a patch of open sea has periodic sides; set basin.walls: periodic"
         for name in ("wavemaker", "motion", "lid", "obstacles"):
             if getattr(tank.config, name):
-                found.append((("kind",), f"a patch of open sea has no {name}; leave basin.{name} out"))
-        if self.rim.width is not None and not found:
-            most = 0.5 * min(period for period in tank.periods if period)
-            if self.rim.width > most:
-                found.append((("rim", "width"), f"leaves no water free; at most {most:g} m, half of the patch"))
+                yield ("kind",), f"a patch of open sea has no {name}; leave basin.{name} out"
+        if self.rim.width is not None and all(periods) and self.rim.width > (most := 0.5 * min(periods)):
+            yield ("rim", "width"), f"leaves no water free; at most {most:g} m, half of the patch"
         if not across and self.rim.velocity[1]:
-            found.append((("rim", "velocity"), "in 2-D it is only along x; give [speed, 0.0]"))
-        return found
+            yield ("rim", "velocity"), "in 2-D it is only along x; give [speed, 0.0]"
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         return []
@@ -183,11 +177,6 @@ class WindConfig(KindConfig):
 
     still: ClassVar[bool] = False
     """True if there is no wind."""
-
-    @property
-    def stylised(self) -> bool:
-        """True if the wind is a stylised force field, not a physical stress."""
-        return False
 
     @property
     def acts_on(self) -> Sequence[Target]:
@@ -397,8 +386,7 @@ class PlatformConfig(KindConfig):
         return ships[0] if self.ship is None else self.ship
 
     def mismatches(self, preflight: Preflight) -> Faults:
-        if self.ship is not None:
-            yield from preflight.unknown_ship(self.ship)
+        yield from preflight.unknown_ship(self.ship)
         x, y, z = preflight.tank.gravity
         if hypot(x, y + GRAVITY, z) > GRAVITY_TOLERANCE:
             there = f"a platform stands on Earth, and gravity of this scene is [{x:g}, {y:g}, {z:g}] m/s2"
@@ -421,6 +409,64 @@ class TimeStepConfig(KindConfig):
 
     @abstractmethod
     def build(self) -> TimeStep: ...
+
+
+class ObserverConfig(PartConfig):
+    """Base of the settings of an observer; one with an interval of its own derives from `PeriodicConfig`."""
+
+    needs: ClassVar[tuple[str, ...]] = ()
+    """Slots and other observers without which there is nothing to observe."""
+    turn: ClassVar[int] = 0
+    """Observers take turns in this order, those with the same number by name."""
+    writes: ClassVar[bool] = True
+    """True if it needs a run folder; the others also observe a Simulation without one."""
+    leaves: ClassVar[str] = ""
+    """The files it leaves, as the ledger states them: by name, in which * stands for digits and dots."""
+    observer: ClassVar[Callable[..., Any]]
+    """Class of the observer, which names this Config in `of`; a Config without one has a `build` of its own."""
+
+    @classmethod
+    def name(cls) -> str:
+        """Key of the observer in a scene: the name of its module."""
+        return cls.__module__.rpartition(".")[2]
+
+    def files_of(self, preflight: Preflight) -> tuple[str, ...]:
+        """Names of the files that the observer leaves in this scene."""
+        return tuple(re.findall(r"[\w/*]+\.\w+", self.leaves))
+
+    def interval(self, preflight: Preflight) -> float:
+        """Simulated time [s] between observations: by default that of the motion log, or 0 (each step) without one."""
+        motion = preflight.parts.get("motion")
+        return motion.every if isinstance(motion, PeriodicConfig) else 0.0
+
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        """One row of the memory ledger that names the files of the observer and counts no memory."""
+        return [LedgerRow(self.name(), self.leaves, 0, "")]
+
+    def picture_time(self, preflight: Preflight) -> float:
+        """Estimated wall time [s] to draw the observer's pictures of a run, on idle cores without a graphics card."""
+        return 0.0
+
+    def bytes_a_particle(self, preflight: Preflight) -> int:
+        """Memory [bytes] per particle in this observer's rows of the memory ledger."""
+        return 0
+
+    def build(self, folder: Path, simulation: Any) -> Any:
+        """Build the observer. `folder`: the run folder, which is of no use to observers that write no files."""
+        return self.observer(self, folder, simulation)
+
+
+class PeriodicConfig(ObserverConfig):
+    """Base of the settings of an observer that observes at an interval of its own, `every` [s]."""
+
+    every: float
+
+    def interval(self, preflight: Preflight) -> float:
+        return self.every
+
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        why = f"every {self.every:g} s" if self.every else ""
+        return [row._replace(why=why) for row in super().ledger(preflight)]
 
 
 @dataclass(frozen=True)
@@ -459,12 +505,11 @@ class Preflight:
         written = {key: part for key, part in self.parts.items() if isinstance(part, ShipConfig)}
         return {key.removeprefix(f"{SEVERAL}."): part for key, part in written.items()}
 
-    def unknown_ship(self, name: str) -> Problems:
+    def unknown_ship(self, name: str | None) -> Faults:
         """Mistake (key, sentence) of a part whose key `ship` is `name`, if this scene has no such ship; else empty."""
-        if name in self.ships:
-            return []
-        there = f"there are {', '.join(self.ships)}" if self.ships else "there is none"
-        return [(("ship",), f"this scene has no ship {name!r}; {there}")]
+        if name is not None and name not in self.ships:
+            there = f"there are {', '.join(self.ships)}" if self.ships else "there is none"
+            yield ("ship",), f"this scene has no ship {name!r}; {there}"
 
     @cached_property
     def time_step(self) -> TimeStepConfig:
@@ -527,35 +572,6 @@ def forces_in_waves(preflight: Preflight, regular: bool, current: bool) -> list[
         why = f"by {law}" if law else "first-order waves, drag and her motion alone move her on"
         found.append(f"on {called(name)} act in these waves: {drift} drift ({why}), {others}")
     return found
-
-
-class Scene(Protocol):
-    """Interface of a checked scene for the parts built from it and their observers."""
-
-    title: str
-    seed: int
-    duration: float
-    fluid: FluidConfig
-    wind: WindConfig
-    ships: dict[str, ShipConfig]
-    platform: PlatformConfig | None
-    time_step: TimeStepConfig
-    runtime: RuntimeConfig
-
-    @property
-    def observers(self) -> Mapping[str, PartConfig]: ...
-    @property
-    def preflight(self) -> Preflight: ...
-    def warnings(self) -> list[str]: ...
-    def ledger(self) -> list[LedgerRow]: ...
-    def resolved(self) -> dict[str, Any]:
-        """The whole scene as plain data, with all defaults, that load again to an equal scene."""
-
-    def inputs(self) -> dict[str, str]:
-        """SHA-256 by name of each input file; raises Refused if one has changed since it was read."""
-
-    def files(self) -> list[str]:
-        """Names of the files that a run writes into its folder; * stands for digits and dots."""
 
 
 def config_of(slot: str, kind: str) -> type[KindConfig]:

@@ -1,18 +1,20 @@
 """The simulation: one step of Algorithm 8, and the loop around it that calls the observers."""
 
-import re
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext, suppress
 from math import floor
 from pathlib import Path
-from typing import ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 from ocean_sim import runtime
 from ocean_sim.conventions import Diverged, Unsuited, in_words, number
 from ocean_sim.fluid import Limits, with_particles
 from ocean_sim.model import Model
-from ocean_sim.parts import LedgerRow, PartConfig, Preflight, Scene
+from ocean_sim.parts import ObserverConfig
 from ocean_sim.ship import Ship
+
+if TYPE_CHECKING:
+    from ocean_sim.reading.scene import SceneConfig
 
 NO_FOLDER = Path()  # given as folder to observers that write nothing
 Progress = Callable[[int, int], None]  # pieces of a long task: done, total
@@ -26,7 +28,7 @@ class Observer:
     left_out: ClassVar[tuple[str, ...]] = ()
     """Attributes that a checkpoint of it does not hold."""
 
-    def __init_subclass__(cls, of: "type[ObserverConfig] | None" = None) -> None:
+    def __init_subclass__(cls, of: type[ObserverConfig] | None = None) -> None:
         """Register this observer with `of`, its Config class, whose `build` then constructs it."""
         if of is not None:
             of.observer = cls
@@ -51,64 +53,6 @@ class OutcomeObserver(Observer):
         """Write the outcome once more; called if an observer fails that is closed after this one."""
 
 
-class ObserverConfig(PartConfig):
-    """Base of the settings of an observer; one with an interval of its own derives from `PeriodicConfig`."""
-
-    needs: ClassVar[tuple[str, ...]] = ()
-    """Slots and other observers without which there is nothing to observe."""
-    turn: ClassVar[int] = 0
-    """Observers take turns in this order, those with the same number by name."""
-    writes: ClassVar[bool] = True
-    """True if it needs a run folder; the others also observe a Simulation without one."""
-    leaves: ClassVar[str] = ""
-    """The files it leaves, as the ledger states them: by name, in which * stands for digits and dots."""
-    observer: ClassVar[Callable[..., Observer]] = Observer
-    """Class of the observer, which names this Config in `of`; a Config without one has a `build` of its own."""
-
-    @classmethod
-    def name(cls) -> str:
-        """Key of the observer in a scene: the name of its module."""
-        return cls.__module__.rpartition(".")[2]
-
-    def files_of(self, preflight: Preflight) -> tuple[str, ...]:
-        """Names of the files that the observer leaves in this scene."""
-        return tuple(re.findall(r"[\w/*]+\.\w+", self.leaves))
-
-    def interval(self, preflight: Preflight) -> float:
-        """Simulated time [s] between observations: by default that of the motion log, or 0 (each step) without one."""
-        motion = preflight.parts.get("motion")
-        return motion.every if isinstance(motion, PeriodicConfig) else 0.0
-
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """One row of the memory ledger that names the files of the observer and counts no memory."""
-        return [LedgerRow(self.name(), self.leaves, 0, "")]
-
-    def picture_time(self, preflight: Preflight) -> float:
-        """Estimated wall time [s] to draw the observer's pictures of a run, on idle cores without a graphics card."""
-        return 0.0
-
-    def bytes_a_particle(self, preflight: Preflight) -> int:
-        """Memory [bytes] per particle in this observer's rows of the memory ledger."""
-        return 0
-
-    def build(self, folder: Path, simulation: "Simulation") -> Observer:
-        """Build the observer. `folder`: the run folder, which is of no use to observers that write no files."""
-        return self.observer(self, folder, simulation)
-
-
-class PeriodicConfig(ObserverConfig):
-    """Base of the settings of an observer that observes at an interval of its own, `every` [s]."""
-
-    every: float
-
-    def interval(self, preflight: Preflight) -> float:
-        return self.every
-
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        why = f"every {self.every:g} s" if self.every else ""
-        return [row._replace(why=why) for row in super().ledger(preflight)]
-
-
 class Simulation:
     """A built scene that can be stepped; use it as a context manager.
 
@@ -118,7 +62,7 @@ class Simulation:
 
     left_out = ("observers", "stage", "backend", "fields")  # what a checkpoint of it does not hold
 
-    def __init__(self, scene: Scene, folder: Path | None = None) -> None:
+    def __init__(self, scene: "SceneConfig", folder: Path | None = None) -> None:
         """`folder`: run folder of the observers; without one only observers that write nothing are built."""
         self.scene = scene
         if not isinstance(scene, Model):
@@ -130,7 +74,7 @@ class Simulation:
         with runtime.Fields() as self.fields:
             self.build(scene, folder)
 
-    def build(self, scene: Scene, folder: Path | None) -> None:
+    def build(self, scene: "SceneConfig", folder: Path | None) -> None:
         """Build the parts of the scene, each after those on which it depends, and then the observers."""
         self.basin = scene.preflight.basin
         self.wind = scene.wind.build(self.basin, scene.seed)
@@ -150,7 +94,7 @@ class Simulation:
         self.observers: list[Observer] = []
         try:
             for config in scene.observers.values():
-                if isinstance(config, ObserverConfig) and (folder is not None or not config.writes):
+                if folder is not None or not config.writes:
                     self.observers.append(config.build(folder or NO_FOLDER, self))
         except BaseException as failure:
             self.note(failure)
@@ -275,7 +219,7 @@ class Simulation:
                 raise
 
 
-def require_doubles(scene: Scene, backend: runtime.Backend) -> None:
+def require_doubles(scene: "SceneConfig", backend: runtime.Backend) -> None:
     """Raise BackendMissing, with the keys that cause it, if a scene needs double precision and the backend has none."""
     if backend.doubles:
         return

@@ -10,8 +10,7 @@ import pytest
 from ocean_sim.__main__ import run_command_line
 from ocean_sim.files.yaml_file import SceneError, parse_setting
 from ocean_sim.parts import SLOTS, config_of, kinds, named
-from ocean_sim.reading import schema
-from ocean_sim.reading.keys import keys_at, scene_keys
+from ocean_sim.reading.keys import keys_at, scene_keys, scene_schema
 from ocean_sim.reading.scene import load
 from ocean_sim.reading.sentences import opening_sentence, part_sentence
 from ocean_sim.reading.translation import likeliest
@@ -131,7 +130,7 @@ def test_a_new_scene_says_what_its_keys_mean_and_is_the_same_scene(tmp_path, cap
 
 
 def test_editors_know_the_keys_of_ready_made_parts_and_hover_units_and_defaults():
-    whole = schema.scene_schema()
+    whole = scene_schema()
     choices = whole["properties"]["ship"]["anyOf"]
     ready = {c["properties"]["kind"]["const"]: c for c in choices if "properties" in c}
     assert set(ready) == set(named("ship")) - set(kinds("ship"))

@@ -13,7 +13,7 @@ import pytest
 
 from ocean_sim.__main__ import run_command_line
 from ocean_sim.parts import PACKAGE
-from ocean_sim.reading.schema import scene_schema
+from ocean_sim.reading.keys import scene_schema
 
 SERVER = shutil.which("yaml-language-server")
 WRONG = """

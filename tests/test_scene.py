@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 from ocean_sim import parts
 from ocean_sim.files.yaml_file import SceneError, parse_setting
-from ocean_sim.reading import composition, schema
+from ocean_sim.reading import composition
 from ocean_sim.reading import scene as scene_module
+from ocean_sim.reading.keys import scene_schema, schema_text
 from ocean_sim.reading.scene import ALWAYS_ON, load, observer_names
 
 BASIN = {"length": 40.0, "width": 40.0, "depth": 7.5}
@@ -445,13 +446,13 @@ def test_a_config_is_frozen():
 
 
 def test_the_schema_knows_every_kind_and_every_observer():
-    definitions = json.loads(schema.schema_text())["$defs"]
+    definitions = json.loads(schema_text())["$defs"]
     assert {f"{slot}.{kind}" for slot in parts.SLOTS for kind in parts.kinds(slot)} <= set(definitions)
     assert {f"observers.{name}" for name in observer_names()} <= set(definitions)
 
 
 def test_the_schema_is_in_the_form_of_its_draft():
-    whole = schema.scene_schema()
+    whole = scene_schema()
     references, kinds = set(), {"object", "array", "string", "number", "integer", "boolean", "null"}
 
     def walk(node: object) -> None:

@@ -8,7 +8,7 @@ from math import log
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol
 
 import numpy as np
-from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from ocean_sim import waves
 from ocean_sim.basin.motion import NOT_MOVED, AnyWavemaker, Gate, Motion, Piston
@@ -114,22 +114,19 @@ class Floor(Model):
     friction_factor: float | None = quantity("1", None, gt=0.0)
     """f of tau = rho f |u| u / 2, as for waves (Jonsson 1966): a quarter of that of Darcy and Weisbach."""
 
-    @model_validator(mode="after")
-    def _one_law(self) -> "Floor":
-        """Check that there is a shape or a law of friction, and at most one of each; raises ValueError."""
+    def contradictions(self) -> Iterator[str]:
         if self.profile is not None and self.grid is not None:
-            raise ValueError("give either a profile or a grid")
+            yield "give either a profile or a grid"
         if self.roughness is not None and self.friction_factor is not None:
-            raise ValueError("give either roughness [m] or friction_factor")
+            yield "give either roughness [m] or friction_factor"
         if not (self.rubs or self.shaped):
-            raise ValueError("give a profile [m], a grid, a roughness [m] or a friction_factor")
+            yield "give a profile [m], a grid, a roughness [m] or a friction_factor"
         if self.rubs and self.slip == "no_slip":
-            raise ValueError("a bed with friction is one that water slides along: leave slip out")
+            yield "a bed with friction is one that water slides along: leave slip out"
         x = [point[0] for point in self.profile or ((0.0, 0.0), (1.0, 0.0))]
         fall = next((f": {b:g} comes after {a:g}" for a, b in pairwise(x) if b <= a), None)
         if len(x) < 2 or fall:
-            raise ValueError(f"a profile has two points [x, y] or more, and their x rise{fall or ''}")
-        return self
+            yield f"a profile has two points [x, y] or more, and their x rise{fall or ''}"
 
     @property
     def shaped(self) -> bool:
@@ -247,12 +244,9 @@ class Box(Model):
     max: Point = quantity("m")
     """Highest corner."""
 
-    @model_validator(mode="after")
-    def _has_an_inside(self) -> "Box":
-        """Check that each coordinate of `max` is above that of `min`; raises ValueError."""
+    def contradictions(self) -> Iterator[str]:
         if len(self.min) != len(self.max) or any(a >= b for a, b in zip(self.min, self.max, strict=True)):
-            raise ValueError(f"every number of max must be greater than that of min, got {self.min} and {self.max}")
-        return self
+            yield f"every number of max must be greater than that of min, got {self.min} and {self.max}"
 
 
 class Obstacle(Model):
@@ -268,12 +262,10 @@ class Obstacle(Model):
     until: float | None = quantity("s", None, gt=0.0)
     """Time at which it has left; null: it stays, or leaves as `motion` says."""
 
-    @model_validator(mode="after")
-    def _moves_in_one_way(self) -> "Obstacle":
-        """Check that `motion` is not given together with `velocity` or `until`; raises ValueError."""
+    def contradictions(self) -> Iterator[str]:
+        yield from super().contradictions()
         if self.motion is not None and (self.velocity is not None or self.until is not None):
-            raise ValueError("give either motion, or velocity [m/s] and until [s]")
-        return self
+            yield "give either motion, or velocity [m/s] and until [s]"
 
     @cached_property
     def gate(self) -> Gate | None:

@@ -13,7 +13,7 @@ from math import atanh, cos, cosh, pi, radians, sin, sqrt, tanh
 from typing import Annotated, Any, Literal, NamedTuple, cast
 
 import numpy as np
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field
 
 from ocean_sim import waves
 from ocean_sim.files import csv_file
@@ -480,14 +480,11 @@ class Gate(Model):
     end: float | None = quantity("s", None, gt=0.0)
     """Time at which it has left: from then on it is neither in the water nor in pictures. null: it stays."""
 
-    @model_validator(mode="after")
-    def _moves_in_one_way(self) -> "Gate":
-        """Check that a path is given in one way and ends after it starts; raises ValueError."""
+    def contradictions(self) -> Iterator[str]:
         if self.file is not None and (any(self.velocity) or any(self.acceleration)):
-            raise ValueError("give either the file of its way, or velocity and acceleration")
+            yield "give either the file of its way, or velocity and acceleration"
         if self.end is not None and self.end <= self.start and self.moves:
-            raise ValueError(f"it leaves at {self.end:g} s, before it starts to move at {self.start:g} s")
-        return self
+            yield f"it leaves at {self.end:g} s, before it starts to move at {self.start:g} s"
 
     @property
     def moves(self) -> bool:

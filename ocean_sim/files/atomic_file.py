@@ -44,6 +44,13 @@ def write_facts(path: Path, data: dict[str, Any]) -> None:
     write_file(path, json.dumps(data, indent=2) + "\n")
 
 
+def new_figure(width: float, height: float, layout: Any = "constrained") -> Any:
+    """An empty Matplotlib figure of this size [inch], to be saved by `save_figure`; `layout`: name of its engine."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), layout=layout)
+
+
 def save_figure(figure: Any, path: Path, dpi: int = 100) -> None:
     """Save a Matplotlib figure as a picture file; its folder is created if missing."""
     path.parent.mkdir(parents=True, exist_ok=True)

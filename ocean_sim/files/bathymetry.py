@@ -116,8 +116,6 @@ def _read_netcdf(path: str | Path) -> Heights:
     if not {unit.lower() for unit in units} <= set(METRE_UNITS):
         raise METRES_RULE.broken(path, f"its places and heights are in {', '.join(units)}")
     downwards = traits[2].get("positive") == "down" or "depth" in traits[2].get("standard_name", "")
-    order, y = (
-        (np.argsort(x), np.argsort(z)),
-        (y.T if names == list(flat.dimensions) else y) * (-1.0 if downwards else 1.0),
-    )
+    order = np.argsort(x), np.argsort(z)
+    y = (y.T if names == list(flat.dimensions) else y) * (-1.0 if downwards else 1.0)
     return Heights(x[order[0]], z[order[1]], y[np.ix_(*order)])

@@ -9,7 +9,6 @@ from math import sqrt
 from typing import ClassVar, Literal
 
 import numpy as np
-from pydantic import model_validator
 
 from ocean_sim import waves
 from ocean_sim.basin import Basin
@@ -54,12 +53,10 @@ class Config(SphConfig):
     minimum_pressure: float | None = quantity("Pa", 0.0)
     """Lowest pressure, to which lower ones are raised; null: none."""
 
-    @model_validator(mode="after")
-    def _one_stiffness(self) -> "Config":
-        """Validate that not both `compression` and `stiffness` are given."""
+    def contradictions(self) -> Iterator[str]:
+        yield from super().contradictions()
         if self.compression is not None and self.stiffness is not None:
-            raise ValueError("give either compression or stiffness [m2/s2], not both")
-        return self
+            yield "give either compression or stiffness [m2/s2], not both"
 
     def speed(self, basin: Basin) -> float:
         """Reference speed [m/s]: given or sqrt(|g| depth); without gravity 0.1 sqrt(`stiffness`): 1 % compression."""
@@ -76,10 +73,8 @@ class Config(SphConfig):
         pull = waves.downward_gravity(basin)
         seen = pull > 0.0 and preflight.duration > BOILING_TIME * sqrt(basin.depth / pull)
         if seen and self.kinematic_viscosity < 0.9 * least:
-            yield (
-                f"still water of mueller boils within seconds below a viscosity of about {least:.1g} m2/s; set "
-                "fluid.kinematic_viscosity, or take delta_sph"
-            )
+            boils = f"still water of mueller boils within seconds below a viscosity of about {least:.1g} m2/s"
+            yield f"{boils}; set fluid.kinematic_viscosity, or take delta_sph"
 
     def ledger(self, preflight: Preflight) -> Iterator[LedgerRow]:
         sizes = self.list_size(self.start_lattice(preflight), preflight.arch, Momentum.row.size)

@@ -28,8 +28,8 @@ from ocean_sim.fluid.open_sea.open_water import POINTS_PER_WAVE, SMOOTH_STEP_PER
 from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves, Window
 from ocean_sim.fluid.open_sea.wave_sheet import WORDS_PER_CELL, Sheet
 from ocean_sim.fluid.open_sea.wave_tile import PER_TILE, RIM_SHARE, Layer, OnTile, Tile, TileModes
-from ocean_sim.model import Vector2, quantity
-from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems, called, forces_in_waves
+from ocean_sim.model import Faults, Vector2, quantity
+from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, called, forces_in_waves
 from ocean_sim.runtime import in_kernels
 from ocean_sim.waves.seas import Seas, Steepening
 from ocean_sim.wind import Wind
@@ -80,25 +80,25 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         step = tile_step(tile)
         return min(step, self.highest[1] / STEPS_PER_WAVE) if self.order == 3 and self.highest is not None else step
 
-    def problems(self, preflight: Preflight) -> Problems:
+    def problems(self, preflight: Preflight) -> Faults:
         basin = preflight.tank
-        found = self.sea_faults(basin)
-        if basin.ground is not None:
-            sentence = "a sea computed by its surface lies over a flat bed; leave the shape of basin.floor out"
-            found.append((("kind",), sentence))
-        if basin.config.obstacles:
-            found.append((("kind",), "a sea without sides goes through obstacles; leave basin.obstacles out"))
-        if basin.rough_bed is not None:
-            found.append((("kind",), "a sea computed by its surface has no friction; leave basin.floor out"))
-        if basin.dimension == 2 and self.current[1]:
-            found.append((("current",), "in 2-D water flows only along x; give [speed, 0.0]"))
-        if self.order == 3 and not found:
-            found += self.unfitted(basin)
-        return found
+        found = [*self.sea_faults(basin), *self.misplaced(basin)]
+        return found or (self.unfitted(basin) if self.order == 3 else ())
 
-    def unfitted(self, basin: Basin) -> Problems:
+    def misplaced(self, basin: Basin) -> Faults:
+        """Yield faults (key, sentence) of a basin that holds more than open water."""
+        if basin.ground is not None:
+            yield ("kind",), "a sea computed by its surface lies over a flat bed; leave the shape of basin.floor out"
+        if basin.config.obstacles:
+            yield ("kind",), "a sea without sides goes through obstacles; leave basin.obstacles out"
+        if basin.rough_bed is not None:
+            yield ("kind",), "a sea computed by its surface has no friction; leave basin.floor out"
+        if basin.dimension == 2 and self.current[1]:
+            yield ("current",), "in 2-D water flows only along x; give [speed, 0.0]"
+
+    def unfitted(self, basin: Basin) -> Faults:
         """Faults (key, sentence) of a tile (periodic grid) that does not fit waves or holds under half their energy."""
-        tile, found = self.tile_of(basin), Problems()
+        tile, fits = self.tile_of(basin), True
         for _, train in self.trains:
             if train.spectrum is not None or not train.scale[0]:
                 continue
@@ -108,13 +108,13 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
                 length = 2.0 * pi / sea.wavenumber[0]
                 sentence = f"a tile of {tile.side:.4g} m that repeats itself does not hold waves of {length:.4g} m"
                 cure = "take a multiple of their length, order 1, or a heading of 0 or 90 degrees"
-                found.append((("tile",), f"{sentence} in this direction; {cure}"))
-        if not found and self.energy_share(basin) < MIN_HELD_ENERGY:
+                yield ("tile",), f"{sentence} in this direction; {cure}"
+                fits = False
+        if fits and self.energy_share(basin) < MIN_HELD_ENERGY:
             held = f"from {4.0 * tile.cell:.3g} m, four cells, to {tile.side:.4g} m"
             sentence = f"a tile of {tile.side:.4g} m in {tile.cells} cells holds waves {held}"
             share = f"{100.0 * self.energy_share(basin):.2g} % of the energy of this sea"
-            found.append((("tile",), f"{sentence}: {share}; take one of several of its waves"))
-        return found
+            yield ("tile",), f"{sentence}: {share}; take one of several of its waves"
 
     def energy_share(self, basin: Basin) -> float:
         """Share of the sea's energy in waves that are periodic on the tile and resolved by it; 1 in calm water."""
@@ -153,16 +153,12 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
     def notes(self, preflight: Preflight) -> Iterator[str]:
         side = self.tile_of(preflight.tank).side
         if self.order == 3 and self.highest is not None:
-            yield (
-                f"order 3: the sea from afar is nonlinear and repeats itself after {side:.4g} m; the waves of ships "
-                "and winds stay linear"
-            )
+            afar = f"order 3: the sea from afar is nonlinear and repeats itself after {side:.4g} m"
+            yield f"{afar}; the waves of ships and winds stay linear"
         for name, ship in preflight.ships.items():
             if ship.look(preflight) is not None:
-                yield (
-                    f"the waves that {called(name)} makes are seen and act on other ships, but not on herself: her "
-                    "damping stands for their force"
-                )
+                unfelt = f"the waves that {called(name)} makes are seen and act on other ships, but not on herself"
+                yield f"{unfelt}: her damping stands for their force"
 
     def statements(self, preflight: Preflight) -> Iterator[str]:
         tile = self.tile_of(preflight.tank)

@@ -19,10 +19,8 @@ LIBRARY_VARIABLE, TAICHI, QUADRANTS = "OCEAN_SIM_LIBRARY", "taichi", "quadrants"
 LIBRARY_NAME = os.environ.get(LIBRARY_VARIABLE) or TAICHI
 
 if LIBRARY_NAME not in (TAICHI, QUADRANTS):
-    raise Lacking(
-        f"{LIBRARY_VARIABLE}: {LIBRARY_NAME!r} is not a library that compiles kernels here; set it to {TAICHI} or "
-        f"{QUADRANTS}"
-    )
+    unknown = f"{LIBRARY_VARIABLE}: {LIBRARY_NAME!r} is not a library that compiles kernels here"
+    raise Lacking(f"{unknown}; set it to {TAICHI} or {QUADRANTS}")
 if "HOME" not in os.environ:  # without it Taichi ends the process
     os.environ["HOME"] = os.path.expanduser("~")
     if os.environ["HOME"] == "~":

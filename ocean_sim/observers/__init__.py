@@ -1,1 +1,1 @@
-"""Observers: every module of this folder may be named at a scene's top level. Their contract is in simulation.py."""
+"""Observers: every module of this folder may be named at a scene's top level. Their base is in simulation.py."""

@@ -7,11 +7,11 @@ import numpy as np
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import ParticleFluid, Totals, with_particles
-from ocean_sim.model import quantity
+from ocean_sim.model import Faults, quantity
 from ocean_sim.observers.shared.checks import Balance, distance_outside, kinetic_and_potential, surely_inside
 from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading, legend
-from ocean_sim.parts import Preflight, Problems
-from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
+from ocean_sim.parts import PeriodicConfig, Preflight
+from ocean_sim.simulation import Observer, Simulation
 from ocean_sim.surface import Surface
 
 FORCE_TERMS = (
@@ -36,10 +36,9 @@ class Config(PeriodicConfig):
     every: float = quantity("s", 0.1, gt=0.0)
     """Simulated time between rows."""
 
-    def mismatches(self, preflight: Preflight) -> Problems:
-        if preflight.sums_impulses:
-            return []
-        return [((), "reads impulses, and the water sums none; set fluid.impulses: true, or accuracy: null")]
+    def mismatches(self, preflight: Preflight) -> Faults:
+        if not preflight.sums_impulses:
+            yield (), "reads impulses, and the water sums none; set fluid.impulses: true, or accuracy: null"
 
 
 class Accuracy(Observer, of=Config):

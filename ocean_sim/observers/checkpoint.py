@@ -11,7 +11,8 @@ from ocean_sim import kernel_library
 from ocean_sim.machine import installed_version, source_hashes
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
-from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
+from ocean_sim.parts import PeriodicConfig
+from ocean_sim.simulation import Observer, Simulation
 from ocean_sim.state import checkpoint_file
 from ocean_sim.state.fields import FieldContents
 from ocean_sim.state.snapshot import Restorer, Snapshot

@@ -14,9 +14,9 @@ from ocean_sim.basin import shifts
 from ocean_sim.basin.points import grid, grid_points, grid_size
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files.atomic_file import write_file
-from ocean_sim.model import quantity
+from ocean_sim.model import Faults, quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
-from ocean_sim.parts import Preflight, Problems, key_of
+from ocean_sim.parts import PeriodicConfig, Preflight, key_of
 from ocean_sim.pictures.frame_files import grid_arrays, middle_cell
 from ocean_sim.pictures.live.scene_lines import surface_heights
 from ocean_sim.pictures.water import foam, spray
@@ -24,7 +24,7 @@ from ocean_sim.pictures.water.far_sea import wind_speed_from_sea
 from ocean_sim.pictures.water.sea_state import gust_speed, wind_heading
 from ocean_sim.pictures.water.wake import STERN_DISTANCE
 from ocean_sim.pictures.water.waterline import ship_coordinates
-from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
+from ocean_sim.simulation import Observer, Simulation
 from ocean_sim.waves.orbits import surface_fall
 
 if TYPE_CHECKING:
@@ -60,12 +60,10 @@ class Config(PeriodicConfig):
         """Number of grid points at which a frame stores the height of the water."""
         return grid_size(preflight.tank, self.spacing or preflight.fluid.point_spacing(preflight))
 
-    def mismatches(self, preflight: Preflight) -> Problems:
-        points = self.point_count(preflight)
-        if points <= MAX_POINTS:
-            return []
-        many = f"a frame would keep {points:.3g} heights, at most {MAX_POINTS:g}"
-        return [(("spacing",), f"{many}; give a larger one [m]")]
+    def mismatches(self, preflight: Preflight) -> Faults:
+        if (points := self.point_count(preflight)) > MAX_POINTS:
+            many = f"a frame would keep {points:.3g} heights, at most {MAX_POINTS:g}"
+            yield ("spacing",), f"{many}; give a larger one [m]"
 
     def warnings(self, preflight: Preflight) -> list[str]:
         kept = preflight.particles if self.particles else 0

@@ -11,15 +11,15 @@ from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from ocean_sim.basin import BOX_ROUNDING, Basin, Corners
 from ocean_sim.basin.points import in_space
 from ocean_sim.fluid import with_particles
-from ocean_sim.model import Model, Name, Point, quantity
+from ocean_sim.model import Fault, Faults, Key, Model, Name, Point, quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading
-from ocean_sim.parts import Key, Preflight, Problems
-from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
+from ocean_sim.parts import PeriodicConfig, Preflight
+from ocean_sim.simulation import Observer, Simulation
 
 Column = Annotated[tuple[float, ...], Field(strict=False, min_length=1, max_length=2)]
 
@@ -137,22 +137,19 @@ class Config(PeriodicConfig):
     every: float = quantity("s", 0.05, gt=0.0)
     """Simulated time between rows."""
 
-    @model_validator(mode="after")
-    def _measures(self) -> "Config":
+    def contradictions(self) -> Iterator[str]:
         if not (self.elevation or self.pressure or self.runup):
-            raise ValueError("give at least one gauge, under elevation, pressure or runup")
+            yield "give at least one gauge, under elevation, pressure or runup"
         if both := self.elevation.keys() & self.runup.keys():
-            raise ValueError(f"elevation and runup both have {min(both)}, and would both have the column {min(both)}_m")
-        return self
+            yield f"elevation and runup both have {min(both)}, and would both have the column {min(both)}_m"
 
-    def problems(self, preflight: Preflight) -> Problems:
+    def problems(self, preflight: Preflight) -> Faults:
         return self.misplaced_gauges(preflight.tank)
 
-    def mismatches(self, preflight: Preflight) -> Problems:
-        found: Problems = [(key, why) for key in self.riding_gauges if (why := riding_problem(preflight))]
+    def mismatches(self, preflight: Preflight) -> Faults:
+        yield from ((key, why) for key in self.riding_gauges if (why := riding_problem(preflight)))
         if self.runup and not preflight.fluid.made_of_particles:
-            found.append((("runup",), "only water of particles runs up a bed"))
-        return found
+            yield ("runup",), "only water of particles runs up a bed"
 
     def warnings(self, preflight: Preflight) -> Iterator[str]:
         yield from super().warnings(preflight)
@@ -172,19 +169,15 @@ class Config(PeriodicConfig):
         waves: list[Key] = [("elevation", name) for name, wave in self.waves.items() if wave.rides]
         return [*waves, *(("pressure", name) for name, sensor in self.sensors.items() if sensor.rides)]
 
-    def misplaced_gauges(self, basin: Basin) -> Problems:
-        """Problems (key, sentence) of gauges that are outside the water or have an impossible face or line."""
-        points: dict[Key, tuple[tuple[float, ...], str]]
-        points = {("elevation", name): (wave.at, "xz") for name, wave in self.waves.items()}
-        sensors: dict[Key, Sensor] = {("pressure", name): sensor for name, sensor in self.sensors.items()}
-        points |= {key: (sensor.at, "xyz") for key, sensor in sensors.items()}
-        found = [(key, outside_reason(point, axes, basin)) for key, (point, axes) in points.items()]
-        right = {key for key, sentence in found if sentence is None}
-        found += [(key, face_problem(sensor, basin)) for key, sensor in sensors.items() if key in right]
-        found += [(("runup", name), line.problem(basin)) for name, line in self.runup.items()]
+    def misplaced_gauges(self, basin: Basin) -> list[Fault]:
+        """Faults (key, sentence) of gauges that are outside the water or have an impossible face or line."""
+        found: dict[Key, str | None] = {("runup", name): line.problem(basin) for name, line in self.runup.items()}
+        found |= {("elevation", name): outside_reason(wave.at, "xz", basin) for name, wave in self.waves.items()}
+        for name, sensor in self.sensors.items():
+            found["pressure", name] = outside_reason(sensor.at, "xyz", basin) or face_problem(sensor, basin)
         if self.elevation and basin.periods[1] > 0.0:
-            found.append((("elevation",), "a basin that is periodic along y has no surface"))
-        return [(key, sentence) for key, sentence in found if sentence is not None]
+            found["elevation",] = "a basin that is periodic along y has no surface"
+        return [(key, sentence) for key, sentence in found.items() if sentence is not None]
 
     @property
     def waves(self) -> dict[str, Wave]:

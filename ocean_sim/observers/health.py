@@ -13,23 +13,10 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.files.atomic_file import file_named_in_errors
 from ocean_sim.fluid import Totals, with_particles
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.checks import (
-    DRIVING_TERMS,
-    Balance,
-    Momentum,
-    Symmetry,
-    distance_outside,
-    energy_scale,
-    gains_energy,
-    kinetic_and_potential,
-    level_ratio,
-    separable_work_terms,
-    stored_by_weight,
-    surely_inside,
-)
-from ocean_sim.parts import ALONE
+from ocean_sim.observers.shared import checks
+from ocean_sim.parts import ALONE, PeriodicConfig
 from ocean_sim.ship import Ship
-from ocean_sim.simulation import NO_FOLDER, OutcomeObserver, PeriodicConfig, Simulation
+from ocean_sim.simulation import NO_FOLDER, OutcomeObserver, Simulation
 
 STEPS_BETWEEN_CHECKS = 50  # of all positions
 ENERGY_CHECK_INTERVAL = 0.1  # [depth over reference speed] at most, between two checks of the energy
@@ -75,8 +62,8 @@ class Health(OutcomeObserver, of=Config):
         self.n = 0 if fluid.particles is None else fluid.particles.n
         self.max_speed = config.max_speed or 10.0 * fluid.reference_speed
         self.max_distance = config.max_distance or float(np.linalg.norm(self.upper - self.lower))
-        self.judges_energy = self.n > 0 and fluid.sound_speed > 0.0 and not gains_energy(simulation)
-        self.stored = stored_by_weight(simulation) if self.judges_energy else 0.0  # [J]
+        self.judges_energy = self.n > 0 and fluid.sound_speed > 0.0 and not checks.gains_energy(simulation)
+        self.stored = checks.stored_by_weight(simulation) if self.judges_energy else 0.0  # [J]
         held = basin.gravity[1] < 0.0 and not basin.closed  # by its weight alone
         self.judges_level = self.n > 0 and fluid.sound_speed > 0.0 and held and not simulation.scene.fluid.driven
         interval = ENERGY_CHECK_INTERVAL * basin.depth / fluid.reference_speed if self.judges_energy else 0.0
@@ -85,9 +72,9 @@ class Health(OutcomeObserver, of=Config):
         self.begun = False  # True once the first state is known
         self.first_energy = 0.0, 0.0  # of motion and height, and of compression [J]
         self.first_level = float("nan")
-        self.momentum: Momentum | None = None
-        self.balance: Balance | None = None
-        self.symmetry: Symmetry | None = None
+        self.momentum: checks.Momentum | None = None
+        self.balance: checks.Balance | None = None
+        self.symmetry: checks.Symmetry | None = None
         self.work_terms: list[str] = []  # of `balance`
         self.scale = self.highest_motion = 0.0  # [J] of `balance`: fixed, and of motion so far
         self.stiffness = 0.0  # speed of sound [m/s] of the balance
@@ -151,15 +138,15 @@ class Health(OutcomeObserver, of=Config):
             self.first_energy = self.energy_parts(totals)
         if self.judges_level:
             position = particles.snapshot().position
-            self.first_level = level_ratio(position, particles.spacing, simulation.basin, simulation.time)
+            self.first_level = checks.level_ratio(position, particles.spacing, simulation.basin, simulation.time)
         if simulation.steps == 0:
-            self.symmetry = Symmetry(simulation)
+            self.symmetry = checks.Symmetry(simulation)
         if water.impulse:
-            self.momentum = Momentum(simulation)
-            self.work_terms = separable_work_terms(simulation)
-            self.scale = energy_scale(simulation)
+            self.momentum = checks.Momentum(simulation)
+            self.work_terms = checks.separable_work_terms(simulation)
+            self.scale = checks.energy_scale(simulation)
             if self.work_terms:
-                self.balance = Balance(simulation, self.work_terms)
+                self.balance = checks.Balance(simulation, self.work_terms)
                 self.stiffness = water.sound_speed
                 self.unexplained_energy(self.balance, totals)
 
@@ -183,7 +170,7 @@ class Health(OutcomeObserver, of=Config):
         fluid, basin = with_particles(self.simulation.fluid), self.simulation.basin
         particles, totals = fluid.particles, fluid.totals()
         within = bool((totals.lower >= self.lower).all() and (totals.upper <= self.upper).all())
-        if self.is_suspicious() or not (totals.finite and within and surely_inside(totals, basin)):
+        if self.is_suspicious() or not (totals.finite and within and checks.surely_inside(totals, basin)):
             yield from self.violations_of_particles()
         if not totals.finite:
             return
@@ -202,7 +189,7 @@ class Health(OutcomeObserver, of=Config):
         self.note_work(totals)
         self.report_excess("volume from nowhere", "over_volume", fluid.status.swelling, SWELLING_REPORTED)
         if self.judges_level:
-            level = level_ratio(snapshot.position, particles.spacing, basin, self.simulation.time)
+            level = checks.level_ratio(snapshot.position, particles.spacing, basin, self.simulation.time)
             bound = self.config.max_level_ratio * max(self.first_level, 1.0)
             if not level <= bound:
                 high = f"its centre of mass lies {level:.3g} x as high over the bed as that of as much water at rest"
@@ -234,7 +221,7 @@ class Health(OutcomeObserver, of=Config):
             what = f"a particle reached {status.max_speed:.4g} m/s (bound {self.max_speed:.4g} m/s)"
             yield self.describe_failure(what, position, [int(np.square(velocity).sum(axis=1).argmax())])
         spacing = with_particles(self.simulation.fluid).spacing
-        through = distance_outside(position, self.simulation.basin, self.simulation.time, spacing)
+        through = checks.distance_outside(position, self.simulation.basin, self.simulation.time, spacing)
         if through.any():
             what = f"{np.count_nonzero(through)} of {len(through)} particles are outside the walls"
             far = f"the farthest by {through.max():.4g} m (none may be)"
@@ -268,24 +255,24 @@ class Health(OutcomeObserver, of=Config):
         """Record an event if energy that no force explains, gained or lost, exceeds the share WORK_REPORTED of this
         sum: `energy_scale`, the highest kinetic energy so far, and the work of the driving forces, gravity included."""
         if self.balance is not None and not self.simulation.fluid.status.clipped:
-            work, moving = self.simulation.fluid.work, kinetic_and_potential(self.simulation, totals)[0]
+            work, moving = self.simulation.fluid.work, checks.kinetic_and_potential(self.simulation, totals)[0]
             self.highest_motion = max(self.highest_motion, moving)
-            driving = sum(abs(work[term]) for term in self.work_terms if term in DRIVING_TERMS)
+            driving = sum(abs(work[term]) for term in self.work_terms if term in checks.DRIVING_TERMS)
             share = self.unexplained_energy(self.balance, totals) / (self.scale + self.highest_motion + driving)
             self.report_excess("energy that no work has given", "over_all_work", share, WORK_REPORTED)
 
-    def unexplained_energy(self, balance: Balance, totals: Totals) -> float:
+    def unexplained_energy(self, balance: checks.Balance, totals: Totals) -> float:
         """Energy [J] gained by the water without work of a force, since the first check, or since the user last changed
         the speed of sound, on which the energy of compression depends."""
         fluid = self.simulation.fluid
         if fluid.sound_speed != self.stiffness:  # a person has changed the stiffness
             balance.at_first, self.stiffness = None, fluid.sound_speed
-        lifted = kinetic_and_potential(self.simulation, totals)[1]
+        lifted = checks.kinetic_and_potential(self.simulation, totals)[1]
         return balance.residual(sum(self.energy_parts(totals)), lifted, fluid.work)
 
     def energy_parts(self, totals: Totals) -> tuple[float, float]:
         """Kinetic plus potential energy of the water, and its energy of compression [J]."""
-        return sum(kinetic_and_potential(self.simulation, totals)), self.simulation.fluid.internal_energy()
+        return sum(checks.kinetic_and_potential(self.simulation, totals)), self.simulation.fluid.internal_energy()
 
     def energy_violations(self, totals: Totals) -> Iterator[str]:
         """Yield a sentence for each excess of energy. An unstable scheme gains energy long before a particle leaves its

@@ -12,7 +12,8 @@ from ocean_sim import kernel_library
 from ocean_sim.files import input_file, run_files
 from ocean_sim.files.atomic_file import write_facts
 from ocean_sim.machine import installed_version, program_hash
-from ocean_sim.simulation import ObserverConfig, OutcomeObserver, Simulation
+from ocean_sim.parts import ObserverConfig
+from ocean_sim.simulation import OutcomeObserver, Simulation
 
 LIBRARIES = ("numpy", "scipy", "pydantic", "pyyaml", "h5py", "pyvista", "vtk")
 PACKAGE_NAMES = ("ocean-sim", kernel_library.LIBRARY_NAME, *LIBRARIES)

@@ -9,9 +9,9 @@ import numpy as np
 
 from ocean_sim.columns import Columns
 from ocean_sim.conventions import Frame, Motions, to_frame
-from ocean_sim.model import quantity
+from ocean_sim.model import Faults, quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, TakesMotion, heading, legend
-from ocean_sim.parts import ALONE, LedgerRow, Preflight, Problems, called
+from ocean_sim.parts import ALONE, LedgerRow, PeriodicConfig, Preflight, called
 from ocean_sim.ship import Ship
 from ocean_sim.ship.body.track import (
     UNKNOWN_VELOCITY,
@@ -24,7 +24,7 @@ from ocean_sim.ship.body.track import (
     join_moments,
     second_derivative,
 )
-from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
+from ocean_sim.simulation import Observer, Simulation
 
 if TYPE_CHECKING:
     from ocean_sim.ship.body.rigid_body import RigidBody
@@ -79,15 +79,13 @@ class Config(PeriodicConfig):
     frame: Frame = "ship"
     """Axes of the columns; `ship`: ours, `ned` (SNAME) or `flu` (ISO 8855)."""
 
-    def mismatches(self, preflight: Preflight) -> Problems:
+    def mismatches(self, preflight: Preflight) -> Faults:
         if not preflight.ships:
-            return [((), "there is no ship whose motion could be logged")]
-        found: Problems = []
+            yield (), "there is no ship whose motion could be logged"
         for name, ship in preflight.ships.items():
             if self.point is not None and self.point not in ship.points:
                 there = f"there are {', '.join(ship.points)}" if ship.points else "it names none"
-                found.append((("point",), f"{called(name)} has no point {self.point!r}; {there}"))
-        return found
+                yield ("point",), f"{called(name)} has no point {self.point!r}; {there}"
 
     def files_of(self, preflight: Preflight) -> tuple[str, ...]:
         return tuple(log_name(name) for name in preflight.ships)

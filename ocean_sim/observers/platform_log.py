@@ -6,9 +6,10 @@ from typing import ClassVar
 import numpy as np
 
 from ocean_sim.observers.shared.csv_rows import CsvFile, TakesCommands, TakesMotion, legend
+from ocean_sim.parts import ObserverConfig
 from ocean_sim.platform import LIMIT_TEXTS, PLATFORM_COLUMNS
 from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, ride_of, round_interval
-from ocean_sim.simulation import Observer, ObserverConfig, Simulation
+from ocean_sim.simulation import Observer, Simulation
 
 PLATFORM_FRAME = "flu"
 
@@ -34,8 +35,7 @@ class PlatformLog(Observer, TakesMotion, of=Config):
         assert scene.platform is not None
         every = round_interval(config.interval(scene.preflight))
         self.platform, self.ship = scene.platform.build(every), scene.platform.ridden(list(scene.ships))
-        others = [other for other in scene.observers.values() if isinstance(other, ObserverConfig)]
-        self.at_once = any(config.name() in other.needs for other in others)  # another observer awaits each row
+        self.at_once = any(config.name() in other.needs for other in scene.observers.values())  # and awaits each row
         self.csv = CsvFile(folder / "platform.csv", heading(every) | {"seed": scene.seed}, PLATFORM_COLUMNS)
 
     def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:

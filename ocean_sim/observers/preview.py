@@ -14,14 +14,14 @@ from pydantic import Field, field_validator
 
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.kernel_library import ti
-from ocean_sim.model import quantity
+from ocean_sim.model import Faults, quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
-from ocean_sim.parts import Preflight, Problems
+from ocean_sim.parts import PeriodicConfig, Preflight
 from ocean_sim.pictures.live.panel import HELM_KEYS, Panel
 from ocean_sim.pictures.live.preview_scene import Patch, PreviewScene
 from ocean_sim.pictures.live.scene_lines import scene_lines
 from ocean_sim.pictures.live.vulkan import VulkanMissing, require
-from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
+from ocean_sim.simulation import Observer, Simulation
 
 PANEL_WIDTH, PANEL_HEIGHT, PANEL_EDGE = 292, 500, 10  # [pixels] of the panel at the left, and around it
 SETTLING_PICTURES = 3  # thrown away
@@ -53,8 +53,8 @@ class Config(PeriodicConfig):
             raise ValueError(f"the panel needs a picture of 960 x 640 pixels, at most 7680 x 4320, not {list(size)}")
         return size
 
-    def mismatches(self, preflight: Preflight) -> Problems:
-        return [] if self.ship is None else preflight.unknown_ship(self.ship)
+    def mismatches(self, preflight: Preflight) -> Faults:
+        return preflight.unknown_ship(self.ship)
 
     def first_panel(self) -> Panel:
         """Panel (controls of the window) with the camera, content and ship that these keys choose."""

@@ -22,9 +22,9 @@ import numpy as np
 
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.machine import available_cores, exit_with_parent, kill_session, yield_to_others
-from ocean_sim.model import Model, quantity
+from ocean_sim.model import Faults, Model, quantity
 from ocean_sim.observers.shared import run_report
-from ocean_sim.parts import SEVERAL, LedgerRow, Preflight, Problems, key_of
+from ocean_sim.parts import SEVERAL, LedgerRow, PeriodicConfig, Preflight, key_of
 from ocean_sim.pictures.frame_files import (
     Frame,
     FrameLog,
@@ -47,7 +47,7 @@ from ocean_sim.pictures.stage.picture import (
 )
 from ocean_sim.pictures.stage.render_order import Drawing, Order, RenderFailed
 from ocean_sim.pictures.water.sea_state import DRY_DEPTH_SHARE, is_tank, run_scene
-from ocean_sim.simulation import OutcomeObserver, PeriodicConfig, Progress, Simulation
+from ocean_sim.simulation import OutcomeObserver, Progress, Simulation
 
 PICTURE_SECONDS = {  # processor time [s] of a picture of 1280 x 720 without a graphics card, by dimensions and quality
     2: {"draft": 0.1, "final": 0.26},
@@ -82,8 +82,8 @@ class Config(Drawing, PeriodicConfig):
         asked = {"strip.png": self.strip, "still_*.png": self.stills, "film.mp4": self.film, MOMENTS_FILE: self.film}
         return tuple(name for name in super().files_of(preflight) if asked.get(name, True))
 
-    def mismatches(self, preflight: Preflight) -> Problems:
-        return [] if self.ship is None else preflight.unknown_ship(self.ship)
+    def mismatches(self, preflight: Preflight) -> Faults:
+        return preflight.unknown_ship(self.ship)
 
     def warnings(self, preflight: Preflight) -> list[str]:
         frames = preflight.parts.get("frames")

@@ -4,7 +4,8 @@ from pathlib import Path
 from typing import ClassVar
 
 from ocean_sim.observers.shared.run_report import write_report
-from ocean_sim.simulation import ObserverConfig, OutcomeObserver, Simulation
+from ocean_sim.parts import ObserverConfig
+from ocean_sim.simulation import OutcomeObserver, Simulation
 
 
 class Config(ObserverConfig):

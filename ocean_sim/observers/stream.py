@@ -8,12 +8,13 @@ import numpy as np
 from pydantic import field_validator
 
 from ocean_sim.files.input_file import AnyFileName
+from ocean_sim.model import Faults
 from ocean_sim.observers.shared.csv_rows import TakesCommands
-from ocean_sim.parts import Preflight, Problems
+from ocean_sim.parts import ObserverConfig, Preflight
 from ocean_sim.platform import Commands
 from ocean_sim.platform.shared.datagrams import Sender, parse_address, read_key
 from ocean_sim.platform.shared.packets import row_packets
-from ocean_sim.simulation import Observer, ObserverConfig, Simulation
+from ocean_sim.simulation import Observer, Simulation
 
 
 class Config(ObserverConfig):
@@ -36,16 +37,14 @@ class Config(ObserverConfig):
         parse_address(value)
         return value
 
-    def problems(self, preflight: Preflight) -> Problems:
-        if self.key is None:
-            return []
-        if self.packets != "ocean_sim":
-            return [(("key",), f"packets of {self.packets} have no place for a signature; take ocean_sim")]
-        try:
-            read_key(self.key)
-        except ValueError as error:
-            return [(("key",), str(error))]
-        return []
+    def problems(self, preflight: Preflight) -> Faults:
+        if self.key is not None and self.packets != "ocean_sim":
+            yield ("key",), f"packets of {self.packets} have no place for a signature; take ocean_sim"
+        elif self.key is not None:
+            try:
+                read_key(self.key)
+            except ValueError as error:
+                yield ("key",), str(error)
 
 
 class Stream(Observer, TakesCommands, of=Config):

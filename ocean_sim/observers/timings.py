@@ -10,7 +10,8 @@ from typing import ClassVar, NamedTuple
 from ocean_sim.kernel_library import ti
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, heading, legend
-from ocean_sim.simulation import NO_FOLDER, Observer, PeriodicConfig, Simulation
+from ocean_sim.parts import PeriodicConfig
+from ocean_sim.simulation import NO_FOLDER, Observer, Simulation
 
 
 class Config(PeriodicConfig):

@@ -1,17 +1,18 @@
 """Positions and velocities of tagged particles at a fixed rate; `ocean-sim waves` finds their orbits."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, ClassVar
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from ocean_sim.basin import Box
 from ocean_sim.fluid import with_particles
-from ocean_sim.model import quantity
+from ocean_sim.model import Faults, quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading
-from ocean_sim.parts import Preflight, Problems
-from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
+from ocean_sim.parts import PeriodicConfig, Preflight
+from ocean_sim.simulation import Observer, Simulation
 
 MAX_TRACERS = 1000  # each has six columns
 Number = Annotated[int, Field(ge=0)]
@@ -27,28 +28,25 @@ class Config(PeriodicConfig):
     every: float = quantity("s", 0.05, gt=0.0)
     """Simulated time between rows."""
 
-    @model_validator(mode="after")
-    def _follows(self) -> "Config":
+    def contradictions(self) -> Iterator[str]:
         if not self.ids and not self.boxes:
-            raise ValueError("give at least one of ids and boxes")
-        return self
+            yield "give at least one of ids and boxes"
 
-    def mismatches(self, preflight: Preflight) -> Problems:
+    def mismatches(self, preflight: Preflight) -> Faults:
         lattice = preflight.untouched
         if lattice is None:
-            return [((), f"fluid.kind {preflight.fluid.kind} has no particles to follow")]
-        found: Problems = []
+            yield (), f"fluid.kind {preflight.fluid.kind} has no particles to follow"
+            return
         for k, name in enumerate(self.ids):
             if name >= lattice.n:
-                found.append((("ids", k), f"there is no particle {name}; there are {lattice.n}"))
+                yield ("ids", k), f"there is no particle {name}; there are {lattice.n}"
         x, near = lattice.positions(), lattice.spacing  # particles that begin in a wave are displaced by less
         for k, box in enumerate(self.boxes):
             d = len(box.min)
             if d < preflight.tank.dimension:
-                found.append((("boxes", k), f"a point of this basin has 3 numbers, got {d}"))
+                yield ("boxes", k), f"a point of this basin has 3 numbers, got {d}"
             elif not ((x[:, :d] >= np.subtract(box.min, near)) & (x[:, :d] <= np.add(box.max, near))).all(axis=1).any():
-                found.append((("boxes", k), "holds no water"))
-        return found
+                yield ("boxes", k), "holds no water"
 
 
 class Tracers(Observer, of=Config):

@@ -121,7 +121,7 @@ class HexapodPlatform:
 
     def best(self, done: Commands) -> Commands:
         """Commands of the best motion within the limits, planned over the whole ride, for the motion that the washout
-        requested in `done`; raises SolverMissing, and Failed if there is none."""
+        requested in `done`; raises Lacking, and Failed if there is none."""
         rows = np.column_stack([done.time, done.cue.force, done.cue.rate])
         pose = leg_programme.best_poses(self.geometry, self.hexapod, rows)
         legs, none = self.hexapod.legs(pose), np.zeros(len(pose), dtype=int)

@@ -24,15 +24,15 @@ from ocean_sim.files.yaml_file import (
     read_mapping,
     shorten,
 )
-from ocean_sim.model import Faults, Model
+from ocean_sim.model import Faults, Key, Model
 from ocean_sim.parts import (
     ALONE,
     KEYS_BESIDE_SLOTS,
     SEVERAL,
     SLOTS,
     FluidConfig,
-    Key,
     LedgerRow,
+    ObserverConfig,
     PartConfig,
     PlatformConfig,
     Preflight,
@@ -54,7 +54,6 @@ from ocean_sim.reading.composition import Composition, compose, unknown_name, wi
 from ocean_sim.reading.idle import idle_keys, inner_models
 from ocean_sim.reading.translation import choice_sentence, dotted, key_sentence, validated
 from ocean_sim.runtime import RuntimeConfig
-from ocean_sim.simulation import ObserverConfig
 from ocean_sim.waves.spectrum_files import ndbc_files
 
 ALWAYS_ON = ("manifest", "timings", "health", "accuracy", "frames", "report", "render")  # observers, unless null

@@ -3,7 +3,8 @@
 from typing import Literal
 
 from ocean_sim.basin.open_sea import MOST_PARTS, Nonlinear, width_over_length
-from ocean_sim.parts import Preflight, Problems
+from ocean_sim.model import Faults
+from ocean_sim.parts import Preflight
 from ocean_sim.sea import Written
 from ocean_sim.waves.seas import Steepening
 
@@ -24,9 +25,9 @@ class Config(Steepening, Written):
             return None
         return Nonlinear(self.onset_in(self.highest[1]), self.breaking)
 
-    def problems(self, preflight: Preflight) -> Problems:
-        found = super().problems(preflight)
+    def problems(self, preflight: Preflight) -> Faults:
+        found = list(super().problems(preflight))
+        yield from found
         if not found and self.nonlinear is not None and width_over_length(preflight.tank.periods) is None:
             sentence = f"the sides of the patch are not multiples of one cell; take a ratio of at most {MOST_PARTS}"
-            found.append((("kind",), f"{sentence}, or kind linear_waves"))
-        return found
+            yield ("kind",), f"{sentence}, or kind linear_waves"

@@ -21,7 +21,7 @@ from inspect import get_annotations
 from io import TextIOWrapper
 from pathlib import Path
 from types import BuiltinFunctionType, FunctionType, MethodType, ModuleType, UnionType
-from typing import Any, ClassVar, Protocol, get_args, get_origin, runtime_checkable
+from typing import Any, get_args, get_origin
 
 import numpy as np
 from pydantic import BaseModel
@@ -43,13 +43,6 @@ LIST_KEY, TUPLE_KEY, DICT_KEY, RANGE_KEY = "list", "tuple", "dict", "range"
 FILE_KEY, PATH_KEY, OBJECT_KEY = "file", "path", "of"
 
 
-@runtime_checkable
-class PartlySaved(Protocol):
-    """Interface of a class that names in `left_out` the attributes which checkpoints omit."""
-
-    left_out: ClassVar[tuple[str, ...]]
-
-
 class Mismatch(Exception):
     """Error: a saved state does not fit the newly built simulation; the message names the attribute."""
 
@@ -60,14 +53,12 @@ class FileShortened(Mismatch):
 
 def saved_attributes(value: Any) -> dict[str, Any]:
     """Attributes of an object that are saved, by name: all but `left_out`, cached properties and those of Taichi."""
-    out = value.left_out if isinstance(value, PartlySaved) else ()
-    kept = {name: inner for name, inner in vars(value).items() if name not in out and not is_computed(value, name)}
+    declared: dict[str, Any] = {}
+    for kind in reversed(type(value).__mro__):
+        declared |= vars(kind)
+    out = {name for name in vars(value) if isinstance(declared.get(name), cached_property)}  # computed again
+    kept = {name: inner for name, inner in vars(value).items() if name not in {*out, *declared.get("left_out", ())}}
     return {name: inner for name, inner in kept.items() if not is_library_attribute(name, inner)}
-
-
-def is_computed(value: Any, name: str) -> bool:
-    """True if `name` is a cached property of the class of `value`, which is computed again and not saved."""
-    return any(isinstance(vars(kind).get(name), cached_property) for kind in type(value).__mro__)
 
 
 def path_step(key: Any, number: int) -> str:

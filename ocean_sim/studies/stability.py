@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from ocean_sim.files.atomic_file import new_figure
 from ocean_sim.files.yaml_file import SceneError, read_mapping
 from ocean_sim.model import Model
 from ocean_sim.palette import BLUE, ORANGE, RED
@@ -176,11 +177,9 @@ def map_summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 def draw_map(name: str, rows: list[dict[str, Any]]) -> Any:
     """Matplotlib figure of one stability map: time step against setting `name`, a panel for each scheme."""
-    from matplotlib.figure import Figure
-
     schemes = list(dict.fromkeys(row["scheme"] for row in rows))
     values = sorted({row["value"] for row in rows})
-    figure = Figure(figsize=(5.0 * len(schemes) + 1.2, 1.6 + 0.6 * len(values) + 1.2), layout="constrained")
+    figure = new_figure(5.0 * len(schemes) + 1.2, 1.6 + 0.6 * len(values) + 1.2)
     axes = None
     for k, scheme in enumerate(schemes):
         axes = figure.add_subplot(1, len(schemes), k + 1, sharey=axes)

@@ -18,8 +18,8 @@ import numpy as np
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Fluid, with_particles
 from ocean_sim.kernel_library import ti, tm
-from ocean_sim.model import quantity
-from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
+from ocean_sim.model import Faults, quantity
+from ocean_sim.parts import LedgerRow, Preflight, SurfaceConfig
 from ocean_sim.runtime import in_kernels
 from ocean_sim.surface import AREA_AND_VOLUME, Mesh, Surface
 from ocean_sim.surface.shared.heights import Heights, column_counts
@@ -67,22 +67,21 @@ class Config(SurfaceConfig):
         found = {"spacing": self.spacing or preflight.spacing, "thickness": self.thickness or widest}
         return self.model_copy(update=found)
 
-    def problems(self, preflight: Preflight) -> Problems:
+    def problems(self, preflight: Preflight) -> Faults:
         if preflight.tank.closed:
-            return [(("kind",), "a basin without a free surface has nothing for a cloth to lie on; leave it out")]
-        return []
+            yield ("kind",), "a basin without a free surface has nothing for a cloth to lie on; leave it out"
 
-    def mismatches(self, preflight: Preflight) -> Problems:
+    def mismatches(self, preflight: Preflight) -> Faults:
         least, most = preflight.spacing, preflight.support
         assert least is not None
         nx, nz = self.completed(preflight).nodes(preflight.tank)
         if nx * nz > MAX_NODES:
-            return [(("spacing",), f"would make {nx} x {nz} nodes, more than {MAX_NODES}")]
-        if self.thickness is None or 0.999 * least < self.thickness < 1.001 * most:
-            return []
-        why = "less, and the sheet falls between them" if self.thickness < least else "water is looked for no further"
-        span = f"a spacing of the particles, {least:.4g} m, and their support, {most:.4g} m"
-        return [(("thickness",), f"{self.thickness:g} m must lie between {span}: {why}")]
+            yield ("spacing",), f"would make {nx} x {nz} nodes, more than {MAX_NODES}"
+        elif self.thickness is not None and not 0.999 * least < self.thickness < 1.001 * most:
+            thin = self.thickness < least
+            why = "less, and the sheet falls between them" if thin else "water is looked for no further"
+            span = f"a spacing of the particles, {least:.4g} m, and their support, {most:.4g} m"
+            yield ("thickness",), f"{self.thickness:g} m must lie between {span}: {why}"
 
     def nodes(self, basin: Basin) -> tuple[int, int]:
         """Numbers of nodes along x and z, of a completed config; 1 along z in 2-D."""

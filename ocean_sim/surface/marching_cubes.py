@@ -17,8 +17,8 @@ from ocean_sim.basin import OPEN, Basin
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Fluid, with_particles
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
-from ocean_sim.model import quantity
-from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
+from ocean_sim.model import Faults, quantity
+from ocean_sim.parts import LedgerRow, Preflight, SurfaceConfig
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.surface import AREA_AND_VOLUME, Mesh, Surface
 from ocean_sim.surface.shared.heights import Heights
@@ -68,27 +68,23 @@ class Config(SurfaceConfig):
         }
         return self.model_copy(update=found)
 
-    def problems(self, preflight: Preflight) -> Problems:
-        basin = preflight.tank
-        if basin.dimension == 2:
-            return [(("kind",), "marching cubes need a basin with a width; in 2-D use surface: cloth")]
-        if basin.closed:
-            return [(("kind",), "a basin without a free surface has none to draw; leave it out")]
-        return []
+    def problems(self, preflight: Preflight) -> Faults:
+        if preflight.tank.dimension == 2:
+            yield ("kind",), "marching cubes need a basin with a width; in 2-D use surface: cloth"
+        elif preflight.tank.closed:
+            yield ("kind",), "a basin without a free surface has none to draw; leave it out"
 
-    def mismatches(self, preflight: Preflight) -> Problems:
-        found, apart = Problems(), preflight.spacing
+    def mismatches(self, preflight: Preflight) -> Faults:
+        apart = preflight.spacing
         assert apart is not None
         if self.radius is not None and not 1.2 * apart <= self.radius <= MAX_RADIUS * apart:
             span = f"{self.radius:g} m must be 1.2 to {MAX_RADIUS:g} spacings of the particles, {apart:.4g} m"
-            found.append((("radius",), f"{span}: less shows them one by one, more smooths the waves away"))
+            yield ("radius",), f"{span}: less shows them one by one, more smooths the waves away"
         if (count := self.completed(preflight).count(preflight.tank)) > MAX_NODES:
-            found.append((("spacing",), f"makes {count:.3g} nodes, more than the {MAX_NODES} there can be"))
+            yield ("spacing",), f"makes {count:.3g} nodes, more than the {MAX_NODES} there can be"
         fine = self.spacing or NODE_SPACINGS * apart
         if (wet := preflight.particles * (apart / fine) ** 3) > self.most_nodes:
-            message = f"{self.most_nodes} is less than the {wet:.3g} or so that the water at rest fills"
-            found.append((("most_nodes",), message))
-        return found
+            yield ("most_nodes",), f"{self.most_nodes} is less than the {wet:.3g} or so that the water at rest fills"
 
     def nodes(self, basin: Basin) -> Nodes:
         """Grid of nodes over the whole basin, up to `height`."""
@@ -195,11 +191,9 @@ class MarchingCubes:
         self.update_field()
         self.isosurface.pad_field(open_sides)
         counts = self.isosurface.count_surface()
-        if counts.triangles > self.config.most_triangles:
-            raise Diverged(
-                f"the surface has {counts.triangles} triangles, more than surface.most_triangles "
-                f"{self.config.most_triangles}; try a larger surface.spacing, or see whether the water has come apart"
-            )
+        if counts.triangles > (most := self.config.most_triangles):
+            many = f"the surface has {counts.triangles} triangles, more than surface.most_triangles {most}"
+            raise Diverged(f"{many}; try a larger surface.spacing, or see whether the water has come apart")
         return self.isosurface.mesh(counts), counts
 
     @ti.kernel

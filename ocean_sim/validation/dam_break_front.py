@@ -37,6 +37,7 @@ from ocean_sim.validation.shared.tables import table
 
 WIDTH = 1.0  # a of the column [m]
 TANK_LENGTH = 5.0  # [a]
+TIME_SCALE = sqrt(2.0 * GRAVITY / WIDTH)  # [1/s] T / t of the experiments
 PLOT_AXES = ("T = t sqrt(2 g / a)", "Z = x / a")
 FIRST_TIME, LAST_TIME = 0.8, 3.1  # scaled times shared by all experiments
 MARTIN_MOYCE = {
@@ -76,7 +77,7 @@ def problems(coarse: bool) -> list[Problem]:
     left = -TANK_LENGTH * WIDTH / 2
     basin = {"length": TANK_LENGTH * WIDTH, "depth": 2.0 * WIDTH}
     scene = {
-        "duration": LAST_TIME / sqrt(2.0 * GRAVITY / WIDTH),
+        "duration": LAST_TIME / TIME_SCALE,
         "basin": basin,
         "fluid": {
             "spacing": WIDTH / (20 if coarse else 40),
@@ -90,11 +91,6 @@ def problems(coarse: bool) -> list[Problem]:
         Problem(scene, PROMISES, lambda run: compare_front(*front_record(run))),
         Problem(gated, GATE_PROMISES, measure_gated, name="gate"),
     ]
-
-
-def scaled_time(time: np.ndarray, g: float, width: float) -> np.ndarray:
-    """Scaled time T = t sqrt(2 g / a), the time axis of the experiments; time t [s], g [m/s2], width a [m]."""
-    return time * np.sqrt(2.0 * g / width)
 
 
 def front_position(position: np.ndarray, spacing: float) -> float:
@@ -116,7 +112,7 @@ def front_record(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
     """Run to the end; record the front: scaled times T (n,), and distances Z (n,) from the wall in column widths."""
     every = simulation.scene.duration / 60
     times, front = record_run(simulation, every, lambda water: front_position(water.position, water.spacing))
-    return scaled_time(times, GRAVITY, WIDTH), (front - simulation.basin.lower[0]) / WIDTH
+    return TIME_SCALE * times, (front - simulation.basin.lower[0]) / WIDTH
 
 
 def table_curves(tables: dict[str, str]) -> list[Curve]:

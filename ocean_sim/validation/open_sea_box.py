@@ -19,16 +19,7 @@ from ocean_sim import waves
 from ocean_sim.conventions import GRAVITY, WATER_DENSITY
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared import case
-from ocean_sim.validation.shared.ship import (
-    ImposedMotion,
-    at_sea,
-    first_harmonics,
-    follow_body,
-    impose_motion,
-    ramped_swing,
-    ship_of,
-    ship_of_section,
-)
+from ocean_sim.validation.shared import ship as ships
 from ocean_sim.validation.shared.state import State, particle_state
 from ocean_sim.validation.shared.tables import table_path
 
@@ -82,11 +73,11 @@ def heaving_problem() -> case.Problem:
 
     def measure(simulation: Simulation) -> case.Finding:
         omega, rows, values, nexts = 2.0 * pi / PERIOD, [], [], (RUN_PERIODS - JUDGED_PERIODS) * PERIOD
-        began = float(ship_of(simulation).body.position[1])
+        began = float(ships.ship_of(simulation).body.position[1])
         while simulation.time < RUN_PERIODS * PERIOD:
             simulation.step()
-            moved = ramped_swing(simulation.time, HEAVE_STROKE, omega, RAMP_TIME)
-            impose_motion(simulation, 1, moved._replace(place=began + moved.place))
+            moved = ships.ramped_swing(simulation.time, HEAVE_STROKE, omega, RAMP_TIME)
+            ships.impose_motion(simulation, 1, moved._replace(place=began + moved.place))
             if simulation.time >= nexts:
                 nexts += PERIOD / PERIOD_SAMPLES
                 columns, speeds = fit_columns(particle_state(simulation))
@@ -145,7 +136,7 @@ def patch_scene(free: float, moves: Sequence[str]) -> dict[str, Any]:
 
 def box_keys(moves: Sequence[str]) -> dict[str, Any]:
     """Scene keys of the ship that is the box; `moves`: names of its free motions."""
-    whole = ship_of_section(BREADTH, HEIGHT, BILGE, LENGTH, MASS, KG, ROLL_RADIUS, cells=12)
+    whole = ships.ship_of_section(BREADTH, HEIGHT, BILGE, LENGTH, MASS, KG, ROLL_RADIUS, cells=12)
     return whole | {"free": list(moves)}
 
 
@@ -155,7 +146,7 @@ def motion_amplitudes(rows: np.ndarray, speed: float) -> list[float]:
     t = rows[:, 0]
     last = t > t[-1] - JUDGED_PERIODS * PERIOD
     encounter = 2.0 * pi / PERIOD - WAVENUMBER * speed  # [rad/s]
-    return first_harmonics(t[last], rows[last, 1:], encounter).tolist()
+    return ships.first_harmonics(t[last], rows[last, 1:], encounter).tolist()
 
 
 def motion_curves(rows: np.ndarray, suffix: str = "") -> list[case.Curve]:
@@ -166,11 +157,11 @@ def motion_curves(rows: np.ndarray, suffix: str = "") -> list[case.Curve]:
 def follow_motions(simulation: Simulation, speed: float) -> np.ndarray:
     """Run the box at a speed [m/s] along x: rows (n, 3) of time [s], heave / wave amplitude, pitch / wave slope."""
     rows, x, before, last = [], 0.0, 0.0, 0.0
-    for time, body in follow_body(simulation, RUN_PERIODS * PERIOD):
+    for time, body in ships.follow_body(simulation, RUN_PERIODS * PERIOD):
         if speed != 0.0:
             now = speed * waves.ramp_share(time, RAMP_TIME)
             x, before = x + 0.5 * (before + now) * (time - last), now
-            impose_motion(simulation, 0, ImposedMotion(x, now, speed * waves.ramp_rate(time, RAMP_TIME)))
+            ships.impose_motion(simulation, 0, ships.ImposedMotion(x, now, speed * waves.ramp_rate(time, RAMP_TIME)))
             last = time
         rows.append((time, body.position[1] / AMPLITUDE, body.angles[2] / (WAVENUMBER * AMPLITUDE)))
     found = np.array(rows)
@@ -183,7 +174,9 @@ def closed_form_motions(simulation: Simulation, speed: float) -> np.ndarray:
     wave amplitude, pitch over wave slope."""
     extra = {"kind": "dynamic", "radiation": str(table_path("box_radiation")), "damping": {"cross_flow": 0.0}}
     of_waves = {"height": 2.0 * AMPLITUDE, "period": PERIOD, "heading_deg": 90.0}
-    scene = at_sea(box_keys(SHIP_MOTIONS) | extra, BREADTH, PERIOD / PERIOD_STEPS, RUN_PERIODS * PERIOD, **of_waves)
+    scene = ships.at_sea(
+        box_keys(SHIP_MOTIONS) | extra, BREADTH, PERIOD / PERIOD_STEPS, RUN_PERIODS * PERIOD, **of_waves
+    )
     scene["basin"]["depth"] = DEPTH
     with case.other_simulation(simulation, scene) as plain:
         return follow_motions(plain, speed)

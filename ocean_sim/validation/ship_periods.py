@@ -10,15 +10,8 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.simulation import Simulation
+from ocean_sim.validation.shared import ship as ships
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, percent_error
-from ocean_sim.validation.shared.ship import (
-    at_sea,
-    follow_body,
-    set_pose,
-    ship_of,
-    turn_quaternion,
-    zero_crossing_period,
-)
 
 STIFFNESS = {"heave": 1569.6e3, "roll": 3662.4e3, "pitch": 47611e3}  # [N/m], [N m/rad]
 INERTIA = {"heave": 320e3, "roll": 2508.8e3, "pitch": 8000e3}  # [kg], [kg m2]
@@ -46,27 +39,27 @@ def release_problem(
     promises = tuple(Promise(f"{name}: {motion} period [s]", "%", SOURCE_TEXT, limits) for motion in STIFFNESS)
 
     def measure(simulation: Simulation) -> Finding:
-        wet = ship_of(simulation).added.any()
+        wet = ships.ship_of(simulation).added.any()
         numbers, curves = [], []
         for motion, k in STIFFNESS.items():
             exact = 2.0 * pi * sqrt((INERTIA[motion] + (ADDED_MASS[motion] if wet else 0.0)) / k)
             times, values = release_record(simulation, motion, 3.2 * exact)
-            numbers.append(percent_error(zero_crossing_period(times, values), exact))
+            numbers.append(percent_error(ships.zero_crossing_period(times, values), exact))
             curves.append(Curve(motion, times, values / np.abs(values).max()))
         return Finding(numbers, curves, [], ("t [s]", "over its first value"))
 
-    return Problem(at_sea(ship, 20.0, 0.04), promises, measure, name, slot="ship", schemes=schemes)
+    return Problem(ships.at_sea(ship, 20.0, 0.04), promises, measure, name, slot="ship", schemes=schemes)
 
 
 def release_record(simulation: Simulation, motion: str, seconds: float) -> tuple[np.ndarray, np.ndarray]:
     """Displace the ship by 2 cm or half a degree in a `motion`, release it, and run. Return times (n,) [s] and values
     of the motion (n,) [m] or [rad]."""
     rest = np.array([0.0, 0.5, 0.0])
-    turn = {"roll": turn_quaternion(2, 0.5), "pitch": turn_quaternion(0, 0.5), "heave": turn_quaternion(0, 0.0)}[motion]
-    set_pose(simulation, position=rest + [0.0, 0.02 if motion == "heave" else 0.0, 0.0], orientation=turn)
+    turn = ships.turn_quaternion(*{"roll": (2, 0.5), "pitch": (0, 0.5), "heave": (0, 0.0)}[motion])
+    ships.set_pose(simulation, position=rest + [0.0, 0.02 if motion == "heave" else 0.0, 0.0], orientation=turn)
     begin, times, values = simulation.time, [], []
     number = {"roll": 2, "pitch": 0, "heave": 1}[motion]
-    for time, body in follow_body(simulation, begin + seconds):
+    for time, body in ships.follow_body(simulation, begin + seconds):
         times.append(time - begin)
         values.append(body.position[1] - 0.5 if motion == "heave" else body.angles[number])
     return np.array(times), np.array(values)

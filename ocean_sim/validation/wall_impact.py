@@ -16,6 +16,7 @@ from ocean_sim.validation.shared.state import record_run
 from ocean_sim.validation.shared.tables import table
 
 HEIGHT, TANK_LENGTH = 0.6, 5.366  # H [m], [H]
+TIME_SCALE = float(np.sqrt(GRAVITY / HEIGHT))  # [1/s] t* / t of both tables
 DENSITY = 1000.0  # [kg/m3]
 END_TIME = 5.5  # t*, before the wave that runs back
 ARRIVAL_PRESSURE = 0.25  # p*, after a moving mean
@@ -47,7 +48,7 @@ PROMISES = tuple(
 def problems(coarse: bool) -> list[Problem]:
     left = -TANK_LENGTH * HEIGHT / 2
     scene = {
-        "duration": END_TIME / np.sqrt(GRAVITY / HEIGHT).item(),
+        "duration": END_TIME / TIME_SCALE,
         "basin": {"length": TANK_LENGTH * HEIGHT, "depth": HEIGHT},
         "fluid": {
             "spacing": HEIGHT / (20 if coarse else 80),
@@ -58,18 +59,13 @@ def problems(coarse: bool) -> list[Problem]:
     return [Problem(scene, PROMISES, measure)]
 
 
-def scaled_time(time: np.ndarray, g: float, height: float) -> np.ndarray:
-    """Scaled time t* = t sqrt(g / H), the time axis of both tables; time t [s], g [m/s2], height H [m]."""
-    return time * np.sqrt(g / height)
-
-
 def measure(simulation: Simulation) -> Finding:
     wall, duration = simulation.basin.upper[0], simulation.scene.duration
     heights = np.stack([np.linspace(sensor.low, sensor.high, SENSOR_POINTS) for sensor in SENSORS]) * HEIGHT
     points = np.stack([np.full(heights.size, wall), heights.ravel() - HEIGHT, np.zeros(heights.size)], axis=1)
     channels = lambda _: simulation.fluid.pressures(points).reshape(heights.shape).mean(axis=1)
     times, pressures = record_run(simulation, duration / 800, channels)
-    return compare_pressures(scaled_time(times, GRAVITY, HEIGHT), pressures / (DENSITY * GRAVITY * HEIGHT))
+    return compare_pressures(TIME_SCALE * times, pressures / (DENSITY * GRAVITY * HEIGHT))
 
 
 def arrival_and_impulse(time: np.ndarray, pressure: np.ndarray) -> tuple[float, float]:

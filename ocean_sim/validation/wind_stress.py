@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.parts import config_of
-from ocean_sim.reading.scene import SceneConfig
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, absolute_error, reported
 from ocean_sim.validation.shared.state import record_run
@@ -78,6 +77,5 @@ def wind_keys(stress: float, **keys: float) -> dict:
 
 
 def without_wind(simulation: Simulation) -> Simulation:
-    assert isinstance(simulation.scene, SceneConfig)
     still = config_of("wind", "still").model_validate({"kind": "still"})
     return Simulation(simulation.scene.model_copy(update={"wind": still}))

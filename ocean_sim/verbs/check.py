@@ -144,13 +144,6 @@ def ship_facts(config: SceneConfig) -> dict[str, dict[str, Any]]:
     }
 
 
-def resolution_text(spacings: float) -> str:
-    """Text on whether particles resolve a ship whose draught is so many spacings."""
-    from ocean_sim.ship.body.floating import RESOLVED_SPACINGS
-
-    return "the water resolves her" if spacings >= RESOLVED_SPACINGS else "the water does not resolve her"
-
-
 def ledger_rows(found: dict[str, Any], config: SceneConfig) -> list[dict[str, Any]]:
     """Memory ledger in the facts `found` of `preflight` as dicts. The first row of each part of the scene, such as
     `fluid`, lists the kernels of that part, too."""
@@ -199,6 +192,8 @@ def preflight_lines(found: dict[str, Any], config: SceneConfig, listed: str = ""
 
 def ship_lines(found: dict[str, Any]) -> list[str]:
     """Lines on displacement, draught, metacentric heights and periods of each ship, from the facts of `preflight`."""
+    from ocean_sim.ship.body.floating import RESOLVED_SPACINGS
+
     lines = []
     for name, ship in found["ships"].items():
         if ship["draught_m"] is None:
@@ -206,7 +201,8 @@ def ship_lines(found: dict[str, Any]) -> list[str]:
         periods = ", ".join(f"{motion} {t:.3g} s" for motion, t in ship["periods_s"].items() if t is not None)
         own, across = ship["gm_of_faces_m"], ship["draught_spacings"]
         faces = "" if own is None else f" (by the faces of her hull {own:.3g} m)"
-        resolved = "" if across is None else f" ({across:.3g} spacings: {resolution_text(across)})"
+        does = "resolves" if (across or 0.0) >= RESOLVED_SPACINGS else "does not resolve"
+        resolved = "" if across is None else f" ({across:.3g} spacings: the water {does} her)"
         lines.append(
             f"{called(name)}: {figures(ship['displacement_kg'])} kg, draught {ship['draught_m']:.3g} m{resolved}, "
             f"GM {ship['gm_m']:.3g} m{faces}, longitudinal GM {ship['gm_longitudinal_m']:.3g} m; "

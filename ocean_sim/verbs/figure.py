@@ -1,4 +1,5 @@
-"""`ocean-sim figure`: the figures of the thesis, each by its script in a process of its own; CSV and PNG."""
+"""`ocean-sim figure` and `gallery`: the figures of the thesis, each by its script in a process of its own, as CSV and
+PNG; and the pictures of the README."""
 
 import ast
 import os
@@ -101,3 +102,14 @@ def draw_figure(name: str, script: Path, fast: bool, out: Path, show: Callable[[
         files = [path.replace(out / path.name) for path in sorted(Path(folder).iterdir())] if code == 0 else []
     error = "" if files else last or (f"its process died ({code})" if code else "it wrote nothing")
     return {"figure": name, "ok": bool(files), "wall_s": perf_counter() - began, "files": files, "error": error}
+
+
+def gallery(
+    names: list[str] | None = typer.Argument(None, help="Pictures; by default those that are out of date."),
+    check: bool = typer.Option(False, "--check", help="Only list those that are out of date, with their commands."),
+    every: bool = typer.Option(False, "--all", help="Make all of them."),
+    out: Path | None = typer.Option(None, help="Where to write; by default figures/gallery of this checkout."),
+) -> int:
+    """Make pictures that are old, or those named; `check`: only list them. The exit code is 1 where some are old."""
+    program = console.checkout_module("figures.gallery.redraw", "gallery: the program that makes the pictures is")
+    return program.redraw(names or [], check, every, out)

@@ -13,7 +13,7 @@ import typer
 from ocean_sim.basin.solids.mesh import BadMesh
 from ocean_sim.basin.solids.voxels import MISSED_SHARE, voxels
 from ocean_sim.conventions import GRAVITY, WATER_DENSITY, AxisName, figures
-from ocean_sim.files.atomic_file import save_figure
+from ocean_sim.files.atomic_file import new_figure, save_figure
 from ocean_sim.files.yaml_file import read_mapping
 from ocean_sim.parts import library, named
 from ocean_sim.reading.scene import load, packaged_scenes
@@ -439,12 +439,11 @@ def print_report(name: str, found: dict[str, Any], notes: list[str], picture: Pa
 def draw_hull(path: Path, shape: Hull, found: dict[str, Any]) -> None:
     """Draw righting levers, from the facts `found` of a hull, and her lines with the waterline, into a picture file."""
     from matplotlib.collections import LineCollection
-    from matplotlib.figure import Figure
     from trimesh import Trimesh
     from trimesh.intersections import mesh_plane
 
     (lower, upper), solid = shape.shape.bounds(), Trimesh(*drawn_mesh(shape.shape), process=False)
-    figure = Figure(figsize=(11.7, 7.6), layout="constrained")
+    figure = new_figure(11.7, 7.6)
     grid = figure.add_gridspec(2, 2, width_ratios=(3, 2), height_ratios=(5, 2))
     curve, body, profile, plan = (figure.add_subplot(grid[place]) for place in np.ndindex(2, 2))
     heels, levers = ([row[key] for row in found["gz"]] for key in ("heel_deg", "gz_m"))

@@ -13,9 +13,8 @@ from ocean_sim.machine import cache_directory
 from ocean_sim.model import in_brackets
 from ocean_sim.parts import PACKAGE, SLOTS
 from ocean_sim.reading.composition import kind_named, known_names
-from ocean_sim.reading.keys import scene_keys
+from ocean_sim.reading.keys import scene_keys, schema_text
 from ocean_sim.reading.scene import load, scene_path
-from ocean_sim.reading.schema import schema_text
 from ocean_sim.reading.sentences import part_sentence
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import complete_scene

@@ -7,7 +7,7 @@ import numpy as np
 import typer
 
 from ocean_sim.files import csv_file, run_files
-from ocean_sim.files.atomic_file import save_figure
+from ocean_sim.files.atomic_file import new_figure, save_figure
 from ocean_sim.observers.motion import log_name
 from ocean_sim.platform.shared import motion_log
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
@@ -147,9 +147,7 @@ def response_lines(found: Response) -> list[list[str]]:
 
 def draw_response(path: Path, found: Response, closed: np.ndarray) -> None:
     """Draw the six responses and the coherence over frequency; grey where coherence is below TRUSTED_COHERENCE."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(11.0, 6.5), layout="constrained")
+    figure = new_figure(11.0, 6.5)
     for k, (name, axes) in enumerate(zip(MOTION_NAMES, figure.subplots(2, 3, sharex=True).flat)):
         size, sure = np.abs(found.ratio[:, k]), found.coherence[:, k] >= TRUSTED_COHERENCE
         axes.plot(found.omega, size, ".-", color="0.75", linewidth=0.8)

@@ -9,7 +9,7 @@ import typer
 
 from ocean_sim import wave_field
 from ocean_sim.conventions import Refused
-from ocean_sim.files.atomic_file import save_figure, write_file
+from ocean_sim.files.atomic_file import new_figure, save_figure, write_file
 from ocean_sim.reading.scene import load
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Sets, complete_scene, number_list
@@ -99,9 +99,8 @@ def describe_file(path: Path, time: str | None, point: int, spreading: Spreading
 def draw_spectrum(path: Path, title: str, table: DirectionalSpectrum, parts: Sequence[DirectionalSpectrum]) -> None:
     """Draw density [m2/(Hz deg)] over frequency [Hz] and direction of origin, and number the wave systems, `parts`."""
     from matplotlib.colors import PowerNorm
-    from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(6.5, 6.0), layout="constrained")
+    figure = new_figure(6.5, 6.0)
     axes = figure.add_subplot(projection="polar", theta_offset=0.5 * np.pi, theta_direction=-1)
     sides = np.radians(table.direction[0]) + table.step * (np.arange(len(table.direction) + 1) - 0.5)
     shades = axes.pcolormesh(sides, table.edges, np.radians(table.density), cmap="Blues", norm=PowerNorm(0.5))

@@ -78,7 +78,7 @@ def scene_rows() -> list[dict[str, str]]:
 
 def live_files(title: str) -> dict[str, Any]:
     """Files of a live simulation's page by address: (content type, function that returns the content)."""
-    from ocean_sim.reading.schema import scene_schema
+    from ocean_sim.reading.keys import scene_schema
     from ocean_sim.viewer.still import page_document, sky_packet
 
     return {

@@ -8,20 +8,8 @@ import typer
 
 from ocean_sim.machine import available_cores
 from ocean_sim.reading.translation import choice_sentence
-from ocean_sim.studies.scene_tradeoff import (
-    PROFILE_NAMES,
-    SEED_COUNTS,
-    Budget,
-    Setting,
-    best_setting,
-    clock_note,
-    errors_against,
-    measure_label,
-    measure_names,
-    setting_grid,
-    tradeoff_summary,
-    vary_setting,
-)
+from ocean_sim.studies import scene_tradeoff as scenes
+from ocean_sim.studies.scene_tradeoff import Budget, Setting
 from ocean_sim.studies.shared import pareto
 from ocean_sim.studies.shared.scene_run import CLOCK_COLUMNS, run_order
 from ocean_sim.studies.shared.study import Point, Study, write_table
@@ -31,7 +19,7 @@ from ocean_sim.verbs.shared.bar import rows_of
 from ocean_sim.verbs.shared.console import cell
 from ocean_sim.verbs.shared.options import Profile, Sets
 
-EVERY_PROFILE = f"profile={','.join(PROFILE_NAMES)}"
+EVERY_PROFILE = f"profile={','.join(scenes.PROFILE_NAMES)}"
 STUDY_FILES = ("tradeoff.csv", "runs")  # in its folder; tables and pictures come later
 CASE_COLUMNS = ("scheme", "particles", "neighbours", "wall_per_s", "cpu_per_s", "error", "unit", "changed", "")
 
@@ -56,8 +44,9 @@ def tradeoff(
     if scene is not None:
         folder = out or Path("runs") / "tradeoff" / Path(scene).stem
         with console.claim(folder, *STUDY_FILES):
-            limit, varied = None if budget is None else Budget.of(budget), vary_setting(vary or [EVERY_PROFILE])
-            study_scene(setting_grid(scene, profile, console.set_values(sets), varied, quick), limit, by, quick, folder)
+            limit, varied = None if budget is None else Budget.of(budget), scenes.vary_setting(vary or [EVERY_PROFILE])
+            plan = scenes.setting_grid(scene, profile, console.set_values(sets), varied, quick)
+            study_scene(plan, limit, by, quick, folder)
         return
     for name, given in (("vary", vary), ("budget", budget), ("by", by), ("profile", profile), ("set", sets)):
         if given:
@@ -108,7 +97,7 @@ def print_settings(title: str, rows: list[dict[str, Any]], speed: str) -> None:
 def study_scene(plan: list[Setting], limit: Budget | None, by: str | None, quick: bool, out: Path) -> None:
     """Run a scene with every setting of `plan` and every seed (`quick`: fewer), one at a time; write tradeoff.csv,
     seeds.csv and a picture. `by`: the error that decides (None: the first); `limit`: of time."""
-    seeds = SEED_COUNTS[quick] if any(setting.scenes[0].wind.is_random for setting in plan) else 1
+    seeds = scenes.SEED_COUNTS[quick] if any(setting.scenes[0].wind.is_random for setting in plan) else 1
     if not console.json_asked:
         finest = next(setting for setting in plan if setting.finest).line()
         each = f"{seeds} seeds each" if seeds > 1 else "one seed each, as nothing is drawn from it"
@@ -118,7 +107,7 @@ def study_scene(plan: list[Setting], limit: Budget | None, by: str | None, quick
     rows, single = compare_with_finest(plan, seeds, found)
     write_table(out / "seeds.csv", single)
     write_table(out / "tradeoff.csv", rows)
-    known = measure_names(rows)
+    known = scenes.measure_names(rows)
     if not known:
         reason = next((row["reason"] for row in rows if row["reason"]), "nothing is logged that could be compared")
         raise console.Failed(f"there is nothing to compare: {reason}; {out / 'tradeoff.csv'}")
@@ -128,15 +117,16 @@ def study_scene(plan: list[Setting], limit: Budget | None, by: str | None, quick
     known = [judge, *(name for name in known if name != judge)]
     console.draw_if_able(pareto.draw_scene, out / "tradeoff.png", rows, known[:6], limit)
     best_row = None if limit is None else confirmed_setting(plan, rows, judge, limit, seeds, out)
-    console.answer({"judged_by": judge, "rows": rows, "answer": best_row, "clocks": clock_note(rows)})
+    console.answer({"judged_by": judge, "rows": rows, "answer": best_row, "clocks": scenes.clock_note(rows)})
     names = ["setting", *CLOCK_COLUMNS[:3], judge, f"{judge}_spread", *known[1:4]]
     lines = [
         [*(cell(row.get(name)) for name in names), "reference" if row["reference"] else row["reason"][:50]]
         for row in sorted(rows, key=lambda row: row["wall_per_s"] or 0.0)
     ]
-    heads = ["setting", *CLOCK_COLUMNS[:3], measure_label(judge), "its spread", *map(measure_label, known[1:4]), ""]
+    labels = [*map(scenes.measure_label, known)]
+    heads = ["setting", *CLOCK_COLUMNS[:3], labels[0], "its spread", *labels[1:4], ""]
     console.table("", heads, lines)
-    if told := clock_note(rows):
+    if told := scenes.clock_note(rows):
         console.say(f"warning: {told}")
     if limit is not None:
         console.say(budget_verdict(best_row, rows, judge, limit))
@@ -150,13 +140,13 @@ def compare_with_finest(plan: list[Setting], seeds: int, runs: list[dict[str, An
     rows, single = [], []
     for setting, group in zip(plan, groups):
         gaps = [
-            errors_against(run["run"], best["run"]) if run["outcome"] == "done" else {}
+            scenes.errors_against(run["run"], best["run"]) if run["outcome"] == "done" else {}
             for run, best in zip(group, finest)
         ]
         for scene, run, gap in zip(setting.scenes, group, gaps):
             facts = {key: run.get(key) for key in ("outcome", "reason", *CLOCK_COLUMNS)}
             single.append(dict(setting.values) | {"seed": scene.seed} | facts | gap)
-        rows.append(tradeoff_summary(setting, group, gaps))
+        rows.append(scenes.tradeoff_summary(setting, group, gaps))
     return rows, single
 
 
@@ -167,12 +157,12 @@ def confirmed_setting(
     left, again = list(rows), out / "runs" / "again"
     shutil.rmtree(again, ignore_errors=True)  # an earlier study's
     reference = next(setting for setting in plan if setting.finest)
-    while (row := best_setting(left, judge, limit)) is not None:
+    while (row := scenes.best_setting(left, judge, limit)) is not None:
         setting = plan[next(n for n, one in enumerate(rows) if one is row)]
         points = [Point(run_order(one.scenes[seeds])) for one in (setting, reference)]
         own, finest = rows_of(Study(points, again, 1))
         done = own["outcome"] == finest["outcome"] == "done"
-        spent, error = limit.spent(own), errors_against(own["run"], finest["run"]).get(judge) if done else None
+        spent, error = limit.spent(own), scenes.errors_against(own["run"], finest["run"]).get(judge) if done else None
         bound = row[judge] + 3.0 * (row[f"{judge}_spread"] or 0.0)
         fits = spent is not None and spent <= limit.most
         if fits and error is not None and error <= bound * (1.0 + 1e-6):
@@ -186,7 +176,7 @@ def budget_verdict(found: dict[str, Any] | None, rows: list[dict[str, Any]], jud
     """Text on `found`, the best setting within `limit` by error `judge`; if None, on why none of `rows` fits."""
     if found is not None:
         return (
-            f"most accurate within {limit.name}, by the {measure_label(judge)}: {found['setting']}\n"
+            f"most accurate within {limit.name}, by the {scenes.measure_label(judge)}: {found['setting']}\n"
             f"  run again with another seed: {found['spent']:.3g} of {limit.most:g}, "
             f"error {found['error']:.3g} (at most {found['bound']:.3g} expected)"
         )

@@ -12,7 +12,7 @@ from typing import Any
 
 import typer
 
-from ocean_sim.files.atomic_file import atomic_write, save_figure
+from ocean_sim.files.atomic_file import atomic_write, new_figure, save_figure
 from ocean_sim.files.csv_file import write_table
 from ocean_sim.machine import available_cores, exit_after
 from ocean_sim.parts import kinds
@@ -200,15 +200,13 @@ def write_junit(path: Path, rows: list[dict[str, Any]]) -> None:
 
 def draw_case(path: Path, case: str, runs: list[tuple[Problem, str, Finding]]) -> None:
     """Draw runs (set-up, scheme, finding) of a case into a file; no file if no run has curves or diverged."""
-    from matplotlib.figure import Figure
-
     panels = list(dict.fromkeys(problem.name for problem, _, found in runs if found.measured or not found.numbers))
     if not panels:
         return
     across = min(len(panels), PANELS_IN_ROW)
     down = ceil(len(panels) / across)
     schemes = list(dict.fromkeys(scheme for _, scheme, _ in runs))
-    figure = Figure(figsize=(6.4 * across, 4.8 * down), layout="constrained")
+    figure = new_figure(6.4 * across, 4.8 * down)
     for k, name in enumerate(panels):
         axes = figure.add_subplot(down, across, k + 1)
         here = [(scheme, found) for problem, scheme, found in runs if problem.name == name]

@@ -8,7 +8,7 @@ import numpy as np
 import typer
 
 from ocean_sim.files import csv_file, run_files
-from ocean_sim.files.atomic_file import save_figure
+from ocean_sim.files.atomic_file import new_figure, save_figure
 from ocean_sim.pictures.frame_files import Frame, frame_files, open_frame
 from ocean_sim.pictures.water.sea_state import run_scene
 from ocean_sim.verbs.render import warn_unless_ended
@@ -249,9 +249,7 @@ def draw_waves(
     densities: dict[str, np.ndarray],
 ) -> None:
     """Draw the elevation records [m] over time [s], and below them their spectra [m2 s] over frequency [Hz], as PNG."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(9.0, 7.0), layout="constrained")
+    figure = new_figure(9.0, 7.0)
     above, below = figure.subplots(2, 1)
     for name, height in heights.items():
         above.plot(time, height, linewidth=0.9, label=name)

@@ -417,10 +417,8 @@ def load_within_memory(source: Source) -> SceneConfig:
     parts = [row.bytes for row in config.ledger() if row.part not in config.observers]
     taken, left = base_memory(config.preflight.particles) + sum(parts), machine.available_memory()
     if taken > left:
-        raise Refused(
-            f"this scene takes {taken / 1e9:.1f} GB of memory, and {left / 1e9:.1f} GB are left; try a larger "
-            "resolution, or fewer particles"
-        )
+        large = f"this scene takes {taken / 1e9:.1f} GB of memory, and {left / 1e9:.1f} GB are left"
+        raise Refused(f"{large}; try a larger resolution, or fewer particles")
     return config
 
 

@@ -10,11 +10,12 @@ import numpy as np
 
 from ocean_sim.basin.points import grid_points, middles
 from ocean_sim.observers.shared.csv_rows import TakesMotion
+from ocean_sim.parts import PeriodicConfig
 from ocean_sim.pictures.frame_files import grid_arrays, middle_cell
 from ocean_sim.pictures.live.scene_lines import box_top, scene_lines, surface_heights
 from ocean_sim.platform import Platform
 from ocean_sim.platform.shared.motion_log import ride_of
-from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
+from ocean_sim.simulation import Observer, Simulation
 from ocean_sim.viewer.protocol import FULL_SCALE, box_scale, packet
 from ocean_sim.viewer.still import StaticScene
 

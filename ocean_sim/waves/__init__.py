@@ -113,10 +113,8 @@ def cut_short(duration: float, ramp: float) -> Iterator[str]:
     """Yield a warning if a run of this duration [s] ends before its waves are at full height, after their ramp [s]."""
     if duration < ramp:
         share = 100.0 * ramp_share(duration, ramp)
-        yield (
-            f"the waves grow from calm water over the first {ramp:.4g} s, and the run ends at {duration:.4g} s, when "
-            f"they have {share:.2g} % of their height; take a longer duration or a shorter ramp"
-        )
+        grow = f"the waves grow from calm water over the first {ramp:.4g} s, and the run ends at {duration:.4g} s"
+        yield f"{grow}, when they have {share:.2g} % of their height; take a longer duration or a shorter ramp"
 
 
 @dataclass(frozen=True)
@@ -367,11 +365,9 @@ class Spectrum(Model):
     """Highest frequency over that of the peak; the waves below it carry all the variance. Deep-water waves of twice
     the frequency are a quarter as long, and particles 1/40 of the peak's wavelength apart resolve none much shorter."""
 
-    @model_validator(mode="after")
-    def _gamma_belongs_to_jonswap(self) -> "Spectrum":
+    def contradictions(self) -> Iterator[str]:
         if self.kind == "pierson_moskowitz" and self.gamma not in (None, 1.0):
-            raise ValueError(f"a Pierson-Moskowitz spectrum has no gamma, got {self.gamma:g}; kind: jonswap has")
-        return self
+            yield f"a Pierson-Moskowitz spectrum has no gamma, got {self.gamma:g}; kind: jonswap has"
 
     @property
     def enhancement(self) -> float:
@@ -524,6 +520,9 @@ AnySpectrum = Annotated[
 class WaveTrain(Model):
     """Waves that are regular, by `height` and `period`, or random, by `spectrum`."""
 
+    may_be_calm: ClassVar[bool] = False
+    """True if there may be neither."""
+
     height: float | None = quantity("m", None, gt=0.0)
     """Height from trough to crest."""
     period: float | None = quantity("s", None, gt=0.0)
@@ -531,12 +530,11 @@ class WaveTrain(Model):
     spectrum: Spectrum | None = None
     """Random waves, instead of `height` and `period`."""
 
-    @model_validator(mode="after")
-    def _regular_or_random(self) -> "WaveTrain":
-        given = [self.height is not None, self.period is not None]
-        if (self.spectrum is None and not all(given)) or (self.spectrum is not None and any(given)):
-            raise ValueError("give either height [m] and period [s] of a regular wave, or a spectrum")
-        return self
+    def contradictions(self) -> Iterator[str]:
+        absent = (2,) if self.spectrum is not None else (0, 2) if self.may_be_calm else (0,)
+        if [self.height, self.period].count(None) not in absent:
+            neither = ", or neither" if self.may_be_calm else ""
+            yield f"give either height [m] and period [s] of a regular wave, or a spectrum{neither}"
 
     @property
     def scale(self) -> tuple[float, float]:
@@ -564,11 +562,10 @@ class HeadedTrain(WaveTrain):
     heading_deg: float | None = quantity("deg", None)
     """Direction of travel of regular waves: 0 along +z, 90 along +x; by default 0, in 2-D 90."""
 
-    @model_validator(mode="after")
-    def _one_heading(self) -> "HeadedTrain":
+    def contradictions(self) -> Iterator[str]:
+        yield from super().contradictions()
         if self.spectrum is not None and self.heading_deg is not None:
-            raise ValueError("the heading of random waves is spectrum.heading_deg")
-        return self
+            yield "the heading of random waves is spectrum.heading_deg"
 
     @property
     def heading(self) -> float | None:

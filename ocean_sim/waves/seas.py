@@ -2,9 +2,9 @@
 
 from math import pi
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
-from pydantic import model_validator
 
 from ocean_sim import waves
 from ocean_sim.files import csv_file
@@ -36,6 +36,7 @@ class Steepening(Model):
 class Seas(waves.OpenTrain):
     """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `spectra` on top."""
 
+    may_be_calm: ClassVar[bool] = True
     height: float | None = quantity("m", None, ge=0.0)
     """Height from trough to crest; 0 is calm water."""
     spectra: list[waves.OpenTrain] = []
@@ -44,13 +45,6 @@ class Seas(waves.OpenTrain):
     """Plane waves on top of all others: a CSV file of `amplitude_m`, `period_s`, `heading_deg`, `phase_deg`, each wave
     amplitude cos(k . x - omega t + phase); a spectral-wave-data file (.swd) of linear waves; or the keys of a spectrum
     from a `file`."""
-
-    @model_validator(mode="after")
-    def _regular_or_random(self) -> "Seas":
-        regular = [self.height is not None, self.period is not None]
-        if any(regular) and (self.spectrum is not None or not all(regular)):
-            raise ValueError("give either height [m] and period [s] of a regular wave, or a spectrum, or neither")
-        return self
 
     @property
     def trains(self) -> list[tuple[tuple[str | int, ...], waves.OpenTrain]]:

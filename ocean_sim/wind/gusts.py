@@ -181,10 +181,6 @@ class Config(Placed, WindConfig):
         return [target for target in get_args(Target) if self.aimed(target)]
 
     @property
-    def stylised(self) -> bool:
-        return any(any(v.acceleration) or any(v.noise) for v in self.volumes)
-
-    @property
     def is_random(self) -> bool:
         return any(any(v.noise) or v.redraw_yaw_deg or v.redraw_strength != (1.0, 1.0) for v in self.volumes)
 

@@ -35,7 +35,6 @@ ROW = Columns(
 class Config(Timed, Placed, WindConfig):
     """A column of air that turns about the vertical."""
 
-    stylised: ClassVar[bool] = True
     needs_area: ClassVar[bool] = False
     kind: Literal["vortex"] = "vortex"
     centre: Vector2 = quantity("m", (0.0, 0.0))

@@ -8,9 +8,9 @@ from typing import Literal
 
 import pytest
 
-from ocean_sim.parts import SLOTS, KindConfig, config_of, kinds
+from ocean_sim.parts import SLOTS, KindConfig, ObserverConfig, config_of, kinds
 from ocean_sim.reading.scene import observer_names
-from ocean_sim.simulation import Observer, ObserverConfig
+from ocean_sim.simulation import Observer
 from tests.architecture.test_arrows import every, sources
 
 KINDS = [(slot, kind) for slot in SLOTS for kind in kinds(slot)]

@@ -7,7 +7,7 @@ import pytest
 from figures.gallery import redraw as gallery
 from ocean_sim import parts, pictures
 from ocean_sim.parts import library
-from ocean_sim.verbs import gallery as verb
+from ocean_sim.verbs import figure as verb
 
 FOLDER = library("figures") / "gallery"
 

@@ -442,7 +442,7 @@ def test_what_is_wrong_is_said():
     said = Config(spectra=[{"height": 5.0, "period": 2.0}], current=(0.0, 1.0)).problems(flume)
     assert [key for key, _ in said] == [("spectra", 0, "height"), ("current",)]
     oblique = {"order": 3, "height": 0.2, "period": 4.0}
-    assert not Config(**oblique).problems(bay)
+    assert not [*Config(**oblique).problems(bay)]
     assert [key for key, _ in Config(**oblique, tile=70.0).problems(bay)] == [("tile",)]
     with pytest.raises(ValidationError, match="neither"):
         Config(height=0.2)

@@ -6,7 +6,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.reading import schema
+from ocean_sim.reading.keys import scene_schema
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.validation.shared.tables import table_path
 
@@ -88,7 +88,7 @@ ELSEWHERE = ("MeshFile", "MeshObstacle", "FromFile", "Track", "/File", "Recorded
 @cache
 def whole() -> dict[str, Any]:
     """The schema, made when a scene is drawn."""
-    return schema.scene_schema()
+    return scene_schema()
 
 
 def number(node: dict[str, Any], unit: str) -> st.SearchStrategy:

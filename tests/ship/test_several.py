@@ -12,7 +12,7 @@ from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid.patch.relaxation_zone import rim_depth
 from ocean_sim.observers import motion
 from ocean_sim.pictures.stage import opengl
-from ocean_sim.reading import schema
+from ocean_sim.reading.keys import scene_schema
 from ocean_sim.reading.scene import observer_names
 from ocean_sim.result import Result
 from ocean_sim.simulation import Simulation
@@ -244,7 +244,7 @@ def test_ships_are_set_one_by_one_and_dumped_as_they_were():
     assert rows["motion"] == "motion_a.csv, motion_c.csv"
     assert any(sentence.startswith("ships.c: the Otter's model") for sentence in config.warnings())
     assert load(scene, {"ships": None, "motion": None}).resolved()["ship"] is None
-    assert schema.scene_schema()["properties"]["ships"]["anyOf"][0]["type"] == "object"
+    assert scene_schema()["properties"]["ships"]["anyOf"][0]["type"] == "object"
 
 
 def test_the_longest_step_is_that_which_every_ship_bears():

@@ -250,7 +250,7 @@ def test_a_cluster_gets_the_orders_that_are_left(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace(Client=Client, LocalCluster=None))
     found = dict(study.run_answers(orders(2), Path("out"), 1, "tcp://there:8786"))
     assert asked_for == ["tcp://there:8786"] and [found[k]["number"] for k in (0, 1)] == [0, 1]
-    with pytest.raises(study.ClusterMissing, match="no Dask scheduler answers at tcp://nowhere:1"):
+    with pytest.raises(study.Lacking, match="no Dask scheduler answers at tcp://nowhere:1"):
         list(study.run_answers(orders(3), Path("out"), 1, "tcp://nowhere:1"))
     assert len(list(study.run_answers(orders(2), Path("out"), 1, "tcp://nowhere:1"))) == 2  # nothing is left to be run
 

@@ -124,9 +124,9 @@ def test_the_front_of_an_experiment_is_green_and_red_on_the_other_time_axis():
     """sqrt(g / a) in place of sqrt(2 g / a) must not pass."""
     data = table("dambreak_front_martin_moyce_n2_2_a225in")
     time = data["T"] / np.sqrt(2.0 * 9.81)
-    right = dam_break_front.compare_front(dam_break_front.scaled_time(time, 9.81, 1.0), data["Z"])
+    right = dam_break_front.compare_front(dam_break_front.TIME_SCALE * time, data["Z"])
     assert kept(dam_break_front.PROMISES, right)[:3] == [True] * 3
-    wrong = dam_break_front.compare_front(dam_break_front.scaled_time(time, 9.81, 1.0) / np.sqrt(2.0), data["Z"])
+    wrong = dam_break_front.compare_front(dam_break_front.TIME_SCALE * time / np.sqrt(2.0), data["Z"])
     verdicts = kept(dam_break_front.PROMISES, wrong)
     assert [*verdicts[:3], verdicts[-1]] == [False] * 4
 
@@ -207,9 +207,9 @@ def test_the_impact_is_red_on_the_time_axis_of_the_front():
         order = np.argsort(data["tstar"], kind="stable")
         series.append(np.interp(even, data["tstar"][order], data["pstar"][order], left=0.0))
     pressures, seconds = np.stack(series, axis=1), even / np.sqrt(9.81 / 0.6)
-    right = wall_impact.compare_pressures(wall_impact.scaled_time(seconds, 9.81, 0.6), pressures)
+    right = wall_impact.compare_pressures(wall_impact.TIME_SCALE * seconds, pressures)
     assert kept(wall_impact.PROMISES, right) == [True] * 4
-    wrong = wall_impact.compare_pressures(np.sqrt(2.0) * wall_impact.scaled_time(seconds, 9.81, 0.6), pressures)
+    wrong = wall_impact.compare_pressures(np.sqrt(2.0) * wall_impact.TIME_SCALE * seconds, pressures)
     assert not any(kept(wall_impact.PROMISES, wrong)[::2])
 
 

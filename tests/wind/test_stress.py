@@ -10,7 +10,6 @@ import ocean_sim
 from ocean_sim.conventions import AIR_DENSITY, Diverged
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid.bodies import exposure as exposure_module
-from ocean_sim.parts import config_of
 from ocean_sim.reading.scene import observer_names
 from ocean_sim.validation.shared.state import particle_state
 from ocean_sim.wind.shared.air_load import DRAG_LAWS, speed_under, stress
@@ -451,7 +450,7 @@ def test_fetch_and_growth_laws_as_published():
 
 
 def test_a_stress_is_no_force_field():
-    assert not config_of("wind", "stress")().stylised
+    assert "stylised" not in " ".join(scene(wind={"kind": "stress"}).warnings())
 
 
 AREAS = """

@@ -92,7 +92,6 @@ class OnWater(WindConfig):
 
     kind: str = "on_water"
     u10: float = 10.0
-    stylised: ClassVar[bool] = True
     acts_on: ClassVar[tuple[str, ...]] = ("fluid",)
 
     def ledger(self, preflight):

@@ -284,10 +284,8 @@ def faces_outwards(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray,
         skin = f"a closed skin around {point_text(0.5 * (own.min(axis=0) + own.max(axis=0)))}"
         if all(is_inside(others, point) for point in own[:: -(-len(own) // MAX_PROBES)]):
             share = abs(volumes[k]) / np.abs(volumes).max()
-            found.append(
-                f"{skin} inside another faces inwards: a void, {share:.2g} of the body, that stays dry and displaces "
-                "water as the body does"
-            )
+            void = f"{skin} inside another faces inwards: a void, {share:.2g} of the body"
+            found.append(f"{void}, that stays dry and displaces water as the body does")
         else:
             found.append(f"{skin} faces inwards beside others; it is turned and counts as body")
     return turned, found

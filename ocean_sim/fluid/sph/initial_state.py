@@ -12,7 +12,7 @@ from math import pi
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from ocean_sim import waves
 from ocean_sim.basin import Basin
@@ -57,12 +57,9 @@ class StandingWave(Start):
     phase: Literal["crest", "flat"] = "crest"
     """`crest`: highest and at rest, with a crest at x_min; `flat`: as flat as still water and in fastest motion."""
 
-    @model_validator(mode="after")
-    def _one_size(self) -> "StandingWave":
-        """Validate that exactly one of `height` and `amplitude` is given."""
+    def contradictions(self) -> Iterator[str]:
         if (self.height is None) == (self.amplitude is None):
-            raise ValueError("give either height [m] or amplitude [m], half of it")
-        return self
+            yield "give either height [m] or amplitude [m], half of it"
 
     def sea(self, basin: Basin) -> waves.Components:
         """Two equal waves in opposite directions: together A cos k(x - x_min) cos omega t, or sin omega t."""

@@ -24,8 +24,8 @@ from ocean_sim.fluid.sph.particle_water import ParticleWater
 from ocean_sim.fluid.sph.smoothing import NEUTRAL_KERNEL, NEUTRAL_RATIO, Kernel, Smoothing, rigidity_notes
 from ocean_sim.fluid.sph.water_keys import Lattice, WaterConfig, free_fall_speed
 from ocean_sim.kernel_library import ti, tm
-from ocean_sim.model import quantity
-from ocean_sim.parts import LedgerRow, Preflight, Problems, called, key_of
+from ocean_sim.model import Fault, quantity
+from ocean_sim.parts import LedgerRow, Preflight, called, key_of
 from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import Wind
 
@@ -101,7 +101,7 @@ class SphConfig(WaterConfig):
     def viscosity_asked(self) -> float:
         return self.kinematic_viscosity
 
-    def problems(self, preflight: Preflight) -> Problems:
+    def problems(self, preflight: Preflight) -> list[Fault]:
         found, basin = list(super().problems(preflight)), preflight.tank
         if self.sound_speed(basin) == 0.0:
             found.append((("reference_speed",), "is required without gravity: compression needs a speed to refer to"))
@@ -141,10 +141,8 @@ class SphConfig(WaterConfig):
                 f"neighbours of about {most} at most can be counted in 32 bits; {self.fitting_spacing(preflight)}"
             )
         if grid.count_numbers > MAX_COUNT:
-            yield (
-                f"makes a grid of {grid.cell_count} cells, too many to be counted in 32 bits with their parts: the "
-                "basin is too large for so small a spacing"
-            )
+            many = f"makes a grid of {grid.cell_count} cells, too many to be counted in 32 bits with their parts"
+            yield f"{many}: the basin is too large for so small a spacing"
 
     def warnings(self, preflight: Preflight) -> Iterator[str]:
         yield from super().warnings(preflight)
@@ -181,10 +179,8 @@ class SphConfig(WaterConfig):
             length, height = train.sea.wavelength, train.height
             waves_of = f"waves {length:.3g} m long and {height:.3g} m high"
             if length < MIN_WAVE_PARTICLES * spacing:
-                yield (
-                    f"{waves_of} have {length / spacing:.3g} particles to a wavelength: too few, by which period and "
-                    f"height are off; 20 need a spacing of {length / 20.0:.3g} m"
-                )
+                few = f"{waves_of} have {length / spacing:.3g} particles to a wavelength"
+                yield f"{few}: too few, by which period and height are off; 20 need a spacing of {length / 20.0:.3g} m"
             short = train.variance_below(MIN_WAVE_SPACINGS * spacing)
             if short > NOTABLE_LOST_VARIANCE:
                 yield (
@@ -193,10 +189,8 @@ class SphConfig(WaterConfig):
                 )
             steepness, most = pi * height / length, MAX_SEA_STEEPNESS if train.sea.random else MAX_STEEPNESS
             if steepness > most:
-                yield (
-                    f"{waves_of} are steep (k a = {steepness:.2g}): beyond {most:g} they break on particles and lose "
-                    "height"
-                )
+                steep = f"{waves_of} are steep (k a = {steepness:.2g})"
+                yield f"{steep}: beyond {most:g} they break on particles and lose height"
 
     def stiffness_warnings(self, basin: Basin) -> list[str]:
         """Warnings if the sound speed is far above or below the one that keeps compression near 1 %."""
@@ -272,10 +266,8 @@ class SphConfig(WaterConfig):
     def statements(self, preflight: Preflight) -> Iterator[str]:
         basin = preflight.tank
         c, speed = self.sound_speed(basin), self.speed(basin)
-        yield (
-            f"sound speed {c:.4g} m/s, stiffness {c * c:.4g} m2/s2: compression (reference speed {speed:.4g} m/s / "
-            f"sound speed)^2 = {(speed / c) ** 2:.2%}"
-        )
+        stiff = f"sound speed {c:.4g} m/s, stiffness {c * c:.4g} m2/s2"
+        yield f"{stiff}: compression (reference speed {speed:.4g} m/s / sound speed)^2 = {(speed / c) ** 2:.2%}"
         if self.minimum_pressure is not None:
             least = f"{self.minimum_pressure:g}"
             yield f"pressures below {least} Pa are set to {least} (minimum_pressure)"

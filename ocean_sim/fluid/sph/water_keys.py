@@ -6,7 +6,7 @@ from math import sqrt
 from typing import Annotated, Any, ClassVar, cast
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
 from ocean_sim import machine
 from ocean_sim.basin import BOX_ROUNDING, Basin, Box, box_faults, odd_gravity
@@ -17,8 +17,8 @@ from ocean_sim.fluid.sph import initial_state as initial_module
 from ocean_sim.fluid.sph.initial_state import Initial
 from ocean_sim.fluid.sph.lattice import Lattice, in_obstacles
 from ocean_sim.fluid.sph.smoothing import WENDLAND, Kernel
-from ocean_sim.model import Faults, Vector3, below, quantity
-from ocean_sim.parts import FluidConfig, Preflight, Problems, forces_in_waves
+from ocean_sim.model import Fault, Faults, Vector3, below, quantity
+from ocean_sim.parts import FluidConfig, Preflight, forces_in_waves
 from ocean_sim.runtime import BASE_MEMORY, COPY_BYTES_PER_PARTICLE
 from ocean_sim.waves import Components
 
@@ -70,12 +70,9 @@ class WaterConfig(FluidConfig):
             )
         return value
 
-    @model_validator(mode="after")
-    def _one_resolution(self) -> "WaterConfig":
-        """Validate that exactly one of `spacing` and `particles` is given."""
+    def contradictions(self) -> Iterator[str]:
         if (self.spacing is None) == (self.particles is None):
-            raise ValueError("give either spacing [m] or particles, a budget")
-        return self
+            yield "give either spacing [m] or particles, a budget"
 
     def sums_impulses(self, read: bool) -> bool:
         """True if the key `impulses` asks to sum impulse and work of forces; `read`, an observer's need, is ignored."""
@@ -119,10 +116,8 @@ class WaterConfig(FluidConfig):
         for k, box in enumerate(tank.config.obstacles):
             thin = min(up - low for low, up in zip(box.min, box.max))
             if spacing is not None and thin < MIN_GATE_SPACINGS * spacing - BOX_ROUNDING:
-                yield (
-                    f"obstacles.{k} is {thin / spacing:.2g} spacings thin: water on either side feels the other; "
-                    f"take {MIN_GATE_SPACINGS:g} spacings, or a smaller fluid.spacing"
-                )
+                sheet = f"obstacles.{k} is {thin / spacing:.2g} spacings thin: water on either side feels the other"
+                yield f"{sheet}; take {MIN_GATE_SPACINGS:g} spacings, or a smaller fluid.spacing"
         yield from (f"obstacles.{k}: {skin}" for k, mesh in tank.meshes.items() for skin in mesh.mesh.skins)
         for k, gate in tank.gates:
             yield from gate.warnings(preflight.duration)
@@ -174,7 +169,7 @@ class WaterConfig(FluidConfig):
 
     def problems(self, preflight: Preflight) -> Faults:
         basin = preflight.tank
-        found: Problems = []
+        found: list[Fault] = []
         if basin.dimension == 2 and self.body_force[2] != 0.0:
             found.append((("body_force",), "a 2-D basin, in x-y, has no force along z"))
         fill = self.fill or ()

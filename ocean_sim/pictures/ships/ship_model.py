@@ -12,16 +12,8 @@ import numpy as np
 from ocean_sim.files.yaml_file import read_mapping
 from ocean_sim.parts import SEVERAL, library
 from ocean_sim.pictures.frame_files import ship_keys
-from ocean_sim.pictures.ships.ship_parts import (
-    Block,
-    Hull,
-    Mesh,
-    Sheer,
-    level_outline,
-    merge_meshes,
-    mirrored_pair,
-    tube_mesh,
-)
+from ocean_sim.pictures.ships import ship_parts
+from ocean_sim.pictures.ships.ship_parts import Hull
 from ocean_sim.pictures.stage.render_order import RenderFailed
 from ocean_sim.pictures.stage.sky import painted_light
 from ocean_sim.pictures.water import water_shading
@@ -34,7 +26,7 @@ BODY_PAINTS = 4 * ("yellow",)  # of a body without a style, a box or a cylinder:
 class ShipModel(NamedTuple):
     """Drawn model of a ship in body axes from her centre of mass: painted mesh, helmsman's eye and physical hull."""
 
-    mesh: Mesh
+    mesh: ship_parts.Mesh
     helm: np.ndarray  # (3,) eye of a helmsman [m]
     hull: Hull
 
@@ -94,7 +86,7 @@ def styled_model(hull: Hull, style: dict[str, Any], helm: np.ndarray | None) -> 
     """Drawn model of a hull with the bulwark, cabins and poles of a style; `helm`: eye of the helmsman [m], or None."""
     unit = hull.length / style["units"]
     amidships, bow, rake = (unit * length for length in style["bulwark"])
-    sheer = Sheer(hull, (amidships, bow), rake)
+    sheer = ship_parts.Sheer(hull, (amidships, bow), rake)
     middle = 0.5 * (sheer.stern + sheer.bow)
     deck, half = float(sheer.deck_height(middle)), style["house"] * float(sheer.half_breadth(middle))
     over_deck, ahead = style["eye"]
@@ -112,14 +104,15 @@ def styled_model(hull: Hull, style: dict[str, Any], helm: np.ndarray | None) -> 
         parts.append(sheer.strake(bar["share"], bar["out"] * unit, bar["radius"] * unit, PAINTS[bar["paint"]]))
     for cabin in style["cabins"]:
         aside = cabin.get("aside", 0.0)  # distance of its middle to port; there is one to starboard, too
-        outlines = level_outline(cabin["bottom"], cabin["low"]), level_outline(cabin["top"], cabin["high"])
-        block = Block(*(origin + scale * (outline + [aside, 0.0, 0.0]) for outline in outlines))
+        ends = ("bottom", "low"), ("top", "high")
+        outlines = (ship_parts.level_outline(cabin[outline], cabin[height]) for outline, height in ends)
+        block = ship_parts.Block(*(origin + scale * (outline + [aside, 0.0, 0.0]) for outline in outlines))
         mesh = block.mesh(PAINTS[cabin["walls"]], PAINTS[cabin["lid"]])
-        parts.append(mirrored_pair(mesh) if aside else mesh)
+        parts.append(ship_parts.mirrored_pair(mesh) if aside else mesh)
         for wall, count, low, high, post in cabin.get("windows", []):
             parts.append(block.panes(wall, count, low, high, post, PAINTS["glass"]))
     for pole in style["poles"]:
         start, end = (origin + scale * np.array(pole[name]) for name in ("start", "end"))
         thick, thin = (unit * radius for radius in pole["radii"])
-        parts.append(tube_mesh(start, end, (thick, thin), PAINTS[pole["paint"]], 12))
-    return ShipModel(merge_meshes(parts), eye, hull)
+        parts.append(ship_parts.tube_mesh(start, end, (thick, thin), PAINTS[pole["paint"]], 12))
+    return ShipModel(ship_parts.merge_meshes(parts), eye, hull)

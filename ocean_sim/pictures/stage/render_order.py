@@ -1,8 +1,9 @@
 """Options of the pictures of a run, and the exception for a failed one."""
 
-from typing import Annotated, Literal, Self
+from collections.abc import Iterator
+from typing import Annotated, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
 from ocean_sim.conventions import Failed
 from ocean_sim.model import Model, Vector3, quantity
@@ -70,15 +71,13 @@ class Drawing(Model):
             raise ValueError(f"a film needs an even width and height between 64 and 7680 pixels, not {list(size)}")
         return size
 
-    @model_validator(mode="after")
-    def aimed(self) -> Self:
+    def contradictions(self) -> Iterator[str]:
         if self.camera == "fixed" and (self.eye is None or self.target is None):
-            raise ValueError("a fixed camera needs an eye and a target, [x, y, z] in metres each")
+            yield "a fixed camera needs an eye and a target, [x, y, z] in metres each"
         if self.camera != "fixed" and not (self.eye is None and self.target is None):
-            raise ValueError(f"eye and target belong to the camera fixed, not to {self.camera}")
+            yield f"eye and target belong to the camera fixed, not to {self.camera}"
         if self.camera == "fixed" and self.eye == self.target:
-            raise ValueError("a fixed camera cannot look at its own position; let eye and target differ")
-        return self
+            yield "a fixed camera cannot look at its own position; let eye and target differ"
 
 
 class Order(Drawing):

@@ -35,10 +35,6 @@ REST_POINTS = 3  # control points that fix value, slope and second derivative at
 SOLVED_STATES = ("Solved", "AlmostSolved", "NumericalError", "InsufficientProgress")  # NumericalError: no nearer
 
 
-class SolverMissing(Lacking):
-    """Raised if the solver of quadratic programmes is not installed."""
-
-
 class LegTrack(NamedTuple):
     """Motion of a platform at the knots of splines that its leg lengths follow."""
 
@@ -136,11 +132,11 @@ def felt_by_points(track: LegTrack) -> list[Any]:
 
 
 def load_solver() -> Any:
-    """Module of Clarabel, the solver of quadratic programmes; raises SolverMissing where it is not installed."""
+    """Module of Clarabel, the solver of quadratic programmes; raises Lacking where it is not installed."""
     try:
         import clarabel
     except ImportError:
-        raise SolverMissing("planned rides need Clarabel: pip install 'ocean-sim[ride]'") from None
+        raise Lacking("planned rides need Clarabel: pip install 'ocean-sim[ride]'") from None
     return clarabel
 
 
@@ -159,7 +155,7 @@ def solve_programme(
     Motion (specific force [m/s2] and rate [rad/s]) is linearised about an earlier solution `past` (n + 2, 6), whose
     first REST_POINTS are kept. `guess` (n, 6): poses near it; `state` (6, 2): of the filters `sensed_modes` before the
     first knot; `tolerance`: of the solver; `still_points`: the last so many are equal (REST_POINTS: rest). Raises
-    SolverMissing, and Failed without a solution."""
+    Lacking, and Failed without a solution."""
     clarabel = load_solver()
     from scipy.sparse import block_array, block_diag, csr_array, diags_array, eye_array, kron
 
@@ -221,7 +217,7 @@ class LegPlan:
 
     def improve(self, asked: np.ndarray, tolerances: Sequence[float]) -> None:
         """Plan `points` for the specific force and rate `asked` for at knots (n, 6): `solve_programme` with each of the
-        `tolerances`, about the solution before. Raises SolverMissing, and Failed where there is no plan."""
+        `tolerances`, about the solution before. Raises Lacking, and Failed where there is no plan."""
         self.points, self.motion = extended(self.points, len(asked) + 2), extended(self.motion, len(asked))
         for tolerance in tolerances:
             guess = self.motion[:, :6]
@@ -250,7 +246,7 @@ def extended(rows: np.ndarray, count: int) -> np.ndarray:
 
 def best_poses(geometry: Geometry, hexapod: Hexapod, rows: np.ndarray) -> np.ndarray:
     """Poses (n, 6) of the ride from neutral whose error is sensed least, for `rows` (n, 7): time [s], specific force
-    [m/s2] and rate [rad/s] asked for, platform axes. Raises SolverMissing, and Failed where there is none."""
+    [m/s2] and rate [rad/s] asked for, platform axes. Raises Lacking, and Failed where there is none."""
     window, kept = round(WINDOW_TIME / KNOT_INTERVAL), round(KEPT_TIME / KNOT_INTERVAL)
     at = (rows[:, 0] - rows[0, 0]) / KNOT_INTERVAL
     asked = motion_at(rows, rows[0, 0] + KNOT_INTERVAL * np.arange(int(at[-1]) + 2))

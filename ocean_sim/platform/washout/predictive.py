@@ -4,10 +4,10 @@ Model predictive cueing (Khusro et al. 2020, Vehicles 2, 625) by the programme o
 finished log. A plan ends at rest, so the next one can always carry it on.
 """
 
+from collections.abc import Iterator
 from typing import Literal
 
 import numpy as np
-from pydantic import model_validator
 
 from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.platform import Cue
@@ -33,17 +33,12 @@ class Config(Model):
     period: float = quantity("s", 5.0, ge=KNOT_INTERVAL)
     """Time between plans."""
 
-    @model_validator(mode="after")
-    def _check_period(self) -> "Config":
-        """Raise ValueError unless the period is a whole number of knot intervals and leaves room in the horizon."""
+    def contradictions(self) -> Iterator[str]:
         knots = self.period / KNOT_INTERVAL
         if abs(knots - round(knots)) > TIME_ROUNDING:
-            raise ValueError(
-                f"period: {self.period:g} s is not a multiple of {KNOT_INTERVAL:g} s, the time between knots"
-            )
+            yield f"period: {self.period:g} s is not a multiple of {KNOT_INTERVAL:g} s, the time between knots"
         if self.period > self.horizon - 2 * REST_POINTS * KNOT_INTERVAL:
-            raise ValueError(f"period: {self.period:g} s leaves no room to stop within a horizon of {self.horizon:g} s")
-        return self
+            yield f"period: {self.period:g} s leaves no room to stop within a horizon of {self.horizon:g} s"
 
     @property
     def look_ahead(self) -> float:
@@ -65,7 +60,7 @@ class Predictive:
 
     def follow(self, ride: Ride, ahead: Ride | None = None) -> Cue:
         """Requested poses for the next rows of ship motion. `ahead`: rows that follow them, over the whole horizon.
-        Raises SolverMissing, and Failed where there is no plan."""
+        Raises Lacking, and Failed where there is no plan."""
         self.start = float(ride.time[0]) if np.isnan(self.start) else self.start
         config, scaled = self.config, [self.known]
         for part in (ride, ahead):

@@ -19,7 +19,7 @@ from ocean_sim.conventions import WATER_DENSITY, Diverged
 from ocean_sim.files.input_file import FileName, relative_to_scene
 from ocean_sim.fluid import ClosedForm, Contact, Fluid, Limits
 from ocean_sim.model import Faults, Model, Vector3, quantity
-from ocean_sim.parts import LedgerRow, Preflight, Problems, called, named
+from ocean_sim.parts import LedgerRow, Preflight, called, named
 from ocean_sim.ship import Afloat, Load, Look, Outline
 from ocean_sim.ship.body import small_linalg
 from ocean_sim.ship.body.rigid_body import RigidBody, euler_quaternion, quaternion_product, rotation_matrix, to_world
@@ -200,32 +200,32 @@ class FloatingConfig(VesselConfig):
         return f"the hull takes {' and '.join(sides)}" if sides else ""
 
     def mismatches(self, preflight: Preflight) -> Faults:
-        found, basin, spacing = Problems(), preflight.tank, preflight.spacing or 0.0
+        basin, spacing = preflight.tank, preflight.spacing or 0.0
         if self.drift is not None and preflight.fluid.made_of_particles:
             twice = "particles carry the waves that drift her, and would count them twice; leave it out"
-            found.append((("drift",), f"{twice}, or take water in closed form"))
+            yield ("drift",), f"{twice}, or take water in closed form"
         solid = self.solid(preflight)
-        large = self.oversize(basin) if preflight.fluid.made_of_particles else ""
-        if large:
-            return [*found, (("hull",), large)]
+        if preflight.fluid.made_of_particles and (large := self.oversize(basin)):
+            yield ("hull",), large
+            return
         still = self.hydrostatics_of(preflight)
         if solid is not None:
             reach = max(solid.reach, SAG_RIM * spacing)
             if lattice_memory(solid.shape, spacing / CUBES_A_SPACING, reach, 8)[0] > MAX_LATTICE_NODES:
                 size = " x ".join(f"{x:.3g}" for x in np.ptp(solid.shape.bounds(), axis=0))
                 message = f"a hull of {size} m is too small for particles {spacing:g} m apart"
-                return [(("hull",), f"{message}; take a smaller fluid.spacing")]
+                yield ("hull",), f"{message}; take a smaller fluid.spacing"
+                return
             sides, body = Sides(solid.shape, solid.centre, basin), solid.body
         elif not preflight.fluid.made_of_particles and not isinf(still.draught):
             sides = Sides(self.whole_hull.shape, still.matter.centre, basin, axes=(1,))
             body = self.resting_body(still)
         else:
-            return found
+            return
         for axis, _, depth in sides.penetrations(body):
             if depth.max() > 1e-6:
                 side = "the bed" if axis == 1 else f"a wall across {'xyz'[axis]}"
-                found.append((("position",), f"the hull reaches {depth.max():.3g} m through {side}"))
-        return found
+                yield ("position",), f"the hull reaches {depth.max():.3g} m through {side}"
 
     def unfollowable_orders(self) -> Faults:
         """Yield faults (key, sentence) of orders to a propeller or a rudder that the ship does not have."""
@@ -239,7 +239,7 @@ class FloatingConfig(VesselConfig):
             cure = f"give her one (area, position), or leave {key} out"
             yield (key,), f"asks for {order}, but she has no rudder; {cure}"
 
-    def problems(self, preflight: Preflight) -> Problems:
+    def problems(self, preflight: Preflight) -> Faults:
         basin = preflight.tank
         found = [*self.basin_problems(basin), *self.unfollowable_orders()]
         for k, mooring in enumerate(self.moorings):
@@ -247,15 +247,15 @@ class FloatingConfig(VesselConfig):
                 there = f"there are {', '.join(self.points)}" if self.points else "it names none"
                 found.append((("moorings", k, "from"), f"the ship has no point {mooring.fairlead!r}; {there}"))
         if found:
-            return found
+            yield from found
+            return
         try:
             hull = self.in_still_water(-basin.gravity[1], WATER_DENSITY)
         except ValueError as error:
-            return [*found, (("hull",), error_sentence(error))]
+            yield ("hull",), error_sentence(error)
+            return
         if not isinf(hull.draught) and hull.draught > basin.depth:
-            message = f"the ship draws {hull.draught:.3g} m, the water is {basin.depth:g} m deep"
-            found.append((("hull",), message))
-        return found
+            yield ("hull",), f"the ship draws {hull.draught:.3g} m, the water is {basin.depth:g} m deep"
 
     def missing_water(self, preflight: Preflight) -> Iterator[str]:
         """Warn if there is no water under the ship, or none that bears her."""

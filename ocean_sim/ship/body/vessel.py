@@ -16,17 +16,8 @@ from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.model import Faults, Name, Point, Vector2, Vector3, quantity
 from ocean_sim.parts import Preflight, ShipConfig, called
 from ocean_sim.ship import Load, Outline, Ship
-from ocean_sim.ship.body import small_linalg
-from ocean_sim.ship.body.rigid_body import (
-    RigidBody,
-    advance_body,
-    axis_rotation,
-    euler_quaternion,
-    guide_step,
-    quaternion_product,
-    rotate_vector,
-    with_spin,
-)
+from ocean_sim.ship.body import rigid_body, small_linalg
+from ocean_sim.ship.body.rigid_body import RigidBody
 from ocean_sim.ship.forces.moorings import Mooring, Moorings
 from ocean_sim.ship.forces.propulsion import Crew, Helm, Helmsman, Person, Pilot, Propeller, Rudder, rate_limited
 from ocean_sim.ship.hull.shapes import convex_corners, drawn_mesh
@@ -81,7 +72,7 @@ class VesselConfig(Helm, ShipConfig):
 
     def ignored_velocity_warnings(self) -> Iterator[str]:
         """Warn of initial velocities and rates in motions that are not free, which are ignored."""
-        heading = axis_rotation(1, radians(self.heading_deg + self.attitude_deg[1]))
+        heading = rigid_body.axis_rotation(1, radians(self.heading_deg + self.attitude_deg[1]))
         motion = dict(zip(Motions._fields, [*(heading.T @ np.array(self.velocity)), *self.rates], strict=True))
         for key, names in (("velocity", Motions._fields[:3]), ("rates", Motions._fields[3:])):
             lost = [name for name in names if name not in self.free and abs(motion[name]) > SPEED_ROUNDING]
@@ -99,13 +90,13 @@ class VesselConfig(Helm, ShipConfig):
         """Rigid body at the start. `height` of the centre of mass [m] and `trim`, a quaternion, both of the ship
         afloat, are used where the config gives no height or attitude."""
         pitch, yaw, roll = (radians(angle) for angle in self.attitude_deg)
-        turn = euler_quaternion(pitch, yaw + radians(self.heading_deg), roll)
+        turn = rigid_body.euler_quaternion(pitch, yaw + radians(self.heading_deg), roll)
         if not (pitch or roll):
-            turn = quaternion_product(turn, trim)
+            turn = rigid_body.quaternion_product(turn, trim)
         x, z = self.position[0], self.position[-1]
         y = height if self.afloat_at_first else self.position[1]
         body = RigidBody(matter.mass, matter.inertia, np.array([x, y, z]), turn, np.array(self.velocity), np.zeros(3))
-        return with_spin(body, rotate_vector(turn, np.array(self.rates)))
+        return rigid_body.with_spin(body, rigid_body.rotate_vector(turn, np.array(self.rates)))
 
     def settled_body(self, body: RigidBody, fluid: Fluid) -> RigidBody:
         """Copy of the initial body in settled water: if afloat, lowered with the surface, else at its given height."""
@@ -251,7 +242,7 @@ class Vessel(Ship):
     def free_step(self, body: RigidBody, load: Load, dt: float) -> RigidBody:
         """The body a step dt [s] later by the equation of motion of this kind of ship, with no held motion or wall."""
         force, torque = load.total
-        return advance_body(body, force, torque, dt)
+        return rigid_body.advance_body(body, force, torque, dt)
 
     def advance(self, load: Load, dt: float) -> None:
         """Take a step of dt [s]; raises Diverged if the ship exceeds MAX_SPEED or sinks below the bed."""
@@ -261,7 +252,7 @@ class Vessel(Ship):
 
         def guided_step(load: Load) -> RigidBody:
             """The body at the end of the step under `load`, moved only in motions that the config calls `free`."""
-            return guide_step(before, self.free_step(before, load, dt), self.free, dt)
+            return rigid_body.guide_step(before, self.free_step(before, load, dt), self.free, dt)
 
         def walled_step(load: Load) -> RigidBody:
             """The body at the end of the step under `load`, as by `guided_step`, put back from walls and bed."""
@@ -281,10 +272,8 @@ class Vessel(Ship):
         speed = sqrt(small_linalg.dot(velocity, velocity))
         if not speed <= MAX_SPEED:
             x, y, z = before.position
-            raise Diverged(
-                f"{called(self.name)} at ({x:.4g}, {y:.4g}, {z:.4g}) m reached {speed:.4g} m/s (bound {MAX_SPEED:g} "
-                "m/s); try a smaller time step"
-            )
+            fast = f"{called(self.name)} at ({x:.4g}, {y:.4g}, {z:.4g}) m reached {speed:.4g} m/s"
+            raise Diverged(f"{fast} (bound {MAX_SPEED:g} m/s); try a smaller time step")
         if after.position[1] < self.bed:
             x, _, z = after.position
             raise Diverged(f"{called(self.name)} has sunk to the bed, {-self.bed:g} m down, at ({x:.4g}, {z:.4g}) m")

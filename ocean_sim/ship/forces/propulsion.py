@@ -7,12 +7,13 @@ of the leg less atan((e + s) / D), with e the distance from the leg and s the in
 rudder is K (error + integral of it / T_i - T_d times the yaw rate), the throttle a PI of the speed ahead.
 """
 
+from collections.abc import Iterator
 from itertools import groupby, pairwise
 from math import atan, atan2, cos, hypot, pi, radians, remainder, sin, sqrt
-from typing import Annotated, Self
+from typing import Annotated
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
 from ocean_sim.files import csv_file
 from ocean_sim.files.input_file import Checked, FileName, Rule
@@ -168,12 +169,9 @@ class Pilot(Model):
     rate_time: float = quantity("s", 2.0, ge=0.0)
     """Rudder angle over gain and the yaw rate."""
 
-    @model_validator(mode="after")
-    def _one_goal(self) -> Self:
-        """Check that there is either a route or a heading; raises ValueError."""
+    def contradictions(self) -> Iterator[str]:
         if (self.route is None) == (self.heading_deg is None):
-            raise ValueError("helm: give either a route or a heading_deg to hold")
-        return self
+            yield "helm: give either a route or a heading_deg to hold"
 
     def crew(self) -> "Helmsman":
         """Helmsman that steers by these keys."""
@@ -191,16 +189,13 @@ class Helm(Model):
     helm: Pilot | None = None
     """A pilot, in place of `controls`: `{route: [[x, z], ...], speed: ...}`."""
 
-    @model_validator(mode="after")
-    def _in_order(self) -> Self:
-        """Check that orders come from one source, in rows of rising times; raises ValueError."""
+    def contradictions(self) -> Iterator[str]:
         if self.helm is not None and self.controls != []:
-            raise ValueError("helm: the ship has controls, too; leave one of them out")
+            yield "helm: the ship has controls, too; leave one of them out"
         if isinstance(self.controls, list):
             times = [row.time for row in self.controls]
             if any(later <= earlier for earlier, later in pairwise(times)):
-                raise ValueError("controls: the times of the rows must increase")
-        return self
+                yield "controls: the times of the rows must increase"
 
     def late_orders(self, duration: float) -> list[str]:
         """Warnings of orders that come after the end of a run of this duration [s]."""

@@ -13,7 +13,6 @@ from math import inf, isinf, radians
 from typing import NamedTuple
 
 import numpy as np
-from pydantic import model_validator
 
 from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.ship.body.rigid_body import axis_rotation
@@ -47,12 +46,9 @@ class Liquid(Weight):
     density: float = quantity("kg/m3", 1000.0, gt=0.0)
     """Density of the liquid."""
 
-    @model_validator(mode="after")
-    def _both_or_neither(self) -> "Liquid":
-        """Check that a free surface has both length and breadth; raises ValueError."""
+    def contradictions(self) -> Iterator[str]:
         if (self.length is None) != (self.breadth is None):
-            raise ValueError("a free surface has a length and a breadth; a tank that is full or empty has neither")
-        return self
+            yield "a free surface has a length and a breadth; a tank that is full or empty has neither"
 
     @property
     def free_surface_moments(self) -> np.ndarray:

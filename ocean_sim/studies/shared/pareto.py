@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ocean_sim.files.atomic_file import save_figure
+from ocean_sim.files.atomic_file import new_figure, save_figure
 from ocean_sim.palette import SERIES
 from ocean_sim.studies.scene_tradeoff import Budget, measure_label
 from ocean_sim.studies.tradeoff import Trial, pareto_front
@@ -21,13 +21,11 @@ MIN_DRAWN_ERROR = 1e-6  # an error of nothing still has a position on a logarith
 
 def draw_pareto(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> None:
     """Draw errors of a case (`trial`) into a picture file: over time (column `speed`), and over particles if any."""
-    from matplotlib.figure import Figure
-
     of = f" of {trial.work}" if trial.work else ""
     axes_of = {speed: f"{COST_LABELS[speed]}{of} per simulated second, one thread", "particles": "particles"}
     if not any(row.get("particles") for row in rows):
         del axes_of["particles"]
-    figure = Figure(figsize=(7.2 * len(axes_of), 5.4), layout="constrained")
+    figure = new_figure(7.2 * len(axes_of), 5.4)
     for k, (key, label) in enumerate(axes_of.items()):
         axes = figure.add_subplot(1, len(axes_of), k + 1)
         draw_panel(axes, key, trial, rows)
@@ -139,12 +137,10 @@ def list_failures(axes: Any, key: str, schemes: Sequence[str], rows: list[dict[s
 
 def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget: Budget | None) -> None:
     """Draw a scene's settings into a file: a panel of time against each error of `names`, seed spread and budget."""
-    from matplotlib.figure import Figure
-
     names = [name for name in names if any(row.get(name) is not None for row in rows)]
     wide = min(3, len(names))
     high = -(-len(names) // wide)
-    figure = Figure(figsize=(5.4 * wide, 4.4 * high), layout="constrained")
+    figure = new_figure(5.4 * wide, 4.4 * high)
     key = "wall_per_s"
     if budget is not None:
         key, rows = "time", [row | {"time": budget.seconds(row)} for row in rows]

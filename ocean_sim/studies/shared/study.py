@@ -41,10 +41,6 @@ _running: set[subprocess.Popen] = set()
 _over = Event()  # the caller has stopped: start nothing
 
 
-class ClusterMissing(Lacking):
-    """Raised if the Dask cluster of a study cannot be reached, or its package is not installed."""
-
-
 def run_address(order: dict[str, Any]) -> str:
     """Folder name of an order (job description): hash of its content, except MACHINE_KEY, and of the package."""
     content = {key: value for key, value in order.items() if key != MACHINE_KEY}
@@ -60,7 +56,7 @@ def run_answers(
     of results). Answers from earlier calls come first.
 
     `scheduler`: address of a Dask cluster; without one, `workers` processes of this machine. `limit`: wall time [s]
-    after which a run is ended and fails. Equal orders are run once. Raises ClusterMissing."""
+    after which a run is ended and fails. Equal orders are run once. Raises Lacking."""
     indices: dict[str, list[int]] = {}
     for k, order in enumerate(orders):
         indices.setdefault(run_address(order), []).append(k)
@@ -140,11 +136,11 @@ def _make_executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
     try:
         from distributed import Client
     except ImportError:
-        raise ClusterMissing("--scheduler needs the package `distributed`: pip install distributed") from None
+        raise Lacking("--scheduler needs the package `distributed`: pip install distributed") from None
     try:
         client = Client(scheduler, timeout=MAX_CONNECT_SECONDS)
     except (OSError, ValueError) as error:
-        raise ClusterMissing(f"no Dask scheduler answers at {scheduler}: {error}") from None
+        raise Lacking(f"no Dask scheduler answers at {scheduler}: {error}") from None
     with client:
         yield client.get_executor(pure=False)
 

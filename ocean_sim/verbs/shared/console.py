@@ -1,7 +1,6 @@
 """Output of the command line: sentences, tables, JSON."""
 
 import json
-import math
 import os
 import sys
 from collections.abc import Callable
@@ -12,7 +11,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, ClassVar
 
-import numpy as np
+from pydantic_core import to_jsonable_python
 
 from ocean_sim.conventions import Failed, Lacking, Refused
 from ocean_sim.files.atomic_file import file_named_in_errors
@@ -104,26 +103,14 @@ def answer(data: Any) -> None:
     """Print `data` as JSON, NaN and infinity as null, to standard output, if the user asked for JSON; else nothing."""
     if json_asked:
         with NAMED_OUTPUT:
-            print(json.dumps(_plain(data), indent=2, ensure_ascii=False, allow_nan=False), flush=True)
+            plain = to_jsonable_python(data, inf_nan_mode="null", fallback=lambda number: number.item())  # of NumPy
+            print(json.dumps(plain, indent=2, ensure_ascii=False, allow_nan=False), flush=True)
 
 
 def reply(data: Any, text: str) -> None:
     """Print the result of a command: `data` as JSON if the user asked for JSON, else `text`."""
     answer(data)
     say(text)
-
-
-def _plain(value: Any) -> Any:
-    """Copy of a value that JSON can express: paths become text, NumPy values numbers, NaN and infinity null."""
-    if isinstance(value, dict):
-        return {str(key): _plain(inner) for key, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(inner) for inner in value]
-    if isinstance(value, Path):
-        return str(value)
-    if isinstance(value, np.generic | np.ndarray):
-        value = value.item()
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def table(title: str, columns: list[str], rows: list[list[str]]) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.files.atomic_file import atomic_write, save_figure
+from ocean_sim.files.atomic_file import atomic_write, new_figure, save_figure
 from ocean_sim.platform import Commands
 from ocean_sim.platform.hexapod import Config, HexapodPlatform
 from ocean_sim.platform.shared.kinematics import Hexapod
@@ -57,11 +57,9 @@ def liveliest_span(done: Commands, machine: HexapodPlatform, seconds: float) -> 
     return slice(first, first + rows)
 
 
-def new_figure(rows: int, columns: int, size: tuple[float, float], **more: Any) -> tuple[Any, np.ndarray]:
+def panel_grid(rows: int, columns: int, size: tuple[float, float], **more: Any) -> tuple[Any, np.ndarray]:
     """Matplotlib figure of `size` [inch], and its axes as an array (rows, columns); `more`: for `plt.subplots`."""
-    from matplotlib.figure import Figure
-
-    picture = Figure(figsize=size, layout="tight")
+    picture = new_figure(*size, layout="tight")
     return picture, picture.subplots(rows, columns, squeeze=False, **more)
 
 
@@ -72,7 +70,7 @@ def in_degrees(pose: np.ndarray) -> np.ndarray:
 
 def draw_motion(done: Commands) -> Any:
     """Figure of pose, specific force and rates over time; dashed: the scaled motion of the ship; shaded: at a limit."""
-    picture, axes = new_figure(4, 1, (10, 11.5), sharex=True)
+    picture, axes = panel_grid(4, 1, (10, 11.5), sharex=True)
     pose, resting = in_degrees(done.pose), [0.0, 0.0, GRAVITY]
     for axis, columns in ((axes[0, 0], range(3)), (axes[1, 0], range(3, 6))):
         for k in columns:
@@ -95,7 +93,7 @@ def draw_motion(done: Commands) -> Any:
 
 def draw_best(done: Commands, best: Commands, hexapod: Hexapod) -> Any:
     """Figure comparing two rides: specific force and rates that the rider feels and should feel, and stroke used."""
-    picture, axes = new_figure(4, 2, (13, 11), sharex=True)
+    picture, axes = panel_grid(4, 2, (13, 11), sharex=True)
     shown = (("with the washout", done, "#d1601f"), ("best ride", best, "#0b6e8a"))
     for k in range(6):
         axis, of_turn = axes[k % 3, k // 3], k >= 3
@@ -128,7 +126,7 @@ def label_axes(axis: Any, title: str, columns: int) -> None:
 
 def draw_legs(done: Commands, geometry: Any) -> Any:
     """Figure of leg lengths [m] and speeds [m/s] in commands `done` over time, with limits from the `geometry`."""
-    picture, axes = new_figure(2, 1, (10, 6.5), sharex=True)
+    picture, axes = panel_grid(2, 1, (10, 6.5), sharex=True)
     ends = (geometry.shortest + geometry.buffer, geometry.longest - geometry.buffer)
     speeds = (-geometry.leg_speed, geometry.leg_speed)
     for axis, values, limits, label, title in (
@@ -147,7 +145,7 @@ def draw_legs(done: Commands, geometry: Any) -> Any:
 
 def draw_workspace(done: Commands, machine: HexapodPlatform) -> Any:
     """Figure of the poses within reach, for pairs of motions with the other four neutral, and the path of the ride."""
-    picture, axes = new_figure(2, 3, (14, 8.5))
+    picture, axes = panel_grid(2, 3, (14, 8.5))
     pose = in_degrees(done.pose)
     for axis, (one, other) in zip(axes.flat, WORKSPACE_PAIRS):
         across, up, usage = stroke_usage_grid(machine, one, other)
@@ -188,7 +186,7 @@ def stroke_usage_grid(machine: HexapodPlatform, one: int, other: int) -> tuple[n
 
 def draw_strips(hexapod: Hexapod) -> Any:
     """Figure 6-10 of the thesis: the hexapod in one swing each of pitch, roll and yaw."""
-    picture, axes = new_figure(3, 1, (12, 9))
+    picture, axes = panel_grid(3, 1, (12, 9))
     apart, height = 2.6 * float(np.abs(hexapod.base).max()), hexapod.neutral_height
     for axis, (name, motion) in zip(axes[:, 0], STRIP_ROWS):
         for k, phase in enumerate(np.cos(np.linspace(0.0, 2.0 * np.pi, 5))):
@@ -233,7 +231,7 @@ def write_film(path: Path, done: Commands, machine: HexapodPlatform) -> None:
     """Write a GIF film of the hexapod in the ride's seconds of most motion, at true speed."""
     from matplotlib.animation import PillowWriter
 
-    picture, axes = new_figure(1, 1, (5, 5))
+    picture, axes = panel_grid(1, 1, (5, 5))
     axis, writer = axes[0, 0], PillowWriter(fps=FRAME_RATE)
     reach, height = 1.25 * float(np.abs(machine.hexapod.base).max()), machine.hexapod.neutral_height
     with atomic_write(path) as draft, writer.saving(picture, str(draft), 80):

@@ -1,10 +1,11 @@
 """Timing, strength and heading of a wind: start, stop, ramp, and rows over time in the scene or in a CSV file."""
 
+from collections.abc import Iterator
 from functools import cached_property
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from ocean_sim.files import csv_file
 from ocean_sim.files.input_file import Checked, FileName, Rule, display_path
@@ -26,13 +27,11 @@ class Timed(Model):
     ramp: float = quantity("s", 0.0, ge=0.0)
     """Time in which it rises after `start`, and in which it falls before `stop`."""
 
-    @model_validator(mode="after")
-    def _one_end(self) -> Self:
+    def contradictions(self) -> Iterator[str]:
         if self.stop is not None and self.duration is not None:
-            raise ValueError("give either stop [s] or duration [s], not both")
+            yield "give either stop [s] or duration [s], not both"
         if self.stop is not None and self.stop <= self.start:
-            raise ValueError(f"stop must be later than start ({self.start:g} s), got {self.stop:g}")
-        return self
+            yield f"stop must be later than start ({self.start:g} s), got {self.stop:g}"
 
     @property
     def end(self) -> float | None:

@@ -179,10 +179,15 @@ function link() {
   const chip = $("link");
   chip.hidden = !LIVE;
   chip.classList.toggle("off", !state.connected);
-  const ends = state.panel?.paused && state.time >= state.panel.duration - 0.02, doing = ends ? "scene's end" : state.panel?.paused ? "paused" : "live";
-  chip.textContent = !state.connected ? "looking for the server" : state.watchers > 1 ? `${doing}, ${state.watchers} watching` : doing;
+  doing();
   helmBar();
   if (!state.worlds.length) $("coverText").textContent = state.connected ? "Building the sea ..." : "Looking for the server ...";
+}
+
+// Whether the simulation goes on, beside the title.
+function doing() {
+  const { panel } = state, what = !panel?.paused ? "live" : Math.abs(live.history.end - panel.duration) < 0.1 ? "scene's end" : "paused";
+  $("link").textContent = !state.connected ? "looking for the server" : state.watchers > 1 ? `${what}, ${state.watchers} watching` : what;
 }
 
 function say(text, bad) {
@@ -263,6 +268,7 @@ function instruments() {
   $("scrubBar").hidden = LIVE && !(live.history.end - live.history.times[0] > 0.2);
   $("toLive").hidden = !state.back;
   if (!LIVE) return;
+  doing();
   if (state.back) span(); else $("scrub").value = 1000;
   $("ago").textContent = state.back ? `−${(state.end - state.time).toFixed(1)} s` : `${short(live.history.end - live.history.times[0])} s`;
 }

@@ -225,7 +225,7 @@ def grid_arrays(simulation: "Simulation", x: np.ndarray, z: np.ndarray) -> dict[
             shape: dict[str, Any] = {"vertices": drawn[0], "triangles": drawn[1]}
             if look is not None:  # helm: from the centre of mass in body axes [m]
                 helm = ship.points.get("helm", np.zeros(0))
-                shape |= {"submerged": look.submerged, "look": look.name, "helm": helm}
+                shape |= {"still_water": look.still_water, "look": look.name, "helm": helm}
             arrays |= {f"{key_of(name)}_{part}": value for part, value in shape.items()}
     open_air = basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0)
     return arrays | wave_arrays(fluid) | {"has_surface": open_air}

@@ -58,10 +58,10 @@ class Load:
 
 
 class Look(NamedTuple):
-    """Data that a picture of a ship shows besides her hull: name, submerged share of her volume, and breadth."""
+    """Data that a picture of a ship shows besides her hull: name, still water at rest, and breadth."""
 
     name: str  # of its hull, if it has one, and of its shape
-    submerged: float  # share of its volume that is under water at rest
+    still_water: np.ndarray  # (4,) afloat at rest: upward normal, body axes, and its centre of mass over the water [m]
     breadth: float  # [m]
 
 

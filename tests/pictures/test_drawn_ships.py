@@ -9,6 +9,9 @@ from ocean_sim.pictures.ships import ship as ship_module
 from ocean_sim.pictures.ships import ship_parts
 from ocean_sim.pictures.ships.ship_model import PAINTS, build_model
 from ocean_sim.pictures.stage import sky
+from ocean_sim.ship.body.floating import afloat_pose
+from ocean_sim.ship.body.rigid_body import rotation_matrix
+from ocean_sim.ship.hull import hull as hull_module
 from ocean_sim.ship.hull.hull import hull_of
 from ocean_sim.ship.hull.shapes import drawn_mesh
 
@@ -24,21 +27,26 @@ HULLS = {
 }
 
 
+def still_water(still):
+    height, turn = afloat_pose(still)
+    return np.append(rotation_matrix(turn)[1], height)
+
+
 def placed(name):
-    """Vertices from the centre of mass, triangles, share of the volume under water, helm."""
+    """Vertices from the centre of mass, triangles, plane of the still water, helm."""
     hull = hull_of(name)
     vertices, triangles = drawn_mesh(hull.shape)
     centre = np.array(hull.centre_of_mass)
     still = hull.in_still_water(8.0, 1000.0, 9.81)
     helm = NOWHERE if HULLS[name] is None else np.array(HULLS[name]) - centre
-    return vertices - centre, triangles, still.needed_volume / still.voxels.volume, helm
+    return vertices - centre, triangles, still_water(still), helm
 
 
 @pytest.fixture(scope="module", params=HULLS)
 def ship(request):
-    vertices, triangles, share, helm = placed(request.param)
-    made = build_model(vertices, triangles, share, request.param, helm)
-    return request.param, made, ship_parts.Hull(vertices, triangles, share)
+    vertices, triangles, level, helm = placed(request.param)
+    made = build_model(vertices, triangles, level, request.param, helm)
+    return request.param, made, ship_parts.Hull(vertices, triangles, level)
 
 
 def area(corners):
@@ -81,8 +89,8 @@ def test_colours_end_exactly_at_their_heights(ship):
 
 @pytest.mark.parametrize("name, level", [("barge20", 2.0), ("sphere", 5.0), ("cylinder", 1.0)])
 def test_the_waterline_is_where_archimedes_has_it(name, level):
-    vertices, triangles, share, _ = placed(name)
-    hull = ship_parts.Hull(vertices, triangles, share)
+    vertices, triangles, plane, _ = placed(name)
+    hull = ship_parts.Hull(vertices, triangles, plane)
     keel = hull.over_water(np.array([0.0, vertices[:, 1].min(), 0.0]))
     assert -keel == pytest.approx(level, abs=2e-3 * np.ptp(vertices[:, 1]))
     np.testing.assert_allclose(hull.up, [0.0, 1.0, 0.0], atol=1e-9)
@@ -90,26 +98,24 @@ def test_the_waterline_is_where_archimedes_has_it(name, level):
 
 def test_a_box_that_is_loaded_off_its_middle_trims_as_a_wall_sided_ship():
     length, draught, high, off = 20.0, 2.0, 2.2, 0.4
-    lower, upper = np.array([-4.0, -high, -length / 2 - off]), np.array([4.0, 4.0 - high, length / 2 - off])
-    corners = box_corners(lower, upper)
+    shape = {"kind": "box", "length": length, "breadth": 8.0, "height": 4.0}
 
     def lever(t):  # centre of buoyancy of a wall-sided hull at a trim of tangent t, along the level
         z, y = length**2 / (12.0 * draught) * t, draught / 2.0 + length**2 / (24.0 * draught) * t**2
         return (z - off) + (y - high) * t
 
-    up, level = ship_parts.rest_plane(corners, 0.5)
-    assert abs(up[2] / up[1]) == pytest.approx(brentq(lever, 0.0, 0.3), rel=1e-6)
-    volume, *moment = ship_parts.submerged_moments(corners, up, level)
-    arm = np.array(moment) / volume
-    assert volume == pytest.approx(320.0) and np.linalg.norm(arm - (arm @ up) * up) < 1e-6
-    upright = np.array(ship_parts.submerged_moments(corners, np.array([0.0, 1.0, 0.0]), high - draught)[1:]) / volume
-    assert abs(upright[2]) == pytest.approx(off)  # upright it is not at rest
+    at = {"mass": 1000.0 * 8.0 * length * draught, "centre_of_mass": [0.0, high, off]}
+    hull = hull_module.Hull.model_validate({"shape": shape} | at)
+    x, y, z, _ = still_water(hull.in_still_water(32.0, 1000.0, 9.81))
+    assert abs(z / y) == pytest.approx(brentq(lever, 0.0, 0.3), rel=1e-3) and x == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_ship_heavier_than_its_hull_can_carry_is_awash():
-    corners = box_corners(np.full(3, -1.0), np.ones(3))
-    up, level = ship_parts.rest_plane(corners, 1.0)
-    assert (corners @ up + level).max() == pytest.approx(0.0)
+    shape = {"kind": "box", "length": 2.0, "breadth": 2.0, "height": 2.0}
+    hull = hull_module.Hull.model_validate({"shape": shape, "mass": 1e5, "centre_of_mass": [0.0, 1.0, 0.0]})
+    still = hull.in_still_water(8.0, 1000.0, 9.81)
+    *up, level = still_water(still)
+    assert up == [0.0, 1.0, 0.0] and level == pytest.approx(-1.0, abs=0.5 * still.voxels.size[1] + 1e-9)
 
 
 def hits(corners, eye, ray):
@@ -155,16 +161,16 @@ def test_smooth_shading_stops_at_a_crease():
 @pytest.mark.parametrize("name", ["box", "cylinder"])
 def test_a_body_is_drawn_plain(name):
     """A box and a cylinder of a laboratory have neither a boot top nor a mast nor cargo."""
-    vertices, triangles, share, helm = placed("barge20" if name == "box" else name)
-    mesh = build_model(vertices, triangles, share, f" {name}", helm).mesh
+    vertices, triangles, level, helm = placed("barge20" if name == "box" else name)
+    mesh = build_model(vertices, triangles, level, f" {name}", helm).mesh
     assert len(np.unique(mesh.colour, axis=0)) == 1
     np.testing.assert_allclose(np.ptp(mesh.corners.reshape(-1, 3), axis=0), np.ptp(vertices, axis=0))
 
 
 def test_a_hull_without_a_deck_to_stand_on_is_a_test_body():
-    vertices, triangles, share, _ = placed("sphere")
-    round_yacht = build_model(vertices, triangles, share, "yacht", NOWHERE)
-    plain = build_model(vertices, triangles, share, "sphere", NOWHERE)
+    vertices, triangles, plane, _ = placed("sphere")
+    round_yacht = build_model(vertices, triangles, plane, "yacht", NOWHERE)
+    plain = build_model(vertices, triangles, plane, "sphere", NOWHERE)
     assert len(round_yacht.mesh.corners) == len(plain.mesh.corners)
 
 

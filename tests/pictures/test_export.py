@@ -166,7 +166,7 @@ def manned(kept):
     from scipy.spatial.transform import Rotation
 
     box = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.2, 0.4) for z in (-1.0, 1.0)])
-    look = {"ship_look": "box", "ship_helm": np.zeros(0), "ship_submerged": 1.0 / 3.0}
+    look = {"ship_look": "box", "ship_helm": np.zeros(0), "ship_still_water": np.eye(4)[1]}
     grid = dict(np.load(folder / "frames" / "grid.npz"))
     found = ConvexHull(box)
     a, b, c = (box[found.simplices[:, k]] for k in range(3))
@@ -333,7 +333,7 @@ def voyage(folder, answers):
     box = np.array([[x, y, z] for x in (-2.0, 2.0) for y in (-1.0, 2.0) for z in (-7.5, 7.5)])
     low = {"lower": np.array([-20.5, -9.0, -40.5]), "upper": np.array([20.5, 0.0, 40.5]), "depth": 9.0}
     low |= {"spacing": 1.0, "every": 0.5, "has_surface": True} | ({"sea_answers": True} if answers else {})
-    ship = {"ship_vertices": box, "ship_triangles": scene_file.BOX_TRIANGLES, "ship_submerged": 1.0 / 3.0}
+    ship = {"ship_vertices": box, "ship_triangles": scene_file.BOX_TRIANGLES, "ship_still_water": np.eye(4)[1]}
     ship |= {"ship_look": "box", "ship_helm": np.zeros(0)}
     np.savez(folder / "frames" / "grid.npz", x=x, z=z, obstacles=np.zeros((0, 2, 3)), **low, **ship)
     for k in range(7):

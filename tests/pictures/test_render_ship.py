@@ -32,7 +32,7 @@ def voyage(folder, count, every=0.1, ship=True):
     vertices, triangles = drawn_mesh(hull.shape)
     centre = np.array(hull.centre_of_mass)
     kept = {"ship_vertices": vertices - centre, "ship_triangles": triangles, "ship_look": "yacht outline"}
-    kept |= {"ship_helm": np.array([0.0, 4.2, 0.5]) - centre, "ship_submerged": 0.22}
+    kept |= {"ship_helm": np.array([0.0, 4.2, 0.5]) - centre, "ship_still_water": [0.0, 1.0, 0.0, 0.1]}
     np.savez(
         frames / "grid.npz",
         **{k: np.asarray(v) for k, v in grid.items()},

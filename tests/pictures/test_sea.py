@@ -278,7 +278,7 @@ def folder(tmp_path_factory):
     from scipy.spatial import ConvexHull
 
     box = np.array([[x, y, z] for x in (-2.0, 2.0) for y in (-1.0, 2.0) for z in (-5.0, 5.0)])
-    look = {"ship_look": "box", "ship_helm": np.zeros(0), "ship_submerged": 1.0 / 3.0}
+    look = {"ship_look": "box", "ship_helm": np.zeros(0), "ship_still_water": np.eye(4)[1]}
     skin = ConvexHull(box)
     a, b, c = (box[skin.simplices[:, k]] for k in range(3))
     inwards = (np.cross(b - a, c - a) * skin.equations[:, :3]).sum(axis=1) < 0.0

@@ -39,7 +39,13 @@ def run(tmp_path_factory):
         folder / "frames" / "grid.npz",
         **dict(x=x, z=x, lower=[-20.0, -5.0, -20.0], upper=[20.0, 5.0, 20.0], depth=5.0, spacing=2.0, every=0.05),
         **dict(obstacles=np.zeros((0, 2, 3)), has_surface=True),
-        **dict(ship_vertices=box, ship_triangles=faces, ship_look="barge", ship_helm=np.zeros(0), ship_submerged=0.5),
+        **dict(
+            ship_vertices=box,
+            ship_triangles=faces,
+            ship_look="barge",
+            ship_helm=np.zeros(0),
+            ship_still_water=np.eye(4)[1],
+        ),
     )
     places = np.random.default_rng(4).uniform([-20.0, -5.0, -20.0], [20.0, 0.0, 20.0], (400, 3))
     for k in range(41):

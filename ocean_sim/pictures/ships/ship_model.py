@@ -50,19 +50,19 @@ def kept_models(grid: Mapping[str, Any]) -> dict[str, ShipModel]:
 
 def kept_model(grid: Mapping[str, Any], key: str) -> ShipModel:
     """Ship model to draw, by ship key, from the arrays that a run saves once; raises RenderFailed without them."""
-    if f"{key}_look" not in grid:
+    if f"{key}_still_water" not in grid:
         raise RenderFailed("these frames are of an older version, which kept no ship to draw; run the scene again")
-    names = "vertices", "triangles", "submerged", "look", "helm"
-    vertices, triangles, submerged, look, helm = (grid[f"{key}_{name}"] for name in names)
-    return build_model(vertices, triangles, float(submerged), str(look), helm)
+    names = "vertices", "triangles", "still_water", "look", "helm"
+    vertices, triangles, still_water, look, helm = (grid[f"{key}_{name}"] for name in names)
+    return build_model(vertices, triangles, still_water, str(look), helm)
 
 
 def build_model(
-    vertices: np.ndarray, triangles: np.ndarray, submerged: float, look: str, helm: np.ndarray
+    vertices: np.ndarray, triangles: np.ndarray, still_water: np.ndarray, look: str, helm: np.ndarray
 ) -> ShipModel:
-    """Drawn model of a ship on a hull with vertices (n, 3) [m]. `submerged`: share of its volume under water at rest;
-    `look`: names of hull and shape, by which a style is chosen; `helm`: eye of the helmsman [m], or empty."""
-    hull = Hull(np.asarray(vertices, dtype=float), np.asarray(triangles, dtype=int), submerged)
+    """Drawn model of a ship on a hull with vertices (n, 3) [m]. `still_water` (4,): as `ship.Look` has it; `look`:
+    names of hull and shape, by which a style is chosen; `helm`: eye of the helmsman [m], or empty."""
+    hull = Hull(np.asarray(vertices, dtype=float), np.asarray(triangles, dtype=int), still_water)
     given = np.asarray(helm, dtype=float) if np.isfinite(helm).all() and np.size(helm) else None
     from_file = "mesh" in look.lower()
     style = next((style for word, style in STYLE_WORDS.items() if word in look.lower()), None)

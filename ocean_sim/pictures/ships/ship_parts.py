@@ -172,13 +172,13 @@ def paint_bands(values: np.ndarray, up: np.ndarray, level: float, bands: Sequenc
 class Hull:
     """Physical hull of a ship in body axes from her centre of mass, and the plane of the still water at rest."""
 
-    def __init__(self, vertices: np.ndarray, triangles: np.ndarray, share: float) -> None:
-        """`share`: share of the hull's volume that is under water at rest."""
+    def __init__(self, vertices: np.ndarray, triangles: np.ndarray, still_water: np.ndarray) -> None:
+        """`still_water` (4,): upward normal of that plane, and height of the centre of mass over it [m]."""
         self.vertices, self.triangles = vertices, triangles
         self.lower, self.upper = vertices.min(axis=0), vertices.max(axis=0)
         self.breadth, self.depth, self.length = self.upper - self.lower  # [m]
         corners = vertices[triangles]
-        self.up, self.level = rest_plane(corners, share)
+        self.up, self.level = still_water[:3], float(still_water[3])
         across = area_vectors(corners)
         upward = across[:, 1] / np.maximum(np.linalg.norm(across, axis=1), 1e-30)
         high = corners[:, :, 1].min(axis=1) > self.lower[1] + MIN_DECK_HEIGHT * self.depth
@@ -287,48 +287,3 @@ def smooth_strip(low: np.ndarray, high: np.ndarray, colour: Triple) -> Mesh:
     triangles = quad_triangles(a[:-1], b[:-1], b[1:], a[1:])
     kept = triangles[np.linalg.norm(area_vectors(vertices[triangles]), axis=1) > 1e-12]
     return plain_mesh(vertices[kept], smooth_normals(vertices, kept), colour)
-
-
-def rest_plane(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
-    """Plane n . x + d = 0 [m] of the still water at rest, in body axes: normal n (3,), upward, and d. It leaves a
-    `share` of the volume under water and the centre of buoyancy below the origin (the centre of mass). If no plane
-    within 30 degrees does, the hull is taken as upright, awash at most."""
-    from scipy.optimize import brentq, root
-
-    upright = np.array([0.0, 1.0, 0.0])
-    top, keel = -corners[:, :, 1].max(), -corners[:, :, 1].min()
-    if share >= 1.0:
-        return upright, float(top)
-    displaced = share * float(submerged_moments(corners, upright, top)[0])
-    rounding = 1e-10 * (keel - top)
-    level = float(brentq(lambda d: submerged_moments(corners, upright, d)[0] - displaced, top, keel, xtol=rounding))
-    size = np.ptp(corners.reshape(-1, 3), axis=0).max()
-
-    def tilted(pitch: float, roll: float) -> np.ndarray:
-        return unit_vector(np.array([np.sin(roll), 1.0, np.sin(pitch)]))
-
-    def residual(state: np.ndarray) -> np.ndarray:
-        """Errors (3,) of the volume under water, relative to `displaced`, and of the centre of buoyancy along z and x,
-        over the hull's size. `state` (3,): level of the plane over that size, and its slopes."""
-        up = tilted(*state[1:])
-        volume, *moment = submerged_moments(corners, up, size * state[0])
-        arm = np.array(moment) / max(volume, 1e-12)
-        arm = arm - (arm @ up) * up
-        return np.array([volume / displaced - 1.0, arm[2] / size, arm[0] / size])
-
-    found = root(residual, np.array([level / size, 0.0, 0.0]), tol=1e-10)
-    if found.success and np.abs(found.x[1:]).max() < 0.5:
-        return tilted(*found.x[1:]), float(size * found.x[0])
-    return upright, level
-
-
-def submerged_moments(corners: np.ndarray, up: np.ndarray, level: float) -> np.ndarray:
-    """Volume [m3] and first moments [m4] (4,) of closed triangles (m, 3, 3) [m] where up . x + level < 0."""
-    from trimesh.intersections import slice_faces_plane
-
-    apex = -level * up  # on the plane, so that the cut surface adds nothing
-    vertices = corners.reshape(-1, 3)
-    wet, faces, _ = slice_faces_plane(vertices, np.arange(len(vertices)).reshape(-1, 3), -up, apex)
-    a, b, c = (wet[faces[:, k]] - apex for k in range(3))
-    volume = (a * np.cross(b, c)).sum(axis=1) / 6.0
-    return np.concatenate([[volume.sum()], (volume[:, None] * ((a + b + c) / 4.0 + apex)).sum(axis=0)])

@@ -148,8 +148,9 @@ class FloatingConfig(VesselConfig):
         still = self.hydrostatics_of(preflight)
         name = self.hull if isinstance(self.hull, str) else ""
         lower, upper = self.whole_hull.shape.bounds()
-        submerged = min(1.0, still.needed_volume / still.voxels.volume)
-        return Look(f"{name} {self.whole_hull.shape.kind}", submerged, float(upper[0] - lower[0]))
+        height, turn = afloat_pose(still)
+        still_water = np.append(rotation_matrix(turn)[1], height)
+        return Look(f"{name} {self.whole_hull.shape.kind}", still_water, float(upper[0] - lower[0]))
 
     def outline(self, preflight: Preflight) -> Outline:
         still = self.hydrostatics_of(preflight)

@@ -28,6 +28,12 @@ class Mesh:
         return 0.5 * np.cross(b - a, c - a)
 
     @property
+    def vertex_areas(self) -> np.ndarray:
+        """Outward area vectors (n, 3) [m2] at vertices: each the sum over the triangles around it."""
+        around, n = self.triangles.ravel(), len(self.vertices)
+        return np.stack([np.bincount(around, np.repeat(axis, 3), n) for axis in self.vector_areas.T], axis=1)
+
+    @property
     def area(self) -> float:
         """Area of all triangles [m2]."""
         return float(np.linalg.norm(self.vector_areas, axis=1).sum())

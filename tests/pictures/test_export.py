@@ -20,9 +20,9 @@ from ocean_sim.pictures.frame_files import Frame, FrameLog, frame_files
 from ocean_sim.pictures.stage import opengl
 from ocean_sim.pictures.stage.picture import Picture
 from ocean_sim.pictures.stage.render_order import Order
-from ocean_sim.pictures.water import water_mesh
 from ocean_sim.pictures.water.foam import cell_means
 from ocean_sim.pictures.water.waterline import CONTACT_WIDTH, RESTING_FOAM
+from ocean_sim.surface import cell_triangles
 from ocean_sim.verbs.render import list_files
 
 
@@ -342,7 +342,7 @@ def voyage(folder, answers):
         left = np.repeat(np.repeat(0.8 * (np.abs(x[:, None]) < 2.0) * (z < at - 7.0), 2, axis=0), 2, axis=1)
         long = 0.2 * np.cos(0.15 * x[:, None] + 0.1 * z - 0.3 * k)
         corners = np.insert(grid_points(x, z), 1, long.ravel(), axis=1)
-        faces = water_mesh.grid_triangles(len(x), len(z))
+        faces = cell_triangles(len(x), len(z))
         mesh = {"vertices": corners, "triangles": faces, "normals": scene_file.surface_normals(corners, faces)}
         np.savez(
             folder / "frames" / f"frame_{k:05d}.npz",

@@ -6,8 +6,7 @@ import pytest
 from ocean_sim.pictures.water import tank_walls
 from ocean_sim.pictures.water.spray import floor_heights, flying_share
 from ocean_sim.pictures.water.tank import low_pass_weights, smooth_mesh
-from ocean_sim.pictures.water.water_mesh import grid_triangles
-from ocean_sim.surface import Mesh
+from ocean_sim.surface import Mesh, cell_triangles
 
 SPACING = 0.04  # [m] of particles; edges of a mesh are half as long
 BOX = (-1.0, -1.0, -1.0), (1.0, 1.0, 1.0)
@@ -18,7 +17,7 @@ def sheet(height) -> Mesh:
     """A surface over x and z that ends within the box."""
     x, z = np.meshgrid(np.linspace(-0.9, 0.9, 91), np.linspace(-0.5, 0.5, 51), indexing="ij")
     vertices = np.stack([x, height(x), z], axis=-1).reshape(-1, 3)
-    return Mesh(vertices, grid_triangles(91, 51), np.zeros_like(vertices))
+    return Mesh(vertices, cell_triangles(91, 51), np.zeros_like(vertices))
 
 
 def over(mesh: Mesh, height) -> np.ndarray:

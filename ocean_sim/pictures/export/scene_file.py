@@ -22,8 +22,8 @@ from ocean_sim.pictures.stage.obstacles import SAND_COLOUR
 from ocean_sim.pictures.water.foam import cell_means, read_cells
 from ocean_sim.pictures.water.sea_state import is_open_sea, run_scene
 from ocean_sim.pictures.water.wake import kelvin_height, limited_answer
-from ocean_sim.pictures.water.water_mesh import grid_triangles
 from ocean_sim.pictures.water.waterline import Hull, WettedHull
+from ocean_sim.surface import Mesh, cell_triangles
 
 # Linear RGB of water and of its foam
 WATER_COLOUR, FOAM_COLOUR = np.array([0.010, 0.060, 0.090]), np.array([0.75, 0.80, 0.82])
@@ -148,7 +148,7 @@ def read_shot(frame: Path, grid: dict[str, np.ndarray], wakes: RunWakes) -> Expo
         x, z = np.meshgrid(grid["x"], grid["z"], indexing="ij")
         dx, dz = data.get("origin", np.zeros(2))
         points = np.stack([x + dx, data["elevation"], z + dz], axis=-1).reshape(-1, 3).astype(np.float32)
-        faces = grid_triangles(*x.shape)
+        faces = cell_triangles(*x.shape)
         fields["Normals"] = surface_normals(points, faces)
         if "foam" in data:
             fields["foam"] = cell_means(data["foam"], x.shape).ravel().astype(np.float32)
@@ -192,10 +192,8 @@ def values_beside(points: np.ndarray, particles: np.ndarray, values: np.ndarray)
 
 def surface_normals(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Unit normals (n, 3) at the points of a mesh: area-weighted means over the triangles that share a point."""
-    a, b, c = (points[faces[:, k]].astype(float) for k in range(3))
-    across = np.cross(b - a, c - a)
-    sums = np.stack([np.bincount(faces.ravel(), np.repeat(across[:, k], 3), len(points)) for k in range(3)], axis=1)
-    return (sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-12)).astype(np.float32)
+    areas = Mesh(points, faces, points).vertex_areas
+    return (areas / np.maximum(np.linalg.norm(areas, axis=1, keepdims=True), 1e-12)).astype(np.float32)
 
 
 def ship_models(grid: dict[str, np.ndarray]) -> dict[str, ShipModel]:

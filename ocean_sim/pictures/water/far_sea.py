@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.pictures.water.water_mesh import grid_triangles
 from ocean_sim.random_numbers import numpy_uniform
+from ocean_sim.surface import cell_triangles
 from ocean_sim.waves import Components
 
 SEA_RADIUS = 14000.0  # [m] where the drawn sea ends, behind the fog
@@ -159,7 +159,7 @@ class Fan:
         starts = np.flatnonzero(np.diff(band, prepend=np.inf))
         ends = np.append(starts[1:], len(distance))
         self.bands = np.minimum(starts[:, None] + np.arange((ends - starts).max()), ends[:, None] - 1)
-        self.triangles = grid_triangles(len(starts), len(angle))
+        self.triangles = cell_triangles(len(starts), len(angle))
         sea, (least, enough) = self.sea, NODES_PER_WAVE
         length = 2.0 * pi / np.maximum(sea.wavenumber, 1e-9)
         spacing = np.maximum(np.gradient(distance), distance * (angle[1] - angle[0]))

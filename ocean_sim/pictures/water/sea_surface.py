@@ -8,7 +8,8 @@ from ocean_sim.basin.points import grid_points
 from ocean_sim.pictures.frame_files import Frame
 from ocean_sim.pictures.water import far_sea, foam
 from ocean_sim.pictures.water.sea_state import SeaNow, SeaState
-from ocean_sim.pictures.water.water_mesh import grid_triangles, spline_matrix
+from ocean_sim.pictures.water.water_mesh import spline_matrix
+from ocean_sim.surface import cell_triangles
 from ocean_sim.waves.orbits import surface_fall
 
 WHITE_REACH = 6  # cells from white water, of the grid that it is kept on, from which a spline through it shows none
@@ -33,7 +34,7 @@ class SeaSurface:
         self.far, self.fan = far_sea.PlaneWaves(state.beyond, self.x, self.z), far_sea.Fan(state.beyond)
         self.exact = None if state.exact is None else far_sea.PlaneWaves(state.exact, self.x, self.z)
         self.nodes = grid_points(self.x, self.z)
-        self.triangles = grid_triangles(len(self.x), len(self.z))
+        self.triangles = cell_triangles(len(self.x), len(self.z))
         self.grain = self.grain_at(np.zeros(2))
         self.wanted = 0.0  # share of white water
 

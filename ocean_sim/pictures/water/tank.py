@@ -68,15 +68,15 @@ def smooth_mesh(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...], 
         found += weight * now
     way = found - x
     way *= np.minimum(1.0, most / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1.0e-30))
-    before, after = (vertex_areas(Mesh(each, corners, mesh.normals)) for each in (x, x + way))
+    before, after = (Mesh(each, corners, mesh.normals).vertex_areas for each in (x, x + way))
     swept = (way * (before + after)).sum() / 6.0  # [m3]; a layer of this volume is taken off again
-    out = np.where(held, 0.0, vertex_areas(Mesh(x + way, curved, mesh.normals)))
+    out = np.where(held, 0.0, Mesh(x + way, curved, mesh.normals).vertex_areas)
     areas = np.linalg.norm(out, axis=1, keepdims=True)
     x += way - out / np.maximum(areas, 1.0e-30) * swept * 3.0 / max(float(areas.sum()), 1.0e-30)
     if flat.any():
         beside = neighbour_weights(corners[flat], np.zeros_like(on))
         x = mesh.vertices + spread_ways(x - mesh.vertices, beside, on | ~inner)
-    normals = np.where(on, 0.0, vertex_areas(Mesh(x, curved, mesh.normals)))
+    normals = np.where(on, 0.0, Mesh(x, curved, mesh.normals).vertex_areas)
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.where(lengths > 0.0, normals / np.maximum(lengths, 1.0e-30), mesh.normals)
     smooth = Mesh(x.astype(mesh.vertices.dtype), corners, normals.astype(mesh.normals.dtype))
@@ -127,14 +127,6 @@ def points_on_sides(x: np.ndarray, lower: tuple[float, ...], upper: tuple[float,
     """Masks (2, n, 3) of points (n, 3) [m] on the lower and on the upper side of a box, for each axis."""
     low, up = np.array(lower), np.array(upper)
     return np.stack([x <= low + SIDE_TOLERANCE * (up - low), x >= up - SIDE_TOLERANCE * (up - low)])
-
-
-def vertex_areas(mesh: Mesh) -> np.ndarray:
-    """Outward area vectors (n, 3) [m2] at vertices: each the sum over the triangles around it."""
-    areas, across = np.zeros(mesh.vertices.shape), mesh.vector_areas
-    for k in range(3):
-        np.add.at(areas, mesh.triangles[:, k], across)
-    return areas
 
 
 def low_pass_weights(edge: float, degree: int) -> np.ndarray:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ocean_sim.basin.points import grid_points
+from ocean_sim.surface import cell_triangles
 
 SIDE_ROWS = 9  # rows of vertices from the surface to the bed
 
@@ -14,13 +15,6 @@ def spline_matrix(cells: int, factor: int) -> np.ndarray:
 
     nodes = np.linspace(-0.5, cells - 0.5, cells * factor + 1)
     return np.stack([map_coordinates(unit, [nodes], order=3, mode="reflect") for unit in np.eye(cells)], axis=1)
-
-
-def grid_triangles(rows: int, columns: int) -> np.ndarray:
-    """Node numbers (m, 3) of two triangles per cell, for a grid of nodes numbered row by row."""
-    k = np.arange(rows * columns).reshape(rows, columns)
-    a, b, c, d = k[:-1, :-1], k[1:, :-1], k[1:, 1:], k[:-1, 1:]
-    return np.stack([a, d, b, b, d, c], axis=-1).reshape(-1, 3)
 
 
 class WaterMesh:
@@ -36,13 +30,13 @@ class WaterMesh:
         self.slope_x = np.gradient(self.along_x, self.x, axis=0)
         self.slope_z = np.gradient(self.along_z, self.z, axis=0)
         self.nodes = grid_points(self.x, self.z)
-        self.surface_triangles = grid_triangles(len(self.x), len(self.z))
+        self.surface_triangles = cell_triangles(len(self.x), len(self.z))
         rim = np.arange(len(self.nodes)).reshape(len(self.x), len(self.z))
         self.rims = (rim[:, -1], rim[::-1, 0], rim[-1, ::-1], rim[0, :])  # +z, -z, +x, -x, seen from outside
         across, sizes = np.eye(3)[[2, 2, 0, 0]] * [[1], [-1], [1], [-1]], [len(rim) * SIDE_ROWS for rim in self.rims]
         self.side_normals = np.repeat(across, sizes, axis=0)
         counts = np.cumsum([0, *sizes])
-        self.side_triangles = np.concatenate([grid_triangles(SIDE_ROWS, len(r)) + n for r, n in zip(self.rims, counts)])
+        self.side_triangles = np.concatenate([cell_triangles(SIDE_ROWS, len(r)) + n for r, n in zip(self.rims, counts)])
         self.side_depth = np.concatenate([np.repeat(np.linspace(0.0, 1.0, SIDE_ROWS), len(rim)) for rim in self.rims])
 
     def surface(self, elevation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ocean_sim.pictures.stage.sky import Sky, unit_vector
+from ocean_sim.pictures.stage.sky import Sky, unit_vector, value_noise
 from ocean_sim.pictures.water.foam import (
     EDGE_SOFTNESS,
     GRAIN_BEND,
@@ -56,7 +56,6 @@ from ocean_sim.pictures.water.water_shading import (
     beckmann,
     fresnel,
     refracted_cosine,
-    value_noise,
 )
 
 SHININESS = 120.0

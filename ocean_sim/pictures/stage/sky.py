@@ -221,23 +221,26 @@ def fractal_noise(p: np.ndarray, octaves: int, seed: int) -> np.ndarray:
     """Noise (...), 0 to 1, at points (..., 2): `octaves` of value noise, each with half the amplitude before."""
     total, weight, amplitude = np.zeros(p.shape[:-1]), 0.0, 1.0
     for k in range(octaves):
-        total += amplitude * value_noise(p * 2.03**k + 17.3 * k, seed + k)
+        total += amplitude * value_noise(*np.moveaxis(p * 2.03**k + 34.3 * k + 17.0 * seed, -1, 0))[0]
         weight += amplitude
         amplitude *= 0.5
     return total / weight
 
 
-def value_noise(p: np.ndarray, seed: int) -> np.ndarray:
-    """Noise (...), 0 to 1, at points (..., 2): random values at integer points, interpolated smoothly."""
-    i = np.floor(p).astype(np.int64)
-    f = p - i
-    f = f**3 * (f * (f * 6.0 - 15.0) + 10.0)
+def value_noise(x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Noise (...) at points x, z (...), smooth between random values at integer points, and its two derivatives."""
+    i, j = np.floor(x), np.floor(z)
+    f, g = x - i, z - j
+    i, j = i.astype(np.int64), j.astype(np.int64)
+    a, b, c, d = hashed_number(i, j), hashed_number(i + 1, j), hashed_number(i, j + 1), hashed_number(i + 1, j + 1)
+    u, v = f**3 * (f * (f * 6.0 - 15.0) + 10.0), g**3 * (g * (g * 6.0 - 15.0) + 10.0)
+    du, dv = 30.0 * f**2 * (f * (f - 2.0) + 1.0), 30.0 * g**2 * (g * (g - 2.0) + 1.0)
+    k = a - b - c + d
+    return a + (b - a) * u + (c - a) * v + k * u * v, du * (b - a + k * v), dv * (c - a + k * u)
 
-    def at(di: int, dj: int) -> np.ndarray:
-        n = ((i[..., 0] + di) * 374761393 + (i[..., 1] + dj) * 668265263 + seed * 974711) & 0xFFFFFFFF
-        n = ((n ^ (n >> 13)) * 1274126177) & 0xFFFFFFFF
-        return ((n ^ (n >> 16)) & 0xFFFF) / 65535.0
 
-    low = at(0, 0) * (1.0 - f[..., 0]) + at(1, 0) * f[..., 0]
-    high = at(0, 1) * (1.0 - f[..., 0]) + at(1, 1) * f[..., 0]
-    return low * (1.0 - f[..., 1]) + high * f[..., 1]
+def hashed_number(i: np.ndarray, j: np.ndarray) -> np.ndarray:
+    """Pseudorandom numbers, 0 to 1, for integers i, j, by an integer hash that gives the same on every processor."""
+    n = (i * 374761393 + j * 668265263) & 0xFFFFFFFF
+    n = ((n ^ (n >> 13)) * 1274126177) & 0xFFFFFFFF
+    return (n >> 16) / 65535.0

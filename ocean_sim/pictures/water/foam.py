@@ -5,7 +5,7 @@ from itertools import product
 
 import numpy as np
 
-from ocean_sim.pictures.water.water_shading import value_noise
+from ocean_sim.pictures.stage.sky import value_noise
 
 # Convergence of a linear wave, its downward acceleration over gravity, at which crests turn white: ours; Snyder and
 # Kennedy (1983, J. Phys. Oceanogr. 13) take 0.4 for the points where breaking begins.

@@ -132,22 +132,3 @@ def filmic_curve(radiance: np.ndarray, exposure: float = 1.15) -> np.ndarray:
 def display_colours(radiance: np.ndarray, exposure: float = 1.15) -> np.ndarray:
     """Display RGB, 8-bit, of linear RGB times `exposure` (see `filmic_curve`)."""
     return (255.0 * filmic_curve(radiance, exposure) + 0.5).astype(np.uint8)
-
-
-def value_noise(x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Noise (n,) at points x, z (n,), smooth between random values at integer points, and its two derivatives."""
-    i, j = np.floor(x), np.floor(z)
-    f, g = x - i, z - j
-    i, j = i.astype(np.int64), j.astype(np.int64)
-    a, b, c, d = hashed_number(i, j), hashed_number(i + 1, j), hashed_number(i, j + 1), hashed_number(i + 1, j + 1)
-    u, v = f**3 * (f * (f * 6.0 - 15.0) + 10.0), g**3 * (g * (g * 6.0 - 15.0) + 10.0)
-    du, dv = 30.0 * f**2 * (f * (f - 2.0) + 1.0), 30.0 * g**2 * (g * (g - 2.0) + 1.0)
-    k = a - b - c + d
-    return a + (b - a) * u + (c - a) * v + k * u * v, du * (b - a + k * v), dv * (c - a + k * u)
-
-
-def hashed_number(i: np.ndarray, j: np.ndarray) -> np.ndarray:
-    """Pseudorandom numbers, 0 to 1, for integers i, j, by an integer hash that gives the same on every processor."""
-    n = (i * 374761393 + j * 668265263) & 0xFFFFFFFF
-    n = ((n ^ (n >> 13)) * 1274126177) & 0xFFFFFFFF
-    return (n >> 16) / 65535.0

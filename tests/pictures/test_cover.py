@@ -11,7 +11,8 @@ from _white_water import followed
 from ocean_sim import result, waves
 from ocean_sim.basin.points import grid, grid_points, middles
 from ocean_sim.fluid import spectral_sea
-from ocean_sim.pictures.water import far_sea, foam, sea_surface
+from ocean_sim.pictures.water import far_sea, foam
+from ocean_sim.pictures.water.sea import SeaSurface
 from ocean_sim.pictures.water.sea_state import SeaNow
 from ocean_sim.reading.scene import load
 from ocean_sim.waves.orbits import surface_fall
@@ -52,7 +53,7 @@ def test_the_far_sea_is_as_white_where_its_waves_are_too_short_to_be_drawn():
     sea = far_sea.strongest_waves(spectrum.components(waves.heading_vector(60.0, 3), 30.0))
     x = middles(-20.0, 20.0, 1.25)
     box = {"x": x, "z": x, "lower": np.array([-20.0, -30.0, -20.0]), "upper": np.array([20.0, 0.0, 20.0])}
-    surface = sea_surface.SeaSurface(box, SimpleNamespace(exact=sea, beyond=sea, angle=0.6), DRAWN)
+    surface = SeaSurface(box, SimpleNamespace(exact=sea, beyond=sea, angle=0.6), DRAWN)
     surface.fan.turn_to(5.0, 0.0, np.pi, 0.5, 0.001, 0.001, sea.amplitude)
     surface.wanted = wanted
     rings = np.broadcast_to(np.arange(surface.fan.shape[0])[:, None], surface.fan.shape)
@@ -131,7 +132,7 @@ def covers(name: str) -> tuple[float, float, float]:
     field, beyond = foam.FoamField(shape, cell), far_sea.strongest_waves(sea)
     lower, upper = (np.array([side[0], side[2]]) for side in (tank.lower, tank.upper))
     kept = {"x": x, "z": z, "lower": np.insert(lower, 1, -tank.depth), "upper": np.insert(upper, 1, 0.0)}
-    surface = sea_surface.SeaSurface(kept, SimpleNamespace(exact=sea, beyond=beyond, angle=0.6), DRAWN)
+    surface = SeaSurface(kept, SimpleNamespace(exact=sea, beyond=beyond, angle=0.6), DRAWN)
     surface.fan.turn_to(5.0, 0.0, np.pi, 0.5, 0.001, 0.001, beyond.amplitude)
     places, rings = surface.fan.nodes, np.broadcast_to(np.arange(surface.fan.shape[0])[:, None], surface.fan.shape)
     outside = ~((places > lower) & (places < upper)).all(axis=1).reshape(rings.shape)

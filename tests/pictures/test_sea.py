@@ -16,7 +16,8 @@ from ocean_sim.observers import render
 from ocean_sim.pictures import frame_files
 from ocean_sim.pictures.stage import opengl, overlays
 from ocean_sim.pictures.stage.picture import Picture
-from ocean_sim.pictures.water import far_sea, foam, sea_state, sea_surface, water_surface, waterline
+from ocean_sim.pictures.water import far_sea, foam, sea_state, water_surface, waterline
+from ocean_sim.pictures.water.sea import SeaSurface
 from ocean_sim.waves.orbits import surface_fall
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
@@ -68,7 +69,7 @@ def now(time: float, exact: waves.Components | None = None) -> sea_state.SeaNow:
     return sea_state.SeaNow(0.05, 4.0 * float(np.sqrt(variances.sum())), sea, 5.0)
 
 
-def inner(surface: sea_surface.SeaSurface) -> tuple[tuple[np.ndarray, ...], tuple[np.ndarray, ...]]:
+def inner(surface: SeaSurface) -> tuple[tuple[np.ndarray, ...], tuple[np.ndarray, ...]]:
     """Nodes at which heights are kept and where the basin's own waves are whole, and the numbers of these heights."""
     own = [np.abs(known) < half - surface.margin for known, half in ((X, 20.0), (Z, 15.0))]
     at = [
@@ -78,7 +79,7 @@ def inner(surface: sea_surface.SeaSurface) -> tuple[tuple[np.ndarray, ...], tupl
 
 
 def test_inside_the_basin_the_drawn_height_is_the_kept_one_within_a_millimetre():
-    surface = sea_surface.SeaSurface(GRID, state(), 12_000)
+    surface = SeaSurface(GRID, state(), 12_000)
     frame = standing(7.3)
     drawn = surface.at(frame, now(7.3)).height
     at, own = inner(surface)
@@ -90,7 +91,7 @@ def test_inside_the_basin_the_drawn_height_is_the_kept_one_within_a_millimetre()
 
 def test_a_sea_in_closed_form_is_drawn_as_it_is_where_no_far_sea_blends_in():
     sea = spectrum()
-    surface = sea_surface.SeaSurface(GRID, state(sea), 5_000)
+    surface = SeaSurface(GRID, state(sea), 5_000)
     calm = SimpleNamespace(time=12.3, elevation=np.zeros((len(X), len(Z))), answer=None, origin=HERE)
     drawn = surface.at(calm, now(12.3, sea))
     inside = surface.share == 1.0
@@ -100,7 +101,7 @@ def test_a_sea_in_closed_form_is_drawn_as_it_is_where_no_far_sea_blends_in():
 
 def test_what_answers_to_a_ship_is_drawn_on_top_of_the_sea_and_ends_at_the_walls():
     sea, wake = spectrum(), standing(3.0).elevation
-    surface = sea_surface.SeaSurface(GRID | {"sea_answers": np.array(True)}, state(sea), 12_000)
+    surface = SeaSurface(GRID | {"sea_answers": np.array(True)}, state(sea), 12_000)
     calm = SimpleNamespace(time=12.3, elevation=np.zeros_like(wake), answer=np.zeros_like(wake), origin=HERE)
     answered = SimpleNamespace(**vars(calm) | {"answer": wake})
     added = surface.at(answered, now(12.3, sea), wake).height - surface.at(calm, now(12.3, sea)).height
@@ -112,7 +113,7 @@ def test_what_answers_to_a_ship_is_drawn_on_top_of_the_sea_and_ends_at_the_walls
 def test_a_sea_that_is_left_behind_is_drawn_around_the_ships():
     """The exact sea at the places where the nodes lie now."""
     sea, away = spectrum(), np.array([2.5, 250.0])
-    surface = sea_surface.SeaSurface(GRID | {"sea_answers": np.array(True)}, state(sea), 12_000)
+    surface = SeaSurface(GRID | {"sea_answers": np.array(True)}, state(sea), 12_000)
     still = np.zeros((len(X), len(Z)))
     calm = SimpleNamespace(time=12.3, elevation=still, answer=still, origin=away)
     drawn = surface.at(calm, now(12.3, sea)).height
@@ -124,7 +125,7 @@ def test_a_sea_that_is_left_behind_is_drawn_around_the_ships():
 def test_no_edge_shows_where_the_basin_ends():
     """The basin's own surface ends as the far sea: at its walls both have one height. None mirrors the other: heights
     5 m inside and 5 m outside a wall are as good as uncorrelated."""
-    surface = sea_surface.SeaSurface(GRID, state(), 12_000)
+    surface = SeaSurface(GRID, state(), 12_000)
     fan, sea = surface.fan, now(7.3)
     far = sea.waves
     rim = np.concatenate([surface.nodes[:: len(surface.z)], surface.nodes[-len(surface.z) :]])
@@ -215,7 +216,7 @@ def test_crests_converge_by_their_wavenumber():
 
 
 def test_white_crests_cover_what_steepness_calls_for():
-    surface = sea_surface.SeaSurface(GRID, state(), 12_000)
+    surface = SeaSurface(GRID, state(), 12_000)
     gentle = surface.at(standing(7.3), now(7.3)).convergence
     steep = gentle * 0.45 / gentle.max()
     assert not surface.foam(gentle * 0.25 / gentle.max()).any()
@@ -430,7 +431,7 @@ def test_frames_keep_the_waves_of_a_sea_in_closed_form_and_nothing_of_particles(
 
 
 def test_foam_covers_what_is_asked_for():
-    surface = sea_surface.SeaSurface(GRID, state(), 12_000)
+    surface = SeaSurface(GRID, state(), 12_000)
     gentle = surface.at(standing(7.3), now(7.3)).convergence
     for wanted in (0.01, 0.05, 0.2):
         assert surface.foam(gentle, wanted).mean() == pytest.approx(wanted, rel=0.1)
@@ -513,7 +514,7 @@ def whitened(
     return kept, [step / 1.25 * way for way in ways]
 
 
-def unevenness(surface: sea_surface.SeaSurface, white: np.ndarray) -> float:
+def unevenness(surface: SeaSurface, white: np.ndarray) -> float:
     """Spread of the distances of a spot's edge from its middle over their mean."""
     inside = white > 0.3
     core = inside.copy()
@@ -527,7 +528,7 @@ def unevenness(surface: sea_surface.SeaSurface, white: np.ndarray) -> float:
 
 def test_foam_of_a_coarse_grid_is_not_round_and_covers_as_much():
     """White cells on their own: a spline makes round spots of them, whose edges lie equally far from the middle."""
-    surface = sea_surface.SeaSurface(GRID, state(), 40_000)
+    surface = SeaSurface(GRID, state(), 40_000)
     uneven, cover = [], []
     for i, k in [(12, 10), (15, 14), (18, 9), (20, 13), (14, 12), (17, 15)]:
         kept = np.zeros((len(X), len(Z)))

@@ -113,13 +113,8 @@ class Picture:
             if isinstance(self.content, Sea)
             else {key: DrawnShip(stage, model) for key, model in models.items()}
         )
-        self.caption = overlays.add_words(stage, " ", (14, 10)) if order.caption else None
-        self.scale_bar = overlays.ScaleBar(stage) if order.scale_bar else None
-        on_map = isinstance(self.content, Water) and stage.camera.from_above
-        self.height_bar = overlays.HeightBar(stage) if order.scale_bar and on_map else None
         self.outline = overlays.Outline(stage, grid["lower"], grid["upper"]) if order.outline else None
         self.wind = WindMarks(stage, grid["lower"], grid["upper"]) if order.wind else None
-        self.arrow_bar = overlays.ArrowBar(stage) if order.wind and order.scale_bar else None
         self.aim()
 
     def aim(self) -> None:
@@ -178,26 +173,29 @@ class Picture:
         if self.streaks is not None:
             self.streaks.show(frame.drops)
         self.content.show(frame)
-        if self.caption is not None:
-            self.caption.input = f"t = {frame.time:.2f} s"
         if self.outline is not None:
             self.outline.show(frame.origin, self.heights_at(frame, self.outline.around + frame.origin))
         if self.wind is not None:
             self.wind.show(frame, self.heights_at(frame, frame.wind_tails[:, [0, 2]].astype(float)))
-        ships = [position for position, _ in frame.ships.values()]
-        target = ships[0] if ships else 0.5 * (self.lower + self.upper) * [1.0, 0.0, 1.0]
-        if self.scale_bar is not None:
-            self.scale_bar.show(target)
-        if self.arrow_bar is not None and self.wind is not None:
-            self.arrow_bar.show(target, *arrow_legend(frame, self.wind.length))
-        if self.height_bar is not None and isinstance(self.content, Water):
-            self.height_bar.show(self.content.most)
         self.stage.render()
         image = sample_means(self.plotter.screenshot(None, return_img=True), self.stage.samples)
-        for bar in (self.scale_bar, self.arrow_bar, self.height_bar):
-            if bar is not None:
-                bar.draw(image)
-        return image
+        return np.asarray(self.marked(image, frame).image)
+
+    def marked(self, image: np.ndarray, frame: Frame) -> overlays.Overlay:
+        """Picture (height, width, 3) of a frame with its time, scale bars and legends."""
+        over = overlays.Overlay(image)
+        if self.order.caption:
+            over.write(f"t = {frame.time:.2f} s", 17, over.low - 14)
+        if self.order.scale_bar:
+            target = next(iter(frame.ships.values()), (0.5 * (self.lower + self.upper) * [1.0, 0.0, 1.0],))[0]
+            each = overlays.metre_pixels(self.stage, target)
+            over.scale_bar(each)
+            if self.wind is not None:
+                length, text = arrow_legend(frame, self.wind.length)
+                over.arrow_bar(round(length * each), text)
+            if isinstance(self.content, Water) and self.stage.camera.from_above:
+                over.height_bar(self.content.most)
+        return over
 
     def heights_at(self, frame: Frame, positions: np.ndarray) -> np.ndarray:
         """Drawn water heights (n,) [m] at positions x, z (n, 2) [m]; in a tank those of the nearest grid points."""

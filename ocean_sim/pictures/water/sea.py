@@ -55,14 +55,14 @@ class SeaSurface:
         """`grid`: arrays in the run's grid.npz; `state`: sea over time; `nodes`: approximate number in the basin."""
         self.state = state
         self.lower, self.upper = grid["lower"][[0, 2]], grid["upper"][[0, 2]]
-        margin = far_sea.BLEND_MARGIN * float((self.upper - self.lower).min())
+        self.margin = far_sea.BLEND_MARGIN * float((self.upper - self.lower).min())
         cells = len(grid["x"]), len(grid["z"])
         factor = int(np.clip(np.sqrt(nodes / (cells[0] * cells[1])), 1, 24))
         factor += factor % 2  # the points whose heights are known are nodes
         self.x, self.z = (np.linspace(self.lower[k], self.upper[k], n * factor + 1) for k, n in enumerate(cells))
         self.own = [spline_matrix(n, factor) for n in cells]
         sides = zip((self.x, self.z), self.lower, self.upper, strict=True)
-        self.share = np.outer(*(far_sea.blend_weight(nodes, low, up, margin) for nodes, low, up in sides))
+        self.share = np.outer(*(far_sea.blend_weight(nodes, low, up, self.margin) for nodes, low, up in sides))
         self.far, self.fan = far_sea.PlaneWaves(state.beyond, self.x, self.z), far_sea.Fan(state.beyond)
         self.exact = None if state.exact is None else far_sea.PlaneWaves(state.exact, self.x, self.z)
         self.nodes = grid_points(self.x, self.z)

@@ -22,8 +22,7 @@ from ocean_sim.pictures.live.scene_lines import surface_heights
 from ocean_sim.pictures.water import foam, spray
 from ocean_sim.pictures.water.far_sea import wind_speed_from_sea
 from ocean_sim.pictures.water.sea_state import gust_speed, wind_heading
-from ocean_sim.pictures.water.wake import STERN_DISTANCE
-from ocean_sim.pictures.water.waterline import ship_coordinates
+from ocean_sim.pictures.water.waterline import STERN_DISTANCE, ship_coordinates
 from ocean_sim.simulation import Observer, Simulation
 from ocean_sim.waves.orbits import surface_fall
 

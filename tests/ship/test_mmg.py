@@ -10,7 +10,7 @@ from ocean_sim.files import yaml_file
 from ocean_sim.fluid import Arriving
 from ocean_sim.parts import library
 from ocean_sim.reading.scene import SceneError, load, observer_names
-from ocean_sim.ship.forces.weather import Windage, wave_motion
+from ocean_sim.ship.manoeuvring import Windage, wave_motion
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.ship_simman import set_steady_throttle
 

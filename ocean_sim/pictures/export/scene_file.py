@@ -21,8 +21,7 @@ from ocean_sim.pictures.stage.camera import Vessel
 from ocean_sim.pictures.stage.obstacles import SAND_COLOUR
 from ocean_sim.pictures.water.foam import cell_means, read_cells
 from ocean_sim.pictures.water.sea_state import is_open_sea, run_scene
-from ocean_sim.pictures.water.wake import kelvin_height, limited_answer
-from ocean_sim.pictures.water.waterline import Hull, WettedHull
+from ocean_sim.pictures.water.waterline import Hull, WettedHull, kelvin_height, limited_answer
 from ocean_sim.surface import Mesh, cell_triangles
 
 # Linear RGB of water and of its foam

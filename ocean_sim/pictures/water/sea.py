@@ -16,10 +16,16 @@ from ocean_sim.pictures.stage.plotter import Content, Stage
 from ocean_sim.pictures.stage.render_order import Order
 from ocean_sim.pictures.water import far_sea, foam, water_glsl
 from ocean_sim.pictures.water.sea_state import SeaNow, SeaState
-from ocean_sim.pictures.water.wake import kelvin_height, limited_answer
 from ocean_sim.pictures.water.water_mesh import spline_matrix
 from ocean_sim.pictures.water.water_shading import SEA_EXPOSURE, slope_variance
-from ocean_sim.pictures.water.waterline import CONTACT_WIDTH, RESTING_FOAM, Hull, WettedHull
+from ocean_sim.pictures.water.waterline import (
+    CONTACT_WIDTH,
+    RESTING_FOAM,
+    Hull,
+    WettedHull,
+    kelvin_height,
+    limited_answer,
+)
 from ocean_sim.surface import sheet
 from ocean_sim.waves.orbits import surface_fall
 

@@ -5,14 +5,14 @@ import pytest
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.pictures.stage.camera import Track, Vessel
-from ocean_sim.pictures.water import wake, waterline
+from ocean_sim.pictures.water import waterline
 from ocean_sim.pictures.water.waterline import Bow
 
 
 def test_waves_astern_have_the_length_of_the_speed_and_stay_within_kelvin_s_angle():
     speed, breadth, length = 4.0, 2.0, 14.0
-    height = wake.kelvin_pattern(speed, breadth, length)
-    step = wake.PATTERN_STEP * breadth
+    height = waterline.kelvin_pattern(speed, breadth, length)
+    step = waterline.PATTERN_STEP * breadth
     x = step * np.arange(len(height))
     wavelength = 2.0 * np.pi * speed**2 / GRAVITY
     far = x > 3.0 * length
@@ -22,7 +22,7 @@ def test_waves_astern_have_the_length_of_the_speed_and_stay_within_kelvin_s_angl
     y = step * np.arange(height.shape[1])
     outside = np.arctan2(y[None, :], x[:, None] + 1e-9) > np.arcsin(1.0 / 3.0) + 0.12
     assert np.abs(height[outside & (x > 2.0 * length)[:, None]]).max() < 0.2 * np.abs(height).max()
-    assert np.abs(height).max() == pytest.approx(wake.KELVIN_HEIGHT * speed**2 / GRAVITY)
+    assert np.abs(height).max() == pytest.approx(waterline.KELVIN_HEIGHT * speed**2 / GRAVITY)
 
 
 def test_waves_are_behind_the_ship_and_none_where_she_lies_still():
@@ -31,10 +31,10 @@ def test_waves_are_behind_the_ship_and_none_where_she_lies_still():
     going = np.stack([0.0 * time, 0.0 * time, 4.0 * time], axis=1)
     places = np.array([[0.0, -20.0], [0.0, 30.0], [2.0, -15.0]])
     moving = Vessel(14.0, np.zeros(3), Track(time, going, turn))
-    seen = wake.kelvin_height(moving, 4.0, 4.0, places + [0.0, 16.0])
+    seen = waterline.kelvin_height(moving, 4.0, 4.0, places + [0.0, 16.0])
     assert seen[0] != 0.0 and seen[1] == 0.0 and moving.speed(2.2) == pytest.approx(4.0)
     still = Vessel(14.0, np.zeros(3), Track(time, 0.0 * going, turn))
-    assert not wake.kelvin_height(still, 4.0, 4.0, places).any()
+    assert not waterline.kelvin_height(still, 4.0, 4.0, places).any()
 
 
 def test_a_bow_wave_has_the_height_and_place_of_a_wedge_s():
@@ -80,10 +80,10 @@ def test_water_behind_a_transom_is_hollow_and_rises_again_half_a_wave_astern():
     speed, breadth = 4.0, 4.2
     half_wave = np.pi * speed**2 / GRAVITY
     astern = np.array([1e-6, 0.5 * half_wave, half_wave, 40.0 * half_wave, -2.0 * breadth, 1e-6])
-    depth = wake.transom_hollow(astern, np.array([0.0, 0.0, 0.0, 0.0, 0.0, 2.0 * breadth]), speed, breadth)
-    assert depth[0] == pytest.approx(wake.HOLLOW_DEPTH * speed**2 / GRAVITY, rel=1e-4)
+    depth = waterline.transom_hollow(astern, np.array([0.0, 0.0, 0.0, 0.0, 0.0, 2.0 * breadth]), speed, breadth)
+    assert depth[0] == pytest.approx(waterline.HOLLOW_DEPTH * speed**2 / GRAVITY, rel=1e-4)
     assert depth[1:] == pytest.approx([0.0, -np.exp(-0.3 * np.pi) * depth[0], 0.0, 0.0, 0.0], abs=1e-6)
-    assert wake.transom_hollow(astern, 0.0 * astern, 20.0, breadth).max() <= wake.MAX_HOLLOW * breadth
+    assert waterline.transom_hollow(astern, 0.0 * astern, 20.0, breadth).max() <= waterline.MAX_HOLLOW * breadth
 
 
 def test_waves_at_a_ship_stand_no_higher_than_her_speed_lets_them_and_small_ones_are_left():
@@ -94,10 +94,10 @@ def test_waves_at_a_ship_stand_no_higher_than_her_speed_lets_them_and_small_ones
     ship = Vessel(length, np.zeros(3), Track(time, going, turn))
     x, z = np.linspace(-40.0, 40.0, 41), np.linspace(-60.0, 80.0, 71)
     steep = 2.5 * np.cos(0.9 * z)[None, :] * np.ones((41, 1))
-    drawn = wake.limited_answer(steep, ship, breadth, x, z, 4.0)
+    drawn = waterline.limited_answer(steep, ship, breadth, x, z, 4.0)
     beside, behind = np.abs(x) <= 2.0, (z < 16.0) & (z > 16.0 - 0.6 * length)
     most = speed**2 / (2.0 * GRAVITY)
     assert np.abs(drawn[np.ix_(beside, behind)]).max() < 1.2 * most
     np.testing.assert_allclose(drawn[np.abs(x) > 10.0], steep[np.abs(x) > 10.0], atol=1e-6)
-    low = wake.limited_answer(0.1 * most * steep / 2.5, ship, breadth, x, z, 4.0)
+    low = waterline.limited_answer(0.1 * most * steep / 2.5, ship, breadth, x, z, 4.0)
     np.testing.assert_allclose(low, 0.1 * most * steep / 2.5, rtol=0.01)

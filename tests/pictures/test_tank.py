@@ -3,6 +3,9 @@
 import numpy as np
 import pytest
 
+from ocean_sim.pictures.stage import opengl
+from ocean_sim.pictures.stage.camera import camera_looking
+from ocean_sim.pictures.stage.plotter import Stage
 from ocean_sim.pictures.water import tank_walls
 from ocean_sim.pictures.water.spray import floor_heights, flying_share
 from ocean_sim.pictures.water.tank import low_pass_weights, smooth_mesh
@@ -11,6 +14,8 @@ from ocean_sim.surface import Mesh, cell_triangles
 SPACING = 0.04  # [m] of particles; edges of a mesh are half as long
 BOX = (-1.0, -1.0, -1.0), (1.0, 1.0, 1.0)
 MOST = 0.4 * SPACING
+
+with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 
 
 def sheet(height) -> Mesh:
@@ -68,17 +73,20 @@ def test_water_over_air_flies_and_what_stands_on_the_bed_or_on_a_box_does_not():
     assert flying_share(pool + [0.0, 0.2, 0.0], np.zeros(len(pool)), SPACING).all()
 
 
+@with_opengl
 def test_bed_and_walls_of_a_tank_look_inwards_and_are_darker_where_they_meet():
     low, up = np.array([-1.0, -1.0, -0.5]), np.array([2.0, 0.2, 0.5])
-    whole = tank_walls.tank_panels(low, up)
-    assert len(whole) == 5 and not any(panel.axis == 1 and panel.inwards < 0.0 for panel in whole)  # it is open above
-    for panel in whole:
-        first, second = ((panel.axis + n) % 3 for n in (1, 2))
-        u, v = (np.linspace(low[k], up[k], 5) for k in (first, second))
-        points, faces = tank_walls.panel_sheet(panel, u, v, 0.01)
-        corners = points[faces]
-        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        assert (panel.inwards * normal[:, panel.axis] > 0.0).all()
-        np.testing.assert_allclose(panel.inwards * (panel.at - points[:, panel.axis]), 0.01)
-        bright = tank_walls.panel_light(points, panel, whole, 1.2).reshape(5, 5)
-        assert bright[0, 0] < bright[0, 2] < bright[2, 2] <= 1.2
+    stage = Stage((300, 120), camera_looking(np.array([0.5, 0.1, 6.0]), np.array([0.5, -0.4, 0.0])), 1)
+    panels = tank_walls.tank_panels(stage, low, up)
+    corners = panels.points[panels.regular_faces]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert ((0.5 * (low + up) - corners.mean(axis=1)) * normal).sum(axis=1).min() > 0.0
+    assert len(corners) == 10 and normal[:, 1].min() >= 0.0  # it is open above
+    tank_walls.add_panels(stage, low, up, 1.0)
+    tank_walls.add_ground(stage, low, up)
+    stage.render()
+    seen = stage.plotter.screenshot(None, return_img=True).astype(float).sum(axis=2)
+    stage.close()
+    column = seen[:, 150]
+    wall = column[column > 0.5 * column.max()]
+    assert len(wall) > 20 and wall.min() < 0.9 * wall.max()

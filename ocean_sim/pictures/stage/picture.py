@@ -148,21 +148,7 @@ class Picture:
         self.dome = self.plotter.add_mesh(dome, scalars="colour", rgb=True, lighting=False, smooth_shading=False)
         self.first_eye = camera.eye
         if camera.forward[1] > -0.9:
-            self.shadow()
-
-    def shadow(self) -> None:
-        """Add the soft shadow that the block of water casts on the ground, and lines on the ground."""
-        size, middle = self.upper - self.lower, 0.5 * (self.lower + self.upper)
-        centre = middle[0], self.lower[1] - 0.02 * size[1], middle[2]  # below a dry bed
-        plane = self.stage.pyvista.Plane(centre, (0.0, 1.0, 0.0), 5.0 * size[2], 5.0 * size[0], 160, 160)
-        away = np.asarray(plane.points, dtype=float) + 0.5 * size[1] * sky.SUN_DIRECTION
-        outside = np.maximum(0.0, np.maximum(self.lower - away, away - self.upper))[:, [0, 2]]
-        reach = 0.10 * max(size[0], size[2])
-        darkness = 0.5 * np.exp(-np.square(outside / reach).sum(axis=1))
-        ink = np.full((plane.n_points, 3), tank_walls.GROUND_LINE_COLOUR)
-        plane["colour"] = np.column_stack([ink, 255 * darkness]).astype(np.uint8)
-        self.plotter.add_mesh(plane, scalars="colour", rgba=True, lighting=False)
-        tank_walls.add_ground_lines(self.stage, self.lower, self.upper, self.lower[1] - 0.019 * size[1])
+            tank_walls.add_ground(self.stage, self.lower, self.upper)
 
     def draw(self, frame: Frame) -> np.ndarray:
         """Draw a frame; returns the picture (height, width, 3), 8-bit RGB."""

@@ -1,13 +1,15 @@
 """Bed and walls of a tank with lines on them, in soft light; walls between the eye and the tank are left out."""
 
-from collections.abc import Iterator
-from typing import NamedTuple
+import sys
+from typing import Any
 
 import numpy as np
 
 from ocean_sim.pictures.stage import sky
 from ocean_sim.pictures.stage.plotter import Stage
+from ocean_sim.pictures.water import water_glsl
 from ocean_sim.pictures.water.water_surface import round_up
+from ocean_sim.surface import sheet
 
 EDGE_COLOUR = "#eef3f6"
 ZONE_TINT = {"color": "#e8b23c", "opacity": 0.35}  # of bed and walls of an absorbing zone
@@ -16,80 +18,37 @@ PANEL_OFFSET = 0.004  # of a tank's height by which bed and walls are drawn outs
 PANEL_COLOUR = np.array([0.68, 0.74, 0.76])
 # Lines on it: [tank's depths] apart, breadth over that, and their light over its
 LINE_INTERVAL, LINE_BREADTH, LINE_LIGHT = 0.2, 0.03, 0.86
-PANEL_CELLS = 24  # along each side of a panel
 # Light that a panel lacks where another meets it, a third of it so many heights away
 NOOK_SHADE, NOOK_REACH = 0.25, 0.12
 # Lines on the ground, and how far they hide it at the block
-GROUND_LINE_COLOUR, GROUND_LINE_OPACITY = (8, 20, 30), 0.16
+GROUND_LINE_COLOUR, GROUND_LINE_OPACITY = np.array([0.031, 0.078, 0.118]), 0.16
 # Lines along the longer side of a block; of that side, how far around they fade away
 GROUND_LINES, GROUND_REACH = 12.0, 1.5
+SHADOW_DARKNESS, SHADOW_SOFTNESS = 0.5, 0.10  # of a block's shadow on the ground; how soft, of its longer side
+GROUND_DEPTH = 0.02  # of a block's height: how far the ground lies below it
 AMBIENT_LIGHT, SUN_LIGHT = 0.84, 0.26  # of light: from all sides, and the sun's on a panel that faces it
 
 
-class Panel(NamedTuple):
-    """Bed or wall of a tank: a rectangle normal to an axis, facing inwards."""
-
-    axis: int
-    at: float  # [m]
-    inwards: float  # 1 or -1, along the axis
-
-
-def tank_panels(low: np.ndarray, up: np.ndarray) -> list[Panel]:
-    """Bed and four walls of a tank between its corners `low` and `up` (3,) [m]."""
-    walls = [Panel(axis, end[axis], side) for axis in (0, 2) for end, side in ((low, 1.0), (up, -1.0))]
-    return [Panel(1, low[1], 1.0), *walls]
+def add_shaded(stage: Stage, mesh: Any, program: str, low: np.ndarray, up: np.ndarray, apart: float) -> Any:
+    """Add and return the actor of a PyVista mesh with point normals `nrm`, drawn by a shader `program` around the block
+    from `low` to `up`, with lines `apart` [m]."""
+    body = water_glsl.shader(program, sys.modules[__name__], sky)
+    textures = {"sky": water_glsl.make_texture(np.zeros((2, 2, 3), np.uint8))}  # which the common functions name
+    shaded = water_glsl.Shaded(mesh, body, "", textures, ("nrm",))
+    shaded.set(exposure=1.0, boxLow=low, boxHigh=up, apart=apart)
+    stage.plotter.add_actor(shaded.actor, reset_camera=False, render=False)
+    return shaded.actor
 
 
-def panel_sheet(panel: Panel, u: np.ndarray, v: np.ndarray, out: float) -> tuple[np.ndarray, np.ndarray]:
-    """Points (n, 3) [m] of a panel at all pairs of `u`, `v` [m] along its other two axes, moved outwards by `out` [m],
-    and quadrilaterals (m, 4) between them that face inwards."""
-    points = np.full((len(u) * len(v), 3), panel.at - panel.inwards * out)
-    along = np.meshgrid(u, v, indexing="ij")
-    for n, places in enumerate(along, 1):
-        points[:, (panel.axis + n) % 3] = places.ravel()
-    i, k = (number.ravel() for number in np.meshgrid(range(len(u) - 1), range(len(v) - 1), indexing="ij"))
-    first = i * len(v) + k
-    faces = np.stack([first, first + len(v), first + len(v) + 1, first + 1], axis=1)
-    return points, faces if panel.inwards > 0.0 else faces[:, ::-1]
-
-
-def panel_light(points: np.ndarray, panel: Panel, all_of_them: list[Panel], height: float) -> np.ndarray:
-    """Brightness (n,) of a panel at points (n, 3) [m], darker near the other panels; `height`: of the tank [m]."""
-    sunny = max(panel.inwards * float(sky.SUN_DIRECTION[panel.axis]), 0.0)
-    bright = np.full(len(points), AMBIENT_LIGHT + SUN_LIGHT * sunny)
-    for other in all_of_them:
-        if other.axis != panel.axis:
-            bright *= 1.0 - NOOK_SHADE * np.exp(-np.abs(points[:, other.axis] - other.at) / (NOOK_REACH * height))
-    return bright
-
-
-def line_sides(low: float, up: float, step: float) -> Iterator[np.ndarray]:
-    """Yield both edges (2,) [m] of each line to draw at a multiple of `step` [m] on an axis from `low` to `up` [m].
-    Lines are LINE_BREADTH steps wide."""
-    for at in step * np.arange(np.ceil(low / step), np.floor(up / step) + 1.0):
-        yield np.clip(at + 0.5 * LINE_BREADTH * step * np.array([-1.0, 1.0]), low, up)
-
-
-def join_sheets(sheets: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
-    """Join sheets, each of points (n, 3) [m] and quadrilaterals (m, 4), into one."""
-    begins = np.cumsum([0] + [len(points) for points, _ in sheets])
-    faces = [quads + begin for (_, quads), begin in zip(sheets, begins[:-1], strict=True)]
-    return np.concatenate([points for points, _ in sheets]).astype(np.float32), np.concatenate(faces)
-
-
-def add_ground_lines(stage: Stage, low: np.ndarray, up: np.ndarray, height: float) -> None:
-    """Add lines a round number of metres apart on the ground, at a height [m], around a block from `low` to `up`."""
-    longer, level = max(up[0] - low[0], up[2] - low[2]), Panel(1, height, 1.0)
-    reach, step = GROUND_REACH * longer, round_up(longer / GROUND_LINES)
-    first, last = low - reach, up + reach
-    x, z = (np.linspace(first[k], last[k], round(2 * GROUND_REACH + 1) * PANEL_CELLS) for k in (0, 2))
-    sheets = [panel_sheet(level, z, pair, 0.0) for pair in line_sides(first[0], last[0], step)]
-    sheets += [panel_sheet(level, pair, x, 0.0) for pair in line_sides(first[2], last[2], step)]
-    points, faces = join_sheets(sheets)
-    away = np.maximum(0.0, np.maximum(low - points, points - up))[:, [0, 2]]
-    left = GROUND_LINE_OPACITY * np.square(np.maximum(1.0 - np.hypot(*away.T) / reach, 0.0))
-    colours = np.column_stack([np.full((len(points), 3), GROUND_LINE_COLOUR), 255.0 * left]).astype(np.uint8)
-    stage.add(points, faces, colours)
+def add_ground(stage: Stage, low: np.ndarray, up: np.ndarray) -> None:
+    """Add the soft shadow that a block from `low` to `up` [m] casts on the ground, and lines a round number of metres
+    apart around it."""
+    longer = max(up[0] - low[0], up[2] - low[2])
+    reach = GROUND_REACH * longer
+    x, z = (np.array([low[k] - reach, up[k] + reach]) for k in (0, 2))
+    ground = sheet(x, z, np.full((2, 2), low[1] - GROUND_DEPTH * (up[1] - low[1])))  # below a dry bed
+    plane = stage.mesh(ground.vertices, ground.triangles, nrm=ground.normals)
+    add_shaded(stage, plane, "tank_ground", low, up, round_up(longer / GROUND_LINES)).ForceTranslucentOn()
 
 
 def add_edges(stage: Stage, low: np.ndarray, top: np.ndarray, zones: np.ndarray) -> None:
@@ -100,24 +59,18 @@ def add_edges(stage: Stage, low: np.ndarray, top: np.ndarray, zones: np.ndarray)
         stage.plotter.add_mesh(stage.pyvista.Box(zone.T.ravel()), culling="front", lighting=False, **ZONE_TINT)
 
 
+def tank_panels(stage: Stage, low: np.ndarray, top: np.ndarray) -> Any:
+    """Bed and four walls, facing inwards, of a tank from `low` to `top` [m]: a PyVista mesh with point normals."""
+    box = stage.pyvista.Box(np.stack([low, top], axis=1).ravel(), quads=False)
+    panels = box.compute_normals(split_vertices=True, flip_normals=True)
+    there = panels.cell_data["Normals"][:, 1] > -0.5  # not the lid
+    return stage.mesh(panels.points, panels.regular_faces[there], nrm=panels.point_data["Normals"])
+
+
 def add_panels(stage: Stage, low: np.ndarray, top: np.ndarray, depth: float) -> None:
     """Add bed and walls of a tank from `low` to `top` [m], with lines at a round distance that suits the depth [m]."""
-    below, step = PANEL_OFFSET * (top[1] - low[1]), round_up(LINE_INTERVAL * depth)
-    whole = tank_panels(low, top)
-    sheets: list[tuple[np.ndarray, np.ndarray]] = []
-    bright: list[np.ndarray] = []
-
-    def add(panel: Panel, u: np.ndarray, v: np.ndarray, out: float, share: float) -> None:
-        sheets.append(panel_sheet(panel, u, v, out))
-        bright.append(share * panel_light(sheets[-1][0], panel, whole, top[1] - low[1]))
-
-    for panel in whole:
-        a, b = ((panel.axis + n) % 3 for n in (1, 2))
-        even = [np.linspace(low[k], top[k], PANEL_CELLS + 1) for k in range(3)]
-        add(panel, even[a], even[b], below, 1.0)
-        for pair in line_sides(low[a], top[a], step):
-            add(panel, pair, even[b], 0.5 * below, LINE_LIGHT)
-        for pair in line_sides(low[b], top[b], step):
-            add(panel, even[a], pair, 0.5 * below, LINE_LIGHT)
-    colour = np.clip(255.0 * np.concatenate(bright)[:, None] * PANEL_COLOUR, 0.0, 255.0)
-    stage.add(*join_sheets(sheets), colour.astype(np.uint8), culling="back")
+    outside = PANEL_OFFSET * (top[1] - low[1])
+    low, top = low - outside, top + outside * np.array([1.0, 0.0, 1.0])
+    panels = tank_panels(stage, low, top)
+    actor = add_shaded(stage, panels, "tank_panel", low, top, round_up(LINE_INTERVAL * depth))
+    actor.GetProperty().BackfaceCullingOn()

@@ -16,24 +16,11 @@ SAMPLER_DISTANCE = 1.4  # distance that VTK's sampler is given over that within 
 MIRROR_NEAR = 0.1  # [m] before the mirrored eye
 
 
-class DrawnShip:
-    """Ship in a picture of a tank, with the light of sun and sky in its corners' colours; moved from frame to frame."""
-
-    def __init__(self, stage: Stage, model: ShipModel) -> None:
-        self.model, (points, colours) = model, model.placed(np.zeros(3), np.eye(3))
-        self.shape = stage.add(points, np.arange(len(points)).reshape(-1, 3), colours, smooth_shading=False)
-
-    def show(self, position: np.ndarray, turn: np.ndarray, eye: np.ndarray) -> None:
-        """Move the ship's centre of mass to a position (3,) [m]; `turn`: (3, 3) from body to world; `eye`: unused."""
-        points, self.shape["colour"] = self.model.placed(position, turn)
-        self.shape.points = points.astype(np.float32)
-
-
 class ShadedShip:
-    """Ship in a picture of a sea, shaded at each pixel in the light of sun and sky; moved from frame to frame."""
+    """Ship in a picture, shaded at each pixel in the light of sun and sky; moved from frame to frame."""
 
-    def __init__(self, stage: Stage, model: ShipModel, sky: Sky, above: dict[str, Any]) -> None:
-        """`above`: textures of the sky, by the names of their samplers in the shader."""
+    def __init__(self, stage: Stage, model: ShipModel, sky: Sky, above: dict[str, Any], hazy: bool) -> None:
+        """`above`: textures of the sky, by the names of their samplers in the shader; `hazy`: True for haze."""
         mesh = model.mesh
         self.sky, self.corners, self.normals = sky, mesh.corners.reshape(-1, 3), mesh.normals.reshape(-1, 3)
         gloss, seen = np.repeat(mesh.gloss, 3), ship_glsl.sky_shares(self.corners, self.normals)
@@ -46,7 +33,9 @@ class ShadedShip:
         textures = above | {"shade": self.map}
         program = ship_glsl.SHIP_PROGRAM, ship_glsl.SHIP_FUNCTIONS
         self.shaded = water_glsl.Shaded(shape, *program, textures, ship_glsl.SHIP_TRAITS)
-        self.shaded.set(exposure=SEA_EXPOSURE, fogReach=FOG_DISTANCE, useFog=1.0, **water_glsl.sky_uniforms(sky))
+        self.shaded.set(
+            exposure=SEA_EXPOSURE, fogReach=FOG_DISTANCE, useFog=float(hazy), **water_glsl.sky_uniforms(sky)
+        )
         stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
 
     def show(self, position: np.ndarray, turn: np.ndarray, eye: np.ndarray) -> None:

@@ -1,6 +1,6 @@
 """Pictures of a run, one after another: sky, water, ships, text."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from ocean_sim.parts import key_of
 from ocean_sim.pictures.frame_files import FREEBOARD_SHARE, Frame, FrameLog, kept_ground, ship_keys
-from ocean_sim.pictures.ships.ship import DrawnShip, ShadedShip
+from ocean_sim.pictures.ships.ship import ShadedShip
 from ocean_sim.pictures.ships.ship_model import kept_model
 from ocean_sim.pictures.stage import overlays, sky
 from ocean_sim.pictures.stage.camera import Camera, Operator, Vessel
@@ -18,7 +18,7 @@ from ocean_sim.pictures.stage.plotter import Content, Stage
 from ocean_sim.pictures.stage.render_order import Order, RenderFailed
 from ocean_sim.pictures.stage.streaks import Streaks
 from ocean_sim.pictures.stage.wind_marks import WindMarks, arrow_legend
-from ocean_sim.pictures.water import far_sea, sea_state, tank_walls
+from ocean_sim.pictures.water import far_sea, sea_state, tank_walls, water_glsl
 from ocean_sim.pictures.water.sea import Sea
 from ocean_sim.pictures.water.water_shading import TANK_EXPOSURE, display_colours
 from ocean_sim.pictures.water.water_surface import SURFACE_NODES, Water
@@ -108,11 +108,11 @@ class Picture:
         if in_tank:
             tank_walls.add_edges(stage, *walls, grid.get("zones", NO_BOXES))
         self.obstacles = Obstacles(stage, grid, *walls)
-        self.ships: Mapping[str, DrawnShip | ShadedShip] = (
-            self.content.add_ships(models)
-            if isinstance(self.content, Sea)
-            else {key: DrawnShip(stage, model) for key, model in models.items()}
-        )
+        if isinstance(self.content, Sea):
+            self.ships = self.content.add_ships(models)
+        else:
+            above = water_glsl.sky_textures(over)
+            self.ships = {key: ShadedShip(stage, model, over, above, False) for key, model in models.items()}
         self.outline = overlays.Outline(stage, grid["lower"], grid["upper"]) if order.outline else None
         self.wind = WindMarks(stage, grid["lower"], grid["upper"]) if order.wind else None
         self.aim()

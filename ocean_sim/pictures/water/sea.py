@@ -227,7 +227,7 @@ class Sea(Content):
     def add_ships(self, models: dict[str, ShipModel]) -> dict[str, ShadedShip]:
         """Add the ships, lit by this sky, then the water that mirrors them, and the sky to the picture; returns the
         ships. Nearer objects come first, so that hidden pixels are not shaded."""
-        ships = {key: ShadedShip(self.stage, model, self.sky, self.above) for key, model in models.items()}
+        ships = {key: ShadedShip(self.stage, model, self.sky, self.above, True) for key, model in models.items()}
         self.ships = [*ships.values()]
         for part in (self.near, self.far, self.dome.shaded):
             self.stage.plotter.add_actor(part.actor, reset_camera=False, render=False)

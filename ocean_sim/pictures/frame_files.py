@@ -72,21 +72,18 @@ class Frame:
             self.foam = np.max(foam, axis=0) if foam else None  # share that is white, finer
             self.carried = file["carried"].astype(np.float64) if "carried" in file else None  # its grain, x, z [m]
             self.cover = float(file["cover"]) if "cover" in file else None  # share of the sea that is to be white
-            self.drops = file["drops"].astype(np.float64) if "drops" in file else np.zeros((0, 9))  # see `Spray`
-            self.origin = file["origin"].astype(np.float64) if "origin" in file else np.zeros(2)  # of all these [m]
-            self.position = file["position"] if "position" in file else None
-            self.velocity = file["velocity"] if "velocity" in file else None
-            self.id = file["id"] if "id" in file else None  # of the particles
+            self.drops = file.get("drops", np.zeros((0, 9))).astype(np.float64)  # see `Spray`
+            self.origin = file.get("origin", np.zeros(2)).astype(np.float64)  # of all these [m]
+            self.position, self.velocity, self.id = (file.get(name) for name in ("position", "velocity", "id"))
             self.ships = {key: (file[f"{key}_position"], file[f"{key}_turn"]) for key in ship_keys(file, "_turn")}
-            self.gates = file["gates"].astype(np.float64) if "gates" in file else np.zeros((0, 2, 3))
-            self.plate_way = file["plate_way"] if "plate_way" in file else np.zeros(3)  # of a wavemaker [m]
-            self.moving_meshes = file["moving_meshes"] if "moving_meshes" in file else np.zeros((0, 3, 3))
+            self.gates = file.get("gates", np.zeros((0, 2, 3))).astype(np.float64)
+            self.plate_way = file.get("plate_way", np.zeros(3))  # of a wavemaker [m]
+            self.moving_meshes = file.get("moving_meshes", np.zeros((0, 3, 3)))
             empty = (("lines", (0, 2, 3)), ("tails", (0, 3)), ("arrows", (0, 3)))
-            self.wind_lines, self.wind_tails, self.wind_arrows = (  # as in `wind.Drawing`
-                file[f"wind_{name}"] if f"wind_{name}" in file else np.zeros(shape) for name, shape in empty
-            )
-            self.wind_strongest = float(file["wind_strongest"]) if "wind_strongest" in file else 0.0
-            self.wind_unit = str(file["wind_unit"]) if "wind_unit" in file else ""
+            drawing = (file.get(f"wind_{name}", np.zeros(shape)) for name, shape in empty)
+            self.wind_lines, self.wind_tails, self.wind_arrows = drawing  # as in `wind.Drawing`
+            self.wind_strongest = float(file.get("wind_strongest", np.zeros(())))
+            self.wind_unit = str(file.get("wind_unit", np.array("")))
             self.mesh = [file[name] for name in ("vertices", "triangles", "normals")] if "vertices" in file else None
 
     @property

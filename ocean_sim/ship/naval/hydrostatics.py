@@ -8,7 +8,6 @@ surface the integral of f(x, z) n_y is 0, so over the waterplane, where n_y = 1,
 other sign; with heights from the waterplane, volume and its moment are the integrals of y n_y and y^2 n_y / 2 (Gauss).
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 from math import inf, pi, radians, sin, sqrt
@@ -28,7 +27,6 @@ SMALL_TURN = 0.5  # [deg] heel and trim at which metacentric heights are taken
 LEVER_HEELS = (5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0)  # [deg]
 VOLUME_ROUNDING = 1.0e-11  # of a hull's volume: many times what the order of a sum over its cubes changes
 LEVEL_ROUNDING = 1e-13  # of a hull's height
-MAX_LEVEL_STEPS = 100
 BLUNT_AREA = 0.1  # of the greatest area, of a slice at an end
 BOW_SINKAGE = 2.4  # for merchant ships in open shallow water (ICORELS 1980)
 
@@ -245,6 +243,8 @@ class Wet(NamedTuple):
 
 def metacentric_heights(shape: SolidShape, still: Hydrostatics) -> tuple[float, float] | None:
     """GM across and along [m] of a hull upright in still water; None if its faces only approximate it, or it sinks."""
+    from scipy.optimize import brentq
+
     if shape.rounded:
         return None
     vertices, triangles = drawn_mesh(shape)
@@ -253,27 +253,13 @@ def metacentric_heights(shape: SolidShape, still: Hydrostatics) -> tuple[float, 
     low, high = float(faces[..., 1].min()), float(faces[..., 1].max())
     if still.needed_volume >= wet_under(high).volume:
         return None
-    level, wet = float_level(wet_under, still.needed_volume, low, high)
+    rounding = LEVEL_ROUNDING * (high - low)
+    level = float(brentq(lambda y: wet_under(y).volume - still.needed_volume, low, high, xtol=rounding))
+    wet = wet_under(level)
     about_middle = wet.second - wet.first**2 / wet.area
     km = level + (wet.below + about_middle) / wet.volume
     across, along = km - still.matter.centre[1] - np.array(still.free_surface_loss)
     return float(across), float(along)
-
-
-def float_level(wet_under: Callable[[float], Wet], needed: float, low: float, high: float) -> tuple[float, Wet]:
-    """Water level [m] from `low` to `high` under which the volume is `needed` [m3], and the wet part there, by Newton's
-    method or bisection; `wet_under`: function from level to wet part."""
-    level, last = 0.5 * (low + high), LEVEL_ROUNDING * (high - low)
-    for _ in range(MAX_LEVEL_STEPS):
-        wet = wet_under(level)
-        excess = wet.volume - needed
-        low, high = (low, level) if excess > 0.0 else (level, high)
-        step = excess / wet.area if wet.area > 0.0 else np.inf
-        new = level - step if low < level - step < high else 0.5 * (low + high)
-        if abs(new - level) <= last:
-            break
-        level = new
-    return level, wet
 
 
 def wet_part(faces: np.ndarray, level: float) -> Wet:

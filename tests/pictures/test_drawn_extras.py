@@ -9,6 +9,8 @@ import trimesh
 
 from ocean_sim.observers import frames, render
 from ocean_sim.pictures.stage import opengl, wind_marks
+from ocean_sim.pictures.stage.camera import camera_looking
+from ocean_sim.pictures.stage.plotter import Stage
 from ocean_sim.pictures.water import water_shading
 from ocean_sim.wind import Drawing
 from ocean_sim.wind.gusts import joined
@@ -17,14 +19,23 @@ from ocean_sim.wind.shared import place
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 
 
+@with_opengl
 def test_the_volumes_of_a_wind_are_told_apart_by_their_lines():
     box = place.Core(half=(1.0, 2.0, 3.0), radius=0.0, yaw=0.3, centre=np.zeros(3)).edges()
     lines = np.concatenate([box, box + [20.0, 0.0, 0.0]])[np.random.default_rng(1).permutation(24)]
-    found = wind_marks.connected_parts(lines)
-    assert sorted(len(part) for part in found) == [12, 12] and wind_marks.connected_parts(lines[:0]) == []
-    outline = wind_marks.convex_outline(found[0].reshape(-1, 3)[:, [0, 2]])
-    sides = np.linalg.norm(outline - np.roll(outline, 1, axis=0), axis=1)
-    np.testing.assert_allclose(np.sort(sides), [2.0, 2.0, 6.0, 6.0], atol=1e-9)
+    stage = Stage((64, 64), camera_looking(np.array([0.0, 9.0, 60.0]), np.zeros(3)), 1)
+    marks = wind_marks.WindMarks(stage, np.full(3, -20.0), np.full(3, 20.0))
+    marks.show_volumes(lines, 0.0)
+    edges, walls = (stage.plotter.actors[name].mapper.dataset for name in ("edges of volumes", "volumes"))
+    rings = edges.points[edges.lines.reshape(2, 6)[:, 1:]]  # each ends where it begins
+    for ring in rings:
+        sides = np.linalg.norm(np.diff(ring, axis=0), axis=1)
+        np.testing.assert_allclose(np.sort(sides), [2.0, 2.0, 6.0, 6.0], atol=1e-5)
+    assert np.ptp(rings.mean(axis=1)[:, 0]) == pytest.approx(20.0, abs=4.0)
+    assert walls.bounds[2:4] == pytest.approx((-0.2 * 40.0, 0.10 * 40.0))
+    marks.show_volumes(lines[:0], 0.0)
+    assert "volumes" not in stage.plotter.actors
+    stage.close()
 
 
 def blown(arrows: list[float], strongest: float, unit: str):

@@ -57,33 +57,27 @@ class WindMarks:
 
     def show_volumes(self, lines: np.ndarray, crest: float) -> None:
         """Draw walls over outlines of wind volumes, `lines` (n, 2, 3) [m]; on a map, outlines at height `crest` [m]."""
+        from scipy.spatial import ConvexHull
+
         plotter, pyvista = self.stage.plotter, self.stage.pyvista
-        on_map = self.stage.camera.from_above
-        faces, ends = [], []
-        for part in connected_parts(lines):
-            outline = convex_outline(part.reshape(-1, 3)[:, [0, 2]])
-            low, high = MIN_VOLUME_HEIGHT * self.length, MAX_VOLUME_HEIGHT * self.length
-            top = crest if on_map else float(np.clip(part[..., 1].max(), low, high))
-            over = np.insert(outline, 1, top, axis=1)
-            under = np.insert(outline, 1, -VOLUME_DEPTH * self.length, axis=1)
-            after = np.roll(over, -1, axis=0)
-            ends.append(np.stack([over, after], axis=1))
-            faces.append(np.stack([under, np.roll(under, -1, axis=0), after, over], axis=1))
         for name in ("volumes", "edges of volumes"):
             plotter.remove_actor(name, render=False)
-        if not faces:
+        if not len(lines):
             return
+        on_map = self.stage.camera.from_above
+        low, high = MIN_VOLUME_HEIGHT * self.length, MAX_VOLUME_HEIGHT * self.length
+        walls, edges = pyvista.PolyData(), pyvista.PolyData()
+        for volume in pyvista.line_segments_from_points(lines.reshape(-1, 3)).clean().split_bodies():
+            plan = volume.points[:, [0, 2]]
+            around = ConvexHull(plan).vertices
+            top = crest if on_map else float(np.clip(volume.points[:, 1].max(), low, high))
+            ring = pyvista.MultipleLines(np.insert(plan[[*around, around[0]]], 1, top, axis=1))
+            walls += ring.extrude((0.0, -VOLUME_DEPTH * self.length - top, 0.0), capping=False)
+            edges += ring
         shown = {"lighting": False, "reset_camera": False, "render": False, "color": VOLUME_COLOUR}
         if not on_map:
-            points = np.concatenate(faces).reshape(-1, 3).astype(np.float32)
-            made = pyvista.PolyData.from_regular_faces(points, np.arange(len(points)).reshape(-1, 4))
-            plotter.add_mesh(made, opacity=VOLUME_OPACITY, name="volumes", **shown)
-        plotter.add_mesh(
-            pyvista.line_segments_from_points(np.concatenate(ends).reshape(-1, 3).astype(np.float32)),
-            line_width=3.0 * self.stage.samples,
-            name="edges of volumes",
-            **shown,
-        )
+            plotter.add_mesh(walls, opacity=VOLUME_OPACITY, name="volumes", **shown)
+        plotter.add_mesh(edges, line_width=3.0 * self.stage.samples, name="edges of volumes", **shown)
 
 
 def arrow_legend(frame: Frame, length: float) -> tuple[float, str]:
@@ -95,25 +89,3 @@ def arrow_legend(frame: Frame, length: float) -> tuple[float, str]:
         return 0.0, "wind"
     value, unit = round_down(frame.wind_strongest), frame.wind_unit
     return MAX_ARROW * length * value / frame.wind_strongest, f"{ARROW_TITLES.get(unit, 'wind')}, {value:g} {unit}"
-
-
-def connected_parts(lines: np.ndarray) -> list[np.ndarray]:
-    """Groups of line segments (n, 2, 3) [m], each connected by shared ends."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    if not len(lines):
-        return []
-    _, ends = np.unique(np.round(lines.reshape(-1, 3), 3), axis=0, return_inverse=True)
-    ends = ends.reshape(-1, 2)
-    many = int(ends.max()) + 1
-    linked = coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(many, many))
-    _, number = connected_components(linked, directed=False)
-    return [lines[number[ends[:, 0]] == k] for k in np.unique(number)]
-
-
-def convex_outline(points: np.ndarray) -> np.ndarray:
-    """Corners (m, 2) of the convex hull of points (n, 2), in anticlockwise order."""
-    from scipy.spatial import ConvexHull
-
-    return points[ConvexHull(points).vertices]

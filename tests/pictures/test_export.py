@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import trimesh
 from scipy.interpolate import RegularGridInterpolator
 from scipy.ndimage import map_coordinates
 
@@ -333,7 +334,7 @@ def voyage(folder, answers):
     box = np.array([[x, y, z] for x in (-2.0, 2.0) for y in (-1.0, 2.0) for z in (-7.5, 7.5)])
     low = {"lower": np.array([-20.5, -9.0, -40.5]), "upper": np.array([20.5, 0.0, 40.5]), "depth": 9.0}
     low |= {"spacing": 1.0, "every": 0.5, "has_surface": True} | ({"sea_answers": True} if answers else {})
-    ship = {"ship_vertices": box, "ship_triangles": scene_file.BOX_TRIANGLES, "ship_still_water": np.eye(4)[1]}
+    ship = {"ship_vertices": box, "ship_triangles": trimesh.creation.box().faces, "ship_still_water": np.eye(4)[1]}
     ship |= {"ship_look": "box", "ship_helm": np.zeros(0)}
     np.savez(folder / "frames" / "grid.npz", x=x, z=z, obstacles=np.zeros((0, 2, 3)), **low, **ship)
     for k in range(7):

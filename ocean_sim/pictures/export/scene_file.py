@@ -3,7 +3,6 @@ velocity, wakes, the ships' own waves and foam along their hulls, moving ships, 
 
 from collections.abc import Iterator
 from errno import EIO
-from itertools import product
 from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
@@ -27,11 +26,6 @@ from ocean_sim.surface import Mesh, cell_triangles
 # Linear RGB of water and of its foam
 WATER_COLOUR, FOAM_COLOUR = np.array([0.010, 0.060, 0.090]), np.array([0.75, 0.80, 0.82])
 STONE_COLOUR = np.array([0.16, 0.15, 0.14])  # linear RGB of what stands in the water
-# Triangles of a box whose corners count x, then y, then z, seen from outside.
-BOX_TRIANGLES = np.array(
-    [[0, 1, 3], [0, 3, 2], [4, 7, 5], [4, 6, 7], [0, 4, 5], [0, 5, 1]]
-    + [[2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
-)
 NEAREST_PARTICLES = 6  # particles that tell the velocity of a surface with an underside
 Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # from our axes, y up
 
@@ -202,8 +196,10 @@ def ship_models(grid: dict[str, np.ndarray]) -> dict[str, ShipModel]:
 
 def box_mesh(boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Corners (8 k, 3) [m] and triangles (12 k, 3) of k boxes, given by lower and upper corners (k, 2, 3) [m]."""
-    points = [[box[i, 0], box[j, 1], box[k, 2]] for box in boxes for i, j, k in product((0, 1), repeat=3)]
-    faces = [BOX_TRIANGLES + 8 * n for n in range(len(boxes))]
+    from trimesh.creation import box
+
+    shapes = [box(bounds=ends) for ends in boxes]
+    points, faces = [shape.vertices for shape in shapes], [shape.faces + 8 * n for n, shape in enumerate(shapes)]
     return np.array(points, np.float32).reshape(-1, 3), np.array(faces, int).reshape(-1, 3)
 
 

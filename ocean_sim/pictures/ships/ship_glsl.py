@@ -25,11 +25,6 @@ SHIP_FUNCTIONS = FOG_FUNCTIONS + SHADOW_FUNCTIONS + shader("ship_functions", sys
 SHIP_PROGRAM = shader("ship", sky, sys.modules[__name__])
 
 
-def shadow_program(k: int) -> str:
-    """GLSL program of the shadow that ship k casts on the water; one texture holds the shadow maps of all ships."""
-    return shader("sea_shadow", sys.modules[__name__], k=k)
-
-
 class ShadowMap:
     """Shadow map of a ship: how far each of her sunlit points lies towards the sun, as an image seen from the sun."""
 

@@ -27,8 +27,7 @@ class Streaks:
         """Add the mesh of the spray to a `stage`. `sky`: whose light drops scatter; `exposure`: factor on light."""
         self.stage = stage
         program = water_glsl.shader("streaks", sys.modules[__name__])
-        textures = {"sky": water_glsl.make_texture(np.zeros((2, 2, 3), np.uint8))}  # which the common functions name
-        self.shaded = water_glsl.Shaded(stage.pyvista.PolyData(), program, "", textures, STREAK_TRAITS)
+        self.shaded = water_glsl.Shaded(stage.pyvista.PolyData(), program, "", {}, STREAK_TRAITS)
         self.shaded.set(exposure=exposure, **water_glsl.sky_uniforms(sky))
         self.shaded.actor.ForceTranslucentOn()
         stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)

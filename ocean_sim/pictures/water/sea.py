@@ -181,7 +181,7 @@ class Sea(Content):
         self.shadow = np.zeros((max(len(self.hulls), 1), pixels, pixels, 3), np.float32)  # [m]
         self.shadows = water_glsl.make_texture(self.shadow.reshape(-1, ship_glsl.SHADOW_PIXELS, 3))
         textures = self.above | {"hull": self.gaps, "mirror": self.mirrored, "shade": self.shadows}
-        dark = "".join(ship_glsl.shadow_program(k) for k in range(len(self.hulls)))
+        dark = "".join(water_glsl.shader("sea_shadow", ship_glsl, k=k) for k in range(len(self.hulls)))
         body = water_glsl.water_program(len(self.hulls), "carW.xz", dark)
         functions = water_glsl.WATER_FUNCTIONS + ship_glsl.SHADOW_FUNCTIONS
         level = sheet(self.surface.x, self.surface.z, np.zeros(self.surface.share.shape))

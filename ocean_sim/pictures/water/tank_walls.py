@@ -33,8 +33,7 @@ def add_shaded(stage: Stage, mesh: Any, program: str, low: np.ndarray, up: np.nd
     """Add and return the actor of a PyVista mesh with point normals `nrm`, drawn by a shader `program` around the block
     from `low` to `up`, with lines `apart` [m]."""
     body = water_glsl.shader(program, sys.modules[__name__], sky)
-    textures = {"sky": water_glsl.make_texture(np.zeros((2, 2, 3), np.uint8))}  # which the common functions name
-    shaded = water_glsl.Shaded(mesh, body, "", textures, ("nrm",))
+    shaded = water_glsl.Shaded(mesh, body, "", {}, ("nrm",))
     shaded.set(exposure=1.0, boxLow=low, boxHigh=up, apart=apart)
     stage.plotter.add_actor(shaded.actor, reset_camera=False, render=False)
     return shaded.actor

@@ -16,6 +16,7 @@ from ocean_sim.files.input_file import Unreadable, size_of
 from ocean_sim.parts import key_of
 from ocean_sim.pictures.stage.camera import Track
 from ocean_sim.pictures.water.foam import read_cells
+from ocean_sim.surface import Mesh
 
 if TYPE_CHECKING:
     from ocean_sim.basin import Basin
@@ -94,10 +95,7 @@ class Frame:
     @property
     def folds(self) -> bool:
         """True if the surface mesh folds over: some triangle does not face up, so a point x, z has several heights."""
-        if self.mesh is None:
-            return False
-        a, b, c = (self.mesh[0][self.mesh[1][:, k]] for k in range(3))
-        return bool((np.cross(b - a, c - a)[:, 1] <= 0.0).any())
+        return self.mesh is not None and bool((Mesh(*self.mesh).vector_areas[:, 1] <= 0.0).any())
 
 
 def read_elevation(path: Path) -> np.ndarray:

@@ -21,7 +21,7 @@ from ocean_sim.pictures.stage.obstacles import SAND_COLOUR
 from ocean_sim.pictures.water.foam import cell_means, read_cells
 from ocean_sim.pictures.water.sea_state import is_open_sea, run_scene
 from ocean_sim.pictures.water.waterline import Hull, WettedHull, kelvin_height, limited_answer
-from ocean_sim.surface import Mesh, cell_triangles
+from ocean_sim.surface import Mesh, sheet
 
 # Linear RGB of water and of its foam
 WATER_COLOUR, FOAM_COLOUR = np.array([0.010, 0.060, 0.090]), np.array([0.75, 0.80, 0.82])
@@ -138,13 +138,12 @@ def read_shot(frame: Path, grid: dict[str, np.ndarray], wakes: RunWakes) -> Expo
         elif "velocity" in data:
             fields["velocity"] = values_beside(points, data["position"], data["velocity"]).astype(np.float32)
     else:
-        x, z = np.meshgrid(grid["x"], grid["z"], indexing="ij")
         dx, dz = data.get("origin", np.zeros(2))
-        points = np.stack([x + dx, data["elevation"], z + dz], axis=-1).reshape(-1, 3).astype(np.float32)
-        faces = cell_triangles(*x.shape)
+        level = sheet(grid["x"] + dx, grid["z"] + dz, data["elevation"])
+        points, faces = level.vertices.astype(np.float32), level.triangles
         fields["Normals"] = surface_normals(points, faces)
         if "foam" in data:
-            fields["foam"] = cell_means(data["foam"], x.shape).ravel().astype(np.float32)
+            fields["foam"] = cell_means(data["foam"], data["elevation"].shape).ravel().astype(np.float32)
         if "surface_velocity" in data:
             fields["velocity"] = data["surface_velocity"].reshape(-1, 3).astype(np.float32)
     ships = {key: (data[f"{key}_position"], data[f"{key}_turn"]) for key in ship_keys(data, "_turn")}

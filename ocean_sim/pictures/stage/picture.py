@@ -99,20 +99,18 @@ class Picture:
             self.content = tank.Shell(stage, grid, self.upper, order.foam)
         else:
             self.content = Water(stage, grid, SURFACE_NODES[order.quality])
-        over, exposure = (
-            (sky.clear_sky_image(), TANK_EXPOSURE) if not isinstance(self.content, Sea) else self.content.look
-        )
-        self.streaks = Streaks(stage, over, exposure) if order.foam and not order.particles else None
         if ground is not None:
             stage.add(*sand_mesh(ground, float(grid["spacing"])), culling="back")
         if in_tank:
             tank_walls.add_edges(stage, *walls, grid.get("zones", NO_BOXES))
         self.obstacles = Obstacles(stage, grid, *walls)
         if isinstance(self.content, Sea):
-            self.ships = self.content.add_ships(models)
+            self.ships, (over, exposure) = self.content.add_ships(models), self.content.look
         else:
+            over, exposure = sky.clear_sky_image(), TANK_EXPOSURE
             above = water_glsl.sky_textures(over)
             self.ships = {key: ShadedShip(stage, model, over, above, False) for key, model in models.items()}
+        self.streaks = Streaks(stage, over, exposure) if order.foam and not order.particles else None
         self.outline = overlays.Outline(stage, grid["lower"], grid["upper"]) if order.outline else None
         self.wind = WindMarks(stage, grid["lower"], grid["upper"]) if order.wind else None
         self.aim()

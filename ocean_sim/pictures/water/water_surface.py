@@ -28,13 +28,12 @@ class Water(Content):
         self.surface = stage.add(points, self.mesh.surface_triangles, np.zeros(points.shape, np.uint8))
 
     def show(self, frame: Frame) -> None:
-        eye = self.stage.camera.eye
+        camera, eye = self.stage.camera, self.stage.camera.eye
         points, normals = self.mesh.surface(frame.elevation)
         points += frame.place
         self.most = round_up(max(2.5 * float(frame.elevation.std()), self.scale))
         height = np.clip(points[:, 1] / self.most, -1.0, 1.0)
         self.surface.points = points.astype(np.float32)
-        camera = self.stage.camera
         on_map = camera.parallel_height is not None or camera.from_above
         light = relief_light(normals, height) if on_map else surface_light(points, normals, height, eye)
         self.surface["colour"] = display_colours(light)

@@ -162,12 +162,7 @@ class Picture:
         if self.wind is not None:
             self.wind.show(frame, self.heights_at(frame, frame.wind_tails[:, [0, 2]].astype(float)))
         self.stage.render()
-        image = sample_means(self.plotter.screenshot(None, return_img=True), self.stage.samples)
-        return np.asarray(self.marked(image, frame).image)
-
-    def marked(self, image: np.ndarray, frame: Frame) -> overlays.Overlay:
-        """Picture (height, width, 3) of a frame with its time, scale bars and legends."""
-        over = overlays.Overlay(image)
+        over = overlays.Overlay(sample_means(self.plotter.screenshot(None, return_img=True), self.stage.samples))
         if self.order.caption:
             over.write(f"t = {frame.time:.2f} s", 17, over.low - 14)
         if self.order.scale_bar:
@@ -179,7 +174,7 @@ class Picture:
                 over.arrow_bar(round(length * each), text)
             if isinstance(self.content, Water) and self.stage.camera.from_above:
                 over.height_bar(self.content.most)
-        return over
+        return np.asarray(over.image)
 
     def heights_at(self, frame: Frame, positions: np.ndarray) -> np.ndarray:
         """Drawn water heights (n,) [m] at positions x, z (n, 2) [m]; in a tank those of the nearest grid points."""

@@ -33,9 +33,7 @@ class ShadedShip:
         textures = above | {"shade": self.map}
         program = ship_glsl.SHIP_PROGRAM, ship_glsl.SHIP_FUNCTIONS
         self.shaded = water_glsl.Shaded(shape, *program, textures, ship_glsl.SHIP_TRAITS)
-        self.shaded.set(
-            exposure=SEA_EXPOSURE, fogReach=FOG_DISTANCE, useFog=float(hazy), **water_glsl.sky_uniforms(sky)
-        )
+        self.shaded.set(exposure=SEA_EXPOSURE, fogReach=FOG_DISTANCE, useFog=hazy, **water_glsl.sky_uniforms(sky))
         stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
 
     def show(self, position: np.ndarray, turn: np.ndarray, eye: np.ndarray) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from ocean_sim.pictures.stage.plotter import Stage
 from ocean_sim.pictures.water import water_shading
 
-INK_COLOUR, PAPER_COLOUR, LETTER_SIZE = (238, 243, 246), (8, 23, 33, 140), 17  # of words; of the ground; [pixels]
+INK_COLOUR, PAPER_COLOUR, LETTER_SIZE = (238, 243, 246), (8, 23, 33, 140), 16  # of words; of the ground; [pixels]
 OUTLINE_COLOUR = "#ffb347"
 OUTLINE_HEIGHT = 0.0015  # of the basin's length: how far the outline stands over the water, so that it is seen
 HEIGHT_TITLE = "height of\nthe water"
@@ -30,10 +30,12 @@ class Overlay:
 
     def __init__(self, picture: np.ndarray) -> None:
         """`picture`: (height, width, 3), 8-bit RGB, which stays as it is."""
+        from matplotlib import get_data_path  # for its font: Pillow's own has no superscripts
         from PIL import Image, ImageDraw, ImageFont
 
         self.image = Image.fromarray(picture)
-        self.ink, self.font = ImageDraw.Draw(self.image, "RGBA"), ImageFont.load_default(LETTER_SIZE)
+        self.ink = ImageDraw.Draw(self.image, "RGBA")
+        self.font = ImageFont.truetype(f"{get_data_path()}/fonts/ttf/DejaVuSans.ttf", LETTER_SIZE)
         self.right, self.low = self.image.width - MARGIN, self.image.height
 
     def write(self, text: str, x: float, y: float, anchor: str = "ls") -> None:

@@ -71,5 +71,4 @@ def add_panels(stage: Stage, low: np.ndarray, top: np.ndarray, depth: float) -> 
     outside = PANEL_OFFSET * (top[1] - low[1])
     low, top = low - outside, top + outside * np.array([1.0, 0.0, 1.0])
     panels = tank_panels(stage, low, top)
-    actor = add_shaded(stage, panels, "tank_panel", low, top, round_up(LINE_INTERVAL * depth))
-    actor.GetProperty().BackfaceCullingOn()
+    add_shaded(stage, panels, "tank_panel", low, top, round_up(LINE_INTERVAL * depth)).GetProperty().BackfaceCullingOn()

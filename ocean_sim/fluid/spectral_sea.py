@@ -203,7 +203,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
             yield LedgerRow("fluid", f"the wind's waves on {cells} cells", size, why)
 
     def summed_waves(self, preflight: Preflight) -> int:
-        """Number of plane waves that kernels sum: all of a linear sea; 1, of height 0, if a grid holds the sea."""
+        """Number of plane waves that kernels sum, by facts of the scene: all, or 1, of height 0, if a grid has them."""
         return len(self.sea_of(preflight.tank).amplitude) if self.order == 1 else 1
 
     def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
@@ -323,7 +323,7 @@ class SpectralSea(OpenWater):
         return {"breaking": -self.rest_density * broken.lost} if self.accounts and broken is not None else {}
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
-        """Heights (m,) [m] of the sea and the wind's waves alone; without ships' waves, `elevation` itself."""
+        """Heights (m,) [m] of the sea and wind's waves alone: `elevation` (m,) [m], of all, if no ship makes waves."""
         if not any(made.ship is not None for made in self.made):
             return elevation
         at = np.asarray(points, dtype=float) - self.drift
@@ -350,7 +350,7 @@ class SpectralSea(OpenWater):
         self.waves.begin(self.afar)
 
     def add_ships(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
-        """Give each ship that displaces water a grid (tile) for her waves; return the water each feels, less these."""
+        """Give each ship that displaces water a grid (tile) for her waves; return the water of each without her own."""
         wakes = [OwnWaves(self.tile, ship) for ship in ships if len(ship.displaced()[1])]
         self.made += wakes
         self.tiles = [*self.tiles, *wakes]
@@ -433,7 +433,7 @@ class SpectralSea(OpenWater):
             made.begun = True
 
     def wind_centre(self) -> np.ndarray:
-        """Centre x, z (2,) [m] of the wind's tile (wave grid) in the current's axes: first ship, or basin's middle."""
+        """Centre x, z (2,) [m], in axes moving with the current, of the wind's grid: first ship, or basin's middle."""
         first = next((made.ship for made in self.made if made.ship is not None), None)
         at = np.zeros(2) if first is None else np.array([first.body.position[0], first.body.position[2]])
         return at - self.drift

@@ -49,8 +49,8 @@ class AirPressure:
         self.slope.from_numpy(np.stack([along, across], axis=-1).astype(to_numpy_type(self.slope.dtype)))
 
     def collect_impulse(self, dt: float, drift: np.ndarray, centre: np.ndarray) -> None:
-        """Add the wind's impulse over dt [s] to each cell of a tile around `centre`, which the current has moved by
-        `drift`, x, z (2,) [m] each."""
+        """Add the wind's impulse over dt [s] to each cell of the tile around `centre`, x, z (2,) [m] in axes that move
+        with the current; `drift` (2,) [m]: way of these axes since the start."""
         first, clock = [axis[0] for axis in self.tile.nodes()], self.wind.clock
         self.add_impulses(clock.since, clock.step, dt, *(tm.vec2(*at) for at in (first, drift, centre)))
         self.gathered += dt
@@ -65,8 +65,9 @@ class AirPressure:
 
     @ti.kernel
     def add_impulses(self, since: float, step: float, dt: float, first: tm.vec2, drift: tm.vec2, centre: tm.vec2):
-        """Add the wind's upward impulse over dt [s] by cell and slab (layer of depth). `since`, `step` [s]: wind
-        clock's time, last step; x, z [m]: `first` cell's middle, `drift` by the current, `centre` of the tile."""
+        """Add the wind's upward impulse over dt [s] by cell and slab (layer of depth). `since`, `step` [s]: time since
+        the wind clock's restart, its step; x, z [m]: middle of the `first` cell, `centre` of the tile, both in axes
+        that the current has carried by `drift`."""
         self.wind.set_clock(since, step)
         for i, k in ti.ndrange(self.cells, self.rows):
             at, sides = first + self.cell * tm.vec2(i, k), self.cell * tm.vec2(self.cells, self.rows)

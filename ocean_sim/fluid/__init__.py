@@ -53,7 +53,7 @@ class Status:
 
 
 class Totals(NamedTuple):
-    """Sums over all particles in float64 (density, its errors, position, velocity, turning), and their bounding box."""
+    """Sums over all particles in float64: density, its excess and lack, x, v, v^2, x cross v; and their bounds."""
 
     density: float  # [kg/m3]
     compression: float  # sum of max(density / rest density - 1, 0)
@@ -244,8 +244,8 @@ class ClosedForm(Fluid, Protocol):
     current: tuple[float, float]  # velocity of all the water along x and z [m/s]
 
     def arriving(self, x: float, z: float, afar: bool = False) -> Arriving:
-        """Plane waves at x, z [m] when the last step began, the time of floating bodies, grown by the ramp: those that
-        kernels sum one by one; with `afar` all of the sea, also of a nonlinear one, which kernels read from a grid."""
+        """Plane waves at x, z [m] when the last step began, as floating bodies meet them; heights times the ramp in
+        time. Flat for a nonlinear sea, which kernels read from a grid; with `afar`, its waves by linear theory."""
 
     def rise(self, x: Any, z: Any) -> Any:
         """ti.func: elevation [m] at x, z [m] by the waves stored on grids (tiles) alone, when the last step began."""

@@ -63,7 +63,8 @@ class Config(WaterConfig):
 
 
 def force_limit(support: float, acceleration: float) -> Limits:
-    """Limit sqrt(support / 2 a) [s] of the time step at acceleration a [m/s2]: no particle skips wind or walls."""
+    """Limit sqrt(support / (2 a)) [s] of the time step at acceleration a [m/s2]: in it, from rest, a particle moves a
+    quarter of the `support` [m] of the smoothed surface, and so passes no wall or wind unnoticed."""
     return Limits(force=(0.5 * support / acceleration) ** 0.5) if acceleration > 0.0 else Limits()
 
 
@@ -88,7 +89,7 @@ class Ballistic(ParticleWater):
 
     @ti.kernel
     def settle(self, summary: Array):
-        """Sort the particles and write extremes to `summary` (Accounts.summarise), without a move."""
+        """Sort the unmoved particles; fill `summary` (9,) with extremes of speed, density (see Accounts.summarise)."""
         self.grid.sort()
         for t in range(self.tasks.iterations):
             if t % self.tasks.stride == 0:
@@ -119,8 +120,8 @@ class Ballistic(ParticleWater):
 
     @ti.kernel
     def advance_all(self, dt: float, since: float, summary: Array):
-        """Move all particles for dt [s], sort them, fill `summary` (Accounts.summarise). `since`: wind clock's time
-        [s], which restarts now and then to stay exact in single precision."""
+        """Move all particles for dt [s], sort them, fill `summary` (9,) with extremes of speed, density (see Accounts).
+        `since` [s]: time since the wind's clock restarted, as it does to stay exact in single precision."""
         self.wind.set_clock(since, dt)
         for t in range(self.tasks.iterations):
             if t % self.tasks.stride == 0:

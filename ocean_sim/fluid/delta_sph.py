@@ -134,7 +134,7 @@ class Config(SphConfig):
         return scheme_ledger(preflight, sizes, numbers, what, self.told_to_bodies)
 
     def list_sizes(self, lattice: Lattice, arch: str) -> GridSize:
-        """Sizes of the grid and of the lists of candidates on a backend (`arch`)."""
+        """Sizes of the grid and of lists of candidates for neighbours (particles of near cells) on backend `arch`."""
         if self.is_enclosed(lattice.basin):
             return self.list_size(lattice, arch, Momentum.row.size, CARRIED_NUMBERS)
         return self.list_size(lattice, arch, Continuity.row.size, CARRIED_NUMBERS + GRADED_NUMBERS)
@@ -150,8 +150,8 @@ def column_drop(top: np.ndarray | float, bottom: np.ndarray | float, pull: float
 
 @in_kernels
 class Momentum(MomentumLaw):
-    """Pair law for the acceleration (Monaghan 1992, eq. 3.3): damped pressure, viscosity, dissipation of impacts. A
-    contribution is a factor of x_ij (a vector in `viscosity_without_surface`); -m grad W / x_ij comes later."""
+    """Pair law for the acceleration (Monaghan 1992, eq. 3.3): damped pressure, viscosity, dissipation of impacts.
+    Functions of a pair return factors of x_ij (or a vector); `pair` and `prefactor` multiply by -m grad W / x_ij."""
 
     fluid: "DeltaSph"
     row = Columns(position=3, velocity=3, pressure=1)  # damped, over the square of the density
@@ -217,8 +217,8 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values that boundary particle s, at d [m] in matrix `mirror`, shows to a particle of values `own`; with
-        a free surface it cannot pull water."""
+        """Values (`row`) to use in `pair` for boundary particle s (or its image by matrix `mirror`), d [m] from the
+        particle with values `own`: pressure continued from there; with a free surface it cannot pull water."""
         other = self.continued_sample(own, s, d, mirror)
         if ti.static(not self.is_enclosed):
             other[self.row.pressure] = ti.max(other[self.row.pressure], -own[self.row.pressure])
@@ -231,7 +231,7 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def pair_without_tension(self, own, other):
-        """Forces by a neighbour as in `pair`, but without the artificial stress: no pressure of both is negative."""
+        """Forces by a neighbour as in `pair` where neither pressure is negative, so without artificial stress."""
         return self.sum_of_terms(own, other, False)
 
     @ti.func
@@ -266,7 +266,7 @@ class Momentum(MomentumLaw):
 class Continuity(Law):
     """Pair law for the rate of density (Monaghan 1994, eq. 2.4), its diffusion and, in a closed basin, the shift of
     particles. It reads positions and velocities at the step's end, densities in its middle, and particles' shares of
-    diffusion (0 to 1) of the last step's end. Contributions are to be multiplied by -m grad W / x_ij."""
+    diffusion (0 to 1) of the last step's end. `pair`, `prefactor` multiply contributions by -m grad W / x_ij."""
 
     row = Columns(position=3, velocity=3, deviation=1, share=1)
     options = WalkOptions(padded=True)
@@ -296,7 +296,7 @@ class Continuity(Law):
 
     @ti.func
     def image(self, other, mirror):
-        """Values of neighbour `other` in matrix `mirror`: normal velocity reversed, density risen as in still water."""
+        """Image of values `other` by matrix `mirror`: normal velocity reversed, density risen as in still water."""
         x, image = vec3(other, self.row.position), mirror_row_free_slip(mirror, other)
         pull = self.fluid.pull.at_rest(mirror_midpoint(mirror, x))
         image[self.row.deviation] += self.heavier * hydrostatic_offset(mirror, x, pull)
@@ -304,9 +304,9 @@ class Continuity(Law):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values that boundary particle s, at d [m] in matrix `mirror`, shows to a particle of values `own`: a
-        density that gives no diffusion, and the body's velocity. With that of a mirror image, 2 v_body - v, water would
-        approach faces twice as fast: its rise of density, and the push on it, would double."""
+        """Values (`row`) to use in `pair` for boundary particle s (or its image by matrix `mirror`), d [m] from a
+        particle with values `own`: a density without diffusion, the body's velocity. With that of a mirror image, 2
+        v_body - v, water would approach faces twice as fast: its rise of density, and the push on it, would double."""
         other = row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
         still = self.still_gradient(vec3(own, self.row.position) + 0.5 * d)
         other[self.row.deviation] = own[self.row.deviation] + still.dot(d)
@@ -324,8 +324,8 @@ class Continuity(Law):
 
     @ti.func
     def density_diffusion(self, own, other, x_ij):
-        """Diffusion of a pair (`own`, `other`: `row`s): rho_j - rho_i but for hydrostatics (Fourtakas et al. 2019, eq.
-        9). Factor 2 delta h c / rho0 comes later (Molteni & Colagrossi 2009; Antuono et al. 2010, eq. 1)."""
+        """Difference rho_j - rho_i less that of water at rest (Fourtakas et al. 2019, eq. 9); `own`, `other`: `row`s of
+        i, j. `finish` applies 2 delta h c / rho0 (Molteni & Colagrossi 2009; Antuono et al. 2010, eq. 1)."""
         still = self.still_gradient(vec3(own, self.row.position) - 0.5 * x_ij)
         return other[self.row.deviation] - own[self.row.deviation] + still.dot(x_ij)
 
@@ -363,8 +363,9 @@ class Continuity(Law):
 
     @ti.func
     def grade_diffusion(self, i, filled):
-        """Store particle i's share of density diffusion: 0 to 1 as the part `filled` of its kernel is CUT_SHARE to
-        FILLED_SHARE; up to 1 near a surface in sheared water (spin as strain; Balsara 1995, J. Comput. Phys. 121)."""
+        """Store particle i's share of density diffusion: 0 to 1 as neighbours fill CUT_SHARE to FILLED_SHARE (`filled`)
+        of its kernel. The rest, near a surface, is added as squared spin over squared strain rate rises from
+        STRETCHED_RATIO to SHEARED_RATIO, as it does in sheared water (Balsara 1995, J. Comput. Phys. 121)."""
         fluid, spin, strain = self.fluid, self.fluid.spin[i], self.fluid.strain[i]
         inside = tm.clamp((filled - CUT_SHARE) / (FILLED_SHARE - CUT_SHARE), 0.0, 1.0)
         beyond = spin / (strain + fluid.calm) - STRETCHED_RATIO
@@ -374,12 +375,12 @@ class Continuity(Law):
 
     @ti.func
     def filled_share(self, own, total):
-        """Part M of a particle's kernel that neighbours fill: sum of m r |grad W|, by `total`, over a lattice's."""
+        """Part M of a kernel that neighbours fill: sum `total` of m r |grad W| over a lattice's; `own`: row of i."""
         return self.prefactor(own) * total[self.terms.filled] / self.whole
 
     @ti.func
     def edge(self, own, total):
-        """Closeness of the water's edge: e = H |sum m / rho0 grad W|, from `total`, with support H; 0 inside."""
+        """Closeness e to a surface, 0 inside: e = H |sum m / rho0 grad W|, by `total` of particle `own`; H: support."""
         squared = 0.0
         for k in ti.static(range(self.fluid.smoothing.dimension)):
             squared += total[self.terms.edge + k] ** 2
@@ -387,14 +388,15 @@ class Continuity(Law):
 
     @ti.func
     def swelling(self, filled, edge, deviation):
-        """Share by which particles lie further apart than density says: 1 + `deviation` / rho0 - M - (a - b e) e, M
-        `filled`, e `edge`; a e - b e^2 is the share of the kernel beyond a flat surface (Stencil.surface_deficit)."""
+        """Share by which particles lie further apart than density says: 1 + `deviation` / rho0 - M - (a - b e) e. M:
+        `filled` (filled_share); e: `edge`; a e - b e^2: kernel's part over a flat surface (Stencil.surface_deficit)."""
         return 1.0 + deviation / self.fluid.rest_density - filled - (self.deficit - self.deficit_bend * edge) * edge
 
     @ti.func
     def leak(self, thinner, edge, deviation):
-        """Rate [1/s], up to c / support, at which a density's `deviation` [kg/m3] from rest leaks away where it does
-        not fit the packing: `thinner` is the result of `swelling`; near a surface (`edge`) more misfit is tolerated."""
+        """Rate [1/s], up to c / support, at which a density's `deviation` [kg/m3] from rest leaks away where particles
+        lie too far apart for it by a share `thinner` (`swelling`), or too near; near a surface (`edge` > 0) more is
+        tolerated."""
         beyond = (ti.abs(thinner) - PACKING_TOLERANCE - EDGE_TOLERANCE * edge) / PACKING_RANGE
         rate = self.fluid.sound_speed / self.fluid.smoothing.support * tm.clamp(beyond, 0.0, 1.0)
         return ti.select(thinner * deviation > 0.0, rate, 0.0)
@@ -470,12 +472,12 @@ class Shear(Law):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Position, at d [m] from that in `own`, and velocity in matrix `mirror` of boundary particle s of a body."""
+        """Position and velocity of boundary particle s (or its image by matrix `mirror`), d [m] from particle `own`."""
         return row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
 
     @ti.func
     def pair(self, own, other):
-        """Velocity gradient by a neighbour, without its factor; `own`, `other`: position and velocity of both."""
+        """Velocity gradient by a neighbour, to be multiplied by `prefactor`; `own`, `other`: values (`row`) of both."""
         x_ij = self.fluid.smoothing.difference(own, other, self.row.position)
         v_ij = self.fluid.smoothing.difference(own, other, self.row.velocity)
         lever, total = self.fluid.smoothing.pair_gradient(x_ij), ti.Vector.zero(float, self.terms.size)
@@ -485,7 +487,7 @@ class Shear(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Update particle i's averages of squared spin and strain rate (equal in simple shear) by its sums `total`."""
+        """Update particle i's means in time of squared spin, strain rate (equal in simple shear) by sums `total`."""
         fluid, both = self.fluid, self.with_bodies(total, vec3(own, self.row.position), own)
         gradient = ti.Matrix.zero(float, self.dimension, self.dimension)  # of velocity k along axis j [1/s]
         for j, k in ti.static(ti.ndrange(self.dimension, self.dimension)):
@@ -568,7 +570,7 @@ class DeltaSph(Sph):
 
     @ti.func
     def stage_particle(self, i, x, v):
-        """Store position x [m], velocity v [m/s] of particle i at the step's end; it stays in the order of mid-step."""
+        """Store position x [m], velocity v [m/s] of particle i at a step's end; particles are sorted in mid-step."""
         self.grid.stage_motion(i, x, v)
 
     @ti.func
@@ -590,7 +592,7 @@ class DeltaSph(Sph):
 
     @ti.kernel
     def settle(self, summary: Array):
-        """Sort the particles where they are, compute their rate of density, fill `summary` (Accounts.summarise)."""
+        """Sort unmoved particles, find their rate of density; fill `summary` (9,) with extremes of speed, density."""
         self.dt[None] = 0.0
         for i in range(self.particles.count.there()):
             self.next_deviation[i] = self.excess_of(self.particles.pressure[i])
@@ -638,8 +640,8 @@ class DeltaSph(Sph):
 
     @ti.kernel
     def find_density_rate(self, summary: Array):
-        """Compute the density's rate at the end of a step; fill `summary` (Accounts.summarise). It is a kernel of its
-        own, since Taichi 1.7 cannot compile both walks in one for Vulkan."""
+        """Compute the density's rate at a step's end; fill `summary` (9,) with extremes of speed, density. Its walk
+        over neighbours is apart from that of `drift_kick_drift`: Taichi 1.7 compiles no kernel of both for Vulkan."""
         self.neighbours.walk(self.continuity, False)
         self.accounts.summarise(summary)
 

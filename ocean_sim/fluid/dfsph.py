@@ -99,8 +99,8 @@ class Config(SphConfig):
         return artificial + super().viscosity_added(preflight, length, height, standing)
 
     def limits_at(self, basin: Basin, speed: float, acceleration: float) -> Limits:
-        """Time step limits at this speed [m/s], acceleration [m/s2]. Neighbours under a pressure p oscillate at sqrt(p
-        / density) / spacing: hence a least speed; pairs relax at up to twice the viscous rate. Sound sets no limit."""
+        """Time step limits at this speed [m/s], at least 2 reference speeds (neighbours under a pressure p oscillate at
+        sqrt(p / density) / spacing), and acceleration [m/s2]. Pairs relax at up to twice the viscous rate."""
         speed = max(speed, MIN_LIMIT_SPEED * self.speed(basin))
         return step_limits(self.smoothing(basin), 0.0, 2.0 * self.viscosity(basin), speed, acceleration)
 
@@ -174,8 +174,8 @@ class Density(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Store density, A_ii, allowed rise of density or, without a free surface, shift of particle i at `own` [m], by
-        the sums `total` over particles and `beyond` over images. `group`: row of the budget."""
+        """Store of particle i at `own` [m], by sums `total` over particles, `beyond` over images: density, A_ii / dt^2,
+        rise of density allowed to close a gap or, without a surface, shift from crowds. `group`: row of the budget."""
         fluid, rest = self.fluid, ti.static(self.fluid.particles.rest_density)
         total += beyond
         if ti.static(fluid.bodies):
@@ -219,8 +219,8 @@ class Forces(Force):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values that boundary particle s, at d [m] in matrix `mirror`, shows to a particle of values `own`: a
-        velocity for friction, and pressure 0 (Bender & Koschier 2017, sect. 5)."""
+        """Values (`row`) to use in `pair` for boundary particle s (or its image by matrix `mirror`), d [m] from the
+        particle with values `own`: a velocity for friction, and pressure 0 (Bender & Koschier 2017, sect. 5)."""
         other = self.rubbing_sample(own, s, d, mirror)
         other[self.row.pressure] = 0.0
         return other
@@ -239,12 +239,12 @@ class Forces(Force):
 
     @ti.func
     def viscosity(self, v_ij, x_ij, r2, gradient):
-        """Viscous part of a pair over 2 nu V: (d + 2) v_ij . x_ij / r^2 grad W (Monaghan & Gingold 1983)."""
+        """Viscous acceleration over 2 nu V (V: volume): (d + 2) v_ij . x_ij / r^2 grad W (Monaghan & Gingold 1983)."""
         return self.per_component * v_ij.dot(x_ij) / (r2 + self.squared_gap) * gradient
 
     @ti.func
     def viscosity_without_surface(self, v_ij, r2):
-        """Viscous part of a pair without a free surface, over 2 nu V: v_ij W' / r (Morris, Fox & Zhu 1997, eq. 22)."""
+        """Viscous acceleration over 2 nu V (V: volume), no free surface: v_ij W' / r (Morris et al. 1997, eq. 22)."""
         return self.fluid.smoothing.shape_gradient(ti.sqrt(r2)) * v_ij
 
     @ti.func
@@ -267,7 +267,7 @@ class Forces(Force):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Predict particle i's velocity, to begin the divergence solver, by sums `total` and, of images, `beyond`."""
+        """Predict particle i's velocity, where the divergence solver starts, by sums `total`, `beyond` (of images)."""
         fluid = self.fluid
         dt, x, v = fluid.dt[None], vec3(own, self.row.position), fluid.particles.velocity.at(i)
         beyond = self.with_bodies(beyond, x, own)
@@ -407,7 +407,8 @@ class Dfsph(Sph):
 
     @ti.kernel
     def predict(self, dt: float, since: float, report: Array):
-        """Predict velocities after dt [s]; sum density errors in `report`; `since` [s]: since wind clock's restart."""
+        """Predict velocities after dt [s]; fill `report` (3,) with sums of density errors (TOO_DENSE, TOO_THIN) and
+        UPHILL_SLOPE. `since` [s]: time, at the step's end, since the wind's clock restarted."""
         self.dt[None], self.momentum[None] = dt, 0.0
         self.wind.set_clock(since, dt)
         self.neighbours.walk(self.forces, False)
@@ -416,7 +417,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def iterate(self, solver: Template, momentum: float, report: Array):
-        """Run one iteration of a solver, and sum its remaining errors into `report`; `momentum`: Nesterov's factor."""
+        """Run one iteration of a solver; fill `report` as `predict` does; `momentum`: factor of Nesterov's method."""
         self.momentum[None] = momentum
         self.pairs.walk(solver.push)
         self.pairs.walk(solver.compression)
@@ -429,7 +430,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def predict_density(self, speed: float, report: Array):
-        """Predict densities after the step; errors to `report`. `speed` [m/s]: of particle shifts in closed basins."""
+        """Predict densities after a step; fill `report` as `predict`. `speed` [m/s]: scales shifts in closed basins."""
         self.momentum[None] = 0.0
         for i in range(self.particles.count.there()):
             self.incompressible.begin(i)
@@ -480,7 +481,7 @@ class Dfsph(Sph):
 
     @ti.func
     def displace(self, i, dt, group):
-        """Move particle i for dt [s], as far as walls and motion limit allow; add impulses to budget row `group`."""
+        """Move particle i for dt [s] within walls and `motion_limit`; add impulses to row `group` of the budget."""
         way = self.way.at(i)
         u = way
         if ti.static(self.closed):
@@ -498,7 +499,8 @@ class Dfsph(Sph):
 
     @ti.kernel
     def settle(self, summary: Array, report: Array):
-        """Sort the particles, compute densities; fill `summary` (Accounts.summarise); `report`: sum of densities."""
+        """Sort the particles after a move, compute densities; fill `summary` (9,) with extremes of speed, density
+        (Accounts.summarise), `report` (3,) with the sum of densities (at TOO_DENSE)."""
         self.grid.sort()
         self.neighbours.walk(self.density, True)
         self.rows.sum_into(report)

@@ -114,7 +114,7 @@ class LinearWaves(OpenWater):
         return {name: Setting(now, unit, ends) for (name, now), unit, ends in rows if height > 0.0}
 
     def adjust(self, **values: float) -> None:
-        """Change the waves during a run, up to their breaking height; phases at the origin stay continuous."""
+        """Set `wave_height` [m] (up to breaking), `wave_period` [s], `wave_heading` [deg]; the origin keeps phase."""
         past, sea, self.train = self.waves.sea, self.given, self.train | values
         height, period, *heading = self.train.values()
         turn = np.radians(heading[0] - self.heading) if heading else 0.0

@@ -131,7 +131,7 @@ class Density(Law):
 
 @in_kernels
 class Momentum(MomentumLaw):
-    """Pair law for accelerations by pressure, spiky kernel (thesis eq. 2.16), and viscosity, its own (eq. 2.18)."""
+    """Pair law for accelerations by pressure (thesis eq. 2.16, spiky kernel) and viscosity (eq. 2.18, own kernel)."""
 
     fluid: "Mueller"
     row = Columns(position=3, velocity=3, pressure=1, volume=1)
@@ -149,8 +149,8 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Field values that boundary particle s, at d [m] in matrix `mirror`, shows to a particle of values `own`: its
-        pressure continued to there, 1 / density of water at rest."""
+        """Values (`row`) to use in `pair` for boundary particle s (or its image by matrix `mirror`), d [m] from the
+        particle with values `own`: its pressure continued to there, and 1 / density of water at rest."""
         other = self.continued_sample(own, s, d, mirror)
         other[self.row.volume] = 1.0 / self.fluid.rest_density
         return other
@@ -167,7 +167,7 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def pair(self, own, other):
-        """Pressure and viscous force by a neighbour (thesis eqs. 2.16, 2.18) but for `prefactor`, from both `row`s."""
+        """Acceleration by a neighbour (thesis eqs. 2.16, 2.18) over `prefactor`; `own`, `other`: `row`s of both."""
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         v_ji = vec3(other, self.row.velocity) - vec3(own, self.row.velocity)
         r = ti.sqrt(x_ij.dot(x_ij) + SQUARED_GAP)

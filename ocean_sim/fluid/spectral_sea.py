@@ -206,7 +206,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
             yield LedgerRow("fluid", f"the wind's waves on {cells} cells", size, why)
 
     def summed_waves(self, preflight: Preflight) -> int:
-        """Number of plane waves that kernels sum: all of a linear sea; 1, of height 0, if a grid holds the sea."""
+        """Number of plane waves that kernels sum, by facts of the scene: all, or 1, of height 0, if a grid has them."""
         return len(self.sea_of(preflight.tank).amplitude) if self.order == 1 else 1
 
     def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
@@ -246,8 +246,8 @@ class AirPressure:
         self.slope.from_numpy(np.stack([along, across], axis=-1).astype(to_numpy_type(self.slope.dtype)))
 
     def collect_impulse(self, dt: float, drift: np.ndarray, centre: np.ndarray) -> None:
-        """Add the wind's impulse over dt [s] to each cell of a tile around `centre`, which the current has moved by
-        `drift`, x, z (2,) [m] each."""
+        """Add the wind's impulse over dt [s] to each cell of the tile around `centre`, x, z (2,) [m] in axes that move
+        with the current; `drift` (2,) [m]: way of these axes since the start."""
         first, clock = [axis[0] for axis in self.tile.nodes()], self.wind.clock
         self.add_impulses(clock.since, clock.step, dt, *(tm.vec2(*at) for at in (first, drift, centre)))
         self.gathered += dt
@@ -262,8 +262,9 @@ class AirPressure:
 
     @ti.kernel
     def add_impulses(self, since: float, step: float, dt: float, first: tm.vec2, drift: tm.vec2, centre: tm.vec2):
-        """Add the wind's upward impulse over dt [s] by cell and slab (layer of depth). `since`, `step` [s]: wind
-        clock's time, last step; x, z [m]: `first` cell's middle, `drift` by the current, `centre` of the tile."""
+        """Add the wind's upward impulse over dt [s] by cell and slab (layer of depth). `since`, `step` [s]: time since
+        the wind clock's restart, its step; x, z [m]: middle of the `first` cell, `centre` of the tile, both in axes
+        that the current has carried by `drift`."""
         self.wind.set_clock(since, step)
         for i, k in ti.ndrange(self.cells, self.rows):
             at, sides = first + self.cell * tm.vec2(i, k), self.cell * tm.vec2(self.cells, self.rows)
@@ -391,7 +392,7 @@ class SpectralSea(OpenWater):
         return {"breaking": -self.rest_density * broken.lost} if self.accounts and broken is not None else {}
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
-        """Heights (m,) [m] of the sea and the wind's waves alone; without ships' waves, `elevation` itself."""
+        """Heights (m,) [m] of the sea and wind's waves alone: `elevation` (m,) [m], of all, if no ship makes waves."""
         if not any(made.ship is not None for made in self.made):
             return elevation
         at = np.asarray(points, dtype=float) - self.drift
@@ -418,7 +419,7 @@ class SpectralSea(OpenWater):
         self.waves.begin(self.afar)
 
     def add_ships(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
-        """Give each ship that displaces water a grid (tile) for her waves; return the water each feels, less these."""
+        """Give each ship that displaces water a grid (tile) for her waves; return the water of each without her own."""
         wakes = [OwnWaves(self.tile, ship) for ship in ships if len(ship.displaced()[1])]
         self.made += wakes
         self.tiles = [*self.tiles, *wakes]
@@ -501,7 +502,7 @@ class SpectralSea(OpenWater):
             made.begun = True
 
     def wind_centre(self) -> np.ndarray:
-        """Centre x, z (2,) [m] of the wind's tile (wave grid) in the current's axes: first ship, or basin's middle."""
+        """Centre x, z (2,) [m], in axes moving with the current, of the wind's grid: first ship, or basin's middle."""
         first = next((made.ship for made in self.made if made.ship is not None), None)
         at = np.zeros(2) if first is None else np.array([first.body.position[0], first.body.position[2]])
         return at - self.drift

@@ -52,7 +52,8 @@ class Spread:
 
 @in_kernels
 class DynamicPressure:
-    """Summand of a PointSum: p - rho0 g . x [Pa] of particles; of images, plus the rise by moving walls or tank."""
+    """Summand of a PointSum (over particles near a point): p - rho0 g . x [Pa] of a particle; of its image in a side,
+    plus the rise of pressure from the particle to there by acceleration of side or tank."""
 
     sums = 1
 
@@ -61,7 +62,7 @@ class DynamicPressure:
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Weighted dynamic pressure [Pa] of particle j, at d [m] in matrix `mirror`; `own`: FACTOR_COLUMNS."""
+        """Weighted p - rho0 g . x [Pa] of j or its image by matrix `mirror`, d [m] away; `own`: see Field.factor."""
         particles = self.field.particles
         x, weight = particles.position.at(j), self.field.weight(d) * self.field.factor(own, d)
         unsteady = self.field.unsteady_pull(mirror_midpoint(mirror, x))
@@ -80,7 +81,7 @@ class Velocity:
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Weighted velocity [m/s] of particle j, at d [m] in matrix `mirror`; `own`: its weights (FACTOR_COLUMNS)."""
+        """Weighted velocity [m/s] of j or its image by matrix `mirror`, d [m] away; `own`: see Field.factor."""
         weight = self.field.weight(d) * self.field.factor(own, d)
         return weight * mirror_velocity(mirror, self.field.particles.velocity.at(j))
 
@@ -98,8 +99,7 @@ class Field:
         pull: Pull | None = None,
         boundary: "Boundary | None" = None,
     ) -> None:
-        """`gravity`: sum of all constant accelerations (3,) [m/s2]; `pull`: all accelerations, used if the tank moves;
-        `boundary`: solid bodies."""
+        """`gravity` (3,) [m/s2]: constant accelerations; `pull`: all, if the tank moves; `boundary`: solid bodies."""
         self.particles, self.smoothing = particles, smoothing
         self.moving, self.bodies = False, boundary is not None
         if pull is not None:
@@ -140,13 +140,13 @@ class Field:
 
     @ti.func
     def factor(self, own, d):
-        """Factor constant - slope . d / support of the weight of a neighbour at d [m]; `own`: both (FACTOR_COLUMNS)."""
+        """Correction constant - slope . d / support of a neighbour's weight at d [m]; `own`: both, by `fit_plane`."""
         return own[FACTOR_COLUMNS.constant] - vec3(own, FACTOR_COLUMNS.slope).dot(d / self.smoothing.support)
 
     @ti.func
     def fit_plane(self, x):
-        """Share of water around x [m], and constant and slope (FACTOR_COLUMNS) of the factor (`factor`) of neighbours'
-        weights that makes sums exact for fields linear in position. Far from the neighbours the slope is limited."""
+        """Share of water around x [m]; constant and slope (FACTOR_COLUMNS) of the correction (`factor`) of neighbours'
+        weights by which sums are exact for fields linear in position. Far from neighbours the slope is limited."""
         m = self.around.total(x, self.spread, 0.0)
         share = tm.max(m[MOMENT_COLUMNS.share], 1.0e-12)
         mean = vec3(m, MOMENT_COLUMNS.first) / share

@@ -39,8 +39,8 @@ def impulse_terms(absent: tuple[int, ...]) -> tuple[int, ...]:
 
 @in_kernels
 class Accounts:
-    """Momentum budget: extremes of motion and density, impulse and work, in a row for each group of particles (a
-    thread's task). Rows are added in order, so that no result depends on the order of threads."""
+    """Momentum budget: extremes of motion and density, impulse and work. Each group of particles (a thread's task) has
+    a row with its number, `group`. Rows are added in order, so that no result depends on the order of threads."""
 
     def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...], apart: int = ROW_PADDING) -> None:
         """Make `groups` rows of `apart` numbers. `impulses`: also sum impulse, work of TERM_NAMES but `absent` ones."""
@@ -59,18 +59,18 @@ class Accounts:
 
     @ti.func
     def begin_motion(self, group):
-        """Reset the largest speed and acceleration of a group of particles; `group`: index of its row of the budget."""
+        """Reset largest speed and acceleration in row `group` (a thread's particles), before a step counts these."""
         self.speed2[group, 0] = self.acceleration2[group, 0] = self.sum[group, 0] = 0.0
 
     @ti.func
     def begin_density(self, group):
-        """Reset the least and largest density of a group of particles; `group`: index of its row of the budget."""
+        """Reset least and largest density in row `group` (a thread's particles), before a step counts these."""
         self.thin[group, 0], self.dense[group, 0] = UNREACHABLE_DENSITY, 0.0
         self.thinner[group, 0] = self.inner[group, 0] = 0.0
 
     @ti.func
     def count_motion(self, group, v, a, fast):
-        """Record velocity v [m/s], acceleration a [m/s2] in row `group`; `fast`: 1 if `motion_limit` slowed them."""
+        """Raise row `group`'s maxima to speed of v [m/s], acceleration a [m/s2]; `fast`: 1 if `motion_limit` cut v."""
         v2, a2 = v.dot(v), a.dot(a)
         self.speed2[group, 0] = ti.max(self.speed2[group, 0], v2)
         self.acceleration2[group, 0] = ti.max(self.acceleration2[group, 0], a2)
@@ -79,13 +79,13 @@ class Accounts:
 
     @ti.func
     def count_density(self, group, density):
-        """Record a particle's density [kg/m3] in the extremes of its group, row `group` of the budget."""
+        """Extend least and largest density in row `group` (a thread's particles) to a particle's density [kg/m3]."""
         self.thin[group, 0] = ti.min(self.thin[group, 0], density)
         self.dense[group, 0] = ti.max(self.dense[group, 0], density)
 
     @ti.func
     def count_packing(self, group, thinner):
-        """Record an inner particle; `thinner`: share by which it is packed less densely than its density says."""
+        """Add `thinner` (Continuity.swelling) of a particle far from surfaces to row `group`, and count it there."""
         self.thinner[group, 0] = self.thinner[group, 0] + thinner
         self.inner[group, 0] = self.inner[group, 0] + 1.0
 
@@ -99,7 +99,8 @@ class Accounts:
 
     @ti.func
     def count_impulses(self, group, terms: Template, kick, accelerations: Template, v):
-        """Add impulses of `terms` to row `group`: `kick`, mass times dt [kg s], times `accelerations`; v: for work."""
+        """Add to row `group` the impulses by `terms`, `kick` (mass times dt [kg s]) times each of `accelerations`
+        [m/s2], and their works at the particle's mean velocity v [m/s]."""
         for term, a in ti.static(zip(terms, accelerations)):
             self.count_impulse(group, term, kick * a, v)
 
@@ -124,15 +125,16 @@ class Accounts:
 
     @ti.func
     def summarise(self, summary: Template):
-        """Fill `summary` (9,): largest speed^2, acceleration^2; least, largest density; a sum, finite if all terms are;
-        number of particles slowed by `motion_limit`, of cells with overfull lists; sum, count of `count_packing`."""
+        """Fill `summary` (9,): largest squared speed, squared acceleration; least, largest density; sum of squared
+        speeds and groups' largest densities (finite if all are); number of particles slowed by `motion_limit`, of cells
+        with overfull neighbour lists; sum of `thinner` in `count_packing` and number of its particles."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             for k, number in ti.static(enumerate(self.block_extremes(0, self.groups))):
                 summary[k] = number
 
     def status(self, summary: np.ndarray, grid: Grid) -> Status:
-        """Status from the numbers of `summarise`; raise Diverged where a cell's neighbours overflowed their list."""
+        """Status (extremes of speed, density) by `summary` (summarise); raise Diverged if neighbour lists overflow."""
         speed2, acceleration2, thin, dense, total, clipped, crowded, thinner, inner = summary.tolist()
         if crowded:
             x, y, z = grid.fullest_place()
@@ -146,7 +148,7 @@ class Accounts:
 
     @ti.kernel
     def copy_sums(self, to: Doubles3):
-        """Copy impulse and work of each force term, group by group, to an array."""
+        """Copy impulse and work (4) of each group of particles (a thread's) and term to `to` (groups, terms, 4)."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for group, term, k in self.given:
             to[group, term, k] = self.given[group, term, k]
@@ -162,7 +164,7 @@ class Accounts:
 
 @in_kernels
 class Summing:
-    """Adder of all particles' density, position, velocity (Totals) in float64: in blocks, regardless of threads."""
+    """Adder of Totals over all particles in float64, in SUM_BLOCKS blocks: the same sums on any number of threads."""
 
     def __init__(self, particles: Particles) -> None:
         self.particles = particles

@@ -27,7 +27,7 @@ def status_of(sea: waves.Components, density: float) -> Status:
 
 
 class OpenWater(Fluid):
-    """Base class of water as a sum of plane waves and of waves on `tiles` (grids), which kernels read from `sheets`."""
+    """Base class of water: plane waves plus waves on `tiles` (grids), which kernels read from fields (`sheets`)."""
 
     config: Any
     waves: PlaneWaves  # in closed form
@@ -44,7 +44,7 @@ class OpenWater(Fluid):
 
     @ti.func
     def elevation(self, x, z):
-        """Elevation [m] at x, z [m], at present, by the plane waves and the waves on sheets."""
+        """Elevation [m] at x, z [m], at present, by plane waves and waves on grids (in kernels' fields, `sheets`)."""
         eta = self.waves.elevation(x, z)
         for sheet in ti.static(self.sheets):
             eta += sheet.elevation(x, z, sheet.now)
@@ -83,11 +83,11 @@ class OpenWater(Fluid):
         return self.sum_elevations(np.asarray(points, dtype=float) - self.drift, self.tiles)
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
-        """Heights (m,) [m] without waves of ships: here `elevation` itself."""
+        """Heights (m,) [m] without waves of ships: here `elevation` itself, the heights (m,) [m] with all waves."""
         return elevation
 
     def sum_elevations(self, points: np.ndarray, tiles: "Sequence[OnTile]") -> np.ndarray:
-        """Heights (m,) [m] at x, z (m, 2) [m], in the current's axes, of plane waves plus those on grids (`tiles`)."""
+        """Heights (m,) [m] at x, z (m, 2) [m] in axes that move with the current: plane waves plus those on `tiles`."""
         eta = waves.elevation(self.waves.sea, points, self.time)
         for one in tiles:
             there = one.covers(points)
@@ -105,7 +105,7 @@ class OpenWater(Fluid):
         return self.flow_velocities(at, np.zeros(len(at)))
 
     def flow_velocities(self, at: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Velocities (m, 3) [m/s] at x, z (m, 2) [m] in the current's axes and Wheeler-stretched heights y (m,) [m]."""
+        """Velocities (m, 3) [m/s] at x, z (m, 2) [m], axes moving with the current, Wheeler-stretched y (m,) [m]."""
         stretched = np.stack([at[:, 0], y, at[:, 1]], axis=1)
         v = waves.linear_velocity(self.waves.sea, stretched, self.time)
         v += [self.current[0], 0.0, self.current[1]]

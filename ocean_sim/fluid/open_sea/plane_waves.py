@@ -48,8 +48,8 @@ class PlaneWaves:
 
     @ti.kernel
     def store_waves(self, each: Array2, turns: Doubles2):
-        """Store n waves: `each` (n, 5): amplitude, k, kx, kz, orbital speed; `turns` (n, 4), in float64 for exact
-        phases at late times: phase, omega, kx, kz over 2 pi."""
+        """Store n waves: `each` (n, 5): amplitude, k, kx, kz, orbital speed; `turns` (n, 4): phase, omega, kx and kz,
+        each over 2 pi, in float64, so that `compute_phases` is exact at late times."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(self.amplitude.shape[0]):
             self.amplitude[i], self.k[i], self.speed[i] = each[i, 0], each[i, 1], each[i, 4]
@@ -101,8 +101,8 @@ class PlaneWaves:
 
 @in_kernels
 class Window:
-    """Lookup table of the sum of plane waves, before their ramp, on a lattice of nodes and Wheeler-stretched depths.
-    Sums are stored for two times a moment apart, and interpolated between them."""
+    """Lookup table, laid around a hull, of the sum of plane waves at full height (no ramp in time), on a lattice of
+    nodes and Wheeler-stretched depths. Sums are stored for two times a moment apart, and interpolated between."""
 
     def __init__(self, water: Any, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]) -> None:
         """Make the table for an `OpenWater`: `size` nodes, `step` [m] apart, and levels at `depths` [m], first 0."""
@@ -127,8 +127,8 @@ class Window:
         return word * (waves * (2 * sums + 4 * size[0] + 2 * size[1]) + 4 * size[0] * size[1] * sums + 1)
 
     def now(self) -> tuple[float, float, bool]:
-        """Time of the floating bodies, 0 at the first and 1 at the second of the two times for which sums of waves are
-        stored at the lattice's nodes; the ramp's factor of wave height; True if the stored sums serve at that time."""
+        """Time of the floating bodies, as a share of the way from the first to the second time of the table (0 to 1 if
+        it still serves); the ramp's factor of wave height then; True if the stored sums serve."""
         time, there = self.water.before, self.water.waves
         others = self.begun != there.begun
         if others:
@@ -143,7 +143,7 @@ class Window:
         return self.water.current
 
     def set_waves(self, sea: waves.Components) -> None:
-        """Set the waves' amplitudes at the surface and each depth of the table, and the time between its two times."""
+        """Set each wave's amplitudes of elevation, velocity, acceleration at the table's depths, and its time span."""
         a, k, omega, g = sea.amplitude, sea.wavenumber, sea.omega, sea.gravity
         kx, kz = sea.wavevector.T
         cosines, sines = [a], [a * omega]
@@ -173,8 +173,8 @@ class Window:
 
     @ti.kernel
     def add_up(self, cosine: Doubles2, sine: Doubles2):
-        """Sum n waves at all nodes for both stored times. `cosine`, `sine` (4, n): of the angles at the first node at
-        both times, and of the angles' steps along and across the lattice."""
+        """Sum n waves at all nodes for both times, when the table is laid and `span` later. `cosine`, `sine` (4, n): of
+        the angles at the first node at both times, and of the angles' steps along and across the lattice."""
         # Cosines and sines along the first axis, at both times, and across it: one rotation a node.
         for n in range(self.n):
             along = tm.vec2(cosine[ANGLE_ALONG, n], sine[ANGLE_ALONG, n])
@@ -211,8 +211,7 @@ class Window:
 
     @ti.func
     def moving(self, i, k, l, late):
-        """Velocity [m/s], acceleration [m/s2] of water at node i, k and depth number l; `late`: share of the way from
-        the first stored time to the second."""
+        """Velocity [m/s], acceleration [m/s2] at node i, k, depth number l; `late`: share from first to second time."""
         first, last = self.speed[0, i, k, l], self.speed[1, i, k, l]
         pulled, pulls = self.pull[0, i, k, l], self.pull[1, i, k, l]
         mean = (last - first) / self.clock[None]
@@ -221,6 +220,6 @@ class Window:
 
     @ti.func
     def interpolate(self, first, last, growth, grows, late):
-        """Hermite cubic in time, a share `late` of the way from `first` to `last`; `growth`, `grows`: their rates."""
+        """Hermite cubic, a share `late` of the time from `first` to `last`; `growth`, `grows`: their rates [per s]."""
         way, back, span = late * late * (3.0 - 2.0 * late), 1.0 - late, self.clock[None]
         return (1.0 - way) * first + way * last + span * late * back * (back * growth - late * grows)

@@ -63,8 +63,8 @@ class Sheet:
         self.store_values(slot, values)
 
     def set_clock(self, shares: tuple[float, float], drifts: np.ndarray, centre: np.ndarray) -> None:
-        """Set where kernels read between both stored times (slots 0, 1), now and at the last step's start: `shares` (2)
-        of the way to slot 1, `drifts` (2, 2) [m] by the current until then; set the tile's `centre` (2,) [m]."""
+        """Set for two times, now and the last step's start, `shares` (2,) of the way from stored time (slot) 0 to 1,
+        `drifts` (2, 2) [m] by the current; set the tile's `centre` (2,) [m] in axes that move with the current."""
         tile = self.tile
         size = np.array([tile.side, tile.width])
         first = np.array([axis[0] for axis in tile.nodes()]) + size * np.round(centre / size)
@@ -129,8 +129,8 @@ class Sheet:
 
     @ti.func
     def interpolate(self, field: Template, x, z, depth, when: Template):
-        """Vector of `field`, `speed` or `pull`, at x, z, depth [m] and time `when`, `now` or `before` (the last step):
-        bilinear in the cell, cubic over levels, linear in time."""
+        """Vector of `field`, `speed` [m/s] or `pull` (acceleration [m/s2]), at x, z, depth [m]; `when`: `now`, or
+        `before` for the start of the last step: bilinear in the cell, cubic over levels, linear in time."""
         i, k, a, b, there = self.locate_cell(x, z, when)
         total, late = tm.vec3(0.0), ti.cast(self.clock[when, 0], float)
         if there:

@@ -152,8 +152,8 @@ class Tile:
         return self.smoothing / self.cell**2 * self.to_modes(total.reshape(self.shape))
 
     def displaced_modes(self, points: np.ndarray, volumes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Fourier modes of displaced volume per area [m], by `volumes` (m,) [m3] at x, z, depth (m, 3) [m]: (a) itself,
-        (b) as it moves the surface, times cosh k (h - depth) / cosh kh, linear in depth through Gauss's two nodes."""
+        """Fourier modes of displaced volume per area [m], by `volumes` (m,) [m3] at x, z, depth (m, 3) [m]: (a) itself;
+        (b) as the surface feels it, times cosh k (h - depth) / cosh kh, made linear in depth by two nodes (Gauss's)."""
         depth, deepest = points[:, 2], max(float(points[:, 2].max(initial=0.0)), 1e-9)
         low = (depth / deepest - UPPER_NODE) / (LOWER_NODE - UPPER_NODE)
         upper, lower = (self.spread_modes(points[:, :2], part * volumes) for part in (1.0 - low, low))
@@ -194,8 +194,7 @@ class TileModes(NamedTuple):
 
 
 class OnTile:
-    """Interface of waves on a `tile` (periodic grid of sea) with `modes_at`, at times [s] and points x, z (m, 2) [m] in
-    axes that move with the current."""
+    """Interface of waves on a `tile` (grid) at times [s], points x, z (m, 2) [m] in axes that move with the current."""
 
     tile: Tile
 
@@ -275,7 +274,7 @@ class Layer:
 
     @cached_property
     def damping_rate(self) -> np.ndarray:
-        """Decay rate (cells, rows) [1/s] in the rim: RIM_DAMPING_RATIO omega times squared depth in it (0 to 1)."""
+        """Decay rate (cells, rows) [1/s] in the tile's rim: RIM_DAMPING_RATIO omega (depth in the rim, 0 to 1)^2."""
         tile, (x, z) = self.tile, self.tile.nodes()
         far = np.abs(x)[:, None] / (0.5 * tile.side) + 0.0 * z
         if tile.rows > 1:
@@ -286,7 +285,7 @@ class Layer:
 
     @cached_property
     def damping_cache(self) -> dict[float, np.ndarray]:
-        """Factors (cells, rows) by which a step damps waves in the rim, cached for the last step's length [s]."""
+        """Factors (cells, rows) by which a step damps waves in the tile's rim, cached for the last step's dt [s]."""
         return {}
 
     def begin(self, pressure: np.ndarray, centre: np.ndarray, dt: float) -> None:
@@ -298,7 +297,8 @@ class Layer:
         self.eta, self.phi = tile.to_values(-rest * self.pressure), np.zeros(tile.shape)
 
     def advance(self, dt: float, pressure: np.ndarray, centre: np.ndarray) -> None:
-        """Advance by dt [s], half under the old and half under the new `pressure` / density; damp the rim."""
+        """Advance by dt [s], half under old, half under new `pressure` / density (modes [m2/s2]); damp the tile's edges
+        around its new `centre` x, z (2,) [m]."""
         tile = self.tile
         e, p = self.propagate(dt)
         self.set_pressure(pressure)

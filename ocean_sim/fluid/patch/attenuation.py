@@ -31,8 +31,8 @@ class Attenuation:
     """Fit for travelling waves; None: this one serves for them too."""
 
     def share(self, k: float, depth: float, height: float, spacing: float, standing: bool) -> float:
-        """Viscosity added to waves of wavenumber k [rad/m], divided by smoothing length times sound speed; `height` of
-        the waves, `depth`, particle `spacing` [m]; `standing`: True for standing waves."""
+        """Numerical viscosity on waves of wavenumber k [rad/m], as a share of smoothing length times sound speed;
+        `height` of the waves, `depth`, particle `spacing` [m]; `standing`: True for standing waves."""
         if self.travelling is not None and not standing:
             return self.travelling.share(k, depth, height, spacing, standing)
         of_layers = self.flat / sqrt(tanh(k * depth)) + self.steep * (height / spacing) ** 1.5 * k * spacing

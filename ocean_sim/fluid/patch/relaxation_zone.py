@@ -56,8 +56,8 @@ class RelaxationBand:
         return tuple(period for period in self.lattice.basin.periods if period)
 
     def height_profile(self, with_waves: float) -> tuple[np.ndarray, np.ndarray] | None:
-        """Distances (n,) [m] from a ship, round the patch along the sea's highest waves, and their complex height there
-        over the sea's; None if losses by the scheme are unknown. `with_waves`: her speed over theirs (group speed)."""
+        """Distances (n,) [m] from a ship, round the patch along its highest waves, and their height there over that in
+        the sea, complex by phase; None: losses unknown. `with_waves`: her speed along them over their group speed."""
         if self.sea is None or self.losses is None:
             return None
         loss, feed = (complex(of[self.sea.highest]) for of in (self.losses, self.feed))
@@ -85,13 +85,13 @@ class RelaxationBand:
         return xi, height
 
     def height_at_ship(self, with_waves: float) -> complex | None:
-        """Complex height of highest waves at the ship over the sea's, or None; `with_waves`: her speed over theirs."""
+        """Height of highest waves at the ship over the sea's, complex by phase; `with_waves`: see `height_profile`."""
         found = self.height_profile(with_waves)
         return complex(found[1][PATCH_PIECES // 2]) if found is not None else None
 
     @property
     def wake_transmission(self) -> float:
-        """Share of height with which waves as long as the sea's highest (calm sea: 4/3 rim widths) pass the rim."""
+        """Share of a ship's wave height that passes the rim, of waves as long as the sea's (calm: 4/3 rim widths)."""
         basin, calm = self.lattice.basin, 2.0 * pi * RIM_WIDTH_WAVES / self.width
         k = calm if self.sea is None else float(self.sea.wavenumber[self.sea.highest])
         group = float(waves.group_speed(k, basin.depth, waves.downward_gravity(basin)))
@@ -168,7 +168,7 @@ class RelaxationBand:
         )
 
     def warnings(self, duration: float) -> Iterator[str]:
-        """Yield warnings of a badly sized patch, for a run of this duration [s]."""
+        """Yield warnings of a patch whose sides, rim or spacing do not suit its waves, for a run of `duration` [s]."""
         if self.sea is not None:
             yield from waves.cut_short(duration, self.sea.ramp)
         if (changed := self.fit_change()) is not None:

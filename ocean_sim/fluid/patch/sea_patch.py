@@ -68,7 +68,7 @@ class PlaneWaveSource:
         """(levels, values, n) contribution of each wave at the lower corner of the patch and phase 0."""
 
     def modes(self, time: float) -> np.ndarray:
-        """Fourier modes (depths, 6, nodes x, nodes z) of velocity and feed (against losses [m/s2]) at a time [s]."""
+        """Fourier modes (depths, 6, nodes x, nodes z) at a time [s]: velocity (3), feed (3: against losses [m/s2])."""
         found = np.zeros((TABLE_LEVELS + 1, NODE_VALUES, *self.count), dtype=np.complex128)
         origin_phase = np.exp(1j * np.mod(self.sea.phase - self.sea.omega * time, 2.0 * np.pi))
         found[:, :, self.places[0], self.places[1]] = self.shapes * origin_phase
@@ -76,10 +76,10 @@ class PlaneWaveSource:
 
 
 class SteepSource:
-    """Nonlinear sea on a grid (tile) over the patch, one cell a particle spacing, for a SeaTable. A wave's feed, the
-    acceleration that makes up for the scheme's losses, is a complex f times its velocity. Modes P of potential, E of
-    elevation are waves along the wavevector, P / 2 - i g E / (2 omega), fed by f, and waves against it, fed by its
-    conjugate: in all by Re f P + Im f g E / omega."""
+    """Nonlinear sea on a grid (tile) over the patch, one cell a particle spacing, which writes a SeaTable. A wave's
+    feed, the acceleration that makes up for the scheme's losses, is a complex f times its velocity. Modes P of
+    potential, E of elevation are waves along the wavevector, P / 2 - i g E / (2 omega), fed by f, and waves against it,
+    the rest of P, fed by its conjugate: added up, the feed has the potential Re f P + Im f g E / omega."""
 
     left_out: ClassVar[tuple[str, ...]] = ("shapes", "feed_factors", "origin_phase", "places")
 
@@ -102,7 +102,7 @@ class SteepSource:
         self.places = (along % count[0])[:, None], (np.arange(tile.columns) % count[1])[None, :]
 
     def modes(self, time: float) -> np.ndarray:
-        """Advance the nonlinear sea to a time [s]; return modes of velocity, feed, as PlaneWaveSource.modes does."""
+        """Advance the sea to a time [s]; return its modes of velocity (3), feed (3), as PlaneWaveSource.modes does."""
         left = time - self.sea.time
         for _ in range(steps := int(np.ceil(left / self.step - 1e-9))):
             self.sea.advance(left / steps)
@@ -122,8 +122,8 @@ class SteepSource:
 
 
 def feed_factors(band: RelaxationBand, sea: Components, tile: Tile) -> tuple[np.ndarray, np.ndarray]:
-    """Factors Re f and Im f g / omega (cells, columns) by which a tile's modes of potential and elevation are
-    multiplied, and then added, to feed waves at the complex rate f [1/s] against their losses (see SteepSource)."""
+    """Factors Re f, Im f g / omega (cells, columns) for a tile's modes of potential and of elevation: both products add
+    up to the potential of the feed, f [1/s] times velocity, against the scheme's losses (see SteepSource)."""
     order = np.argsort(sea.wavenumber)
     k, f = sea.wavenumber[order], band.feed[order]
     real, imaginary = (np.interp(tile.k, k, of) for of in (f.real, f.imag))
@@ -131,7 +131,7 @@ def feed_factors(band: RelaxationBand, sea: Components, tile: Tile) -> tuple[np.
 
 
 def table_nodes(band: RelaxationBand, sea: Components) -> tuple[int, ...]:
-    """Numbers of nodes along x and z of the SeaTable for a `sea` over the patch of `band`, by the shortest wave."""
+    """Numbers of nodes along x, z of the SeaTable (velocities of `sea` on a patch of `band`), by the shortest wave."""
     periods = band.lattice.basin.periods[::2]
     crests = np.abs(wave_counts(band, sea)).max(axis=0)
     if band.nonlinear is not None:
@@ -141,7 +141,7 @@ def table_nodes(band: RelaxationBand, sea: Components) -> tuple[int, ...]:
 
 
 def table_bytes(band: RelaxationBand, sea: Components, word: int) -> int:
-    """Memory [bytes] of the SeaTable (velocity, feed at nodes over a patch) for a sea; `word`: bytes of a `float`."""
+    """Memory [bytes] of the SeaTable (velocities, accelerations) of a sea on a patch; `word`: bytes of a `float`."""
     x, z = table_nodes(band, sea)
     return 3 * x * z * (TABLE_LEVELS + 1) * NODE_VALUES * word
 
@@ -179,7 +179,7 @@ class SeaTable:
         self.store_slot(slot, np.ascontiguousarray(values.transpose(2, 3, 0, 1), dtype=to_numpy_type(self.now.dtype)))
 
     def advance(self, time: float) -> None:
-        """Interpolate the table to a time [s], once the slots around this time are written."""
+        """Interpolate the table to a time [s] between its two stored ones (slots); before, write the later if due."""
         share = time / self.every - self.begun
         while share > 1.0 + 1e-9:
             self.begun, share = self.begun + 1, share - 1.0
@@ -280,7 +280,7 @@ class SeaRim:
         self.advance(0.0)
 
     def follow(self, ships: Sequence[Displacing]) -> None:
-        """Keep the relaxation zone half a period, along each axis, from the middle of these ships from now on."""
+        """Keep the relaxation zone half a side of the patch, along each axis, from the mean position of these ships."""
         self.ships = tuple(ships)
         self.place_band(0.0)
 
@@ -291,7 +291,7 @@ class SeaRim:
         return self.velocity * time
 
     def on_patch(self, points: np.ndarray) -> np.ndarray:
-        """Points x, z (..., 2) [m] moved by whole periods onto the patch at the origin; without period set to 0."""
+        """Points x, z (..., 2) [m] moved by whole periods onto the patch at the origin; 0 on an axis without period."""
         return np.where(self.periods > 0.0, points - whole_sides(points, self.periods), 0.0)
 
     def place_band(self, time: float) -> None:

@@ -108,8 +108,8 @@ class Ground:
         return float(bed[touch & (stretch == stretch[np.where(touch, bed, np.inf).argmin()])].max())
 
     def sheet_heights(self, places: np.ndarray, water: np.ndarray, position: np.ndarray, spacing: float) -> np.ndarray:
-        """Heights (n,) [m] of a mesh that draws the `water` (n,) [m] at places x, z (n, 2) [m]. Where it is not deep,
-        the mesh is level, and above the bed only near particles at `position` (m, 3) [m] that touch the bed."""
+        """Heights (n,) [m] of the drawn surface of `water` (n,) [m] at places x, z (n, 2) [m]: where it is not deep,
+        near that of the nearest deep water, but hidden in the bed far from particles, at `position`, that touch it."""
         from scipy.spatial import cKDTree
 
         bed = self.heights(places)
@@ -234,8 +234,8 @@ class Ground:
     def make_room(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, lattice: Lattice
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Make room for the bed among particles at `positions` (n, 3) [m] in `boxes`, with points `beyond` (m, 3) [m]
-        around these. Returns (n,) True for particles to remove, (n, 3) new positions [m]; cached on disk."""
+        """Make room for the bed among particles at `positions` (n, 3) [m] that fill `boxes`; points `beyond` (m, 3) [m]
+        continue their lattice outside. Returns (n,) True for particles to remove, new positions (n, 3) [m]."""
         numbers = repr([lattice, self.lowest, self.periodic, *(x.tolist() for box in boxes for x in box)])
         content = b"".join(array.tobytes() for array in (self.x, self.z, self.y, positions, beyond)) + numbers.encode()
 

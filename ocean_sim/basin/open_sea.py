@@ -77,7 +77,7 @@ class Rim(Model):
 
 
 class Nonlinear(NamedTuple):
-    """Settings of a nonlinear sea: onset of its nonlinear terms, and breaking."""
+    """Settings of a nonlinear sea: time in which its nonlinear terms set in, and whether crests break."""
 
     onset: float  # [s] time in which the nonlinear terms set in
     breaking: bool  # True: its crests break
@@ -103,7 +103,7 @@ class OpenSea(Protocol):
         """Settings of a nonlinear sea; None if the sea is the sum of its plane waves."""
 
     def plane_waves(self, basin: waves.Tank) -> waves.Components | None:
-        """Plane waves of the sea by linear theory, before they are fitted to the patch; None in calm water."""
+        """Plane waves of the sea by linear theory, of wavelengths that need not fit the basin; None in calm water."""
 
 
 def width_over_length(periods: tuple[float, float, float]) -> Fraction | None:

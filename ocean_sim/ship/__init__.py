@@ -23,13 +23,13 @@ NO_FORCE = np.zeros((2, 3))  # a part that does not act
 
 @dataclass(frozen=True)
 class Load:
-    """Forces on a ship by cause, as `wave`: force [N] and torque about the centre of mass [N m], world axes (4.27)."""
+    """Loads on a ship by cause, as `wave`: force [N], torque about centre of mass [N m], world axes (thesis 4.27)."""
 
     parts: np.ndarray  # in the order of the ship's `parts`
 
     @classmethod
     def of(cls, forces: dict[str, np.ndarray], names: tuple[str, ...] = PARTS) -> "Load":
-        """Load of `forces` by cause, (2, 3) each; 0 for other `names`. Raises ValueError for one not in `names`."""
+        """Load of `forces` by cause, (2, 3) as in `total`; 0 for other `names`. Raises ValueError for unknown names."""
         for name in forces:
             if name not in names:
                 raise ValueError(f"a ship with a force {name!r} must name it in `parts`, which are {', '.join(names)}")
@@ -43,7 +43,7 @@ class Load:
 
     @property
     def total(self) -> np.ndarray:
-        """(2, 3) sum over all causes: force [N] and torque [N m]."""
+        """(2, 3) sum over all causes: force [N], and torque about the centre of mass [N m]."""
         return self.parts.sum(axis=0)
 
     @property
@@ -129,7 +129,8 @@ class Ship(Protocol):
 
     @abstractmethod
     def load(self, wind: "Wind", fluid: "Fluid", surface: "Surface | Fluid") -> Load:
-        """Compute the forces and torques on the ship at her present pose, by cause (thesis 4.27)."""
+        """Compute the forces and torques on the ship at her present pose, by cause (thesis 4.27). `surface`: object
+        that gives the height of the water, which is the fluid in a scene without a surface."""
 
     def advance(self, load: Load, dt: float) -> None:
         """Move the ship by a time step dt [s] under a load (thesis 4.22 to 4.25); raises Diverged."""

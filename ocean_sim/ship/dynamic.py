@@ -198,7 +198,7 @@ class SeakeepingShip(FloatingShip):
 
     def drift_velocity(self, now: Immersion) -> np.ndarray:
         """(6,) velocity [m/s], [rad/s], body axes, of the water through which the hull's added mass moves: of current
-        and waves, but of the current alone in motions whose wave force comes from the radiation table."""
+        and waves, but of current alone in degrees of freedom whose scattering force the file `radiation` has."""
         if self.scattering is None:
             return now.wet.velocity
         stream = np.concatenate([now.body.matrix.T @ self.stream, np.zeros(3)])

@@ -229,8 +229,8 @@ class Manoeuvring(Vessel):
         self.revolutions = np.zeros_like(model.ordered_revolutions(0.0, 0.0))  # of the propellers, from port
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
-        """All forces and torques of the model about the centre of mass, by the velocity relative to the water (Fossen
-        2021, ch. 10). A steady current changes no acceleration in world axes; wave motion carries her along."""
+        """Forces and torques of the model about the centre of mass, by the velocity relative to current and waves of
+        `fluid` (Fossen 2021, ch. 10); `surface` is not used. Waves add their acceleration, a steady current none."""
         model, body = self.model, self.centred_body
         pitch, yaw, roll = body.angles
         r, omega, turning, inertia = body.matrix, body.rates, body.rates, body.inertia_body

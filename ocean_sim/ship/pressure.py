@@ -109,7 +109,8 @@ class Pressure(Vessel):
         self.place_hull()
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
-        """Compute all forces and torques on the ship (thesis 4.27); all forces of particles count as `buoyancy`."""
+        """Compute all forces and torques on the ship (thesis 4.27). All that particles do, friction too, is `buoyancy`;
+        `wind` and `surface` are not used."""
         forces, torques = self.boundary.forces()
         body = self.body
         motion = np.array([*body.own_velocity, *body.own_spin])

@@ -140,7 +140,7 @@ class Cloth:
 
     @ti.kernel
     def update(self, dt: float):
-        """Advance the sheet by dt [s]: carry nodes on, move them to the water, apply springs; dt 0: at rest after."""
+        """Advance the sheet by dt [s]: carry nodes on, move them to water, pull by springs; 0: only to water."""
         for n in self.height:
             way = dt * self.speed[n] * tm.exp(-ti.static(self.config.damping) * dt)
             most = ti.static(MAX_CARRY * self.thickness)
@@ -223,7 +223,7 @@ class Cloth:
 
 @in_kernels
 class Contact:
-    """Contact of a point with water: smoothed share within `thickness` [m], and upward gradient [1/m] of this share."""
+    """Share of water, smoothed, within `thickness` [m] of a point, and the upward gradient [1/m] of this share."""
 
     sums = 2
 

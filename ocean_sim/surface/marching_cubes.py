@@ -263,7 +263,7 @@ class DensityMap:
     """Smoothed share of water at points, summed over particles that are sorted into bins at least one radius wide."""
 
     def __init__(self, particles: "Particles", basin: Basin, nodes: Nodes, radius: float) -> None:
-        """`nodes`: grid whose box the bins fill; `radius`: of the smoothing kernel, beyond which it is 0 [m]."""
+        """`nodes`: grid whose box bins of particles fill; `radius`: of the smoothing kernel, which is 0 beyond [m]."""
         self.particles, self.nodes, self.radius = particles, nodes, radius
         self.n, self.squared = particles.n, radius * radius
         self.constant = particles.mass / particles.rest_density * 315.0 / (64.0 * pi * radius**9)
@@ -381,7 +381,7 @@ class DensityMap:
 
     @ti.func
     def particles_near(self, y, z):
-        """True if bins around the row of nodes at y, z [m], its next rows, or images of these hold particles."""
+        """True if bins at the row of nodes y, z [m], rows beside it, or mirror or periodic images hold particles."""
         found = 0
         for c in range(AXIS_IMAGES):
             along = self.image[2, c, 0] * z + self.image[2, c, 1]

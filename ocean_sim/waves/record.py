@@ -254,7 +254,7 @@ def record_spectra(
     time: np.ndarray, heights: Mapping[str, np.ndarray], treatment: Treatment = AS_IT_WAS
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Frequencies [Hz], and the spectral density [m2 s] of each of several records of heights (n,) [m] at the same
-    times (n,) [s], all with the segment length of the record that needs the longest."""
+    times (n,) [s], less mean or (`treatment`) trend; all with the segment length of the one that needs the longest."""
     even = {name: even_samples(time, height) for name, height in heights.items()}
     records = {name: (interval, treatment.deviation(values)) for name, (interval, values) in even.items()}
     moving = [record for record in records.values() if np.ptp(record[1]) > STILL_RANGE]
@@ -286,9 +286,9 @@ def sampling_error(deviation: np.ndarray) -> float:
 
 
 def measure_record(time: np.ndarray, height: np.ndarray, treatment: Treatment = AS_IT_WAS) -> Sea:
-    """Measure the sea state of a record of heights (n,) [m] at times (n,) [s]; raises Unmeasurable if it is faulty or
-    too short. A constant record has heights of 0 and no waves; a record without a whole wave between two zero
-    up-crossings has only hm0_m."""
+    """Measure the sea state of a record of heights (n,) [m] at times (n,) [s] with a `treatment`, by default none
+    (detrending, hysteresis); raises Unmeasurable if it is faulty or too short. A constant record has heights of 0 and
+    no waves; a record without a whole wave between two zero up-crossings has only hm0_m."""
     interval, values = even_samples(time, height)
     deviation = treatment.deviation(values)
     if np.ptp(deviation) <= STILL_RANGE:

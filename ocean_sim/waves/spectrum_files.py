@@ -129,8 +129,8 @@ def numbers_in(words: Iterable[str]) -> np.ndarray:
 
 
 def table_spectrum(path: str | Path, frequency: np.ndarray, *others: np.ndarray) -> Found:
-    """Checked spectrum; `others`: directions (m,) [deg], densities (n, m) and, of a buoy, moments (2, n), as fields of
-    `DirectionalSpectrum`. None without energy; raises Unreadable."""
+    """Checked spectrum; `others`: directions (m,) [deg], densities (n, m) and, of a buoy, first and second Fourier
+    moments (2, n), as in `DirectionalSpectrum`. None without energy; raises Unreadable, for file `path`."""
     rising = len(frequency) > 1 and frequency[0] > 0.0 and (np.diff(frequency) > 0.0).all()
     if not rising or not others[1].min() >= 0.0 or np.isinf(others[1]).any():
         shown = ", ".join(f"{f:g}" for f in frequency[:3])

@@ -99,15 +99,15 @@ class Wind(ABC):
 
     @ti.func  # noqa: B027
     def set_clock(self, since, step):
-        """Begin a kernel: compute the wind's state in a step of `step` [s], `since` [s] after the clock's restart."""
+        """Begin a kernel: compute the wind in a step of `step` [s] that ends `since` [s] after the clock's restart."""
 
     @abstractmethod
     def force(self, key, position, velocity, area, bend, mass):
         """ti.func -> vec3: force [N] on a particle or a voxel of a hull.
 
-        `key` is the particle's or voxel's number, by which noise is drawn; `position` [m] and `velocity` [m/s] are its
-        own; `area` is its exposed area times outward normal [m2], zero inside the water; `bend` is the change of the
-        surface's slope over the depth at which exposed areas lie (`fluid/bodies/exposure.py`); `mass` [kg]."""
+        `key` is the particle's or voxel's number, from which random forces are drawn; `position` [m] and `velocity`
+        [m/s] are its own; `area`: exposed area times outward normal [m2], zero inside the water; `bend`: curvature (xx,
+        xz, zz) of the surface times depth of exposed areas (`fluid/bodies/exposure.py`); `mass` [kg]."""
 
 
 @in_kernels

@@ -221,7 +221,7 @@ def joined(drawings: list[Drawing]) -> Drawing:
 
 
 def row_size(volumes: list[Volume]) -> int:
-    """Length of a volume's row of numbers on the device: its own, and those of the most shapes that any volume has."""
+    """Length of each volume's row on the device: VOLUME columns, and SHAPE columns for the most shapes of a volume."""
     return VOLUME.size + SHAPE.size * max(len(volume.shapes) for volume in volumes)
 
 
@@ -276,7 +276,7 @@ class Gusts(Wind):
         self.patch.follow(middle)
 
     def advance(self, dt: float) -> None:
-        """Move all volumes of air by a step of dt [s] (thesis, Algorithm 1); set wind, acceleration, noise for it."""
+        """Move the volumes of air by a step dt [s] (thesis, Algorithm 1); set wind, steady and random acceleration."""
         begun, changed = self.clock.time, False
         self.clock.advance(dt)
         for g, (passage, volume) in enumerate(zip(self.passages, self.volumes)):
@@ -295,7 +295,7 @@ class Gusts(Wind):
             self.noise.advance()
 
     def _lay_out(self, g: int) -> None:
-        """Write shapes (boxes, spheres, capsules) and slab of volume g, as turned now, into its row on the host."""
+        """Write shapes of volume g, as turned now, and the slab of space around them into its row on the host."""
         volume, turn = self.volumes[g], self.passages[g].turn
         centre = volume.include[0].core.centre
         normal, middle, self.half[g] = volume.slab(turn)
@@ -339,8 +339,8 @@ class Gusts(Wind):
 
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):
-        """Force [N] on a particle or voxel: (2.26) of the thesis, summed over the volumes that contain its position.
-        `key`: its number, by which noise (random acceleration) is drawn; `bend` is not used. See `Wind.force`."""
+        """Force [N] on a particle or voxel: (2.26) of the thesis, summed over the volumes that contain its `position`
+        [m]. `key`: its number, from which random acceleration (noise) is drawn; `area`: exposed [m2]; no `bend`."""
         total, x = tm.vec3(0.0), self.patch.seen(position)
         for g in range(self.n):
             total += self.push(g, key, x, velocity, area, mass)
@@ -349,7 +349,7 @@ class Gusts(Wind):
     @ti.func
     def push(self, g, key, position, velocity, area, mass):
         """Force [N] of volume number g on a particle or voxel at `position` [m], in the wind's axes; 0 outside the
-        volume. `key`: number of the particle, by which noise is drawn; other arguments as in `Wind.force`."""
+        volume. `key`: its number, from which random acceleration is drawn; other arguments as in `Wind.force`."""
         total, off = tm.vec3(0.0), position.dot(self.vector(g, VOLUME.normal)) - self.row[g, VOLUME.slab]
         if ti.abs(off) <= self.row[g, VOLUME.half_thickness]:
             if self.contains(g, position - self.vector(g, VOLUME.centre)):

@@ -103,7 +103,7 @@ class Config(Scheduled, WindConfig):
         return self.gain if self.pressure_gain is None else self.pressure_gain
 
     def sheltered(self, u10: float) -> float:
-        """Pressure on waves [Pa] per slope along the wind (Jeffreys 1925), by a wind u10 [m/s], with its gain."""
+        """Pressure on waves [Pa] over their slope along a wind u10 [m/s] (Jeffreys 1925), times `gain_of_pressure`."""
         relative = u10 - self.wave_speed
         return self.gain_of_pressure * self.sheltering * AIR_DENSITY * relative * abs(relative)
 
@@ -256,7 +256,7 @@ class Stress(Wind):
         return self.ship if target == "ship" and self.ship is not None else super().on(target)
 
     def advance(self, dt: float) -> None:
-        """Advance by a step of dt [s], with the strength in the middle of the step."""
+        """Set the wind's stress and speed for a step of dt [s], by its schedule in the middle of the step."""
         if not self.steady:
             self._set_strength(dt)
         self.time += dt
@@ -299,8 +299,9 @@ class Stress(Wind):
 
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):
-        """Force [N]: on a particle stress on plan area, and pressure on the surface's slope, from `area` and `bend`; on
-        a voxel of a hull drag (2.22), from `area` and `velocity`. Arguments: see `Wind.force`; no others are used."""
+        """Force [N]. On a particle: stress on plan area, and pressure on the surface's slope, by exposed `area` (3,)
+        [m2] and `bend` (curvature times depth of exposed areas: `Wind.force`). On a voxel of a hull: drag (thesis
+        2.22), by `area` and `velocity`. No other arguments are used."""
         row = ti.static(self.row.field)
         total = tm.vec3(0.0)
         if ti.static(self.afloat):

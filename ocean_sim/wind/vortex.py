@@ -140,7 +140,7 @@ class Vortex(Wind):
         return Drawing(np.concatenate([*rings, upright]), top[:-1:4], arrows, greatest, "m/s²")
 
     def _restart(self) -> None:
-        """Write the present axis and strength to the device row, and restart the clocks of wind and noise."""
+        """Write the present axis and strength to the device row; restart the clocks of wind and random acceleration."""
         x, _, z = self.passage.centre.tolist()
         for column, number in ((ROW.axis_x, x), (ROW.axis_z, z), (ROW.part, self.gain * self.part)):
             self.row.set(column, number)

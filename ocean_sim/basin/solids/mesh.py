@@ -370,7 +370,7 @@ def on_edge(a: np.ndarray, b: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def inside_stretches(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Segments of lines along y, at x and z [m], inside a mesh: line as in `line_crossings`, lower, upper end [m]."""
+    """Segments inside a mesh of lines along y at x[i], z[k] [m]: line i len(z) + k, lower end [m], upper end [m]."""
     line, height, winding = line_crossings(triangles, x, z)
     inside = winding > 0
     before = np.r_[False, inside[:-1]]

@@ -43,8 +43,8 @@ class ShapedSolid:
     def make_room(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, lattice: Lattice
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Make room for the body among particles at `positions` (n, 3) [m] in `boxes`, with points `beyond` (m, 3) [m]
-        around these. Returns (n,) True for particles to remove, (n, 3) new positions [m]; cached on disk."""
+        """Make room for the body among particles at `positions` (n, 3) [m] that fill `boxes`; points `beyond` (m, 3)
+        [m] continue their lattice outside. Returns (n,) True for particles to remove, new positions (n, 3) [m]."""
         poses = [self.centre, self.origin, self.turn, *(corner for box in boxes for corner in box)]
         numbers = repr([lattice, self.is_sampled, self.flat, *(array.tolist() for array in poses)]).encode()
         content = self.shape.content() + numbers + positions.tobytes() + beyond.tobytes()
@@ -57,9 +57,9 @@ class ShapedSolid:
     def room_arrays(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, lattice: Lattice
     ) -> dict[str, np.ndarray]:
-        """Indices of particles that this body displaces (`gone`) and that are moved around it (`near`), of those at
-        `positions` (n, 3) [m] in `boxes`, with points `beyond` (m, 3) [m] around; and positions [m] of the moved ones
-        (`moved`) at which an even pressure pushes none (particle packing, Colagrossi et al. 2012)."""
+        """Indices of particles at `positions` (n, 3) [m] in `boxes` that this body displaces (`gone`) and that move
+        around it (`near`), and positions [m] of these (`moved`) at which an even pressure pushes none (particle
+        packing, Colagrossi et al. 2012). Points `beyond` (m, 3) [m] continue the lattice outside `boxes`."""
         points, spacing = np.concatenate([positions, beyond]), lattice.spacing
         water = np.arange(len(points)) < len(positions)
         # To a thousandth of a spacing, since minimisation would make rounding of a pose a hundred times as large.
@@ -157,7 +157,8 @@ class MeshSolid(ShapedSolid):
         return lattice_memory(self.shape, spacing / CUBES_A_SPACING, 2.0 * spacing, word)[1]
 
     def tops_below(self, points: np.ndarray) -> np.ndarray:
-        """(n,) top [m] of the highest upright segment of the body that begins below each point (n, 3) [m], or -inf."""
+        """(n,) top [m] of the body on the vertical line through each point (n, 3) [m]: of the highest segment of this
+        line inside the body that begins below the point; -inf without one."""
         (x, i), (z, k) = (np.unique(points[:, axis], return_inverse=True) for axis in (0, 2))
         line, foot, top = inside_stretches(self.mesh.triangles, x, z)
         low, up = (bound[1] for bound in self.mesh.bounds)

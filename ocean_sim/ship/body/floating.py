@@ -1,5 +1,5 @@
 """Ships that float by their volume: keys and checks of their kinds, the pose of a hull at rest, and the ship: her
-cubes in the water of a scene, and the sum of her forces (4.27).
+cubes in the water of a scene, and the sum of her forces (thesis 4.27).
 
 A kind adds a force by naming it in `parts` and extending `forces`.
 """
@@ -399,7 +399,7 @@ def rest_angles(still: Hydrostatics) -> np.ndarray | None:
     """(2,) pitch and roll [rad] at which a hull (`still`) balances, upright if it can; None if beyond MAX_LEAN."""
 
     def levers(angle: np.ndarray) -> np.ndarray:
-        """(2,) distances [m] ahead and to port from centre of mass to centre of buoyancy, at (2,) pitch, roll [rad]."""
+        """(2,) [m] ahead, to port from centre of mass to buoyancy of the floating hull, at (2,) pitch, roll [rad]."""
         return still.buoyancy_offset(lean_matrix(angle))[::-1]
 
     upright = np.zeros(2)

@@ -76,7 +76,7 @@ class RigidBody:
         return self.position + self.matrix @ arm
 
     def point_velocity(self, arm: np.ndarray) -> np.ndarray:
-        """World velocity [m/s] of a point whose position from the centre of mass is `arm`, body axes [m] (4.15)."""
+        """World velocity [m/s] of a point at `arm` from the centre of mass, body axes [m] (thesis 4.15)."""
         return self.velocity + cross(self.angular_velocity, self.matrix @ arm)
 
 
@@ -98,27 +98,27 @@ turn_quaternion = for_arrays(small_linalg.turn_quaternion)
 
 
 def quaternion(axis: np.ndarray, angle: float) -> np.ndarray:
-    """Quaternion (4,) of a turn by `angle` [rad] about a unit vector (4.6)."""
+    """Quaternion (w, x, y, z) of a turn by `angle` [rad] about a unit vector (thesis 4.6)."""
     return np.concatenate([[np.cos(angle / 2.0)], np.sin(angle / 2.0) * np.asarray(axis)])
 
 
 def quaternion_inverse(q: np.ndarray) -> np.ndarray:
-    """Inverse of a unit quaternion (4,), or of (4, n) (4.8)."""
+    """Inverse of a unit quaternion (w, x, y, z), as (4,), or of n as (4, n) (thesis 4.8)."""
     return np.array([q[0], *-q[1:]])
 
 
 def rotate_vector(q: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """(3,) vector turned by a unit quaternion (4.9)."""
+    """(3,) vector turned by a unit quaternion (w, x, y, z) (thesis 4.9)."""
     return quaternion_product(quaternion_product(q, np.concatenate([[0.0], vector])), quaternion_inverse(q))[1:]
 
 
 def axis_rotation(axis: int, angle: float) -> np.ndarray:
-    """(3, 3) rotation matrix of a turn by `angle` [rad] about x, y or z (0, 1, 2) (4.3)."""
+    """(3, 3) rotation matrix of a turn by `angle` [rad] about x, y or z (0, 1, 2) (thesis 4.3)."""
     return rotation_matrix(quaternion(np.eye(3)[axis], angle))
 
 
 def euler_quaternion(pitch: float, yaw: float, roll: float) -> np.ndarray:
-    """Quaternion (4,) of intrinsic yaw about Y, then pitch about X, then roll about Z [rad]."""
+    """Quaternion (w, x, y, z) of intrinsic yaw about Y, then pitch about X, then roll about Z [rad]."""
     turns = [quaternion(np.eye(3)[axis], angle) for axis, angle in ((1, yaw), (0, pitch), (2, roll))]
     return quaternion_product(quaternion_product(turns[0], turns[1]), turns[2])
 
@@ -131,13 +131,13 @@ def euler_angles(q: np.ndarray) -> np.ndarray:
 
 
 def with_spin(body: RigidBody, omega: np.ndarray) -> RigidBody:
-    """Copy of `body` with the angular velocity `omega`, world axes [rad/s]: its angular momentum follows by (4.19)."""
+    """Copy of `body` with the angular velocity `omega`, world axes [rad/s], and its angular momentum (thesis 4.19)."""
     turn = body.matrix
     return replace(body, angular_momentum=turn @ body.inertia_body @ turn.T @ omega)
 
 
 def advance_body(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: float) -> RigidBody:
-    """Body dt [s] later under a force [N] and a torque about its centre of mass [N m], by (4.22) to (4.25). The new
+    """Body dt [s] later under a force [N] and a torque about its centre of mass [N m] (thesis 4.22 to 4.25). The new
     velocity moves it, so an oscillator neither gains nor loses energy; its rotation is that at the midpoint."""
     inertia, start = body.inertia_body.tolist(), body.orientation.tolist()
     momentum = small_linalg.plus(body.angular_momentum.tolist(), small_linalg.times(dt, torque.tolist()))

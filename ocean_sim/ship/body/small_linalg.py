@@ -71,7 +71,7 @@ def solve_3x3(m: Rows, b: Vector) -> Three:
 
 
 def quaternion_product(p: Vector, q: Vector) -> Four:
-    """Product p q of quaternions, the rotation q followed by p (4.7)."""
+    """Product p q of quaternions (w, x, y, z): the rotation q followed by p (thesis 4.7)."""
     a, b, c, d = p
     e, f, g, h = q
     return (
@@ -83,7 +83,7 @@ def quaternion_product(p: Vector, q: Vector) -> Four:
 
 
 def rotation_matrix(q: Vector) -> tuple[Three, Three, Three]:
-    """Rows of the rotation matrix of a quaternion of any length (4.10)."""
+    """Rows of the rotation matrix of a quaternion (w, x, y, z) of any length (thesis 4.10)."""
     w, x, y, z = q
     s = 2.0 / (w * w + x * x + y * y + z * z)
     return (
@@ -100,7 +100,7 @@ def unit_quaternion(q: Vector) -> Four:
 
 
 def turn_quaternion(turn: Vector) -> Four:
-    """Quaternion of a rotation about the vector `turn`, whose length is the angle [rad]; a factor in (4.25)."""
+    """Quaternion (w, x, y, z) of a rotation about the vector `turn`, whose length is the angle [rad]."""
     x, y, z = turn
     angle = sqrt(x * x + y * y + z * z)
     half = sin(0.5 * angle) / angle if angle > 1e-150 else 0.5
@@ -108,5 +108,5 @@ def turn_quaternion(turn: Vector) -> Four:
 
 
 def spin_of(turn: Rows, momentum: Vector, inertia_body: Rows) -> Three:
-    """Angular velocity [rad/s], world axes, from angular momentum [kg m2/s] (4.19); `turn`: rotation, body to world."""
+    """Angular velocity [rad/s] from angular momentum [kg m2/s], world axes (thesis 4.19); `turn`: body to world."""
     return matrix_times(turn, solve_3x3(inertia_body, transpose_times(turn, momentum)))

@@ -73,7 +73,7 @@ def second_derivative(
 
 def join_moments(time: np.ndarray, place: np.ndarray, bends: np.ndarray, first: np.ndarray) -> Track:
     """Track through positions and quaternions `place` (7, n) at times (n,) [s]. Velocities are means over each step,
-    corrected by the second derivatives `bends` (7, n), linear over a step; `first`: (7,) first one, or NaN."""
+    corrected by second derivatives `bends` (7, n), linear in it; `first`: (7,) velocity at first, unknown if NaN."""
     step = time[1:] - time[:-1]
     mean = (place[:, 1:] - place[:, :-1]) / step
     if np.isnan(first).any():

@@ -87,8 +87,8 @@ class VesselConfig(Helm, ShipConfig):
         return len(self.position) == 2
 
     def body_at_start(self, matter: Matter, height: float, trim: np.ndarray) -> RigidBody:
-        """Rigid body at the start. `height` of the centre of mass [m] and `trim`, a quaternion, both of the ship
-        afloat, are used where the config gives no height or attitude."""
+        """Rigid body at the start, with mass and inertia of `matter`. `height` of the centre of mass [m] and `trim`, a
+        quaternion, both of the ship afloat, are used where the config gives no height or attitude."""
         pitch, yaw, roll = (radians(angle) for angle in self.attitude_deg)
         turn = rigid_body.euler_quaternion(pitch, yaw + radians(self.heading_deg), roll)
         if not (pitch or roll):
@@ -255,7 +255,7 @@ class Vessel(Ship):
             return rigid_body.guide_step(before, self.free_step(before, load, dt), self.free, dt)
 
         def walled_step(load: Load) -> RigidBody:
-            """The body at the end of the step under `load`, as by `guided_step`, put back from walls and bed."""
+            """Body after the step under `load`, in `free` motions alone, shifted, not slowed, out of walls and bed."""
             return guided_step(load) if sides is None else sides.moved_inside(guided_step(load))
 
         touched = False

@@ -203,7 +203,7 @@ class Slamming:
         return -self.mass * min(speed, 0.0) * (now - before) / (self.mass + now) / dt
 
     def heave_drag(self, volume: float, speed: float) -> float:
-        """Upward drag [N] on a hull far off her draught, at a volume under water [m3] and an upward speed [m/s]."""
+        """Upward drag [N] at an upward speed [m/s], if the wet volume [m3] is below 0.5 or over 1.5 of that afloat."""
         depth = volume / self.volume
         unusual = min(max(2.0 * abs(depth - 1.0) - 1.0, 0.0), 1.0)
         return -self.drag * unusual * min(1.0, 2.0 * depth) * abs(speed) * speed

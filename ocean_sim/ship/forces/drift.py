@@ -89,7 +89,7 @@ def waterline_law(hull: Hydrostatics) -> Law:
     sides = np.stack([nz, nx, z * nx - x * nz])
 
     def coefficients(omega: np.ndarray, wavenumber: np.ndarray, heading: np.ndarray) -> np.ndarray:
-        """(3, n) surge, sway force [N/m2], yaw moment [N m/m2] per squared amplitude of n waves on this waterline."""
+        """(3, n) surge, sway [N/m2], yaw [N m/m2] per squared amplitude of n waves, by the waterline of `hull`."""
         met = np.minimum((np.outer(nx, np.sin(heading)) + np.outer(nz, np.cos(heading))) / size[:, None], 0.0)
         under = np.outer(deep, wavenumber)
         passed = kve(1, under) / ive(1, under) * np.exp(-2.0 * under) / np.pi

@@ -1,4 +1,4 @@
-"""Propeller and rudder, and their orders: rows, a file, an autopilot, a pilot or a person (6.1, F_ship of (4.27)).
+"""Propeller and rudder, and their orders: rows, a file, an autopilot, a pilot or a person (thesis 6.1, F_ship of 4.27).
 
 A pilot holds a heading or sails a route at a speed: line of sight, and PID on rudder and throttle. Along a leg from one
 waypoint to the next the pilot steers at a point of it that lies the look-ahead D before the ship: the heading is that
@@ -60,7 +60,7 @@ class Propeller(Model):
         return bare if throttle >= 0.0 else self.astern * bare
 
     def slipstream_speed(self, thrust: float, speed: float, density: float) -> float:
-        """Flow speed at the rudder [m/s]: `speed` ahead and SLIPSTREAM_SHARE of the increase by an actuator disc."""
+        """Flow [m/s] at the rudder: the ship's `speed` ahead, and SLIPSTREAM_SHARE of the gain by an actuator disc."""
         if self.diameter is None or thrust <= 0.0 or speed < 0.0:
             return speed
         far = sqrt(speed**2 + 8.0 * thrust / (pi * density * self.diameter**2))

@@ -272,9 +272,9 @@ def in_axis_order(data: Any, name: str, axes: tuple[str, ...]) -> np.ndarray:
 
 
 class Scattering:
-    """Force on one hull by the waves that she scatters. A table's force on her at rest, divided by its B - i omega A
-    (damping B, added mass A), is a velocity w of the water. Under way the force is (B - i omega A) w at the frequency
-    of encounter; her velocity times the waves' momentum adds a moment (table 2 of Salvesen, Tuck & Faltinsen 1970)."""
+    """Force on one hull by the waves that she scatters. In each motion, a table's force at rest is B - i omega A
+    (damping B, added mass A) times a velocity w of the water. Under way it is w times B - i omega A at the frequency of
+    encounter, and a moment more, her velocity x momentum given by waves (Salvesen, Tuck & Faltinsen 1970, table 2)."""
 
     def __init__(self, table: BemTable) -> None:
         assert table.scattered is not None

@@ -71,7 +71,7 @@ class Form(NamedTuple):
 
     @property
     def limited_ratios(self) -> dict[str, float]:
-        """Those ratios of this form that the regressions limit, by name."""
+        """Ratios of this form, by name, that have limits in roll_damping.yaml; not yet clipped to these."""
         keels = () if self.keels is None else self.keels[::-1]
         ratios = self.block, self.midship, self.breadth / self.draught, self.axis, self.frequency
         return dict(zip(regressions()["limits"], (*ratios, *keels)))
@@ -152,8 +152,8 @@ def wave_damping(cb: float, cm: float, bd: float, og: float, frequency: float) -
 
 
 def eddy_damping(cb: float, cm: float, bd: float, og: float, amplitude: float) -> float:
-    """Eddy damping over `frequency` (see `wave_damping`), at an amplitude [deg]; 0 from cb 0.84 on. `cb`, `cm`: block
-    and midship coefficient; `bd`, `og`: breadth, and depth of the centre of mass, over draught."""
+    """Dimensionless roll damping by eddies over omega sqrt(B / 2g), at an amplitude [deg]; 0 from cb 0.84 on. `cb`,
+    `cm`: block and midship coefficient; `bd`, `og`: breadth, and depth of the centre of mass, over draught."""
     form = max((-0.0182 * cb + 0.0155) * (bd - 1.8) ** 3 + polynomial_at(regressions()["eddies_form"], cb), 0.0)
     axis = (3.98 * cb - 5.1525) * (-0.2 * bd + 1.6) * og
     axis *= (0.9717 * cb**2 - 1.55 * cb + 0.723) * og + 0.04567 * cb + 0.9408
@@ -164,8 +164,8 @@ def eddy_damping(cb: float, cm: float, bd: float, og: float, amplitude: float) -
 
 
 def keel_damping(cb: float, cm: float, bd: float, og: float, amplitude: float, long: float, broad: float) -> float:
-    """Bilge keel damping over `frequency` (see `wave_damping`), at an amplitude [deg]. `cb`, `cm`: block, midship
-    coefficient; `bd`, `og`: breadth, depth of the centre of mass over draught; `long`, `broad`: keel over hull."""
+    """Dimensionless roll damping by bilge keels over omega sqrt(B / 2g), at an amplitude [deg]. `cb`, `cm`: block,
+    midship coefficient; `bd`, `og`: breadth, depth of centre of mass over draught; `long`, `broad`: keel over hull."""
     form = (-0.3651 * cb + 0.3907) * (bd - 2.83) ** 2 - 2.21 * cb + 2.632
     swing = 0.00255 * amplitude**2 + 0.122 * amplitude + 0.4794
     size = (-0.8913 * broad**2 - 0.0733 * broad) * long**2

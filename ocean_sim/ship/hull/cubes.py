@@ -46,7 +46,7 @@ FACE_COLUMNS = Columns(
 
 
 class Wetted(NamedTuple):
-    """Loads (2, 3), force [N] and torque [N m], world axes, summed over cubes; wet volume; motion of the water."""
+    """Sums over cubes: loads (2, 3) [N], [N m], world axes; wet volume; velocity and acceleration of the water."""
 
     buoyancy: np.ndarray
     wave: np.ndarray
@@ -92,7 +92,7 @@ class Cubes:
     @ti.kernel
     def upload_cubes(self, arm: Array2, area: Array2, volume: Array, box: Array2, key: Integers):
         """Copy to fields, of each cube, position `arm` from the centre of mass [m], hull `area` [m2], `volume` [m3],
-        and number `key`, by which gusts differ; of each block of BLOCK_CUBES cubes the `box`: middle, half size [m]."""
+        number `key`, by which winds draw random forces; of each block of BLOCK_CUBES, `box`: middle, half size [m]."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for k in range(self.n):
             self.arm[k] = tm.vec3(arm[k, 0], arm[k, 1], arm[k, 2])
@@ -194,8 +194,8 @@ class Cubes:
         velocity,
         omega,
     ):
-        """Add loads on cube k to its block's sums `total` (SUM_COLUMNS). `water`: the lattice of samples; `wind`: a
-        Wind; `tall`: height of a turned cube [m]; `position` from `middle` [m], rotation `turn`, motion of the hull."""
+        """Add loads on cube k to sums `total` (SUM_COLUMNS) of its block of BLOCK_CUBES. `water`: lattice of samples
+        around `middle` [m]; `tall`: height of a turned cube [m]; `position` from there, `turn`, motion of the hull."""
         arm = turn @ self.arm[k]
         x, wet = position + arm, 0.0
         if x.y - 0.5 * tall < water.frame[HIGHEST_LEVEL]:
@@ -210,7 +210,7 @@ class Cubes:
 
     @ti.func
     def add_water(self, total: Template, k, water: Template, tall, arm, x, turn: Template):
-        """Add loads of water on cube k to its block's sums `total`; return its wet share. `water`: lattice of samples;
+        """Add loads of water on cube k to sums `total` of its block; return its wet share. `water`: lattice of samples;
         `tall`: its height [m]; `arm`, `x`: its position from the centre of mass, and in space [m]; `turn`: to world."""
         corner = water.cell_at(x.x, x.z)
         eta, slope = water.surface_at(corner)
@@ -255,8 +255,9 @@ class Cubes:
 
     @ti.func
     def add_motion(self, total: Template, column: Template, own, face, moved):
-        """Add one cube's terms for the fit of `as_one_body` to the sums `total` from `column` on: the water's motion
-        `moved` times wet `face` areas, and moments of that; `own`: position from the centre of mass [m]; body axes."""
+        """Add one cube's terms to the sums `total` (from `column` on) to which `as_one_body` fits the motion of a rigid
+        body: the water's motion `moved` (3,) times the cube's wet area `face` (3,) [m2] across each axis, and moments
+        of that; `own`: its position from the centre of mass [m]; body axes."""
         for c in ti.static(range(3)):
             self.add_number(total, column + c, face[c] * moved[c])
         self.add_number(total, column + 3, -face.y * own.z * moved.y)

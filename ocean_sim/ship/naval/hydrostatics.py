@@ -70,7 +70,7 @@ class Hydrostatics:
         return self.voxels.size.prod() * self.voxels.share
 
     def water_level(self, up: np.ndarray) -> float:
-        """Height of the water along the unit vector `up` [m] at which a hull so turned floats; infinite if it sinks."""
+        """Water level [m] over the origin along unit vector `up`, at which the hull floats; infinite if it sinks."""
         if self.needed_volume >= self.voxels.volume:
             return inf
         height, spread = self.voxels.centre_heights(up), self.voxels.height_spread(up)
@@ -96,7 +96,7 @@ class Hydrostatics:
 
     @cached_property
     def keel(self) -> float:
-        """Height of the lowest cubes over the hull's origin [m]: 0, unless an outline's lowest point is not there."""
+        """Height [m] over the hull's origin of the underside of the cubes; 0 where the origin is at the keel."""
         return float(self.voxels.lower[1])
 
     def centre_of_buoyancy(self, turn: np.ndarray | None = None) -> np.ndarray:
@@ -147,14 +147,14 @@ class Hydrostatics:
 
     @cached_property
     def stiffness(self) -> dict[str, float]:
-        """Stiffness of heave [N/m], roll and pitch [N m/rad]."""
+        """Stiffness by name: heave [N/m], roll and pitch [N m/rad]."""
         weight = self.matter.mass * self.gravity
         gm, trim = self.metacentric_height(2), self.metacentric_height(0)
         return {"heave": self.density * self.gravity * self.waterplane, "roll": weight * gm, "pitch": weight * trim}
 
     @property
     def inertia(self) -> dict[str, float]:
-        """Inertia of heave [kg], roll and pitch [kg m2]."""
+        """Inertia of the hull alone, without added mass, by name: heave [kg], roll and pitch [kg m2]."""
         m = self.matter
         return {"heave": m.mass, "roll": float(m.inertia[2, 2]), "pitch": float(m.inertia[0, 0])}
 
@@ -278,7 +278,7 @@ def wet_part(faces: np.ndarray, level: float) -> Wet:
 
 
 def columns_under(mesh: ClosedMesh, level: float) -> Wet:
-    """Wet part, below a level [m], of a mesh whose faces intersect: by columns, and by lines across the waterplane."""
+    """Wet part, under a level [m], of a mesh whose faces intersect: volume by columns, waterplane by lines across."""
     volume, below = (mesh.column_integral(lambda y: np.minimum(y - level, 0.0) ** n / n) for n in (1, 2))
     positions, along = gauss_points(mesh.vertices[:, 2])
     line, port, starboard = inside_stretches(mesh.triangles[..., [2, 0, 1]], positions, np.array([level]))
@@ -313,7 +313,7 @@ def squat_factor(speed: float, depth: float) -> float:
 
 
 class Slender(NamedTuple):
-    """Squat of a slender hull (Tuck 1966): sinkage and trim over F^2 / sqrt(1 - F^2), or whole, from `at_speed`."""
+    """Squat of a slender hull (Tuck 1966): sinkage and trim divided by `squat_factor`, or, from `at_speed`, whole."""
 
     sinkage: float  # of the centre of her waterplane [m]
     trim: float  # bow down [rad]
@@ -346,12 +346,12 @@ def slender_squat(hull: Hydrostatics) -> Slender:
     kernel = 0.5 * apart**2 * np.log(np.where(apart > 0.0, apart, 1.0)) - 0.75 * apart**2  # log, integrated twice
 
     def slope_changes(values: np.ndarray) -> np.ndarray:
-        """Change of slope at each point x of the polyline through `values`."""
+        """Change of slope (m,) at each station x of the polyline through `values` (m,), level beyond the ends."""
         return np.diff(np.diff(values) / np.diff(x), prepend=0.0, append=0.0)
 
     def pull_integral(values: np.ndarray) -> float:
-        """Upward force [N] of the flow (see `slender_squat`), over F^2 / sqrt(1 - F^2), on a waterplane whose breadths
-        at the points x are `values` (m,) [m]; its moment [N m] if these are multiplied by levers."""
+        """Upward force [N] of the flow past the hull (`slender_squat`), over F^2 / sqrt(1 - F^2), on a waterplane with
+        breadths `values` (m,) [m] at her stations x; its moment [N m] if these are multiplied by levers."""
         return -float(slope_changes(values) @ kernel @ slope_changes(s)) * hull.density * hull.gravity / (2.0 * pi)
 
     stiff = hull.stiffness

@@ -74,8 +74,8 @@ class Sides:
         return replace(body, position=body.position + move) if move.any() else body
 
     def with_impulses(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> Load:
-        """Copy of `load` with the impulses of walls and bed in a step dt [s] added to `wave`; `after(load)` gives the
-        body at the end of the step."""
+        """Copy of `load` whose cause `wave`, which has all contact forces, gains the impulses of walls and bed over a
+        step dt [s]; `after(load)`: the body at the end of the step."""
         body = after(load)
         normals, arms = [], []
         self.bed = False

@@ -74,8 +74,8 @@ class SampleLattice:
         return word * (NODES_ALONG * NODES_ACROSS + HIGHEST_LEVEL + 1)
 
     def place(self, body: RigidBody, row: np.ndarray) -> None:
-        """Lay the lattice around the hull `body`; write its middle and heading, and her position from there, to `row`
-        (ROW_COLUMNS). By default nothing: then `read_water` lays it around her pose each time."""
+        """Lay a lattice that serves some steps (`SurroundingSea`) around the hull `body`; write its middle, heading,
+        and her position from there to `row` (ROW_COLUMNS). Here nothing: `read_water` lays one around her each time."""
 
     def middle_now(self) -> np.ndarray:
         """(2,) x, z [m] of the lattice's middle once the hulls have been moved in the present time step."""
@@ -90,7 +90,7 @@ class SampleLattice:
 
     @ti.func
     def keep_frame(self, x, z, sine, cosine):
-        """Store middle x, z [m], heading, highest `level` of the lattice in `frame`. Call it at the top of a kernel."""
+        """Store in `frame` middle x, z [m], heading, highest water at nodes [m]; call it at the top of a kernel."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             self.frame[0], self.frame[1], self.frame[2], self.frame[3] = x, z, cosine, sine
@@ -143,8 +143,8 @@ class SurroundingWater(SampleLattice):
         rim: float = 0.0,
         others: Sequence[Contact] = (),
     ) -> None:
-        """Dimensions of the hull [m]. `hollow`: distance function of a hull that keeps particles out, so that the
-        surface sags within `rim` [m] of her; `others`: contacts of all such hulls."""
+        """Size of the hull [m]. `hollow`: distance function of a hull that keeps particles out, so that their surface
+        sags within `rim` [m] of her and is replaced there; `others`: contacts of all such hulls, hers included."""
         self.size_lattice(length, breadth, height, rim)
         self.hollow = hollow is not None
         if hollow is not None:
@@ -265,8 +265,8 @@ class SurroundingSea(SampleLattice):
 
     @ti.func
     def motion_at(self, corner: Template, eta, depth):
-        """(6,) velocity (x, y, z) [m/s] and acceleration over gravity, a force per weight of water, at `depth` [m]
-        below a surface of elevation `eta` [m]; `corner`: cell of the lattice and position in it, from `cell_at`."""
+        """(6,) velocity (x, y, z) [m/s] of the water and its acceleration divided by gravity, at `depth` [m] below a
+        surface of elevation `eta` [m]; `corner`: cell of the lattice and position in it, from `cell_at`."""
         h = ti.static(self.window.depth)
         stretched = h * depth / ti.max(h + eta, 1e-6 * h)  # Wheeler's
         level = tm.clamp(stretched / self.layer, 0.0, DEPTH_LEVELS - 1.0)
@@ -276,6 +276,6 @@ class SurroundingSea(SampleLattice):
 
     @ti.func
     def on_level(self, i, k, a, b, l):
-        """(6,) velocity [m/s], acceleration over gravity (x, y, z) on depth level l, shares a, b across cell i, k."""
+        """(6,) velocity [m/s], acceleration over g (x, y, z) on depth level l, shares a, b across cell i, k."""
         near = (1.0 - b) * self.moved[i, k, l] + b * self.moved[i, k + 1, l]
         return (1.0 - a) * near + a * ((1.0 - b) * self.moved[i + 1, k, l] + b * self.moved[i + 1, k + 1, l])

@@ -182,7 +182,7 @@ class WaveContact:
 
     def collide_step(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> tuple[Load, RigidBody]:
         """Collide particles with the hull in a step of dt [s], and move them off her. Returns `load` with the
-        collisions added in `wave`, and the body after the step; `after(load)`: the body that a load leads to."""
+        collisions in its cause `wave`, and the body after the step; `after(load)`: the body that a load leads to."""
         trial, table = after(load), self.table
         write_pose(table[0], trial)
         self.find_touching(table)
@@ -213,8 +213,9 @@ class WaveContact:
 
     @ti.kernel
     def find_touching(self, table: Array2):
-        """List particles near the hull in `near`, and sum up, by layer of grid cells, those that touch it: their
-        number, b and A of the collisions (FOUND_COLUMNS), in `table` from row 1 on; row 0: pose (POSE_COLUMNS)."""
+        """List particles near the hull in `near`; sum up, by layer of grid cells, those that touch it, in `table` from
+        row 1 on (FOUND_COLUMNS): number, and b and A in (M + c A) dU = c b, dU being the change of her velocities by
+        collisions (module docstring); row 0: her pose (POSE_COLUMNS)."""
         self.hull.take_pose(table)
         if ti.static(self.serial):
             ti.loop_config(serialize=True)
@@ -254,8 +255,8 @@ class WaveContact:
 
     @ti.func
     def find_in_layer(self, layer, table: Template):
-        """Do the part of `find_touching`, listing and summing, for the layer of grid cells with index `layer` along z;
-        its sums (FOUND_COLUMNS) go to row 1 + `layer` of `table`."""
+        """List particles near the hull and sum up collisions of those that touch it (`find_touching`), in the layer of
+        grid cells with index `layer` along z; the sums (FOUND_COLUMNS) go to row 1 + `layer` of `table`."""
         total, count = ti.Vector.zero(ti.f64, FOUND_COLUMNS.size), 0
         first_x, across = self.cell_range(0)
         first_y, down = self.cell_range(1)
@@ -274,8 +275,8 @@ class WaveContact:
 
     @ti.func
     def list_particle(self, total: Template, i, to):
-        """Return 1 and write particle i to `near` at index `to` if close to the hull, else 0; if it touches, add it to
-        the sums `total` (FOUND_COLUMNS)."""
+        """Return 1 and write the number i of a particle to list `near` at index `to` if it is close to the hull, else
+        0; if it touches her, add its collision to the sums `total` (FOUND_COLUMNS, `find_touching`)."""
         near, d = 0, self.hull.offset_to(self.particles.position.at(i))
         if self.hull.is_near(d, self.spacing):
             normal, away, _thinning = self.hull.sample(d, self.hull.rotation())
@@ -288,8 +289,8 @@ class WaveContact:
 
     @ti.func
     def add_touching(self, total: Template, normal, d, v):
-        """Add a particle at d [m] from the hull's centre, with velocity v [m/s] relative to her there, to `total`:
-        number, and sums b and A of the joint collision (FOUND_COLUMNS)."""
+        """Add a particle at d [m] from the hull's centre, with velocity v [m/s] relative to her there, to sums `total`
+        over particles that touch her: number, and b and A of their collision (FOUND_COLUMNS, `find_touching`)."""
         total[FOUND_COLUMNS.touching] += 1.0
         speed = v.dot(normal)
         if speed < 0.0:

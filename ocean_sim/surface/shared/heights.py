@@ -77,6 +77,6 @@ class Heights:
         return values_at(points, to_numpy_type(self.height.dtype), self.fill_heights)
 
     def mesh(self) -> Mesh:
-        """Mesh of the surface from side to side, with two triangles between four columns; only for an inset of 0."""
+        """Mesh of the surface, two triangles between four columns; only if its outermost columns are on the sides."""
         x, z = (np.linspace(low, up, n) for low, up, n in zip(self.lower, self.upper, self.count, strict=True))
         return sheet(x, z, self.copy.values().astype(float).reshape(self.count))

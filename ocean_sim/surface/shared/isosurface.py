@@ -243,8 +243,8 @@ class Isosurface:
 
     @ti.func
     def wet_corners(self, rows, i):
-        """Marching-cubes case bits 0, 2, 4, 6, set where a corner is in the water: the i-th node of each of four rows
-        along x, given by their first nodes `rows` (see `edge_rows`)."""
+        """Bits 0, 2, 4, 6 of a marching-cubes case, set where node i of row (j, k), (j + 1, k), (j, k + 1), (j + 1, k +
+        1) along x is in the water (node i + 1 gives bits 1, 3, 5, 7); `rows`: first nodes of these rows."""
         wet = 0
         for corner in ti.static(range(4)):
             wet |= int(self.value[rows[corner] + i] >= 0.0) << 2 * corner

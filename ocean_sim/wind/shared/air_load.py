@@ -17,7 +17,7 @@ U10 = 10.0  # [m/s] of a wind whose speed is left open, and of the real wind tha
 
 
 def drag_coefficient(u10):
-    """Wu's drag coefficient of the sea surface at a 10 m wind speed u10 [m/s] (2.21); its branches meet at 7.5 m/s."""
+    """Wu's drag coefficient of the sea at a 10 m wind speed u10 [m/s] (thesis 2.21); its branches meet at 7.5 m/s."""
     return max(1.2875e-3, (0.8 + 0.065 * u10) * 1e-3)
 
 
@@ -39,7 +39,7 @@ RANGES = {"wu": (0.0, 20.0), "garratt": (4.0, 21.0), "zijlema": (0.0, 50.0)}
 
 
 def stress(u10: float, law: DragLaw = LAW) -> float:
-    """Stress [Pa] of a wind on the sea surface at a 10 m wind speed u10 [m/s], by a drag law (2.20)."""
+    """Stress [Pa] of a wind on the sea surface at a 10 m wind speed u10 [m/s], by a drag law (thesis 2.20)."""
     return AIR_DENSITY * DRAG_LAWS[law](u10) * u10**2
 
 
@@ -63,15 +63,15 @@ C_d = ti.func(drag_coefficient)
 
 @ti.func
 def drag(wind, area):
-    """Drag vector [N] on an `area` [m2]; `wind`: air velocity relative to it [m/s]: (2.22) with the stress (2.20)."""
+    """Drag (3,) [N] on an `area` [m2]; `wind`: air velocity relative to it [m/s]: (2.22), (2.20) of the thesis."""
     u = wind.norm()
     return AIR_DENSITY * C_d(u) * u * area * wind
 
 
 @ti.func
 def lift(wind, area, coefficient):
-    """Lift vector [N] on an `area` [m2], upwards across the wind: (2.23) with a plus sign. `wind`: air velocity
-    relative to the area [m/s]; `coefficient`: C_L."""
+    """Lift vector [N] on an `area` [m2], whichever way it faces, upwards across the wind: (2.23) of the thesis with a
+    plus sign. `wind`: air velocity relative to the area [m/s]; `coefficient`: C_L."""
     across = tm.vec3(wind.z, 0.0, -wind.x)
     horizontal = ti.max(across.norm(), 1e-12)  # in a vertical wind there is no lift
     return 0.5 * AIR_DENSITY * coefficient * area * wind.norm() * wind.cross(across) / horizontal

@@ -23,33 +23,34 @@ MIN_DRAW_SHARE = 1e-4  # part of a step or a draw that is not worth a draw
 
 @in_kernels
 class Noise:
-    """Random vectors for the noise of a wind. Each lasts `every` [s] and is weighted in a time step by their overlap,
-    so that the noise has the same effect at any step; `every` 0: a new one each step, as printed in the thesis."""
+    """Noise of a wind: random vectors (3,), -1 to 1 along each axis, that scale its random acceleration of a particle.
+    Each lasts `every` [s] and counts in a step by their overlap, so that the effect is the same at any step; `every` 0:
+    a new one each step, as printed in the thesis."""
 
     def __init__(self, seed: int, every: float, row: DeviceRow) -> None:
-        """`seed`: of random numbers; `every`: time that a vector lasts [s]; `row`: on the device, with columns DRAWS
-        (vectors in use) first."""
+        """`seed`: of random numbers; `every`: time [s] that a random vector lasts, 0 for a step; `row`: numbers on the
+        device, which begin with those of the vectors in use (DRAWS)."""
         self.seed, self.every, self.row, self.steps = seed, every, row, 0
         row.set(DRAWS.each, 1.0)
         row.set(DRAWS.strength, 1.0)
 
     def restart(self, time: float) -> None:
-        """Store number and elapsed share of the random vector (noise of the wind) in use at a `time` [s]; called as the
-        wind's clock, which counts from there, restarts."""
+        """Store the number of the random vector in use at a `time` [s], and the share of its duration that has gone;
+        called as the wind's clock restarts at that time."""
         if self.every:
             draws = time / self.every
             self.row.set(DRAWS.number, int(draws) % DRAW_NUMBERS)
             self.row.set(DRAWS.phase, draws % 1.0)
 
     def advance(self) -> None:
-        """Go on to the next random vector if each lasts a step (`every` 0); if they last a time, `set_clock` does."""
+        """Take the next random vector of the noise if each lasts a step (`every` 0); else `set_clock` chooses it."""
         if not self.every:
             self.row.set(DRAWS.number, self.steps % DRAW_NUMBERS)
             self.steps += 1
 
     @ti.func
     def set_clock(self, since, step):
-        """Compute numbers and weights of the random vectors in a step [s], `since` [s] after the clock's restart."""
+        """Choose and weight the random vectors of a `step` [s] that ends `since` [s] after the clock's restart."""
         if ti.static(self.every > 0.0):
             row = ti.static(self.row.field)
             span, left, each, strength = step / self.every, 0.0, 1.0, 1.0
@@ -64,7 +65,7 @@ class Noise:
 
     @ti.func
     def of(self, stream, key):
-        """Noise (3,) of this step on particle `key`, -1 to 1 along each axis; `stream`: number of its sequence."""
+        """Random numbers (3,), -1 to 1, for particle `key` in this step; `stream`: number of one wind's sequence."""
         row = ti.static(self.row.field)
         draw, left = (int(row[DRAWS.number]) + int(row[DRAWS.first])) % DRAW_NUMBERS, row[DRAWS.left]
         mean = (1.0 - left) * uniform3(self.seed, stream, key, draw)

@@ -25,7 +25,7 @@ from ocean_sim.wind import DeviceRow
 
 @dataclass(frozen=True)
 class Core:
-    """Shape of a volume of air: a box and all points within `radius` of it."""
+    """Shape of a volume of air: its core, a box, and all points within `radius` of that."""
 
     centre: np.ndarray  # [m]
     half: tuple[float, float, float]  # half size of the box [m]: zero in a sphere, one axis long in a capsule
@@ -41,7 +41,7 @@ class Core:
         return turned(outline(self.half, self.radius), self.yaw) + self.centre
 
     def spread(self) -> np.ndarray:
-        """Points (n, 3) [m] from which arrows start, at the centre's height: 3 by 3, or 5 in line in a long shape."""
+        """Starts (n, 3) [m] of drawn arrows, at the centre's height: 3 by 3, or 5 in line if twice as long as broad."""
         size = np.array(self.half)[[0, 2]] + self.radius
         counts = (3, 3) if size.max() < 2.0 * size.min() else (5, 1) if size[0] > size[1] else (1, 5)
         x, z = (np.linspace(-0.7, 0.7, n) * s if n > 1 else np.zeros(1) for n, s in zip(counts, size))
@@ -196,7 +196,8 @@ class Patch:
 
     @ti.func
     def seen(self, position):
-        """Position [m] in the wind's axes of a particle of the patch, or of a ship in the world, at `position` [m]."""
+        """Position [m] in the wind's axes of a point at `position` [m]: of a particle, which stays within one period of
+        the patch, or of a ship, which may have gone on by whole periods; these are taken off."""
         found = position
         for axis, k, period in ti.static(self.axes):
             middle = self.row.field[axis]
@@ -247,7 +248,7 @@ class Passages:
         return self.origin + self.velocity * self.elapsed
 
     def advance(self, dt: float) -> None:
-        """Move the wind on by dt [s]; after the rear has left the basin, begin the next passage."""
+        """Move the drifting air on by dt [s]; after its rear has left the basin, begin the next crossing (passage)."""
         self.elapsed += dt
         if self.elapsed >= self.lasts:
             self.elapsed -= self.lasts
@@ -260,7 +261,7 @@ class Passages:
             self.lasts = self._duration()
 
     def _duration(self) -> float:
-        """Time [s] from the beginning of this passage until the rear leaves the basin; infinite without drift."""
+        """Time [s] from the start of a crossing until the drifting air's rear leaves the basin; infinite at rest."""
         rear = self.origin - self.reach * self.direction
         return max(0.0, self._to_border(rear, self.direction) / self.speed) if self.speed else inf
 

@@ -7,9 +7,8 @@ acceleration of the body (the pressure gradient at a wall of Adami, Hu & Adams 2
 along the face by that weight less the acceleration of the particle in its last step without wind and viscosity, which
 is the pressure gradient there: friction and wind bend no isobar. A body that pulled water along its faces would carry
 half a spacing of it as mass. Both sides of a thin body keep their own pressure, and still water is exact. The velocity
-of a sample is the body's in the compression of water, and that of a mirror image in friction. A sample is pushed as
-strongly as it pushes. Flat sides mirror samples as they mirror particles: the push of an image across its side is on
-that side, all else is on the body.
+of a sample is the body's in compression, that of a mirror image in friction. Action equals reaction. Flat sides mirror
+samples as they do particles: an image's push across its side is on that side, all else on the body.
 
 A gate is a body that moves as the scene says, under any load; once it has left, its samples are in no cell. A step uses
 its place at the end of the step. Its work is that of its force along its way; impulses of particles that bounce from
@@ -73,7 +72,8 @@ class Body:
 
 
 def plane_pressure(away: np.ndarray, smoothing: Smoothing, spacing: float) -> float:
-    """Push on a particle by whole planes of particles at distances `away` (k,) [m]; a constant factor is left out."""
+    """Relative push of a uniform pressure on a particle by whole planes of particles at distances `away` (k,) [m]: the
+    sum of grad W across the planes over its constant `slope` [m]."""
     last = ceil(smoothing.support / spacing)
     along = spacing * np.array(list(product(range(-last, last + 1), repeat=smoothing.dimension - 1)), dtype=float)
     r = np.sqrt(away[:, None] ** 2 + (along**2).sum(axis=1))
@@ -141,8 +141,7 @@ def body_vector(rows: Template, body, first: Template):
 
 @in_kernels
 class Boundary:
-    """Solid bodies as boundary particles (samples) sorted by cell. A step calls `place`, `sort` and `react`; the forces
-    on the bodies are then in `forces`."""
+    """Solid bodies as boundary particles (samples) by cell. A step calls `place`, `sort`, `react`, then `forces`."""
 
     def __init__(
         self,
@@ -331,7 +330,7 @@ class Boundary:
     @ti.func
     def head(self, x, a, s, d, mirror):
         """Rise of p / rho [m2/s2], by gravity less acceleration, from a particle at x [m], accelerated by a [m/s2], to
-        boundary particle s at x + d, seen in the matrix `mirror`."""
+        boundary particle s at x + d, or to its image there by matrix `mirror` (Images.mirror)."""
         n, a_s = (
             mirror_direction(mirror, self.normal.at(s)),
             mirror_direction(mirror, self.acceleration.at(s)),
@@ -345,7 +344,7 @@ class Boundary:
 
     @ti.func
     def rubbing_velocity(self, v, s, mirror):
-        """Velocity [m/s] that boundary particle s, seen in the matrix `mirror`, shows to water at v for friction: v
+        """Velocity [m/s] that boundary particle s, or its image by matrix `mirror`, shows to water at v for friction: v
         itself, without friction, on a free-slip body, else the body's reflected, 2 v_body - v."""
         return ti.select(self.free[s] == 1, v, 2.0 * self.mirrored_velocity(s, mirror) - v)
 
@@ -417,7 +416,8 @@ class Boundary:
                 borne[1, b, k] = borne[1, b, k] + torque[k]
 
     def works(self) -> np.ndarray:
-        """Work (k, 2) [J] of k bodies on the water since the start: in all, and the part counted as work of walls."""
+        """Work (k, 2) [J] of k bodies on the water since the start: by all forces, and by those whose work the budget
+        books to walls (friction alone if Force.stores_pressure_work, as pressure then changes internal energy)."""
         return self.sum_by_body(self.work)
 
     def impulses(self) -> np.ndarray:
@@ -448,14 +448,15 @@ class SolidShare:
 
 @in_kernels
 class SampleSum:
-    """Contributions of boundary particles to the sum of a pair `law`: a summand of PointSum, with `sums` and `term`."""
+    """Sum of a pair `law` over boundary particles as further neighbours; PointSum adds up `term`, of `sums` columns."""
 
     def __init__(self, boundary: Boundary, law: Law) -> None:
         self.boundary, self.law, self.sums = boundary, law, law.terms.size
 
     @ti.func
     def term(self, own, s, d, mirror):
-        """Contribution of boundary particle s, at d [m] in matrix `mirror`, to a particle of field values `own`."""
+        """Contribution of boundary particle s (index) to the sum of a particle of field values `own` (law.row); d [m]:
+        from this particle to s, or to the image of s by matrix `mirror` (Images.mirror)."""
         total = ti.Vector.zero(float, self.sums)
         if d.dot(d) < self.boundary.grid.support**2:
             total = self.boundary.particle_equivalent(s) * self.law.pair(own, self.law.sample(own, s, d, mirror))
@@ -472,19 +473,21 @@ class SampleSum:
 
 @in_kernels
 class Reaction:
-    """Force [N] of water particles on a boundary particle, and its part whose work counts as work of walls: a summand
-    of PointSum. The force of a particle's image counts along its wall only; across the wall it acts on the wall."""
+    """Force [N] of the water on a boundary particle and, if work is summed, its part whose work the budget books to
+    walls: for a PointSum, which adds up `term`. Of a force by an image in a flat side, the body bears the components
+    along the side; the component across acts on the side."""
 
     def __init__(self, boundary: Boundary, law: Law, told: tuple[ti.Field, ...], forces: tuple[Any, ...]) -> None:
-        """Use the pair `law`, which reads the particle fields `told`; `forces`: ti.funcs from its sums to accelerations
-        [m/s2], by all forces and by those whose work counts as work of walls."""
+        """Use the pair `law`, with field values `told` of a particle; `forces`: two ti.funcs (values, law's sums), for
+        the acceleration [m/s2] by all forces, and for its part whose work the budget books to walls."""
         self.boundary, self.law, self.told, self.mass = boundary, law, told, boundary.mass
         self.forces = forces if boundary.working else forces[:1]
         self.sums = 3 * len(self.forces)
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Force on boundary particle `own` (index) by particle j, at d [m] in matrix `mirror`: minus its push on j."""
+        """Force on boundary particle `own` (index) by particle j, or its image by matrix `mirror` (Images.mirror), d
+        [m] away: minus the push on j by `own` (or its image). Of images, the components along their side alone."""
         law = self.law
         here = ti.Vector([field[j] for field in ti.static(self.told)])
         away = tm.vec3([-mirror[POSITION_SIGN, k] * d[k] for k in ti.static(range(3))])

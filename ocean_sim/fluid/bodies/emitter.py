@@ -101,7 +101,7 @@ class Jet:
 
 
 def problems(basin: Basin, jet: Jet) -> Faults:
-    """Yield faults (path below `fluid.emitter`, sentence) of an emitter, once its lattice and mouth are known."""
+    """Yield faults (path below `fluid.emitter`, sentence) of an emitter that its `jet` shows: of cap and mouth."""
     config = jet.config
     if config.cap <= jet.first:
         yield ("cap",), f"{config.cap} particles in all, but `fill` makes {jet.first}: nothing would be left to emit"

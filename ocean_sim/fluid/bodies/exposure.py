@@ -38,7 +38,8 @@ class Exposure(Law):
     terms = Columns(area=3)
 
     def __init__(self, water: Any, plan_area: float, bends: bool) -> None:
-        """`water`: an Sph; `plan_area` [m2]: of its still surface, 0 if unknown; `bends`: True to find curvature."""
+        """`water`: the Sph under the wind; `plan_area` [m2]: of its still surface, 0 if unknown; `bends`: True to find
+        the curvature of the surface, too, for a wind that presses on slopes."""
         particles, smoothing = water.particles, water.smoothing
         self.particles, self.smoothing, self.neighbours = particles, smoothing, water.neighbours
         self.plan_area, self.reads = plan_area, water.listed_positions
@@ -56,7 +57,7 @@ class Exposure(Law):
         self.add_bodies(water.boundary)
 
     def renew_if_due(self, dt: float, speed: float) -> None:
-        """Recompute the areas once a `speed` [m/s] of water or crests has covered half a spacing since last time."""
+        """Recompute exposed areas once water or crests at `speed` [m/s] have moved half a spacing since last time."""
         if self.left <= 0.0:
             self.find_areas()
             self.left = RENEWAL_DISTANCE * self.particles.spacing
@@ -91,13 +92,14 @@ class Exposure(Law):
 
     @ti.func
     def pair(self, own, other):
-        """Gradient of the kernel from `own` to a neighbour `other` [m], but for the constant `factor` of the sum."""
+        """Gradient of the kernel from position `own` to a neighbour's, `other` [m], without constants (`factor`)."""
         return -self.smoothing.pair_gradient(own - other)
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Store the exposed area of particle i at `own` [m], outwards: twice its volume times the gradient of the share
-        of water (`total`), half of whose fall lies outside. Bodies count as water: water at walls is not exposed."""
+        """Store the exposed area of particle i at `own` [m], outwards: -2 V grad c, with its volume V and share of
+        water c around it (`total`: sum for grad c). It is doubled as particles see the inner half of the fall of c
+        alone. Bodies count as water: water at walls is not exposed."""
         area = self.prefactor(own) * self.with_bodies(total, own, own)
         if area.norm() < self.least:
             area = tm.vec3(0.0)
@@ -108,7 +110,7 @@ class Exposure(Law):
 
     @ti.func
     def bend_of(self, i):
-        """Second derivatives xx, xz, zz of the surface's height at i, times areas' mean depth `skin`; 0 inside."""
+        """Second derivatives xx, xz, zz of surface height at i times `skin` [m], exposed areas' depth; 0 inside."""
         bend = tm.vec3(0.0)
         if ti.static(self.bends):
             bend = self.bending.bend.at(self.particles.id[i])
@@ -117,7 +119,7 @@ class Exposure(Law):
 
 @in_kernels
 class Bend(Law):
-    """Pair law for the bend of the surface, second derivatives of its height: fitted to slope differences."""
+    """Pair law for the bend of the water's surface (second derivatives of height), fitted to neighbours' slopes."""
 
     row = Columns(position=3, slope=2, area=1)
     terms = Columns(xx=1, xz=1, zz=1, x_along_x=1, cross=1, z_along_z=1)
@@ -130,7 +132,7 @@ class Bend(Law):
 
     @ti.func
     def image(self, other, mirror):
-        """Values (`row`) of a neighbour, seen in matrix `mirror`: position; slope, reversed across it; area."""
+        """Values (`row`) of a neighbour's image by matrix `mirror`: position, slope (reversed across it), area."""
         x, image = mirror_position(mirror, vec3(other, self.row.position)), other
         for k in ti.static(range(3)):
             image[self.row.position + k] = x[k]
@@ -140,7 +142,8 @@ class Bend(Law):
 
     @ti.func
     def pair(self, own, other):
-        """Terms of the bend's fit for two particles (`row`): kernel-weighted products of distance, slope difference."""
+        """Terms of the sums in `finish` for a particle and a neighbour (values `own`, `other`): products of horizontal
+        distances, and of these with the differences of surface slope, weighted by area and kernel."""
         x = vec3(other, self.row.position) - vec3(own, self.row.position)
         weight = other[self.row.area] * self.smoothing.shape_gradient(ti.sqrt(x.dot(x)))
         steeper_x = other[self.row.slope] - own[self.row.slope]
@@ -150,8 +153,8 @@ class Bend(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Store `skin`, the mean depth [m] of exposed areas, times the surface's Hessian H at particle i (`own`: its
-        `row`). H M + M H = 2 S holds with sums over neighbours (`total`): M of x x, S of slope difference times x."""
+        """Store `skin` (mean depth [m] of exposed areas) times H, the Hessian of surface height at particle i, by least
+        squares: H M + M H = 2 S, sums (`total`) over neighbours, M of x x^T, S of slope difference times x^T."""
         xx, xz, zz = total[self.terms.xx], total[self.terms.xz], total[self.terms.zz]
         along_x, along_z = total[self.terms.x_along_x], total[self.terms.z_along_z]
         bend, narrow = tm.vec3(0.0), xx * zz - xz * xz < MIN_DETERMINANT * xx * zz

@@ -158,7 +158,7 @@ class Target:
             self.waves = PlaneWaves(zone.given)
 
     def turn(self, time: float) -> None:
-        """Turn the target's waves to a time [s]: set the phases with which `velocity` reads them."""
+        """Set the waves of this absorbing zone's target to a time [s]: the phases with which `velocity` reads them."""
         if self.waving:
             self.waves.set_time(time)
 

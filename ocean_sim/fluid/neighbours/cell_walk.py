@@ -1,9 +1,8 @@
 """The walk over neighbours for processors.
 
-The unit of work is a cell, a support wide, or a sub-cell of a large one. Its candidates are the particles within
-one support of the bounding box of its own particles. They are found once a step and kept. A pair law is then summed
-over them in one long loop without branches. Sums are gathered and never scattered, so the result does not depend on the
-number of threads.
+The unit of work is a cell, a support wide, or a sub-cell of a large one. Its candidates are the particles within one
+support of the bounding box of its own particles. They are found once a step and kept. A pair law is then summed over
+them in one long loop without branches. Sums are gathered and never scattered, so the number of threads changes no sum.
 """
 
 from ocean_sim.columns import vec3
@@ -40,7 +39,7 @@ class CellWalk:
         self.size, self.keeps = size, False  # whether pairs are kept
 
     def keep_pairs(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> KeptPairs:
-        """Make the store of pairs that walks with `find` fill for solvers; `neighbours` and `tasks` are not used."""
+        """Make the store of pairs that `walk` with `find` fills; `neighbours`, `tasks`: for ParticleWalk alone."""
         self.keeps, self.blocks = True, PairBlocks(self.position, self.grid, self.scratch, smoothing, self.size)
         self.name = ti.field(int, shape=self.groups * self.width)
         return self.blocks
@@ -89,7 +88,7 @@ class CellWalk:
     @ti.func
     def find_candidates(self, c, code, middle, half, first, room):
         """List in `candidate`, from `first` on, the particles in and around cell c near a box (centre `middle`, `half`
-        sides [m]), each as index + `code` (of no shift); return their number, -1 if it exceeds `room`."""
+        sides [m]), each as index + `code` (for no periodic shift); return their number, -1 if above `room`."""
         grid = self.grid
         m, full = 0, 0
         for dz in range(-1, 2):
@@ -104,8 +103,9 @@ class CellWalk:
 
     @ti.func
     def find_periodic_candidates(self, indices, middle, half, first, room):
-        """List candidates as `find_candidates` does, around the cell with these `indices` next to a periodic side: each
-        as index + MOST_PARTICLES times the code (`code_shift`) of the repeat that is near."""
+        """List in `candidate`, from `first` on, the particles in and around the cell with these `indices`, beside a
+        periodic side, near a box (centre `middle`, `half` sides [m]), each as index + MOST_PARTICLES times the code of
+        its repeat there (`code_shift`); return their number, -1 if above `room` entries."""
         grid = self.grid
         m, full = 0, 0
         for d in range(27):
@@ -139,9 +139,9 @@ class CellWalk:
 
     @ti.func
     def find_images(self, mirror, middle, half, scratch, n, gap, m, first):
-        """List in `candidate`, from `first` on, those of m scratch entries whose image by matrix `mirror` lies near a
-        box (centre `middle`, `half` sides [m]); return their number. The entries are n particles from entry `scratch`
-        on and, behind a `gap` of dummies, m - n images in other sides."""
+        """List in `candidate`, from `first` on, those of m candidates whose image by matrix `mirror` lies near a box
+        (centre `middle`, `half` sides [m]), by number (0 to m - 1); return how many. The scratch holds the candidates:
+        from entry `scratch` on n particles, `gap` dummies (fillers), m - n images in sides mirrored before."""
         x, y, z = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
         for a in range(m):
             at = scratch + a + ti.select(a < n, 0, gap)
@@ -160,7 +160,8 @@ class CellWalk:
 
     @ti.func
     def walk_group(self, group, law: Template, find: Template):
-        """Sum `law` for all particles of a task (`group` of sub-cells), and call law.finish; `find`: as in `walk`."""
+        """Sum the pair `law` over the neighbours of each particle of a task (`group` of sub-cells), and call
+        law.finish; `find`: True to list candidates (possible neighbours) anew, False to reuse the lists."""
         kept = group * self.segment  # where the list of the next part begins
         if ti.static(find):
             self.accounts.overflow[group, 0] = 0
@@ -226,9 +227,9 @@ class CellWalk:
 
     @ti.func
     def append_images(self, k, law: Template, find: Template, middle, half, group, n, entry, room):
-        """Append mirror images of sub-cell k's n candidates to the scratch of task `group`. Return the number of both,
-        and the end of the list in `candidate`: from `entry` on, for each side, the number of candidates mirrored and
-        each one's number. `find`: list those with images near a box (`middle`, `half` sides [m]), else reuse it."""
+        """Append images of sub-cell k's n candidates in flat sides to the scratch of task `group`, if its list has
+        `room`. Return n + their number, and the end of their list in `candidate`: from `entry` on, for each side, how
+        many, and which. `find`: True to list those near a box (centre `middle`, `half` sides [m]), else reuse it."""
         scratch, last, m, gap = group * self.width, (group + 1) * self.segment, n, self.image_gap(law, n)
         if ti.static(self.images.sides > 0):
             indices = self.grid.indices_of(self.grid.occupied[k])
@@ -252,8 +253,9 @@ class CellWalk:
 
     @ti.func
     def add_images(self, law: Template, find: Template, mirror, scratch, n, gap, m, first, run):
-        """Append images by matrix `mirror` to the scratch: of the `run` entries listed in `candidate` from `first` on.
-        A task's scratch, from entry `scratch` on, holds n particles, `gap` dummies, m - n earlier images."""
+        """Append to the scratch images by matrix `mirror` of the `run` candidates whose numbers `candidate` lists from
+        `first` on. From entry `scratch` on it holds m candidates: n particles, `gap` dummies (fillers), m - n earlier
+        images. `find`: True to name the images, too, if pairs are kept."""
         for b in range(run):
             a, to = self.candidate[first + b], scratch + gap + m + b
             a += scratch + ti.select(a < n, 0, gap)
@@ -273,19 +275,19 @@ class CellWalk:
 
     @ti.func
     def image_gap(self, law: Template, n):
-        """Number of dummies that fill n candidates up to whole vectors before their images; 0 if not summed apart."""
+        """Number of dummies (vector fillers) between n candidates and their images; 0 if `law` sums both together."""
         return self.padded_count(law, n) - n if ti.static(law.options.apart) else 0
 
     @ti.func
     def fill_up(self, law: Template, scratch, begin, end):
-        """Fill the scratch from `begin` to `end` - 1 with far-away dummy particles, which add nothing to a sum."""
+        """Fill scratch entries `begin` to `end` - 1 with dummies, particles out of reach, which add nothing to sums."""
         for a in range(begin, end):
             for t in ti.static(range(law.row.size)):
                 self.scratch[t][a] = FILLER_X if ti.static(t == law.row.position) else self.scratch[t][scratch]
 
     @ti.func
     def has_tension(self, column: Template, begin, end):
-        """1 if a scratch column (the pressures) is negative somewhere from `begin` to `end` - 1, else 0."""
+        """1 if scratch field `column` (candidates' pressures) is negative in an entry `begin` to `end` - 1, else 0."""
         least = 0.0
         for a in range(begin, end):
             least = ti.min(least, column[a])
@@ -293,9 +295,9 @@ class CellWalk:
 
     @ti.func
     def candidate_sums(self, law: Template, pair: Template, own, begin, middle, end, find: Template, to):
-        """Two sums of `pair` for a particle of values `own`: over scratch entries (candidates) `begin` to `middle` - 1,
-        and, if images are summed apart, over those from `middle` to `end` - 1. With `find`, the pairs' gradient shapes
-        (grad W over the distance vector) are stored from index `to` on."""
+        """Sums of `pair` (a ti.func of `law`) for a particle of values `own`: over candidates in scratch entries
+        `begin` to `middle` - 1, and, if law.options.apart, over images in `middle` to `end` - 1. With `find`, grad W
+        over the distance vector of each pair kept is stored in PairBlocks.shape from index `to` on."""
         total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
         for a in range(begin, middle):
             total += self.candidate_term(law, pair, own, a, find, to + a - begin)
@@ -306,8 +308,8 @@ class CellWalk:
 
     @ti.func
     def candidate_term(self, law: Template, pair: Template, own, a, find: Template, to):
-        """Value of `pair` for field values `own` of a particle and those in scratch entry a (a candidate); with `find`,
-        the pair's gradient shape (grad W over the distance vector) is stored at index `to`."""
+        """Value of `pair` (a ti.func of `law`) for field values `own` of a particle and the candidate in scratch entry
+        a; with `find`, grad W over the distance vector of a pair kept is stored in PairBlocks.shape at index `to`."""
         other = ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))])
         if ti.static(find and self.keeps):
             self.blocks.keep_shape(vec3(own, law.row.position) - vec3(other, law.row.position), to)

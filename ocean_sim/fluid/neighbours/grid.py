@@ -67,7 +67,8 @@ class Grid:
 
     @ti.func
     def cell_coordinates(self, x):
-        """Position x [m] in cell widths from the padding's corner; y above the grid zigzags through its top layers."""
+        """Position x [m] in cell widths from the corner of the grid, whose outermost cells stay empty. Heights above
+        the grid fold down and up again through its `sky` top layers, so that a high jet crowds no cell."""
         place = (x - self.lower) * self.per_width + 1.0
         above = place.y - self.top
         if above > 0.0:
@@ -149,7 +150,7 @@ class Grid:
 
     @ti.func
     def sort(self):
-        """Sort the staged states by cell (stable counting sort) into the particles' fields; at a kernel's top level."""
+        """Sort staged states (stage_state) by cell, stably by counting, into particles' fields; at a kernel's top."""
         if ti.static(self.chunks == 1):
             ti.loop_config(serialize=True)
             for _ in range(1):
@@ -199,7 +200,7 @@ class Grid:
 
     @ti.func
     def place_chunk(self, b):
-        """Move the staged states of chunk b, a run of particles, to sorted places, from indices in `count` on."""
+        """Move next states of chunk b (a run of particles) to sorted places; `count` has each sub-cell's next one."""
         n = self.particles.there()
         for i in range(b * n // self.chunks, (b + 1) * n // self.chunks):
             k = b * self.cell_count * self.parts + self.part[i]

@@ -44,7 +44,7 @@ class Plan:
         return 2 if full >= MIN_PART_PARTICLES * 2**dimension else 1
 
     def sorting_integers(self, n: int, cells: int) -> int:
-        """Number of integers that the sort of n particles needs besides its counters; 0 on a processor."""
+        """Number of integers to sort n particles into `cells`, besides counters; 0 here, on a processor (CPU)."""
         return 0
 
     def list_bytes(self, size: "GridSize", word: int) -> int:
@@ -92,7 +92,7 @@ class GridSize:
 
     @property
     def sky(self) -> int:
-        """Number of top layers of cells that also hold particles above the grid, in zigzag (down, up) by height."""
+        """Number of top cell layers that share particles above the grid, down and up by height: none is crowded."""
         return max(1, self.inner_cells[1][0] // 2)
 
     @property
@@ -121,7 +121,7 @@ class GridSize:
         return int(self.parts_per_axis**self.lattice.basin.dimension)
 
     def quantum(self, eps: float) -> float:
-        """Unit [m] of moves, a power of two, so that positions hold them exactly; `eps`: floats' relative precision."""
+        """Unit [m] of particles' moves in a step, a power of two: positions add it exactly; `eps`: float precision."""
         basin = self.lattice.basin
         return eps * 2.0 ** floor(log2(max(map(abs, (*basin.lower, *basin.upper)))))
 
@@ -165,7 +165,8 @@ class GridSize:
 
     @property
     def width(self) -> int:
-        """Length of a task's scratch columns: fields of one sub-cell's candidates, dummies up to whole vectors."""
+        """Number of entries of a task's scratch, which holds the fields of one sub-cell's candidates (possible
+        neighbours, images) at a time, and dummies that fill up whole vectors."""
         return self.capacity + 2 * VECTOR_LENGTH
 
     @property
@@ -179,11 +180,11 @@ class GridSize:
 
     @property
     def spare_shapes(self) -> int:
-        """Number of pair shapes (grad W over distance) in a task's reserve for crowded sub-cells. Sub-cells without
-        room there recompute theirs, particle by particle, in the last `width` places."""
+        """Number of places in which a task stores shapes of pairs (grad W over distance) beyond `shapes_per_particle`,
+        for crowded sub-cells. In the last `width` ones, those without others recompute theirs for each particle."""
         return 4 * self.capacity + self.width
 
     @property
     def kept_candidates(self) -> int:
-        """Largest number of candidates stored with the pairs of a task: `segment`, and dummies up to whole vectors."""
+        """Largest number of candidates stored with a task's pairs: those it lists (`segment`), and vector fillers."""
         return self.segment + VECTOR_LENGTH * (self.lattice.n // self.groups)

@@ -1,10 +1,9 @@
 """Flat sides as mirrors: a particle near one also interacts with the images of the water in it.
 
-An image costs no particle: it is a candidate of a cell, seen in a side next to the cell. Sides are taken one
-after the other and mirror all images so far, so corners are images of images and come for free. The cells of the
-grid end at the sides: only those next to one have images in reach. Free slip turns the normal velocity round in the
-frame of the wall, no slip turns all of it (Morris, Fox & Zhu 1997, J. Comput. Phys. 136, section 3.6, with the mirror
-in place of their fixed boundary particles).
+An image costs no particle: it is a candidate of a cell, seen in a side next to the cell. Sides are taken one after the
+other and mirror all images so far, so corners come for free, as images of images. The cells of the grid end at the
+sides: only those next to one have images in reach. Free slip turns the normal velocity round in the frame of the wall,
+no slip turns all of it (Morris, Fox & Zhu 1997, J. Comput. Phys. 136, sect. 3.6, with mirrors for fixed particles).
 """
 
 from math import ceil

@@ -36,7 +36,7 @@ class KeptLaw(Law):
     @abstractmethod
     def kept_image(self, other: Any, name: Any, away: Any) -> Any:
         """Field values of the mirror image of a neighbour with values `other`. Axis k is mirrored if bit k of `name` //
-        MOST_PARTICLES is set; the vector `away` points from the image into the water."""
+        MOST_PARTICLES is set; the vector `away`, of any length, points from the image into the water."""
 
     @abstractmethod
     def kept_pair(self, own: Any, other: Any, gradient: Any) -> Any:
@@ -63,13 +63,13 @@ class KeptPairs(ABC):
     @ti.func
     def image_row(self, law: Template, name, away):
         """Vector of law.reads' values for an image: `name` is its particle's index + MOST_PARTICLES times one bit for
-        each mirrored axis; the vector `away` points from the image into the water."""
+        each mirrored axis; `away`, of any length, points from the image into the water and so tells its side."""
         return law.kept_image(self.particle_row(law, name % MOST_PARTICLES), name, away)
 
     @ti.func
     def image_velocity(self, v, name, away):
         """Velocity [m/s] of the image of a particle with velocity v: component k changes sign if bit k of `name` //
-        MOST_PARTICLES is set. A piston adds twice its own; `away`: vector from the image into the water."""
+        MOST_PARTICLES is set; a piston adds twice its velocity. `away`, from image into water, tells its side."""
         image, flips = v, name // MOST_PARTICLES
         for k in ti.static(range(3)):
             image[k] = ti.select(flips >> k & 1, -image[k], image[k])
@@ -128,7 +128,7 @@ class PairBlocks(KeptPairs):
     def __init__(
         self, position: Components, grid: Grid, scratch: tuple[ti.Field, ...], smoothing: Smoothing, size: GridSize
     ) -> None:
-        """Make the store; `scratch`: columns of fields, position first, of the candidates of a sub-cell at a time."""
+        """Make the pair store; `scratch`: columns (position first) of fields of a sub-cell's possible neighbours."""
         super().__init__(grid.images)
         self.position, self.grid, self.scratch, self.smoothing = position, grid, scratch, smoothing
         self.groups, self.width, self.segment = size.groups, size.width, size.kept_candidates
@@ -152,14 +152,14 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def spare_start(self, group):
-        """Index of the last `width` places of task `group` in `shape`, for sub-cells whose pairs find no room."""
+        """Index in `shape` of task `group`'s last `width` places, for sub-cells that find no room for shapes."""
         return self.shape_start(group + 1) - self.width
 
     @ti.func
     def keep_part(self, k, group, names: Template, n, images, m, end):
-        """Store m candidates of sub-cell k from the scratch of task `group`: n particles, then images from entry
-        `images` to `end` - 1; `names`: particle and mirrored axes of each. Return the index in `shape` of its first
-        pair, the step from particle to particle (0 if all reuse one place), and 1 if there was room, else 0."""
+        """Store sub-cell k's m candidates from the scratch of task `group`: n particles; images, entries `images` to
+        `end` - 1; both with dummies. `names`: index, mirrored axes (flip_code) of each. Return index in `shape` of its
+        first pair, step to the next particle's (0: no room, all reuse one place), and 1, or 0 if it has no room."""
         scratch, first, begun = group * self.width, self.next_first[group], self.next_begun[group]
         near, seen, room = images - scratch, end - scratch, 1
         if first + seen > (group + 1) * self.segment:
@@ -212,7 +212,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def sum_up(self, k, law: Template, group):
-        """Sum `law` for each particle of sub-cell k, in task `group`, over stored candidates; call law.finish."""
+        """Sum `law` (KeptLaw) for particles of sub-cell k, task `group`, over its candidates; call law.finish."""
         begun, near, seen = self.begun[k], self.near[k], self.seen[k]
         kept = begun < self.spare_start(group)
         for i in range(self.grid.first[k], self.grid.first[k + 1]):
@@ -228,8 +228,8 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def pair_sum(self, law: Template, place, own, k, group, begun, begin, end):
-        """Sum of law.kept_pair, for a particle at `place` [m] of values `own`, over the stored candidates `begin` to
-        `end` - 1 of sub-cell k in task `group`; the pairs' gradient shapes lie from index `begun` of `shape` on."""
+        """Sum of law.kept_pair (KeptLaw) for a particle at `place` [m] of values `own`, over stored candidates `begin`
+        to `end` - 1 of sub-cell k, task `group`. `begun`: index in `shape` (grad W over distance) of its first pair."""
         first, scratch, total = self.first[k], group * self.width, ti.Vector.zero(float, law.terms.size)
         for a in range(begin, end):
             away = place - self.place.at(first + a)

@@ -3,8 +3,7 @@ plans of the walk, for processors and for graphics cards.
 
 No candidates are listed: a thread goes through the cells around its particle, and through those around its mirrored
 places. A task and a row of accounts belong to one particle, while `cell_walk.CellWalk` has few long tasks and rows.
-Sums are gathered, never scattered. Only the order in which particles are put into a cell is left to the card, and it is
-corrected before anything reads it.
+Sums are gathered, never scattered. Only the order of particles in a cell is left to the card, and corrected before use.
 """
 
 from dataclasses import dataclass
@@ -94,7 +93,7 @@ class WideGrid(Grid):
 
 @in_kernels
 class WideAccounts(Accounts):
-    """Momentum budget kept for each particle and summed in fixed order: any number of threads gives the same bytes."""
+    """Momentum budget with a row for each particle, summed over blocks of rows in fixed order, whatever the threads."""
 
     def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...]) -> None:
         super().__init__(groups, impulses, absent, apart=1)
@@ -109,7 +108,7 @@ class WideAccounts(Accounts):
 
     @ti.func
     def add_up(self, b):
-        """Reduce extremes and counts of the particles of block b to one row; impulses: see `add_up_impulses`."""
+        """Reduce extremes, counts (Accounts.summarise) of block b, a run of particles, to row b of `blocks`."""
         blocks, end = self.blocks, ti.min((b + 1) * self.block, self.groups)
         v2, a2, thin, dense, total, clipped, crowded, thinner, inner = self.block_extremes(b * self.block, end)
         blocks.speed2[b, 0], blocks.acceleration2[b, 0], blocks.thin[b, 0], blocks.dense[b, 0] = v2, a2, thin, dense
@@ -118,7 +117,7 @@ class WideAccounts(Accounts):
 
     @ti.kernel
     def add_up_impulses(self):
-        """Sum impulses and work over the particles of each block."""
+        """Sum impulse and work of each force over each block (a run of particles), into its row of `blocks`."""
         for b in range(self.blocks.groups):
             for term in ti.static(self.terms):
                 four = ti.Vector.zero(ti.f64, WORK_COLUMN + 1)
@@ -139,14 +138,14 @@ class RowLaw:
     """Adapter that lets a PointSum (sum over particles near a point) sum a pair law: `term` calls law.pair."""
 
     def __init__(self, law: Law, grid: Grid, reflected: bool) -> None:
-        """`reflected`: True to sum over mirror images; `own_and_sides` in `term` then ends with a bit code of sides."""
+        """`reflected`: True to sum images; `term` then reads their sides (a bit each) behind a particle's values."""
         self.law, self.images, self.reflected, self.sums = law, grid.images, reflected, law.terms.size
         self.periodic = any(grid.basin.periods)
 
     @ti.func
     def term(self, own_and_sides, j, d, mirror):
-        """Value of law.pair for particle j at d [m], or for its image in the sides whose bits end `own_and_sides`, if
-        `reflected`. This vector begins with the other particle's own values; `mirror` is not used."""
+        """Value of law.pair for particle j at d [m], or for its image in sides if `reflected`. `own_and_sides`: field
+        values of the particle summed for, then, if `reflected`, these sides, a bit each; `mirror` is not used."""
         own = ti.Vector([own_and_sides[k] for k in ti.static(range(self.law.row.size))])
         other = ti.Vector([field[j] for field in ti.static(self.law.reads)])
         if ti.static(self.reflected):
@@ -196,13 +195,13 @@ class ParticleWalk:
         self.keeps = False
 
     def keep_pairs(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> KeptPairs:
-        """Make the store of pairs filled by walks with `find`; `neighbours` of a lattice particle; `tasks`: of sums."""
+        """Make the store that `walk` with `find` fills; `neighbours`: number on a lattice; `tasks`: share its sums."""
         self.keeps, self.pairs = True, PairSlots(self.most, self.grid.images, tasks, neighbours)
         self.kept = PairCollector(self.pairs, smoothing)
         return self.pairs
 
     def sums_of(self, law: Law) -> tuple[PointSum, RowLaw, RowLaw]:
-        """Objects that sum a law, cached: a PointSum, and its summands (RowLaw) for particles and for mirror images."""
+        """PointSum that finds neighbours for a pair `law`; its summands (RowLaw) for particles, for images: cached."""
         if law not in self.shown:
             places = PointSum(law.reads[:3], self.grid)
             self.shown[law] = places, RowLaw(law, self.grid, False), RowLaw(law, self.grid, True)
@@ -229,7 +228,7 @@ class ParticleWalk:
 
     @ti.func
     def image_total(self, x, own, around: Template, images: Template):
-        """Sum of a law over mirror images for a particle at x [m], values `own`: PointSum `around`, RowLaw `images`."""
+        """Sum of a pair law over images, for a particle at x [m], values `own`; `around`, `images`: of `sums_of`."""
         here, total = self.grid.wrap_position(x), ti.Vector.zero(float, images.sums)
         reach = around.sides_in_reach(here)
         own_and_sides = ti.Vector.zero(float, images.law.row.size + 1)
@@ -243,7 +242,7 @@ class ParticleWalk:
 
     @ti.func
     def store_pairs(self, i, x, around: Template):
-        """Store the pairs of particle i at x [m] in `pairs`, particles first, then images; `around`: their PointSum."""
+        """Store pairs of particle i at x [m], first with particles, then images, as PointSum `around` finds them."""
         pairs = self.pairs
         pairs.seen[i] = 0
         around.water_total(x, self.kept, i)

@@ -20,8 +20,8 @@ from ocean_sim.runtime import Template, in_kernels
 
 @in_kernels
 class PointSum:
-    """Sum over all water within a support of any point. The summand, `law`, has `sums`, its number of columns, and
-    ti.func `term(own, j, d, mirror)` for particle j, whose image by matrix `mirror` is d [m] from the point."""
+    """Sum over all water within a support of any point. The summand `law` has `sums`, a column count, and ti.func
+    `term(own, j, d, mirror)`: `own` is passed on; particle j's image by matrix `mirror` lies d [m] from the point."""
 
     def __init__(self, position: Iterable[ti.Field], grid: Grid, start: ti.Field | None = None) -> None:
         """Prepare sums over points x, y, z [m] sorted by cell; `start`: first index of each cell (None: grid's)."""
@@ -46,8 +46,8 @@ class PointSum:
 
     @ti.func
     def subset_total(self, first, x, law: Template, own):
-        """Sum of law.term around x [m] over all sets of sides in reach (bit k: side k): of each, over the images in all
-        of its sides. `first`: 0 to begin with the empty set, the particles themselves, else 1; `own`: for law.term."""
+        """Sum of law.term around x [m] over all sets of sides in reach (bit k: side k): for each, over images in all
+        its sides in turn. `first`: 0 to begin with the empty set (particles), else 1; `own` is handed to law.term."""
         here = self.grid.wrap_position(x)
         reach = self.sides_in_reach(here)
         total = ti.Vector.zero(float, law.sums)
@@ -78,7 +78,7 @@ class PointSum:
 
     @ti.func
     def mirror_total(self, x, mirror, law: Template, own):
-        """Sum of law.term over particles whose images by matrix `mirror` lie around x [m]; `own`: for law.term."""
+        """Sum of law.term over particles whose images by matrix `mirror` lie around x [m]; `own` goes to law.term."""
         grid = self.grid
         px, py, pz = ti.static(self.position[0], self.position[1], self.position[2])
         y = mirror_position(mirror, x)  # flat mirrors at right angles are their own inverse

@@ -8,10 +8,9 @@ times the tasks, and one iteration in TASK_ITERATIONS does the work of a task:
         if g % TASK_ITERATIONS == 0:
             work(g // TASK_ITERATIONS)
 
-On a graphics card each iteration is a thread of its own, and each particle a task.
-Only one thread writes to the scratch and the sums of a task, so results depend neither on the number of threads nor on
-their order. The sums of different tasks lie ROW_PADDING numbers apart, since threads that write to the same line of a
-processor's cache wait for each other.
+On a graphics card each iteration is a thread, and each particle a task. Only one thread writes to the scratch and the
+sums of a task, so results depend neither on the number of threads nor on their order. The sums of different tasks lie
+ROW_PADDING numbers apart, since threads that write to the same line of a processor's cache wait for each other.
 """
 
 from math import isqrt

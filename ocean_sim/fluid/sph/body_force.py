@@ -43,7 +43,7 @@ class Pull:
             self.advance(0.0)
 
     def at_mouth(self) -> np.ndarray:
-        """Acceleration (3,) [m/s2] of water that leaves an emitter, without the terms of a turning tank."""
+        """Constant acceleration (3,) [m/s2] of emitted water: gravity, body force, moving tank without rotation."""
         return np.array(self.frame[FRAME_PUSH]) if self.moving else self.gravity + self.body_force
 
     def advance(self, time: float) -> None:
@@ -75,7 +75,7 @@ class Relief:
     """Uneven bed: heights on a regular grid, bilinear between, and height up to which its boundary particles act."""
 
     def __init__(self, ground: "Ground", spacing: float, support: float) -> None:
-        """Tabulate the bed, `ground`. `spacing`: of particles [m]; `support`: reach of the bed's particles [m]."""
+        """Tabulate height of the bed `ground`, and of its samples' reach, `support` [m]; `spacing` [m] of particles."""
         from scipy.ndimage import grey_dilation
 
         size = np.array([ground.x[-1] - ground.x[0], ground.z[-1] - ground.z[0]])
@@ -147,9 +147,9 @@ class Bed:
     @ti.func
     def push(self, x, v, dt, row, images):
         """Acceleration [m/s2] of water at x [m], v [m/s] by bed friction: du/dt = -k |u| u, solved exactly over dt [s],
-        so that no step reverses the flow. k is the drag coefficient times a share, divided by a row's height. The share
-        falls where the row has gaps: `row` and `images`, the sums of Stencil.row_on_bed over neighbours and over their
-        mirror images (not used at an uneven bed), are then less than those of a full row."""
+        so that no step reverses the flow. k is the drag coefficient times a share, over the height of the lowest layer.
+        The share falls where gaps bring `row` + `images` below the sum of a full layer (Stencil.row_on_bed): sums of
+        r^2 f [m2] over neighbours, and over their images (not used at an uneven bed); grad W = -slope f x."""
         z, along, filled = x.y - self.level, tm.vec3(v.x, 0.0, v.z), row
         if ti.static(self.flat):
             filled += images

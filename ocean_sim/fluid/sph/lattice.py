@@ -164,7 +164,7 @@ class Lattice:
 
     @cached_property
     def room_for_bodies(self) -> tuple[np.ndarray, np.ndarray]:
-        """Mask (m,) of lattice points in no body or box, and all points (m, 3) [m] pressed away from the bodies."""
+        """Mask (m,) of `full_positions` in no body or obstacle, and all (m, 3) [m] as Solid.make_room moves them."""
         wet, positions = ~in_boxes(self.full_positions, self.basin), self.full_positions
         for solid in self.basin.solids:
             nearest = shifts(positions, solid.origin[[0, 2]], self.basin.periods)
@@ -189,8 +189,7 @@ class Lattice:
         return [(low + [x, 0.0, z], up + [x, 0.0, z]) for x, z in ways for low, up in self.boxes]
 
     def points_beyond(self, solid: Solid) -> np.ndarray:
-        """Points (m, 3) [m] around a solid, outside all boxes, that continue the lattice of the first box near it. They
-        reach MARGIN_SPACINGS from the solid."""
+        """Points (m, 3) [m] in no box, up to MARGIN_SPACINGS from a solid, to continue the first near box's lattice."""
         d, found = self.basin.dimension, np.empty((0, 3))
         low_end, high_end = solid.extent + np.array([[-1.0], [1.0]]) * MARGIN_SPACINGS * self.spacing
         counts = self.counts * (len(self.repeated_boxes) // len(self.counts))

@@ -21,7 +21,7 @@ NO_COLUMN = -1
 
 @dataclass(frozen=True)
 class WalkOptions:
-    """Options of a law that tell the neighbour walk how to sum it."""
+    """Options of a pair law for the walks that sum it over neighbours (CellWalk, ParticleWalk)."""
 
     apart: bool = False  # True if the sum over images in the sides is kept by itself, as `beyond`
     padded: bool = False
@@ -47,7 +47,7 @@ class Law(ABC):
     solid: Any  # SampleSum of the boundary
 
     def add_bodies(self, boundary: Any) -> None:
-        """Include solid bodies' boundary particles in the sum (None: no bodies); call it once `terms` are set."""
+        """Add solid bodies, a Boundary (None: no bodies), to the sum; `terms` (columns of the sum) must be set."""
         if boundary is not None:
             self.bodies, self.boundary, self.solid = True, boundary, boundary.sample_sum(self)
 
@@ -58,7 +58,7 @@ class Law(ABC):
 
     @ti.func  # noqa: B027
     def begin(self, group):
-        """Reset the law's sums over the particles of task `group`, before the first; most laws need none."""
+        """Reset the law's sums over particles of task `group` (a thread's share); most laws need none."""
 
     @ti.func
     def image(self, other, mirror):
@@ -77,8 +77,8 @@ class Law(ABC):
 
     @abstractmethod
     def finish(self, i: Any, own: Any, total: Any, beyond: Any, group: Any) -> None:
-        """Use the sums over neighbours of particle i with values `own`: `total`, and, if options.apart, `beyond` over
-        mirror images in the basin's sides. `group`: row of particle i's task in the momentum budget."""
+        """Use the sums over neighbours of particle i with field values `own` (`row`): `total`, and, if options.apart,
+        `beyond` over images in the basin's sides. `group`: i's task (a thread's share), also its row of the budget."""
 
     @ti.func
     def with_bodies(self, total, x, own):

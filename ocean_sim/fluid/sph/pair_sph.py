@@ -20,7 +20,7 @@ if TYPE_CHECKING:  # it is imported only where there are bodies
 class Force(Law):
     """Base class of pair laws that push particles. A subclass defines `row`, the columns read of a particle (position,
     velocity, pressure first), and `terms`, the columns of its sums: `push` (forces), `rub` (friction, if summed apart)
-    and `filled` (over a rough bed, the sum that tells gaps in a row of particles: see Bed.push)."""
+    and `filled` (over a rough bed, a sum that is less where the lowest layer has gaps: see Bed.push)."""
 
     stores_pressure_work: ClassVar[bool] = False
     """True if the work of pressure on images and bodies becomes internal energy of the water, not work of walls."""
@@ -53,12 +53,12 @@ class Force(Law):
 
     @ti.func
     def pressure_rise(self, head):
-        """Rise of the `pressure` in `row`, here [Pa], for a rise `head` [m2/s2] of pressure over density."""
+        """Rise of the column `pressure` for a rise `head` [m2/s2] of p / rho: in its unit, here [Pa]."""
         return self.fluid.rest_density * head
 
     @ti.func
     def begin(self, group):
-        """Reset the largest speed and acceleration of the particles of task `group`."""
+        """Reset the largest speed and acceleration of the particles of task `group` (a thread's share)."""
         self.fluid.accounts.begin_motion(group)
 
     @ti.func
@@ -73,7 +73,7 @@ class Force(Law):
     @ti.func
     def rubbing_sample(self, own, s, d, mirror):
         """Field values to use for boundary particle s, d [m] away (or its image by matrix `mirror`): those of the
-        particle itself, `own`, but with a velocity that makes the body's friction, see Boundary.rubbing_velocity."""
+        particle, `own`, moved by d, with the body's velocity for friction: 2 v_body - v, on a free-slip body v."""
         return row_at(own, d, self.boundary.rubbing_velocity(vec3(own, self.row.velocity), s, mirror))
 
     @ti.func
@@ -100,8 +100,8 @@ class MomentumLaw(Force):
 
     @ti.func
     def row_of_terms(self, weight, push, rub, shear, x_ij):
-        """Vector of sums (columns `terms`) of a neighbour at x_ij [m]: `weight` times `push` (pressure), `rub` (all
-        friction) and `shear` (viscous part of it); times `prefactor` these are accelerations [m/s2]."""
+        """Vector of sums (`terms`) for a neighbour at x_ij [m]: `weight` (shape of grad W, in mueller times volume)
+        times `push` (pressure), `rub` (all friction), `shear` (viscous part); by `prefactor`, accelerations [m/s2]."""
         total = ti.Vector.zero(float, self.terms.size)
         if ti.static(self.fluid.rubs):
             total[self.terms.filled] = self.fluid.smoothing.pair_gradient(x_ij).dot(x_ij)
@@ -154,8 +154,8 @@ class MomentumLaw(Force):
 
     @ti.func
     def kick(self, i, own, total, beyond, dt):
-        """Acceleration [m/s2] of particle i over dt [s] and the tuple of its parts: water, walls, wind, gravity, hulls,
-        bed, sea. `own`: field values; `total`, `beyond`: sums over neighbours, and over mirror images and bodies."""
+        """Acceleration [m/s2] of particle i over dt [s] and tuple of its parts: water, walls, wind, gravity, hulls,
+        bed, sea. `own`: its values (`row`); `total`, `beyond`: sums of `pair` over neighbours; images and bodies."""
         fluid, x, v = self.fluid, vec3(own, self.row.position), vec3(own, self.row.velocity)
         a_water, a_walls = self.acceleration(own, total), self.acceleration(own, beyond)
         a_wind = fluid.wind_acceleration(i, x, v)
@@ -173,8 +173,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def constrain(self, i, x, v, dt):
-        """Four values after a step: position [m] if there were no walls, position [m] inside them, velocity [m/s], and
-        1 if the speed was cut to the motion limit, else 0."""
+        """Positions [m] after a step, without and with walls; velocity [m/s]; 1 if cut to `motion_limit`, else 0."""
         fluid, walls = self.fluid, self.fluid.walls
         pushed, fast = walls.limit_motion(walls.relax(x, v, dt), dt)
         x_free = x + fluid.grid.whole_quanta(i, ti.static(1.0 - self.drifted) * dt * pushed)
@@ -183,8 +182,9 @@ class MomentumLaw(Force):
 
     @ti.func
     def remember_acceleration(self, i, own, total, beyond, parts: Template):
-        """Store the acceleration of particle i by gravity and pressure, to continue its pressure to bodies. `own`:
-        values; `total`, `beyond`: sums over neighbours, over images; `parts`: accelerations from `kick`."""
+        """Store the acceleration of particle i by gravity and pressure, by which bodies extrapolate its pressure in the
+        next step (Boundary.head). `own`: its values; `total`, `beyond`: sums over neighbours, and over images and
+        bodies; `parts`: its accelerations by each force, from `kick`."""
         a_water, a_walls = parts[:2]
         a = self.fluid.pull.at_rest(vec3(own, self.row.position)) + a_water + a_walls
         if ti.static(self.sheared):
@@ -194,8 +194,9 @@ class MomentumLaw(Force):
 
     @ti.func
     def book_step(self, group, own, total, beyond, a, parts: Template, x_free, x_new, v_new, dt):
-        """Add impulse and work of each force on a particle to row `group` of the budget. `own`, `total`, `beyond`: as
-        in `finish`; `a`, `parts`: from `kick`; `x_free`, `x_new`, `v_new`: from `constrain`; dt [s]."""
+        """Add impulse and work of each force on a particle to row `group` of the budget. `own`: its values; `total`,
+        `beyond`: sums over neighbours, over images and bodies; `a`, `parts`: acceleration, its parts (`kick`);
+        `x_free`, `x_new`: position after dt [s] without and with walls; `v_new`: velocity (`constrain`)."""
         fluid, m = self.fluid, ti.static(self.fluid.particles.mass)
         accounts = fluid.accounts
         x, v = vec3(own, self.row.position), vec3(own, self.row.velocity)
@@ -242,7 +243,7 @@ class PairSph(Sph):
 
     @ti.kernel
     def settle(self, summary: Array):
-        """Sort the unmoved particles, sum density and pressure; fill `summary` (9,) with extremes of speed, density."""
+        """Sort moved particles by cell, sum density and pressure; fill `summary` (9,) as Accounts.summarise does."""
         self.grid.sort()
         self.neighbours.walk(self.density, True)
         self.accounts.summarise(summary)

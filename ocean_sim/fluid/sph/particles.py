@@ -92,12 +92,12 @@ class Components:
 
     @ti.func
     def at(self, i):
-        """Vector with index i."""
+        """Vector (x, y, z) of particle i, by its index."""
         return tm.vec3(self.x[i], self.y[i], self.z[i])
 
     @ti.func
     def put(self, i, vector):
-        """Write a vector to index i."""
+        """Write the vector of particle i, by its index."""
         for k, component in ti.static(enumerate((self.x, self.y, self.z))):
             component[i] = ti.cast(vector[k], float)
 

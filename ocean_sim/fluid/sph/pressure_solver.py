@@ -34,7 +34,7 @@ class Compression(KeptLaw):
 
     @ti.func
     def begin(self, group):
-        """Reset the sums of density errors of the particles of task `group`."""
+        """Reset the sums of density errors of the particles of task `group` (a thread's share)."""
         self.fluid.rows.clear(group)
 
     @ti.func
@@ -48,20 +48,20 @@ class Compression(KeptLaw):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Position, velocity of boundary particle s, or its image by matrix `mirror`, d [m] from particle `own`."""
+        """Position, velocity of boundary particle s, or its image by `mirror`, d [m] from a particle of those `own`."""
         return row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
 
     @ti.func
     def pair(self, own, other):
-        """Density rate by a body's particle, v_ij . grad W over the factor `rate`; `own`, `other`: `row` of each."""
+        """Density rate by a body's particle: v_ij . grad W without constant; `own`, `other`: position, velocity."""
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         v_ij = vec3(own, self.row.velocity) - vec3(other, self.row.velocity)
         return ti.Vector([v_ij.dot(self.fluid.smoothing.pair_gradient(x_ij))])
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Add bodies to the density rate of particle i, `total` + `beyond` (sums over neighbours, images); compute its
-        error and next pressure. `own`: its velocity; `group`: row of its task in the sums of errors."""
+        """Add bodies' share to the density rate of particle i, `total` + `beyond` (sums over neighbours, images); find
+        its error, next pressure. `own`: its velocity; `group`: its task (a thread's share), row of error sums."""
         fluid, rate = self.fluid, total[self.terms.rate] + beyond[self.terms.rate]
         if ti.static(fluid.bodies):
             x = tm.vec3([component[i] for component in ti.static(tuple(fluid.particles.position))])
@@ -72,8 +72,8 @@ class Compression(KeptLaw):
 
     @ti.func
     def judge_particle(self, i, rate, group):
-        """Compute the density error that particle i has by its density `rate` (sum of v_ij . grad W), and its pressure
-        in the next iteration; add the error to the sums of its task, row `group`."""
+        """Compute the error of particle i's density after dt, by `rate` (sum of v_ij . grad W), and its pressure in the
+        next iteration; add the error to the sums of its task `group` (a thread's share of particles)."""
         fluid, solver, dt = self.fluid, self.solver, self.fluid.dt[None]
         r = dt * self.rate * rate
         if ti.static(solver.restores):
@@ -106,7 +106,7 @@ class Push(KeptLaw):
 
     @ti.func
     def kept_image(self, other, name, away):
-        """Pressure of the image of neighbour `other`: its own, whatever the mirrored axes (`name`) and `away`."""
+        """Pressure of the image of neighbour `other`: that of the neighbour; `name` and `away` are not used."""
         return other
 
     @ti.func
@@ -116,12 +116,12 @@ class Push(KeptLaw):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Position of boundary particle s, or its image by matrix `mirror`, d [m] from particle `own`; pressure 0."""
+        """Vector (4,), position and pressure 0, of boundary particle s or its image, d [m] from a particle `own`."""
         return tm.vec4(vec3(own, self.row.position) + d, 0.0)
 
     @ti.func
     def pair(self, own, other):
-        """Pressure force (p_i + p_j) grad W of a body's particle, before `finish` scales it; `own`, `other`: rows."""
+        """Pressure force (p_i + p_j) grad W of a body's particle, unscaled; `own`, `other`: position, pressure."""
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         return (own[self.row.pressure] + other[self.row.pressure]) * self.fluid.smoothing.pair_gradient(x_ij)
 

@@ -201,7 +201,7 @@ class Stencil:
 
     @property
     def slope(self) -> float:
-        """Constant of grad W = -slope x `gradient` that gives the lattice the rest density [m^-5], in 2-D [m^-4]."""
+        """Constant of W and grad W = -slope f x with W summing to rest density on the lattice [m^-5], in 2-D [m^-4]."""
         return 1.0 / (self.smoothing.support**2 * self.volume * float(self.value.sum()))
 
     @property
@@ -216,8 +216,8 @@ class Stencil:
 
     @property
     def top_deficit(self) -> float:
-        """Relative density deficit in the top row of a lattice over the gradient of the share of water there [m]: times
-        this gradient it is the deficit that a flat surface explains, so that only more counts as a gap."""
+        """Relative density deficit in the top row of a lattice over the gradient of the smoothed share of water there
+        [m]. Times the gradient at a particle it is the deficit by a flat surface with air above; more is by gaps."""
         above = self.offsets[:, 1] > 0.5 * self.spacing
         lack = self.smoothing.support**2 * float(self.value[above].sum())
         return lack / float(self.gradient[above] @ self.offsets[above, 1])
@@ -238,7 +238,8 @@ class Stencil:
         return ratios[0] + bend * edges[0], bend
 
     def row_on_bed(self, mirrored: bool) -> float:
-        """Sum of r^2 `gradient` [m2] over a full layer and, if `mirrored`, its image in the bed: norm for Bed.push."""
+        """Sum of r^2 f [m2] (`gradient` f, distance r) over a full layer of neighbours and, if `mirrored`, its image in
+        the bed; where a sum over particles is less, Bed.push finds gaps."""
         lowest = -1.5 if mirrored else -0.5
         rows = (self.offsets[:, 1] < 0.5 * self.spacing) & (self.offsets[:, 1] > lowest * self.spacing)
         return float(self.gradient[rows] @ (self.offsets[rows] ** 2).sum(axis=1))

@@ -227,8 +227,8 @@ class SphConfig(WaterConfig):
         yield f"{pulled} of the water and {squeezed}: levels and pressures are off by as much; {wanted}"
 
     def list_size(self, lattice: Lattice, arch: str, reads: int, carried: int = 0) -> GridSize:
-        """Sizes of grid and lists on a backend (`arch`). `reads`: most fields that a law reads of a particle;
-        `carried`: fields that the sort moves along with the particles."""
+        """Sizes of the grid and of neighbour lists on a backend (`arch`). `reads`: most fields of a particle that a
+        pair law reads; `carried`: fields that the sort by cell moves with particles besides position, velocity, id."""
         support = self.ratio(lattice.basin) * lattice.spacing
         carried += self.told_to_bodies if has_bodies(lattice.basin) else 0
         return GridSize(lattice, support, PLANS[arch], carried, reads)
@@ -342,7 +342,7 @@ def sea_ledger(lattice: Lattice, word: int) -> Iterator[LedgerRow]:
 
 
 def body_ledger(grid: GridSize, word: int, accounts: bool, told: int) -> Iterator[LedgerRow]:
-    """Yield memory ledger rows of bodies. `told`: floats per particle that they read; `accounts`: True to sum work."""
+    """Yield memory rows of bodies. `word`: bytes a float; `told`: floats a particle for them; `accounts`: with work."""
     from ocean_sim.fluid.bodies.boundary import any_moves, fixed_bodies, floating_bodies, memory
 
     lattice, common = grid.lattice, (grid.cell_count, word * told * grid.lattice.n)  # counted with the first bodies

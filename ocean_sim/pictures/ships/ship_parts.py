@@ -290,9 +290,9 @@ def smooth_strip(low: np.ndarray, high: np.ndarray, colour: Triple) -> Mesh:
 
 
 def rest_plane(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
-    """Plane n . x + d = 0 [m] of the still water at rest, in body axes: normal n (3,), upward, and d. It leaves a
-    `share` of the volume under water and the centre of buoyancy below the origin (the centre of mass). If no plane
-    within 30 degrees does, the hull is taken as upright, awash at most."""
+    """Plane n . x + d = 0 [m] of the still water, in body axes: normal n (3,), upward, and d. `corners` (n, 3, 3) [m]:
+    of the hull's triangles. The plane leaves a `share` of the volume under water and the centre of buoyancy below the
+    origin (the centre of mass). If none within 30 degrees does, the hull is taken as upright, awash at most."""
     from scipy.optimize import brentq, root
 
     upright = np.array([0.0, 1.0, 0.0])

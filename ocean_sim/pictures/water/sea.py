@@ -244,8 +244,8 @@ class Sea(Content):
         return at
 
     def update_hull(self, k: int, key: str, position: np.ndarray, turn: np.ndarray) -> float:
-        """Update the water around ship number k of this key: foam at her waterline, the hole for her hull, her position
-        in the mirror image. Returns the mean height of the water around her [m]."""
+        """Update the water around the ship `key`, number k in the shaders: foam at her waterline, the hole for her
+        hull, her mirror image; `turn` as in `wetted_hull`. Returns the mean height of the water around her [m]."""
         hull, ship = self.hulls[key], self.wetted_hull(key, position, turn)
         self.set(**{f"useHull{k}": float(ship.wet)})
         if ship.wet:

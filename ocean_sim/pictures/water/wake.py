@@ -69,8 +69,8 @@ def transom_hollow(astern: np.ndarray, aside: np.ndarray, speed: float, breadth:
 def limited_answer(
     answer: np.ndarray, vessel: Vessel, breadth: float, x: np.ndarray, z: np.ndarray, time: float
 ) -> np.ndarray:
-    """Response `answer` (nx, nz) [m] of the run's water to a ship, limited near her to the stagnation height V^2 / 2 g:
-    linear waves do not break, and would leave a hole of her hull's shape. `x`, `z`: of the nodes [m]."""
+    """Heights `answer` (nx, nz) [m] that a run adds to plane waves, limited near a ship of `breadth` [m] at `time` [s]
+    to the stagnation height V^2 / 2 g: linear waves do not break, and leave a hole there. `x`, `z`: nodes [m]."""
     along, aside = ship_coordinates(x[:, None], z[None, :], *vessel.pose(time))
     near = np.exp(-((along / (LIMITED_REACH[0] * vessel.length)) ** 4) - (aside / (LIMITED_REACH[1] * breadth)) ** 4)
     most = max(vessel.speed(time) ** 2 / (2.0 * GRAVITY), MIN_ANSWER * vessel.length)

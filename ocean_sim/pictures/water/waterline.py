@@ -62,8 +62,8 @@ class Bow(NamedTuple):
         return float(np.clip((self.crest[0] - BREAKING_HEIGHT) / (WHITE_HEIGHT - BREAKING_HEIGHT), 0.0, 1.0))
 
     def across(self, abaft: np.ndarray, gap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Distance of points outside the crest's line, in widths of the crest, and factor by which the crest is lower
-        there. `abaft`: distance behind the stem [m]; `gap`: distance off the hull [m]."""
+        """Distance of points outward from the line of the bow wave's crest, in widths of the crest, and factor on the
+        crest's height there. `abaft`: distance behind the stem [m]; `gap`: distance off the hull [m]."""
         back = self.crest[1]
         aft = np.maximum(abaft - back, 0.0)
         width = self.breadth * CREST_WIDTH + CREST_WIDENING * aft + 0.25 * back

@@ -183,7 +183,8 @@ def yield_to_others(by: int) -> None:
 
 
 def exit_with_parent() -> threading.Event:
-    """End this process and its group when its standard input (`parent_pipe`) breaks; returns an event set by input."""
+    """End this process and its group when its standard input (`parent_pipe`) breaks. Returns an event that is set once
+    the parent writes a byte there, as to say that the run has ended."""
     spoken = threading.Event()
 
     def listen() -> None:

@@ -557,7 +557,7 @@ class Preflight:
 
     @cached_property
     def basin(self) -> Basin:
-        """Basin that contains the floating bodies around which the particles start."""
+        """The whole basin, with the floating bodies whose place the particles leave free at the start."""
         return replace(self.tank, afloat=self.solids) if self.solids else self.tank
 
 

@@ -76,7 +76,7 @@ class Result:
 
 
 class ProgressLines(Observer):
-    """Observer that prints time, speed over real time, time left at each tenth of a run; then numbers of pictures."""
+    """Observer that prints time, speed over real time, time left at each tenth of a run; then pictures drawn so far."""
 
     def __init__(self, duration: float) -> None:
         self.duration, self.every = duration, duration / PROGRESS_PARTS

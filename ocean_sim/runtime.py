@@ -99,8 +99,8 @@ def _direct_launch(kernel: Any) -> Any:
 
 @dataclass(frozen=True)
 class Launch:
-    """Compiled kernel that is launched directly, without the look-ups of Taichi. `templates`, `numbers` and `arrays`
-    list its arguments by index in the call, the latter two also by index among the launch arguments."""
+    """Compiled kernel, launched directly, without the look-ups of Taichi. Entries of `templates`, `numbers` and
+    `arrays` begin with an argument's index in the call; in numbers and arrays (k,) follows, its index among both."""
 
     program: Any  # of Taichi
     compiled: Any  # Taichi's compiled kernel data
@@ -135,7 +135,7 @@ class Launch:
 
 
 def _launch_of(primal: Any, owner: Any, given: tuple) -> Launch | None:
-    """Direct launch of a kernel that `owner` has just run with the arguments `given`; None if it cannot be built."""
+    """`Launch`, without look-ups, of Taichi's kernel `primal`, just run by `owner` with `given`; None if impossible."""
     if primal.return_type is not None or primal.has_print:
         return None
     templates, numbers, arrays = list[Any](), list[Any](), list[Any]()

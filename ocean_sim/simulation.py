@@ -187,7 +187,7 @@ class Simulation:
             raise failures[0]
 
     def conclude(self) -> list[BaseException]:
-        """Close all observers, even if one raises; return the exceptions. The first makes `done` a failure."""
+        """Close all observers, even if one raises; return the exceptions. The first replaces the outcome `done`."""
         failures: list[BaseException] = []
         concluded: list[OutcomeObserver] = []
         for observer in sorted(self.observers, key=lambda observer: isinstance(observer, OutcomeObserver)):

@@ -59,7 +59,7 @@ def save_figure(figure: Any, path: Path, dpi: int = 100) -> None:
 
 
 class file_named_in_errors:
-    """Context manager that sets the file name of an OSError to `path` if it has none, or that of the file `draft`."""
+    """Context manager that puts `path` into an OSError that names no file, or names `draft`, the temporary file."""
 
     def __init__(self, path: str | Path, draft: str | Path | None = None) -> None:
         self.path, self.unknown = path, (None, str(draft))

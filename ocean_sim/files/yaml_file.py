@@ -201,7 +201,7 @@ def parse_yaml(text: str, start: Location) -> Node:
 
 
 def mark_location(start: Location, mark: Any) -> Location:
-    """Location of a PyYAML mark (line, column from 0) in a text; that of the text, `start`, if this is in no file."""
+    """Location of a PyYAML `mark` (counted from 0); `start`, the location of the text, without a mark or a file."""
     return start if start.line is None or mark is None else Location(start.file, mark.line + 1, mark.column + 1)
 
 

@@ -277,7 +277,7 @@ class Frames(Observer, of=Config):
         return middle_cell(self.ships, self.cell) if self.ships and self.cell.all() else np.zeros(2)
 
     def resumed(self, changed: str) -> None:
-        """Delete the frames that are later than the checkpoint from which the run continues."""
+        """Delete the frames later than the checkpoint to continue from, whatever has `changed` in the program."""
         for path in self.folder.glob("frame_*.npz"):
             if int(path.stem.removeprefix("frame_")) >= self.count:
                 path.unlink()

@@ -104,7 +104,7 @@ class Health(OutcomeObserver, of=Config):
                 self.events.flush()
 
     def resumed(self, changed: str) -> None:
-        """Record as an event that the program has changed since the checkpoint."""
+        """Record as an event how the program has `changed` since the checkpoint, if it has."""
         if changed:
             self.record_event("the program has changed", what=changed)
 

@@ -145,7 +145,7 @@ class Log:
         self.last = simulation.time, self.ship.body, self.ship.orders
 
     def complete(self, simulation: Simulation) -> None:
-        """Store the state after the step before, whose load this step has computed; write rows if some are due."""
+        """Store time, pose and load at this step's start, whose load is known only now; write the rows that are due."""
         if self.last is None:
             return
         (time, body, orders), ship = self.last, self.ship

@@ -39,7 +39,8 @@ class PlatformLog(Observer, TakesMotion, of=Config):
         self.csv = CsvFile(folder / "platform.csv", heading(every) | {"seed": scene.seed}, PLATFORM_COLUMNS)
 
     def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
-        """Write the platform's commands for rows of its ship's motion log, and give them to observers of commands."""
+        """Write platform commands for rows, along axes `frame`, of its ship's motion log; give them to their
+        observers."""
         if ship == self.ship:
             commands = self.platform.follow(ride_of(rows, frame))
             for row in commands.rows():

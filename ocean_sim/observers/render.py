@@ -409,7 +409,7 @@ def begin_picture(order: Order, over: threading.Event) -> tuple[Picture, "Coming
 
 
 def sample_files(files: list[Path]) -> list[Path]:
-    """About sixty of many frame files, evenly chosen, from which the range of a whole run is estimated."""
+    """About sixty of many frame files, evenly chosen, from which the highest particle speed of a run is estimated."""
     return files[:: max(1, len(files) // 60)]
 
 
@@ -490,8 +490,8 @@ def film_turns(coming: ComingFrames, every: float, of: int) -> Iterator[tuple[Pa
 def write_film(
     path: Path, order: Order, picture: Picture, coming: ComingFrames, others: Sequence[Painter]
 ) -> Iterator[tuple[int, int]]:
-    """Write a film (H.264) that lasts as long as its frames `coming`, and a sheet of small pictures from it. `picture`
-    draws here, the processes `others` by turns with it. Yields numbers of pictures as `draw_order` does."""
+    """Write a film (H.264) as long as its frames `coming`, and a sheet of small pictures. `order`: options; `picture`
+    draws here, processes `others` by turns with it. Yields (pictures done, pictures in all, 0 while unknown)."""
     with atomic_write(path) as draft:
         moments, image = Moments(), np.zeros(0)
         with film_writer(draft, order.every) as writer:
@@ -505,8 +505,8 @@ def write_film(
 
 
 def hand_over(order: Order, over: threading.Event, turn: int) -> None:
-    """Draw the pictures of a film that `film_turns` gives to this process, of number `turn`, and write their pixels to
-    standard output. `over`: event that is set when the run ends."""
+    """Draw the pictures of a film that fall to this process, the one of number `turn` (see `film_turns`), and write
+    their pixels to standard output. `order`: options of the pictures; `over`: event that is set when the run ends."""
     with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as pixels:
         os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # for what else is printed
         picture, coming = begin_picture(order, over)

@@ -66,7 +66,8 @@ class Timings(Observer, of=Config):
             self.stage_times[name] += perf_counter() - entered
 
     def warm_up(self, name: str, now: float) -> None:
-        """Note the start of the first step, or its end; called when the stage `name` begins at wall time `now` [s]."""
+        """Note the first step's start at its first stage `name` (no `observers`), then its end. `now`: wall time
+        [s]."""
         if self.began is not None and self.simulation.steps > self.first_step:
             self.first_step_s = now - self.began
             self.start = self.last = self.take_mark(now)

@@ -100,4 +100,4 @@ class Platform(Protocol):
         """Commands for the next rows of ship motion, after the last call's. `ahead`: the rows after them, or None."""
 
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
-        """Commands from the last two poses, `past` (2, 6), back to neutral; the last was at `time` [s] in row `seq`."""
+        """Commands from the last two poses, `past` (2, 6), to neutral; the last: at `time` [s], in row number `seq`."""

@@ -147,7 +147,7 @@ class HexapodPlatform:
 
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
         """Commands from the last two poses, `past` (2, 6), back to neutral, in the time of the ramp or, if legs are
-        slow, longer. The last pose was at `time` [s], in the row numbered `seq`."""
+        slow, longer. The last pose was at `time` [s], in the command row numbered `seq`."""
         lengths, every, machine = self.hexapod.legs(past), self.every, self.geometry
         stroke = machine.longest - machine.shortest
         longest = stroke / machine.leg_speed + machine.leg_speed / machine.leg_acceleration  # [s]
@@ -171,7 +171,7 @@ class HexapodPlatform:
         return smooth_step(np.clip((time - self.start) / self.ramp, 0.0, 1.0))
 
     def felt_motion(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] on the platform, at poses (n, 6) after the last."""
+        """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] felt in poses (n, 6), the rows after the last call."""
         known = np.vstack([self.past, pose])
         self.past = known[-2:]
         return felt_by_differences(known, self.every)

@@ -333,7 +333,8 @@ def known_names(slot: str) -> list[str]:
 
 
 def unknown_name(what: str, name: Node, key: str, choices: Any = None) -> Problem:
-    """Problem to report for a name not in `choices` (default: names of slot `what`); suggests the closest."""
+    """Problem to report at the scene's `key`: no `what` (a slot, or `profile`) has this name. It suggests the closest
+    of `choices`, by default all names in the slot."""
     choices = choices or known_names(what)
     end, suggestion = choice_sentence(name.data, choices)
     if suggestion is not None:

@@ -157,9 +157,9 @@ def on_unless_null(slots: Iterable[str]) -> list[str]:
 def load(
     source: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None, profile: str | None = None
 ) -> SceneConfig:
-    """Load a scene from a file, the name of a packaged scene or a dict, with overrides (values by dotted key) and a
-    profile over it. File names in it are relative to the folder of its file, or for a dict to the working directory.
-    Raises SceneError, which lists all mistakes at once."""
+    """Load a scene from a file, the name of a packaged scene or a dict; over it, the settings of a `profile` (packaged,
+    by name), then `overrides` (values by dotted key). File names in it are relative to the folder of its file, or for a
+    dict to the working directory. Raises SceneError, which lists all mistakes at once."""
     if not isinstance(source, str | PathLike | dict):
         raise Unsuited(f"load: source is the name or the file of a scene, or a dict, not {source!r:.60}")
     if overrides is not None and not (isinstance(overrides, dict) and all(isinstance(key, str) for key in overrides)):
@@ -244,7 +244,7 @@ class _SceneCheck:
         return node.child(name) if node is not None and name else node
 
     def report(self, place: str, sentence: str, path: Key = ()) -> None:
-        """Append a problem with the key at `path` in a part or observer, located at it or the nearest enclosing key."""
+        """Append a problem with key `path` in part or observer `place` (as `ships.tug`), at the innermost key there."""
         node = self.node(place) or self.root
         for step in path:
             node = node.child(step) or node

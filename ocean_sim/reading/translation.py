@@ -120,7 +120,7 @@ def choice_sentence(word: str, choices: Any) -> tuple[str, str | None]:
 
 
 def key_sentence(word: str, choices: Any) -> tuple[str, str | None]:
-    """End of an error message for an unknown key, and the suggestion or None; a dotted key is shown as a mapping."""
+    """End of the message on an unknown key, the likeliest of known `choices` or None; a.b is shown as a: {b: ...}."""
     if word.isdigit():
         comma = "in {...} and [...] a comma ends a value: is it a decimal comma?"
         return f"; {comma} Write a point, as in 0.{word}", None

@@ -200,7 +200,7 @@ class Restorer:
 
     def from_path(self, node: Any, fresh: Any, path: str) -> Path:
         """Path in the run folder, from its saved name; raises Mismatch if `fresh`, the newly built path, has another
-        name. A folder that is gone by now is made again by `cut`."""
+        name. A deleted folder is made again when `cut` shortens the files."""
         found = self.folder / path_inside(node[PATH_KEY])
         if isinstance(fresh, Path) and not (fresh.is_dir() if found == self.folder else fresh.name == found.name):
             raise Mismatch(f"its {path.lstrip('.')} is {node[PATH_KEY]!r:.60}")

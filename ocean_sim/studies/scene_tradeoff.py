@@ -116,8 +116,8 @@ def finest_setting(key: str, values: list[Any]) -> Any:
 
 
 def setting_grid(scene: str, profile: str | None, sets: dict[str, Node], vary: Varied, quick: bool) -> list[Setting]:
-    """Settings of all combinations of the values in `vary`, the finest marked. Each has SEED_COUNTS scenes that differ
-    in their seed, and one more to confirm the best setting. Raises SceneError."""
+    """Settings of all combinations of the values in `vary`, the finest marked. Each has SEED_COUNTS scenes (fewer if
+    `quick`) that differ in their seed, and one more to confirm it if it is best. Raises SceneError."""
     count = prod(map(len, vary.values()))
     if not 2 <= count <= MOST_SETTINGS:
         location = Location("--vary")
@@ -200,7 +200,7 @@ def tradeoff_summary(
     setting: Setting, answers: list[dict[str, Any]], apart: list[dict[str, float | None]]
 ) -> dict[str, Any]:
     """Table row of a setting: medians of the costs in `answers` (results of its runs, one per seed), mean and spread of
-    the errors in `apart`; errors are None if a run failed."""
+    `apart`, their errors against the finest setting by quantity; errors are None if a run failed."""
     lost = next((answer for answer in answers if answer["outcome"] != "done"), None)
     row: dict[str, Any] = dict(setting.values) | {
         "setting": setting.line(),

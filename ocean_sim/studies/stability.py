@@ -92,8 +92,8 @@ def grid_points(quick: bool, scene: str | None = None) -> list[Spot]:
 
 
 def _axis_points(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
-    """Yield the runs of the map of time step against the setting `axis`, fewer if `quick`; none of a user's `scene`
-    whose water has no particles, or if the setting is a ship's."""
+    """Yield the runs (`Spot`) of the map of time step against the setting `axis`, fewer if `quick`. A user's `scene`
+    has none if its water has no particles or the setting is a ship's."""
     afloat, theirs = axis.of == "ship", None if scene is None else load(scene).fluid
     if theirs is not None and (afloat or not theirs.made_of_particles):
         return  # a hull has a mass of its own, and water without particles cannot become unstable
@@ -142,8 +142,8 @@ def verdict_of(
 
 
 def energy_gain(accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool) -> float:
-    """Greatest energy gained without work, over mass times squared reference speed; 0 without a table. Only the work of
-    wind, if `driven`, is subtracted: walls at rest do none, though sums of single forces may show some."""
+    """Greatest energy gained without work, over mass times squared reference speed; 0 if `accuracy` (accuracy.csv) is
+    empty. Only the wind's work, if `driven`, is subtracted: walls at rest do none, though single forces may seem to."""
     if not len(accuracy.get("kinetic_energy_J", ())):
         return 0.0
     names = ("kinetic_energy_J", "potential_energy_J", "internal_energy_J")

@@ -147,8 +147,8 @@ def pareto_front(pairs: list[tuple[float, float]]) -> list[int]:
 def equal_cost_rows(rows: list[dict[str, Any]], speed: str) -> list[dict[str, Any]]:
     """Best run of each scheme in each case, a row each, at equal time or equal number of particles.
 
-    Equal time (column `speed`, per simulated second) is that of the slowest scheme's cheapest run; equal numbers are
-    compared for default settings only."""
+    Equal time, in the column that `speed` names, per simulated second, is that of the slowest scheme's cheapest run;
+    equal numbers are compared for default settings only."""
     done = [row for row in rows if row.get("error") is not None and row.get(speed)]
     found = []
     for case in dict.fromkeys(row["case"] for row in done):

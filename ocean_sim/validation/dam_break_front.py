@@ -136,7 +136,7 @@ def front_distance(
 
 
 def compare_front(time: np.ndarray, z: np.ndarray) -> Finding:
-    """Compare the front of a run, distances `z` (n,) at times (n,), both scaled, with experiments and computations."""
+    """Compare the front, `z` = x / a (n,) at times t sqrt(2 g / a) (n,), with experiments and computations."""
     numbers = [front_distance(table(file), time, z) for file in EXPERIMENTS.values()]
     numbers += [front_distance(table(file), time, z, LETHE_DELAY) for file in MARTIN_MOYCE.values()]
     for file in EXPERIMENTS.values():

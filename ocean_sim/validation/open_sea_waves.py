@@ -79,8 +79,8 @@ def regular_problem(
     slow: bool = False,
     kind: str = "linear_waves",
 ) -> Problem:
-    """Set-up of regular waves of steepness `ka`, `particles` to the wavelength, on a patch moving at `speed` [group
-    speeds], for so many `periods`. `within` [%], `degrees`: tolerances of height and phase; `kind`: kind of sea."""
+    """Set-up of regular waves of steepness `ka`, `particles` to the wavelength, on a patch at `speed` [group speeds],
+    for so many `periods`. `within` [%], `degrees`: tolerances of height, phase; `kind`: of sea; `slow`: for --slow."""
     where = "at rest" if speed == 0.0 else f"at {speed:+g} group speeds"
     name = f"ka {ka:g}, {where}" + ("" if kind == "linear_waves" else ", nonlinear")
     height = Promise(f"{name}: height over that of the sea", "%", f"{SOURCE_TEXT}; {within:g} %", {"delta_sph": within})
@@ -171,7 +171,7 @@ def measure_packet(simulation: Simulation) -> Finding:
 
 
 def fit_heights(water: State, sea: waves.Components) -> np.ndarray:
-    """Complex heights (k,) [m] of the k waves of a sea, ahead or back, fitted to velocities below the troughs."""
+    """Complex heights (k,) [m] at the wavelengths of `sea`, both ways in one, fitted to `water` below the troughs."""
     x, y = water.position[:, 0], water.position[:, 1]
     deep = (y < -PACKET_SLOPE / K * 2.0) & (y > LOWEST_FIT * DEPTH)
     angle = x[deep, None] * sea.wavenumber

@@ -37,10 +37,9 @@ def poiseuille_profile(y: np.ndarray, time: float) -> np.ndarray:
 
 def gap_problem(exact: Profile, column: str, lid: list[float], force: float, coarse: bool) -> Problem:
     """Set-up of water in the gap between plates, the upper at velocity `lid` (3,) [m/s], under a body `force` [m/s2].
-    `exact`: profile to compare with; `column`: of the published table, to plot.
+    `exact`: profile to compare with; `column`: of the table of exact series, to plot (u_poiseuille or u_couette).
 
-    Compression follows the largest of V^2, nu V / L and F L, as Morris, Fox & Zhu (1997) advise.
-    """
+    Compression follows the largest of V^2, nu V / L and F L, as Morris, Fox & Zhu (1997) advise."""
     spacing = 0.1 if coarse else 0.05
     duration = JUDGED_TIMES[2] if coarse else JUDGED_TIMES[-1]
     plates = {"walls": {"x": "periodic"}, "floor": "no_slip", "lid": {"slip": "no_slip", "velocity": lid}}
@@ -62,8 +61,8 @@ def gap_problem(exact: Profile, column: str, lid: list[float], force: float, coa
 
 
 def measure_profiles(simulation: Simulation, exact: Profile, column: str, times: list[float]) -> Finding:
-    """Run; measure the largest error of speed at each of `times` [L^2 / nu], by the profile `exact`; `column`: of the
-    published table, to plot."""
+    """Run; measure the largest error of speed at each of `times` [L^2 / nu], against the profile `exact`; plot `column`
+    (u_poiseuille or u_couette) of the table of exact series."""
     numbers, measured, expected = [], [], []
     data = table("analytic_poiseuille_couette")
     for time in times:

@@ -28,7 +28,7 @@ SOURCE_TEXT = "Ikeda, Himeno & Tanaka (1978), measured"
 
 
 class Swing(NamedTuple):
-    """A forced roll of one of the sections, and its measured damping."""
+    """A forced roll of one of the sections (cylinders), and its measured damping."""
 
     model: str
     area_coefficient: float  # S / (B d)
@@ -73,7 +73,7 @@ def roll_problem(swing: Swing) -> Problem:
 
 
 def measure_damping(simulation: Simulation, swing: Swing) -> Finding:
-    """Roll the section; compare its linear-equivalent damping over the last cycles with that measured."""
+    """Force the cylinder to roll by `swing`; compare its linear-equivalent damping in the last cycles with Ikeda's."""
     ship, rows, end, period = ship_of(simulation), [], simulation.scene.duration, 2.0 * pi / swing.omega
     while simulation.time < end:
         simulation.step()

@@ -40,7 +40,7 @@ SOURCE_TEXT = "Sundsdal et al. (2025), measured"
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Set-ups to run: the section in closed-form waves and on particles; coarse: closed form only, two periods."""
+    """Set-ups to run: the ship's section in closed-form waves, on particles; coarse: closed form only, two periods."""
     if coarse:
         return [closed_form_problem("heave+roll", True)]
     closed_form = [closed_form_problem(scenario) for scenario in FREE_MOTIONS]
@@ -95,7 +95,7 @@ def sway_springs() -> list[dict[str, Any]]:
 
 
 def particle_problem(period: float) -> Problem:
-    """Set-up of the section on particles in a patch of open sea, in waves of a period [s]."""
+    """Set-up of the ship's section, free in heave and roll, on particles in open sea, in beam waves of a period [s]."""
     k = float(waves.wavenumber(2.0 * pi / period, DEPTH, GRAVITY))
     length = 2.0 * pi / k
     limits = {motion: {"pressure": PARTICLE_TOLERANCES[motion]} for motion in MOTION_SCALES}

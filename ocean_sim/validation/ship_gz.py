@@ -49,8 +49,8 @@ def hull_problem(hull: str, cells: int, limit: float) -> Problem:
 
 
 def thesis_problem() -> Problem:
-    """Set-up of the barge carried by columns of water, as the thesis prints, that push on the vertical through the
-    hull's bottom; judged by righting levers that this implies."""
+    """Set-up of the barge carried by columns of water that push on the vertical line through the hull's bottom, as the
+    thesis prints; compared with the righting levers that such columns have."""
     scene = at_sea({"hull": "barge20", "cells_per_draught": 16}, 20.0, 0.01)
     source, limit = "columns on the vertical through the bottom", {"thesis": 0.004}
     promises = tuple(Promise(f"as printed: GZ at {heel} degrees [m]", "m", source, limit) for heel in COLUMN_LEVERS)

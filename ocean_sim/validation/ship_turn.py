@@ -150,7 +150,7 @@ def zigzag_record(
     ways, executed = [way], []
 
     def orders(time: float, yaw: float) -> float:
-        """Rudder angle [rad] at a time [s]; it is reversed once the yaw [rad] has reached the zig-zag's angle."""
+        """Rudder angle [rad]; once yaw [rad] has reached the zig-zag's `angle`, it is reversed and `time` [s] noted."""
         if ways[0] * yaw >= radians(angle):
             ways[0] = -ways[0]
             executed.append(time)

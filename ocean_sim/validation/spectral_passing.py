@@ -71,8 +71,8 @@ class GaussianPressure(Displacing):
 
 
 def passing_waters(simulation: Simulation) -> tuple:
-    """Run with a moving pressure. Return two views of the sea, with the waves felt by another ship and by the pressure
-    itself, and the last x [m] of the pressure."""
+    """Run with a moving pressure. Return the sea as another ship feels it and as the pressure does (each without the
+    waves that it makes itself), and the last x [m] of the pressure."""
     patch, other = GaussianPressure(), GaussianPressure()
     by_itself, by_another = sea_of(simulation).add_ships([patch, other])
     while simulation.time < END_TIME - 0.5 * TIME_STEP:
@@ -83,8 +83,8 @@ def passing_waters(simulation: Simulation) -> tuple:
 
 
 def elevation_at(x: float, z: float, long: float, broad: float) -> float:
-    """Elevation [m] by Havelock's integral at `x` ahead of and `z` beside a moving pressure exp(-(x / long)^2 - (z /
-    broad)^2); all [m]."""
+    """Elevation [m] by Havelock's integral, `x` ahead of and `z` beside a pressure ~ exp(-(x / long)^2 - (z / broad)^2)
+    that moves at SHIP_SPEED; all lengths [m]. Its force [N] is pi WIDTH_ALONG WIDTH_ACROSS PRESSURE_PEAK."""
     edge = np.arctan2(-x, z)  # w changes its sign here
     total = 0.0
     for low, high in ((-0.5 * np.pi, edge), (edge, 0.5 * np.pi)):

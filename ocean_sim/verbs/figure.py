@@ -78,8 +78,8 @@ def figure(
 
 
 def draw_figure(name: str, script: Path, fast: bool, out: Path, show: Callable[[float, str], None]) -> dict[str, Any]:
-    """Run a figure's script in a child process and move its files to `out`; `show(share, text)` receives its progress,
-    0 to 1. Returns the figure's name, success, wall time [s], files and error message."""
+    """Run a figure's script (coarse if `fast`) in a child process and move its files to `out`; `show(share, text)`
+    receives its progress, 0 to 1. Returns the figure's name, success, wall time [s], files and error message."""
     began = perf_counter()
     paths = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
     with TemporaryDirectory(prefix=".figure-", dir=out) as folder:

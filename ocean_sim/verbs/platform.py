@@ -181,9 +181,9 @@ def write_commands(
     frame: str | None,
     film: bool,
 ) -> list[Path]:
-    """Write commands `done`, those of the `best` ride within the limits, metrics `found` and pictures; return their
-    paths. Files are moved into the folder `out` only when all are complete. `frame`: axes of the rows (None: FLU; else
-    the `log` is written along them, too); `machine`: the platform; `film`: True to draw one."""
+    """Write commands `done`, those of the `best` motion within the limits, if planned, metrics `found` and pictures;
+    return their paths. Files are moved into the folder `out` only when all are complete. `frame`: axes of the rows
+    (None: FLU; else the `log` is written along them, too); `machine`: the platform; `film`: True to draw one."""
     with TemporaryDirectory(prefix=".platform-", dir=out) as draft:
         folder = Path(draft)
         seed = {"seed": log.table.head["seed"]} if "seed" in log.table.head else {}

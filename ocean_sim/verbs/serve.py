@@ -56,7 +56,7 @@ def serve(
 
 
 def play_scene(source: "Source", host: str, port: int | None, show: bool, out: Path | None) -> None:
-    """Simulate a scene and serve its page until Ctrl-C."""
+    """Simulate a scene and serve its page until Ctrl-C; `show`: open a browser; `out`: folder of recorded runs."""
     from ocean_sim.viewer.server import Server
     from ocean_sim.viewer.session import Session
 
@@ -90,7 +90,7 @@ def live_files(title: str) -> dict[str, Any]:
 
 
 def watch_runs(runs: list[Path], host: str, port: int | None, show: bool) -> None:
-    """Serve the replay of one finished run, or of two side by side, until Ctrl-C."""
+    """Serve the replay of a finished run, or of two side by side, until Ctrl-C; `show`: open it in a browser."""
     from ocean_sim.viewer.replay import Recorded
     from ocean_sim.viewer.server import Server
     from ocean_sim.viewer.still import page_document, sky_packet

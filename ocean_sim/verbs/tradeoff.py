@@ -57,7 +57,7 @@ def tradeoff(
 
 
 def study_cases(quick: bool, workers: int | None, out: Path) -> None:
-    """Measure cost and accuracy of the validation cases; write tradeoff.csv, equal.csv and a picture per case."""
+    """Study cost and accuracy of validation cases: write tradeoff.csv, equal.csv (see `equal_cost_rows`), pictures."""
     plan = study_points(quick)
     console.say(f"{len(plan)} runs of {len({point.trial.case for point in plan})} cases, each on one thread")
     table = rows_of(Study(plan, out / "runs", workers or available_cores(), out / "tradeoff.csv"))
@@ -134,7 +134,8 @@ def study_scene(plan: list[Setting], limit: Budget | None, by: str | None, quick
 
 
 def compare_with_finest(plan: list[Setting], seeds: int, runs: list[dict[str, Any]]) -> tuple[list, list]:
-    """Errors against the run with the finest setting and equal seed: rows of settings, and of runs (`seeds` each)."""
+    """Table rows of settings (`tradeoff_summary`) and of single runs, with errors against the run with the finest
+    setting and equal seed. `runs`: their results, `seeds` for each setting of `plan`."""
     groups = [runs[n * seeds : (n + 1) * seeds] for n in range(len(plan))]
     finest = next(group for setting, group in zip(plan, groups) if setting.finest)
     rows, single = [], []

@@ -116,7 +116,7 @@ def case_answer(order: Order) -> list[dict[str, Any]]:
 
 
 def case_answers(orders: list[Order], workers: int) -> Iterator[list[dict[str, Any]]]:
-    """Yield the result rows of each case, in order, run in `workers` processes that share the cores (1: in this)."""
+    """Yield the result rows of each case in `orders` (job descriptions), run in `workers` processes (1: in this)."""
     workers = min(workers, len(orders))
     if workers < 2:
         yield from map(case_answer, orders)

@@ -170,7 +170,7 @@ def wind_config(path: Path) -> dict[str, Any] | None:
 
 
 def pressure_gain(path: Path) -> dict[str, float]:
-    """Gains of a wind of kind `stress` (and of its pressure, if set), by column name; empty for other winds."""
+    """Factors on a `stress` wind and, if set, its pressure, by column name; else empty. `path`: of the gauge record."""
     wind = wind_config(path) or {}
     if wind.get("kind") != "stress":
         return {}

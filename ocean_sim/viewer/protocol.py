@@ -154,7 +154,7 @@ def parse_command(text: str) -> Command:
 
 
 def packet(kind: str, arrays: Mapping[str, np.ndarray], boxes: Mapping[str, Any] | None = None, **header: Any) -> bytes:
-    """Binary packet of a kind, as `frame`. `boxes`: more header entries (as `low`) by array; `header`: all others."""
+    """Binary packet of a kind (as `frame`). `boxes`: entries on an array beside its name (`low`); `header`: others."""
     rows, data = [], []
     for name, array in arrays.items():
         whole = np.ascontiguousarray(array)

@@ -209,7 +209,7 @@ class Session(AbstractContextManager["Session"]):
                 self.watch.show(perf_counter())
 
     def execute(self, order: Order) -> bool:
-        """Execute a command; True if the pages need a new panel message. Raises Failed if it cannot be executed."""
+        """Execute a command; True if pages need the panel (`tell_panel`) anew. Raises Failed if it is impossible."""
         command = order.command
         match command:
             case p.Act(do="pause" | "play"):
@@ -438,7 +438,7 @@ def plain_value(value: Any) -> Any:
 
 
 def replacement_key(order: Order) -> tuple[str, ...]:
-    """Key shared by commands of which only the last counts (moves of one slider); first word empty if all count."""
+    """Key equal for commands of which only the last counts (moves of a slider), or unique with an empty first word."""
     command = order.command
     if isinstance(command, p.Slide):
         return ("slide", command.key)

@@ -138,7 +138,7 @@ class StaticScene:
         self, k: int, name: str, model: ShipModel, arrays: dict[str, Any], boxes: dict[str, Any]
     ) -> dict[str, Any]:
         """Entry on ship k in the header of the packet. Her triangles and map of distances to the waterline go to
-        `arrays`, by name as `corners0`, the corners [m] of the boxes that these span to `boxes`."""
+        `arrays`, by name as `corners0`; to `boxes`, by that name, go the corners [m] of the box that an array spans."""
         hull, corners = model.hull, model.mesh.corners.reshape(-1, 3)
         low, high = corners.min(axis=0), corners.max(axis=0)
         arrays[f"corners{k}"] = box_positions(corners, low, high)
@@ -197,9 +197,9 @@ WAVE_KEYS = ("kind", "height", "period", "significant_wave_height", "peak_period
 
 
 def synthetic_waves(angle: float, length: float, spacing: float) -> np.ndarray:
-    """Invented plane waves about a wind's `angle` [rad], where no waves are known around a basin of `length` [m] with
-    heights `spacing` [m] apart. Rows (SYNTHETIC_WAVES, 5): amplitude [m] (together 1 m significant height), wavevector
-    x, z [1/m], frequency, phase."""
+    """Invented plane waves about the `angle` [rad, from +x to +z] to which the wind blows, where none are known around
+    a basin of `length` [m] with heights `spacing` [m] apart. Rows (SYNTHETIC_WAVES, 5): amplitude [m] (together 1 m
+    significant height), wavevector x, z [1/m], frequency [rad/s], phase [rad]."""
     share = (np.arange(SYNTHETIC_WAVES) + 0.5) / SYNTHETIC_WAVES
     wavelength = max(4.0 * spacing, 0.08 * length) ** (1.0 - share) * (0.7 * length) ** share
     turn = 0.9 * np.sin(2.399963 * (np.arange(SYNTHETIC_WAVES) + 1.0) * 7.0)

@@ -87,7 +87,7 @@ class Watch(Observer, TakesMotion):
         simulation.stage = stage  # type: ignore[method-assign, assignment]
 
     def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
-        """Compute the platform's commands from new rows of the motion log, if they are of the ship that it follows."""
+        """Compute platform commands from new rows of the log of the ship it follows, along axes `frame` (as `flu`)."""
         if ship == self.ridden and self.platform is not None:
             done = self.platform.follow(ride_of(rows, frame))
             self.commands = np.concatenate([done.pose[-1], done.legs[-1]]).astype(np.float32)
@@ -162,7 +162,8 @@ class Watch(Observer, TakesMotion):
         return middle_cell(ships, np.array([places[1] - places[0] for places in (self.setting.x, self.setting.z)]))
 
     def particle_arrays(self, particles: "Particles") -> dict[str, np.ndarray]:
-        """Particles to show by id, as integers: `particles` (n, 3), positions in their box, and `speed` (n,)."""
+        """Particles to show, by id: `particles` (n, 3), positions in whole numbers of -32767 to 32767 across the box
+        that the static part names; `speed` (n,), 0 to 255 at `fastest`."""
         rows = particles.in_box(self.middle, self.scale, FULL_SCALE, particle_stride(particles.n))
         places, speed = rows[:, :3].astype(np.int16), rows[:, 3]
         if self.is_rare_frame and len(speed):

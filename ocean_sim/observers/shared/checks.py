@@ -151,8 +151,8 @@ class Balance:
         self.at_first = None
 
     def residual(self, energy: float, potential_energy: float, work: dict[str, float]) -> float:
-        """Error [J] of the energy balance since the first call: gain of `energy` minus work of the outer forces.
-        `work`: of each force since the start [J]; `potential_energy` [J]: taken off `energy` if gravity does work."""
+        """Error [J] of the energy balance since the first call: gain of `energy` minus work of the outer forces. `work`
+        [J]: by force; `potential_energy` [J]: part of `energy`, taken off it where forces have no potential."""
         given = sum(work[term] for term in self.outer_terms)
         if self.driven:
             given += work.get("gravity", 0.0) + potential_energy

@@ -48,8 +48,8 @@ class Picture:
     """Everything in the pictures of a run, built once; for each frame only points and colours change."""
 
     def __init__(self, grid: Any, order: Order, first: Frame, fastest: float, log: FrameLog) -> None:
-        """`grid`: arrays in the run's grid.npz (basin, hulls and so on); `first`: its first frame; `fastest`: speed
-        [m/s] of the brightest colour; `log`: times of its frames and tracks of its ships."""
+        """`grid`: arrays in the run's grid.npz (basin, hulls ...); `order`: options of the pictures; `first`: first
+        frame; `fastest`: speed [m/s] of the brightest colour; `log`: times of the frames and tracks of the ships."""
         self.order, self.grid = order, grid
         self.lower, self.upper = grid["lower"].copy(), grid["upper"].copy()
         self.sides = self.lower[[0, 2]].copy(), self.upper[[0, 2]].copy()

@@ -33,7 +33,7 @@ class Streaks:
         stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
 
     def show(self, parcels: np.ndarray) -> None:
-        """Draw parcels of drops (n, 9: position, velocity, radius and number of drops, own radius; see `Spray`)."""
+        """Draw parcels (n, 9, see `Spray`): position, velocity, radius of a drop, number of drops, parcel's radius."""
         parcels = parcels[(parcels[:, :3] - self.stage.camera.eye) @ self.stage.camera.forward > 0.0]
         self.shaded.actor.SetVisibility(len(parcels) > 0)
         if not len(parcels):

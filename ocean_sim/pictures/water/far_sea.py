@@ -117,7 +117,7 @@ class Fan:
     resolve; slopes of waves too narrow for the pixels are left out, and widen the sun's glint instead."""
 
     def __init__(self, sea: Components) -> None:
-        """Begin without nodes, which `turn_to` places. `sea`: plane waves, whose amplitudes may change with time."""
+        """Begin a mesh of the sea without nodes, which `turn_to` places. `sea`: plane waves; amplitudes may change."""
         self.sea = sea
         self.looked: tuple[float, ...] = ()
         self.nodes = np.zeros((0, 2))  # around the eye [m]
@@ -128,9 +128,9 @@ class Fan:
     def turn_to(
         self, height: float, heading: float, half: float, lowest: float, pixel: float, row: float, amplitude: np.ndarray
     ) -> bool:
-        """Place nodes, on rays from the eye and rings around it, about a `heading` [rad, from +x to +z]; True if they
+        """Place nodes on rays from the eye and rings around it, about a `heading` [rad, from +x to +z]; True if they
         changed. `height`: of the eye over water [m]; `amplitude` (n,): of waves [m]. Angles of view [rad]: `half` to
-        either side, `lowest` below the horizon, of a `pixel`, of a `row` of samples, which shows one ring at most."""
+        either side, `lowest` below the horizon, of a `pixel` (for slopes), of a `row` of its samples (one ring)."""
         whole = half > 0.5 * pi
         bucket = 0.0 if whole else TURN_STEP * round(heading / TURN_STEP)
         step = 2.0 ** (np.round(2.0 * np.log2(max(height, 0.5))) / 2.0)  # heights that are alike look alike
@@ -186,8 +186,8 @@ class Fan:
         return np.take_along_axis(self.bands, highest, axis=1)
 
     def lost_variance(self, amplitude: np.ndarray) -> np.ndarray:
-        """Variance (rings,) of the slopes, on one axis, of those waves that are too short to draw on a ring.
-        `amplitude` (n,): of all waves [m]."""
+        """Variance (rings,) of the slopes, along one axis, of the waves too short to draw at each ring of nodes around
+        the eye. `amplitude` (n,): of all waves [m]."""
         return 0.25 * (1.0 - self.sloping**2) @ (amplitude * self.sea.wavenumber) ** 2
 
     def convergence_deviation(self, amplitude: np.ndarray) -> tuple[float, np.ndarray]:
@@ -245,7 +245,7 @@ class Modes:
 
     def variances(self, elevation: np.ndarray) -> np.ndarray:
         """Variances (n,) [m2] of the plane waves, from heights (nx, nz) [m] in the basin: in the ratio of the power of
-        the modes that each replaces, and with the variance of the heights as their sum."""
+        the basin modes that each wave stands for; their sum is the variance of the heights."""
         from scipy.fft import dctn
 
         power = dctn(elevation - elevation.mean(), type=2, norm="ortho") ** 2 / elevation.size

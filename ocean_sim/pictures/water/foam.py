@@ -47,8 +47,8 @@ def crest_cover(convergence: np.ndarray) -> float:
 
 
 def white_shares(convergence: np.ndarray, wanted: float, among: np.ndarray | None = None) -> np.ndarray:
-    """Whiteness (n,), 0 to 1, of points with `convergence` (n,) (see `crest_cover`): highest where that is strongest,
-    `wanted` on average. `among`: sorted convergence of the points to rank these among, by default themselves."""
+    """Whiteness (n,), 0 to 1, of points with `convergence` (n,) (downward acceleration over gravity): highest where
+    that is, `wanted` on average. `among`: sorted convergence of the points to rank these among; default: themselves."""
     known = np.sort(convergence, axis=None) if among is None else among
     if wanted * len(known) < 1.0 or known[0] == known[-1]:  # not one of them would be white
         return np.zeros(np.shape(convergence))
@@ -66,7 +66,7 @@ def monahan_cover(speed: float) -> float:
 
 
 def smoothed_convergence(convergence: np.ndarray) -> np.ndarray:
-    """Convergence (n, m) (see `crest_cover`) averaged over the width of a foam patch, to choose the crests that break.
+    """Convergence (n, m) (downward acceleration over gravity) averaged over a foam patch, to choose crests that break.
     It is lowered at the grid's sides, where a mean over fewer cells varies more and would start too much foam."""
     from scipy.ndimage import gaussian_filter
 

@@ -81,7 +81,7 @@ class SeaSurface:
 
     def at(self, frame: Frame, now: SeaNow, answer: np.ndarray | None = None) -> far_sea.SeaSample:
         """Heights [m] and convergence (downward acceleration over gravity) at the basin's nodes (nx, nz) in a frame;
-        `now`: sea around it. `answer`: heights [m] by ships, wind and steepness on exact plane waves, on its grid."""
+        `now`: sea around. `answer`: heights [m] on its grid beyond exact plane waves, by ships, wind, nonlinearity."""
         far = self.far.at(far_sea.complex_amplitudes(now.waves, frame.time, frame.origin))
         (x, z), mine = self.own, self.share
         if self.exact is not None and self.state.exact is not None:
@@ -117,9 +117,9 @@ class SeaSurface:
     def far_foam(
         self, found: np.ndarray, rings: np.ndarray, nodes: np.ndarray, eye: np.ndarray, amplitude: np.ndarray
     ) -> np.ndarray:
-        """Share (bands, rays) of white water at nodes x, z (bands * rays, 2) [m] of the far sea: for each row of pixels
-        (band) and ray from the eye, on ring number `rings`. `found`: from `far_samples`; `amplitude` (m,): of the waves
-        [m]. Each ring has the basin's mean share; the more waves are too short to draw there, the less it varies."""
+        """Share (bands, rays) of white water at `nodes` x, z (bands * rays, 2) [m] of the far sea: on each ray from the
+        `eye`, in each row of pixels (band), on ring `rings` (bands, rays). `found`: as `far_samples`; `amplitude` (m,):
+        of waves [m]. Each ring has the basin's mean share, and varies less the more waves are too short to draw."""
         if self.wanted <= 0.0:
             return np.zeros(rings.shape)
         fan = self.fan
@@ -134,17 +134,17 @@ class SeaSurface:
         return self.wanted + told[rings] * (white - self.wanted)
 
     def blended_foam(self, fresh: np.ndarray, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
-        """Share (nx, nz) of white water at the basin's nodes: inside, the share `kept` on a frame's grid; at the sides,
-        `fresh` (nx, nz) on converging crests. `grain` (n, 2): positions [m] in the noise that bends edges."""
+        """Share (nx, nz) of white water at the basin's nodes: inside, that `kept` in a frame, on its grid; at the
+        sides, `fresh` (nx, nz) on converging crests. `grain` (n, 2): positions [m] in the noise that bends edges."""
         return self.laced_foam(kept, grain) + (1.0 - self.share) * fresh
 
     def on_nodes(self, kept: np.ndarray) -> np.ndarray:
-        """Values `kept` on a frame's grid, interpolated to the nodes (nx, nz) and faded to 0 at the basin's sides."""
+        """Values `kept` in a frame, on its grid, interpolated to nodes (nx, nz) and faded to 0 at the basin's sides."""
         x, z = self.own
         return self.share * (x @ kept @ z.T)
 
     def laced_foam(self, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
-        """Share (nx, nz) of white water at the nodes, from foam `kept` on a frame's grid; noise bends its edges by
+        """Share (nx, nz) of white water at the nodes, from that `kept` in a frame, on its grid; noise bends edges by
         about a cell. `grain` (n, 2): position [m] at which each node reads the noise, which drifts with the water."""
         from scipy.ndimage import map_coordinates, maximum_filter
 
@@ -364,8 +364,8 @@ class Sea(Content):
         return at
 
     def update_hull(self, k: int, key: str, position: np.ndarray, turn: np.ndarray) -> float:
-        """Update the water around ship number k of this key: foam at her waterline, the hole for her hull, her position
-        in the mirror image. Returns the mean height of the water around her [m]."""
+        """Update the water around the ship `key`, number k in the shaders: foam at her waterline, the hole for her
+        hull, her mirror image; `turn` as in `wetted_hull`. Returns the mean height of the water around her [m]."""
         hull, ship = self.hulls[key], self.wetted_hull(key, position, turn)
         self.set(**{f"useHull{k}": float(ship.wet)})
         if ship.wet:

@@ -72,7 +72,7 @@ class SeaState:
         return SeaNow(level, max(height, least), waves, ripple_wind_speed(self.scene, height), raising)
 
     def measure_frame(self, number: int) -> tuple[float, np.ndarray]:
-        """Mean level [m] and variances (n,) [m2] of plane waves, derived from the heights in frame `number`."""
+        """Mean level [m] in frame `number`, and variances (n,) [m2] of the plane waves that continue its heights."""
         elevation = read_elevation(self.log.files[number])
         return float(elevation.mean()), self.modes.variances(elevation)
 

@@ -91,8 +91,8 @@ class Spray:
         return parcels[~flying]
 
     def throw_parcels(self, source: Source, step: float, most: float, wind: np.ndarray) -> np.ndarray:
-        """Parcels (n, 9: position, velocity, radius and number of drops, own radius) that a source throws within `step`
-        [s], moved to its end. So many drops share a parcel that there are about `most` parcels or fewer."""
+        """Parcels (n, 9), columns as in `Spray`, that a source throws within `step` [s], moved to its end. So many
+        drops share a parcel that there are about `most` parcels or fewer."""
         volume = 4.0 / 3.0 * np.pi * source.radius**3 * np.exp(4.5 * RADIUS_DEVIATION**2)  # mean of a drop [m3]
         number = source.mass * step / (WATER_DENSITY * volume)
         each = max(float(number.sum()) / most, 1.0)  # drops of a parcel
@@ -115,8 +115,8 @@ class Spray:
 
 
 def fly_parcels(parcels: np.ndarray, seconds: np.ndarray | float, wind: np.ndarray) -> np.ndarray:
-    """Parcels (n, 9: position, velocity, radius and number of drops, own radius) after `seconds` of gravity and linear
-    drag, with the terminal speed of Atlas, Srivastava & Sekhon (1973, Rev. Geophys. 11). `wind`: x, z [m/s] at 10 m."""
+    """Parcels (n, 9: position, velocity, radius of a drop, number of drops, radius of the parcel) after `seconds` of
+    weight and linear drag: terminal speed of Atlas et al. (1973, Rev. Geophys. 11). `wind`: x, z [m/s] at 10 m."""
     place, velocity, many = parcels[:, :3], parcels[:, 3:6], parcels[:, 7]
     falling = np.maximum(9.65 - 10.3 * np.exp(-1200.0 * parcels[:, 6]), 0.1)
     left = np.exp(-GRAVITY * seconds / falling)[:, None]

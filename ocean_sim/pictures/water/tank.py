@@ -96,16 +96,16 @@ def neighbour_weights(corners: np.ndarray, on: np.ndarray) -> Any:
 
 
 def level_rim(x: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
-    """Vertices (n, 3) [m] with those on a side of the box moved to the mean of their neighbours off it, except
-    coordinates `held` (n, 3). Marching cubes end half a cell inside a side and would leave steps there."""
+    """Vertices (n, 3) [m], those on a side of the tank's box moved to the mean of their neighbours off it, but not
+    where `held` (n, 3). `adjacent`: `neighbour_weights`. Marching cubes end half a cell inside, with a step."""
     beyond = adjacent > 1.0
     many = np.asarray(beyond.sum(axis=1))[:, None]
     return np.where(held | (many == 0), x, beyond @ x / np.maximum(many, 1))
 
 
 def spread_ways(way: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
-    """Displacements `way` (n, 3) [m] of vertices, spread over SPREAD_STEPS edges to neighbours (matrix `adjacent`) that
-    are not `held` (n, 3). So the inside of a flat side follows its rim, and no triangle folds over."""
+    """Displacements `way` (n, 3) [m] of vertices, spread over SPREAD_STEPS edges to neighbours that are not `held` (n,
+    3). So the inside of a flat side follows its rim, and no triangle folds over. `adjacent`: `neighbour_weights`."""
     degree = np.maximum(np.asarray(adjacent.sum(axis=1)), 1.0)[:, None]
     for _ in range(SPREAD_STEPS):
         way = np.where(held, way, adjacent @ way / degree)
@@ -142,7 +142,7 @@ class Shell(Content):
     """Water in a glass tank, drawn as a clear, smooth closed surface."""
 
     def __init__(self, stage: Stage, grid: Any, upper: np.ndarray, white: bool) -> None:
-        """`grid`: arrays in the run's grid.npz; `upper`: top corner of the tank [m]; `white`: True to draw foam."""
+        """`stage`: camera, plotter; `grid`: arrays in grid.npz; `upper`: top corner [m]; `white`: True to draw foam."""
         depth = self.depth = float(grid["depth"])
         self.stage, self.white, self.sides = stage, white, (grid["lower"][[0, 2]], grid["upper"][[0, 2]])
         self.lower, self.upper, self.spacing = tuple(grid["lower"]), tuple(upper), float(grid["spacing"])
@@ -185,7 +185,7 @@ class Shell(Content):
         return skin, air, skin.vertices - np.insert(read_cells(frame.carried, at), 1, 0.0, axis=1)
 
     def show(self, frame: Frame) -> None:
-        """Change the surface to a frame, and render the two pictures its shader needs: distances and background."""
+        """Take the water's mesh from a frame; draw two pictures for its shader: distances of its back, background."""
         mesh, state, birth = self.surface(frame)
         traits = dict(zip(WATER_TRAITS, (mesh.normals, state, birth), strict=True))
         self.water.mesh.DeepCopy(self.stage.mesh(mesh.vertices, mesh.triangles, **traits))

@@ -76,8 +76,8 @@ class Bow(NamedTuple):
         return float(np.clip((self.crest[0] - BREAKING_HEIGHT) / (WHITE_HEIGHT - BREAKING_HEIGHT), 0.0, 1.0))
 
     def across(self, abaft: np.ndarray, gap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Distance of points outside the crest's line, in widths of the crest, and factor by which the crest is lower
-        there. `abaft`: distance behind the stem [m]; `gap`: distance off the hull [m]."""
+        """Distance of points outward from the line of the bow wave's crest, in widths of the crest, and factor on the
+        crest's height there. `abaft`: distance behind the stem [m]; `gap`: distance off the hull [m]."""
         back = self.crest[1]
         aft = np.maximum(abaft - back, 0.0)
         width = self.breadth * CREST_WIDTH + CREST_WIDENING * aft + 0.25 * back
@@ -255,8 +255,8 @@ def transom_hollow(astern: np.ndarray, aside: np.ndarray, speed: float, breadth:
 def limited_answer(
     answer: np.ndarray, vessel: Vessel, breadth: float, x: np.ndarray, z: np.ndarray, time: float
 ) -> np.ndarray:
-    """Response `answer` (nx, nz) [m] of the run's water to a ship, limited near her to the stagnation height V^2 / 2 g:
-    linear waves do not break, and would leave a hole of her hull's shape. `x`, `z`: of the nodes [m]."""
+    """Heights `answer` (nx, nz) [m] that a run adds to plane waves, limited near a ship of `breadth` [m] at `time` [s]
+    to the stagnation height V^2 / 2 g: linear waves do not break, and leave a hole there. `x`, `z`: nodes [m]."""
     along, aside = ship_coordinates(x[:, None], z[None, :], *vessel.pose(time))
     near = np.exp(-((along / (LIMITED_REACH[0] * vessel.length)) ** 4) - (aside / (LIMITED_REACH[1] * breadth)) ** 4)
     most = max(vessel.speed(time) ** 2 / (2.0 * GRAVITY), MIN_ANSWER * vessel.length)

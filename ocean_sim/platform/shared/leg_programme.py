@@ -153,9 +153,9 @@ def solve_programme(
     """Control points (n + 2, 6) [m] of six leg-length splines, best for the motion `asked` for (n, 6) at n knots.
 
     Motion (specific force [m/s2] and rate [rad/s]) is linearised about an earlier solution `past` (n + 2, 6), whose
-    first REST_POINTS are kept. `guess` (n, 6): poses near it; `state` (6, 2): of the filters `sensed_modes` before the
-    first knot; `tolerance`: of the solver; `still_points`: the last so many are equal (REST_POINTS: rest). Raises
-    Lacking, and Failed without a solution."""
+    first REST_POINTS are kept. `guess` (n, 6): poses near it; `state` (6, 2): before the first knot, of the two modes
+    that filter each component (`sensed_modes`); `tolerance`: of the solver; `still_points`: how many final points are
+    equal (REST_POINTS of them are rest). Raises Lacking, and Failed without a solution."""
     clarabel = load_solver()
     from scipy.sparse import block_array, block_diag, csr_array, diags_array, eye_array, kron
 
@@ -216,8 +216,8 @@ class LegPlan:
         self.state = np.zeros((6, 2))  # of the organs before the first knot
 
     def improve(self, asked: np.ndarray, tolerances: Sequence[float]) -> None:
-        """Plan `points` for the specific force and rate `asked` for at knots (n, 6): `solve_programme` with each of the
-        `tolerances`, about the solution before. Raises Lacking, and Failed where there is no plan."""
+        """Plan `points` for the specific force and rate `asked` for at knots (n, 6): `solve_programme` once for each of
+        the solver's `tolerances`, about the solution before. Raises Lacking, and Failed without a plan."""
         self.points, self.motion = extended(self.points, len(asked) + 2), extended(self.motion, len(asked))
         for tolerance in tolerances:
             guess = self.motion[:, :6]
@@ -227,8 +227,8 @@ class LegPlan:
             self.motion = leg_track(self.hexapod, self.points, guess).motion
 
     def leave(self, asked: np.ndarray) -> None:
-        """Drop the first k knots of the plan, which are past. The filters of the senses (`state`) advance over them by
-        the error of the felt motion against the motion `asked` for (k, 6)."""
+        """Drop the first k knots of the plan, which are past, and advance the filters of the senses (`state`) over
+        them, by felt motion less motion `asked` for (k, 6): specific force [m/s2] and rate [rad/s]."""
         k = len(asked)
         self.state = sensed_error(felt_at(self.motion[:k]) - asked, KNOT_INTERVAL, self.state)[1]
         self.points, self.motion = self.points[k:], self.motion[k:]

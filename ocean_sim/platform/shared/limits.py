@@ -59,8 +59,8 @@ class Workspace:
         return kept, limited
 
     def scale_factor(self, fixed: np.ndarray, moving: np.ndarray, knee: np.ndarray) -> np.ndarray:
-        """Factors f (n,), at most 1, for poses `fixed` + f `moving` (n, 6). With f = 1 they use some fraction of the
-        stroke; f lowers it to the value of `soften_usage` with this `knee` (n,)."""
+        """Factors f (n,) for poses `fixed` + f `moving` (n, 6): 1 where these use at most the fraction `knee` (n,) of
+        the stroke, else lower, for the fraction that `soften_usage` makes of the wanted one."""
         usage, factor = self.usage(fixed + moving), np.ones(len(fixed))
         far = usage > knee
         if far.any():

@@ -96,7 +96,7 @@ def correlation(one: np.ndarray, other: np.ndarray) -> float:
 
 
 def best_delay(felt: np.ndarray, scaled: np.ndarray, every: float) -> float:
-    """Delay [s] of `felt` after `scaled` by best correlation, negative if it leads; NaN if one is constant."""
+    """Delay [s] of `felt` after `scaled`, rows `every` [s], of best correlation; < 0: it leads; NaN: one is flat."""
     products = delayed_products(felt, scaled, every)
     if np.isnan(products[0]):
         return float("nan")
@@ -104,7 +104,8 @@ def best_delay(felt: np.ndarray, scaled: np.ndarray, every: float) -> float:
 
 
 def motion_gain(felt: np.ndarray, given: np.ndarray, every: float) -> float:
-    """Gain from signal `given` (n,) to `felt` (n,): largest cross-correlation over the sum of squares of `given`."""
+    """Gain from signal `given` (n,) to `felt` (n,), in rows `every` [s]: cross-correlation at the best delay over the
+    sum of squares of `given`."""
     products = delayed_products(felt, given, every)
     return float(products.max() / np.sum((given - given.mean()) ** 2))
 
@@ -122,7 +123,7 @@ def delayed_products(felt: np.ndarray, given: np.ndarray, every: float) -> np.nd
 
 
 def sickness_dose(vertical: np.ndarray, every: float) -> float:
-    """Motion sickness dose value [m/s^1.5] of vertical acceleration (n,) [m/s2]: ISO 2631-1, weighting W_f."""
+    """Motion sickness dose value [m/s^1.5] (ISO 2631-1, W_f) of vertical acceleration (n,) [m/s2], rows `every` [s]."""
     from scipy.signal import sosfilt
 
     return float(np.sqrt(np.sum(sosfilt(sickness_weighting(every), vertical) ** 2) * every))

@@ -94,7 +94,7 @@ class MotionLog(NamedTuple):
 
     @property
     def compared_rows(self) -> int:
-        """Number n of rows over which columns are averaged to be compared: COMPARED_SECONDS, less in a short log."""
+        """Number n of rows over which changes of columns are checked against their rates: COMPARED_SECONDS, or less."""
         return max(1, min(round(COMPARED_SECONDS / self.every), len(self.ride.time) // 4))
 
     def mean_rates(self, values: np.ndarray) -> np.ndarray:

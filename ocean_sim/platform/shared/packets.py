@@ -43,7 +43,7 @@ FRAME_NAMES = ("flu", "ned", "ship")
 
 
 class Packet(NamedTuple):
-    """One row of platform.csv as sent: number, time, pose along a frame, leg lengths, bits of limits that acted."""
+    """Row of platform.csv as sent: number, time, pose in axes `frame` (flu, ned, ship), legs, limits that acted."""
 
     seq: int
     time: float  # [s]
@@ -54,7 +54,7 @@ class Packet(NamedTuple):
 
 
 def turn_to_frame(pose: np.ndarray, frame: str) -> np.ndarray:
-    """Turn poses (n, 6) from FLU to a frame; roll, pitch, yaw turn about its forward, lateral, vertical axis."""
+    """Turn poses (n, 6) from FLU to axes `frame`; roll, pitch, yaw turn about its forward, lateral, vertical axis."""
     return np.hstack([pose[:, :3] @ FRAME_AXES[frame].T, pose[:, 3:] * frame_signs(frame)])
 
 
@@ -79,7 +79,7 @@ def pack_openmotionsim(packet: Packet) -> bytes:
 
 
 def six_motions(packet: Packet) -> list[float]:
-    """Displacements forward, lateral, vertical [mm] and turns about these axes [degrees], signed as in the frame."""
+    """Displacements forward, lateral, vertical [mm], turns about these axes [degrees]; signs of its `frame`."""
     shift = np.array(packet.pose[:3]) * 1e3
     if packet.frame == "ship":  # x is to port, y upright, z forward
         shift = shift[[2, 0, 1]]
@@ -101,7 +101,7 @@ def pack(packet: Packet, layout: str) -> bytes:
 
 
 def unpack(data: bytes) -> Packet:
-    """Packet from unsigned bytes of the layout `ocean_sim`; raises ValueError if they are malformed or not finite."""
+    """Packet from bytes of the layout `ocean_sim` without signature; raises ValueError if malformed or not finite."""
     if len(data) != POSE_STRUCT.size or data[:4] != POSE_MAGIC:
         raise ValueError(f"{len(data)} bytes that are not a packet of ours")
     _, version, frame, seq, limited, moment, *rest = POSE_STRUCT.unpack(data)

@@ -39,8 +39,8 @@ class Travel:
     def __init__(
         self, frequency: float, damping: float, back: float, every: float, ends: Sequence[float] = (-inf, inf)
     ) -> None:
-        """`frequency` [rad/s], `damping`: of a second-order high-pass; `back`: corner [rad/s] of another, first-order
-        one, or 0 for none; `ends`: lowest and highest displacement [m]."""
+        """`frequency` [rad/s], `damping` ratio: of a second-order high-pass; `back`: corner [rad/s] of another,
+        first-order one, or 0 for none; `every`: time between rows [s]; `ends`: lowest and highest displacement [m]."""
         poles, zeros = second_order(frequency, damping), []
         if back > 0.0:  # s^3 / ((s^2 + 2 zeta omega s + omega^2) (s + omega_b)), integrated twice
             poles, zeros = [*poles, complex(-back)], [0.0]

@@ -38,7 +38,7 @@ def draw_pareto(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str
 
 
 def draw_panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
-    """Draw errors in `rows` over column `key` into axes, with Pareto front, failed runs and the scatter of `trial`."""
+    """Draw errors of a case, `trial`, in `rows` over column `key`: Pareto front, failed runs, experimental scatter."""
     axes.set_xscale("log")
     axes.set_yscale("log")
     there = [row for row in rows if row.get(key)]

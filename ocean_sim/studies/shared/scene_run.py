@@ -45,8 +45,8 @@ class Clocked(Simulation):
         self.spent.append((FRAME_SECONDS, perf_counter() - wall, process_time() - cpu))
 
     def costs(self) -> list[dict[str, float]]:
-        """Costs of TIMED_PARTS groups of steps, dealt to them in turn, of which a disturbance rarely hits two: each
-        wall and processor time per simulated second, and mean step [s]."""
+        """Costs (`mean_cost`) of TIMED_PARTS groups of steps: successive blocks of steps go to the groups by turns, so
+        that a disturbance of the machine rarely hits two groups."""
         parts = [
             [step for k, step in enumerate(self.spent[WARM_UP_STEPS:]) if k // BLOCK_STEPS % TIMED_PARTS == n]
             for n in range(TIMED_PARTS)
@@ -54,7 +54,7 @@ class Clocked(Simulation):
         return [mean_cost(steps) for steps in parts if steps]
 
     def cost(self) -> dict[str, float | None]:
-        """Costs of all steps after the first WARM_UP_STEPS (as `mean_cost`); None each if there are no such steps."""
+        """`wall_per_s`, `cpu_per_s`, `time_step_s` (as `mean_cost`) after WARM_UP_STEPS; None each without steps."""
         steps = self.spent[WARM_UP_STEPS:]
         return mean_cost(steps) if steps else dict.fromkeys(("wall_per_s", "cpu_per_s", "time_step_s"))  # type: ignore[return-value]
 

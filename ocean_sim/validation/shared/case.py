@@ -16,7 +16,7 @@ ROW_KEYS = ("case", "scheme", "quantity", "value", "reference", "error", "unit",
 COARSE_BASIS = "coarse: the measured error plus a quarter"
 
 Number = tuple[float | None, float | None, float | None]
-"""Value, reference and error of a promised quantity; None where it could not be measured or has no reference."""
+"""Value, reference and error of a quantity (`Promise`); None where it could not be measured or has no reference."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Finding:
-    """Results of one run: `numbers`, one for each promised quantity (none if the run diverged), and curves to plot."""
+    """Results of a run: `numbers`, one for each `Promise` (a quantity; none if it diverged), and curves to plot."""
 
     numbers: Sequence[Number]
     measured: list[Curve] = field(default_factory=list)
@@ -67,7 +67,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class Problem:
-    """One set-up of a validation case: its scene, promised quantities, and the function that measures them."""
+    """One set-up of a validation case: its scene, quantities (`Promise`), and the function that measures them."""
 
     scene: dict[str, Any]
     promises: tuple[Promise, ...]
@@ -100,7 +100,7 @@ class Problem:
         return [promise.row(case, scheme, *number) for promise, number in pairs], found
 
     def coarsened(self, case: str) -> "Problem":
-        """Copy with tolerances for a coarse `case`; slow if too long for a regression gate or without tolerances."""
+        """Copy with tolerances of the coarse `case` of this name; slow if listed as too long for a gate, or without."""
         promises = tuple(promise.coarsened(case) for promise in self.promises)
         judged = any(scheme in promise.tolerance for promise in promises for scheme in self.schemes)
         slow = self.slow or not judged or (case, self.name) in too_long_for_gate()

@@ -30,7 +30,7 @@ class Bar:
         return not self.quiet and now - self.shown >= BAR_SECONDS
 
     def show(self, done: float, text: str) -> None:
-        """Redraw the bar at `done` with a text; without a terminal, print a line if enough was done since the last."""
+        """Redraw the bar at `done` of `total`, with a text; without a terminal, print a line after each LINE_SHARE."""
         if self.quiet:
             return
         now, share = perf_counter(), min(1.0, done / self.total)
@@ -63,7 +63,7 @@ class Drawing:
     """Progress bar for the pictures of a film; after the first ones it prints, once, an estimate of the time left."""
 
     def __init__(self, quiet: bool = False, cure: str = "") -> None:
-        """`cure`: hint on how to do without the film, printed after the estimate."""
+        """`quiet`: show nothing; `cure`: hint to draw no film, printed after the estimate of the time left."""
         self.bar, self.cure = Bar(1.0, quiet), cure
         self.first: tuple[float, int] | None = None  # wall time [s], and pictures that were drawn by then
         self.estimated = self.bar.quiet

@@ -42,8 +42,8 @@ def processor_name() -> str:
 
 
 def slowdown(order: dict[str, Any], row: dict[str, Any]) -> float | None:
-    """Processor time per step in `row`, measured by `order` of `bench`, over the median of earlier ones under equal
-    conditions (processor, library, scene ...); None if these are too few. Stores the new measurement."""
+    """Processor time per step in a result `row` of `bench`, run by a job description `order`, over the median of
+    earlier ones in equal conditions (processor, scene ...); None if these are too few. Stores the new measurement."""
     of_row = [row[key] for key in ("library", "particles", "threads")]
     conditions = json.dumps([processor_name(), *of_row, *(order[key] for key in ("scene", "profile", "sets"))])
     known = read_json_object(bench_file()).get(conditions)

@@ -185,7 +185,7 @@ def stroke_usage_grid(machine: HexapodPlatform, one: int, other: int) -> tuple[n
 
 
 def draw_strips(hexapod: Hexapod) -> Any:
-    """Figure 6-10 of the thesis: the hexapod in one swing each of pitch, roll and yaw."""
+    """Figure 6-10 of the thesis: three strips of five drawings of the hexapod, in a swing of pitch, roll and yaw."""
     picture, axes = panel_grid(3, 1, (12, 9))
     apart, height = 2.6 * float(np.abs(hexapod.base).max()), hexapod.neutral_height
     for axis, (name, motion) in zip(axes[:, 0], STRIP_ROWS):

@@ -103,7 +103,7 @@ class Progress(OutcomeObserver):
         return float(np.median(np.diff(self.ends)))
 
     def summary(self) -> dict[str, Any]:
-        """Counts, times and limits of the run as JSON data; call it once all files and pictures are finished."""
+        """Particles, steps, times, share of steps by limit, as JSON data; call it once all files are finished."""
         start = self.wall if self.first is None else self.first[0] - self.began
         after = perf_counter() - self.began - self.wall
         wall = {"start": start, "steps": self.wall - start, "pictures": after, "total": self.wall + after}

@@ -97,23 +97,23 @@ class PartConfig(Model):
     """Settings of one part of a scene, such as `fluid`, and the methods by which a scene examines it before it is
     built.
 
-    Each of these methods gets the one `Preflight` of the scene. `ledger` and, in each slot's own base class below,
+    Each of these methods gets the one `SceneFacts` of the scene. `ledger` and, in each slot's own base class below,
     `build` have no default: a kind without them cannot be instantiated."""
 
-    def problems(self, preflight: Preflight) -> Faults:
+    def problems(self, preflight: SceneFacts) -> Faults:
         """Mistakes (key, sentence) in these settings by themselves; other parts may be wrong, and must not be read."""
         return ()
 
-    def mismatches(self, preflight: Preflight) -> Faults:
+    def mismatches(self, preflight: SceneFacts) -> Faults:
         """Mistakes (key, sentence) of these settings together with other parts; called if no part has `problems`."""
         return ()
 
-    def warnings(self, preflight: Preflight) -> Iterable[str]:
+    def warnings(self, preflight: SceneFacts) -> Iterable[str]:
         """Warnings for the readers of the results of this scene, a sentence each; none by default."""
         return ()
 
     @abstractmethod
-    def ledger(self, preflight: Preflight) -> Iterable[LedgerRow]:
+    def ledger(self, preflight: SceneFacts) -> Iterable[LedgerRow]:
         """Rows of the memory ledger, one for each thing that this part will allocate or compile."""
 
 
@@ -154,7 +154,7 @@ class SeaConfig(KindConfig):
     def plane_waves(self, basin: waves.Tank) -> waves.Components | None:
         """Plane waves of the sea by linear theory, before they are fitted to the patch; None in calm water."""
 
-    def problems(self, preflight: Preflight) -> Faults:
+    def problems(self, preflight: SceneFacts) -> Faults:
         """Mistakes (key, sentence) that forbid a patch of sea in this basin, such as sides that are not periodic."""
         tank, across = preflight.tank, preflight.tank.dimension == 3
         periods = [tank.periods[axis] for axis in ((0, 2) if across else (0,))]
@@ -168,7 +168,7 @@ class SeaConfig(KindConfig):
         if not across and self.rim.velocity[1]:
             yield ("rim", "velocity"), "in 2-D it is only along x; give [speed, 0.0]"
 
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: SceneFacts) -> list[LedgerRow]:
         return []
 
 
@@ -203,7 +203,7 @@ class WindConfig(KindConfig):
         """Highest wind speed [m/s], 10 m above the water, that these keys state; 0 if they state none."""
         return 0.0
 
-    def warnings(self, preflight: Preflight) -> Iterable[str]:
+    def warnings(self, preflight: SceneFacts) -> Iterable[str]:
         """Warn by the ships' names if the wind does not act on them. A kind with a key `targets` gives none."""
         if "ship" not in self.acts_on and preflight.ships:
             ships = " and ".join(map(called, preflight.ships))
@@ -241,7 +241,7 @@ class FluidConfig(KindConfig):
         """Lattice on which the particles start in this basin; None for water in closed form."""
         return None
 
-    def most_particles(self, preflight: Preflight) -> int:
+    def most_particles(self, preflight: SceneFacts) -> int:
         """Approximate greatest number of particles that neighbour lists can index; 0 for water without particles."""
         return 0
 
@@ -268,7 +268,7 @@ class FluidConfig(KindConfig):
         """Compression (relative rise of the density) that the user asks for or allows; 0 if none is given."""
         return 0.0
 
-    def settling(self, preflight: Preflight) -> float:
+    def settling(self, preflight: SceneFacts) -> float:
         """Distance [m] by which the surface sinks before the first step, under the weight of the water."""
         return 0.0
 
@@ -287,30 +287,30 @@ class FluidConfig(KindConfig):
         return False
 
     def viscosity_added(
-        self, preflight: Preflight, length: float, height: float = 0.0, standing: bool = False
+        self, preflight: SceneFacts, length: float, height: float = 0.0, standing: bool = False
     ) -> float:
         """Numerical viscosity [m2/s] that the scheme adds, as measured, for waves of a length and height [m];
         `standing`: for standing instead of travelling waves."""
         return 0.0
 
-    def statements(self, preflight: Preflight) -> Iterable[str]:
+    def statements(self, preflight: SceneFacts) -> Iterable[str]:
         """Sentences about this water that a reader of its results should know; none by default."""
         return ()
 
-    def notes(self, preflight: Preflight) -> Iterable[str]:
+    def notes(self, preflight: SceneFacts) -> Iterable[str]:
         """Sentences on effects that the model of the water leaves out in this scene; they ask for no change."""
         return ()
 
-    def point_spacing(self, preflight: Preflight) -> float:
+    def point_spacing(self, preflight: SceneFacts) -> float:
         """Distance [m] between the points at which frames store the height of the water, unless the scene sets it."""
         return preflight.spacing or preflight.tank.depth
 
-    def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
+    def window_bytes(self, preflight: SceneFacts, size: tuple[int, int], levels: int) -> int:
         """Memory [bytes] of plane-wave sums on a grid: `size` (along, across) nodes at `levels` depths; default 0."""
         return 0
 
     @abstractmethod
-    def still_limits(self, preflight: Preflight) -> Limits:
+    def still_limits(self, preflight: SceneFacts) -> Limits:
         """Limits of the time step for water at rest, known before any memory is allocated."""
 
     @abstractmethod
@@ -325,7 +325,7 @@ class FluidConfig(KindConfig):
 class SurfaceConfig(KindConfig):
     """Base of the settings of a surface, a mesh that follows the particles of the water."""
 
-    def completed(self, preflight: Preflight) -> Self:
+    def completed(self, preflight: SceneFacts) -> Self:
         """Copy in which keys that the user left open have values derived from the water."""
         return self
 
@@ -354,19 +354,19 @@ class ShipConfig(KindConfig):
         """Name, in words, of the closed formula for the mean force of waves on the ship (drift); empty if none."""
         return ""
 
-    def solid(self, preflight: Preflight) -> Solid | None:
+    def solid(self, preflight: SceneFacts) -> Solid | None:
         """Solid body of the ship, around which the particles start; None if water passes through her."""
         return None
 
-    def look(self, preflight: Preflight) -> Look | None:
+    def look(self, preflight: SceneFacts) -> Look | None:
         """Data that a picture of the ship needs besides its triangles; None if the ship has no shape."""
         return None
 
-    def floats(self, preflight: Preflight) -> Afloat | None:
+    def floats(self, preflight: SceneFacts) -> Afloat | None:
         """Displacement, draught and stability of the ship afloat in still water; None if no hull determines them."""
         return None
 
-    def outline(self, preflight: Preflight) -> Outline | None:
+    def outline(self, preflight: SceneFacts) -> Outline | None:
         """Plan-view outline and height range of the ship at the start; None if she has no shape."""
         return None
 
@@ -385,7 +385,7 @@ class PlatformConfig(KindConfig):
         """Name of the ship, one of `ships`, whose motion the platform reproduces."""
         return ships[0] if self.ship is None else self.ship
 
-    def mismatches(self, preflight: Preflight) -> Faults:
+    def mismatches(self, preflight: SceneFacts) -> Faults:
         yield from preflight.unknown_ship(self.ship)
         x, y, z = preflight.tank.gravity
         if hypot(x, y + GRAVITY, z) > GRAVITY_TOLERANCE:
@@ -404,7 +404,7 @@ class TimeStepConfig(KindConfig):
     def advice(self, limit: str, shortest: float) -> str:
         """Advice to the user after a run has diverged; `limit`: name of the limit that set the step `shortest` [s]."""
 
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: SceneFacts) -> list[LedgerRow]:
         return []
 
     @abstractmethod
@@ -430,24 +430,24 @@ class ObserverConfig(PartConfig):
         """Key of the observer in a scene: the name of its module."""
         return cls.__module__.rpartition(".")[2]
 
-    def files_of(self, preflight: Preflight) -> tuple[str, ...]:
+    def files_of(self, preflight: SceneFacts) -> tuple[str, ...]:
         """Names of the files that the observer leaves in this scene."""
         return tuple(re.findall(r"[\w/*]+\.\w+", self.leaves))
 
-    def interval(self, preflight: Preflight) -> float:
+    def interval(self, preflight: SceneFacts) -> float:
         """Simulated time [s] between observations: by default that of the motion log, or 0 (each step) without one."""
         motion = preflight.parts.get("motion")
         return motion.every if isinstance(motion, PeriodicConfig) else 0.0
 
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: SceneFacts) -> list[LedgerRow]:
         """One row of the memory ledger that names the files of the observer and counts no memory."""
         return [LedgerRow(self.name(), self.leaves, 0, "")]
 
-    def picture_time(self, preflight: Preflight) -> float:
+    def picture_time(self, preflight: SceneFacts) -> float:
         """Estimated wall time [s] to draw the observer's pictures of a run, on idle cores without a graphics card."""
         return 0.0
 
-    def bytes_a_particle(self, preflight: Preflight) -> int:
+    def bytes_a_particle(self, preflight: SceneFacts) -> int:
         """Memory [bytes] per particle in this observer's rows of the memory ledger."""
         return 0
 
@@ -461,16 +461,16 @@ class PeriodicConfig(ObserverConfig):
 
     every: float
 
-    def interval(self, preflight: Preflight) -> float:
+    def interval(self, preflight: SceneFacts) -> float:
         return self.every
 
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: SceneFacts) -> list[LedgerRow]:
         why = f"every {self.every:g} s" if self.every else ""
         return [row._replace(why=why) for row in super().ledger(preflight)]
 
 
 @dataclass(frozen=True)
-class Preflight:
+class SceneFacts:
     """Facts of a scene before anything is built, derived once and given to the config of every part. `parts` lacks a
     part whose keys could not be read; a property that needs it raises KeyError."""
 
@@ -561,7 +561,7 @@ class Preflight:
         return replace(self.tank, afloat=self.solids) if self.solids else self.tank
 
 
-def forces_in_waves(preflight: Preflight, regular: bool, current: bool) -> list[str]:
+def forces_in_waves(preflight: SceneFacts, regular: bool, current: bool) -> list[str]:
     """Sentences, one per ship, on the forces that act on her in waves: mean and slow drift, wind, current. `regular`:
     True for waves of one frequency; `current`: True if there is a current."""
     found, blows = list[str](), not preflight.wind.still and "ship" in preflight.wind.acts_on

@@ -15,7 +15,7 @@ from ocean_sim.fluid.sph.particle_water import ParticleWater
 from ocean_sim.fluid.sph.water_keys import WaterConfig, free_fall_speed
 from ocean_sim.kernel_library import ti
 from ocean_sim.model import Faults
-from ocean_sim.parts import LedgerRow, Preflight
+from ocean_sim.parts import LedgerRow, SceneFacts
 from ocean_sim.runtime import Array, in_kernels, running_arch
 from ocean_sim.wind import Wind
 
@@ -29,7 +29,7 @@ class Config(WaterConfig):
 
     kind: Literal["ballistic"] = "ballistic"
 
-    def problems(self, preflight: Preflight) -> Faults:
+    def problems(self, preflight: SceneFacts) -> Faults:
         yield from super().problems(preflight)
         if preflight.tank.rough_bed is not None:
             layer = "particles that ignore each other have no layer on which a bed could act"
@@ -44,7 +44,7 @@ class Config(WaterConfig):
         """Ratio of the support radius of the smoothed surface to the particle spacing."""
         return SUPPORT_RATIO
 
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: SceneFacts) -> list[LedgerRow]:
         size, word = self.size(preflight.basin, preflight.arch), preflight.word
         n, what = size.lattice.n, "position, velocity, density, pressure, number"
         return [
@@ -54,7 +54,7 @@ class Config(WaterConfig):
             *mesh_ledger(size, word),
         ]
 
-    def still_limits(self, preflight: Preflight) -> Limits:
+    def still_limits(self, preflight: SceneFacts) -> Limits:
         basin = preflight.tank
         return force_limit(preflight.support, float(np.linalg.norm(np.add(basin.gravity, self.body_force))))
 

@@ -39,7 +39,7 @@ from ocean_sim.fluid.sph.sph import Sph, SphConfig, scheme_ledger, step_limits
 from ocean_sim.fluid.sph.water_keys import Lattice
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
-from ocean_sim.parts import LedgerRow, Preflight
+from ocean_sim.parts import LedgerRow, SceneFacts
 from ocean_sim.runtime import Array, FieldCopy, Template, in_kernels, running_arch
 from ocean_sim.wind import Wind
 
@@ -104,18 +104,18 @@ class Config(SphConfig):
         """Kinematic viscosity [m2/s], the artificial one included."""
         return self.kinematic_viscosity + self.artificial_nu(self.smoothing(basin), self.sound_speed(basin))
 
-    def settling(self, preflight: Preflight) -> float:
+    def settling(self, preflight: SceneFacts) -> float:
         """Settlement [m] of the deepest column of water under its own weight, g h^2 / (2 c^2)."""
         tank, lattice, pull = preflight.tank, preflight.untouched, -preflight.tank.gravity[1]
         if lattice is None or self.is_enclosed(tank) or pull <= 0.0:
             return 0.0
         return float(column_drop(0.0, pull * lattice.deepest, pull, self.sound_speed(tank)))
 
-    def still_limits(self, preflight: Preflight) -> Limits:
+    def still_limits(self, preflight: SceneFacts) -> Limits:
         """Limits of the time step in still water, by sound and viscosity."""
         return self.limits_at(self.smoothing(preflight.tank), self.sound_speed(preflight.tank), 0.0, 0.0)
 
-    def warnings(self, preflight: Preflight) -> Iterator[str]:
+    def warnings(self, preflight: SceneFacts) -> Iterator[str]:
         yield from super().warnings(preflight)
         ratio = self.ratio(preflight.tank)
         if ratio < MIN_STEADY_SUPPORT and not self.is_enclosed(preflight.tank):
@@ -124,7 +124,7 @@ class Config(SphConfig):
                 "their depth in 3 s at 1.2 spacings, 10 % at 1.5 and 2 % at 2; take 4, its default"
             )
 
-    def ledger(self, preflight: Preflight) -> Iterator[LedgerRow]:
+    def ledger(self, preflight: SceneFacts) -> Iterator[LedgerRow]:
         """Rows of the memory ledger for the fields of this scheme."""
         what = "position, velocity, density, pressure, its deviation and rate, number"
         if not self.is_enclosed(preflight.tank):

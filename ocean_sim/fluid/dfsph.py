@@ -41,7 +41,7 @@ from ocean_sim.fluid.sph.smoothing import Stencil
 from ocean_sim.fluid.sph.sph import Sph, SphConfig, scheme_ledger, step_limits
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
-from ocean_sim.parts import LedgerRow, Preflight
+from ocean_sim.parts import LedgerRow, SceneFacts
 from ocean_sim.runtime import Array, Template, in_kernels, running_arch
 from ocean_sim.wind import Wind
 
@@ -92,7 +92,7 @@ class Config(SphConfig):
         return self.kinematic_viscosity + artificial
 
     def viscosity_added(
-        self, preflight: Preflight, length: float, height: float = 0.0, standing: bool = False
+        self, preflight: SceneFacts, length: float, height: float = 0.0, standing: bool = False
     ) -> float:
         """Numerical plus artificial viscosity [m2/s] for waves of a length and height [m], `standing` or not."""
         artificial = self.viscosity(preflight.tank) - self.kinematic_viscosity
@@ -104,11 +104,11 @@ class Config(SphConfig):
         speed = max(speed, MIN_LIMIT_SPEED * self.speed(basin))
         return step_limits(self.smoothing(basin), 0.0, 2.0 * self.viscosity(basin), speed, acceleration)
 
-    def still_limits(self, preflight: Preflight) -> Limits:
+    def still_limits(self, preflight: SceneFacts) -> Limits:
         basin = preflight.tank
         return self.limits_at(basin, 0.0, float(np.linalg.norm(np.add(basin.gravity, self.body_force))))
 
-    def warnings(self, preflight: Preflight) -> Iterator[str]:
+    def warnings(self, preflight: SceneFacts) -> Iterator[str]:
         yield from super().warnings(preflight)
         basin, ratio = preflight.tank, self.ratio(preflight.tank)
         if ratio < MIN_STEADY_SUPPORT[basin.dimension - 2] and not self.is_enclosed(basin):
@@ -117,7 +117,7 @@ class Config(SphConfig):
                 "ten rows of it lost 16 % of their depth in 2 s at 1.2 spacings, 2 % at 2; take 4, its default"
             )
 
-    def statements(self, preflight: Preflight) -> Iterator[str]:
+    def statements(self, preflight: SceneFacts) -> Iterator[str]:
         yield from super().statements(preflight)
         yield "water that flies freely goes too far by the time step over the time of its fall (first order)"
 
@@ -125,7 +125,7 @@ class Config(SphConfig):
         """Number of neighbours of a particle on the lattice: that many pairs are stored per particle during a step."""
         return Stencil(self.smoothing(basin), self.lattice(basin).spacing).neighbours
 
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: SceneFacts) -> list[LedgerRow]:
         basin, word = preflight.tank, preflight.word
         what = "position, velocity, density, pressure, number; predicted velocity, way and two solvers' fields"
         sizes = self.list_size(self.start_lattice(preflight), preflight.arch, FORCE_ROW.size, 1)

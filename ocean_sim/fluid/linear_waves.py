@@ -13,7 +13,7 @@ from ocean_sim.fluid import Limits
 from ocean_sim.fluid.open_sea.open_water import POINTS_PER_WAVE, SMOOTH_STEP_PERIODS, OpenWater, status_of
 from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves, Window
 from ocean_sim.model import Fault, Faults, quantity
-from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, forces_in_waves
+from ocean_sim.parts import FluidConfig, LedgerRow, SceneFacts, forces_in_waves
 from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import Wind
 
@@ -29,7 +29,7 @@ class Config(waves.GrowingTrain, FluidConfig):
     rest_density: float = quantity("kg/m3", WATER_DENSITY, ge=LEAST_DENSITY)
     """Density of the water."""
 
-    def problems(self, preflight: Preflight) -> Faults:
+    def problems(self, preflight: SceneFacts) -> Faults:
         basin = preflight.tank
         unfit: list[Fault] = [(("kind",), sentence) for sentence in waves.basin_faults(basin)]
         yield from unfit or [(self.height_key, sentence) for sentence in waves.basin_faults(basin, *self.scale)]
@@ -41,16 +41,16 @@ class Config(waves.GrowingTrain, FluidConfig):
             yield ("kind",), "a sea in closed form has no friction; leave basin.floor out"
         yield from self.direction_faults(basin)
 
-    def statements(self, preflight: Preflight) -> list[str]:
+    def statements(self, preflight: SceneFacts) -> list[str]:
         return forces_in_waves(preflight, self.spectrum is None, False) if self.scale[0] > 0.0 else []
 
-    def warnings(self, preflight: Preflight) -> Iterator[str]:
+    def warnings(self, preflight: SceneFacts) -> Iterator[str]:
         if self.scale[0] > 0.0:
             yield from waves.cut_short(preflight.duration, self.with_ramp(self.sea(preflight.tank)).ramp)
         if not preflight.wind.still:
             yield "closed-form waves do not feel the wind; it reaches only the ship"
 
-    def still_limits(self, preflight: Preflight) -> Limits:
+    def still_limits(self, preflight: SceneFacts) -> Limits:
         return self.interpolation_limits
 
     @property
@@ -58,7 +58,7 @@ class Config(waves.GrowingTrain, FluidConfig):
         """Limits of the time step by which waves, interpolated between the steps of a file, err by at most 0.05 %."""
         return Limits(force=SMOOTH_STEP_PERIODS * self.scale[1])
 
-    def point_spacing(self, preflight: Preflight) -> float:
+    def point_spacing(self, preflight: SceneFacts) -> float:
         return self.wave_spacing(preflight.tank)
 
     def wave_spacing(self, tank: waves.Tank) -> float:
@@ -66,12 +66,12 @@ class Config(waves.GrowingTrain, FluidConfig):
         k = waves.wavenumber(2.0 * np.pi / self.scale[1], tank.depth, waves.downward_gravity(tank))
         return 2.0 * np.pi / float(k) / POINTS_PER_WAVE
 
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: SceneFacts) -> list[LedgerRow]:
         n, word = len(self.sea(preflight.tank).amplitude), preflight.word
         why = "fluid.kind is linear_waves: no particles"
         return [LedgerRow("fluid", f"{n} plane waves", PlaneWaves.bytes(n, word), why)]
 
-    def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
+    def window_bytes(self, preflight: SceneFacts, size: tuple[int, int], levels: int) -> int:
         return Window.bytes(size, levels, len(self.sea(preflight.tank).amplitude), preflight.word)
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "LinearWaves":

@@ -22,7 +22,7 @@ from ocean_sim.fluid.sph.smoothing import WENDLAND, Kernel, positive
 from ocean_sim.fluid.sph.sph import SphConfig, scheme_ledger
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
-from ocean_sim.parts import LedgerRow, Preflight
+from ocean_sim.parts import LedgerRow, SceneFacts
 from ocean_sim.runtime import FieldCopy, in_kernels, running_arch
 from ocean_sim.wind import Wind
 
@@ -66,7 +66,7 @@ class Config(SphConfig):
         """Sound speed c [m/s]: the square root of k in p = k (rho - rho0), thesis eq. 2.15."""
         return sqrt(self.stiffness) if self.stiffness else super().sound_speed(basin)
 
-    def warnings(self, preflight: Preflight) -> Iterator[str]:
+    def warnings(self, preflight: SceneFacts) -> Iterator[str]:
         yield from super().warnings(preflight)
         basin = preflight.tank
         least = CALMING_VISCOSITY[basin.dimension - 2] * self.sound_speed(basin) * self.lattice(basin).spacing
@@ -76,7 +76,7 @@ class Config(SphConfig):
             boils = f"still water of mueller boils within seconds below a viscosity of about {least:.1g} m2/s"
             yield f"{boils}; set fluid.kinematic_viscosity, or take delta_sph"
 
-    def ledger(self, preflight: Preflight) -> Iterator[LedgerRow]:
+    def ledger(self, preflight: SceneFacts) -> Iterator[LedgerRow]:
         sizes = self.list_size(self.start_lattice(preflight), preflight.arch, Momentum.row.size)
         what = "position, velocity, density, pressure, volume, number"
         return scheme_ledger(preflight, sizes, 9, what, self.told_to_bodies)

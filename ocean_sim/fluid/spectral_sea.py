@@ -35,7 +35,7 @@ from ocean_sim.fluid.open_sea.wave_sheet import WORDS_PER_CELL, Sheet
 from ocean_sim.fluid.open_sea.wave_tile import PER_TILE, RIM_SHARE, Layer, OnTile, Tile, TileModes
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.model import Faults, Vector2, quantity
-from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, called, forces_in_waves
+from ocean_sim.parts import FluidConfig, LedgerRow, SceneFacts, called, forces_in_waves
 from ocean_sim.runtime import in_kernels
 from ocean_sim.waves.seas import Seas, Steepening
 from ocean_sim.wind import Wind
@@ -87,7 +87,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         step = tile_step(tile)
         return min(step, self.highest[1] / STEPS_PER_WAVE) if self.order == 3 and self.highest is not None else step
 
-    def problems(self, preflight: Preflight) -> Faults:
+    def problems(self, preflight: SceneFacts) -> Faults:
         basin = preflight.tank
         found = [*self.sea_faults(basin), *self.misplaced(basin)]
         return found or (self.unfitted(basin) if self.order == 3 else ())
@@ -129,7 +129,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         energy = float((whole.amplitude**2).sum())
         return float((snapped(whole, self.tile_of(basin)).amplitude ** 2).sum()) / energy if energy else 1.0
 
-    def warnings(self, preflight: Preflight) -> Iterator[str]:
+    def warnings(self, preflight: SceneFacts) -> Iterator[str]:
         tile = self.tile_of(preflight.tank)
         yield from self.like_radians()
         if self.highest is not None:
@@ -157,7 +157,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         if not preflight.wind.still:
             yield "only the vertical part of the wind presses on the water; its drag moves no water here"
 
-    def notes(self, preflight: Preflight) -> Iterator[str]:
+    def notes(self, preflight: SceneFacts) -> Iterator[str]:
         side = self.tile_of(preflight.tank).side
         if self.order == 3 and self.highest is not None:
             afar = f"order 3: the sea from afar is nonlinear and repeats itself after {side:.4g} m"
@@ -167,7 +167,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
                 unfelt = f"the waves that {called(name)} makes are seen and act on other ships, but not on herself"
                 yield f"{unfelt}: her damping stands for their force"
 
-    def statements(self, preflight: Preflight) -> Iterator[str]:
+    def statements(self, preflight: SceneFacts) -> Iterator[str]:
         tile = self.tile_of(preflight.tank)
         if self.highest is not None:
             yield from forces_in_waves(preflight, len(self.sea_of(preflight.tank).amplitude) == 1, any(self.current))
@@ -176,7 +176,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
             f"what ships and winds make fades in their outer {100.0 * RIM_SHARE:g} %"
         )
 
-    def still_limits(self, preflight: Preflight) -> Limits:
+    def still_limits(self, preflight: SceneFacts) -> Limits:
         return self.interpolation_limits(self.tile_of(preflight.tank))
 
     def interpolation_limits(self, tile: Tile) -> Limits:
@@ -184,10 +184,10 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         period = self.highest[1] if self.highest is not None else np.inf
         return Limits(force=min(SMOOTH_STEP_PERIODS * period, 4.0 * self.tile_step(tile)))
 
-    def point_spacing(self, preflight: Preflight) -> float:
+    def point_spacing(self, preflight: SceneFacts) -> float:
         return spacing(self.sea_of(preflight.tank), self.tile_of(preflight.tank))
 
-    def ledger(self, preflight: Preflight) -> Iterator[LedgerRow]:
+    def ledger(self, preflight: SceneFacts) -> Iterator[LedgerRow]:
         word, tile = preflight.word, self.tile_of(preflight.tank)
         cells = tile.cells * tile.rows
         why = f"fluid.cells {self.cells}"
@@ -205,11 +205,11 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
             size = cells * (5 * 8 + WORDS_PER_CELL * word) + AirPressure.bytes(cells, word)
             yield LedgerRow("fluid", f"the wind's waves on {cells} cells", size, why)
 
-    def summed_waves(self, preflight: Preflight) -> int:
+    def summed_waves(self, preflight: SceneFacts) -> int:
         """Number of plane waves that kernels sum, by facts of the scene: all, or 1, of height 0, if a grid has them."""
         return len(self.sea_of(preflight.tank).amplitude) if self.order == 1 else 1
 
-    def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
+    def window_bytes(self, preflight: SceneFacts, size: tuple[int, int], levels: int) -> int:
         return Window.bytes(size, levels, self.summed_waves(preflight), preflight.word)
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "SpectralSea":

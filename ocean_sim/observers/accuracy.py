@@ -10,7 +10,7 @@ from ocean_sim.fluid import ParticleFluid, Totals, with_particles
 from ocean_sim.model import Faults, quantity
 from ocean_sim.observers.shared.checks import Balance, distance_outside, kinetic_and_potential, surely_inside
 from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading, legend
-from ocean_sim.parts import PeriodicConfig, Preflight
+from ocean_sim.parts import PeriodicConfig, SceneFacts
 from ocean_sim.simulation import Observer, Simulation
 from ocean_sim.surface import Surface
 
@@ -36,7 +36,7 @@ class Config(PeriodicConfig):
     every: float = quantity("s", 0.1, gt=0.0)
     """Simulated time between rows."""
 
-    def mismatches(self, preflight: Preflight) -> Faults:
+    def mismatches(self, preflight: SceneFacts) -> Faults:
         if not preflight.sums_impulses:
             yield (), "reads impulses, and the water sums none; set fluid.impulses: true, or accuracy: null"
 

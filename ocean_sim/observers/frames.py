@@ -16,7 +16,7 @@ from ocean_sim.conventions import GRAVITY
 from ocean_sim.files.atomic_file import write_file
 from ocean_sim.model import Faults, quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
-from ocean_sim.parts import PeriodicConfig, Preflight, key_of
+from ocean_sim.parts import PeriodicConfig, SceneFacts, key_of
 from ocean_sim.pictures.frame_files import grid_arrays, middle_cell
 from ocean_sim.pictures.live.scene_lines import surface_heights
 from ocean_sim.pictures.water import foam, spray
@@ -55,16 +55,16 @@ class Config(PeriodicConfig):
     particles: bool = True
     """Keep the positions and velocities of the particles, which `export` and pictures of particles need."""
 
-    def point_count(self, preflight: Preflight) -> int:
+    def point_count(self, preflight: SceneFacts) -> int:
         """Number of grid points at which a frame stores the height of the water."""
         return grid_size(preflight.tank, self.spacing or preflight.fluid.point_spacing(preflight))
 
-    def mismatches(self, preflight: Preflight) -> Faults:
+    def mismatches(self, preflight: SceneFacts) -> Faults:
         if (points := self.point_count(preflight)) > MAX_POINTS:
             many = f"a frame would keep {points:.3g} heights, at most {MAX_POINTS:g}"
             yield ("spacing",), f"{many}; give a larger one [m]"
 
-    def warnings(self, preflight: Preflight) -> list[str]:
+    def warnings(self, preflight: SceneFacts) -> list[str]:
         kept = preflight.particles if self.particles else 0
         frame = 4 * SURFACE_FIELDS * self.point_count(preflight) + BYTES_PER_PARTICLE * kept
         size = frame * (preflight.duration / self.every + 1.0)

@@ -18,7 +18,7 @@ from ocean_sim.basin.points import in_space
 from ocean_sim.fluid import with_particles
 from ocean_sim.model import Fault, Faults, Key, Model, Name, Point, quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading
-from ocean_sim.parts import PeriodicConfig, Preflight
+from ocean_sim.parts import PeriodicConfig, SceneFacts
 from ocean_sim.simulation import Observer, Simulation
 
 Column = Annotated[tuple[float, ...], Field(strict=False, min_length=1, max_length=2)]
@@ -143,15 +143,15 @@ class Config(PeriodicConfig):
         if both := self.elevation.keys() & self.runup.keys():
             yield f"elevation and runup both have {min(both)}, and would both have the column {min(both)}_m"
 
-    def problems(self, preflight: Preflight) -> Faults:
+    def problems(self, preflight: SceneFacts) -> Faults:
         return self.misplaced_gauges(preflight.tank)
 
-    def mismatches(self, preflight: Preflight) -> Faults:
+    def mismatches(self, preflight: SceneFacts) -> Faults:
         yield from ((key, why) for key in self.riding_gauges if (why := riding_problem(preflight)))
         if self.runup and not preflight.fluid.made_of_particles:
             yield ("runup",), "only water of particles runs up a bed"
 
-    def warnings(self, preflight: Preflight) -> Iterator[str]:
+    def warnings(self, preflight: SceneFacts) -> Iterator[str]:
         yield from super().warnings(preflight)
         for name, sensor in self.sensors.items():
             at = in_space(sensor.at)
@@ -190,7 +190,7 @@ class Config(PeriodicConfig):
         return {n: s if isinstance(s, Sensor) else Sensor(at=s) for n, s in self.pressure.items()}
 
 
-def riding_problem(preflight: Preflight) -> str | None:
+def riding_problem(preflight: SceneFacts) -> str | None:
     """Reason that no gauge can move with ships or a patch of open sea in this scene; None if one can."""
     if preflight.tank.sea is not None:
         return None

@@ -11,7 +11,7 @@ from ocean_sim.columns import Columns
 from ocean_sim.conventions import Frame, Motions, to_frame
 from ocean_sim.model import Faults, quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, TakesMotion, heading, legend
-from ocean_sim.parts import ALONE, LedgerRow, PeriodicConfig, Preflight, called
+from ocean_sim.parts import ALONE, LedgerRow, PeriodicConfig, SceneFacts, called
 from ocean_sim.ship import Ship
 from ocean_sim.ship.body.track import (
     UNKNOWN_VELOCITY,
@@ -79,7 +79,7 @@ class Config(PeriodicConfig):
     frame: Frame = "ship"
     """Axes of the columns; `ship`: ours, `ned` (SNAME) or `flu` (ISO 8855)."""
 
-    def mismatches(self, preflight: Preflight) -> Faults:
+    def mismatches(self, preflight: SceneFacts) -> Faults:
         if not preflight.ships:
             yield (), "there is no ship whose motion could be logged"
         for name, ship in preflight.ships.items():
@@ -87,10 +87,10 @@ class Config(PeriodicConfig):
                 there = f"there are {', '.join(ship.points)}" if ship.points else "it names none"
                 yield ("point",), f"{called(name)} has no point {self.point!r}; {there}"
 
-    def files_of(self, preflight: Preflight) -> tuple[str, ...]:
+    def files_of(self, preflight: SceneFacts) -> tuple[str, ...]:
         return tuple(log_name(name) for name in preflight.ships)
 
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: SceneFacts) -> list[LedgerRow]:
         logs, [row] = self.files_of(preflight), super().ledger(preflight)
         return [row._replace(what=", ".join(logs) or row.what)]
 

@@ -16,7 +16,7 @@ from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.kernel_library import ti
 from ocean_sim.model import Faults, quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
-from ocean_sim.parts import PeriodicConfig, Preflight
+from ocean_sim.parts import PeriodicConfig, SceneFacts
 from ocean_sim.pictures.live.panel import HELM_KEYS, Panel
 from ocean_sim.pictures.live.preview_scene import Patch, PreviewScene
 from ocean_sim.pictures.live.scene_lines import scene_lines
@@ -53,7 +53,7 @@ class Config(PeriodicConfig):
             raise ValueError(f"the panel needs a picture of 960 x 640 pixels, at most 7680 x 4320, not {list(size)}")
         return size
 
-    def mismatches(self, preflight: Preflight) -> Faults:
+    def mismatches(self, preflight: SceneFacts) -> Faults:
         return preflight.unknown_ship(self.ship)
 
     def first_panel(self) -> Panel:

@@ -24,7 +24,7 @@ from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.machine import available_cores, exit_with_parent, kill_session, yield_to_others
 from ocean_sim.model import Faults, Model, quantity
 from ocean_sim.observers.shared import run_report
-from ocean_sim.parts import SEVERAL, LedgerRow, PeriodicConfig, Preflight, key_of
+from ocean_sim.parts import SEVERAL, LedgerRow, PeriodicConfig, SceneFacts, key_of
 from ocean_sim.pictures.frame_files import (
     Frame,
     FrameLog,
@@ -78,14 +78,14 @@ class Config(Drawing, PeriodicConfig):
     every: float = quantity("s", 0.033, gt=0.0)
     """Simulated time between pictures of the film, which runs in real time; there are no more than frames."""
 
-    def files_of(self, preflight: Preflight) -> tuple[str, ...]:
+    def files_of(self, preflight: SceneFacts) -> tuple[str, ...]:
         asked = {"strip.png": self.strip, "still_*.png": self.stills, "film.mp4": self.film, MOMENTS_FILE: self.film}
         return tuple(name for name in super().files_of(preflight) if asked.get(name, True))
 
-    def mismatches(self, preflight: Preflight) -> Faults:
+    def mismatches(self, preflight: SceneFacts) -> Faults:
         return preflight.unknown_ship(self.ship)
 
-    def warnings(self, preflight: Preflight) -> list[str]:
+    def warnings(self, preflight: SceneFacts) -> list[str]:
         frames = preflight.parts.get("frames")
         if not isinstance(frames, PeriodicConfig):
             return ["render: without frames there is nothing to draw, no preview and no film"]
@@ -99,12 +99,12 @@ class Config(Drawing, PeriodicConfig):
         """Number of film pictures, 0 without a film, for a run of this duration [s] with frames `kept` [s] apart."""
         return int(duration / max(self.every, kept) * (1.0 + 1e-9)) + 1 if self.film else 0
 
-    def pictures(self, preflight: Preflight) -> int | None:
+    def pictures(self, preflight: SceneFacts) -> int | None:
         """Number of pictures in the film of a run, 0 without a film; None if the run has no frames to draw."""
         frames = preflight.parts.get("frames")
         return self.film_pictures(preflight.duration, frames.every) if isinstance(frames, PeriodicConfig) else None
 
-    def picture_time(self, preflight: Preflight) -> float:
+    def picture_time(self, preflight: SceneFacts) -> float:
         dimension, pixels = preflight.tank.dimension, self.size[0] * self.size[1] / (1280.0 * 720.0)
         each, pictures = PICTURE_SECONDS[dimension][self.quality] * pixels, self.pictures(preflight)
         if pictures is None:
@@ -114,7 +114,7 @@ class Config(Drawing, PeriodicConfig):
         wall, wall_by_turns = (SERIAL_SHARE / n + (1.0 - SERIAL_SHARE) / available_cores() for n in (1, of))
         return alone * wall + by_turns * wall_by_turns
 
-    def scenery(self, preflight: Preflight) -> str:
+    def scenery(self, preflight: SceneFacts) -> str:
         """Scenery of the pictures, as far as it is known before the run: "sea", "tank" or "particles", the keys of
         PROCESS_BYTES, which gives the memory that drawing takes."""
         tank, water = preflight.tank, preflight.untouched
@@ -125,11 +125,11 @@ class Config(Drawing, PeriodicConfig):
         at_sea = self.far_sea and self.camera not in MAP_CAMERAS and not is_tank(dict(tank.config))
         return "sea" if at_sea and mean > DRY_DEPTH_SHARE * tank.depth else "tank"
 
-    def bytes_a_particle(self, preflight: Preflight) -> int:
+    def bytes_a_particle(self, preflight: SceneFacts) -> int:
         pictures = self.pictures(preflight)
         return 0 if pictures is None else PARTICLE_BYTES * painter_count(pictures)
 
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: SceneFacts) -> list[LedgerRow]:
         [row], pictures, pixels = super().ledger(preflight), self.pictures(preflight), self.size[0] * self.size[1]
         if pictures is None:
             return [row]

@@ -10,7 +10,7 @@ from pydantic import field_validator
 from ocean_sim.files.input_file import AnyFileName
 from ocean_sim.model import Faults
 from ocean_sim.observers.shared.csv_rows import TakesCommands
-from ocean_sim.parts import ObserverConfig, Preflight
+from ocean_sim.parts import ObserverConfig, SceneFacts
 from ocean_sim.platform import Commands
 from ocean_sim.platform.shared.datagrams import Sender, parse_address, read_key
 from ocean_sim.platform.shared.packets import row_packets
@@ -37,7 +37,7 @@ class Config(ObserverConfig):
         parse_address(value)
         return value
 
-    def problems(self, preflight: Preflight) -> Faults:
+    def problems(self, preflight: SceneFacts) -> Faults:
         if self.key is not None and self.packets != "ocean_sim":
             yield ("key",), f"packets of {self.packets} have no place for a signature; take ocean_sim"
         elif self.key is not None:

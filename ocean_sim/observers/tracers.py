@@ -11,7 +11,7 @@ from ocean_sim.basin import Box
 from ocean_sim.fluid import with_particles
 from ocean_sim.model import Faults, quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading
-from ocean_sim.parts import PeriodicConfig, Preflight
+from ocean_sim.parts import PeriodicConfig, SceneFacts
 from ocean_sim.simulation import Observer, Simulation
 
 MAX_TRACERS = 1000  # each has six columns
@@ -32,7 +32,7 @@ class Config(PeriodicConfig):
         if not self.ids and not self.boxes:
             yield "give at least one of ids and boxes"
 
-    def mismatches(self, preflight: Preflight) -> Faults:
+    def mismatches(self, preflight: SceneFacts) -> Faults:
         lattice = preflight.untouched
         if lattice is None:
             yield (), f"fluid.kind {preflight.fluid.kind} has no particles to follow"

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field, field_validator
 
 from ocean_sim.model import Faults, quantity
-from ocean_sim.parts import LedgerRow, PlatformConfig, Preflight, preset
+from ocean_sim.parts import LedgerRow, PlatformConfig, SceneFacts, preset
 from ocean_sim.platform import SINGULARITY_LIMIT, Commands, Cue, WashoutConfig
 from ocean_sim.platform.shared import leg_programme
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, felt_motion, smooth_step
@@ -46,14 +46,14 @@ class Config(PlatformConfig):
         """Preset mapping that a name stands for; a value that is no name is returned unchanged."""
         return preset(info.field_name, value) if isinstance(value, str) else value
 
-    def mismatches(self, preflight: Preflight) -> Faults:
+    def mismatches(self, preflight: SceneFacts) -> Faults:
         """Yield faults (key, sentence): those of the base class, and a washout that plans with the ship's future
         motion, which only a finished log has."""
         yield from super().mismatches(preflight)
         if cast(WashoutConfig, self.washout).look_ahead > 0.0:
             yield ("washout",), "predictive looks ahead, in a finished log: use `ocean-sim platform RUN`"
 
-    def warnings(self, preflight: Preflight) -> Iterator[str]:
+    def warnings(self, preflight: SceneFacts) -> Iterator[str]:
         if not preflight.ships:
             yield "platform: there is no ship whose motion it could follow"
         elif "platform_log" not in preflight.parts:
@@ -73,7 +73,7 @@ class Config(PlatformConfig):
                 f"{duration:.4g} s, when it does {round(share, 1):g} % of it; take a longer ride or a shorter ramp"
             )
 
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: SceneFacts) -> list[LedgerRow]:
         """One row of the memory ledger with no bytes of its own: the row of `platform_log` counts them."""
         kind = cast(WashoutConfig, self.washout).kind
         return [LedgerRow("platform", f"{kind} washout and six legs", 0, "for platform_log")]

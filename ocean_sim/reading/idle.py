@@ -12,18 +12,18 @@ import numpy as np
 from ocean_sim.basin.motion import Harmonic
 from ocean_sim.conventions import Motions
 from ocean_sim.model import Model
-from ocean_sim.parts import FluidConfig, Preflight, slot_of
+from ocean_sim.parts import FluidConfig, SceneFacts, slot_of
 from ocean_sim.waves import FileSpectrum, Spectrum
 
 GRAPHICS_BACKENDS = ("cuda", "metal", "vulkan", "gpu")  # backends that no thread of the processor works for
 
 
-def has_particles(mapping: Any, known: Preflight, *_: Any) -> bool:
+def has_particles(mapping: Any, known: SceneFacts, *_: Any) -> bool:
     """True if the scene's water is made of particles; for IDLE_RULES. Of its arguments it reads only `known`."""
     return known.fluid.made_of_particles
 
 
-def has_stops(mapping: Any, known: Preflight, *_: Any) -> bool:
+def has_stops(mapping: Any, known: SceneFacts, *_: Any) -> bool:
     """True if particles of the scene's water can meet a wall, a floor, a lid or an obstacle. For IDLE_RULES, the rules
     on keys without effect; of its arguments it reads only `known`, the scene."""
     return known.fluid.made_of_particles and bool(known.tank.sides or known.tank.config.obstacles)
@@ -35,7 +35,7 @@ SEEDS_APART = "the scene draws nothing at random but its spectra, and each of th
 
 # Slots and paths of mappings, through all entries of lists; some of their keys; True if they have an effect, by the
 # mapping h, the scene k, the part p and the key n; and the reason where they have none.
-IDLE_RULES: list[tuple[str, str, Callable[[Any, Preflight, Any, str], Any], str]] = [
+IDLE_RULES: list[tuple[str, str, Callable[[Any, SceneFacts, Any, str], Any], str]] = [
     (
         "scene",
         "seed",
@@ -127,7 +127,7 @@ def spectrum_seeds(scene: Model) -> set[int]:
     return {model.seed for _, _, model in inner_models(scene) if isinstance(model, Spectrum | FileSpectrum)}
 
 
-def idle_keys(parts: Mapping[str, Any], known: Preflight) -> Iterator[str]:
+def idle_keys(parts: Mapping[str, Any], known: SceneFacts) -> Iterator[str]:
     """Yield a warning for each key of the models in `parts`, by name, that has no effect or may be in radians."""
     for root, part in parts.items():
         rules = IDLE_RULES

@@ -35,7 +35,7 @@ from ocean_sim.parts import (
     ObserverConfig,
     PartConfig,
     PlatformConfig,
-    Preflight,
+    SceneFacts,
     SeaConfig,
     ShipConfig,
     SurfaceConfig,
@@ -80,7 +80,7 @@ class SceneConfig(Heading):
     notes: list[str] = []
     """Sentences for `run` and `check` on keys that composing the scene dropped or changed."""
 
-    _preflight: Preflight | None = PrivateAttr(None)
+    _preflight: SceneFacts | None = PrivateAttr(None)
     _inputs: dict[str, str] = PrivateAttr({})
 
     def parts(self) -> dict[str, PartConfig]:
@@ -93,13 +93,13 @@ class SceneConfig(Heading):
         return found | self.observers
 
     @property
-    def preflight(self) -> Preflight:
+    def preflight(self) -> SceneFacts:
         """Facts on the whole scene for parts that are not built yet, such as the tank; cached until parts change."""
         known, word, arch = self._preflight, WORD_BYTES[self.runtime.precision], self.runtime.arch
         facts = self.parts(), self.basin, word, self.duration, arch
         if known is None or (known.parts, known.tank.config, known.word, known.duration, known.arch) != facts:
             parts, tank, word, duration, arch = facts
-            known = self._preflight = Preflight(parts, tank.build(self.sea), word, duration, arch)
+            known = self._preflight = SceneFacts(parts, tank.build(self.sea), word, duration, arch)
         return known
 
     def ledger(self) -> list[LedgerRow]:
@@ -274,7 +274,7 @@ class _SceneCheck:
             return None
         sea = there.get("sea")
         patch = tank_config.build(sea) if isinstance(sea, SeaConfig) else tank
-        preflight = Preflight(there | observers, patch, WORD_BYTES[runtime.precision], heading.duration, runtime.arch)
+        preflight = SceneFacts(there | observers, patch, WORD_BYTES[runtime.precision], heading.duration, runtime.arch)
         faults = {"basin": tank_config.problems(tank, heading.duration)}
         faults |= {place: part.problems(preflight) for place, part in preflight.parts.items()}
         self.report_all(faults)
@@ -369,7 +369,7 @@ class _SceneCheck:
                 carrying = " or ".join(name for name, config in water_schemes() if config.carries_bodies)
                 self.report(place, f"water of kind {water} does not carry a ship of kind {ship.kind}; take {carrying}")
 
-    def find_overlapping_ships(self, preflight: Preflight) -> None:
+    def find_overlapping_ships(self, preflight: SceneFacts) -> None:
         """Report ships whose outlines overlap at the start."""
         ships = preflight.ships if len(preflight.ships) > 1 else {}
         outlines = {name: ship.outline(preflight) for name, ship in ships.items()}

@@ -3,7 +3,7 @@
 from ocean_sim import waves
 from ocean_sim.basin.open_sea import Rim
 from ocean_sim.model import Faults, quantity
-from ocean_sim.parts import Preflight, SeaConfig
+from ocean_sim.parts import SceneFacts, SeaConfig
 from ocean_sim.waves.seas import Seas
 
 
@@ -30,10 +30,10 @@ class Written(Seas, SeaConfig):
         sea = self.sea_of(basin)
         return sea if sea.amplitude.any() else None
 
-    def problems(self, preflight: Preflight) -> Faults:
+    def problems(self, preflight: SceneFacts) -> Faults:
         yield from self.sea_faults(preflight.tank) or super().problems(preflight)
         if preflight.tank.ground is not None:
             yield ("kind",), "a patch of open sea lies over a flat bed; leave the shape of basin.floor out"
 
-    def warnings(self, preflight: Preflight) -> list[str]:
+    def warnings(self, preflight: SceneFacts) -> list[str]:
         return [*self.like_radians(), *super().warnings(preflight)]

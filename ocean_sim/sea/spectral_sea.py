@@ -4,7 +4,7 @@ from typing import Literal
 
 from ocean_sim.basin.open_sea import MOST_PARTS, Nonlinear, width_over_length
 from ocean_sim.model import Faults
-from ocean_sim.parts import Preflight
+from ocean_sim.parts import SceneFacts
 from ocean_sim.sea import Written
 from ocean_sim.waves.seas import Steepening
 
@@ -25,7 +25,7 @@ class Config(Steepening, Written):
             return None
         return Nonlinear(self.onset_in(self.highest[1]), self.breaking)
 
-    def problems(self, preflight: Preflight) -> Faults:
+    def problems(self, preflight: SceneFacts) -> Faults:
         found = list(super().problems(preflight))
         yield from found
         if not found and self.nonlinear is not None and width_over_length(preflight.tank.periods) is None:

@@ -19,7 +19,7 @@ from ocean_sim.conventions import Motions
 from ocean_sim.files.input_file import FileName
 from ocean_sim.fluid import ClosedForm, Fluid
 from ocean_sim.model import Faults
-from ocean_sim.parts import Preflight
+from ocean_sim.parts import SceneFacts
 from ocean_sim.ship import Load
 from ocean_sim.ship.body.floating import FloatingConfig, FloatingShip, Immersion
 from ocean_sim.ship.body.rigid_body import to_world
@@ -86,7 +86,7 @@ class SeakeepingConfig(FloatingConfig):
         radiated = [] if self.table is None else [Motions._fields[k] for k in self.table.numbers]
         return Resistance(self.damping, still, self.added_mass_at_infinity(still), radiated)
 
-    def mismatches(self, preflight: Preflight) -> Faults:
+    def mismatches(self, preflight: SceneFacts) -> Faults:
         yield from super().mismatches(preflight)
         if self.table is not None:
             still = self.hydrostatics_of(preflight)
@@ -99,7 +99,7 @@ class SeakeepingConfig(FloatingConfig):
             twice = "particles carry the waves that a hull makes, and a table of radiation would count them twice"
             yield ("radiation",), f"{twice}; leave it out, or take water in closed form"
 
-    def warnings(self, preflight: Preflight) -> Iterator[str]:
+    def warnings(self, preflight: SceneFacts) -> Iterator[str]:
         yield from super().warnings(preflight)
         if preflight.surface is not None:
             yield "waves shorter than her hull lift her too much: she feels their height, not how they fade with depth"

@@ -23,7 +23,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.conventions import AIR_DENSITY, from_frame, to_frame
 from ocean_sim.fluid import Arriving, Fluid, Limits
 from ocean_sim.model import Faults, Model, Vector3, quantity
-from ocean_sim.parts import LedgerRow, Preflight
+from ocean_sim.parts import LedgerRow, SceneFacts
 from ocean_sim.ship import Load, Ship
 from ocean_sim.ship.body.rigid_body import axis_rotation, euler_quaternion
 from ocean_sim.ship.body.vessel import Actuators, Vessel, VesselConfig
@@ -82,12 +82,12 @@ class Config(VesselConfig):
     def feels_wind(self) -> bool:
         return self.windage is not None
 
-    def problems(self, preflight: Preflight) -> Faults:
+    def problems(self, preflight: SceneFacts) -> Faults:
         yield from self.basin_problems(preflight.tank)
         if self.mmg is not None and self.mmg.size[2] >= (deep := preflight.tank.depth):
             yield ("mmg",), f"the ship draws {self.mmg.size[2]:g} m, the water is {deep:g} m deep"
 
-    def warnings(self, preflight: Preflight) -> Iterator[str]:
+    def warnings(self, preflight: SceneFacts) -> Iterator[str]:
         yield from super().warnings(preflight)
         model = "the Otter's model" if self.mmg is None else "her MMG model"
         seas = "plane waves, not those on tiles (order 3), carry her to first order, superposed, without drift"
@@ -95,7 +95,7 @@ class Config(VesselConfig):
         wind = "no wind acts on her (windage is null)" if self.windage is None else "a stress acts on her by windage"
         yield f"{model} is of calm water: {seas}; a current does; {wind}"
 
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: SceneFacts) -> list[LedgerRow]:
         model = "the Otter's model" if self.mmg is None else "an MMG model"
         return [LedgerRow("ship", f"the matrices of {model}", 0, "ship.kind is manoeuvring")]
 

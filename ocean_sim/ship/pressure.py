@@ -14,7 +14,7 @@ import numpy as np
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Fluid, with_particles
-from ocean_sim.parts import LedgerRow, Preflight
+from ocean_sim.parts import LedgerRow, SceneFacts
 from ocean_sim.ship import Load, Ship
 from ocean_sim.ship.body.floating import FloatingConfig, afloat_pose
 from ocean_sim.ship.body.rigid_body import hold_motions, to_world
@@ -45,7 +45,7 @@ class Config(FloatingConfig):
     drift: None = None
     """The waves that particles carry drift this hull themselves."""
 
-    def solid(self, preflight: Preflight) -> Solid:
+    def solid(self, preflight: SceneFacts) -> Solid:
         still, flat = self.hydrostatics_of(preflight), preflight.tank.dimension == 2
         matter = still.matter
         if flat:  # a metre of the hull
@@ -58,7 +58,7 @@ class Config(FloatingConfig):
         """(6,) added mass [kg], [kg m2] by hull sections, for natural periods alone; in a run the particles react."""
         return by_rule(still)
 
-    def warnings(self, preflight: Preflight) -> Iterator[str]:
+    def warnings(self, preflight: SceneFacts) -> Iterator[str]:
         yield from super().warnings(preflight)
         spacing = preflight.spacing
         if not preflight.wind.still:
@@ -68,7 +68,7 @@ class Config(FloatingConfig):
             thin = (upper - lower).min() / spacing
             yield f"the hull is {thin:.2g} spacings thin: water on either side acts on that on the other"
 
-    def statements(self, preflight: Preflight) -> list[str]:
+    def statements(self, preflight: SceneFacts) -> list[str]:
         """Sentence for the user on the ship's heave while particles leave their lattice; empty if that is little."""
         draught, spacing = self.hydrostatics_of(preflight).draught, preflight.spacing
         if spacing is None or isinf(draught) or REST_SWING * spacing < STATED_SWING * draught:
@@ -79,7 +79,7 @@ class Config(FloatingConfig):
             "her draught within her first periods, as rows of particles along her sides settle"
         ]
 
-    def ledger(self, preflight: Preflight) -> tuple[LedgerRow, ...]:
+    def ledger(self, preflight: SceneFacts) -> tuple[LedgerRow, ...]:
         """No rows of the memory estimate: the hull's boundary particles are in the fluid's row."""
         return ()
 

@@ -19,7 +19,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Fluid, with_particles
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import Faults, quantity
-from ocean_sim.parts import LedgerRow, Preflight, SurfaceConfig
+from ocean_sim.parts import LedgerRow, SceneFacts, SurfaceConfig
 from ocean_sim.runtime import in_kernels
 from ocean_sim.surface import AREA_AND_VOLUME, Mesh, Surface
 from ocean_sim.surface.shared.heights import Heights, column_counts
@@ -61,17 +61,17 @@ class Config(SurfaceConfig):
     every: float = quantity("s", 1.0 / 60.0, gt=0.0)
     """Simulated time between updates, to the nearest step."""
 
-    def completed(self, preflight: Preflight) -> Self:
+    def completed(self, preflight: SceneFacts) -> Self:
         assert preflight.spacing is not None
         widest = min(2.0 * preflight.spacing, preflight.support)
         found = {"spacing": self.spacing or preflight.spacing, "thickness": self.thickness or widest}
         return self.model_copy(update=found)
 
-    def problems(self, preflight: Preflight) -> Faults:
+    def problems(self, preflight: SceneFacts) -> Faults:
         if preflight.tank.closed:
             yield ("kind",), "a basin without a free surface has nothing for a cloth to lie on; leave it out"
 
-    def mismatches(self, preflight: Preflight) -> Faults:
+    def mismatches(self, preflight: SceneFacts) -> Faults:
         least, most = preflight.spacing, preflight.support
         assert least is not None
         nx, nz = self.completed(preflight).nodes(preflight.tank)
@@ -88,7 +88,7 @@ class Config(SurfaceConfig):
         assert self.spacing is not None, "completed() says how far apart nodes are"
         return column_counts(basin, self.spacing)
 
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: SceneFacts) -> list[LedgerRow]:
         nx, nz = self.completed(preflight).nodes(preflight.tank)
         size, why = 3 * preflight.word * nx * nz, "surface.kind is cloth"
         return [LedgerRow("surface", f"{nx} x {nz} nodes", size, why)]

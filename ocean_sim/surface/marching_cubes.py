@@ -18,7 +18,7 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Fluid, with_particles
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.model import Faults, quantity
-from ocean_sim.parts import LedgerRow, Preflight, SurfaceConfig
+from ocean_sim.parts import LedgerRow, SceneFacts, SurfaceConfig
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.surface import AREA_AND_VOLUME, Mesh, Surface
 from ocean_sim.surface.shared.heights import Heights
@@ -59,7 +59,7 @@ class Config(SurfaceConfig):
     most_triangles: int = quantity("triangles", 4_000_000, ge=1)
     """Largest number of triangles of a mesh; more stop the run."""
 
-    def completed(self, preflight: Preflight) -> Self:
+    def completed(self, preflight: SceneFacts) -> Self:
         assert preflight.spacing is not None
         found = {
             "spacing": self.spacing or NODE_SPACINGS * preflight.spacing,
@@ -68,13 +68,13 @@ class Config(SurfaceConfig):
         }
         return self.model_copy(update=found)
 
-    def problems(self, preflight: Preflight) -> Faults:
+    def problems(self, preflight: SceneFacts) -> Faults:
         if preflight.tank.dimension == 2:
             yield ("kind",), "marching cubes need a basin with a width; in 2-D use surface: cloth"
         elif preflight.tank.closed:
             yield ("kind",), "a basin without a free surface has none to draw; leave it out"
 
-    def mismatches(self, preflight: Preflight) -> Faults:
+    def mismatches(self, preflight: SceneFacts) -> Faults:
         apart = preflight.spacing
         assert apart is not None
         if self.radius is not None and not 1.2 * apart <= self.radius <= MAX_RADIUS * apart:
@@ -103,7 +103,7 @@ class Config(SurfaceConfig):
         extents = np.subtract(basin.upper, basin.lower) + [0.0, self.height - basin.upper[1], 0.0]
         return float(np.prod(extents / self.spacing + 2.0))
 
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: SceneFacts) -> list[LedgerRow]:
         completed, word, particles = self.completed(preflight), preflight.word, preflight.particles
         assert completed.radius is not None and preflight.spacing is not None
         nodes = completed.nodes(preflight.tank)

@@ -16,7 +16,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import Faults, NotNegative3, Vector2, Vector3, below, quantity
-from ocean_sim.parts import LedgerRow, Preflight, WindConfig
+from ocean_sim.parts import LedgerRow, SceneFacts, WindConfig
 from ocean_sim.random_numbers import numpy_uniform3
 from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import DeviceRow, Drawing, StillAir, Target, Wind
@@ -188,7 +188,7 @@ class Config(Placed, WindConfig):
         """Indices of the volumes of moving air that act on a target, "fluid" or "ship"."""
         return [g for g, v in enumerate(self.volumes) if target in (self.targets if v.targets is None else v.targets)]
 
-    def problems(self, preflight: Preflight) -> Faults:
+    def problems(self, preflight: SceneFacts) -> Faults:
         for g, volume in enumerate(self.volumes):
             yield from below("volumes", g, faults=volume.schedule_faults())
         yield from self.misframed(preflight)
@@ -196,11 +196,11 @@ class Config(Placed, WindConfig):
     def build(self, basin: Basin, seed: int) -> Wind:
         return Gusts(self, basin, seed)
 
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: SceneFacts) -> list[LedgerRow]:
         n, numbers = len(self.volumes), len(self.volumes) * row_size(self.volumes) + DRAWS.size
         return [LedgerRow("wind", "moving volumes of air", preflight.word * numbers, f"{n} in wind.volumes")]
 
-    def warnings(self, preflight: Preflight) -> Iterator[str]:
+    def warnings(self, preflight: SceneFacts) -> Iterator[str]:
         for g, volume in enumerate(self.volumes):
             name, size = f"wind.volumes[{g}]", hypot(*volume.acceleration, *volume.noise)
             if size > 0.0:

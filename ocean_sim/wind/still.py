@@ -3,7 +3,7 @@
 from typing import ClassVar, Literal
 
 from ocean_sim.basin import Basin
-from ocean_sim.parts import LedgerRow, Preflight, WindConfig
+from ocean_sim.parts import LedgerRow, SceneFacts, WindConfig
 from ocean_sim.wind import StillAir, Target, Wind
 
 
@@ -14,10 +14,10 @@ class Config(WindConfig):
     acts_on: ClassVar[tuple[Target, ...]] = ()
     kind: Literal["still"] = "still"
 
-    def warnings(self, preflight: Preflight) -> tuple[str, ...]:
+    def warnings(self, preflight: SceneFacts) -> tuple[str, ...]:
         return ()
 
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: SceneFacts) -> list[LedgerRow]:
         return []
 
     def build(self, basin: Basin, seed: int) -> Wind:

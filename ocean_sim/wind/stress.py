@@ -20,7 +20,7 @@ from ocean_sim.columns import Columns
 from ocean_sim.conventions import AIR_DENSITY, GRAVITY, WATER_DENSITY
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import Faults, quantity
-from ocean_sim.parts import LedgerRow, Preflight, WindConfig
+from ocean_sim.parts import LedgerRow, SceneFacts, WindConfig
 from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import DeviceRow, Drawing, Target, Wind
 from ocean_sim.wind.shared.air_load import DRAG_LAWS, LAW, RANGES, DragLaw, drag, stated_speed, stress
@@ -107,7 +107,7 @@ class Config(Scheduled, WindConfig):
         relative = u10 - self.wave_speed
         return self.gain_of_pressure * self.sheltering * AIR_DENSITY * relative * abs(relative)
 
-    def problems(self, preflight: Preflight) -> Faults:
+    def problems(self, preflight: SceneFacts) -> Faults:
         basin = preflight.tank
         yield from self.schedule_faults()
         stated = {"u10": self.u10, "drag_law": self.drag_law, "schedule": self.schedule}
@@ -124,10 +124,10 @@ class Config(Scheduled, WindConfig):
     def build(self, basin: Basin, seed: int) -> Wind:
         return Stress(self, basin)
 
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: SceneFacts) -> list[LedgerRow]:
         return [LedgerRow("wind", "stress, pressure and direction", 6 * preflight.word, "wind.kind is stress")]
 
-    def warnings(self, preflight: Preflight) -> Iterator[str]:
+    def warnings(self, preflight: SceneFacts) -> Iterator[str]:
         u10 = self.strongest
         sheltered = f", pressure on waves {self.sheltered(u10):.3g} Pa times their slope" if self.sheltering else ""
         gain = "a real wind (gain 1)" if self.gain == 1.0 else f"{self.gain:g} times a real wind (gain)"
@@ -179,7 +179,7 @@ def growth_rate(wind: Config, u10: float, k: float, depth: float, pull: float) -
     return wind.gain * plant(u10, k, pull)
 
 
-def overdamped(wind: Config, u10: float, k: float, preflight: Preflight) -> Iterator[str]:
+def overdamped(wind: Config, u10: float, k: float, preflight: SceneFacts) -> Iterator[str]:
     """Warn if viscosity damps waves of wavenumber k [1/m] faster than the scene's wind, u10 [m/s], makes them grow."""
     fluid, pull, length = preflight.fluid, hypot(*preflight.tank.gravity), 2.0 * pi / k
     beta = growth_rate(wind, u10, k, preflight.tank.depth, pull)
@@ -197,7 +197,7 @@ def overdamped(wind: Config, u10: float, k: float, preflight: Preflight) -> Iter
     )
 
 
-def unresolved(wind: Config, u10: float, preflight: Preflight) -> Iterator[str]:
+def unresolved(wind: Config, u10: float, preflight: SceneFacts) -> Iterator[str]:
     """Warn if the water cannot show waves of a wind u10 [m/s]: too coarse, too viscous, or in too short a basin."""
     basin, pull, spacing = preflight.tank, hypot(*preflight.tank.gravity), preflight.spacing
     if u10 <= 0.0 or pull <= 0.0 or spacing is None:
@@ -224,7 +224,7 @@ def unresolved(wind: Config, u10: float, preflight: Preflight) -> Iterator[str]:
     yield from rigid_layer_warnings(wind.on_water(u10), preflight)
 
 
-def rigid_layer_warnings(stress: float, preflight: Preflight) -> Iterator[str]:
+def rigid_layer_warnings(stress: float, preflight: SceneFacts) -> Iterator[str]:
     """Warn if particles whose rows (lattice) are broken up would bear a stress [Pa] like a solid instead of flowing."""
     fluid, tank = preflight.fluid, preflight.tank
     pressure, share = fluid.rest_density * hypot(*tank.gravity) * tank.depth, fluid.bears_shear

@@ -14,7 +14,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import Faults, NotNegative3, Vector2, quantity
-from ocean_sim.parts import LedgerRow, Preflight, WindConfig
+from ocean_sim.parts import LedgerRow, SceneFacts, WindConfig
 from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import DeviceRow, Drawing, Target, Wind
 from ocean_sim.wind.shared.noise import DRAW_INTERVAL, DRAWS, Noise
@@ -74,16 +74,16 @@ class Config(Timed, Placed, WindConfig):
     def build(self, basin: Basin, seed: int) -> Wind:
         return Vortex(self, basin, seed)
 
-    def problems(self, preflight: Preflight) -> Faults:
+    def problems(self, preflight: SceneFacts) -> Faults:
         if preflight.tank.dimension == 2:
             yield ("kind",), "a vortex turns about the vertical: give the basin a width"
         yield from self.misframed(preflight)
 
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+    def ledger(self, preflight: SceneFacts) -> list[LedgerRow]:
         size = ROW.size * preflight.word
         return [LedgerRow("wind", "axis, strength and noise of the vortex", size, "wind.kind is vortex")]
 
-    def warnings(self, preflight: Preflight) -> Iterator[str]:
+    def warnings(self, preflight: SceneFacts) -> Iterator[str]:
         speed = hypot(*self.drift)
         acceleration = (self.acceleration, self.upward, self.inward)
         passing = 2.0 * self.core_radius / speed if speed else inf

@@ -10,7 +10,7 @@ from ocean_sim import waves
 from ocean_sim.basin import Config as BasinConfig
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.fluid.linear_waves import Config
-from ocean_sim.parts import Preflight
+from ocean_sim.parts import SceneFacts
 from ocean_sim.time_step.courant import Config as Courant
 from ocean_sim.wind.still import Config as Still
 from tests.fluid.conftest import read
@@ -105,12 +105,12 @@ def test_a_sea_has_no_particles_and_no_account_and_takes_a_hundred_steps_a_wave(
     assert fluid.particles is None and fluid.impulse == {} and fluid.work == {} and fluid.internal_energy() == 0.0
     assert Courant().build().next(fluid.limits()) == pytest.approx(0.015)
     assert fluid.status.max_speed == pytest.approx(0.025 * GRAVITY / 1.884, rel=1e-3)  # a g k / omega = a g / c
-    (row,) = Config(height=0.05, period=1.5).ledger(Preflight({}, BasinConfig(**FLUME).build(), 8, 1.0))
+    (row,) = Config(height=0.05, period=1.5).ledger(SceneFacts({}, BasinConfig(**FLUME).build(), 8, 1.0))
     assert "no particles" in row.why
 
 
 def test_what_is_wrong_is_said():
-    basin = Preflight({}, BasinConfig(**FLUME).build(), 8, 1.0)
+    basin = SceneFacts({}, BasinConfig(**FLUME).build(), 8, 1.0)
     said = Config(height=0.6, period=1.5, heading_deg=45.0).problems(basin)
     assert [path for path, _ in said] == [("height",), ("heading_deg",)]
     assert not [*Config(height=0.05, period=1.5, heading_deg=270.0).problems(basin)]

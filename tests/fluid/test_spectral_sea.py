@@ -13,7 +13,7 @@ from ocean_sim.fluid.open_sea.high_order import HighOrder
 from ocean_sim.fluid.open_sea.wave_tile import Layer, Tile
 from ocean_sim.fluid.spectral_sea import Config, snapped
 from ocean_sim.kernel_library import ti
-from ocean_sim.parts import Preflight
+from ocean_sim.parts import SceneFacts
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.result import Result
 from ocean_sim.simulation import Simulation
@@ -414,7 +414,10 @@ def test_a_nonlinear_sea_that_its_tile_cannot_hold_is_refused(keys, wrong):
     """It would lie still, without a word. What is left out of Pierson and Moskowitz's spectrum beyond n times the peak
     frequency is 1 - exp(-1.25 / n^4) of its energy, n^2 being the peak's wavelength of 14.05 m over four cells."""
     spectrum = {"kind": "pierson_moskowitz", "significant_wave_height": 0.2, "peak_period": 3.0}
-    bay, config = Preflight({}, BasinConfig(**BAY).build(), 8, 1.0), Config(**{"order": 3, "spectrum": spectrum} | keys)
+    bay, config = (
+        SceneFacts({}, BasinConfig(**BAY).build(), 8, 1.0),
+        Config(**{"order": 3, "spectrum": spectrum} | keys),
+    )
     assert [key for key, _ in config.problems(bay)] == [("tile",)] * wrong
     if not wrong and config.order == 3:
         left_out = 1.0 - np.exp(-1.25 * (4.0 * config.tile / config.cells / 14.05) ** 2)
@@ -431,12 +434,12 @@ def test_a_file_of_components_is_the_sea_that_it_says(sea, tmp_path):
     told = load({"duration": 60.0, "basin": BAY, "fluid": {"kind": "spectral_sea", "components": str(path)}}).warnings()
     assert any("sea.csv: is phase_deg in radians?" in sentence for sentence in told)
     path.write_text("amplitude_m,period_s\n0.2,5.0\n")
-    (problem,) = Config(components=str(path)).problems(Preflight({}, BasinConfig(**BAY).build(), 8, 1.0))
+    (problem,) = Config(components=str(path)).problems(SceneFacts({}, BasinConfig(**BAY).build(), 8, 1.0))
     assert problem[0] == ("components",) and "heading_deg" in problem[1]
 
 
 def test_what_is_wrong_is_said():
-    bay, flume = (Preflight({}, BasinConfig(**basin).build(), 8, 1.0) for basin in (BAY, FLUME))
+    bay, flume = (SceneFacts({}, BasinConfig(**basin).build(), 8, 1.0) for basin in (BAY, FLUME))
     spread = {"significant_wave_height": 0.1, "peak_period": 2.0, "spreading": 5.0}
     assert [key for key, _ in Config(spectrum=spread).problems(flume)] == [("spectrum", "spreading")]
     said = Config(spectra=[{"height": 5.0, "period": 2.0}], current=(0.0, 1.0)).problems(flume)

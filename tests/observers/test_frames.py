@@ -12,7 +12,7 @@ from ocean_sim import waves
 from ocean_sim.basin import shifts
 from ocean_sim.basin.points import grid_points
 from ocean_sim.observers import frames, manifest, render
-from ocean_sim.parts import Preflight
+from ocean_sim.parts import SceneFacts
 from ocean_sim.pictures.stage import opengl
 from ocean_sim.pictures.water import foam
 from ocean_sim.pictures.water.waterline import ship_coordinates
@@ -107,7 +107,7 @@ def test_the_manifest_says_what_was_run_and_how_it_ended(tmp_path, watched):
 
 def test_frames_that_would_fill_a_disk_are_announced(watched):
     water = SimpleNamespace(lattice=lambda basin: SimpleNamespace(n=2_000_000), point_spacing=lambda known: 0.5)
-    scene = Preflight({"fluid": water}, watched().basin, 4, 20.0)
+    scene = SceneFacts({"fluid": water}, watched().basin, 4, 20.0)
     [sentence] = frames.Config().warnings(scene)
     assert sentence.startswith("frames: about 38.9 GB") and "frames.particles: false" in sentence
     assert frames.Config(particles=False).warnings(scene) == []

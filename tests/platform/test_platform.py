@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.files.csv_file import read_columns as read_columns
-from ocean_sim.parts import Preflight
+from ocean_sim.parts import SceneFacts
 from ocean_sim.platform import LEG_ACCELERATION_LIMIT, LEG_SPEED_LIMIT, SINGULARITY_LIMIT, STROKE_LIMIT, Commands, Cue
 from ocean_sim.platform.hexapod import Config
 from ocean_sim.platform.shared.limits import Governor, Legs, Workspace, soften_usage
@@ -370,7 +370,7 @@ def test_the_platform_of_a_run_is_the_one_of_the_command(every, tmp_path):
 
     rows = dict.fromkeys(motion_log.log_columns(PARTS), np.zeros(301)) | columns(3.0)
     observers = {"motion": motion_log.Config(every=DT)}
-    preflight = Preflight(observers, BasinConfig(length=9.0, width=9.0, depth=2.0).build(), 4, 3.0)
+    preflight = SceneFacts(observers, BasinConfig(length=9.0, width=9.0, depth=2.0).build(), 4, 3.0)
     scene = SimpleNamespace(seed=7, platform=Config(), ships={"ship": None}, observers=observers, preflight=preflight)
     simulation = SimpleNamespace(scene=scene)
     observer = platform_log.Config().build(tmp_path, simulation)

@@ -193,12 +193,12 @@ def test_a_run_streams_what_its_platform_does(tmp_path, capsys):
 
     from ocean_sim.basin import Config as BasinConfig
     from ocean_sim.observers import motion
-    from ocean_sim.parts import Preflight
+    from ocean_sim.parts import SceneFacts
     from ocean_sim.platform.hexapod import Config
 
     listener = Listener(130)
     tank = BasinConfig(length=9.0, width=9.0, depth=2.0).build()
-    preflight = Preflight({"motion": motion.Config(every=0.01)}, tank, 4, 1.0)
+    preflight = SceneFacts({"motion": motion.Config(every=0.01)}, tank, 4, 1.0)
     simulation = SimpleNamespace(scene=SimpleNamespace(platform=Config(ramp=1.0), preflight=preflight))
     observer = stream.Config(to=listener.url, frame="ned").build(tmp_path, simulation)
     pose, still = np.array([[0.1, 0.2, 0.3, 0.01, 0.02, 0.03]]), np.zeros((1, 3))

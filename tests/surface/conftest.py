@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from ocean_sim.parts import Preflight, config_of
+from ocean_sim.parts import SceneFacts, config_of
 from tests.fluid.conftest import water
 
 __all__ = ["water"]
@@ -17,7 +17,7 @@ def cloth(taichi_cpu) -> Callable[..., Any]:
 
     def build(fluid: Any, **keys: Any):
         basin = fluid.grid.basin
-        preflight = Preflight({"fluid": fluid.config}, basin, 8, 1.0)
+        preflight = SceneFacts({"fluid": fluid.config}, basin, 8, 1.0)
         return config_of("surface", "cloth")(**keys).completed(preflight).build(basin, fluid)
 
     return build

@@ -15,7 +15,7 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid.sph.particles import Components, Count
 from ocean_sim.kernel_library import ti
-from ocean_sim.parts import Preflight
+from ocean_sim.parts import SceneFacts
 from ocean_sim.pictures.water.tank import smooth_mesh
 from ocean_sim.surface.marching_cubes import Config, MarchingCubes, flat_share
 from tests.surface.spray import spray
@@ -46,7 +46,7 @@ def water(places: np.ndarray, spacing: float = SPACING) -> Any:
 
 def built(places: np.ndarray, place: Basin, apart: float = SPACING, **keys: Any) -> MarchingCubes:
     fluid = water(np.asarray(places, dtype=float), apart)
-    preflight = Preflight({"fluid": fluid}, place, 8, 1.0)
+    preflight = SceneFacts({"fluid": fluid}, place, 8, 1.0)
     config = Config(**keys).completed(preflight)
     assert not [*config.problems(preflight), *config.mismatches(preflight)]
     return config.build(place, fluid)
@@ -334,7 +334,7 @@ def test_the_ledger_tells_what_is_allocated(taichi_cpu):
     surface = built(STILL, basin(2.0, 1.2, 0.6))
     put(surface, STILL).mesh()
     allocated = runtime.allocated_bytes() - before - 3 * 8 * len(STILL)  # the particles are the water's
-    ledger_rows = surface.config.ledger(Preflight({"fluid": water(STILL)}, surface.basin, 8, 1.0))
+    ledger_rows = surface.config.ledger(SceneFacts({"fluid": water(STILL)}, surface.basin, 8, 1.0))
     assert {row.part for row in ledger_rows} == {"surface"}
     assert allocated == pytest.approx(sum(row.bytes for row in ledger_rows), rel=0.01)
 

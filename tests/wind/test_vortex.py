@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import basin
-from ocean_sim.parts import Preflight, config_of
+from ocean_sim.parts import SceneFacts, config_of
 
 LOOP = 4000  # points on a circle
 
@@ -90,5 +90,5 @@ def test_gusts_have_no_circulation_about_the_middle_of_the_basin(build, force, p
 
 def test_a_vortex_in_a_slice_is_refused():
     config = config_of("wind", "vortex")()
-    assert [*config.problems(Preflight({}, basin.Config(length=40.0, depth=7.5).build(), 4, 1.0))]
-    assert not [*config.problems(Preflight({}, basin.Config(length=40.0, width=40.0, depth=7.5).build(), 4, 1.0))]
+    assert [*config.problems(SceneFacts({}, basin.Config(length=40.0, depth=7.5).build(), 4, 1.0))]
+    assert not [*config.problems(SceneFacts({}, basin.Config(length=40.0, width=40.0, depth=7.5).build(), 4, 1.0))]

@@ -3,7 +3,7 @@
 import pytest
 
 from ocean_sim import basin
-from ocean_sim.parts import Preflight, config_of, named
+from ocean_sim.parts import SceneFacts, config_of, named
 from ocean_sim.reading.scene import load
 
 PRINTED = {
@@ -103,7 +103,7 @@ def test_waters_have_the_numbers_of_the_listing(preset_data):
 @pytest.fixture
 def scene(preset_data):
     fluid = config_of("fluid", "mueller").model_validate(preset_data("fluid", "thesis_6000"))
-    return Preflight({"fluid": fluid}, basin.Config(length=40.0, width=40.0, depth=7.5).build(), 4, 10.0)
+    return SceneFacts({"fluid": fluid}, basin.Config(length=40.0, width=40.0, depth=7.5).build(), 4, 10.0)
 
 
 def warned(preset_data, scene, name, **keys):

@@ -25,7 +25,7 @@ from ocean_sim.fluid.sph.smoothing import NEUTRAL_KERNEL, NEUTRAL_RATIO, Kernel,
 from ocean_sim.fluid.sph.water_keys import Lattice, WaterConfig, free_fall_speed
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import Fault, quantity
-from ocean_sim.parts import LedgerRow, Preflight, called, key_of
+from ocean_sim.parts import LedgerRow, SceneFacts, called, key_of
 from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import Wind
 
@@ -101,7 +101,7 @@ class SphConfig(WaterConfig):
     def viscosity_asked(self) -> float:
         return self.kinematic_viscosity
 
-    def problems(self, preflight: Preflight) -> list[Fault]:
+    def problems(self, preflight: SceneFacts) -> list[Fault]:
         found, basin = list(super().problems(preflight)), preflight.tank
         if self.sound_speed(basin) == 0.0:
             found.append((("reference_speed",), "is required without gravity: compression needs a speed to refer to"))
@@ -116,13 +116,13 @@ class SphConfig(WaterConfig):
             found += [(("spacing",), sentence) for sentence in basin.rough_bed.problems(self.lattice(basin).row)]
         return found
 
-    def most_particles(self, preflight: Preflight) -> int:
+    def most_particles(self, preflight: SceneFacts) -> int:
         """Largest number of particles (roughly) whose neighbours can be counted in 32 bits."""
         sizes = self.untouched_sizes(preflight)
         counted = sizes.plan.highest_index(sizes, self.neighbours_kept(preflight.tank))
         return min(MOST_PARTICLES, sizes.lattice.n * MAX_COUNT // max(counted, 1))
 
-    def untouched_sizes(self, preflight: Preflight) -> GridSize:
+    def untouched_sizes(self, preflight: SceneFacts) -> GridSize:
         """Sizes of grid and lists (GridSize) for the lattice as it would be without floating bodies."""
         lattice = preflight.untouched
         assert isinstance(lattice, Lattice)
@@ -132,7 +132,7 @@ class SphConfig(WaterConfig):
         """Number of neighbours of a lattice particle if the scheme stores pairs for a step, else 0."""
         return 0
 
-    def count_problems(self, preflight: Preflight) -> Iterator[str]:
+    def count_problems(self, preflight: SceneFacts) -> Iterator[str]:
         """Yield a fault if there are more particles, with their neighbours, or more cells than 32 bits can count."""
         grid, most = self.untouched_sizes(preflight), self.most_particles(preflight)
         if grid.lattice.n > most:
@@ -144,7 +144,7 @@ class SphConfig(WaterConfig):
             many = f"makes a grid of {grid.cell_count} cells, too many to be counted in 32 bits with their parts"
             yield f"{many}: the basin is too large for so small a spacing"
 
-    def warnings(self, preflight: Preflight) -> Iterator[str]:
+    def warnings(self, preflight: SceneFacts) -> Iterator[str]:
         yield from super().warnings(preflight)
         basin = preflight.tank
         if basin.rough_bed is not None:
@@ -233,12 +233,12 @@ class SphConfig(WaterConfig):
         carried += self.told_to_bodies if has_bodies(lattice.basin) else 0
         return GridSize(lattice, support, PLANS[arch], carried, reads)
 
-    def still_limits(self, preflight: Preflight) -> Limits:
+    def still_limits(self, preflight: SceneFacts) -> Limits:
         smoothing = self.smoothing(preflight.tank)
         return step_limits(smoothing, self.sound_speed(preflight.tank), self.kinematic_viscosity, 0.0, 0.0)
 
     def viscosity_added(
-        self, preflight: Preflight, length: float, height: float = 0.0, standing: bool = False
+        self, preflight: SceneFacts, length: float, height: float = 0.0, standing: bool = False
     ) -> float:
         tank, spacing = preflight.tank, preflight.spacing
         if self.attenuation is None or spacing is None:
@@ -263,7 +263,7 @@ class SphConfig(WaterConfig):
         decay = 2.0 * (self.viscosity(basin) + share * self.viscosity_scale(basin)) * k**2
         return decay - 1j * sea.omega * self.delay.share(k, height, lattice.spacing)
 
-    def statements(self, preflight: Preflight) -> Iterator[str]:
+    def statements(self, preflight: SceneFacts) -> Iterator[str]:
         basin = preflight.tank
         c, speed = self.sound_speed(basin), self.speed(basin)
         stiff = f"sound speed {c:.4g} m/s, stiffness {c * c:.4g} m2/s2"
@@ -283,7 +283,7 @@ class SphConfig(WaterConfig):
         if self.kernel is NEUTRAL_KERNEL and not self.is_enclosed(basin):
             yield from rigidity_notes(self.smoothing(basin), self.lattice(basin).spacing)
 
-    def wave_statements(self, preflight: Preflight) -> Iterator[str]:
+    def wave_statements(self, preflight: SceneFacts) -> Iterator[str]:
         """Yield sentences on the height that the scene's waves lose by the numerical viscosity of the scheme."""
         if self.attenuation is None:
             return
@@ -305,7 +305,9 @@ class SphConfig(WaterConfig):
                 )
 
 
-def scheme_ledger(preflight: Preflight, sizes: GridSize, numbers: int, what: str, told: int = 0) -> Iterator[LedgerRow]:
+def scheme_ledger(
+    preflight: SceneFacts, sizes: GridSize, numbers: int, what: str, told: int = 0
+) -> Iterator[LedgerRow]:
     """Yield a scheme's rows of the memory ledger. `numbers`: floats stored per particle besides its id (`what` names
     them); `told`: floats per particle that are sorted along for solid bodies to read."""
     n, lattice, word, wind = sizes.lattice.n, sizes.lattice, preflight.word, preflight.wind

@@ -18,7 +18,7 @@ from ocean_sim.fluid.sph.initial_state import Initial
 from ocean_sim.fluid.sph.lattice import Lattice, in_obstacles
 from ocean_sim.fluid.sph.smoothing import WENDLAND, Kernel
 from ocean_sim.model import Fault, Faults, Vector3, below, quantity
-from ocean_sim.parts import FluidConfig, Preflight, forces_in_waves
+from ocean_sim.parts import FluidConfig, SceneFacts, forces_in_waves
 from ocean_sim.runtime import BASE_MEMORY, COPY_BYTES_PER_PARTICLE
 from ocean_sim.waves import Components
 
@@ -78,7 +78,7 @@ class WaterConfig(FluidConfig):
         """True if the key `impulses` asks to sum impulse and work of forces; `read`, an observer's need, is ignored."""
         return self.impulses
 
-    def statements(self, preflight: Preflight) -> Iterator[str]:
+    def statements(self, preflight: SceneFacts) -> Iterator[str]:
         if preflight.sea is not None:
             yield from forces_in_waves(preflight, False, False)
         if self.motion_limit is not None:
@@ -94,7 +94,7 @@ class WaterConfig(FluidConfig):
             leaves = "stays" if gate.end is None else f"has left at {gate.end:g} s"
             yield f"obstacles.{k} {moves if gate.moves else ''}{leaves}"
 
-    def warnings(self, preflight: Preflight) -> Iterator[str]:
+    def warnings(self, preflight: SceneFacts) -> Iterator[str]:
         yield from super().warnings(preflight)
         tank, spacing = preflight.tank, preflight.spacing
         yield from odd_gravity(tank.gravity)
@@ -140,7 +140,7 @@ class WaterConfig(FluidConfig):
     def driven(self) -> bool:
         return self.emitter is not None
 
-    def start_lattice(self, preflight: Preflight) -> Lattice:
+    def start_lattice(self, preflight: SceneFacts) -> Lattice:
         """Lattice on which this water starts in a scene, with room made for floating bodies."""
         lattice = preflight.lattice
         assert isinstance(lattice, Lattice)
@@ -151,10 +151,10 @@ class WaterConfig(FluidConfig):
         """Name of the key that sets the resolution: `spacing` or `particles`."""
         return "spacing" if self.spacing is not None else "particles"
 
-    def most_particles(self, preflight: Preflight) -> int:
+    def most_particles(self, preflight: SceneFacts) -> int:
         return MOST_PARTICLES
 
-    def fitting_spacing(self, preflight: Preflight) -> str:
+    def fitting_spacing(self, preflight: SceneFacts) -> str:
         """Text that names the least spacing [m] that fits this machine's memory, scaled from a coarse lattice."""
         volume, d = cast(Lattice, preflight.untouched).volume, preflight.tank.dimension
         coarse = self.model_copy(update={"spacing": (volume / COARSE_PARTICLES) ** (1.0 / d), "particles": None})
@@ -167,7 +167,7 @@ class WaterConfig(FluidConfig):
         """Lattice on which the particles start in this basin; nothing is allocated yet."""
         return Lattice(self, basin)
 
-    def problems(self, preflight: Preflight) -> Faults:
+    def problems(self, preflight: SceneFacts) -> Faults:
         basin = preflight.tank
         found: list[Fault] = []
         if basin.dimension == 2 and self.body_force[2] != 0.0:

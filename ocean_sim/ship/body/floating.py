@@ -19,7 +19,7 @@ from ocean_sim.conventions import WATER_DENSITY, Diverged
 from ocean_sim.files.input_file import FileName, relative_to_scene
 from ocean_sim.fluid import ClosedForm, Contact, Fluid, Limits
 from ocean_sim.model import Faults, Model, Vector3, quantity
-from ocean_sim.parts import LedgerRow, Preflight, called, named
+from ocean_sim.parts import LedgerRow, SceneFacts, called, named
 from ocean_sim.ship import Afloat, Load, Look, Outline
 from ocean_sim.ship.body import small_linalg
 from ocean_sim.ship.body.rigid_body import RigidBody, euler_quaternion, quaternion_product, rotation_matrix, to_world
@@ -124,7 +124,7 @@ class FloatingConfig(VesselConfig):
             self.still_water_cache[asked] = self.whole_hull.in_still_water(self.cells_per_draught, density, gravity)
         return self.still_water_cache[asked]
 
-    def hydrostatics_of(self, preflight: Preflight) -> Hydrostatics:
+    def hydrostatics_of(self, preflight: SceneFacts) -> Hydrostatics:
         """Hydrostatics of the hull in the still water of a scene; raises ValueError as `in_still_water` does."""
         return self.in_still_water(-preflight.tank.gravity[1], preflight.fluid.rest_density)
 
@@ -136,7 +136,7 @@ class FloatingConfig(VesselConfig):
         """Damping law of the hull, by her hydrostatics `still`; None (the default) if only particles slow it down."""
         return None
 
-    def floats(self, preflight: Preflight) -> Afloat:
+    def floats(self, preflight: SceneFacts) -> Afloat:
         still = self.hydrostatics_of(preflight)
         if isinf(still.draught):
             return Afloat(still.matter.mass, still.draught, 0.0, 0.0, {})
@@ -144,7 +144,7 @@ class FloatingConfig(VesselConfig):
         periods = still.periods(self.added_mass_diagonal(still))
         return Afloat(still.matter.mass, still.draught, across, along, periods, still.gm_of_faces)
 
-    def look(self, preflight: Preflight) -> Look:
+    def look(self, preflight: SceneFacts) -> Look:
         still = self.hydrostatics_of(preflight)
         name = self.hull if isinstance(self.hull, str) else ""
         lower, upper = self.whole_hull.shape.bounds()
@@ -152,7 +152,7 @@ class FloatingConfig(VesselConfig):
         still_water = np.append(rotation_matrix(turn)[1], height)
         return Look(f"{name} {self.whole_hull.shape.kind}", still_water, float(upper[0] - lower[0]))
 
-    def outline(self, preflight: Preflight) -> Outline:
+    def outline(self, preflight: SceneFacts) -> Outline:
         still = self.hydrostatics_of(preflight)
         corners = convex_corners(self.whole_hull.shape) - still.matter.centre
         return placed_outline(corners, self.resting_body(still))
@@ -176,7 +176,7 @@ class FloatingConfig(VesselConfig):
             return drift.Drift(drift.waterline_law(still), sea, body)
         return drift.Drift(drift.read_table(self.drift.table).coefficients, sea, body)
 
-    def solid(self, preflight: Preflight) -> Solid | None:
+    def solid(self, preflight: SceneFacts) -> Solid | None:
         if self.contact is None or preflight.spacing is None:
             return None
         still = self.hydrostatics_of(preflight)
@@ -185,7 +185,7 @@ class FloatingConfig(VesselConfig):
         place = still.matter.centre, body.position, body.matrix
         return Solid(self.whole_hull.shape, *place, False, False, body=body, reach=reach)
 
-    def above_unsettled_water(self, body: RigidBody, preflight: Preflight) -> RigidBody:
+    def above_unsettled_water(self, body: RigidBody, preflight: SceneFacts) -> RigidBody:
         """Copy of the initial `body`; if its height is given, it is raised as far as the particles will settle."""
         rise = 0.0 if self.afloat_at_first else preflight.fluid.settling(preflight)
         return replace(body, position=body.position + [0.0, rise, 0.0])
@@ -200,7 +200,7 @@ class FloatingConfig(VesselConfig):
         sides = [f"{spans[axis]:.3g} m along {axis}, the basin {sizes[axis]:.3g} m" for axis in beyond]
         return f"the hull takes {' and '.join(sides)}" if sides else ""
 
-    def mismatches(self, preflight: Preflight) -> Faults:
+    def mismatches(self, preflight: SceneFacts) -> Faults:
         basin, spacing = preflight.tank, preflight.spacing or 0.0
         if self.drift is not None and preflight.fluid.made_of_particles:
             twice = "particles carry the waves that drift her, and would count them twice; leave it out"
@@ -240,7 +240,7 @@ class FloatingConfig(VesselConfig):
             cure = f"give her one (area, position), or leave {key} out"
             yield (key,), f"asks for {order}, but she has no rudder; {cure}"
 
-    def problems(self, preflight: Preflight) -> Faults:
+    def problems(self, preflight: SceneFacts) -> Faults:
         basin = preflight.tank
         found = [*self.basin_problems(basin), *self.unfollowable_orders()]
         for k, mooring in enumerate(self.moorings):
@@ -258,7 +258,7 @@ class FloatingConfig(VesselConfig):
         if not isinf(hull.draught) and hull.draught > basin.depth:
             yield ("hull",), f"the ship draws {hull.draught:.3g} m, the water is {basin.depth:g} m deep"
 
-    def missing_water(self, preflight: Preflight) -> Iterator[str]:
+    def missing_water(self, preflight: SceneFacts) -> Iterator[str]:
         """Warn if there is no water under the ship, or none that bears her."""
         fluid, (x, z) = preflight.fluid, (self.position[0], self.position[-1])
         if not fluid.made_of_particles:
@@ -273,7 +273,7 @@ class FloatingConfig(VesselConfig):
         if preflight.tank.dimension == 3 and not wet:
             yield f"there is no water under the ship at x = {x:g}, z = {z:g} m at first: it falls"
 
-    def start_height_warnings(self, hull: Hydrostatics, preflight: Preflight) -> Iterator[str]:
+    def start_height_warnings(self, hull: Hydrostatics, preflight: SceneFacts) -> Iterator[str]:
         """Warn of a ship that starts more than a draught above her height afloat, or wholly under water."""
         if self.afloat_at_first:
             return
@@ -320,7 +320,7 @@ class FloatingConfig(VesselConfig):
         rolls = f"she rolls {abs(slower):.1%} {'faster' if slower > 0.0 else 'slower'} than her hull would"
         yield f"{than}: {rolls}; {cure}"
 
-    def warnings(self, preflight: Preflight) -> Iterator[str]:
+    def warnings(self, preflight: SceneFacts) -> Iterator[str]:
         hull, mesh = self.hydrostatics_of(preflight), self.whole_hull.shape.closed_mesh()
         if mesh is not None:
             yield from (f"the hull's mesh: {remark}" for remark in mesh.remarks)
@@ -370,7 +370,7 @@ class FloatingConfig(VesselConfig):
             message = f"the draught of {hull.draught:.3g} m is {hull.draught / spacing:.2g} spacings"
             yield f"{message}; below {RESOLVED_SPACINGS:g} the water does not resolve the ship"
 
-    def ledger(self, preflight: Preflight) -> Iterable[LedgerRow]:
+    def ledger(self, preflight: SceneFacts) -> Iterable[LedgerRow]:
         basin, word = preflight.tank, preflight.word
         n = len(self.in_still_water(-basin.gravity[1], WATER_DENSITY).voxels.share)
         lattice = preflight.fluid.window_bytes(preflight, (NODES_ALONG, NODES_ACROSS), DEPTH_LEVELS)

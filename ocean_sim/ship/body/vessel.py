@@ -14,7 +14,7 @@ from ocean_sim.basin.solids.shape import SolidShape
 from ocean_sim.conventions import Diverged, Motions
 from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.model import Faults, Name, Point, Vector2, Vector3, quantity
-from ocean_sim.parts import Preflight, ShipConfig, called
+from ocean_sim.parts import SceneFacts, ShipConfig, called
 from ocean_sim.ship import Load, Outline, Ship
 from ocean_sim.ship.body import rigid_body, small_linalg
 from ocean_sim.ship.body.rigid_body import RigidBody
@@ -66,7 +66,7 @@ class VesselConfig(Helm, ShipConfig):
                 where = f"{'xyz'[axis]} = {value:g} m is outside the basin, which reaches from {low:g} to {high:g} m"
                 yield ("position",), where
 
-    def warnings(self, preflight: Preflight) -> Iterator[str]:
+    def warnings(self, preflight: SceneFacts) -> Iterator[str]:
         yield from self.ignored_velocity_warnings()
         yield from self.late_orders(preflight.duration)
 

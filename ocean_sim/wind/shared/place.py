@@ -18,7 +18,7 @@ from pydantic import Field
 from ocean_sim.basin import Basin
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import Faults, Model, Positive3, Vector3, quantity
-from ocean_sim.parts import Preflight
+from ocean_sim.parts import SceneFacts
 from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import DeviceRow
 
@@ -166,7 +166,7 @@ class Placed(Model):
     again at the border of the patch; `world`, it stands and drifts in the world, and the ship may leave it behind.
     null: tile."""
 
-    def misframed(self, preflight: Preflight) -> Faults:
+    def misframed(self, preflight: SceneFacts) -> Faults:
         """Yield a fault if a `frame` is given over a basin other than a patch of open sea."""
         if self.frame is not None and preflight.tank.sea is None:
             yield ("frame",), "a wind has a frame only over a patch of open sea; leave it out, or name a sea"

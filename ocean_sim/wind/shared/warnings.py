@@ -5,13 +5,13 @@ from math import hypot, isinf
 
 from ocean_sim.conventions import figures
 from ocean_sim.model import Vector3
-from ocean_sim.parts import Preflight, called
+from ocean_sim.parts import SceneFacts, called
 from ocean_sim.wind.shared.air_load import U10, stress
 
 REAL_DRAG_RATIO = "15 to 70"  # over the drag here: yacht, tug and barge in a wind of 15 m/s from ahead and abeam
 
 
-def stylised(name: str, acceleration: float, preflight: Preflight) -> str:
+def stylised(name: str, acceleration: float, preflight: SceneFacts) -> str:
     """Sentence that compares the acceleration [m/s2] of a force field with a real wind's stress on a particle layer."""
     thick = preflight.spacing or 1.0  # [m] one layer of particles; 1 where the water has none
     real = stress(U10) / (preflight.fluid.rest_density * thick)
@@ -21,7 +21,7 @@ def stylised(name: str, acceleration: float, preflight: Preflight) -> str:
     )
 
 
-def velocity_change(name: str, acceleration: Vector3, passing_time: float, preflight: Preflight) -> Iterator[str]:
+def velocity_change(name: str, acceleration: Vector3, passing_time: float, preflight: SceneFacts) -> Iterator[str]:
     """Yield a sentence on a particle's change of velocity in the force field `name`, of an acceleration [m/s2], during
     its passing time [s], and a warning if that would throw water out of the basin."""
     if isinf(passing_time):
@@ -35,7 +35,7 @@ def velocity_change(name: str, acceleration: Vector3, passing_time: float, prefl
         yield f"{name}: throws the water {height}: not a sea; make it weaker, thinner or faster"
 
 
-def ship_drag_warnings(preflight: Preflight) -> Iterator[str]:
+def ship_drag_warnings(preflight: SceneFacts) -> Iterator[str]:
     """Warn that the drag (2.22) on the scene's ships that have a shape is far from that of real ships."""
     afloat = [called(name) for name, ship in preflight.ships.items() if ship.look(preflight) is not None]
     law = f"wind: its drag on {' and '.join(afloat)} is that of the sea's surface, on all of the hull that is dry"

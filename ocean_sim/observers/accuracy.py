@@ -142,8 +142,7 @@ class Accuracy(Observer, of=Config):
 
 
 def highest_particles(basin: Basin, fluid: ParticleFluid) -> np.ndarray:
-    """Points (m, 3) [m] on top of the water, one per vertical column two spacings wide that holds particles: half a
-    spacing above its highest particle."""
+    """Points (m, 3) [m] half a spacing above the top particle of each vertical column, two spacings wide, of water."""
     x = fluid.particles.snapshot().position
     lower, size = np.array(basin.lower)[[0, 2]], np.subtract(basin.upper, basin.lower)[[0, 2]]
     counts = np.maximum(1, (size / (SURFACE_COLUMN_WIDTH * fluid.spacing) + 1.0e-6).astype(int))

@@ -304,8 +304,7 @@ def move_triangles(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) ->
 
 def topmost_velocity(snapshot: "Snapshot", points: np.ndarray, top: np.ndarray, period: Sequence[float]) -> np.ndarray:
     """Mean velocity (nx, nz, 3) [m/s] of the particles above the heights `top` (nx, nz) [m] in each cell around
-    `points` (n, 2); a cell without any takes that of its neighbours. `period`: of the basin along each axis [m], 0 if
-    none."""
+    `points` (n, 2) [m]; a cell without any takes that of its neighbours. `period`: of the basin per axis [m], or 0."""
     high = np.flatnonzero(snapshot.position[:, 1] > top.min())  # all others lie lower
     x = snapshot.position.take(high, axis=0).astype(float)
     if any(period):

@@ -58,7 +58,7 @@ class Runup(Model):
         return None if self.at is None else outside_reason((self.at,), "z" if self.along == "x" else "x", basin)
 
     def height(self, position: np.ndarray, basin: Basin, spacing: float) -> float:
-        """Highest point [m] of the bed that particles at `position` (n, 3) [m] reach on this line; NaN if it is dry."""
+        """Highest bed point [m] that particles (n, 3) [m], `spacing` apart, reach on this line; NaN if it is dry."""
         assert basin.ground is not None  # see `problem`
         along, across = (0, 2) if self.along == "x" else (2, 0)
         beside = position[np.abs(position[:, across] - (self.at or 0.0)) <= spacing]

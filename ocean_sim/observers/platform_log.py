@@ -22,7 +22,7 @@ class Config(ObserverConfig):
 
 
 def heading(every: float, frame: str = PLATFORM_FRAME) -> dict[str, object]:
-    """Comment lines, by name, at the top of every platform.csv, whose rows are `every` [s] apart."""
+    """Comment lines, by name, at the top of platform.csv, with rows `every` [s] apart along axes `frame` (as `flu`)."""
     columns = legend("platform", limits=", ".join(f"{bit} ({what})" for bit, what in LIMIT_TEXTS.items()))
     return {"frame": frame, "axes": AXES_IN_WORDS[frame]} | columns | {"rate": f"every {every:.9g} s"}
 
@@ -39,8 +39,7 @@ class PlatformLog(Observer, TakesMotion, of=Config):
         self.csv = CsvFile(folder / "platform.csv", heading(every) | {"seed": scene.seed}, PLATFORM_COLUMNS)
 
     def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
-        """Write platform commands for rows, along axes `frame`, of its ship's motion log; give them to their
-        observers."""
+        """Write platform commands for rows of its ship's motion log, along axes `frame` (as `flu`); pass them on."""
         if ship == self.ship:
             commands = self.platform.follow(ride_of(rows, frame))
             for row in commands.rows():

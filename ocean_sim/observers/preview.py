@@ -219,7 +219,8 @@ class Screen:
         return camera.eye
 
     def show_balls(self, positions: np.ndarray, colours: np.ndarray, radius: float, eye: np.ndarray) -> None:
-        """Draw lit balls of a `radius` [m] for an eye [m]; call it last, as its lights would change all before."""
+        """Draw lit balls of a `radius` [m] at `positions` (n, 3) [m] for an eye (3,) [m], in `colours` (n, 3), RGB 0 to
+        1; call it last, as its lights would change all before."""
         self.lit.set_camera(self.camera)
         self.lit.ambient_light((0.55, 0.55, 0.55))
         self.lit.point_light(pos=tuple(eye + [-200.0, 300.0, -100.0]), color=(0.6, 0.6, 0.6))
@@ -260,6 +261,6 @@ class Screen:
 
 
 def write_png(path: Path, image: np.ndarray) -> None:
-    """Write a picture (width, height, 3), from its lower left corner, as a PNG file, atomically."""
+    """Write `image` (width, height, 3), 8-bit RGB, from its lower left corner, as a PNG file, atomically."""
     with atomic_write(path) as draft:
         ti.tools.imwrite(np.ascontiguousarray(image), str(draft))

@@ -349,7 +349,7 @@ def times_without_frame(files: Sequence[Path], stills: Sequence[float]) -> list[
 
 
 def no_picture_sentence(files: Sequence[Path], missing: Sequence[float]) -> str:
-    """Sentence that there is no frame at the first of the `missing` times [s], with the time span of the frames."""
+    """Sentence that no frame is at the first of the `missing` times [s], with the time span of all frame `files`."""
     start, end = FrameLog([files[0], files[-1]]).span
     return f"there is no picture at {missing[0]:g} s; the frames of this run reach from {start:g} to {end:g} s"
 
@@ -479,8 +479,8 @@ class Painter(DrawingProcess, AbstractContextManager["Painter"]):
 
 
 def film_turns(coming: ComingFrames, every: float, of: int) -> Iterator[tuple[Path, int, int | None]]:
-    """Yield for each picture of a film: (a) its frame file; (b) the number of pictures in all, 0 while unknown; (c)
-    which of `of` processes draws it, from 0, or None if it equals the picture before."""
+    """Yield for each picture of a film, `every` [s] apart: (a) its frame file; (b) the number of pictures in all, 0
+    while unknown; (c) which of `of` processes draws it, from 0, or None if it equals the picture before."""
     shown, turn = None, 0
     for file, total in coming.chosen(every):
         yield file, total, None if file == shown else turn % of
@@ -541,7 +541,7 @@ def film_writer(path: Path, every: float) -> Any:
 
 
 def save_png(path: Path, image: np.ndarray) -> None:
-    """Write a picture (height, width, 3) as a PNG file, atomically."""
+    """Write `image` (height, width, 3), 8-bit RGB, as a PNG file, atomically."""
     import imageio.v2 as imageio
 
     with atomic_write(path) as draft:

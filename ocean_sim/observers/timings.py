@@ -66,8 +66,7 @@ class Timings(Observer, of=Config):
             self.stage_times[name] += perf_counter() - entered
 
     def warm_up(self, name: str, now: float) -> None:
-        """Note the first step's start at its first stage `name` (no `observers`), then its end. `now`: wall time
-        [s]."""
+        """Note the first step's start, at its first stage `name`, not `observers`, and end; `now`: wall time [s]."""
         if self.began is not None and self.simulation.steps > self.first_step:
             self.first_step_s = now - self.began
             self.start = self.last = self.take_mark(now)
@@ -116,7 +115,7 @@ class Timings(Observer, of=Config):
 
 
 def synchronization(arch: str) -> Callable[[], None]:
-    """Function that waits until all launched kernels are done. On a processor it does nothing, as each launch waits."""
+    """Function that waits for launched kernels; on a processor (`arch` as cpu) it does nothing: each launch waits."""
     if arch in ("cpu", "x64", "arm64"):
         return lambda: None
     return ti.sync

@@ -160,10 +160,10 @@ def ends_afloat(frame: Frame, grid: Any) -> np.ndarray:
 
 
 def survey_run(files: list[Path], grid: Any) -> tuple[Frame, float]:
-    """Frame for the still picture of a run, and the highest 99th percentile of particle speeds [m/s] in any frame. Of
-    the second half, STILL_SHARE of the frames is eligible: those where water rises at the ships and these float nearest
-    to their mean immersion. The one with the highest waves is taken; in a slice, which is coloured by speed, that with
-    the largest product of height and speed."""
+    """Frame of `files` for the still picture of a run, and the highest 99th percentile of particle speeds [m/s] in any.
+    Of the second half, STILL_SHARE of the frames is eligible: those where water rises at the ships and these float
+    nearest to their mean immersion. The one with the highest waves is taken; in a slice, which is coloured by speed,
+    that with the largest product of height and speed. `grid`: arrays in grid.npz."""
     waves, speed, ends = [], [0.1], []
     for frame in map(Frame, files):  # one at a time: a frame of a large run is large
         waves.append(float(frame.elevation.std()))

@@ -31,8 +31,7 @@ def key_table(scene: SceneConfig) -> list[dict[str, Any]]:
 
 
 def model_rows(place: str, path: str, model: BaseModel) -> list[dict[str, Any]]:
-    """Rows of `key_table` for a model and its sub-models. `place`: scene key (`wind`); `path`: with kind
-    (`wind.stress`)."""
+    """Rows of `key_table` for a model and its parts. `place`: scene key (`wind`); `path`: with kind (`wind.stress`)."""
     rows: list[dict[str, Any]] = []
     for name in type(model).model_fields:
         value, known = getattr(model, name), by_path().get(f"{path}.{name}")

@@ -168,7 +168,7 @@ def packet(kind: str, arrays: Mapping[str, np.ndarray], boxes: Mapping[str, Any]
 
 
 def box_scale(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Middle (3,) [m] of a box, and steps per metre (3,) of 16-bit integers that span it along each axis."""
+    """Middle (3,) [m] of a box from `low` to `high` [m], and steps per metre (3,) of 16-bit integers that span it."""
     return 0.5 * (high + low), FULL_SCALE / np.maximum(0.5 * (high - low), 1e-9)
 
 

@@ -143,8 +143,9 @@ class Server(AbstractContextManager["Server"]):
         hello: Mapping[str, Any] | None = None,
         framed: bool = False,
     ) -> None:
-        """`files`: content type and content by path; `token`: secret of the address, or empty; `hello`: first message
-        to a page; `framed`: other sites may frame it. Raises Lacking without aiohttp, Refused if the port is taken."""
+        """`files`: content type and content by path; `host`: address to listen at; `port`, if None: DEFAULT_PORT or, if
+        that is taken, any; `token`: secret of the address, or empty; `hello`: first message to a page; `framed`: other
+        sites may frame it. Raises Lacking without aiohttp, Refused if the port is taken."""
         try:
             import aiohttp.web  # noqa: F401
         except ImportError:
@@ -266,7 +267,7 @@ class Server(AbstractContextManager["Server"]):
                     await watcher.socket.close(code=1001, message=b"the server has stopped")
 
     def handle_loop_failure(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-        """Log once that too many files are open, since asyncio tries again; leave other failures to asyncio."""
+        """Failure handler: log once that too many files are open, as asyncio tries again; leave the rest to asyncio."""
         failure = context.get("exception")
         if not (isinstance(failure, OSError) and failure.errno in NO_FILES):
             loop.default_exception_handler(context)
@@ -349,7 +350,7 @@ class Server(AbstractContextManager["Server"]):
         return socket
 
     def receive(self, watcher: Watcher, text: str) -> None:
-        """Handle a page's message: pass the helm (right to command), or queue it. BadMessage closes the connection."""
+        """Handle a page's JSON `text`: pass the helm (right to command) or queue it. BadMessage ends the connection."""
         if not watcher.may_ask():
             raise BadMessage("too many messages")
         order = parse_command(text)

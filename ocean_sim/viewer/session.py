@@ -340,7 +340,7 @@ class Session(AbstractContextManager["Session"]):
             self.touched.append(f"t = {self.simulation.time:.6f} s: {what}")
 
     def check_text(self, watcher: int, text: str) -> None:
-        """Check a scene's text from the editor, and send the problems, if any, to the page of this number."""
+        """Check a scene's text from the editor, and send the problems, if any, to page number `watcher`."""
         try:
             self.source._replace(text=text, overrides={}).load()
         except SceneError as error:
@@ -353,7 +353,7 @@ class Session(AbstractContextManager["Session"]):
         self.server.tell(watcher, type="problems", problems=rows)
 
     def save_scene(self, name: str) -> None:
-        """Save the scene being played: its text, or all keys if some are overridden; Failed if the file exists."""
+        """Save the scene being played as `name`.yaml: text, or all keys if some are overridden. Failed if it exists."""
         path = self.out / f"{name}.yaml"
         if path.exists():
             raise Failed(f"{path}: there is such a file already; choose another name")
@@ -372,12 +372,12 @@ class Session(AbstractContextManager["Session"]):
         self.server.tell(watcher, type="waves", id=asked.id, verb=asked.verb, **found)
 
     def tell_scene(self, watcher: int | None) -> None:
-        """Send text and overrides of the scene being played to the page of this number, or to all (None)."""
+        """Send text and overrides of the scene being played to page number `watcher`, or to all (None)."""
         laid = [f"{key}={plain_value(value)}" for key, value in self.source.overrides.items()]
         self.server.tell(watcher, type="scene", name=self.source.name, text=self.source.text, sets=laid)
 
     def say(self, text: str, watcher: int | None = None, bad: bool = False) -> None:
-        """Send a sentence for the user to the page of this number, or to all (None); `bad`: True for a failure."""
+        """Send a sentence `text` for the user to page number `watcher`, or to all (None); `bad`: True for a failure."""
         self.server.tell(watcher, type="said", text=text, bad=bad)
 
     def tell_panel(self) -> None:

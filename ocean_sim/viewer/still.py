@@ -47,8 +47,8 @@ class StaticScene:
         surface: bool,
         particles: int,
     ) -> None:
-        """`grid`: arrays of frames/grid.npz; `scene`: resolved scene; `waves`: plane waves of water in closed form, or
-        None; `surface`: True if there are heights to show; `particles`: number of particles to show."""
+        """`grid`: arrays of frames/grid.npz; `scene`: resolved scene; `title`: of the page; `waves`: plane waves of
+        water in closed form, or None; `surface`: True if there are heights to show; `particles`: number to show."""
         self.scene, self.title, self.waves, self.surface, self.particles = scene, title, waves, surface, particles
         names = "lower", "upper", "x", "z"  # corners of the basin; of the heights, from their origin [m]
         self.lower, self.upper, self.x, self.z = (np.asarray(grid[name], dtype=float) for name in names)
@@ -248,7 +248,7 @@ def page_file(name: str) -> str:
 
 
 def page_document(title: str, start: dict[str, Any], data: dict[str, bytes] | None = None) -> bytes:
-    """HTML document of the page, in UTF-8; `start`: constants for its programs; `data`: packets to contain, by name."""
+    """HTML page with a `title`, in UTF-8; `start`: constants for its programs; `data`: packets to contain, by name."""
     held = "".join(
         f'<script type="application/octet-stream" id="{name}">{base64.b64encode(content).decode()}</script>\n'
         for name, content in (data or {}).items()

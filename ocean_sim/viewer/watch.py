@@ -203,8 +203,7 @@ class Watch(Observer, TakesMotion):
 
 
 def without_splashes(heights: np.ndarray) -> np.ndarray:
-    """Those water `heights` (n,) [m] that are no splashes or hollows under hulls: within SPLASH_REACH times the median
-    distance from the median."""
+    """Water `heights` (n,) [m] within SPLASH_REACH median distances of the median: no splashes, no hollows of hulls."""
     away = np.abs(heights - np.median(heights))
     return heights[away <= SPLASH_REACH * np.median(away)]
 
@@ -224,7 +223,7 @@ def particle_stride(n: int) -> int:
 
 
 def height_grid(basin: "Basin", spacing: float) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinates x and z, each (n,) [m], of the heights to show: cell centres, at most MAX_CELLS along each axis."""
+    """Coordinates x, z, each (n,) [m], of heights: cell centres, `spacing` or more apart, at most MAX_CELLS a side."""
     sides = ((float(basin.lower[k]), float(basin.upper[k])) for k in (0, 2))
     x, z = (middles(low, high, max(spacing, (high - low) / MAX_CELLS)) for low, high in sides)
     return x, np.zeros(1) if basin.dimension == 2 else z

@@ -25,7 +25,8 @@ def surely_inside(totals: Totals, basin: Basin) -> bool:
 
 
 def distance_outside(position: np.ndarray, basin: Basin, time: float, spacing: float) -> np.ndarray:
-    """Distance (n,) [m] of particles (n, 3) beyond walls or inside obstacles at a time [s]; 0 if in the water."""
+    """Distance (n,) [m] of particles at `position` (n, 3) [m], `spacing` [m] apart, beyond walls or inside obstacles at
+    a time [s]; 0 if in the water."""
     low, up = (np.array(stop) for stop in basin.stops())
     distance = np.linalg.norm(position - np.clip(position, low, up), axis=1)
     for least, most in basin.obstacles_at(time):
@@ -38,9 +39,9 @@ def distance_outside(position: np.ndarray, basin: Basin, time: float, spacing: f
 
 
 def level_ratio(position: np.ndarray, spacing: float, basin: Basin, time: float) -> float:
-    """Height of the centre of mass of particles (n, 3) [m] over the bed, as a ratio to its height at rest; NaN if a
-    position is not finite. At rest, the particles of each column (three spacings wide) lie on the bed at rest density,
-    in at least one layer."""
+    """Height of the centre of mass of particles at `position` (n, 3) [m] over the bed and mesh obstacles at a `time`
+    [s], as a ratio to its height at rest; NaN if a position is not finite. At rest, the particles of each column (three
+    times `spacing` [m] wide) lie on the bed at rest density, in at least one layer."""
     if not np.isfinite(position).all():
         return float("nan")
     axes = [0, 2][: basin.dimension - 1]

@@ -50,7 +50,7 @@ def html_table(rows: Iterable[Sequence[object]], heads: Sequence[str] = (), row_
 
 
 def embedded_picture(path: Path, caption: str, link: str | None = None) -> str:
-    """HTML of a picture stored in the page, at most MAX_PICTURE_WIDTH wide; empty if the file cannot be read."""
+    """HTML of a picture stored in the page, with a `caption`; a click opens `link`. Empty if it cannot be read."""
     if not path.exists():
         return ""
     from PIL import Image, UnidentifiedImageError
@@ -138,7 +138,8 @@ def curve_stroke(k: int) -> str:
 def draw_curves(
     time: np.ndarray, series: Mapping[str, np.ndarray], label: str, limits: Mapping[str, float] | None = None
 ) -> str:
-    """HTML figure of curves by name over time [s], spikes cut, with lines at `limits`; empty if all are 0 or NaN."""
+    """HTML figure of curves (`series`, by name) over time [s], spikes cut, with lines at `limits`; empty if all are 0
+    or NaN. `label`: quantity and unit of the curves, read aloud by screen readers."""
     everything = np.concatenate(list(series.values()))
     if not np.nan_to_num(everything).any():
         return ""

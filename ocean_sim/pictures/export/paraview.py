@@ -54,8 +54,8 @@ def export_run(
 def export_particles(
     frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
 ) -> list[Path]:
-    """Write position, velocity, id and pressure of particles to one file (vtkhdf) or one per frame (ply); returns the
-    files. `grid`: arrays that the run saves once. Raises Failed if the frames hold no particles."""
+    """Write position, velocity, id and pressure of particles to one file (`kind` vtkhdf) or one per frame (ply) in the
+    folder `out`; returns the files. `grid`, `z_up`: as in `export_shots`. Raises Failed if frames hold none."""
     if "position" not in read_npz(frames[0]):
         raise Failed("these frames hold no particles; run with frames.particles: true")
     shots = export_shots(frames, grid, z_up)
@@ -63,7 +63,7 @@ def export_particles(
 
 
 def dots_at(time: float, cloud: dict[str, np.ndarray]) -> Moment:
-    """Points of an object, without triangles, as a `Moment`. `cloud`: `position` (n, 3) [m] and more fields by name."""
+    """`Moment`, without triangles, of points at a time [s]. `cloud`: `position` (n, 3) [m] and more fields by name."""
     fields = {name: values for name, values in cloud.items() if name != "position"}
     return time, cloud["position"], np.arange(len(cloud["position"]))[:, None], fields
 
@@ -71,8 +71,9 @@ def dots_at(time: float, cloud: dict[str, np.ndarray]) -> Moment:
 def export_surface(
     frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
 ) -> list[Path]:
-    """Write the water's surface with foam and velocity, ships and gates at each frame, fixed obstacles and bed once.
-    Returns the files: one per object and frame (ply, vtp) or per object (vtkhdf). `grid`: arrays saved once."""
+    """Write the water's surface with foam and velocity, ships and gates at each frame, fixed obstacles and bed once,
+    into the folder `out`. Returns the files: one per object and frame (`kind` ply, vtp) or per object (vtkhdf). `grid`,
+    `z_up`: as in `export_shots`."""
     files: dict[str, list[Moment]] = {"surface": []}
     drawn = {key: model.mesh for key, model in scene_file.ship_models(grid).items()}
     for shot in export_shots(frames, grid, z_up):
@@ -102,7 +103,7 @@ def export_surface(
 
 def save_moments(out: Path, name: str, kind: str, moments: Iterable[Moment]) -> list[Path]:
     """Write one object, a mesh or (if `name` is one of POINT_NAMES) points alone, at several times to files called
-    `name` in the format `kind`; returns the files."""
+    `name` in the folder `out`, in the format `kind`; returns the files."""
     solid = name not in POINT_NAMES
     if kind == "vtkhdf":
         path = out / f"{name}.vtkhdf"

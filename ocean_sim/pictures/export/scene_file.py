@@ -78,8 +78,8 @@ class RunWakes:
         return [ship for ship in ships if ship.wet]
 
     def wave_heights(self, time: float, points: np.ndarray, answer: np.ndarray | None) -> np.ndarray:
-        """Height (nx, nz) [m] to add to the run's water for ship waves (bow waves excepted), at points x, z (nx nz, 2)
-        [m]. `answer`: heights [m] that its ships raise, or None; `limited_answer` cuts them near a ship."""
+        """Height (nx, nz) [m] to add to the run's water at a time [s] for ship waves (not bow waves), at points x, z
+        (nx nz, 2) [m]. `answer`: heights [m] that its ships raise, or None; `limited_answer` cuts them near a ship."""
         shape = len(self.x), len(self.z)
         more = np.zeros(shape)
         if answer is not None:
@@ -183,7 +183,7 @@ def values_beside(points: np.ndarray, particles: np.ndarray, values: np.ndarray)
 
 
 def surface_normals(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Unit normals (n, 3) at the points of a mesh: area-weighted means over the triangles that share a point."""
+    """Unit normals (n, 3) at `points` of a mesh: area-weighted means of triangles `faces` (m, 3) that share each."""
     areas = Mesh(points, faces, points).vertex_areas
     return (areas / np.maximum(np.linalg.norm(areas, axis=1, keepdims=True), 1e-12)).astype(np.float32)
 
@@ -203,7 +203,8 @@ def box_mesh(boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def fixed_bodies(grid: dict[str, np.ndarray]) -> Iterator[tuple[str, np.ndarray, np.ndarray, np.ndarray]]:
-    """Yield name, corners (n, 3) [m], triangles (m, 3) and linear RGB: of fixed obstacles, and of a bed if not flat."""
+    """Yield name, corners (n, 3) [m], triangles (m, 3) and linear RGB (3,): of fixed obstacles, and of a bed if not
+    flat. `grid`: arrays that the run saves once."""
     if len(grid["obstacles"]):
         yield "obstacles", *box_mesh(grid["obstacles"]), STONE_COLOUR
     if (ground := kept_ground(grid)) is not None:
@@ -226,8 +227,9 @@ def frame_rate(first: float, last: float, count: int, every: float) -> float:
 
 
 def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up: bool) -> Path:
-    """Write a USD file (usdc) with time samples in metres and return its path. It holds /sea/water, obstacles, ground,
-    gates, particles, spray, and /sea/NAME of each ship. Raises Lacking without the package usd-core."""
+    """Write `frames` as a USD file (usdc) with time samples in metres and return its path. It holds /sea/water,
+    obstacles, ground, gates, particles, spray, and /sea/NAME of each ship. `grid`, `z_up`: as in `export_shots`. Raises
+    Lacking without the package usd-core."""
     try:
         from pxr import Gf, Sdf, Tf, Usd, UsdGeom, Vt
     except ImportError:
@@ -314,16 +316,16 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
 
 
 def set_triangles(mesh: Any, corners: np.ndarray, vt: ModuleType, *at: Any) -> None:
-    """Set a USD mesh's triangles from vertex numbers (3 m,). `vt`: USD's module of arrays; `at`: time code from which
-    they hold; without one they hold always."""
+    """Set a USD mesh's triangles from vertex numbers `corners` (3 m,). `vt`: USD's module of arrays; `at`: time code
+    from which they hold; without one they hold always."""
     mesh.CreateFaceVertexCountsAttr().Set(vt.IntArray.FromNumpy(np.full(len(corners) // 3, 3, np.int32)), *at)
     mesh.CreateFaceVertexIndicesAttr().Set(vt.IntArray.FromNumpy(corners), *at)
     mesh.CreateSubdivisionSchemeAttr("none")
 
 
 def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> Path:
-    """Write water, obstacles, bed and moving ships as binary glTF and return the path. The water is one mesh that
-    deforms, coloured by the first frame; if its triangles change, one mesh per frame, shown in turn."""
+    """Write water, obstacles, bed and moving ships as binary glTF and return the path. The water is one deforming mesh,
+    coloured by the first frame, or one per frame if its triangles change. `grid`: as in `export_shots`."""
     from scipy.spatial.transform import Rotation
 
     shots = list(export_shots(frames, grid))

@@ -29,8 +29,7 @@ class ShadowMap:
     """Shadow map of a ship: how far each of her sunlit points lies towards the sun, as an image seen from the sun."""
 
     def __init__(self, points: np.ndarray, length: float) -> None:
-        """`points`: (n, 3) on the ship's surface in body axes [m], at most a pixel of the map apart; `length`: half the
-        map's side [m]."""
+        """`points`: (n, 3) on the ship, body axes [m], a map pixel apart or less; `length`: half the map's side [m]."""
         self.length, self.points = length, np.ascontiguousarray(points.T)
 
     def map(self, turn: np.ndarray, sun: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -60,7 +59,7 @@ def shadow_bounds(depth: np.ndarray, length: float) -> tuple[np.ndarray, np.ndar
 
 
 def sky_shares(corners: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """Share (n,) of the sky that is visible past the ship's own parts from points (n, 3) [m] on her, with `normals`."""
+    """Share (n,) of the sky visible past the ship's own parts from triangle `corners` (n, 3) [m] with `normals`."""
     low = corners.min(axis=0) - SKY_CELL
     shape = np.ceil((corners.max(axis=0) - low) / SKY_CELL).astype(int) + 2
     full = np.zeros(shape, dtype=bool)

@@ -49,7 +49,7 @@ def kept_models(grid: Mapping[str, Any]) -> dict[str, ShipModel]:
 
 
 def kept_model(grid: Mapping[str, Any], key: str) -> ShipModel:
-    """Ship model to draw, by ship key, from the arrays that a run saves once; raises RenderFailed without them."""
+    """Ship model to draw, by ship key, from the arrays in grid.npz (`grid`); raises RenderFailed without them."""
     if f"{key}_still_water" not in grid:
         raise RenderFailed("these frames are of an older version, which kept no ship to draw; run the scene again")
     names = "vertices", "triangles", "still_water", "look", "helm"
@@ -60,8 +60,8 @@ def kept_model(grid: Mapping[str, Any], key: str) -> ShipModel:
 def build_model(
     vertices: np.ndarray, triangles: np.ndarray, still_water: np.ndarray, look: str, helm: np.ndarray
 ) -> ShipModel:
-    """Drawn model of a ship on a hull with vertices (n, 3) [m]. `still_water` (4,): as `ship.Look` has it; `look`:
-    names of hull and shape, by which a style is chosen; `helm`: eye of the helmsman [m], or empty."""
+    """Drawn model of a ship on a hull: vertices (n, 3) [m], triangles (m, 3). `still_water` (4,): as in `ship.Look`;
+    `look`: names of hull and shape, by which a style is chosen; `helm`: eye of the helmsman [m], or empty."""
     hull = Hull(np.asarray(vertices, dtype=float), np.asarray(triangles, dtype=int), still_water)
     given = np.asarray(helm, dtype=float) if np.isfinite(helm).all() and np.size(helm) else None
     from_file = "mesh" in look.lower()
@@ -75,7 +75,7 @@ def build_model(
 
 @cache
 def style_of(name: str) -> dict[str, Any]:
-    """Style of a kind of ship (cabins, colours), or the common paints: the contents of its file in configs/look/."""
+    """Style of a kind of ship (cabins, colours), or the common paints: the contents of configs/look/`name`.yaml."""
     return dict(read_mapping(library("configs") / "look" / f"{name}.yaml").plain())
 
 

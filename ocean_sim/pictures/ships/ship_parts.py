@@ -72,7 +72,7 @@ def quad_triangles(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -
 
 
 def fan_triangles(outline: np.ndarray) -> np.ndarray:
-    """Triangles (k, 3, 3) that fill a convex polygon (k, 3) from its middle."""
+    """Triangles (k, 3, 3) that fill a convex polygon, `outline` (k, 3), from its middle."""
     return np.stack([np.tile(outline.mean(axis=0), (len(outline), 1)), outline, np.roll(outline, -1, axis=0)], axis=1)
 
 
@@ -117,7 +117,7 @@ def level_outline(corners: list[list[float]], y: float) -> np.ndarray:
 
 
 def tube_mesh(start: Triple, end: Triple, radii: tuple[float, float], colour: Triple, sides: int = 8) -> Mesh:
-    """Mesh of a bar or cone from `start` to `end` [m], with a radius [m] at each and `sides` flat sides."""
+    """Mesh of a bar or cone from `start` to `end` [m], with `radii` [m] at these and `sides` flat sides."""
     a, b = np.array(start, dtype=float), np.array(end, dtype=float)
     along = unit_vector(b - a)
     across = unit_vector(np.cross(along, [0.0, 1.0, 0.0] if abs(along[1]) < 0.9 else [1.0, 0.0, 0.0]))
@@ -173,7 +173,8 @@ class Hull:
     """Physical hull of a ship in body axes from her centre of mass, and the plane of the still water at rest."""
 
     def __init__(self, vertices: np.ndarray, triangles: np.ndarray, still_water: np.ndarray) -> None:
-        """`still_water` (4,): upward normal of that plane, and height of the centre of mass over it [m]."""
+        """`vertices` (n, 3) [m], `triangles` (m, 3): of the hull; `still_water` (4,): upward normal of that plane, and
+        height of the centre of mass over it [m]."""
         self.vertices, self.triangles = vertices, triangles
         self.lower, self.upper = vertices.min(axis=0), vertices.max(axis=0)
         self.breadth, self.depth, self.length = self.upper - self.lower  # [m]
@@ -274,7 +275,7 @@ class Sheer:
         return merge_meshes(parts)
 
     def strake(self, share: float, out: float, radius: float, colour: Triple) -> Mesh:
-        """Mesh of a round bar along sides and stern, at a share of the bulwark's height and `out` [m] outside it."""
+        """Mesh of a round bar of `radius` [m] on sides and stern, at a share of bulwark height, `out` [m] off it."""
         port = self.bulwark_top(self.stations, share=share) + [out, 0.0, 0.0]
         port[-1] = port[-1] * [0.0, 1.0, 1.0] + [0.0, 0.0, out]
         across = port[[0]] * np.array([[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])
@@ -282,7 +283,7 @@ class Sheer:
 
 
 def smooth_strip(low: np.ndarray, high: np.ndarray, colour: Triple) -> Mesh:
-    """Mesh of quadrilaterals between two lines (n, 3) [m], with smooth normals along them."""
+    """Mesh of quadrilaterals between two lines, `low` and `high` (n, 3) [m], with smooth normals along them."""
     vertices, (a, b) = np.concatenate([low, high]), np.arange(2 * len(low)).reshape(2, -1)
     triangles = quad_triangles(a[:-1], b[:-1], b[1:], a[1:])
     kept = triangles[np.linalg.norm(area_vectors(vertices[triangles]), axis=1) > 1e-12]

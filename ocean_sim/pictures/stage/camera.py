@@ -110,8 +110,9 @@ class Operator:
         span: tuple[float, float],
         **given: Any,
     ) -> None:
-        """`span`: first and last time of the film [s]; `given`: `vessel` to follow; True for `away` (ships may leave
-        the basin), `at_sea`, `whole` (show all of the basin); `eye`, `target` [m] of the camera `fixed`."""
+        """`lower`, `upper`: corners of the basin [m]; `aspect`: width over height of the picture; `span`: first and
+        last time of the film [s]; `given`: `vessel` to follow; True for `away` (ships may leave the basin), `at_sea`,
+        `whole` (show all of the basin); `eye`, `target` [m] of the camera `fixed`."""
         self.name, self.lower, self.upper, self.aspect, self.span = name, lower, upper, aspect, span
         self.vessel: Vessel | None = given.get("vessel")
         self.away, self.whole = bool(given.get("away")), bool(given.get("whole"))

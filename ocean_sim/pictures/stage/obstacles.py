@@ -45,7 +45,7 @@ class Obstacles:
         self.add("plates", self.plates + frame.plate_way, frame.moving_meshes[:0], PLATE_COLOUR)
 
     def add(self, name: str, boxes: np.ndarray, triangles: np.ndarray, paint: np.ndarray = CONCRETE_COLOUR) -> None:
-        """Draw boxes (n, 2, 3) and triangles (m, 3, 3) [m] as the object `name`, replacing it if it exists."""
+        """Draw, or replace, the object `name`: boxes (n, 2, 3), triangles (m, 3, 3) [m], in linear RGB `paint` (3,)."""
         plotter, pyvista = self.stage.plotter, self.stage.pyvista
         plotter.remove_actor(name, render=False)
         ends = [np.stack([np.maximum(low, self.lower), np.minimum(up, self.upper)], axis=1) for low, up in boxes]

@@ -80,7 +80,8 @@ def draws(name: str) -> bool:
 
 
 def child_prints(words: str, program: str, environment: Mapping[str, str] | None = None) -> bool:
-    """True if a child process running a Python `program` prints `words` and exits with 0 within PROBE_SECONDS."""
+    """True if a child process running a Python `program` prints `words` and exits with 0 within PROBE_SECONDS.
+    `environment`: its variables by name; None: those of this process."""
     command = [sys.executable, "-c", program]
     try:
         with TemporaryDirectory() as away:  # where it works, as GGUI leaves a file there

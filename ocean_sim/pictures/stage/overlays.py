@@ -54,7 +54,7 @@ class Overlay:
         self.write(f"{metres:g} m", ends[0], self.low - 32)
 
     def arrow_bar(self, length: float, text: str) -> None:
-        """Write what the wind's arrows show and, above the scale bar, draw one of a length [pixels]; 0: none."""
+        """Write `text` about the wind's arrows and, above the scale bar, draw one of a length [pixels]; 0: none."""
         self.write(text, self.right, self.low - (94 if length else 72), "rs")
         if length:
             row, neck = self.low - 78, self.right - min(ARROW_HEAD, length)

@@ -31,8 +31,8 @@ MAP_CAMERAS = "top", "side"  # cameras that see the whole way of a ship that lea
 
 
 def is_foreseeable(grid: Any, order: Order) -> bool:
-    """True if every picture can be drawn while the run continues. Two kinds cannot: particles, as their colour scale
-    covers the speeds of the whole run, and cameras that show all of the ship's way or of the film's time."""
+    """True if every picture can be drawn while the run continues. Two kinds cannot: particles, coloured by the speeds
+    of the whole run, and cameras that show the ship's whole way or the film's time. `grid`: arrays in grid.npz."""
     whole_way = order.camera in MAP_CAMERAS and "sea_answers" in grid
     return not (order.particles or not bool(grid["has_surface"]) or order.camera == "orbit" or whole_way)
 

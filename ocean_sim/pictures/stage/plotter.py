@@ -46,7 +46,8 @@ class Stage:
         return made
 
     def add(self, points: np.ndarray, faces: np.ndarray, colours: np.ndarray, **shown: Any) -> Any:
-        """Add and return a mesh of faces between points (n, 3) [m], in 8-bit RGB or RGBA; `shown`: PyVista options."""
+        """Add and return a mesh of faces (m, 3) or (m, 4) between points (n, 3) [m] with 8-bit `colours`, RGB (n, 3) or
+        RGBA (n, 4); `shown`: PyVista options."""
         mesh = self.mesh(points, faces)
         mesh["colour"] = colours
         self.plotter.add_mesh(mesh, scalars="colour", rgb=True, lighting=False, **shown)

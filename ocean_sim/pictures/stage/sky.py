@@ -60,7 +60,8 @@ def sky_and_ground(direction: np.ndarray) -> np.ndarray:
 
 
 def painted_light(normals: np.ndarray, paint: np.ndarray, gloss: np.ndarray | float = 0.0) -> np.ndarray:
-    """Linear RGB (n, 3) of surfaces of linear RGB `paint` in sun and sky; `gloss` (n, 1): 1 for panes that mirror."""
+    """Linear RGB (n, 3) of surfaces with unit `normals` (n, 3) and linear RGB `paint` in sun and sky; `gloss` (n, 1): 1
+    for panes that mirror."""
     sun = np.clip(normals @ SUN_DIRECTION, 0.0, 1.0)[:, None]
     above = 0.5 + 0.5 * normals[:, 1:2]
     ambient = FROM_BELOW + (FROM_ABOVE - FROM_BELOW) * above
@@ -218,7 +219,7 @@ def add_clouds(d: np.ndarray, clear: np.ndarray, sunlight: np.ndarray) -> tuple[
 
 
 def fractal_noise(p: np.ndarray, octaves: int, seed: int) -> np.ndarray:
-    """Noise (...), 0 to 1, at points (..., 2): `octaves` of value noise, each with half the amplitude before."""
+    """Noise (...), 0 to 1, at points `p` (..., 2): `octaves` of value noise, each half as strong; `seed` shifts it."""
     total, weight, amplitude = np.zeros(p.shape[:-1]), 0.0, 1.0
     for k in range(octaves):
         total += amplitude * value_noise(*np.moveaxis(p * 2.03**k + 34.3 * k + 17.0 * seed, -1, 0))[0]

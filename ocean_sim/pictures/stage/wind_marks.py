@@ -45,7 +45,8 @@ class WindMarks:
         self.draw_copies("crosses", self.cross, tails[~blowing] + [0.0, noise[:1].sum(), 0.0], noise)
 
     def draw_copies(self, name: str, model: object, positions: np.ndarray, along: np.ndarray) -> None:
-        """Draw copies of a model of length 1 along x, at positions (n, 3), turned and scaled to `along` (n, 3) [m]."""
+        """Draw copies of a model of length 1 along x, at `positions` (n, 3) [m], turned and scaled to `along` (n, 3)
+        [m], as the object `name` in place of one before."""
         self.stage.plotter.remove_actor(name, render=False)
         if not len(positions):
             return

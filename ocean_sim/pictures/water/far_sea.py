@@ -219,7 +219,7 @@ class Modes:
         self, shape: tuple[int, ...], size: tuple[float, float], depth: float, towards: np.ndarray, seed: int = 0
     ) -> None:
         """`shape`: of the grid of heights in the basin; `size`: of the basin along x, z [m]; `depth`: of the water [m];
-        `towards`: unit vector x, z to which the wind blows."""
+        `towards`: unit vector x, z to which the wind blows; `seed`: of the random headings and phases."""
         p, q = np.indices(shape)
         self.kept = (np.hypot(p / shape[0], q / shape[1]) < MAX_MODE) & (p + q > 0)
         p, q = p[self.kept], q[self.kept]
@@ -244,8 +244,8 @@ class Modes:
         self.sea = Components(np.ones(len(n)), np.stack([sign_x * kx, sign_z * kz], axis=1), phase, depth)
 
     def variances(self, elevation: np.ndarray) -> np.ndarray:
-        """Variances (n,) [m2] of the plane waves, from heights (nx, nz) [m] in the basin: in the ratio of the power of
-        the basin modes that each wave stands for; their sum is the variance of the heights."""
+        """Variances (n,) [m2] of the plane waves, from the heights `elevation` (nx, nz) [m] in the basin: in the ratio
+        of the power of the basin modes that each wave stands for; their sum is the variance of the heights."""
         from scipy.fft import dctn
 
         power = dctn(elevation - elevation.mean(), type=2, norm="ortho") ** 2 / elevation.size

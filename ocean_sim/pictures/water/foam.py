@@ -61,7 +61,7 @@ def white_shares(convergence: np.ndarray, wanted: float, among: np.ndarray | Non
 
 
 def monahan_cover(speed: float) -> float:
-    """White-cap cover in a wind [m/s] at 10 m (Monahan & O'Muircheartaigh 1980, J. Phys. Oceanogr. 10, eq. 5)."""
+    """White-cap cover at a wind speed [m/s] at 10 m (Monahan & O'Muircheartaigh 1980, J. Phys. Oceanogr. 10, eq. 5)."""
     return 3.84e-6 * max(speed, 0.0) ** 3.41
 
 
@@ -139,8 +139,9 @@ class FoamField:
             self.cover += (wanted - self.cover) * (1.0 - before / self.called)
 
     def breaking_foam(self, convergence: np.ndarray, time: float, step: float) -> np.ndarray:
-        """Thickness (1: white) of new foam in each foam cell, to bring the mean cover to its target; `step`: time since
-        the last call [s]. White cells count as less convergent; else foam on standing waves would never end."""
+        """Thickness (1: white) of new foam in each foam cell, to bring the mean cover to its target. `convergence` (nx,
+        nz): downward acceleration over gravity at a `time` [s]; `step`: time since the last call [s]. White cells count
+        as less convergent; else foam on standing waves would never end."""
         white, least = self.cell_shares(self.flecks[2:].max(axis=0)), PATCH_CELLS**2 / self.white.size
         lacks = self.cover - white.mean()
         self.owed = float(np.clip(self.owed + lacks * step / FADE_SECONDS, -least, least))
@@ -234,8 +235,7 @@ class FoamField:
 
 
 def gathering_noise(places: np.ndarray) -> np.ndarray:
-    """Random factor (n,), 1 on average, by which convergence is multiplied so that foam forms in patches; it repeats
-    with period 1 in the positions (2, n)."""
+    """Random factor (n,), 1 on average, on convergence, which makes foam patchy; of period 1 in `places` (2, n)."""
     return 0.5 + value_noise(*places)[0]
 
 
@@ -261,8 +261,8 @@ def cell_means(white: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def read_ways(ways: np.ndarray, places: np.ndarray, order: int = 1) -> np.ndarray:
-    """Displacements `ways` (k, nx, nz) at cell centres, interpolated by splines of this order to positions (2, ...)
-    [cells]; beyond the grid as at its edge."""
+    """Displacements `ways` (k, nx, nz) at cell centres, interpolated by splines of this order to positions `places` (2,
+    ...) [cells]; beyond the grid as at its edge."""
     from scipy.ndimage import map_coordinates
 
     return np.stack([map_coordinates(way, places, order=order, mode="nearest") for way in ways])
@@ -276,7 +276,8 @@ def read_cells(values: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 def new_foam(white: np.ndarray, convergence: np.ndarray, wanted: float) -> np.ndarray:
-    """Thickness (1: white) of new foam, on the most convergent water, that raises the mean of `white` to `wanted`."""
+    """Thickness (n, m) (1: white) of new foam, on water of greatest `convergence` (n, m), downward acceleration over
+    gravity, that raises the mean of `white` (n, m) to `wanted`."""
     born, (low, high) = np.zeros_like(white), (0.0, 1.0)
     if white.mean() >= wanted or np.ptp(convergence) == 0.0:
         return born
@@ -301,15 +302,15 @@ def edge_bends(x: np.ndarray, z: np.ndarray, angle: float) -> np.ndarray:
 
 
 def grain_places(places: np.ndarray, angle: float) -> np.ndarray:
-    """Positions (n, 2) [m] at which to read noise for the fine pattern of foam at x, z (n, 2) [m]. They are compressed
-    along the wind, at an `angle` [rad] from +x to +z, which draws foam into threads."""
+    """Positions (n, 2) [m] at which to read noise for the fine pattern of foam at x, z `places` (n, 2) [m]. They are
+    compressed along the wind, at an `angle` [rad] from +x to +z, which draws foam into threads."""
     way = np.array([np.cos(angle), np.sin(angle)])
     return places - (1.0 - 1.0 / THREAD_STRETCH) * (places @ way)[:, None] * way
 
 
 def levelled_heights(elevation: np.ndarray, inside: np.ndarray, reach: np.ndarray) -> np.ndarray:
-    """Heights (nx, nz) [m] in which those marked `inside` (nx, nz) are replaced by a mean of unmarked ones around them,
-    with Gaussian weights of standard deviation `reach` along x, z [cells]."""
+    """Heights `elevation` (nx, nz) [m] in which those marked `inside` (nx, nz) are replaced by a mean of unmarked ones
+    around them, with Gaussian weights of standard deviation `reach` along x, z [cells]."""
     from scipy.ndimage import gaussian_filter
 
     outside = (~inside).astype(float)

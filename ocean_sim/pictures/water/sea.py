@@ -365,7 +365,7 @@ class Sea(Content):
 
     def update_hull(self, k: int, key: str, position: np.ndarray, turn: np.ndarray) -> float:
         """Update the water around the ship `key`, number k in the shaders: foam at her waterline, the hole for her
-        hull, her mirror image; `turn` as in `wetted_hull`. Returns the mean height of the water around her [m]."""
+        hull, her mirror image; `position`, `turn` as in `wetted_hull`. Returns the mean water height around her [m]."""
         hull, ship = self.hulls[key], self.wetted_hull(key, position, turn)
         self.set(**{f"useHull{k}": float(ship.wet)})
         if ship.wet:

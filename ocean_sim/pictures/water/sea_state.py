@@ -100,8 +100,7 @@ def exact_waves(grid: Any) -> Components | None:
 
 
 def is_tank(basin: dict[str, Any]) -> bool:
-    """True if these keys of a basin describe a tank: it has parts of one (as a wavemaker), or is short as a
-    laboratory's."""
+    """True if these keys of a basin describe a tank: with parts of one (as a wavemaker), or short as a laboratory's."""
     return any(basin.get(key) for key in TANK_FITTINGS) or basin.get("length", np.inf) <= LABORATORY_LENGTH
 
 

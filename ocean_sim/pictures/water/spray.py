@@ -91,8 +91,8 @@ class Spray:
         return parcels[~flying]
 
     def throw_parcels(self, source: Source, step: float, most: float, wind: np.ndarray) -> np.ndarray:
-        """Parcels (n, 9), columns as in `Spray`, that a source throws within `step` [s], moved to its end. So many
-        drops share a parcel that there are about `most` parcels or fewer."""
+        """Parcels (n, 9), columns as in `Spray`, that a source throws within `step` [s], moved to its end in a `wind`
+        x, z [m/s] at 10 m. So many drops share a parcel that there are about `most` parcels or fewer."""
         volume = 4.0 / 3.0 * np.pi * source.radius**3 * np.exp(4.5 * RADIUS_DEVIATION**2)  # mean of a drop [m3]
         number = source.mass * step / (WATER_DENSITY * volume)
         each = max(float(number.sum()) / most, 1.0)  # drops of a parcel
@@ -157,7 +157,8 @@ def foam_sources(
 
 
 def airborne_source(position: np.ndarray, velocity: np.ndarray, floor: np.ndarray, spacing: float) -> Source:
-    """Source of spray at particles (n, 3) [m] of the run that fly apart over a floor at heights `floor` (n,) [m]."""
+    """Source of spray at particles of the run, at `position` (n, 3) [m] with `velocity` (n, 3) [m/s] and `spacing` [m],
+    that fly apart over a floor at heights `floor` (n,) [m]."""
     from scipy.spatial import cKDTree
 
     up = flying_share(position, floor, spacing)
@@ -192,7 +193,7 @@ def flying_share(position: np.ndarray, floor: np.ndarray, spacing: float) -> np.
 
 
 def floor_heights(position: np.ndarray, bed: float | np.ndarray, obstacles: np.ndarray) -> np.ndarray:
-    """Heights (n,) [m] of the bed (one height or (n,)) or of an obstacle (m, 2, 3) [m] below particles (n, 3) [m]."""
+    """Heights (n,) [m] of the bed (one or (n,)) or of obstacles, boxes (m, 2, 3) [m], below particles (n, 3) [m]."""
     floor = np.full(len(position), bed)
     for low, up in obstacles:
         over = np.all((position[:, [0, 2]] > low[[0, 2]]) & (position[:, [0, 2]] < up[[0, 2]]), axis=1)

@@ -31,7 +31,7 @@ AMBIENT_LIGHT, SUN_LIGHT = 0.84, 0.26  # of light: from all sides, and the sun's
 
 def add_shaded(stage: Stage, mesh: Any, program: str, low: np.ndarray, up: np.ndarray, apart: float) -> Any:
     """Add and return the actor of a PyVista mesh with point normals `nrm`, drawn by a shader `program` around the block
-    from `low` to `up`, with lines `apart` [m]."""
+    from `low` to `up` [m], with lines `apart` [m]."""
     body = water_glsl.shader(program, sys.modules[__name__], sky)
     shaded = water_glsl.Shaded(mesh, body, "", {}, ("nrm",))
     shaded.set(exposure=1.0, boxLow=low, boxHigh=up, apart=apart)
@@ -40,8 +40,7 @@ def add_shaded(stage: Stage, mesh: Any, program: str, low: np.ndarray, up: np.nd
 
 
 def add_ground(stage: Stage, low: np.ndarray, up: np.ndarray) -> None:
-    """Add the soft shadow that a block from `low` to `up` [m] casts on the ground, and lines a round number of metres
-    apart around it."""
+    """Add the soft shadow of a block from `low` to `up` [m], and lines round it, a round number of metres apart."""
     longer = max(up[0] - low[0], up[2] - low[2])
     reach = GROUND_REACH * longer
     x, z = (np.array([low[k] - reach, up[k] + reach]) for k in (0, 2))

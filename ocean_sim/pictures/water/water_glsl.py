@@ -192,7 +192,7 @@ def collect_messages() -> Any:
 
 
 def refusal(said: Any) -> str | None:
-    """Reason why OpenGL refused a shader program, from the collector of VTK's messages; None if it did not."""
+    """Reason why OpenGL refused a shader program, from `said`, the collector of VTK's messages; None if it did not."""
     if "vtkShaderProgram" not in (text := said.GetOutput()):
         return None
     why = (line for line in text.splitlines() if "error" in line.lower() and not line.startswith("ERROR: In"))

@@ -40,7 +40,7 @@ class WaterMesh:
         self.side_depth = np.concatenate([np.repeat(np.linspace(0.0, 1.0, SIDE_ROWS), len(rim)) for rim in self.rims])
 
     def surface(self, elevation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Surface nodes (n, 3) [m], on a cubic spline through the cells' heights (nx, nz) [m], and unit normals."""
+        """Surface nodes (n, 3) [m] on a cubic spline through the cells' `elevation` (nx, nz) [m], and unit normals."""
         height = (self.along_x @ elevation @ self.along_z.T).reshape(-1)
         slope_x = (self.slope_x @ elevation @ self.along_z.T).reshape(-1)
         slope_z = (self.along_x @ elevation @ self.slope_z.T).reshape(-1)

@@ -72,7 +72,8 @@ def slope_variance(wind_speed: float) -> float:
 
 
 def surface_light(position: np.ndarray, normal: np.ndarray, height: np.ndarray, eye: np.ndarray) -> np.ndarray:
-    """Linear RGB (n, 3) of surface points (n, 3) [m] for an eye; `height`: -1 in a trough, 0 at rest, 1 on a crest."""
+    """Linear RGB (n, 3) of surface points (n, 3) [m] with normals (n, 3) for an eye (3,) [m]; `height` (n,): -1 in a
+    trough, 0 at rest, 1 on a crest."""
     to_eye = unit_vector(eye - position)
     facing = np.maximum((to_eye * normal).sum(axis=1), 0.0)
     cosine = np.sqrt(facing**2 + NODE_ROUGHNESS)  # ripples keep a rough sea from mirroring fully at grazing angles
@@ -96,7 +97,7 @@ def sun_glint(normal: np.ndarray, to_eye: np.ndarray, cosine: np.ndarray) -> np.
 
 
 def side_light(position: np.ndarray, normal: np.ndarray, depth: np.ndarray, eye: np.ndarray) -> np.ndarray:
-    """Linear RGB (n, 3) of points (n, 3) [m] on a cut side of the water, for an eye; `depth`: 0 at top, 1 at bed."""
+    """Linear RGB (n, 3) of points on a cut side, arguments as in `surface_light`; `depth` (n,): 0 at top, 1 at bed."""
     to_eye = unit_vector(eye - position)
     facing = np.clip((to_eye * normal).sum(axis=1), 0.0, 1.0)
     share = fresnel(facing)[:, None]
@@ -106,8 +107,8 @@ def side_light(position: np.ndarray, normal: np.ndarray, depth: np.ndarray, eye:
 
 
 def relief_light(normal: np.ndarray, height: np.ndarray) -> np.ndarray:
-    """Linear RGB (n, 3) of the surface as a relief map: dark troughs, pale crests, lit from the upper left. Slopes are
-    exaggerated, and limited so that none is black; `height`: -1 in a trough, 0 at rest, 1 on a crest."""
+    """Linear RGB (n, 3) of a surface with normals (n, 3) as a relief map: dark troughs, pale crests, lit from the upper
+    left. Slopes are exaggerated, up to a limit; `height` (n,): -1 in a trough, 0 at rest, 1 on a crest."""
     slope = -normal[:, [0, 2]] / normal[:, 1:2]
     slope *= MAP_SLOPE / max(float(slope.std()), 1e-3 * MAP_SLOPE)
     slope /= np.hypot(1.0, np.linalg.norm(slope, axis=1, keepdims=True) / MAP_STEEPEST)
@@ -117,18 +118,18 @@ def relief_light(normal: np.ndarray, height: np.ndarray) -> np.ndarray:
 
 
 def colour_scale(share: np.ndarray, colours: np.ndarray) -> np.ndarray:
-    """Colours (n, 3) at positions (n,), 0 to 1, on a scale of evenly spaced colours (k, 3), linear between them."""
+    """Colours (n, 3) at each `share` (n,), 0 to 1, of a scale of evenly spaced colours (k, 3), linear between them."""
     at = np.linspace(0.0, 1.0, len(colours))
     return np.stack([np.interp(share, at, channel) for channel in colours.T], axis=1)
 
 
 def filmic_curve(radiance: np.ndarray, exposure: float = 1.15) -> np.ndarray:
-    """Display RGB, 0 to 1, of linear RGB times `exposure`: filmic curve (Narkowicz 2015, fit to ACES), gamma 2.2."""
+    """Display RGB, 0 to 1, of linear RGB `radiance` times `exposure` (Narkowicz 2015, fit to ACES; gamma 2.2)."""
     c = np.maximum(radiance, 0.0) * exposure
     curve = c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14)
     return np.clip(curve, 0.0, 1.0) ** (1.0 / 2.2)
 
 
 def display_colours(radiance: np.ndarray, exposure: float = 1.15) -> np.ndarray:
-    """Display RGB, 8-bit, of linear RGB times `exposure` (see `filmic_curve`)."""
+    """Display RGB, 8-bit, of linear RGB `radiance` times `exposure` (see `filmic_curve`)."""
     return (255.0 * filmic_curve(radiance, exposure) + 0.5).astype(np.uint8)

@@ -120,7 +120,7 @@ class WettedHull(NamedTuple):
         return self.line.min(axis=(0, 1)) - FOAM_REACH, self.line.max(axis=(0, 1)) + FOAM_REACH
 
     def stem_coordinates(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Distances (n,) [m] of points x, z (n, 2) [m] behind the stem, and to the side of the ship's centre line."""
+        """Distances (n,) [m] of points x, z (n, 2) [m] behind the stem, and to starboard of the ship's centre line."""
         ends = self.line.reshape(-1, 2)
         stem = ship_coordinates(ends[:, 0], ends[:, 1], self.position, self.turn)[0].max()
         along, aside = ship_coordinates(at[:, 0], at[:, 1], self.position, self.turn)
@@ -158,7 +158,8 @@ class Hull:
     def wetted_hull(
         self, position: np.ndarray, turn: np.ndarray, speed: float, heights_at: Callable[[np.ndarray], np.ndarray]
     ) -> WettedHull:
-        """Hull in the water at a pose and speed [m/s]; `heights_at`: function of x, z (n, 2) [m], water heights [m]."""
+        """Hull in the water with its centre of mass at `position` (3,) [m], `turn` (3, 3) from body to world, and a
+        speed [m/s]; `heights_at`: function of x, z (n, 2) [m], water heights (n,) [m]."""
         vertices = self.vertices @ turn.T + position
         above = vertices[:, 1] - heights_at(vertices[:, [0, 2]])
         line = waterline_segments(vertices, self.triangles, above)
@@ -168,14 +169,15 @@ class Hull:
 def ship_coordinates(
     x: np.ndarray, z: np.ndarray, position: np.ndarray, turn: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Distances of points x, z [m] ahead of a ship's middle and to her side [m]; `turn`: (3, 3) from body to world."""
+    """Distances [m] of points x, z ahead of a ship at `position` and to starboard; `turn`: (3, 3), body to world."""
     ahead = turn[[0, 2], 2] / np.linalg.norm(turn[[0, 2], 2])
     to_x, to_z = x - position[0], z - position[2]
     return to_x * ahead[0] + to_z * ahead[1], to_z * ahead[0] - to_x * ahead[1]
 
 
 def waterline_segments(vertices: np.ndarray, triangles: np.ndarray, above: np.ndarray) -> np.ndarray:
-    """Segments x, z (m, 2, 2) [m] in which water cuts a hull; `above` (n,): heights of its vertices over water [m]."""
+    """Segments x, z (m, 2, 2) [m] in which water cuts a hull of vertices (n, 3) [m], in world axes, and triangles (k,
+    3); `above` (n,): heights of its vertices over water [m]."""
     a = above[triangles]
     cut = triangles[(a.min(axis=1) < 0.0) & (a.max(axis=1) >= 0.0)]
     ends = []
@@ -210,9 +212,9 @@ def batch_distance(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
 
 @lru_cache(maxsize=64)
 def kelvin_pattern(speed: float, breadth: float, length: float) -> np.ndarray:
-    """Height (n, m) [m] of the steady waves behind a pressure patch as wide as a ship on deep water (Havelock 1908,
-    Proc. R. Soc. A 81; Darmon, Benzaquen & Raphael 2014, J. Fluid Mech. 738, eq. 2.9), at nodes PATTERN_STEP breadths
-    apart: n behind the bow, m to the side."""
+    """Height (n, m) [m] of the steady waves behind a pressure patch as wide as a ship of this `speed` [m/s], `breadth`
+    and `length` [m] on deep water (Havelock 1908, Proc. R. Soc. A 81; Darmon, Benzaquen & Raphael 2014, J. Fluid Mech.
+    738, eq. 2.9), at nodes PATTERN_STEP breadths apart: n behind the bow, m to the side."""
     step = PATTERN_STEP * breadth
     x, y = np.arange(0.0, KELVIN_ASTERN * length, step), np.arange(0.0, KELVIN_ABEAM * length, step)
     k0, froude = GRAVITY / speed**2, speed / np.sqrt(GRAVITY * breadth)
@@ -229,7 +231,8 @@ def kelvin_pattern(speed: float, breadth: float, length: float) -> np.ndarray:
 
 
 def kelvin_height(vessel: Vessel, breadth: float, time: float, places: np.ndarray) -> np.ndarray:
-    """Height (n,) [m] of a ship's Kelvin waves and transom hollow at positions x, z (n, 2) [m]; 0 for a slow ship."""
+    """Height (n,) [m] of the Kelvin waves and transom hollow of a ship of a `breadth` [m] at a time [s], at x, z
+    `places` (n, 2) [m]; 0 for a slow ship."""
     from scipy.ndimage import map_coordinates
 
     speed = round(vessel.speed(time), 1)

@@ -69,7 +69,7 @@ class Walls(Model):
     """`periodic`: what leaves through the bed comes in at the still surface, and there is neither bed nor surface."""
 
     def key(self, side: str) -> str:
-        """Config key that sets the wall at `x_min`, `x_max`, `z_min` or `z_max`: this name, or `x` or `z` for both."""
+        """Config key that sets the wall at `side` (as `x_min`): this name, or `x` or `z`, which set both sides."""
         return side if getattr(self, side) is not None else side[0]
 
     def at(self, side: str) -> Wall:

@@ -49,7 +49,7 @@ class Ground:
         cls, sides: Sequence[tuple[float, float]], given: Heights, lowest: float, dimension: int, *traits: Any
     ) -> "Ground":
         """Bed with the heights `given`, cut at the `sides` (lowest and highest coordinate [m] along x, and along z) and
-        at the height `lowest` [m] of the flat bottom; `traits`: the fields `periodic` and `no_slip`."""
+        at the height `lowest` [m] of the flat bottom, in 2-D or 3-D (`dimension`); `traits`: `periodic`, `no_slip`."""
         spans = [sides[0], sides[1] if dimension == 3 else (-SLICE_HALF, SLICE_HALF)]
         x, z = (np.unique(np.clip([low, *nodes, up], low, up)) for (low, up), nodes in zip(spans, (given.x, given.z)))
         whole = cls(given.x, given.z, given.y, lowest, 3, (False, False), False)
@@ -95,8 +95,8 @@ class Ground:
         return position[self.distances(position) <= TOUCH_DISTANCE * spacing]
 
     def runup(self, position: np.ndarray, spacing: float, axis: int = 0) -> float:
-        """Run-up [m]: height of the highest bed point that particles at `position` (n, 3) [m] touch, if water near the
-        bed joins it along `axis` without a gap to the lowest point touched; NaN if no particle touches the bed."""
+        """Run-up [m]: highest bed point that particles at `position` (n, 3) [m], `spacing` [m] apart at rest, touch, if
+        water near the bed joins it along `axis` (0: x, 2: z) without a gap to the lowest; NaN if none touches."""
         position = position[np.argsort(position[:, axis])]
         away = self.distances(position)
         over = away <= RUNUP_GAP * spacing
@@ -108,8 +108,8 @@ class Ground:
         return float(bed[touch & (stretch == stretch[np.where(touch, bed, np.inf).argmin()])].max())
 
     def sheet_heights(self, places: np.ndarray, water: np.ndarray, position: np.ndarray, spacing: float) -> np.ndarray:
-        """Heights (n,) [m] of the drawn surface of `water` (n,) [m] at places x, z (n, 2) [m]: where it is not deep,
-        near that of the nearest deep water, but hidden in the bed far from particles, at `position`, that touch it."""
+        """Heights (n,) [m] of the drawn surface of `water` (n,) [m] at places x, z (n, 2) [m]: in shallows near that of
+        deep water, but hidden in the bed far from particles (at `position`, `spacing` [m] apart) that touch it."""
         from scipy.spatial import cKDTree
 
         bed = self.heights(places)
@@ -174,8 +174,8 @@ class Ground:
         return places, np.multiply.outer(*widths[:2]).ravel()
 
     def samples(self, spacing: float, support: float, margin: float = 0.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Boundary particles within `support` [m] of the bed: (n, 3) positions [m], (n,) volumes [m3] (2-D: areas
-        [m2]), (n, 3) normals; with a `margin` [m] also in its mirror images beyond the sides and the flat bottom."""
+        """Boundary particles within `support` [m] of the bed, in columns a `spacing` [m] apart: positions (n, 3) [m],
+        volumes (n,) [m3], in 2-D [m2], normals (n, 3); with a `margin` [m] also in mirror images beyond its sides."""
         places, areas = self.columns(spacing, margin)
         heights, slopes = self.shape_at(places)
         steep = np.sqrt(1.0 + np.square(slopes).sum(axis=1))

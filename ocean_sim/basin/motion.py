@@ -102,9 +102,9 @@ def spline_law(times: np.ndarray, moved: np.ndarray) -> Law:
 def solitary_law(height: float, depth: float, gravity: float) -> tuple[Law, float, float]:
     """Law of the piston of a solitary wave (Goring 1979, Caltech report KH-R-38), its stroke [m] and duration [s].
 
-    The wave is eta = H / cosh^2 theta, theta = kappa (c t - x), kappa = sqrt(3 H / 4 d) / d, c = sqrt(g (d + H)). The
-    wall moves with the mean velocity of the water before it, xi' = c eta / (d + eta), so xi = H / (kappa d) tanh theta
-    with theta = kappa (c t - xi), both counted from the middle of the stroke."""
+    The wave, of `height` H [m] in a `depth` d [m] under `gravity` g [m/s2], is eta = H / cosh^2 theta, with theta =
+    kappa (c t - x), kappa = sqrt(3 H / 4 d) / d, c = sqrt(g (d + H)). The wall moves with the mean velocity of water
+    before it, xi' = c eta / (d + eta), so xi = H / (kappa d) tanh theta, theta = kappa (c t - xi), from mid-stroke."""
     ratio, c = height / depth, sqrt(gravity * (depth + height))
     kappa = sqrt(0.75 * ratio) / depth
     half = STROKE_END_TANH * ratio / kappa
@@ -140,7 +140,7 @@ class Tank(Model):
 
 
 def overturn_warnings(axis: str, angle: float) -> Iterator[str]:
-    """Warn if the tank rolls by an `angle` of half a turn [rad] or more, which is most likely in degrees."""
+    """Warn if the tank rolls (`axis`: as `roll_z`) by an `angle` [rad] of half a turn or more: most likely degrees."""
     if axis.startswith("roll") and angle >= pi:
         yield f"the tank rolls by {angle:.4g} rad, half a turn or more; {angle:.4g} deg are {radians(angle):.4g} rad"
 
@@ -420,7 +420,7 @@ class RecordedWavemaker(Wavemaker):
             yield f"the wavemaker's path in {path} {long}: are its times in milliseconds?"
 
     def path(self, depth: float, gravity: float) -> Path:
-        """Motion of the piston as recorded in the file; raises Unreadable."""
+        """Motion of the piston as recorded in the file, whatever `depth` and `gravity`; raises Unreadable."""
         times, moved = self.rows()
         law = spline_law(times, moved - spline_law(times, moved)(0.0)[0])
         x = [law(t)[0] for t in np.linspace(0.0, max(times[-1], 0.0), FREQUENCY_SAMPLES).tolist()]

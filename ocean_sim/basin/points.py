@@ -19,7 +19,7 @@ def count(low: float, high: float, spacing: float) -> int:
 
 
 def middles(low: float, high: float, spacing: float) -> np.ndarray:
-    """Middles (n,) [m] of the equal cells between `low` and `high` [m], as many as `count` gives."""
+    """Middles (n,) [m] of the equal cells, at most `spacing` [m] wide, between `low` and `high` [m] (see `count`)."""
     return middles_of(low, high, count(low, high, spacing))
 
 
@@ -29,14 +29,14 @@ def middles_of(low: float, high: float, n: int) -> np.ndarray:
 
 
 def grid(basin: Basin, spacing: float) -> tuple[np.ndarray, np.ndarray]:
-    """Positions x (n,) and z (m,) [m] of a horizontal grid of points, the outermost half a cell away from the walls."""
+    """Positions x (n,), z (m,) [m] of a horizontal grid of points in the middles of cells of at most `spacing` [m]."""
     x = middles(basin.lower[0], basin.upper[0], spacing)
     z = middles(basin.lower[2], basin.upper[2], spacing) if basin.dimension == 3 else np.zeros(1)
     return x, z
 
 
 def grid_size(basin: Basin, spacing: float) -> int:
-    """Number of points of `grid`, without making them."""
+    """Number of points of `grid` at this `spacing` [m], without making them."""
     along = count(basin.lower[0], basin.upper[0], spacing)
     return along * (count(basin.lower[2], basin.upper[2], spacing) if basin.dimension == 3 else 1)
 

@@ -198,7 +198,8 @@ class Fluid(Protocol):
         """Heights (m,) [m] of the surface at points x, z (m, 2) [m]; for calls outside kernels."""
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray | None:
-        """Heights (m,) [m] of the surface without ships' waves; `elevation` (m,) [m] includes them; None if unknown."""
+        """Heights (m,) [m] at `points` x, z (m, 2) [m] without ships' waves, or None if unknown; `elevation` (m,) [m]:
+        heights with them."""
         return None
 
     def pressures(self, points: np.ndarray) -> np.ndarray:

@@ -91,7 +91,7 @@ class Config(SphConfig):
     """Least distance of a particle's centre from a wall or the floor; its ghost particles hold it before that."""
 
     def limits_at(self, smoothing: Smoothing, sound_speed: float, speed: float, acceleration: float) -> Limits:
-        """Limits of the time step at this speed [m/s] and acceleration [m/s2]. Viscosity, artificial included, counts
+        """Limits of the time step at these speeds [m/s] and acceleration [m/s2]. Viscosity, artificial included, counts
         twice: pair forces relax at rates of up to 14 nu / h^2, twice that of the Laplacian's sum."""
         nu = 2.0 * (self.kinematic_viscosity + self.artificial_nu(smoothing, sound_speed))
         return step_limits(smoothing, sound_speed, nu, speed, acceleration)
@@ -181,7 +181,7 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def pressure(self, p_i, p_j):
-        """Pressure part of a pair (Monaghan 1992, eq. 3.3): the sum of both arguments, each p / rho^2 of a particle."""
+        """Pressure part of a pair (Monaghan 1992, eq. 3.3): the sum of `p_i`, `p_j`, each p / rho^2 of a particle."""
         return p_i + p_j
 
     @ti.func
@@ -325,7 +325,7 @@ class Continuity(Law):
     @ti.func
     def density_diffusion(self, own, other, x_ij):
         """Difference rho_j - rho_i less that of water at rest (Fourtakas et al. 2019, eq. 9); `own`, `other`: `row`s of
-        i, j. `finish` applies 2 delta h c / rho0 (Molteni & Colagrossi 2009; Antuono et al. 2010, eq. 1)."""
+        i, j; x_ij [m]. `finish` applies 2 delta h c / rho0 (Molteni & Colagrossi 2009; Antuono et al. 2010, eq. 1)."""
         still = self.still_gradient(vec3(own, self.row.position) - 0.5 * x_ij)
         return other[self.row.deviation] - own[self.row.deviation] + still.dot(x_ij)
 
@@ -487,7 +487,8 @@ class Shear(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Update particle i's means in time of squared spin, strain rate (equal in simple shear) by sums `total`."""
+        """Update particle i's means in time of squared spin and strain rate (equal in simple shear) by the sums `total`
+        over neighbours, images included, of its values `own`."""
         fluid, both = self.fluid, self.with_bodies(total, vec3(own, self.row.position), own)
         gradient = ti.Matrix.zero(float, self.dimension, self.dimension)  # of velocity k along axis j [1/s]
         for j, k in ti.static(ti.ndrange(self.dimension, self.dimension)):

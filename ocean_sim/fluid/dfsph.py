@@ -239,12 +239,13 @@ class Forces(Force):
 
     @ti.func
     def viscosity(self, v_ij, x_ij, r2, gradient):
-        """Viscous acceleration over 2 nu V (V: volume): (d + 2) v_ij . x_ij / r^2 grad W (Monaghan & Gingold 1983)."""
+        """Viscous deceleration over 2 nu V (V: volume): -(d + 2) v_ij . x_ij / r^2 grad W (Monaghan & Gingold 1983);
+        `r2`: r^2 [m2]; `gradient`: -grad W over its constant `slope`."""
         return self.per_component * v_ij.dot(x_ij) / (r2 + self.squared_gap) * gradient
 
     @ti.func
     def viscosity_without_surface(self, v_ij, r2):
-        """Viscous acceleration over 2 nu V (V: volume), no free surface: v_ij W' / r (Morris et al. 1997, eq. 22)."""
+        """Viscous deceleration as in `viscosity`, without free surface: -v_ij W' / r (Morris et al. 1997, eq. 22)."""
         return self.fluid.smoothing.shape_gradient(ti.sqrt(r2)) * v_ij
 
     @ti.func

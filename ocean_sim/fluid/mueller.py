@@ -110,7 +110,7 @@ class Density(Law):
 
     @ti.func
     def equation_of_state(self, density_sum):
-        """Pressure [Pa] k (rho - rho0) (thesis eq. 2.15), at least `minimum_pressure`, from the kernel sum of rho."""
+        """Pressure [Pa] k (rho - rho0) (thesis 2.15), at least `minimum_pressure`; `density_sum`: rho / `prefactor`."""
         p = self.fluid.factors[SLOPE_FACTOR] * density_sum - self.fluid.factors[OFFSET_FACTOR]
         if ti.static(self.clamped):
             p = tm.max(p, self.minimum)

@@ -392,7 +392,7 @@ class SpectralSea(OpenWater):
         return {"breaking": -self.rest_density * broken.lost} if self.accounts and broken is not None else {}
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
-        """Heights (m,) [m] of the sea and wind's waves alone: `elevation` (m,) [m], of all, if no ship makes waves."""
+        """Heights (m,) [m] of sea and wind waves at `points` (m, 2): `elevation` (m,), of all, if no ship makes any."""
         if not any(made.ship is not None for made in self.made):
             return elevation
         at = np.asarray(points, dtype=float) - self.drift

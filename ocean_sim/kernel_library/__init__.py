@@ -63,7 +63,7 @@ def knows_processor() -> bool:
 
 
 def is_library_attribute(name: str, value: object) -> bool:
-    """True if an attribute of one of our objects is a result or bound kernel that the fork Quadrants has put there."""
+    """True if attribute `name` of one of our objects is a result or bound kernel that the fork Quadrants put there."""
     return LIBRARY_NAME == QUADRANTS and (
         name.startswith("_qd_") or type(value).__module__.startswith("quadrants.lang._quadrants_callable")
     )

@@ -98,7 +98,7 @@ def tree_and_context(
     ast_builder: Any = None,
     is_real_function: bool = False,
 ) -> tuple[Any, Any]:
-    """Syntax tree of a kernel or a function, and context to translate it; replaces Taichi's `_get_tree_and_ctx`."""
+    """Syntax tree of kernel or function `reader` and context to translate it; replaces Taichi's `_get_tree_and_ctx`."""
     function = reader.func
     source = known_sources.get(function.__code__)
     if source is None:
@@ -172,7 +172,7 @@ def vector_elements(value: Any) -> dict[tuple[int, ...], Any]:
 
 
 def reduce_vector(value: Any, combine: Any) -> Any:
-    """Combine all elements of a vector or matrix in order by `combine`, as to a sum; replaces Taichi's `_reduce`."""
+    """Combine all elements of vector or matrix `value` in order by `combine` (as add); replaces Taichi's `_reduce`."""
     if not impl.inside_kernel():
         return taichi_reduce(value, combine)
     return impl.expr_init(reduce(combine, vector_elements(value).values()))

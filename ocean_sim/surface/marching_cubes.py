@@ -285,12 +285,12 @@ class DensityMap:
 
     @classmethod
     def bytes(cls, n: int, nodes: Nodes, radius: float, word: int) -> int:
-        """Memory [bytes] that the fields take for n particles; `word`: size of a `float` [bytes]."""
+        """Memory [bytes] of the fields for n particles in bins of `radius` [m] or more; `word`: bytes of a `float`."""
         return (3 * word + 4) * n + 8 * (int(np.prod(cls.bins_of(nodes, radius))) + 1) + word * 6 * AXIS_IMAGES
 
     @ti.func
     def bin_of(self, x):
-        """Indices of the bin of a point on each axis; a point beyond the box belongs to the bin at its side."""
+        """Indices (3,) of the bin of a point x [m]; a point beyond the box belongs to the bin at its side."""
         return ti.cast(tm.clamp((x - self.lower) * self.per_bin, 0.0, tm.vec3(self.bins) - 0.5), int)
 
     @ti.func

@@ -120,7 +120,7 @@ class Volume(Scheduled):
         return [(shape, 1.0) for shape in self.include] + [(shape, -1.0) for shape in self.exclude]
 
     def redraw(self, seed: int, number: int, passage: int) -> tuple[float, float]:
-        """Random turn [rad] and strength factor of volume `number`; `passage`: number of its crossing of the basin."""
+        """Turn [rad], strength factor, random by `seed`, of volume `number` on its crossing number `passage`."""
         side, force, _ = numpy_uniform3(seed, PASSAGE_STREAM + number, 0, passage)[0]
         given = self.include[0].core.yaw
         low, high = (radians(a) for a in self.redraw_yaw_deg) if self.redraw_yaw_deg else (given, given)

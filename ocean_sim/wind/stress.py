@@ -75,7 +75,7 @@ class Config(Scheduled, WindConfig):
         return self.targets
 
     def blows(self, time: float, dimension: int) -> tuple[float, float]:
-        """U10 [m/s] and heading [deg] at a time [s] in a 2-D or 3-D basin; the ramp of the stress is not included."""
+        """U10 [m/s], heading [deg] at a time [s] in a basin of this `dimension`; without the ramp of the stress."""
         if self.course is not None:
             return self.course.at(time)
         return self.speed, (90.0 if dimension == 2 else 0.0) if self.heading_deg is None else self.heading_deg
@@ -172,8 +172,8 @@ def plant(u10: float, k: float, gravity: float = GRAVITY) -> float:
 
 
 def growth_rate(wind: Config, u10: float, k: float, depth: float, pull: float) -> float:
-    """Growth rate of energy [1/s] of waves of wavenumber k [1/m] in the scene's wind, under gravity `pull` [m/s2]: by
-    its pressure on waves if it has one, else by Plant's law (`plant`) times its gain."""
+    """Growth rate of energy [1/s] of waves of wavenumber k [1/m] at a `depth` [m] in the scene's wind of `u10` [m/s]
+    under gravity `pull` [m/s2]: by its pressure on waves if it has one, else by Plant's law (`plant`) times gain."""
     if wind.sheltering:
         return wind.sheltered(u10) * k * float(waves.angular_frequency(k, depth, pull)) / (WATER_DENSITY * pull)
     return wind.gain * plant(u10, k, pull)
@@ -301,7 +301,7 @@ class Stress(Wind):
     def force(self, key, position, velocity, area, bend, mass):
         """Force [N]. On a particle: stress on plan area, and pressure on the surface's slope, by exposed `area` (3,)
         [m2] and `bend` (curvature times depth of exposed areas: `Wind.force`). On a voxel of a hull: drag (thesis
-        2.22), by `area` and `velocity`. No other arguments are used."""
+        2.22), by `area` and `velocity` [m/s]. `key`, `position` and `mass` are not used."""
         row = ti.static(self.row.field)
         total = tm.vec3(0.0)
         if ti.static(self.afloat):

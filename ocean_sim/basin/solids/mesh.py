@@ -115,7 +115,7 @@ class ClosedMesh:
         return f"{size}, read with {axes}; watertight, {len(self.faces)} faces"
 
     def unlike_a_ship(self, draught: float, kb: float) -> list[str]:
-        """Warnings of proportions that ships do not have; `kb`: height of the centre of buoyancy above the keel [m]."""
+        """Warnings of proportions that no ship has, at a `draught` [m]; `kb`: centre of buoyancy above the keel [m]."""
         broad, tall, long = self.size.tolist()
         odd = [
             f"{what} is {ratio:.2g} ({low:g} to {high:g} for ships)"
@@ -157,13 +157,14 @@ class ClosedMesh:
 
 
 def axis_vector(name: str) -> np.ndarray:
-    """(3,) unit vector along an axis with a sign, named like `-z`."""
+    """(3,) unit vector along the axis `name`: `x`, `y` or `z`, or one with a minus sign, as `-z`."""
     return (-1.0 if name[0] == "-" else 1.0) * np.eye(3)["xyz".index(name[-1])]
 
 
 @lru_cache(maxsize=4)
 def closed_mesh(file: str, data: bytes, scale: float | None, up: str | None, bow: str | None) -> ClosedMesh:
-    """Closed mesh of a hull from the `data` of a mesh file; scale and axes are guessed where None. Raises BadMesh."""
+    """Closed mesh of a hull from the `data` of a mesh file; raises BadMesh. `scale` [m per unit of the file] and
+    axes `up`, `bow` in the file (as `-z`) are guessed where None."""
     vertices, faces = read_mesh(file, data)
     problems = mesh_flaws(vertices, faces)
     if problems:
@@ -231,7 +232,7 @@ def read_mesh(file: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
 
 
 def mesh_flaws(vertices: np.ndarray, faces: np.ndarray) -> list[str]:
-    """Sentences on why a mesh bounds no volume, with positions in the file's own units."""
+    """Sentences on why a mesh of `vertices` (n, 3) [units of the file] and `faces` (m, 3) bounds no volume."""
     used, found = vertices[np.unique(faces)], []
     edges, count, balance = edge_uses(faces)
     wrong = balance != 0  # an edge that faces use as often one way as the other bounds nothing
@@ -264,13 +265,13 @@ def closed_skins(faces: np.ndarray) -> np.ndarray:
 
 
 def signed_volumes(triangles: np.ndarray) -> np.ndarray:
-    """(m,) volume [units3] of the tetrahedron of each face (3, 3) and the mesh's middle; positive: faces outwards."""
+    """(m,) volumes [units3] of tetrahedra from the mesh's middle to `triangles` (m, 3, 3); positive: face outwards."""
     a, b, c = np.moveaxis(triangles - 0.5 * (triangles.min(axis=(0, 1)) + triangles.max(axis=(0, 1))), 1, 0)
     return np.asarray((a * np.cross(b, c)).sum(axis=1) / 6.0)
 
 
 def faces_outwards(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, list[str]]:
-    """(m, 3) faces, with those of inward-facing closed skins reversed, and sentences on multiple or inverted skins."""
+    """`faces` (m, 3) of `vertices`, with skins that face inwards reversed; sentences on multiple or inverted skins."""
     labels = closed_skins(faces)
     volumes = np.bincount(labels, signed_volumes(vertices[faces]))
     inverted = volumes < 0.0
@@ -292,7 +293,7 @@ def faces_outwards(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray,
 
 
 def is_inside(triangles: np.ndarray, point: np.ndarray) -> bool:
-    """True if closed faces (m, 3, 3) enclose a point (3,), by winding number."""
+    """True if closed `triangles` (m, 3, 3) enclose a point (3,), by winding number."""
     _, height, winding = line_crossings(triangles, point[:1], point[2:])
     below = np.count_nonzero(height < point[1])
     return bool(below and winding[below - 1] > 0)
@@ -304,7 +305,7 @@ def point_text(position: np.ndarray) -> str:
 
 
 def guess_axes(triangles: np.ndarray, scale: float | None, up: str | None, bow: str | None) -> tuple[float, str, str]:
-    """Metres per unit, up axis, bow axis; a None is guessed: bow along the longest side, up in the symmetry plane."""
+    """`scale` [m per unit], `up`, `bow` of `triangles` (m, 3, 3), guessed if None: bow lengthwise, up by symmetry."""
     lower, upper = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
     extents, middle = upper - lower, 0.5 * (lower + upper)
     scale = scale or (1.0 / MAX_METRES if extents.max() > MAX_METRES else 1.0)
@@ -332,8 +333,8 @@ def gauss_points(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def line_crossings(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Crossings of faces (m, 3, 3) with lines along y at ascending x and z, line by line and upwards: line (index of
-    its x times len(z), plus index of its z), height, and winding number above. Faces with a common edge are cut at the
+    """Crossings of `triangles` (m, 3, 3) with lines along y at ascending x and z, line by line and upwards: line
+    (index of x times len(z), plus that of z), height, and winding number above. Faces with a common edge are cut at the
     same point of it, so a line leaves a closed skin as often as it enters it, despite rounding."""
     face, k = pairs_within(triangles[..., 2].min(axis=1), triangles[..., 2].max(axis=1), z)
     a, b, c, ahead = lone_corner_first(triangles[face], triangles[face, :, 2] > z[k, None])
@@ -370,7 +371,7 @@ def on_edge(a: np.ndarray, b: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def inside_stretches(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Segments inside a mesh of lines along y at x[i], z[k] [m]: line i len(z) + k, lower end [m], upper end [m]."""
+    """Segments inside `triangles` (m, 3, 3) of lines along y at x[i], z[k] [m]: line i len(z) + k, both ends [m]."""
     line, height, winding = line_crossings(triangles, x, z)
     inside = winding > 0
     before = np.r_[False, inside[:-1]]
@@ -379,7 +380,7 @@ def inside_stretches(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tup
 
 
 def column_shares(triangles: np.ndarray, x: np.ndarray, z: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """(len(x), len(edges) - 1, len(z)) share inside a mesh of each interval of y `edges`, for lines at x, z [m]."""
+    """(len(x), len(edges) - 1, len(z)) share inside `triangles` (m, 3, 3) of intervals of y `edges` [m] at x, z."""
     line, low, high = inside_stretches(triangles, x, z)
     parts = np.diff(np.clip(edges, low[:, None], high[:, None])) / np.diff(edges)
     shares = np.zeros((len(x) * len(z), len(edges) - 1))

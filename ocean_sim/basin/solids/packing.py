@@ -49,7 +49,8 @@ class Lattice:
 
 
 def deepest_first(distance: np.ndarray, spacing: float) -> np.ndarray:
-    """Indices of points at distances (n,) [m] from a body, deepest inside first; equally deep ones are spread out."""
+    """Indices of points at `distance` (n,) [m] from a body (negative inside), deepest first; those equally deep, to a
+    small part of the particles' `spacing` [m], are spread out."""
     rows = np.round(distance / (ROW_TOLERANCE * spacing))
     return np.lexsort((np.arange(len(distance)) * GOLDEN_RATIO % 1.0, rows))
 
@@ -64,7 +65,7 @@ def fit_particles(
     box: tuple[np.ndarray, np.ndarray] = EVERYWHERE,
     iterations: int = FIT_ITERATIONS,
 ) -> dict[str, np.ndarray]:
-    """Move particles near a body to positions for the smallest sum of the kernel over pairs. `points` (n, 3) [m]:
+    """Move particles near a body, in at most `iterations`, to the smallest kernel sum over pairs. `points` (n, 3) [m]:
     particles (`water` True), then a lattice beyond; `gone`: True where the body displaces them; `samples`: positions
     (m, 3) [m], volumes (m,) [m3] of its sample points; `box`: corners (3,) [m], points outside stay. Returns indices in
     `points` of particles to remove (`gone`) and moved (`near`), and new positions [m] (`moved`)."""
@@ -107,7 +108,8 @@ def even_out(
     iterations: int,
 ) -> np.ndarray:
     """(n, 3) positions [m] to which points `free` move, inside `box`, for the smallest sum of the kernel over pairs;
-    `fixed` points (m, 3) [m], which count with `weights` (m,), stay."""
+    `fixed` points (m, 3) [m], which count with `weights` (m,), stay. At most `iterations` of L-BFGS-B; if
+    `dimension` is 2, points move in x and y alone."""
     from scipy.optimize import minimize
     from scipy.spatial import cKDTree
 

@@ -73,7 +73,7 @@ class ShapedSolid:
         return fit_particles(points, water, gone, (at @ self.turn.T + origin, volumes), lattice, self.dimension)
 
     def deepest_first(self, own: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) distances [m] of points `own` (n, 3), in the body's axes, from the body; their order, deepest first."""
+        """(n,) distances [m] from the body of points `own` (n, 3) [m] in its axes; their indices, deepest first."""
         distance = self.distances(own, spacing)
         return distance, deepest_first(distance, spacing)
 
@@ -153,7 +153,7 @@ class MeshSolid(ShapedSolid):
         return Distance(self.shape, self.centre, spacing / CUBES_A_SPACING, spacing, 2.0 * spacing)
 
     def net_bytes(self, spacing: float, word: int) -> int:
-        """Memory [bytes], with floats of `word` bytes, of the field of distances from the mesh that `net` makes."""
+        """Memory [bytes] of `net` at a particle `spacing` [m], with floats of `word` bytes."""
         return lattice_memory(self.shape, spacing / CUBES_A_SPACING, 2.0 * spacing, word)[1]
 
     def tops_below(self, points: np.ndarray) -> np.ndarray:

@@ -33,7 +33,7 @@ class SolidShape(Model):
         """Lower and upper corner of the box around the shape [m]."""
 
     def inside(self, x: np.ndarray) -> np.ndarray:
-        """True for points (..., 3) [m] that lie inside."""
+        """(...) True for points `x` (..., 3) [m] that lie inside."""
         raise NotImplementedError
 
     def vertices(self) -> np.ndarray | None:

@@ -61,8 +61,8 @@ class Body:
     counts: bool = True  # whether the forces of the water on it are summed
 
     def strength(self, smoothing: Smoothing, spacing: float) -> float:
-        """Factor by which each boundary particle counts in sums over neighbours: 1, but more in a gate thinner than a
-        kernel support, so that its few layers push water as those of a thick body do."""
+        """Factor by which each boundary particle counts in sums over neighbours (`spacing` [m] apart at rest): 1, but
+        more in a gate thinner than a kernel support, so that its few layers push water as those of a thick body do."""
         count, apart = self.across
         if count == 0:
             return 1.0
@@ -72,8 +72,8 @@ class Body:
 
 
 def plane_pressure(away: np.ndarray, smoothing: Smoothing, spacing: float) -> float:
-    """Relative push of a uniform pressure on a particle by whole planes of particles at distances `away` (k,) [m]: the
-    sum of grad W across the planes over its constant `slope` [m]."""
+    """Relative push of a uniform pressure on a particle by whole planes of particles (`spacing` [m] apart) at distances
+    `away` (k,) [m]: the sum of grad W across the planes over its constant `slope` [m]."""
     last = ceil(smoothing.support / spacing)
     along = spacing * np.array(list(product(range(-last, last + 1), repeat=smoothing.dimension - 1)), dtype=float)
     r = np.sqrt(away[:, None] ** 2 + (along**2).sum(axis=1))
@@ -114,7 +114,7 @@ def fixed_bodies(lattice: Lattice, support: float) -> list[Body]:
 
 
 def floating_bodies(lattice: Lattice, support: float) -> dict[str, Body]:
-    """Sample the floating bodies that act on the water by boundary particles, as dense as in obstacles; by name."""
+    """Sample, within `support` [m] of the surface, floating bodies that push water by boundary particles; by name."""
     bodies = {}
     for name, solid in lattice.basin.afloat.items():
         if solid.is_sampled:

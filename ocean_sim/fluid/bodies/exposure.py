@@ -132,7 +132,7 @@ class Bend(Law):
 
     @ti.func
     def image(self, other, mirror):
-        """Values (`row`) of a neighbour's image by matrix `mirror`: position, slope (reversed across it), area."""
+        """Values (`row`) of the image of a neighbour of values `other` by matrix `mirror`: slope across it reversed."""
         x, image = mirror_position(mirror, vec3(other, self.row.position)), other
         for k in ti.static(range(3)):
             image[self.row.position + k] = x[k]

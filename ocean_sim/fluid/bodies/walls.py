@@ -226,7 +226,7 @@ class Walls:
 
     @ti.func
     def bounce(self, x, v):
-        """Position [m], velocity [m/s] after collisions with walls, obstacles, bed: restitution, Coulomb friction."""
+        """Position x [m], velocity v [m/s] after collisions with walls, obstacles, bed by restitution and friction."""
         for k in ti.static(self.axes):
             low, up, wall, normal = self.low[k], self.up[k], tm.vec3(0.0), tm.vec3(0.0)
             for s, axis, upper in ti.static(self.pistons):
@@ -270,7 +270,7 @@ class Walls:
 
     @ti.func
     def reflect(self, v, wall, normal):
-        """Velocity [m/s] after a collision with a face of outward `normal` that moves at `wall` [m/s]."""
+        """Velocity v [m/s] after a collision with a face of outward unit `normal` that moves at `wall` [m/s]."""
         speed = (wall - v).dot(normal)
         if speed > 0.0:
             along = v - wall + speed * normal
@@ -281,7 +281,7 @@ class Walls:
 
     @ti.func
     def leave_obstacle(self, b, x, v):
-        """Position [m] and velocity [m/s] after a bounce from the nearest face of obstacle b, if x lies in it."""
+        """Position x [m] and velocity v [m/s] after a bounce from the nearest face of obstacle b, if x lies in it."""
         least, face, across = OPEN, -1, 0.0
         for k in ti.static(self.axes):
             below, above = x[k] - self.faces[b, 0, k], self.faces[b, 1, k] - x[k]
@@ -304,7 +304,7 @@ class Walls:
 
     @ti.func
     def relax(self, x, v, dt):
-        """Velocity [m/s] after relaxation over dt [s] in absorbing zones: dv/dt = rate s^q (target - v), q =
+        """Velocity v [m/s] at x [m] after relaxation over dt [s] in absorbing zones: dv/dt = rate s^q (target - v), q =
         DAMPING_POWER, s from 0 at the inner edge of a zone to 1 at its side."""
         for axis, begin, end, rate, target in ti.static(self.zones):
             s = (x[axis] - begin) / (end - begin)

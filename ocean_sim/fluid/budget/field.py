@@ -45,7 +45,8 @@ class Spread:
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """Share of space that particle j, d [m] away, fills, times 1 and products of d / support (MOMENT_COLUMNS)."""
+        """Share of space that particle j, d [m] away, fills, times 1 and products of d / support (MOMENT_COLUMNS);
+        `own` and `mirror` are not used."""
         w, q = self.field.weight(d), d / self.field.smoothing.support
         return w * ti.Vector([1.0, q.x, q.y, q.z, q.x * q.x, q.y * q.y, q.z * q.z, q.x * q.y, q.y * q.z, q.z * q.x])
 

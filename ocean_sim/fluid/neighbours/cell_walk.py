@@ -57,7 +57,7 @@ class CellWalk:
 
     @ti.func
     def is_near(self, x, middle, half):
-        """1 if x [m] lies within one support of the box with this centre and half sides [m], else 0."""
+        """1 if x [m] lies within one support of the box with centre `middle` and half sides `half` [m], else 0."""
         squared = 0.0
         for k in ti.static(self.grid.axes):
             away = positive(ti.abs(x[k] - middle[k]) - half[k])

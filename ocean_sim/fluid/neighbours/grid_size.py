@@ -40,7 +40,7 @@ class Plan:
         return 1 if n <= MAX_SERIAL_PARTICLES else SORT_CHUNKS
 
     def parts_per_axis(self, full: float, dimension: int) -> int:
-        """Number of parts into which each cell is cut along an axis; `full`: particles in a cell of water at rest."""
+        """Number of parts into which a cell is cut along each axis, in 2-D or 3-D; `full`: particles in it at rest."""
         return 2 if full >= MIN_PART_PARTICLES * 2**dimension else 1
 
     def sorting_integers(self, n: int, cells: int) -> int:

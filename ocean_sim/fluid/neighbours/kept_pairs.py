@@ -40,7 +40,7 @@ class KeptLaw(Law):
 
     @abstractmethod
     def kept_pair(self, own: Any, other: Any, gradient: Any) -> Any:
-        """Contribution of one neighbour; `own`, `other`: field values; `gradient`: grad W without its constant."""
+        """Contribution of one neighbour; `own`, `other`: field values; `gradient`: grad W over its constant, -slope."""
 
 
 @in_kernels

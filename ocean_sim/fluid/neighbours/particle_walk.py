@@ -264,7 +264,7 @@ class ParticlePlan(Plan):
         return n
 
     def chunk_count(self, n: int) -> int:
-        """Number of chunks in which particles are counted: 1, as atomic counters replace chunks."""
+        """Number of chunks in which n particles are counted: 1, as atomic counters replace chunks."""
         return 1
 
     def parts_per_axis(self, full: float, dimension: int) -> int:
@@ -302,6 +302,6 @@ def mesh_ledger(size: GridSize, word: int) -> list[LedgerRow]:
 
 
 def account_ledger(size: GridSize, word: int, impulses: bool) -> list[LedgerRow]:
-    """Row, if any, of the memory ledger for a momentum budget with a row a particle; `word`: bytes of a `float`."""
+    """Row, if any, of the memory ledger for a momentum budget with a row a particle (see `account_bytes`)."""
     taken = size.plan.account_bytes(size.lattice.n, word, impulses)
     return [LedgerRow("fluid", "accounts", taken, "a row for each particle")] if taken else []

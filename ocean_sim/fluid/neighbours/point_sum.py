@@ -58,7 +58,7 @@ class PointSum:
 
     @ti.func
     def mirror(self, subset):
-        """Mirror matrix of reflections in succession in all sides of a set, one bit a side."""
+        """Mirror matrix of reflections in succession in all sides whose bits are set in the integer `subset`."""
         mirror = identity_mirror()
         if ti.static(self.images.sides > 0):
             for side in range(self.images.sides):

@@ -140,7 +140,7 @@ class HighOrder:
         return self.resolved_modes * self.tile.k * np.tanh(self.tile.k * self.tile.depth)
 
     def begin(self, eta: np.ndarray, phi: np.ndarray) -> None:
-        """Start at time 0 with an elevation [m] and a surface potential [m2/s], (cells, rows) each."""
+        """Start at time 0 with elevation `eta` [m] and surface potential `phi` [m2/s], (cells, rows) each."""
         tile = self.tile
         self.time = 0.0
         self.rate_cache.clear()

@@ -20,7 +20,7 @@ SMOOTH_STEP_PERIODS = 0.04  # [periods] times a quarter (the force number of `co
 
 
 def status_of(sea: waves.Components, density: float) -> Status:
-    """Status of a sea: speed and acceleration of its surface, as root sums of squares over the waves."""
+    """Status of a sea of this density [kg/m3]: surface speed and acceleration, as root sums of squares over waves."""
     speed = sea.amplitude * sea.gravity * sea.wavenumber / sea.omega  # [m/s]
     fastest, hardest = np.linalg.norm(speed), np.linalg.norm(speed * sea.omega)
     return Status(float(fastest), float(hardest), density, density, 0, True)
@@ -83,11 +83,11 @@ class OpenWater(Fluid):
         return self.sum_elevations(np.asarray(points, dtype=float) - self.drift, self.tiles)
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
-        """Heights (m,) [m] without waves of ships: here `elevation` itself, the heights (m,) [m] with all waves."""
+        """Heights (m,) [m] at `points` (m, 2) without ships' waves: here `elevation`, (m,) [m] with all waves."""
         return elevation
 
     def sum_elevations(self, points: np.ndarray, tiles: "Sequence[OnTile]") -> np.ndarray:
-        """Heights (m,) [m] at x, z (m, 2) [m] in axes that move with the current: plane waves plus those on `tiles`."""
+        """Heights (m,) [m] at `points` x, z (m, 2), in axes moving with the current, of plane waves and `tiles`."""
         eta = waves.elevation(self.waves.sea, points, self.time)
         for one in tiles:
             there = one.covers(points)

@@ -105,7 +105,7 @@ class Window:
     nodes and Wheeler-stretched depths. Sums are stored for two times a moment apart, and interpolated between."""
 
     def __init__(self, water: Any, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]) -> None:
-        """Make the table for an `OpenWater`: `size` nodes, `step` [m] apart, and levels at `depths` [m], first 0."""
+        """Make a table for OpenWater `water`: `size` nodes in x, z, `step` [m] apart; levels `depths` [m], first 0."""
         self.water, self.size, self.step, self.depths = water, size, step, depths
         self.depth = water.waves.sea.depth  # of the water [m]
         self.n, self.sums = len(water.waves.sea.amplitude), 1 + 3 * len(depths)

@@ -152,7 +152,7 @@ class Tile:
         return self.smoothing / self.cell**2 * self.to_modes(total.reshape(self.shape))
 
     def displaced_modes(self, points: np.ndarray, volumes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Fourier modes of displaced volume per area [m], by `volumes` (m,) [m3] at x, z, depth (m, 3) [m]: (a) itself;
+        """Fourier modes of displaced volume per area [m], by `volumes` [m3] at `points` x, z, depth (m, 3): (a) itself;
         (b) as the surface feels it, times cosh k (h - depth) / cosh kh, made linear in depth by two nodes (Gauss's)."""
         depth, deepest = points[:, 2], max(float(points[:, 2].max(initial=0.0)), 1e-9)
         low = (depth / deepest - UPPER_NODE) / (LOWER_NODE - UPPER_NODE)
@@ -211,15 +211,15 @@ class OnTile:
         return self.tile.interpolate(self.tile.to_values(self.modes_at(time).e), points)
 
     def heads(self, points: np.ndarray, y: np.ndarray, time: float) -> np.ndarray:
-        """Pressure heads (m,) [m] of the waves at x, z (m, 2), Wheeler-stretched heights y (m,) [m], mode by mode."""
+        """Pressure heads (m,) [m] of waves at a `time` [s], x, z (m, 2) and Wheeler-stretched heights y (m,) [m]."""
         growth, found = self.modes_at(time).growth, np.zeros(len(points))
         for n, level, _ in self.point_modes(points, y):
             found[n] = -(level * growth).real.sum() / self.tile.gravity
         return found
 
     def velocities(self, points: np.ndarray, y: np.ndarray, time: float) -> np.ndarray:
-        """Velocities (m, 3) [m/s] at x, z (m, 2) and Wheeler-stretched heights y (m,) [m]. They are summed mode by
-        mode, but interpolated between cells for many points on the surface."""
+        """Velocities (m, 3) [m/s] at a `time` [s], x, z (m, 2) and Wheeler-stretched heights y (m,) [m]: summed by
+        modes, but interpolated between cells for many points on the surface."""
         tile, potential, found = self.tile, self.modes_at(time).potential, np.zeros((len(points), 3))
         if len(points) >= MIN_LATTICE_POINTS and not y.any():
             rising = tile.omega**2 / tile.gravity * tile.directed_modes * potential

@@ -84,7 +84,7 @@ class StandingWave(Start):
             yield ("mode",), f"x is periodic: the mode must be even, got {self.mode}"
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
-        """Positions (n, 3), velocities (n, 3), pressures (n,) at time 0 of water that at rest lies at `positions`."""
+        """State at time 0 of water of rest `density` [kg/m3] that at rest lies at `positions` (n, 3) [m]."""
         return displaced_state(self.sea(basin), positions, basin, density)
 
 
@@ -170,7 +170,7 @@ class TaylorGreen(Start):
                 yield ("kind",), f"{sentence} (basin.walls: {{{'xy'[axis]}: periodic}})"
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
-        """Positions (randomly disturbed), velocities and pressures at time 0 of particles at `positions` (n, 3) [m]."""
+        """State at time 0 of particles at `positions` (n, 3) [m], randomly disturbed; `density` at rest [kg/m3]."""
         a, b = 2.0 * pi / basin.config.length, 2.0 * pi / basin.depth
         kick = numpy_uniform3(self.seed, DISORDER_STREAM, np.arange(len(positions)), 0) * (1.0, 1.0, 0.0)
         placed = wrap_positions(positions + self.disorder * mean_spacing(positions, basin) * kick, basin)
@@ -236,7 +236,7 @@ class FromFile(Start):
         return column_vectors(self.columns(), "xyz", basin)
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
-        """Positions, velocities and pressures of the file; `positions` is not used."""
+        """State in the file; if without pressures, hydrostatic by `density` [kg/m3]; `positions` is not used."""
         columns = self.columns()
         placed, velocity = (column_vectors(columns, names, basin) for names in ("xyz", "uvw"))
         return placed, velocity, columns.get("p", still_pressure(placed, basin, density, 0.0))
@@ -248,7 +248,7 @@ Initial = Annotated[StandingWave | RegularWave | RandomWaves | TaylorGreen | Fro
 def start_state(
     initial: Initial | None, positions: np.ndarray, basin: Basin, density: float, surface: float | np.ndarray = 0.0
 ) -> State:
-    """Positions (n, 3) [m], velocities (n, 3) [m/s], pressures (n,) [Pa] at time 0; `surface`: still level [m]."""
+    """State at time 0 of water that at rest lies at `positions` (n, 3) [m]; `surface`: still level [m], one or (n,)."""
     if initial is not None:
         return initial.state(positions, basin, density)
     sea = patch_waves(basin, mean_spacing(positions, basin)) if basin.sea is not None else None
@@ -271,13 +271,14 @@ def given_positions(initial: Initial | None, basin: Basin) -> np.ndarray | None:
 
 
 def still_pressure(positions: np.ndarray, basin: Basin, density: float, surface: float | np.ndarray) -> np.ndarray:
-    """Hydrostatic pressure (n,) [Pa] below a surface at a height [m]; 0 if y is periodic or gravity not downward."""
+    """Hydrostatic pressure (n,) [Pa] at `positions` (n, 3) [m] below a `surface` at this height [m], one or (n,); 0 if
+    y is periodic or gravity not downward."""
     pull = 0.0 if basin.periods[1] else max(0.0, -basin.gravity[1])
     return density * pull * np.maximum(surface - positions[:, 1], 0.0)
 
 
 def displaced_state(sea: waves.Components, positions: np.ndarray, basin: Basin, density: float) -> State:
-    """Positions, velocities, pressures at time 0 in these waves of water that rests at `positions` (n, 3) [m]."""
+    """State at time 0, in these waves, of water of rest `density` [kg/m3] that rests at `positions` (n, 3) [m]."""
     placed, leap = positions.astype(float), 1.0 / FLOW_STEPS
     for _ in range(FLOW_STEPS):
         a = waves.displacement(sea, placed)

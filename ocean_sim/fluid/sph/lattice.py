@@ -238,5 +238,5 @@ def in_boxes(positions: np.ndarray, basin: Basin) -> np.ndarray:
 
 
 def total_count(counts: list[np.ndarray]) -> int:
-    """Number of particles in all boxes, from the numbers along the axes of each."""
+    """Number of particles in all boxes; `counts`: numbers (2,) or (3,) of particles along the axes of each box."""
     return sum(int(np.prod(count)) for count in counts)

@@ -173,7 +173,8 @@ class MomentumLaw(Force):
 
     @ti.func
     def constrain(self, i, x, v, dt):
-        """Positions [m] after a step, without and with walls; velocity [m/s]; 1 if cut to `motion_limit`, else 0."""
+        """Positions [m] after a step of particle i from x [m] at v [m/s], without and with walls; velocity [m/s] then;
+        1 if it was cut to `motion_limit`, else 0."""
         fluid, walls = self.fluid, self.fluid.walls
         pushed, fast = walls.limit_motion(walls.relax(x, v, dt), dt)
         x_free = x + fluid.grid.whole_quanta(i, ti.static(1.0 - self.drifted) * dt * pushed)

@@ -16,7 +16,7 @@ GAP_TYPE = ti.i32
 
 
 def staggered_field(dtype: Any, n: int) -> Any:
-    """Field of n numbers, with a gap behind it so that fields of a particle do not compete for a cache line."""
+    """Field of n numbers of type `dtype`; a gap behind it keeps fields of a particle from competing for cache lines."""
     field = ti.field(dtype, shape=n)
     size = n * np.dtype(to_numpy_type(field.dtype)).itemsize
     if size >= PAGE_BYTES and (gap := (CACHE_LINE_BYTES - size) % (2 * CACHE_LINE_BYTES)):
@@ -114,7 +114,7 @@ class Components:
             rows[i, 0], rows[i, 1], rows[i, 2] = self.x[i], self.y[i], self.z[i]
 
     def from_numpy(self, values: np.ndarray) -> None:
-        """Set the vectors of all particles from an array (n, 3)."""
+        """Set the vectors of all particles to `values` (n, 3)."""
         self.copy_from(np.ascontiguousarray(values, dtype=self.precision))
 
     @ti.kernel

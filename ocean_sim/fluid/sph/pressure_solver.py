@@ -43,7 +43,7 @@ class Compression(KeptLaw):
 
     @ti.func
     def kept_pair(self, own, other, gradient):
-        """Density rate by one neighbour: v_ij . grad W without the kernel's constant; `own`, `other`: velocities."""
+        """Density rate by a neighbour: v_ij . `gradient` (grad W without constant); `own`, `other`: velocities."""
         return ti.Vector([gradient.dot(own - other)])
 
     @ti.func
@@ -111,12 +111,12 @@ class Push(KeptLaw):
 
     @ti.func
     def kept_pair(self, own, other, gradient):
-        """Pressure force (p_i + p_j) grad W of one neighbour, before `finish` scales it; `own`, `other`: pressures."""
+        """Pressure force (p_i + p_j) `gradient` by a neighbour, to be scaled by `finish`; `own`, `other`: pressures."""
         return (own[0] + other[0]) * gradient
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Vector (4,), position and pressure 0, of boundary particle s or its image, d [m] from a particle `own`."""
+        """Vector (4,), position and pressure 0, of boundary particle s or its image by `mirror`, d [m] from `own`."""
         return tm.vec4(vec3(own, self.row.position) + d, 0.0)
 
     @ti.func

@@ -74,7 +74,7 @@ class Kernel:
         return (1.0 - t) * falls - self.gradient(t)
 
     def slope(self, dimension: int, support: float) -> float:
-        """Constant of grad W = -slope `gradient` x with which W integrates to 1 [m^-5], in 2-D [m^-4]."""
+        """Constant [m^-5], in 2-D [m^-4], of grad W = -slope `gradient` x: W of this `support` [m] integrates to 1."""
         d = dimension
         moments = (
             term * factorial(self.power + k) * factorial(d + 1) / factorial(self.power + k + d + 2)
@@ -291,7 +291,7 @@ class Stencil:
 
 
 def rigidity_notes(smoothing: Smoothing, spacing: float) -> Iterator[str]:
-    """Yield a sentence on how the starting lattice's resistance to shear changes wave speed, if that is notable."""
+    """Yield a sentence if shear resistance of the starting lattice of this `spacing` [m] notably changes wave speed."""
     share, ratio = Stencil(smoothing, spacing).rigidity, smoothing.support / spacing
     way = "fast: the lattice that the water starts from bears shear" if share > 0.0 else "slow: the lattice is unstable"
     if abs(share) >= NOTABLE_RIGIDITY:

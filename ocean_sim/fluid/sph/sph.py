@@ -168,7 +168,7 @@ class SphConfig(WaterConfig):
         yield from self.scale_warnings(lattice, preflight.support)
 
     def scale_warnings(self, lattice: Lattice, support: float) -> Iterator[str]:
-        """Yield warnings of too few particles for the depth or the waves of a scene, and of waves too steep."""
+        """Warn of too few particles (kernel radius: `support` [m]) for the depth or waves, and of too steep waves."""
         spacing, depth = lattice.spacing, lattice.basin.depth
         if support >= depth > 0.0:
             yield (
@@ -209,7 +209,7 @@ class SphConfig(WaterConfig):
         return []
 
     def weight_warnings(self, basin: Basin, duration: float) -> Iterator[str]:
-        """Yield a warning if gravity along the basin, a body force or the tank's motion compress the water much."""
+        """Warn if gravity along the basin, body force or the tank's motion over `duration` [s] compress water much."""
         still = np.add(basin.gravity, self.body_force)
         motion = basin.config.motion.build() if basin.config.motion is not None else None
         times = np.linspace(0.0, duration, MOTION_SAMPLES)

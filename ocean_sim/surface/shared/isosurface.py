@@ -92,7 +92,7 @@ class Rows:
 
     @classmethod
     def bytes(cls, nodes: Nodes, most_nodes: int) -> int:
-        """Memory [bytes] of the fields of `Rows`."""
+        """Memory [bytes] of the fields of `Rows` that may store `most_nodes` nodes."""
         return 4 * (2 * nodes.shape[1] * nodes.shape[2] + cls.fitting_rows(nodes, most_nodes) + 1)
 
     def keep_rows(self) -> None:

@@ -49,11 +49,11 @@ class Core:
         return turned(np.stack([x, np.zeros_like(x), z], axis=-1), self.yaw) + self.centre
 
     def reach(self, direction: np.ndarray) -> float:
-        """Distance [m] from the centre to the farthest point of the shape along a unit vector."""
+        """Distance [m] from the centre to the farthest point of the shape along the unit vector `direction` (3,)."""
         return float(np.abs(self.in_own_axes(direction)) @ self.half + self.radius)
 
     def chord(self, direction: np.ndarray) -> float:
-        """Length [m], inside the shape, of the line through its centre along a unit vector."""
+        """Length [m], inside the shape, of the line through its centre along the unit vector `direction` (3,)."""
         along = np.abs(self.in_own_axes(direction))
         inside, outside = 0.0, 2.0 * (float(np.linalg.norm(self.half)) + self.radius)
         for _ in range(50):
@@ -266,7 +266,7 @@ class Passages:
         return max(0.0, self._to_border(rear, self.direction) / self.speed) if self.speed else inf
 
     def _to_border(self, x: np.ndarray, direction: np.ndarray) -> float:
-        """Distance [m] from x along a unit vector to the border of the basin; negative if x is already beyond it."""
+        """Distance [m] from x along unit vector `direction` (3,) to the basin's border; negative if x is beyond it."""
         face = np.where(direction > 0.0, self.upper, self.lower)
         along = np.abs(direction) > 1e-9
         return float(((face - x)[along] / direction[along]).min())

@@ -12,7 +12,7 @@ REAL_DRAG_RATIO = "15 to 70"  # over the drag here: yacht, tug and barge in a wi
 
 
 def stylised(name: str, acceleration: float, preflight: SceneFacts) -> str:
-    """Sentence that compares the acceleration [m/s2] of a force field with a real wind's stress on a particle layer."""
+    """Sentence that compares the acceleration [m/s2] of force field `name` with a real wind's stress on a layer."""
     thick = preflight.spacing or 1.0  # [m] one layer of particles; 1 where the water has none
     real = stress(U10) / (preflight.fluid.rest_density * thick)
     return (

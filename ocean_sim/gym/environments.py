@@ -55,7 +55,7 @@ class OceanVectorEnv(VectorEnv):
         period: float = 6.0,
         depth: float = 50.0,
     ) -> None:
-        """Seas of significant `height` [m] (0: calm) and peak `period` [s] over a water `depth` [m]."""
+        """`num_envs` boats in seas of significant `height` [m] (0: calm), peak `period` [s], over a `depth` [m]."""
         number("height", height, "m", 0.0)
         number("period", period, "s", MIN_PERIOD_AND_DEPTH)
         number("depth", depth, "m", MIN_PERIOD_AND_DEPTH)
@@ -146,7 +146,7 @@ class OceanEnv(gymnasium.Env):
         return self.many.observations()[0], self.info()
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Advance by TIME_STEP with helm, throttle (2,); returns observation, reward, capsized, out of time, info."""
+        """Advance by TIME_STEP with `action` (2,): helm, throttle; return observation, reward, capsized, late, info."""
         seen, reward, over, late, _ = self.many.step(np.asarray(action)[None])
         return seen[0], float(reward[0]), bool(over[0]), bool(late[0]), self.info()
 

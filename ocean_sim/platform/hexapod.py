@@ -178,8 +178,8 @@ class HexapodPlatform:
 
 
 def felt_by_differences(known: np.ndarray, every: float) -> tuple[np.ndarray, np.ndarray]:
-    """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] felt on a platform, in its axes, at the last n of poses (n +
-    2, 6) `every` [s]. By backward differences, so acceleration lags by one row and the rate by half a row."""
+    """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] felt on a platform, in its axes, at the last n poses of
+    `known` (n + 2, 6), rows `every` [s]. Backward differences: acceleration lags by one row, the rate by half a row."""
     rates = np.diff(known, axis=0)[1:, 3:] / every
     acceleration = np.diff(known[:, :3], n=2, axis=0) / every**2
     return felt_motion(known[2:], acceleration, rates)

@@ -198,7 +198,7 @@ class Otter:
 
     def driving_loads(self, nu: np.ndarray, revolutions: np.ndarray, rudder: float) -> dict[str, np.ndarray]:
         """(6,) load `propeller`: force [N] and torque [N m] of both propellers about the model's origin, SNAME axes, at
-        (2,) `revolutions` [rad/s], port and starboard."""
+        (2,) `revolutions` [rad/s], port and starboard; velocity `nu` (6,) and `rudder` are not used."""
         n = revolutions
         port, starboard = np.where(n > 0.0, AHEAD_COEFFICIENT, ASTERN_COEFFICIENT) * n * np.abs(n)
         return {"propeller": np.array([port + starboard, 0.0, 0.0, 0.0, 0.0, PONTOON_OFFSET * (port - starboard)])}

@@ -35,8 +35,8 @@ ANGLES_AT_ONCE = 2**15  # angles of waves at points that are computed together
 
 
 def wavenumber(omega: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray:
-    """Wavenumber k [rad/m] that solves omega^2 = g k tanh(k h), for omega [rad/s] above zero and a depth h [m], by
-    Newton's method from the closed form of Guo (2002, Coastal Engineering 45), which is right to 0.75 %."""
+    """Wavenumber k [rad/m] that solves omega^2 = g k tanh(k h), for omega [rad/s] > 0, depth h [m], gravity g [m/s2],
+    by Newton's method from the closed form of Guo (2002, Coastal Engineering 45), which is right to 0.75 %."""
     x = np.clip(np.asarray(omega, dtype=float) * sqrt(depth / gravity), 1e-100, 1e100)  # its powers are numbers
     kh = x**2 * (-np.expm1(-(x**2.4908))) ** (-1.0 / 2.4908)
     for _ in range(4):
@@ -46,7 +46,7 @@ def wavenumber(omega: Values, depth: float, gravity: float = GRAVITY) -> np.ndar
 
 
 def angular_frequency(k: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray:
-    """Angular frequency [rad/s] of waves of wavenumber k [rad/m] on a depth [m]."""
+    """Angular frequency [rad/s] of waves of wavenumber k [rad/m] on a depth [m] under gravity [m/s2]."""
     k = np.asarray(k, dtype=float)
     return np.sqrt(gravity * k * np.tanh(k * depth))
 
@@ -57,7 +57,7 @@ def phase_speed(k: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray
 
 
 def group_speed(k: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray:
-    """Speed [m/s] at which waves of wavenumber k [rad/m] carry energy: c/2 (1 + 2kh / sinh 2kh)."""
+    """Speed [m/s] at which waves of wavenumber k [rad/m] carry energy on a depth h [m]: c/2 (1 + 2kh / sinh 2kh)."""
     q = 2.0 * np.minimum(np.asarray(k, dtype=float) * depth, 300.0)
     return 0.5 * phase_speed(k, depth, gravity) * (1.0 + q / np.sinh(q))
 
@@ -75,8 +75,8 @@ def piston_transfer(kh: Values) -> np.ndarray:
 
 
 def pierson_moskowitz(frequency: Values, peak_frequency: float, alpha: float, gravity: float = GRAVITY) -> np.ndarray:
-    """Spectral density [m2 s] of Pierson & Moskowitz (1964) at frequencies [Hz], with peak fp [Hz]; its variance is
-    alpha g^2 / (5 (2 pi)^4 fp^4)."""
+    """Spectral density [m2 s] of Pierson & Moskowitz (1964) at frequencies [Hz], with peak fp, `peak_frequency` [Hz];
+    its variance is alpha g^2 / (5 (2 pi)^4 fp^4)."""
     f = np.asarray(frequency, dtype=float)
     scale = alpha * gravity**2 / (2.0 * pi) ** 4
     return scale * f**-5.0 * np.exp(-1.25 * (peak_frequency / f) ** 4)
@@ -85,8 +85,8 @@ def pierson_moskowitz(frequency: Values, peak_frequency: float, alpha: float, gr
 def jonswap(
     frequency: Values, peak_frequency: float, alpha: float, gamma: float = 3.3, gravity: float = GRAVITY
 ) -> np.ndarray:
-    """Spectral density [m2 s] of JONSWAP (Hasselmann et al. 1973) at frequencies [Hz]: that of Pierson & Moskowitz, its
-    peak raised by the factor gamma, over a relative width of 0.07 below the peak and 0.09 above it."""
+    """Spectral density [m2 s] of JONSWAP (Hasselmann et al. 1973) at frequencies [Hz]: `pierson_moskowitz` of the same
+    arguments, its peak raised by the factor gamma, over a relative width of 0.07 below the peak and 0.09 above it."""
     ratio = np.asarray(frequency, dtype=float) / peak_frequency
     width = np.where(ratio <= 1.0, 0.07, 0.09)
     peak = gamma ** np.exp(-0.5 * ((ratio - 1.0) / width) ** 2)
@@ -104,7 +104,7 @@ def ramp_share(time: float, ramp: float) -> float:
 
 
 def ramp_rate(time: float, ramp: float) -> float:
-    """Time derivative [1/s] of `ramp_share` at a time [s]."""
+    """Time derivative [1/s] of `ramp_share` at a time [s] for a ramp [s]."""
     s = time / ramp if ramp > 0.0 else 1.0
     return (1.0 - cos(2.0 * pi * s)) / ramp if 0.0 < s < 1.0 else 0.0
 
@@ -234,7 +234,7 @@ def weighted_sum(weight: np.ndarray, waves: np.ndarray) -> np.ndarray:
 
 
 def orbital_sum(sea: Components, points: np.ndarray, time: float, moved: bool) -> np.ndarray:
-    """Velocities (m, 3) [m/s] of water at points (m, 3) [m], or if `moved` its displacements [m], by linear theory."""
+    """Velocities (m, 3) [m/s], or if `moved` displacements [m], at points (m, 3) [m], a time [s], by linear theory."""
     total = np.zeros((len(points), 3))
     for some, angle in sea.angles(points, time):
         k, omega, (c, s) = sea.wavenumber[some], sea.omega[some], (np.cos(angle), np.sin(angle))
@@ -275,8 +275,8 @@ def lattice_rows(points: np.ndarray) -> int | None:
 def _on_lattice(
     sea: Components, parts: list[tuple[np.ndarray, np.ndarray]], x: np.ndarray, z: np.ndarray, time: float
 ) -> np.ndarray:
-    """Sums over n waves of p cos(angle) + q sin(angle) at the points of a grid x by z [m], z fastest: (points, k), a
-    column for each of the k pairs p, q (n,) in `parts`. Cosines are computed per row and column of the grid only."""
+    """Sums over n waves of p cos(angle) + q sin(angle) at a time [s] on a grid x (r,) by z (c,) [m], z fastest: (r c,
+    k), a column for each of the k pairs p, q (n,) in `parts`. Cosines are computed per row and column only."""
     a = np.outer(x, sea.wavevector[:, 0])
     b = np.outer(sea.wavevector[:, 1], z) + (sea.phase - sea.omega * time)[:, None]
     (cos_a, sin_a), (cos_b, sin_b) = (np.cos(a), np.sin(a)), (np.cos(b), np.sin(b))
@@ -294,7 +294,7 @@ def stretched_height(sea: Components, points: np.ndarray, eta: np.ndarray) -> np
 
 
 def linear_velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
-    """Water velocity (m, 3) [m/s] at points (m, 3) [m] by unstretched linear theory, a potential flow."""
+    """Water velocity (m, 3) [m/s] at points (m, 3) [m], a time [s], by unstretched linear theory, a potential flow."""
     rows = None if points[:, 1].any() else lattice_rows(points)
     if rows is not None:
         columns = len(points) // rows
@@ -306,12 +306,12 @@ def linear_velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> n
 
 
 def displacement(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
-    """Displacement (m, 3) [m] by waves of water that rests at points (m, 3) [m]; linear theory, divergence-free."""
+    """Displacement (m, 3) [m] at time [s] of water that rests at points (m, 3) [m]; linear theory, divergence-free."""
     return orbital_sum(sea, points, time, moved=True)
 
 
 def pressure_head(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
-    """Wave pressure over rho g (m,) [m] by linear theory at points (m, 3) [m], without the hydrostatic part."""
+    """Wave pressure over rho g (m,) [m], without hydrostatics, at points (m, 3) [m] and a time [s]; linear theory."""
     head = np.zeros(len(points))
     for some, angle in sea.angles(points, time):
         c, _ = profiles(sea.wavenumber[some, None], points[:, 1], sea.depth)
@@ -320,18 +320,18 @@ def pressure_head(sea: Components, points: np.ndarray, time: float = 0.0) -> np.
 
 
 def velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
-    """Water velocity (m, 3) [m/s] at points (m, 3) [m] with Wheeler stretching; above water that of the surface."""
+    """Water velocity (m, 3) [m/s] at points (m, 3) [m], a time [s]; Wheeler stretching, above water the surface's."""
     y = stretched_height(sea, points, elevation(sea, points, time))
     return linear_velocity(sea, np.stack([points[:, 0], y, points[:, 2]], axis=1), time)
 
 
 def surface_velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
-    """Water velocity (m, 3) [m/s] of the surface at horizontal positions x, z (m, 2) [m]."""
+    """Water velocity (m, 3) [m/s] of the surface at `points` x, z (m, 2) [m] and a time [s]."""
     return linear_velocity(sea, np.insert(points, 1, 0.0, axis=1), time)
 
 
 def heading_vector(heading_deg: float | None, dimension: int) -> np.ndarray:
-    """Unit vector (2,) along x and z of a heading [deg]: 0 along +z, 90 along +x; None means +z, or +x in 2-D."""
+    """Unit vector (2,), x and z, of a heading [deg]: 0 along +z, 90 along +x; None: +z, or +x if `dimension` is 2."""
     heading = radians((90.0 if dimension == 2 else 0.0) if heading_deg is None else heading_deg)
     return np.array([sin(heading), 0.0 if dimension == 2 else cos(heading)])
 
@@ -384,8 +384,8 @@ class Spectrum(Model):
     def components(
         self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = SPECTRUM_WAVES
     ) -> Components:
-        """Sea of `count` plane waves along a unit vector `towards` (x, z), one for each of as many equal slices of the
-        frequency band. A wave has the slice's variance and a random frequency in it, so that the sea has no period."""
+        """Sea of `count` plane waves along a unit vector `towards` (x, z) on a depth [m], one for each of as many equal
+        slices of the frequency band. A wave has its variance and a random frequency in it: the sea has no period."""
         peak = 1.0 / self.peak_period
         edges = np.linspace(LOWEST_FREQUENCY, self.cut_off, count + 1) * peak
         n = np.arange(count)
@@ -410,7 +410,7 @@ class SpreadSpectrum(Spectrum):
     def components(
         self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = SPECTRUM_WAVES
     ) -> Components:
-        """Sea of `count` plane waves, each in its own direction; the mean direction of their energy is `towards`."""
+        """Sea as by `Spectrum.components`, but each wave in its own direction, about the mean direction `towards`."""
         sea = super().components(towards, depth, gravity, count)
         if self.spreading is None:
             return sea
@@ -506,7 +506,7 @@ class FileSpectrum(Model):
 
 
 def spectrum_class(value: Any) -> str:
-    """Pydantic tag of a spectrum, the name of its class, from a mapping of its keys or from the object itself."""
+    """Pydantic tag of a spectrum, the name of its class; `value`: a mapping of its keys, or the object itself."""
     named = isinstance(value, dict) and "file" in value
     return "FileSpectrum" if named or isinstance(value, FileSpectrum) else "SpreadSpectrum"
 
@@ -550,7 +550,7 @@ class WaveTrain(Model):
         return ("height",) if self.spectrum is None else ("spectrum", self.spectrum.height_name)
 
     def train(self, towards: np.ndarray, depth: float, gravity: float, count: int = SPECTRUM_WAVES) -> Components:
-        """Plane waves of this train along a unit vector `towards` (x, z); a spectrum becomes `count` waves."""
+        """Plane waves of this train along unit vector `towards` (x, z) on a depth [m]: `count` waves for a spectrum."""
         if self.spectrum is not None:
             return self.spectrum.components(towards, depth, gravity, count)
         return regular_wave(*self.scale, towards, depth, gravity)
@@ -653,6 +653,6 @@ def basin_faults(basin: Tank, height: float = 0.0, period: float | None = None) 
 
 
 def heading_faults(heading_deg: float | None, basin: Tank) -> Iterator[str]:
-    """Yield a sentence if waves cannot have this heading [deg] in this basin: in 2-D they must go along the x-axis."""
+    """Yield a sentence if waves cannot have this heading [deg] (None: default) in this basin: in 2-D only along x."""
     if basin.dimension == 2 and heading_deg is not None and abs(cos(radians(heading_deg))) > 1e-9:
         yield f"in 2-D waves go along +x (heading 90 degrees) or -x (270), got {heading_deg:g}"

@@ -38,8 +38,8 @@ def damping_rate(k: float, depth: float, gravity: float, length: float) -> float
 
 
 def wave_reflection(omega: np.ndarray, depth: float, gravity: float, length: float, rate: float) -> np.ndarray:
-    """Ratios (n,) of reflected to incident height of waves of frequencies omega (n,) [rad/s], head on to a damping zone
-    of a length [m] whose damping rate at the wall is `rate` [1/s]."""
+    """Ratios (n,) of reflected to incident height of waves of frequencies omega (n,) [rad/s] on a depth [m], head on to
+    a damping zone of a length [m] whose damping rate at the wall is `rate` [1/s]."""
     omega = np.asarray(omega, dtype=float)[:, None]  # by layer in the second place, the first being water without zone
     h = np.minimum(depth, MAX_DEPTH / wavenumber(omega, depth, gravity))[:, :, None, None]
     s = (np.arange(ZONE_LAYERS) + 0.5) / ZONE_LAYERS

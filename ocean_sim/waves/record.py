@@ -147,7 +147,7 @@ class Treatment:
     noise makes no waves."""
 
     def deviation(self, values: np.ndarray) -> np.ndarray:
-        """Record (n,) [m] less its mean, or less the straight line through it if `detrended`."""
+        """Record `values` (n,) [m] less its mean, or less the straight line through it if `detrended`."""
         from scipy.signal import detrend
 
         return detrend(values, type="linear" if self.detrended else "constant")
@@ -162,7 +162,7 @@ AS_IT_WAS = Treatment()
 
 
 def slow_part(interval: float, values: np.ndarray, treatment: Treatment) -> str | None:
-    """Sentence on a trend or tide in a record (n,) [m] that is TREND_RATIO times as high as its waves; else None."""
+    """Sentence on a trend or tide in `values` (n,) [m] that is TREND_RATIO times as high as their waves, or None."""
     treated = treatment.deviation(values)
     level = Treatment(detrended=True).deviation(values)
     if not treatment.detrended and treated.std() > max(TREND_RATIO * level.std(), STILL_RANGE):
@@ -215,8 +215,8 @@ def zero_crossing_waves(
 def welch_density(
     interval: float, deviation: np.ndarray, segments: int = MAX_SEGMENTS
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies [Hz] and spectral density [m2 s] of a record less its mean (n,) [m], sampled every `interval` [s], by
-    Welch's method on overlapping segments; the lowest frequency above 0 is one over a segment's length."""
+    """Frequencies [Hz] and spectral density [m2 s] of a record less its mean, `deviation` (n,) [m], every `interval`
+    [s], by Welch's method on overlapping segments; the lowest frequency above 0 is one over a segment's length."""
     from scipy.signal import welch as estimate
 
     length = max(MIN_SAMPLES // 2, 2 * len(deviation) // (segments + 1))
@@ -244,7 +244,7 @@ def segment_count(interval: float, deviation: np.ndarray) -> int:
 
 
 def peak_frequency(interval: float, deviation: np.ndarray) -> float | None:
-    """Peak frequency [Hz] of a record less its mean (n,) [m]; None if it holds fewer than RECORD_PERIODS periods."""
+    """Peak frequency [Hz] of a record as in `welch_density`; None if it holds fewer than RECORD_PERIODS periods."""
     frequency, density = welch_density(interval, deviation, segment_count(interval, deviation))
     found = spectral_peak(frequency, density)
     return found if found >= RECORD_PERIODS * frequency[1] else None
@@ -265,7 +265,7 @@ def record_spectra(
 
 
 def spectral_moments(interval: float, deviation: np.ndarray, up_to: float) -> tuple[float, float, float]:
-    """Moments m0, m1 and m2 [m2, m2/s, m2/s2] of the spectrum, up to a frequency [Hz], of a record less its mean."""
+    """Moments m0, m1, m2 [m2, m2/s, m2/s2] of the spectrum up to a frequency [Hz]; record as in `welch_density`."""
     n = len(deviation)
     window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(n) / n)
     power = np.abs(np.fft.rfft(window * deviation)) ** 2

@@ -54,7 +54,8 @@ class Lines:
         return self.at + 1 >= len(self.rows)
 
     def words(self, expected: str, *choices: str) -> list[str]:
-        """Words of the next line; raises LookupError at the end, or if the first word is not one of `choices`."""
+        """Words of the next line; raises LookupError at the end, or if the first word is not one of `choices`.
+        `expected`: what the line should hold, for the message."""
         self.at, self.expected = self.at + 1, expected
         found = self.rows[self.at][1].split()
         if choices and found[0] not in choices:
@@ -129,8 +130,8 @@ def numbers_in(words: Iterable[str]) -> np.ndarray:
 
 
 def table_spectrum(path: str | Path, frequency: np.ndarray, *others: np.ndarray) -> Found:
-    """Checked spectrum; `others`: directions (m,) [deg], densities (n, m) and, of a buoy, first and second Fourier
-    moments (2, n), as in `DirectionalSpectrum`. None without energy; raises Unreadable, for file `path`."""
+    """Checked spectrum; `others`: directions (m,) [deg], densities (n, m) at frequencies (n,) [Hz] and, of a buoy,
+    Fourier moments (2, n), as in `DirectionalSpectrum`. None without energy; raises Unreadable, for file `path`."""
     rising = len(frequency) > 1 and frequency[0] > 0.0 and (np.diff(frequency) > 0.0).all()
     if not rising or not others[1].min() >= 0.0 or np.isinf(others[1]).any():
         shown = ", ".join(f"{f:g}" for f in frequency[:3])

@@ -96,7 +96,7 @@ class Sender:
     left_out = ("socket", "start", "sent", "due", "left", "readings", "key", "began")  # by a checkpoint
 
     def __init__(self, url: str, layout: str = "ocean_sim", key: bytes = b"") -> None:
-        """`layout`: one of PACKET_LAYOUTS; `key`: signature key, empty for none."""
+        """`url`: where to, udp://HOST:PORT; `layout`: one of PACKET_LAYOUTS; `key`: signature key, empty for none."""
         if key and layout != "ocean_sim":
             raise ValueError(f"packets of {layout} have no place for a signature; take ocean_sim")
         self.address, self.layout = parse_address(url), layout
@@ -189,7 +189,7 @@ class SmoothPose:
             self.glide = now, pose, (pose - self.pose(now - COMMAND_INTERVAL)) / COMMAND_INTERVAL
 
     def silent_time(self, now: float) -> float:
-        """Time since the last packet was accepted [s]; infinite before the first."""
+        """Time [s] from the last accepted packet to `now` [s], on the receiver's clock; infinite before the first."""
         return now - self.line[-1][0] if self.line else np.inf
 
     def accept(self, packet: wire.Packet, now: float) -> None:
@@ -360,7 +360,7 @@ def print_some(packet: wire.Packet) -> None:
 
 
 def print_stream(url: str, key: bytes = b"") -> None:
-    """Receive a stream and print a summary of its packets. Raises OSError or ValueError for a bad address."""
+    """Receive a stream at `url`, udp://HOST:PORT, and print a summary. OSError or ValueError if it is bad."""
     print(f"waiting for packets at {url}", flush=True)
     seen = receive_stream(url, 10.0, print_some, Receiver(preset_geometry("hexapod_a"), key))
     kinds = ("lost", "out of order", "strange", "from elsewhere", "implausible")
@@ -371,7 +371,7 @@ def print_stream(url: str, key: bytes = b"") -> None:
 
 
 def main(words: Sequence[str]) -> int:
-    """Run the command line (see USAGE): receive a stream or stop a platform; returns the exit code."""
+    """Run the command line `words` (USAGE, from the URL on): receive a stream or stop a platform; returns exit code."""
     stops = [*words[:1]] == ["stop"]
     rest = words[1:] if stops else words or [f"udp://{LOOPBACK_HOST}:5005"]
     if "--help" in words or not 1 <= len(rest) <= 2:

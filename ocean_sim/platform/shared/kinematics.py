@@ -90,7 +90,7 @@ class Hexapod:
         return low
 
     def leg_vectors(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Vectors (n, 6, 3) [m], floor axes: of legs, from base to platform; of joints, from the platform's origin."""
+        """Vectors (n, 6, 3) [m], floor axes, at poses (n, 6): legs from base to platform, joints from its origin."""
         arm = self.joints @ np.swapaxes(rotation_matrices(pose[:, 3:]), 1, 2)
         leg = pose[:, None, :3] + [0.0, 0.0, self.neutral_height] + arm - self.base
         return leg, arm

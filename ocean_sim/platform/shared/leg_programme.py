@@ -80,7 +80,7 @@ def felt_at(motion: np.ndarray) -> np.ndarray:
 
 
 def derivatives(law: Callable[[np.ndarray], np.ndarray], at: np.ndarray) -> np.ndarray:
-    """Derivatives (n, k, m), by central differences, of a function `law` of rows (n, m) with values (n, k)."""
+    """Derivatives (n, k, m), by central differences, of a function `law` of rows `at` (n, m) with values (n, k)."""
     steps = DERIVATIVE_STEP * np.eye(at.shape[1])
     return np.stack([(law(at + step) - law(at - step)) / (2.0 * DERIVATIVE_STEP) for step in steps], axis=2)
 

@@ -150,7 +150,8 @@ class Governor:
         return given, limited
 
     def motion_sizes(self, motion: np.ndarray) -> np.ndarray:
-        """Sizes (n,) [m] of pose changes (n, 6): shift of the reference point or, if larger, of joints in the turn."""
+        """Sizes (n,) of pose changes `motion` (n, 6) [m], or of their rates: shift of the reference point or, if
+        larger, of joints in the turn."""
         along, around = np.linalg.norm(motion[:, :3], axis=1), np.linalg.norm(motion[:, 3:], axis=1)
         return np.maximum(along, self.hexapod.radius * around)
 
@@ -167,7 +168,7 @@ class Governor:
         return self.motion_size(change) <= allowed * (1.0 + 1e-9) and not hard
 
     def leg_speeds(self, motion: np.ndarray) -> np.ndarray:
-        """Leg speeds (6,) [m/s] that a pose velocity (6,) [m/s, rad/s] causes in the present pose."""
+        """Leg speeds (6,) [m/s] in the present pose at pose velocity `motion` (6,), of x, y, z, roll, pitch, yaw."""
         pose = self.pose[None]
         turning = rates_to_turn(pose[:, 3:])[0] @ motion[3:]
         return self.hexapod.jacobian(pose)[0] @ np.concatenate([motion[:3], turning])
@@ -232,7 +233,7 @@ class Legs:
         self.velocity = np.zeros(6) if velocity is None else velocity
 
     def follow(self, targets: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Lengths (n, 6) [m], speeds (n, 6) [m/s], bits (n,) of limits (LIMIT_TEXTS) met for wanted lengths (n, 6)."""
+        """Lengths (n, 6) [m], speeds (n, 6) [m/s], bits (n,) of limits (LIMIT_TEXTS) met; `targets`: wanted lengths."""
         n, dt = len(targets), self.every
         wanted = np.diff(targets, axis=0, prepend=self.target[None]) / dt
         turn = np.abs(np.diff(wanted, axis=0, prepend=wanted[:1])).max(axis=1, initial=0.0)

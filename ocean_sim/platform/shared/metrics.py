@@ -71,8 +71,8 @@ def rest_value(name: str) -> float:
 
 
 def compare_motion(name: str, unit: str, felt: np.ndarray, scaled: np.ndarray, every: float) -> list[Metric]:
-    """Six metrics of a motion component: rms of `felt` (n,), on the platform, of `scaled` (n,), to be felt, and of
-    their difference; correlation, delay, largest false cue (`felt` against `scaled`). `every`: between rows [s]."""
+    """Six metrics of a motion component `name`, in `unit`: rms of `felt` (n,), on the platform, of `scaled` (n,), to be
+    felt, and of their difference; correlation, delay, largest false cue. `every`: between rows [s]."""
     against = felt * np.sign(scaled) < 0.0
     return [
         Metric(f"{name}_scaled_rms", rms(scaled), unit),
@@ -89,7 +89,7 @@ def rms(signal: np.ndarray) -> float:
 
 
 def correlation(one: np.ndarray, other: np.ndarray) -> float:
-    """Correlation coefficient of two signals (n,), or NaN if one of them is constant."""
+    """Correlation coefficient of signals `one` and `other` (n,), or NaN if one of them is constant."""
     a, b = one - one.mean(), other - other.mean()
     size = rms(a) * rms(b)
     return float(np.mean(a * b) / size) if rms(a) > MIN_RMS and rms(b) > MIN_RMS else float("nan")
@@ -111,7 +111,8 @@ def motion_gain(felt: np.ndarray, given: np.ndarray, every: float) -> float:
 
 
 def delayed_products(felt: np.ndarray, given: np.ndarray, every: float) -> np.ndarray:
-    """Cross-correlation (2 m + 1,) of signals (n,) at delays of -m to m samples `every` [s]; one NaN if one is flat."""
+    """Cross-correlation (2 m + 1,) of `felt` (n,), -m to m rows `every` [s] after `given` (n,); one NaN if one is
+    flat."""
     from scipy.signal import correlate
 
     a, b = felt - felt.mean(), given - given.mean()

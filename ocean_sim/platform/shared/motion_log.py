@@ -98,12 +98,12 @@ class MotionLog(NamedTuple):
         return max(1, min(round(COMPARED_SECONDS / self.every), len(self.ride.time) // 4))
 
     def mean_rates(self, values: np.ndarray) -> np.ndarray:
-        """Mean rates of change (m - n, 3) [1/s] of columns (m, 3) over every n = `compared_rows` rows."""
+        """Mean rates of change (m - n, 3) [1/s] of `values` (m, 3) over any n = `compared_rows` successive rows."""
         n = self.compared_rows
         return (values[n:] - values[:-n]) / (n * self.every)
 
     def mean_values(self, values: np.ndarray) -> np.ndarray:
-        """Means (m - n, 3) of columns (m, 3) over every n = `compared_rows` rows, by the trapezoidal rule."""
+        """Means (m - n, 3) of `values` (m, 3) over any n = `compared_rows` successive rows, by the trapezoidal rule."""
         n, between = self.compared_rows, 0.5 * (values[1:] + values[:-1])
         whole = np.concatenate([0.0 * values[:1], np.cumsum(between, axis=0)])
         return (whole[n:] - whole[:-n]) / n
@@ -115,7 +115,7 @@ def frame_signs(frame: str) -> np.ndarray:
 
 
 def ride_of(table: dict[str, np.ndarray], frame: str) -> Ride:
-    """`Ride` (ship motion along FLU axes) from a motion log's columns, which are along the axes of `frame`."""
+    """`Ride` (ship motion along FLU axes) from a motion log's `table`, columns (n,) by name, along axes of `frame`."""
     groups = FORCE_COLUMNS, RATE_COLUMNS, ANGLE_COLUMNS
     force, rate, attitude = (np.column_stack([table[name] for name in names]) for names in groups)
     signs = frame_signs(frame)
@@ -270,14 +270,14 @@ def log_positions(log: MotionLog) -> np.ndarray:
 
 
 def rotations(attitude: np.ndarray) -> Any:
-    """SciPy rotations (n,) from body axes to world axes by roll, pitch, yaw (n, 3) [rad]."""
+    """SciPy rotations (n,) from body axes to world axes by `attitude` (n, 3): roll, pitch, yaw [rad]."""
     from scipy.spatial.transform import Rotation
 
     return Rotation.from_euler("ZYX", attitude[:, ::-1])
 
 
 def turn_to_level(attitude: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """Rotate vectors (n, 3) from body axes to level axes that keep the ship's heading, by Ry(pitch) Rx(roll)."""
+    """Rotate vectors (n, 3) from body axes to level axes of equal heading: Ry(pitch) Rx(roll) of `attitude` (n, 3)."""
     (sr, sp, _), (cr, cp, _) = np.sin(attitude).T, np.cos(attitude).T
     x, y, z = vector.T
     along = sr * y + cr * z

@@ -32,8 +32,8 @@ MAX_GAP_ROWS = 3.0  # times between rows that a gap may be long where uneven row
 def read_own_log(
     path: str | Path, columns: dict[str, str], degrees: bool, axes: str
 ) -> tuple[motion_log.MotionLog, list[str]]:
-    """Read the motion log at `path`, and state in sentences what was assumed or derived. `columns`: names in the file
-    by key of COLUMN_KEYS; `axes`: frame of a log whose head names none. Raises Unreadable."""
+    """Motion log at `path`, and sentences on what was assumed or derived. `columns`: names in the file by key of
+    COLUMN_KEYS; `degrees`: True if its angles are in degrees; `axes`: frame if its head has none. Raises Unreadable."""
     table = Table(path, {own: COLUMN_KEYS[key] for key, own in columns.items()})
     table.head.setdefault("frame", axes)
     known = {name: table[name] for name in motion_log.REQUIRED_COLUMNS if name in table}
@@ -93,7 +93,7 @@ def derive_motion(known: dict[str, np.ndarray], frame: str) -> list[str]:
 
 
 def derivative(values: np.ndarray, every: float, order: int) -> np.ndarray:
-    """Derivative of order `order` of columns (n, k) in rows `every` [s], smoothed over SMOOTHING_SECONDS."""
+    """Derivative (n, k) of order `order` of `values` (n, k), rows `every` [s], smoothed over SMOOTHING_SECONDS."""
     from scipy.signal import savgol_filter
 
     window = min(max(POLYNOMIAL_DEGREE + 1, round(SMOOTHING_SECONDS / every) | 1), (len(values) - 1) // 2 * 2 + 1)

@@ -72,7 +72,8 @@ class Filter:
 
 
 def design_sections(zeros: Sequence[float], poles: Sequence[complex], gain: float, every: float) -> np.ndarray:
-    """Second-order sections (m, 6) of a filter for samples `every` [s]; cached on disk, as SciPy's import is slow."""
+    """Second-order sections (m, 6), for rows `every` [s], of the filter gain prod(s - zeros) / prod(s - poles), s in
+    [rad/s]; cached on disk, as SciPy's import is slow."""
     import scipy
 
     def design() -> dict[str, np.ndarray]:
@@ -99,7 +100,7 @@ class Tilt:
         self.step, self.angle = rate * every, 0.0
 
     def follow_force(self, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Angles (n,) asin(f / g) [rad] of the slow part of f (n,) [m/s2], and (n,) True where the rate was limited."""
+        """Angles (n,) asin(f / g) [rad], f the slow part of `force` (n,) [m/s2]; and (n,) True where rate-limited."""
         wanted = np.arcsin(np.clip(self.slow.apply(force) / GRAVITY, -1.0, 1.0)).tolist()
         angle, step, angles, held = self.angle, self.step, [], []
         for target in wanted:
@@ -166,7 +167,7 @@ class Washing:
 
 
 def scaled_motion(ride: Ride, force_scale: Vector3, rotation_scale: Vector3) -> tuple[np.ndarray, np.ndarray]:
-    """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] to be felt: those of the ship, scaled as in a washout."""
+    """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] to be felt: those of the ship, times scales by axis."""
     inertial = (ride.specific_force - rest_force(ride.attitude)) * force_scale
     return inertial + rest_force(ride.attitude * rotation_scale), ride.rate * rotation_scale
 

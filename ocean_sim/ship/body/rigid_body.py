@@ -86,7 +86,7 @@ def to_world(load: np.ndarray, body: RigidBody) -> np.ndarray:
 
 
 def for_arrays(law: Callable[..., Any]) -> Callable[..., np.ndarray]:
-    """Make a function of `small_linalg` take and return arrays: of one vector (k,), or of n vectors as (k, n)."""
+    """Make `law`, a function of `small_linalg`, take and return arrays: one vector (k,), or n vectors as (k, n)."""
     return lambda *vectors: np.array(law(*(v.tolist() if v.ndim == 1 else list(v) for v in vectors)))
 
 
@@ -98,22 +98,22 @@ turn_quaternion = for_arrays(small_linalg.turn_quaternion)
 
 
 def quaternion(axis: np.ndarray, angle: float) -> np.ndarray:
-    """Quaternion (w, x, y, z) of a turn by `angle` [rad] about a unit vector (thesis 4.6)."""
+    """Quaternion (w, x, y, z) of a turn by `angle` [rad] about the unit vector `axis` (3,) (thesis 4.6)."""
     return np.concatenate([[np.cos(angle / 2.0)], np.sin(angle / 2.0) * np.asarray(axis)])
 
 
 def quaternion_inverse(q: np.ndarray) -> np.ndarray:
-    """Inverse of a unit quaternion (w, x, y, z), as (4,), or of n as (4, n) (thesis 4.8)."""
+    """Inverse of a unit quaternion `q` (4,), w, x, y, z, or of n as (4, n) (thesis 4.8)."""
     return np.array([q[0], *-q[1:]])
 
 
 def rotate_vector(q: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """(3,) vector turned by a unit quaternion (w, x, y, z) (thesis 4.9)."""
+    """(3,) `vector` turned by a unit quaternion `q` (w, x, y, z) (thesis 4.9)."""
     return quaternion_product(quaternion_product(q, np.concatenate([[0.0], vector])), quaternion_inverse(q))[1:]
 
 
 def axis_rotation(axis: int, angle: float) -> np.ndarray:
-    """(3, 3) rotation matrix of a turn by `angle` [rad] about x, y or z (0, 1, 2) (thesis 4.3)."""
+    """(3, 3) rotation matrix of a turn by `angle` [rad] about `axis` 0, 1 or 2: x, y or z (thesis 4.3)."""
     return rotation_matrix(quaternion(np.eye(3)[axis], angle))
 
 
@@ -124,7 +124,7 @@ def euler_quaternion(pitch: float, yaw: float, roll: float) -> np.ndarray:
 
 
 def euler_angles(q: np.ndarray) -> np.ndarray:
-    """(3,) pitch, yaw, roll [rad] of a quaternion, or (3, n) of (4, n); the inverse of `euler_quaternion`."""
+    """(3,) pitch, yaw, roll [rad] of a quaternion `q` (4,), or (3, n) of (4, n); the inverse of `euler_quaternion`."""
     r = rotation_matrix(q)
     pitch = np.arcsin(np.minimum(np.maximum(-r[1, 2], -1.0), 1.0))
     return np.array([pitch, np.arctan2(r[0, 2], r[2, 2]), np.arctan2(r[1, 0], r[1, 1])])
@@ -152,8 +152,9 @@ def advance_body(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: flo
 
 
 def thesis_advance(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: float) -> RigidBody:
-    """Body dt [s] later by (4.22), (4.23) and (4.25) of the thesis as printed: forward Euler, with the velocities at
-    the start of the step. Algorithm 7 prints v = a dt, x = v dt; here they are increments, as in (4.22) and (4.23)."""
+    """Body dt [s] later under `force` [N] and `torque` [N m] (3,), world axes, by (4.22), (4.23), (4.25) of the thesis
+    as printed: forward Euler, with the velocities at the start of the step. Algorithm 7 prints v = a dt, x = v dt; here
+    they are increments, as in (4.22) and (4.23)."""
     r, omega = body.matrix, body.angular_velocity
     inertia = r @ body.inertia_body @ r.T
     faster = omega + np.linalg.solve(inertia, torque - cross(omega, inertia @ omega)) * dt

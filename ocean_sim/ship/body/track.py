@@ -47,7 +47,7 @@ class Attitude(NamedTuple):
 
 
 def continuous_signs(orientation: np.ndarray) -> np.ndarray:
-    """Quaternions (4, n) of successive moments, each multiplied by 1 or -1 so that it lies nearer to the one before."""
+    """Quaternions `orientation` (4, n), w, x, y, z, each multiplied by 1 or -1 so that it lies nearer to the last."""
     away = (orientation[:, 1:] * orientation[:, :-1]).sum(axis=0) < 0.0
     return orientation * np.cumprod(np.append(1.0, np.where(away, -1.0, 1.0))) if away.any() else orientation
 
@@ -58,14 +58,15 @@ def pure_quaternion(vector: np.ndarray) -> np.ndarray:
 
 
 def first_derivative(velocity: np.ndarray, spin: np.ndarray, orientation: np.ndarray) -> np.ndarray:
-    """(7, n) time derivatives of position and quaternion, from velocity [m/s] and angular velocity `spin` [rad/s]."""
+    """(7, n) time derivatives of position and quaternion `orientation` (4, n) (w, x, y, z), from velocity [m/s] and
+    angular velocity `spin` [rad/s], (3, n) in world axes."""
     return np.concatenate([velocity, 0.5 * quaternion_product(pure_quaternion(spin), orientation)])
 
 
 def second_derivative(
     acceleration: np.ndarray, turning: np.ndarray, spin: np.ndarray, orientation: np.ndarray
 ) -> np.ndarray:
-    """(7, n) second derivatives of position and quaternion; `turning`, `spin`: angular acceleration and velocity."""
+    """(7, n) second derivatives of position and quaternion `orientation` (4, n); `turning` (3, n): rate of `spin`."""
     x, y, z = spin
     turned = quaternion_product(pure_quaternion(turning), orientation) - 0.5 * (x * x + y * y + z * z) * orientation
     return np.concatenate([acceleration, 0.5 * turned])
@@ -105,7 +106,7 @@ class Between:
         return Track(self.time, np.where(self.over, after.place, place), np.where(self.over, after.velocity, velocity))
 
     def interpolated_values(self, known: np.ndarray) -> np.ndarray:
-        """(n, m) values at these times, linear between the values (k, m) of the k moments."""
+        """(n, m) values at these n times, linear between the values `known` (k, m) at the track's k moments."""
         earlier, later = known[self.before], known[self.after]
         return np.where(self.over[:, None], later, earlier + self.part[:, None] * (later - earlier))
 

@@ -170,7 +170,7 @@ class Vessel(Ship):
     prompt: ClassVar[bool] = False  # whether a step ends with the orders of its end, not of its beginning
 
     def __init__(self, name: str, config: VesselConfig, body: RigidBody, actuators: Actuators, bed: float) -> None:
-        """`body`: ship at the start; `bed`: height of a flat bed [m]; contact with another bed is not modelled."""
+        """`name` in the scene; `body` at the start; `bed`: height y of a flat bed [m], the only bed she can touch."""
         self.name, self.bed, self.body, self.actuators, self.last = name, bed, body, actuators, Load.of({}, self.parts)
         self.shape: SolidShape | None = None  # what it looks like
         self.free = np.array([motion in config.free for motion in Motions._fields])

@@ -104,7 +104,8 @@ class Resistance:
             yield f"damping.cross_flow is 0: a steady drift in {' and '.join(across)} meets no drag of her sections"
 
     def load(self, motion: np.ndarray) -> np.ndarray:
-        """(2, 3) damping force [N] and torque [N m] at a velocity (6,) relative to the water; all in body axes."""
+        """(2, 3) damping force [N] and torque [N m] at a velocity `motion` (6,) through the water, in the order of
+        `Motions` (sway, heave, surge, pitch, yaw, roll) [m/s], [rad/s]; all in body axes."""
         sway, heave, surge, pitch, yaw, roll = motion.tolist()
         middle = sway - roll * self.rolled  # where water crosses amidships (4.15)
         crossed, crossed_turn = self.crossing.strip_drag(middle, yaw)

@@ -41,8 +41,8 @@ class DriftTable(NamedTuple):
     force: np.ndarray  # (3, h, n) surge, sway [N/m2], yaw [N m/m2]
 
     def coefficients(self, omega: np.ndarray, wavenumber: np.ndarray, heading: np.ndarray) -> np.ndarray:
-        """(3, n) surge, sway force [N/m2], yaw moment [N m/m2] per squared amplitude of n waves, whose heading [rad]
-        counts from the ship's; a table of 0 to 180 degrees is mirrored for the other side."""
+        """`Law`: (3, n) surge, sway [N/m2], yaw [N m/m2] per squared amplitude at `omega` (n,) [rad/s] and `heading`
+        (n,) [rad], whatever the wavenumber; a table of 0 to 180 degrees is mirrored for the other side."""
         angle, signs = np.degrees(heading) % 360.0, np.ones((3, len(omega)))
         if self.headings[-1] <= 180.0:
             signs = np.where(angle > 180.0, SIGNS[:, None], 1.0)
@@ -89,7 +89,7 @@ def waterline_law(hull: Hydrostatics) -> Law:
     sides = np.stack([nz, nx, z * nx - x * nz])
 
     def coefficients(omega: np.ndarray, wavenumber: np.ndarray, heading: np.ndarray) -> np.ndarray:
-        """(3, n) surge, sway [N/m2], yaw [N m/m2] per squared amplitude of n waves, by the waterline of `hull`."""
+        """(3, n) surge, sway [N/m2], yaw [N m/m2] by the waterline of `hull`; arguments as in `Law`, `omega` unused."""
         met = np.minimum((np.outer(nx, np.sin(heading)) + np.outer(nz, np.cos(heading))) / size[:, None], 0.0)
         under = np.outer(deep, wavenumber)
         passed = kve(1, under) / ive(1, under) * np.exp(-2.0 * under) / np.pi

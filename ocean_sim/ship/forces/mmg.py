@@ -100,7 +100,8 @@ class MmgHull:
         self.terms = [[(*map(name.count, "vbr"), c) for name, c in terms.items()] for terms in hull]
 
     def scaled_motion(self, nu: np.ndarray) -> tuple[float, float, float]:
-        """Speed U [m/s] that scales forces, and dimensionless v' and r', at a velocity (6,) through the water."""
+        """Speed U [m/s] that scales forces, and dimensionless v' and r', at a velocity through the water `nu` (6,): u,
+        v, w [m/s] and p, q, r [rad/s] in SNAME axes."""
         u, v, *_, r = nu.tolist()
         speed = max(hypot(u, v), 0.5 * self.length * abs(r), 1e-6)
         return speed, v / speed, r * self.length / speed
@@ -118,7 +119,7 @@ class MmgHull:
         return load
 
     def centripetal_load(self, nu: np.ndarray) -> np.ndarray:
-        """(6,) centripetal load of hull and added mass (Yasukawa & Yoshimura 2015, eq. 4), without Munk's moment."""
+        """(6,) centripetal load of hull, added mass at `nu` less Munk's moment (Yasukawa & Yoshimura 2015, eq. 4)."""
         u, v, r = nu[0], nu[1], nu[5]
         across = -(self.mass + self.added[1]) * v * r - self.lever * r**2
         return np.array([across, (self.mass + self.added[0]) * u * r, 0.0, 0.0, 0.0, self.lever * u * r])
@@ -128,7 +129,7 @@ class MmgHull:
         return np.array([max(throttle, 0.0) * self.config.propeller.revolutions])
 
     def inflow_speed(self, nu: np.ndarray) -> float:
-        """Speed (1 - w) u of water at the propeller [m/s] (Yasukawa & Yoshimura 2015, eq. 16); 0 going astern."""
+        """Speed (1 - w) u [m/s] of water at the propeller at `nu`, 0 astern (Yasukawa & Yoshimura 2015, eq. 16)."""
         screw, (_, aside, turning) = self.config.propeller, self.scaled_motion(nu)
         angle = asin(-aside) - PROPELLER_POSITION * turning
         fading, below, above = screw.wake_change

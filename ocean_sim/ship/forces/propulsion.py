@@ -60,7 +60,8 @@ class Propeller(Model):
         return bare if throttle >= 0.0 else self.astern * bare
 
     def slipstream_speed(self, thrust: float, speed: float, density: float) -> float:
-        """Flow [m/s] at the rudder: the ship's `speed` ahead, and SLIPSTREAM_SHARE of the gain by an actuator disc."""
+        """Flow [m/s] at the rudder: the ship's `speed` ahead, and SLIPSTREAM_SHARE of the gain by an actuator disc
+        that gives this `thrust` [N]."""
         if self.diameter is None or thrust <= 0.0 or speed < 0.0:
             return speed
         far = sqrt(speed**2 + 8.0 * thrust / (pi * density * self.diameter**2))

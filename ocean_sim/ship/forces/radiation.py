@@ -98,7 +98,7 @@ class BemTable:
         return [Motions._fields.index(motion) for motion in self.motions]
 
     def has_coupling(self, one: str, other: str) -> bool:
-        """True if the table has added mass or damping that couples two motions."""
+        """True if the table has added mass or damping that couples motions `one` and `other` (names of `Motions`)."""
         pair = tuple(self.numbers.index(Motions._fields.index(motion)) for motion in (one, other))
         return bool(self.added[pair].any() or self.damping[pair].any())
 
@@ -253,7 +253,7 @@ def read_capytaine(file: str) -> BemTable:
 
 
 def symmetric_part(file: str, names: list[str], matrix: np.ndarray) -> np.ndarray:
-    """(m, m, n) mean of `matrix` and its transpose; raises Unreadable if they differ beyond RECIPROCITY_TOLERANCE."""
+    """(m, m, n) mean of `matrix` and its transpose, motions `names`; Unreadable if beyond RECIPROCITY_TOLERANCE."""
     most = np.sqrt(np.abs(matrix[np.diag_indices(len(names))]).max(axis=1))
     mirrored = matrix.transpose(1, 0, 2)
     apart = np.median(np.abs(matrix - mirrored), axis=2) / np.maximum(np.outer(most, most), 1e-300)
@@ -308,7 +308,7 @@ class Scattering:
         return found
 
     def unit_wave_forces(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
-        """(6, n) complex forces of waves of unit amplitude, by frequency [rad/s], heading from the ship's [deg]."""
+        """(6, n) complex forces [N/m], [N m/m] of waves `omega` (n,) [rad/s], `heading` (n,) from the ship's [deg]."""
         headings, force = self.scattered
         angle, turned = heading % 360.0, np.ones((6, len(heading)))
         if headings.max() <= 180.0:
@@ -362,7 +362,8 @@ class Memory:
         self.when, self.moved = np.zeros(0), np.zeros((0, len(table.numbers)))  # [s], [m/s] or [rad/s]
 
     def load(self, time: float, motion: np.ndarray) -> np.ndarray:
-        """(2, 3) radiation force [N], torque [N m], body axes, at a time [s] and velocity (6,) through the water."""
+        """(2, 3) radiation force [N], torque [N m], body axes, at a time [s] and velocity `motion` (6,) through the
+        water [m/s], [rad/s], in the order of `Motions`."""
         times = np.append(self.when, time)
         moved = np.concatenate([self.moved, motion[None, self.numbers]])
         known, ago, rate, momentum = self.impulse_response, time - times, np.zeros(6), np.zeros(6)
@@ -375,7 +376,7 @@ class Memory:
         return -rate.reshape(2, 3) - [cross(omega, line), cross(omega, turn) + cross(v, line)]
 
     def remember(self, time: float, motion: np.ndarray) -> None:
-        """Store the velocity (6,) at a time [s], unless less than a step of the kernel has passed since the last."""
+        """Store `motion`, as in `load`, at a time [s], if a step of the kernel has passed since the last."""
         if len(self.when) == 0 or time - self.when[-1] >= self.often * (1.0 - 1e-9):
             near = self.when >= time - self.impulse_response.times[-1] - self.often
             self.when = np.append(self.when[near], time)

@@ -115,7 +115,7 @@ def ratios_beyond(form: Form) -> list[str]:
 
 
 def damping_components(form: Form, amplitude: float, viscosity: float, gravity: float) -> Components:
-    """Roll damping at an amplitude [deg] and `viscosity` [m2/s]; ratios of the form are clipped to the `limits`."""
+    """Roll damping at an amplitude [deg], `viscosity` [m2/s], `gravity` [m/s2]; ratios are clipped to the `limits`."""
     held = (float(np.clip(value, *regressions()["limits"][name])) for name, value in form.limited_ratios.items())
     cb, cm, bd, og, frequency, *keels = held
     return Components(
@@ -176,7 +176,7 @@ def keel_damping(cb: float, cm: float, bd: float, og: float, amplitude: float, l
 
 
 def lift_damping(form: Form, density: float) -> float:
-    """Roll damping by lift of the hull: moment per rate of roll and per speed ahead [N s2 rad-1]."""
+    """Roll damping by lift of the hull in water of a density [kg/m3]: moment per roll rate and speed [N s2 rad-1]."""
     length, broad, deep, _, cm, _, _, _ = form
     held = min(max(cm, 0.91), 0.99)
     slope = 2.0 * pi * deep / length
@@ -219,7 +219,7 @@ class RollDamping:
         return said
 
     def critical_share(self, amplitude: float) -> float:
-        """Roll damping at one of FIT_AMPLITUDES [deg] over critical damping; 0 for a hull without righting moment."""
+        """Roll damping at `amplitude`, one of FIT_AMPLITUDES [deg], over critical; 0 for no righting moment."""
         return self.scale * sum(self.parts[amplitude]) / self.critical if self.parts else 0.0
 
     def roll_moment(self, rate: float, ahead: float) -> float:

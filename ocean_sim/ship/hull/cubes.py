@@ -195,7 +195,8 @@ class Cubes:
         omega,
     ):
         """Add loads on cube k to sums `total` (SUM_COLUMNS) of its block of BLOCK_CUBES. `water`: lattice of samples
-        around `middle` [m]; `tall`: height of a turned cube [m]; `position` from there, `turn`, motion of the hull."""
+        around `middle` [m]; `tall`: height of a turned cube [m]; of the hull: `position` from there, `turn` (to world),
+        `velocity` [m/s] and angular velocity `omega` [rad/s]."""
         arm = turn @ self.arm[k]
         x, wet = position + arm, 0.0
         if x.y - 0.5 * tall < water.frame[HIGHEST_LEVEL]:

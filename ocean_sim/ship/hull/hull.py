@@ -78,7 +78,7 @@ class Hull(Model):
 
 
 def hull_of(name: str, up: AxisName | None = None, bow: AxisName | None = None, scale: float | None = None) -> Hull:
-    """Hull named as in configs/hull/, or of a mesh file, read with these axes and scale; raises ValueError."""
+    """Hull of `name`: one of configs/hull/, or a mesh file, read with these axes and scale; raises ValueError."""
     if name in named("hull"):
         return Hull.model_validate(preset("hull", name))
     if Path(name).suffix.lower() in MESH_ENDINGS:

@@ -114,12 +114,12 @@ class Hydrostatics:
         return between[[0, 2]] + self.free_surface_loss * turn[1, [0, 2]]
 
     def righting_lever(self, axis: int, degrees: float) -> float:
-        """Righting lever [m] of a hull turned about z (`axis` 2: GZ) or x (0: in trim), at her floating height."""
+        """Righting lever [m] of a floating hull turned by `degrees` about z (`axis` 2: GZ) or x (0: in trim)."""
         to_port, ahead = self.buoyancy_offset(axis_rotation(axis, radians(degrees))).tolist()
         return -to_port if axis == 2 else ahead
 
     def gz(self, degrees: float) -> float:
-        """Righting lever GZ [m] at a heel [deg], starboard down where positive."""
+        """Righting lever GZ [m] at a heel of `degrees`, starboard down where positive."""
         return self.righting_lever(2, degrees)
 
     @cached_property

@@ -87,7 +87,8 @@ def irregular_response(waves: np.ndarray, motions: np.ndarray, every: float, per
 
 
 def regular_response(waves: np.ndarray, motions: np.ndarray, time: np.ndarray, omega: float) -> Response:
-    """Response to a regular wave of encounter frequency `omega` [rad/s], from harmonics fitted to whole records."""
+    """Response to a regular wave of encounter frequency `omega` [rad/s], by harmonics fitted to whole records at times
+    (n,) [s]: `waves` (n, 2), elevation [m] and slope; `motions` (n, 6), in the order of MOTION_NAMES."""
     base = np.column_stack([np.cos(omega * time), np.sin(omega * time), np.ones_like(time), time])
     values = np.hstack([waves, motions])
     fit = np.linalg.lstsq(base, values, rcond=None)[0]
@@ -100,7 +101,7 @@ def regular_response(waves: np.ndarray, motions: np.ndarray, time: np.ndarray, o
 
 
 def box_response(still: Hydrostatics, omega: np.ndarray, speed: float, along: float) -> np.ndarray:
-    """Closed form of heave [m/m] and pitch [rad/rad] (m, 2) at encounter frequencies (m,) [rad/s], `speed` [m/s] and
+    """Closed form of heave [m/m], pitch [rad/rad] (m, 2) at encounter frequencies `omega` (m,) [rad/s], `speed` [m/s],
     `along` the cosine of the waves' heading to hers; NaN where several waves have one frequency of encounter."""
     number = np.geomspace(1e-3, 60.0, 2000) / still.length  # [rad/m]
     wave = np.sqrt(GRAVITY * number)

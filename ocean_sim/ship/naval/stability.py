@@ -84,7 +84,7 @@ class Loading(Model):
         return float(across), float(along)
 
     def outside_hull(self, lower: np.ndarray, upper: np.ndarray) -> Iterator[str]:
-        """Yield sentences on points outside the hull's box, by its corners (3,) [m]; above the deck is allowed."""
+        """Yield sentences on points beside or below the box of the hull, with corners `lower`, `upper` (3,) [m]."""
         low, high = np.array(lower), np.array([upper[0], inf, upper[2]])
         parts = {"light": self.light} | {f"weights.{name}": each for name, each in self.weights.items()}
         parts |= {f"tanks.{name}": each for name, each in self.tanks.items()}
@@ -176,7 +176,7 @@ class Stability:
         return fine, CubicSpline(self.heels, self.levers)(fine)
 
     def lever_area(self, first: float, last: float) -> float:
-        """Area under the curve of righting levers between two heels [deg], in m rad."""
+        """Area [m rad] under the curve of righting levers between the heels `first` and `last` [deg]."""
         heels = np.linspace(first, last, CURVE_POINTS)
         return float(np.trapezoid(np.interp(heels, *self.curve), np.radians(heels)))
 

@@ -121,6 +121,6 @@ class Sides:
 
 
 def effective_mass(mass: float, inverse_inertia: np.ndarray, arm: np.ndarray, along: np.ndarray) -> float:
-    """Mass [kg] felt by a push at `arm` [m] `along` a unit vector: impulse over speed gained there; world axes."""
+    """Mass [kg] felt by a push at `arm` [m] `along` a unit vector; `inverse_inertia` (3, 3) [1/(kg m2)]; world axes."""
     lever = cross(arm, along)
     return float(1.0 / (1.0 / mass + lever @ inverse_inertia @ lever))

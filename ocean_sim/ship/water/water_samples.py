@@ -62,7 +62,7 @@ class SampleLattice:
     frame: ti.Field  # x, z of the middle [m], cosine and sine of the heading, highest level [m]
 
     def size_lattice(self, length: float, breadth: float, height: float, rim: float = 0.0) -> None:
-        """Allocate the fields of a lattice that covers a hull of this size [m], and `rim` [m] beyond."""
+        """Allocate the fields of a lattice over a hull of this size along z, x, y [m], and `rim` [m] beyond."""
         self.half = tuple(LATTICE_REACH * np.hypot(side / 2, height) + rim for side in (length, breadth))  # [m]
         self.step = (2.0 * self.half[0] / (NODES_ALONG - 1), 2.0 * self.half[1] / (NODES_ACROSS - 1))  # [m]
         self.level = ti.field(float, shape=(NODES_ALONG, NODES_ACROSS))
@@ -90,7 +90,7 @@ class SampleLattice:
 
     @ti.func
     def keep_frame(self, x, z, sine, cosine):
-        """Store in `frame` middle x, z [m], heading, highest water at nodes [m]; call it at the top of a kernel."""
+        """Store in `frame` middle x, z [m], sine, cosine of heading, highest level [m]; call it at a kernel's top."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             self.frame[0], self.frame[1], self.frame[2], self.frame[3] = x, z, cosine, sine
@@ -143,7 +143,7 @@ class SurroundingWater(SampleLattice):
         rim: float = 0.0,
         others: Sequence[Contact] = (),
     ) -> None:
-        """Size of the hull [m]. `hollow`: distance function of a hull that keeps particles out, so that their surface
+        """Size of the hull (z, x, y) [m]. `hollow`: distance function of a hull that keeps particles out; their surface
         sags within `rim` [m] of her and is replaced there; `others`: contacts of all such hulls, hers included."""
         self.size_lattice(length, breadth, height, rim)
         self.hollow = hollow is not None
@@ -202,7 +202,7 @@ class SurroundingSea(SampleLattice):
     def __init__(
         self, length: float, breadth: float, height: float, draught: float, gravity: float, sea: ClosedForm
     ) -> None:
-        """Dimensions and draught of the hull [m], gravity [m/s2], and the sea to sample."""
+        """Size along z, x, y and draught of the hull [m], gravity [m/s2], and the sea to sample."""
         self.size_lattice(length, breadth, height)
         self.gravity, self.layer = gravity, 0.5 * draught
         self.depths = tuple(float(d) for d in self.layer * np.arange(DEPTH_LEVELS))  # [m]

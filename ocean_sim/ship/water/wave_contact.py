@@ -159,7 +159,7 @@ class WaveContact:
     def __init__(
         self, config: Contact, shape: SolidShape, centre: np.ndarray, basin: Basin, fluid: ParticleFluid, gravity: float
     ) -> None:
-        """`config`: keys of the collisions; `shape` of the hull, and `centre` of mass from her origin [m]."""
+        """`config`: keys of collisions; `shape` of the hull, `centre` of mass from her origin [m]; gravity [m/s2]."""
         self.config, self.particles, self.grid, self.walls = config, fluid.particles, fluid.grid, fluid.walls
         self.mass, self.spacing, self.quantum = self.particles.mass, self.particles.spacing, self.grid.quantum
         self.gravity, spacing, reach = tm.vec3(basin.gravity), self.spacing, float(self.grid.support)
@@ -289,8 +289,8 @@ class WaveContact:
 
     @ti.func
     def add_touching(self, total: Template, normal, d, v):
-        """Add a particle at d [m] from the hull's centre, with velocity v [m/s] relative to her there, to sums `total`
-        over particles that touch her: number, and b and A of their collision (FOUND_COLUMNS, `find_touching`)."""
+        """Add a particle at d [m] from the hull's centre, with velocity v [m/s] relative to her there and `normal` out
+        of her, to sums `total` over particles that touch her: number, b and A of their collision (FOUND_COLUMNS)."""
         total[FOUND_COLUMNS.touching] += 1.0
         speed = v.dot(normal)
         if speed < 0.0:

@@ -71,7 +71,7 @@ def mean_speed(spacing: float) -> float:
 
 
 def measure_flow(simulation: Simulation, spacing: float) -> Finding:
-    """Start the flow too slow, run, and compare bed stress and speeds over the last seconds with theory."""
+    """Start the flow too slow, run, compare bed stress and last speeds with theory for a particle `spacing` [m]."""
     start = particle_state(simulation).position
     set_state(simulation, start, START_SHARE * np.outer(steady_profile(start[:, 1] + DEPTH, spacing), [1.0, 0.0, 0.0]))
     times, means, rows, seen = [], [], [], []

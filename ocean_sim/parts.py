@@ -75,7 +75,7 @@ def key_of(ship: str) -> str:
 
 
 def slot_of(place: str) -> str:
-    """Slot of a part from its key in a scene: `ship` for the key `ships.<name>`, for others the key itself."""
+    """Slot of a part from its key `place` in a scene: `ship` for the key `ships.<name>`, for others the key itself."""
     return ALONE if place.startswith(f"{SEVERAL}.") else place
 
 
@@ -315,7 +315,7 @@ class FluidConfig(KindConfig):
 
     @abstractmethod
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> Fluid:
-        """Build the water. `accounts`: True if it sums impulse and work of each force; `wind`: acts on this water."""
+        """Build the water. `seed`: the scene's; `accounts`: sum impulse and work of each force; `wind`: acts on it."""
 
     def sums_impulses(self, read: bool) -> bool:
         """True if the water sums impulse and work of each force; `read`: True if the observer `accuracy` needs them."""

@@ -51,7 +51,7 @@ def to_symmetric_interval(word):
 
 @ti.func
 def uniform(seed, stream, particle, step):
-    """Random number in [0, 1) for these four integer keys; equal keys give the equal number."""
+    """Random number in [0, 1) for four integer keys (`stream`: one for each use); equal keys give the equal number."""
     a, _b, _c, _d = taichi_pcg4d(ti.u32(seed), ti.u32(stream), ti.u32(particle), ti.u32(step))
     return to_unit_interval(a)
 

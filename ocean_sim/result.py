@@ -116,7 +116,7 @@ def run(
     progress: bool = False,
     overwrite: bool = False,
 ) -> Result:
-    """Simulate a scene and write its run folder.
+    """Simulate a scene and write its run folder, `out`.
 
     `observers`: beyond those that the scene names. `progress`: print simulated time, speed and time left after each
     tenth, and how many pictures are drawn, to standard error. `overwrite`: replace a run that is there already, of

@@ -235,7 +235,7 @@ class Allocation(NamedTuple):
 
 
 def _record_allocation(finalize: Any) -> Any:
-    """Wrap the Taichi method that allocates the declared fields, so that the handle which frees them is kept."""
+    """Wrap `finalize`, Taichi's method that allocates declared fields, so that the handle which frees them is kept."""
 
     def noted(builder: FieldsBuilder, raise_warning: bool = True) -> SNodeTree:
         global _numbered, _short

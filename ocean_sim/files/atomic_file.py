@@ -52,7 +52,7 @@ def new_figure(width: float, height: float, layout: Any = "constrained") -> Any:
 
 
 def save_figure(figure: Any, path: Path, dpi: int = 100) -> None:
-    """Save a Matplotlib figure as a picture file; its folder is created if missing."""
+    """Save a Matplotlib figure as a picture file with `dpi` pixels per inch; its folder is created if missing."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with atomic_write(path) as draft:
         figure.savefig(draft, dpi=dpi)

@@ -96,7 +96,7 @@ class Table(dict[str, np.ndarray]):
         super().__init__(build_columns(path, self.names, self.rows, self.cells, numeric_column))
 
     def cells(self, row: str) -> list[str]:
-        """Cells of a line of the file as text; decimal commas become points."""
+        """Cells of `row`, a line of the file, as text; decimal commas become points."""
         if self.separator == " ":
             row = " ".join(row.split())
         found = [cell.strip() for cell in split_cells(row, self.separator)]
@@ -243,7 +243,7 @@ def number_or_word_column(_: str, found: Sequence[str]) -> np.ndarray:
 
 
 def numeric_column(name: str, found: Sequence[str]) -> np.ndarray:
-    """Column (n,) of cells `found` as float64, NaN if no number; ISO dates become seconds since the first one."""
+    """Column `name` (n,) of cells `found` as float64, NaN if no number; ISO dates of `time_s` as s since the first."""
     if name == TIME_COLUMN:
         with suppress(ValueError):
             dates = [datetime.fromisoformat(cell) for cell in found if "T" in cell or ":" in cell]

@@ -27,7 +27,7 @@ OFFSET_NAMES = ("PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOff
 
 
 def save_ply(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: dict[str, np.ndarray]) -> Path:
-    """Write points (n, 3) [m], triangles (m, 3) if any, and fields of points, (n,) or (n, 3), as PLY; returns the path.
+    """Write points (n, 3) [m], triangles `faces` (m, 3) if any, fields of points, (n,) or (n, 3), as PLY; returns path.
     `Normals` become nx, ny, nz; `RGB` (or else grey `foam`) 8-bit colours; other vectors name_x, name_y, name_z."""
     columns: dict[str, np.ndarray] = dict(zip(AXIS_NAMES, points.T))
     if "Normals" in fields:
@@ -100,8 +100,8 @@ class Glb:
     def mesh(
         self, name: str, points: np.ndarray, faces: np.ndarray, colour: np.ndarray, moved: np.ndarray | None = None
     ) -> int:
-        """Add a mesh of points (n, 3) [m] and triangles (m, 3), of linear RGB `colour` (3,) or (n, 3); returns the
-        index of its node. `moved` (k, n, 3): the points at each of the k moments, if they change."""
+        """Add a mesh of points (n, 3) [m] and triangles `faces` (m, 3), of linear RGB `colour` (3,) or (n, 3); returns
+        the index of its node. `moved` (k, n, 3): the points at each of the k moments, if they change."""
         traits = {"POSITION": self.accessor(points.astype(np.float32), bounds=True)}
         base = [1.0, 1.0, 1.0, 1.0]
         if colour.ndim == 2:

@@ -85,7 +85,7 @@ def shorten(text: str, most: int) -> str:
 
 
 def problem_at(location: Location, key: str, message: str, suggestion: str | None = None) -> Problem:
-    """A problem with the file, line and column of a location."""
+    """A problem at a location (file, line, column); `key`: dotted key; `suggestion`: word that may have been meant."""
     return Problem(*location, key, message, suggestion)
 
 
@@ -102,7 +102,7 @@ class Node:
         return isinstance(self.data, dict)
 
     def child(self, step: str | int) -> "Node | None":
-        """The node under a key or list index; None if there is none."""
+        """The node under `step`, a key or list index; None if there is none."""
         if isinstance(self.data, dict):
             return self.data.get(step)
         if isinstance(self.data, list) and isinstance(step, int) and 0 <= step < len(self.data):
@@ -289,12 +289,12 @@ class _Reader:
         return mark_location(self.start, tree.start_mark)
 
     def refuse(self, tree: Any, key: str, message: str) -> Node:
-        """Add a problem at a PyYAML node to `problems`; returns a node without a value to stand in its place."""
+        """Add a problem (dotted `key`, message) at a PyYAML node `tree`; returns a node without value in its place."""
         self.problems.append(problem_at(self.location(tree), key, message))
         return Node(None, self.location(tree), self.location(tree))
 
     def node(self, tree: Any, key: Any = None, path: str = "") -> Node:
-        """Convert a PyYAML node and all in it; `key`: PyYAML node of its key; `path`: dotted key for messages."""
+        """Convert a PyYAML `tree` and all in it; `key`: PyYAML node of its key; `path`: dotted key for messages."""
         location = self.location(tree)
         key_location = self.location(key) if key is not None else location
         if key is not None and tree.id == "scalar" and tree.value == "":
@@ -316,7 +316,7 @@ class _Reader:
         return Node(data, location, key_location)
 
     def mapping(self, tree: Any, path: str) -> dict[str, Node]:
-        """Convert a PyYAML mapping to nodes by key; keys that are not words or occur twice are refused."""
+        """Convert a PyYAML mapping `tree` to nodes by key; keys that are not words or occur twice are refused."""
         data: dict[str, Node] = {}
         for key, value in tree.value:
             if key.id != "scalar" or not key.value.isprintable() or len(key.value) > MAX_KEY_LENGTH:

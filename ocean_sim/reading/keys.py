@@ -74,7 +74,7 @@ def scene_keys() -> tuple[Key, ...]:
 
 
 def members(node: dict[str, Any]) -> list[dict[str, Any]]:
-    """Schemas of the members of a union, or the schema itself if it is none; references to models are resolved."""
+    """Schemas of the members of a union `node`, or the schema itself if it is none; references are resolved."""
     return list(union_members(node, scene_schema()["$defs"]))
 
 
@@ -108,7 +108,7 @@ def named_value_schema(node: dict[str, Any]) -> dict[str, Any]:
 
 
 def key_of_node(path: str, node: dict[str, Any], required: bool) -> Key:
-    """The key at a path, with all facts from the schema `node` of its value."""
+    """The key at a path, with all facts from the schema `node` of its value; `required`: it has no default."""
     default = "required" if required else in_yaml(node["default"]) if "default" in node else ""
     union, meaning = members(node), " ".join((node.get("meaning") or node.get("description", "")).split())
     takes = " or ".join(dict.fromkeys(map(kind_of, union)))
@@ -120,14 +120,14 @@ def key_of_node(path: str, node: dict[str, Any], required: bool) -> Key:
 
 
 def bounds_of(node: dict[str, Any]) -> Iterator[str]:
-    """Yield the bounds of a number, or of the numbers in a list, by its schema, as text: `> 0`."""
+    """Yield the bounds of a number, or of the numbers in a list, by its schema `node`, as text: `> 0`."""
     yield from (f"{sign} {node[name]:g}" for name, sign in BOUND_SIGNS.items() if name in node)
     if isinstance(node.get("items"), dict):
         yield from bounds_of(node["items"])
 
 
 def kind_of(node: dict[str, Any]) -> str:
-    """The type of a value by its schema, in words: `number`, `list of 3 numbers`, `mapping`."""
+    """The type of a value by its schema `node`, in words: `number`, `list of 3 numbers`, `mapping`."""
     if node.get("type") != "boolean" and (words := words_of(node)):
         return ", ".join(f"`{word}`" for word in words)
     if "prefixItems" in node:
@@ -140,7 +140,7 @@ def kind_of(node: dict[str, Any]) -> str:
 
 
 def words_of(node: dict[str, Any]) -> list[str]:
-    """Words that a value may be by its schema, `true` and `false` for a switch; empty where any are allowed."""
+    """Words that a value may be by its schema `node`, `true` and `false` for a switch; empty where any are allowed."""
     given = [node["const"]] if "const" in node else node.get("enum", [])
     return ["true", "false"] if node.get("type") == "boolean" else [str(word) for word in given]
 
@@ -154,7 +154,7 @@ def example_path(path: str) -> str:
 
 
 def value_of(path: str, node: dict[str, Any]) -> str:
-    """An example value for the key at a path, as YAML: the one stated by the Config of its kind, or one by schema."""
+    """An example value for the key at a path, as YAML: stated by the Config of its kind, or by its schema `node`."""
     words = path.split(".")
     stated = config_of(words[0], words[1]).example if len(words) == 3 and words[0] in SLOTS else {}
     return in_yaml(stated[words[2]]) if words[-1] in stated else value_within(node, words[-1])
@@ -185,7 +185,7 @@ def value_within(node: dict[str, Any], name: str) -> str:
 
 
 def example_mapping(node: dict[str, Any]) -> str:
-    """An example of a model as YAML: kind and required keys; if there are none, one number or the first key."""
+    """Example of a model, schema `node`, as YAML: kind and required keys, or else one number or the first key."""
     own, needed = node["properties"], node.get("required", [])
     names = [name for name in own if name in needed or (name == "kind" and "const" in own[name])]
     if names in ([], ["kind"]):
@@ -206,7 +206,7 @@ def example_number(node: dict[str, Any], member: dict[str, Any]) -> str:
 
 
 def bound_of(node: dict[str, Any], *names: str) -> float | None:
-    """First of the bounds `names` (as `minimum`) that a schema, or a member of its union, states; None without any."""
+    """First of the bounds `names` (as `minimum`) that the schema `node`, or a member of its union, states; or None."""
     return next((place[name] for place in (node, *members(node)) for name in names if name in place), None)
 
 

@@ -175,7 +175,7 @@ def load(
 def load_text(
     text: str, name: str, folder: Path, overrides: dict[str, Any] | None = None, profile: str | None = None
 ) -> SceneConfig:
-    """The scene in a YAML text that errors call `name`; file names are relative to `folder`. Raises SceneError."""
+    """Load the scene in a YAML text like `load`. `name`: of the text in errors; `folder`: base of its file names."""
     return _compose_and_check(parse_mapping(text, name), folder.absolute(), overrides, profile)
 
 
@@ -244,7 +244,7 @@ class _SceneCheck:
         return node.child(name) if node is not None and name else node
 
     def report(self, place: str, sentence: str, path: Key = ()) -> None:
-        """Append a problem with key `path` in part or observer `place` (as `ships.tug`), at the innermost key there."""
+        """Append a problem, a sentence on key `path` of part or observer `place` (`ships.tug`), at the deepest key."""
         node = self.node(place) or self.root
         for step in path:
             node = node.child(step) or node

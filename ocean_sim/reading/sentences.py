@@ -11,7 +11,7 @@ from ocean_sim.parts import PACKAGE, kinds, library, named
 
 @cache
 def part_sentence(slot: str, name: str) -> str:
-    """Sentence that describes a kind (from its module) or a preset (from its file)."""
+    """Sentence that describes the kind (from its module) or preset (from its file) `name` of a slot, such as `wind`."""
     if name in named(slot) and name not in kinds(slot):
         return file_sentence(library("configs") / slot / f"{name}.yaml")
     return module_sentence(PACKAGE / slot / f"{name}.py")

@@ -100,7 +100,7 @@ def likeliest(word: str, choices: Any) -> str | None:
 
 @cache
 def data_table(name: str) -> dict[str, dict[str, Any]]:
-    """Content of a YAML file of this folder: `synonyms` or `examples`."""
+    """Content of the YAML file `name` of this folder: `synonyms` or `examples`."""
     found: dict[str, dict[str, Any]] = read_mapping(PACKAGE / "reading" / f"{name}.yaml").plain()
     return found
 
@@ -111,7 +111,7 @@ def normal_form(word: str) -> str:
 
 
 def choice_sentence(word: str, choices: Any) -> tuple[str, str | None]:
-    """End of an error message, '; did you mean ...' or '; there are ...', and the suggested choice or None."""
+    """End of a message on unknown `word`, '; did you mean ...' or '; there are ...', and the likely choice or None."""
     choices = [str(choice) for choice in choices]
     suggestion = likeliest(word, choices)
     if suggestion is not None:
@@ -120,7 +120,7 @@ def choice_sentence(word: str, choices: Any) -> tuple[str, str | None]:
 
 
 def key_sentence(word: str, choices: Any) -> tuple[str, str | None]:
-    """End of the message on an unknown key, the likeliest of known `choices` or None; a.b is shown as a: {b: ...}."""
+    """End of a message on an unknown key `word`, and the likeliest of `choices` or None; a.b becomes a: {b: ...}."""
     if word.isdigit():
         comma = "in {...} and [...] a comma ends a value: is it a decimal comma?"
         return f"; {comma} Write a point, as in 0.{word}", None
@@ -191,7 +191,7 @@ def _locate_error(error: Any, model: type[BaseModel], root: Node) -> _Found:
 
 
 def union_members(schema: dict[str, Any], definitions: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield the members of a union in a JSON Schema, and of unions in it, or else the schema; references resolved."""
+    """Yield members of a union in a JSON Schema, and of unions in it, or the schema; `definitions`: of references."""
     union = [definitions[schema["$ref"].removeprefix("#/$defs/")]] if "$ref" in schema else None
     union = union or schema.get("anyOf", schema.get("oneOf"))
     if union is None:
@@ -314,7 +314,7 @@ def _number_hint(found: _Found) -> str:
 
 
 def _value_form(place: dict[str, Any], definitions: dict[str, Any]) -> str:
-    """Outline of a value by its schema, as `{height: ..., period: ...}` or `[..., ...]`; empty for plain values."""
+    """Outline of a value of schema `place`, as `{height: ..., period: ...}` or `[..., ...]`; empty for plain values."""
     if "properties" in place:
         names = place.get("required") or [*place["properties"]][:SHOWN_KEYS]
         return f"{{{', '.join(f'{name}: ...' for name in names)}}}"

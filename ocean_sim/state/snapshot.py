@@ -297,7 +297,7 @@ class Restorer:
 
 
 def has_wrong_kind(found: Any, fresh: Any) -> bool:
-    """True if a restored value is of another kind than the newly built `fresh`; None may replace a string or object."""
+    """True if a restored value `found` is of another kind than the new `fresh`; None may replace a string or object."""
     if fresh is None or fresh is MISSING_VALUE:
         return False
     if is_package_object(fresh):

@@ -116,8 +116,8 @@ def finest_setting(key: str, values: list[Any]) -> Any:
 
 
 def setting_grid(scene: str, profile: str | None, sets: dict[str, Node], vary: Varied, quick: bool) -> list[Setting]:
-    """Settings of all combinations of the values in `vary`, the finest marked. Each has SEED_COUNTS scenes (fewer if
-    `quick`) that differ in their seed, and one more to confirm it if it is best. Raises SceneError."""
+    """Settings of a scene under `profile` and `sets` for all combinations of values in `vary`, the finest marked. Each
+    has SEED_COUNTS scenes (fewer if `quick`) of unlike seed, and one to confirm it if best. Raises SceneError."""
     count = prod(map(len, vary.values()))
     if not 2 <= count <= MOST_SETTINGS:
         location = Location("--vary")
@@ -142,7 +142,7 @@ def setting_grid(scene: str, profile: str | None, sets: dict[str, Node], vary: V
 
 
 def _with_seed(scene: str, profile: str | None, sets: dict[str, Node], count: int) -> tuple[SceneConfig, ...]:
-    """Load a scene with `count` successive seeds, without pictures; one without ships and gauges gets a gauge."""
+    """Load a scene (see `load`) with `count` successive seeds, no pictures; without ship and gauge it gets a gauge."""
     quiet: dict[str, Any] = dict.fromkeys(scene_run.PICTURE_OBSERVERS) | sets
     first = load(scene, quiet, profile)
     if not first.ships and "gauges" not in first.observers:
@@ -188,7 +188,7 @@ def _wave_errors(gauge: str, own: dict[str, np.ndarray], other: dict[str, np.nda
 def rms_difference(
     time: np.ndarray, values: np.ndarray, other_time: np.ndarray, others: np.ndarray, whole: float = np.inf
 ) -> float:
-    """Rms difference of two records at shared times, NaN if none; `whole`: full turn [rad] if the values are angles."""
+    """Rms difference of `values` (n,) and `others` (m,) at shared times, or NaN; `whole`: full turn [rad] of angles."""
     shared = other_time[(other_time >= time[0]) & (other_time <= time[-1])]
     gap = np.interp(shared, time, values) - np.interp(shared, other_time, others)
     if np.isfinite(whole):
@@ -249,7 +249,7 @@ def best_setting(rows: list[dict[str, Any]], by: str, budget: Budget) -> dict[st
 
 
 def clock_note(rows: list[dict[str, Any]]) -> str:
-    """Sentence for the user if wall and processor time differ by a factor of CLOCKS_APART or more; else empty."""
+    """Sentence for the user if wall and processor time in `rows` differ by CLOCKS_APART times or more; else empty."""
     shares = [row["wall_per_s"] / row["cpu_per_s"] for row in rows if row["wall_per_s"] and row["cpu_per_s"]]
     share = median(shares) if shares else 1.0
     if 1.0 / CLOCKS_APART <= share <= CLOCKS_APART:

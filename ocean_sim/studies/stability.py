@@ -76,7 +76,7 @@ class Spot(Point):
     scene: SceneConfig
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
-        """Table row of this run, in a list: setting, time step, its limits, verdict with reason, and clock times."""
+        """Table row, in a list, of this run with results `answer`: setting, time step, limits, verdict, clock times."""
         accuracy, driven = unwrapped_table(run, "accuracy"), self.axis.name == "wind"
         outcome, why, numbers = verdict_of(answer, accuracy, self.scene, driven)
         point = {"map": self.axis.name, "scheme": self.scheme, "key": self.axis.key, "value": self.value}

@@ -58,7 +58,7 @@ class Planned(Point):
     scene: SceneConfig
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
-        """Table row of this run, in a list: settings, results, and last clock times, which differ if it is repeated."""
+        """Table row of this run, in a list: settings, results `answer`, last clock times, which differ if repeated."""
         head = {"run": run.folder.name} | self.settings
         facts = {key: value for key, value in answer.items() if key not in CLOCK_COLUMNS}
         return [head | facts | {key: answer.get(key) for key in CLOCK_COLUMNS}]

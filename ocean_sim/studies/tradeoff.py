@@ -108,7 +108,7 @@ def _trial_points(trial: Trial, quick: bool) -> Iterator[CasePoint]:
 
 
 def _case_levels(trial: Trial, quick: bool) -> list[tuple[bool, float]]:
-    """Resolutions of a case, from coarse to fine: (coarse set-up or not, factor on its spacing), no spacing twice."""
+    """Resolutions of a case, coarse to fine (`quick`: fewer): (coarse set-up?, factor on its spacing), none twice."""
     spacings: dict[float, tuple[bool, float]] = {}
     for coarse, factor in RESOLUTION_LEVELS[:QUICK_LEVELS] if quick else RESOLUTION_LEVELS:
         spacing = find_problem(trial.case, trial.set_up, coarse, trial.schemes[0]).scene["fluid"]["spacing"] * factor
@@ -128,7 +128,7 @@ def _is_other_setting(point: CasePoint) -> bool:
 
 
 def clock_column(rows: list[dict[str, Any]]) -> str:
-    """Name of the column that measures speed: wall time, or processor time if other work kept the machine busy."""
+    """Name of the column of `rows` for speed: wall time, or processor time if other work kept the machine busy."""
     done = [row for row in rows if row.get("wall_per_s") and row.get("cpu_per_s")]
     shares = sorted(row["wall_per_s"] / row["cpu_per_s"] for row in done)
     return "cpu_per_s" if shares and shares[len(shares) // 2] > BUSY_CLOCK_RATIO else "wall_per_s"
@@ -170,7 +170,7 @@ def equal_cost_rows(rows: list[dict[str, Any]], speed: str) -> list[dict[str, An
 
 
 def find_problem(case: str, set_up: str, coarse: bool, scheme: str) -> Problem:
-    """Set-up of a validation case by its name `set_up`; of several with this name, the first that allows the scheme."""
+    """Set-up (`coarse` or not) of a case by its name `set_up`; of several, the first that allows the scheme."""
     found = [problem for problem in problems(case, slow=True, coarse=coarse) if problem.name == set_up]
     return next(problem for problem in found if problem.schemes_for([scheme]))
 

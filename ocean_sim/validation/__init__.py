@@ -26,8 +26,8 @@ def case_names() -> list[str]:
 
 
 def problems(name: str, *, slow: bool = False, coarse: bool = False) -> "list[Problem]":
-    """Set-ups of a case. `coarse`: with at least twice the particle spacing; `slow`: include those that take minutes
-    (if coarse: those too long for a regression gate)."""
+    """Set-ups of the case `name` (its module). `coarse`: with at least twice the particle spacing; `slow`: include
+    those that take minutes (if coarse: those too long for a regression gate)."""
     found: list[Problem] = import_module(f"{__name__}.{name}").problems(coarse)
     if coarse:
         found = [problem.coarsened(name) for problem in found]

@@ -23,7 +23,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def square_problem(precision: str, coarse: bool) -> Problem:
-    """Set-up of the square of water in a precision, `f32` or `f64`."""
+    """Set-up of the square of water in a precision, `f32` or `f64`; `coarse`: 2.5 times the particle spacing."""
     scene = {
         "duration": 1.0,
         "basin": free_space(4.0, 2.0),

@@ -82,7 +82,8 @@ def section_problem() -> Problem:
 def settled_offset(
     simulation: Simulation, amplitude: float, period: float, heading: float, axis: int, count: int
 ) -> float:
-    """Mean position [m] of the ship along x (`axis` 0) or z (2) at the end of `count` regular waves that it runs in."""
+    """Mean position [m] of the ship along x (`axis` 0) or z (2) at the end of `count` regular waves of amplitude [m],
+    period [s] and heading [deg]."""
     rest = float(ships.floating_ship(simulation).first_body.position[1])
     rows = ships.record_in_waves(simulation, rest, 2.0 * amplitude, period, heading, count)
     return float(rows[1 + axis].mean())

@@ -45,7 +45,7 @@ def problems(coarse: bool) -> list[case.Problem]:
 
 
 def floating_problem(name: str, speed: float) -> case.Problem:
-    """Set-up of the box in waves, towed along x at a speed [m/s] (0: held in sway), in a patch of sea and a larger."""
+    """Set-up `name`: box in waves, towed along x at a speed [m/s] (0: held in sway), in a patch of sea and a larger."""
     moves = SHIP_MOTIONS if speed == 0.0 else ("sway", *SHIP_MOTIONS)
     source, within = "linear_waves, with its table", THEORY_TOLERANCE if speed == 0.0 else None
     small_patch, larger_patch = f"{FREE_LENGTHS[0]:g} of them free", f", {FREE_LENGTHS[1]:g} wavelengths free"

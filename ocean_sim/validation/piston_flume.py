@@ -83,7 +83,8 @@ def transient_elevation(piston: Piston, distances: np.ndarray, times: np.ndarray
 
 
 def first_harmonic(times: np.ndarray, signal: np.ndarray) -> complex:
-    """Complex amplitude a of Re(a exp(i w t)), fitted to a signal (n,) with its mean and second harmonic; w: OMEGA."""
+    """Complex amplitude a of Re(a exp(i w t)), fitted with mean and second harmonic to a signal (n,) at times (n,) [s];
+    w: OMEGA."""
     angle = OMEGA * times
     parts = np.stack([np.cos(angle), -np.sin(angle), np.cos(2 * angle), np.sin(2 * angle), np.ones_like(angle)], axis=1)
     found = np.linalg.lstsq(parts, signal, rcond=None)[0]

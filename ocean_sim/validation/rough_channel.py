@@ -59,7 +59,7 @@ def bed_stress(speed: float, height: float) -> float:
 
 
 def steady_profile(z: np.ndarray | float, spacing: float) -> np.ndarray:
-    """Exact speed [m/s] of the steady flow at heights `z` [m] above the bed, for a particle spacing [m]."""
+    """Exact speed (n,) [m/s] of the steady flow at heights `z` (n,) [m] above the bed, for a particle spacing [m]."""
     z, lowest = np.asarray(z, dtype=float), 0.5 * spacing
     lowest_speed = sqrt(STRESS / DENSITY) / KARMAN_CONSTANT * log(GRAINS_PER_Z0 * lowest / ROUGHNESS)
     return lowest_speed + SLOPE_GRAVITY / VISCOSITY * (DEPTH * (z - lowest) - 0.5 * (z**2 - lowest**2))
@@ -71,7 +71,7 @@ def mean_speed(spacing: float) -> float:
 
 
 def measure_flow(simulation: Simulation, spacing: float) -> Finding:
-    """Start the flow too slow, run, and compare bed stress and speeds over the last seconds with theory."""
+    """Start the flow too slow, run, compare bed stress and last speeds with theory for a particle `spacing` [m]."""
     start = particle_state(simulation).position
     set_state(simulation, start, START_SHARE * np.outer(steady_profile(start[:, 1] + DEPTH, spacing), [1.0, 0.0, 0.0]))
     times, means, rows, seen = [], [], [], []

@@ -48,7 +48,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def closed_form_problem(scenario: str, coarse: bool = False) -> Problem:
-    """Set-up of a scenario (key of FREE_MOTIONS) in closed-form waves: one run for each of its wave periods."""
+    """Set-up of a scenario (key of FREE_MOTIONS) in closed-form waves: a run for each wave period (`coarse`: two)."""
     seen, freed = measured_amplitudes(scenario), FREE_MOTIONS[scenario]
     periods = sorted(seen, reverse=True)[1:3] if coarse else sorted(seen, reverse=True)
     pairs = [(period, motion) for period in periods for motion in freed if motion in seen[period]]

@@ -48,7 +48,7 @@ BAR_WAVE_HEIGHT, BAR_PERIOD, BAR_TIME, BAR_RECORD = 0.04, 2.858, 35.0, 4.0  # [m
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Set-ups to run; coarse: with twice the spacing, and still water for 5 s instead of 60 s."""
+    """Set-ups to run; coarse: with twice the spacing (bar: 2.9 times), and still water for 5 s, not 60 s."""
     return [
         *(mesh_problem(name, coarse) for name in ("block", "ball")),
         momentum_problem(coarse),
@@ -61,13 +61,14 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def sph_promise(quantity: str, unit: str, source: str, limit: float) -> Promise:
-    """Promised result of a quantity; `limit`: tolerance of scheme `delta_sph`, the only one that is judged."""
+    """Promised result of a quantity. `unit`: of its error; `source`: of its reference; `limit`: tolerance of scheme
+    `delta_sph`, the only one that is judged."""
     return Promise(quantity, unit, source, {"delta_sph": limit})
 
 
 def slice_over(bed: Sequence[Sequence[float]], rows: int, duration: float, **basin: Any) -> dict[str, Any]:
-    """Scene of a 2-D slice over a `bed` of points x, y [m], with so many rows of particles where it is deepest;
-    `basin`: further keys of the basin."""
+    """Scene of a 2-D slice over a `bed` of points x, y [m], with so many rows of particles where it is deepest, for a
+    `duration` [s]; `basin`: further keys of the basin."""
     x, y = np.array(bed).T
     depth, profile = float(-y.min()), np.stack([x - 0.5 * (x[0] + x[-1]), y], axis=1).tolist()
     floor = basin.get("floor", {}) | {"profile": profile} if np.ptp(y) else "free_slip"
@@ -76,7 +77,7 @@ def slice_over(bed: Sequence[Sequence[float]], rows: int, duration: float, **bas
 
 
 def mesh_problem(name: str, coarse: bool) -> Problem:
-    """Set-up of a mesh, a fixed body 0.4 m across in the middle of still water; ten (coarse: five) spacings across."""
+    """Set-up of the mesh `name` (block or ball) fixed in still water, 0.4 m or ten (coarse: five) spacings across."""
     obstacle = {"mesh": str(table_path(name).with_suffix(".obj")), "at": [0.0, -0.4, 0.0]}
     basin = {"length": 0.8, "width": 0.8, "depth": 0.8, "obstacles": [obstacle]}
     fluid = {"spacing": 0.08 if coarse else 0.04, "kinematic_viscosity": 1e-6}
@@ -150,8 +151,8 @@ def measure_still(simulation: Simulation) -> Finding:
 def flume_problem(
     name: str, scene: dict[str, Any], gauges: np.ndarray, promises: Sequence[Promise], compare: Compare
 ) -> Problem:
-    """Set-up of a flume with gauges at x (m,) [m] from the piston. `promises`: quantities and tolerances; `compare`:
-    from times and records to value, reference and error of each."""
+    """Set-up `name` of a flume with `gauges` at x (m,) [m] from the piston. `promises`: quantities and tolerances;
+    `compare`: from times and records to value, reference and error of each."""
 
     def measure(simulation: Simulation) -> Finding:
         basin, ground = simulation.basin, simulation.basin.ground

@@ -32,7 +32,8 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def drop_problem(name: str, keys: dict[str, Any], limit: float, coarse: bool) -> Problem:
-    """Set-up of the drop; `keys`: ship keys of added mass and damping or memory; `limit`: tolerance of heave [m]."""
+    """Set-up `name` of the drop. `keys`: ship keys of added mass and damping or memory; `limit`: tolerance of heave
+    [m]; `coarse`: cubes of twice the size."""
     ship = {"hull": "sphere", "free": ["heave"], "cells_per_draught": 4 if coarse else 8} | keys
     promise = Promise(f"{name}: rms of heave [m]", "m", "OES Task 10, mean of six; their spread", {"dynamic": limit})
 

@@ -33,8 +33,8 @@ def problems(coarse: bool) -> list[Problem]:
 def release_problem(
     name: str, keys: dict[str, Any], limits: dict[str, float], schemes: tuple[str, ...], cells: int
 ) -> Problem:
-    """Set-up of the barge, displaced and released, with `cells` cubes over its draught and ship `keys` (none: added
-    mass by rule of thumb); `limits`: tolerances [%] by scheme."""
+    """Set-up `name`: the barge, displaced and released, with `cells` cubes over its draught and ship `keys` (none:
+    added mass by rule of thumb); `limits`: tolerances [%] by scheme."""
     ship = {"hull": "barge20", "cells_per_draught": cells, "free": list(STIFFNESS)} | keys
     promises = tuple(Promise(f"{name}: {motion} period [s]", "%", SOURCE_TEXT, limits) for motion in STIFFNESS)
 
@@ -52,8 +52,8 @@ def release_problem(
 
 
 def release_record(simulation: Simulation, motion: str, seconds: float) -> tuple[np.ndarray, np.ndarray]:
-    """Displace the ship by 2 cm or half a degree in a `motion`, release it, and run. Return times (n,) [s] and values
-    of the motion (n,) [m] or [rad]."""
+    """Displace the ship by 2 cm or half a degree in a `motion` (heave, pitch or roll), release it, and run for so many
+    `seconds`. Return times (n,) [s] and values of the motion (n,) [m] or [rad]."""
     rest = np.array([0.0, 0.5, 0.0])
     turn = ships.turn_quaternion(*{"roll": (2, 0.5), "pitch": (0, 0.5), "heave": (0, 0.0)}[motion])
     ships.set_pose(simulation, position=rest + [0.0, 0.02 if motion == "heave" else 0.0, 0.0], orientation=turn)

@@ -76,7 +76,7 @@ def hull_problem(
 
 
 def allowed_error(hull: str, omega: float, motion: str) -> float | None:
-    """Tolerance [%] of scheme `dynamic` for a motion of a hull at a frequency [rad/s], or None for no tolerance."""
+    """Tolerance [%] of scheme `dynamic` for a motion of a hull at frequency `omega` [rad/s], or None for none."""
     length = 2.0 * np.pi * GRAVITY / omega**2
     if length > 6.0 * HULL_LENGTH[hull]:
         return LONG_TOLERANCE
@@ -86,8 +86,8 @@ def allowed_error(hull: str, omega: float, motion: str) -> float | None:
 
 
 def wave_response(simulation: Simulation, omega: float, length: float, heading: float) -> tuple[float, float, float]:
-    """Run in regular waves of a frequency [rad/s] and heading [deg]; `length`: of the hull [m]. Return heave [m], pitch
-    and roll [deg] per metre of wave amplitude."""
+    """Run in regular waves of frequency `omega` [rad/s] and heading [deg]; `length`: of the hull [m]. Return amplitudes
+    of heave [m], pitch and roll [deg] per metre of wave amplitude."""
     rest, amplitude = floating_ship(simulation).first_body.position[1], STEEPNESS * length
     rows = record_in_waves(simulation, rest, 2.0 * amplitude, 2.0 * np.pi / omega, heading)
     t, _, heave, _, pitch, _, roll = rows

@@ -100,8 +100,8 @@ def sail_rows(
     simulation: Simulation, orders: Orders, duration: float, throttle: float = 1.0, approach: float = APPROACH_TIME
 ) -> Iterator[tuple[float, ...]]:
     """Sail ahead for `approach` [s], then for a duration [s] at the rudder angle [rad] that `orders` gives by time and
-    yaw. Yield time [s], x, z [m], yaw, heel [rad], velocity along x, z [m/s] after every step, relative to the first
-    order."""
+    yaw, at a `throttle` of -1 to 1. Yield after every step time [s], x, z [m], yaw, heel [rad], velocity along x, z
+    [m/s]; time, place and yaw relative to the first order."""
     ship = ship_of(simulation)
     helm = ship.hand_over()
     helm.give(throttle, 0.0)
@@ -118,8 +118,8 @@ def sail_rows(
 
 
 def circle_values(rows: np.ndarray, length: float, settled: float) -> list[float | None]:
-    """Indices of a turn by `sail_rows`: advance, transfer, tactical diameter (None if not reached) and radius over the
-    ship's `length` [m], speed [m/s], drift angle, heel [deg]; the last four over the last `settled` seconds."""
+    """Indices of `rows` (n, 7) of `sail_rows`: advance, transfer, tactical diameter (None if not reached), radius over
+    the ship's `length` [m]; speed [m/s], drift angle, heel [deg]; the last four over the last `settled` [s]."""
     t, x, z, yaw, heel, vx, vz = rows.T
     turned = np.abs(np.unwrap(yaw))
     last = t > t[-1] - settled

@@ -62,8 +62,8 @@ def wave_problem(froude: float, cells: int) -> Problem:
 
 
 def tow_hull(simulation: Simulation, u: float, astern: np.ndarray) -> tuple[float, list[np.ndarray]]:
-    """Tow the hull at a speed `u` [m/s]: mean wave resistance [N], and elevations [m] along each of CUTS at the end, at
-    distances `astern` of amidships [m]."""
+    """Tow the hull at a speed `u` [m/s]: mean wave resistance [N], and for each of CUTS the elevations (n,) [m] at the
+    end, at distances `astern` (n,) [m] of amidships."""
     rest = float(floating_ship(simulation).body.position[1])
     water, resistance, z = sea_of(simulation), [], 0.0
     while simulation.time < END_TIME - 0.5 * TIME_STEP:
@@ -81,7 +81,7 @@ def tow_hull(simulation: Simulation, u: float, astern: np.ndarray) -> tuple[floa
 
 def wave_source(t: np.ndarray, u: float) -> tuple[np.ndarray, np.ndarray]:
     """Wavenumbers k [rad/m] and source strengths F [m3], in closed form, of the waves that a hull at a speed `u` [m/s]
-    sends in directions `t` [rad] from its track."""
+    sends in directions `t` (n,) [rad] from its track; both (n,)."""
     k = GRAVITY / (u * np.cos(t)) ** 2
     half, down = 0.5 * LENGTH * k * np.cos(t), k * DRAUGHT
     along = 2.0 * LENGTH * (np.sin(half) - half * np.cos(half)) / half**3

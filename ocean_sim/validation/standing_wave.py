@@ -96,7 +96,8 @@ class StandingWave:
         return exp(-rate * self.period)
 
     def finding(self, numbers: tuple[Number, ...], times: np.ndarray, share: np.ndarray, rate: float) -> Finding:
-        """Finding with these numbers, and curves: amplitude ratio `share` (n,), and the decay of a `rate` [1/s]."""
+        """Finding with these numbers, and curves over times (n,) [s]: velocity over its first amplitude `share` (n,),
+        and linear theory with a decay `rate` [1/s]."""
         measured = [Curve("wave", times / self.period, share)]
         theory = np.cos(self.omega * times) * np.exp(-rate * times)
         expected = [Curve("linear theory", times / self.period, theory)]
@@ -161,7 +162,7 @@ def wave_problem(reynolds: float | None, coarse: bool, decay: dict[str, float], 
 
 
 def compare_wave(times: np.ndarray, share: np.ndarray, viscosity: float) -> Finding:
-    """Compare a wave's period and decay, by its amplitude ratio `share` (n,), with theory for a viscosity [m2/s]."""
+    """Compare period and decay of `share` (n,), `amplitude_share` at times (n,), with theory for a viscosity [m2/s]."""
     period, rate = DEEP_WAVE.fit_damped_cosine(times, share)
     expected, root = DEEP_WAVE.leading_rate(viscosity), DEEP_WAVE.viscous_root(viscosity)
     effective = rate / DEEP_WAVE.leading_rate(1.0)

@@ -41,7 +41,7 @@ def wave_problem(
     decay: dict[str, float],
 ) -> Problem:
     """Set-up of a wave in `layers` layers of particles at a Reynolds number sqrt(g h) h / nu, for so many wave
-    `periods`; `period`, `decay`: tolerances by scheme."""
+    `periods`. `label`: of the wave, in its name; `period`, `decay`: tolerances by scheme."""
     spacing, viscosity = wave.depth / layers, wave.viscosity(reynolds)
     width = LAYERS_ACROSS * spacing
     scene = {

@@ -156,7 +156,7 @@ def ledger_rows(found: dict[str, Any], config: SceneConfig) -> list[dict[str, An
 
 
 def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
-    """Text on the estimated wall time of a run, and its basis: a guess, or the last run of such water here."""
+    """Text on the wall time in facts `found` of `preflight`, and its basis: a guess, or the last run of such water."""
     parts = found["estimated_by_part"]
     terms = ", ".join(
         f"{name.removesuffix('_s')} {console.duration(seconds)}" for name, seconds in parts.items() if seconds
@@ -191,7 +191,7 @@ def preflight_lines(found: dict[str, Any], config: SceneConfig, listed: str = ""
 
 
 def ship_lines(found: dict[str, Any]) -> list[str]:
-    """Lines on displacement, draught, metacentric heights and periods of each ship, from the facts of `preflight`."""
+    """Lines on displacement, draught, metacentric heights and periods of each ship, by facts `found` of `preflight`."""
     from ocean_sim.ship.body.floating import RESOLVED_SPACINGS
 
     lines = []

@@ -205,7 +205,7 @@ def mass_at_draught(shape: Hull, asked: HullOptions) -> float:
 def hull_report(
     shape: Hull, asked: HullOptions, condition: Loading | None, name: str
 ) -> tuple[dict[str, Any], list[str]]:
-    """Facts of a hull in its loading condition as JSON data, and the notes among them, as a list of sentences."""
+    """Facts of the hull `name` in its loading condition as JSON data, and the notes among them, a list of sentences."""
     notes: list[str] = []
     problems: list[str] = []
     solid = shape.shape.closed_mesh()
@@ -245,7 +245,7 @@ def hull_report(
 
 
 def ship_block(name: str, shape: Hull, afloat: hydrostatics.Hydrostatics, asked: HullOptions) -> str:
-    """YAML of a ship with this hull, to be put into a scene; propeller and rudder by rule. Empty if she is from a
+    """YAML of a ship with this hull, called `name`, for a scene; propeller and rudder by rule. Empty if she is from a
     scene.
 
     The propeller at full throttle reaches a Froude number of BLOCK_FROUDE against the resistance by rule. The rudder is

@@ -109,7 +109,7 @@ def platform(
 
 
 def platform_config(geometry: str, washout: str, sets: Sequence[str] = ()) -> Config:
-    """Config of a platform by geometry and washout (names or files) and settings; raises SceneError, Refused."""
+    """Config of a platform by geometry and washout (name or file), `sets` (`key=value`); raises SceneError, Refused."""
     nodes = {"geometry": platform_choice("geometry", geometry), "washout": platform_choice("washout", washout)}
     whole = node_of(nodes, Location("--geometry, --washout"))
     for key, value in console.set_values([*sets]).items():
@@ -207,7 +207,7 @@ def write_commands(
 
 
 def write_leg_reports(out: Path, sender: datagrams.Sender) -> list[Path]:
-    """Write the leg lengths that the platform reported, if any, to legs.csv; its path in a list, or an empty list."""
+    """Write leg lengths that the platform reported, if any, to legs.csv in folder `out`; its path in a list, or []."""
     if not sender.readings:
         return []
     begin = sender.sent[0]
@@ -219,14 +219,15 @@ def write_leg_reports(out: Path, sender: datagrams.Sender) -> list[Path]:
 
 
 def commands_table(path: Path, head: dict[str, Any], columns: Sequence[str], rows: Any) -> None:
-    """Write rows as a CSV file in the format of a run's files, atomically; `head`: comment lines, by name."""
+    """Write rows under the names `columns` as a CSV file like a run's, atomically; `head`: comment lines, by name."""
     with atomic_write(path) as draft, closing(CsvFile(draft, head, columns)) as csv:
         for row in rows:
             csv.row(row)
 
 
 def stream_ride(sender: datagrams.Sender, done: Commands, machine: HexapodPlatform, frame: str) -> datagrams.Jitter:
-    """Send the rows of `done` at their times, then, even after Ctrl-C, a return to neutral; returns timing jitter."""
+    """Send the rows of `done`, with poses along the axes of `frame`, at their times, then, even after Ctrl-C, a return
+    to neutral; returns timing jitter."""
     try:
         for packet in wire.row_packets(done, frame):
             sender.send(packet)

@@ -146,7 +146,8 @@ def response_lines(found: Response) -> list[list[str]]:
 
 
 def draw_response(path: Path, found: Response, closed: np.ndarray) -> None:
-    """Draw the six responses and the coherence over frequency; grey where coherence is below TRUSTED_COHERENCE."""
+    """Draw the six responses and the coherence over frequency (n,); grey where coherence is below TRUSTED_COHERENCE.
+    `closed` (n, 2): heave [m/m] and pitch [rad/rad] in closed form, NaN if unknown."""
     figure = new_figure(11.0, 6.5)
     for k, (name, axes) in enumerate(zip(MOTION_NAMES, figure.subplots(2, 3, sharex=True).flat)):
         size, sure = np.abs(found.ratio[:, k]), found.coherence[:, k] >= TRUSTED_COHERENCE

@@ -43,7 +43,8 @@ def resume(
 
 
 def resume_claimed(folder: Path, until: float | None, anyway: bool, quiet: bool) -> None:
-    """Resume the run in a folder that this process has claimed; raises Refused if that is not possible."""
+    """Resume the run in a folder that this process has claimed, to simulated time `until` [s] (None: its scene's);
+    `anyway`: even if the program has changed since. Raises Refused if that is not possible."""
     manifest = manifest_of(folder)
     config = scene_of(folder, manifest, until)
     if manifest.get("outcome") == "done" and (until is None or until <= manifest["simulated_s"] * (1.0 + 1e-12)):

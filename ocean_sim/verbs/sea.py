@@ -73,7 +73,7 @@ def sea(
 
 
 def describe_file(path: Path, time: str | None, point: int, spreading: Spreading, out: Path | None) -> None:
-    """Describe and draw the spectrum of a point at a time in a file, or list all times of the file."""
+    """Describe the spectrum of a point at a time in a file and draw it into folder `out`, or list its times."""
     records, rows, files = read_spectra(path) if time is None else [], list[dict[str, Any]](), list[Path]()
     if len(records) > 1:
         title = f"{path}: take one of these as --time"

@@ -57,7 +57,7 @@ def tradeoff(
 
 
 def study_cases(quick: bool, workers: int | None, out: Path) -> None:
-    """Study cost and accuracy of validation cases: write tradeoff.csv, equal.csv (see `equal_cost_rows`), pictures."""
+    """Study validation cases (`quick`: fewer): tradeoff.csv, equal.csv (see `equal_cost_rows`), pictures in `out`."""
     plan = study_points(quick)
     console.say(f"{len(plan)} runs of {len({point.trial.case for point in plan})} cases, each on one thread")
     table = rows_of(Study(plan, out / "runs", workers or available_cores(), out / "tradeoff.csv"))
@@ -96,7 +96,7 @@ def print_settings(title: str, rows: list[dict[str, Any]], speed: str) -> None:
 
 def study_scene(plan: list[Setting], limit: Budget | None, by: str | None, quick: bool, out: Path) -> None:
     """Run a scene with every setting of `plan` and every seed (`quick`: fewer), one at a time; write tradeoff.csv,
-    seeds.csv and a picture. `by`: the error that decides (None: the first); `limit`: of time."""
+    seeds.csv and a picture into `out`. `by`: the error that decides (None: the first); `limit`: of time."""
     seeds = scenes.SEED_COUNTS[quick] if any(setting.scenes[0].wind.is_random for setting in plan) else 1
     if not console.json_asked:
         finest = next(setting for setting in plan if setting.finest).line()
@@ -154,7 +154,8 @@ def compare_with_finest(plan: list[Setting], seeds: int, runs: list[dict[str, An
 def confirmed_setting(
     plan: list[Setting], rows: list[dict[str, Any]], judge: str, limit: Budget, seeds: int, out: Path
 ) -> dict[str, Any] | None:
-    """Best setting within the budget `limit`, by the error `judge`; None unless a run with a new seed confirms it."""
+    """Best row within the budget `limit`, by the error `judge`, of `rows`, one for each setting of `plan`; None unless
+    a run with a new seed, beyond the `seeds` used, confirms it. `out`: folder of the study."""
     left, again = list(rows), out / "runs" / "again"
     shutil.rmtree(again, ignore_errors=True)  # an earlier study's
     reference = next(setting for setting in plan if setting.finest)

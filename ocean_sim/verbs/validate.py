@@ -90,7 +90,7 @@ def validate(
 
 
 def scheme_pairs(case: str, schemes: list[str], slow: bool, coarse: bool) -> list[tuple[Problem, str]]:
-    """Pairs (set-up, scheme): each set-up of a case with each scheme under which it will run, sorted by scheme."""
+    """Pairs (set-up, scheme) of a case, sorted by scheme: those that will run; `slow`, `coarse`: see `problems`."""
     pairs = [
         (problem, scheme)
         for problem in problems(case, slow=slow, coarse=coarse)

@@ -155,7 +155,7 @@ def read_record(run: Path) -> Path:
 
 
 def treatment_facts(treatment: record.Treatment, time: np.ndarray, height: np.ndarray) -> dict[str, Any]:
-    """Facts, by name, on the treatment of a record (n,): trend removed [m/s], hysteresis [m], warnings; if any."""
+    """Facts by name on treatment of a record (n,) [m] at `time` (n,) [s]: trend [m/s], hysteresis [m], warnings."""
     even = record.even_samples(time, height)
     warnings = [*filter(None, (record.missing_samples(time), record.slow_part(*even, treatment)))]
     found: dict[str, Any] = {"trend_m_s": record.linear_trend(*even)} if treatment.detrended else {}

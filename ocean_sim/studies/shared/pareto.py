@@ -20,7 +20,7 @@ MIN_DRAWN_ERROR = 1e-6  # an error of nothing still has a position on a logarith
 
 
 def draw_pareto(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> None:
-    """Draw errors of a case (`trial`) into a picture file: over time (column `speed`), and over particles if any."""
+    """Draw errors in `rows` of a case, `trial`, into a picture file over time (column `speed`) and particles if any."""
     of = f" of {trial.work}" if trial.work else ""
     axes_of = {speed: f"{COST_LABELS[speed]}{of} per simulated second, one thread", "particles": "particles"}
     if not any(row.get("particles") for row in rows):
@@ -126,7 +126,7 @@ def shift_apart(figure: Any) -> None:
 
 
 def list_failures(axes: Any, key: str, schemes: Sequence[str], rows: list[dict[str, Any]]) -> None:
-    """Draw failed runs, which have no error, as crosses at their value of column `key` along the upper edge."""
+    """Draw failed runs, `rows` without error, as crosses by scheme at their value of column `key` along the top."""
     for n, scheme in enumerate(schemes):
         own = [row[key] for row in rows if row["scheme"] == scheme and row.get(key)]
         if own:
@@ -136,7 +136,7 @@ def list_failures(axes: Any, key: str, schemes: Sequence[str], rows: list[dict[s
 
 
 def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget: Budget | None) -> None:
-    """Draw a scene's settings into a file: a panel of time against each error of `names`, seed spread and budget."""
+    """Draw a scene's settings, `rows`, to a file: a panel of time against each error of `names`, spread and budget."""
     names = [name for name in names if any(row.get(name) is not None for row in rows)]
     wide = min(3, len(names))
     high = -(-len(names) // wide)

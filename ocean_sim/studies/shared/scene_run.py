@@ -133,7 +133,7 @@ def unwrapped_table(result: Result, name: str) -> dict[str, np.ndarray]:
 
 
 def wave_heights(gauge: str, time: np.ndarray, height: np.ndarray) -> dict[str, float | None]:
-    """Wave heights hs, hm0 [m] and mean period tz [s], by names that begin with the gauge's; None without waves."""
+    """Heights hs, hm0 [m], period tz [s] of waves `height` (n,) [m] at `time` (n,), as <gauge>_hs_m; None if calm."""
     try:
         sea = measure_record(time, height)
     except Unmeasurable:

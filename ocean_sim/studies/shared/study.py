@@ -53,7 +53,7 @@ def run_answers(
     orders: list[dict[str, Any]], out: Path, workers: int, scheduler: str | None = None, limit: float | None = None
 ) -> Iterator[tuple[int, dict[str, Any]]]:
     """Yield (index in the list, answer) of each order (job description), as soon as its run has given an answer (dict
-    of results). Answers from earlier calls come first.
+    of results). Answers of earlier calls, kept in the folder `out`, come first.
 
     `scheduler`: address of a Dask cluster; without one, `workers` processes of this machine. `limit`: wall time [s]
     after which a run is ended and fails. Equal orders are run once. Raises Lacking."""
@@ -128,7 +128,7 @@ def failure_row(reason: str, wall: float | None = None) -> dict[str, Any]:
 
 @contextmanager
 def _make_executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
-    """Context manager of an executor of jobs: threads that wait for child processes, or a Dask cluster."""
+    """Context manager of an executor of jobs: `workers` threads that wait for child processes, or Dask `scheduler`."""
     if scheduler is None:
         with ThreadPoolExecutor(workers) as pool:
             yield pool

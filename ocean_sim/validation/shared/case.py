@@ -30,7 +30,8 @@ class Promise:
     """Tolerance by scheme; the error of any other scheme is only reported."""
 
     def row(self, case: str, scheme: str, value: float | None, reference: float | None, error: float | None) -> dict:
-        """Row (keys ROW_KEYS) of the results table for one run. An `error` of None exceeds any tolerance."""
+        """Row (keys ROW_KEYS) of the results table for a run of `case` (its name) under a scheme, with measured value,
+        reference and error (in `unit`). An `error` of None exceeds any tolerance."""
         tolerance = self.tolerance.get(scheme)
         ok = tolerance is None or (error is not None and bool(abs(error) <= tolerance))
         numbers = [None if number is None else float(number) for number in (value, reference, error)]
@@ -89,7 +90,8 @@ class Problem:
         return [scheme for scheme in asked if scheme in fitting] if asked else list(self.schemes)
 
     def run(self, case: str, scheme: str, overrides: Mapping[str, Any] | None = None) -> tuple[list[dict], Finding]:
-        """Run and measure under a scheme: rows of the results table, and Finding; no numbers if the run diverged."""
+        """Run under a scheme, with settings `overrides` (value by key), and measure: rows of the results table for
+        `case` (its name), and Finding; no numbers if the run diverged."""
         try:
             with Simulation(self.load(scheme, overrides)) as simulation:
                 found = self.measure(simulation)

@@ -35,7 +35,8 @@ def gauge_records(simulation: Simulation, points: np.ndarray, every: float) -> t
 def resample_evenly(
     times: np.ndarray, elevation: np.ndarray, begin: float, every: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Interpolate records (n, m) to even times (k,), `every` [s] from `begin` on; returns times and records (k, m)."""
+    """Interpolate records `elevation` (n, m) at times (n,) [s] to even times (k,), `every` [s] from `begin` on; returns
+    these times and records (k, m)."""
     even = np.arange(begin, times[-1], every)
     return even, np.stack([np.interp(even, times, column) for column in elevation.T], axis=1)
 
@@ -44,7 +45,7 @@ def reflection_ratio(
     every: float, elevation: np.ndarray, positions: np.ndarray, depth: float, band: tuple[float, float]
 ) -> float:
     """Ratio of reflected to incident wave height, from elevations (n, m) [m] at times `every` [s] apart and at
-    `positions` (m,) [m] along the waves; `band`: lowest and highest frequency [Hz] that count.
+    `positions` (m,) [m] along the waves, in water `depth` [m] deep; `band`: lowest and highest frequency [Hz] used.
 
     Waves that run both ways and obey the dispersion relation are fitted to all records at once, by least squares in
     space and time (three gauges of Mansard & Funke 1980, ICCE, without their Fourier transform). Spectra of finite

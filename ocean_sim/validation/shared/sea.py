@@ -15,8 +15,8 @@ SPECTRAL_SCHEMES = ("spectral_sea",)
 
 
 def tile_scene(side: float, cells: int, slice_: bool = False, depth: float = 500.0, **keys: Any) -> dict[str, Any]:
-    """Scene of a tile of open sea, `side` [m] long with `cells` grid cells along it; 2-D if `slice_`. `keys`: further
-    keys of the fluid; without them the sea is calm."""
+    """Scene of a tile of open sea, `side` [m] long with `cells` grid cells along it, of a `depth` [m]; 2-D if `slice_`.
+    `keys`: further keys of the fluid; without them the sea is calm."""
     basin = {"length": side, "depth": depth, "walls": "none"} | ({} if slice_ else {"width": side})
     return {
         "duration": 1.0,
@@ -53,7 +53,7 @@ def travel_ahead(layer: Layer, eta: np.ndarray) -> None:
 
 def stokes_wave(steepness: float, k: float, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
     """Stokes wave in deep water, to fifth order (Fenton 1985, J. Waterway 111): elevation [m] and surface potential
-    [m2/s] at `x` [m], and speed [m/s]. Its height is 2 steepness / k, with wavenumber `k` [1/m] and a crest at 0."""
+    [m2/s] at `x` (n,) [m], phase speed [m/s]. Its height is 2 steepness / k; `k`: wavenumber [1/m]; crest at 0."""
     s, angle = steepness, k * x
     first = s - 0.375 * s**3 - 422.0 / 384.0 * s**5
     second, third = 0.5 * s**2 + s**4 / 3.0, 0.375 * s**3 + 297.0 / 384.0 * s**5

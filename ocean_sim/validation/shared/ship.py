@@ -26,7 +26,7 @@ COMPARED_SHIPS = compared("ship")  # the kinds that studies compare
 
 def at_sea(ship: dict[str, Any], size: float, dt: float, duration: float = 1.0, **waves: float) -> dict[str, Any]:
     """Scene of a ship in closed-form waves on a wide, deep sea. `ship`: its keys; `size`: its length or breadth [m];
-    `dt`: time step [s]; `waves`: keys of the sea, calm without them."""
+    `dt`: time step, `duration` [s]; `waves`: keys of the sea, calm without them."""
     return {
         "duration": duration,
         "basin": {"length": 40.0 * size, "width": 40.0 * size, "depth": 20.0 * size, "walls": "none"},
@@ -58,7 +58,7 @@ def ship_of_section(
 
 
 def first_harmonics(t: np.ndarray, values: np.ndarray, omega: float) -> np.ndarray:
-    """Amplitudes (k,) at a frequency [rad/s] of k signals (n, k) at times (n,) [s], fitted with mean and trend."""
+    """Amplitudes (k,) at frequency `omega` [rad/s] of signals (n, k) at times (n,) [s], fitted with mean and trend."""
     base = np.stack([np.cos(omega * t), np.sin(omega * t), np.ones_like(t), t], axis=1)
     fit = np.linalg.lstsq(base, values, rcond=None)[0]
     return np.hypot(fit[0], fit[1])
@@ -97,8 +97,8 @@ def ramped_swing(time: float, amplitude: float, omega: float, ramp: float) -> Im
 
 
 def impose_motion(simulation: Simulation, motion: int, moved: ImposedMotion) -> None:
-    """Move the ship along a world axis (0 x, 1 y), or turn it from upright about one (3 x, 4 y, 5 z), as `moved`
-    prescribes, despite forces; the water gets the new state of the hull."""
+    """Move the ship along the world axis `motion` (0 x, 1 y, 2 z), or turn it from upright about one (3 x, 4 y, 5 z),
+    as `moved` prescribes, despite forces; the water gets the new state of the hull."""
     ship = ship_of(simulation)
     position, velocity = ship.body.position.copy(), ship.body.velocity.copy()
     if motion < 3:
@@ -121,7 +121,7 @@ def current_load(simulation: Simulation) -> "Load":
 
 
 def balance_heave(simulation: Simulation, orientation: np.ndarray) -> "Load":
-    """Turn the ship to an orientation (quaternion) and move it vertically until it floats; returns its load."""
+    """Turn the ship to a quaternion (4,), real part first, and move it vertically until it floats; returns its load."""
     shape = floating_ship(simulation).shape
     assert shape is not None
     span = float(np.linalg.norm(np.ptp(shape.bounds(), axis=0)))
@@ -135,7 +135,7 @@ def balance_heave(simulation: Simulation, orientation: np.ndarray) -> "Load":
 
 
 def turn_quaternion(axis: int, degrees: float) -> np.ndarray:
-    """Unit quaternion (4,), real part first, of a turn [deg] about axis 0 (x), 1 (y) or 2 (z)."""
+    """Unit quaternion (4,), real part first, of a turn by `degrees` about axis 0 (x), 1 (y) or 2 (z)."""
     half = np.radians(degrees) / 2.0
     return np.concatenate([[np.cos(half)], np.sin(half) * np.eye(3)[axis]])
 

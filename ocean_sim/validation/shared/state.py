@@ -73,7 +73,7 @@ def set_state(
 
 
 def random_shifts(simulation: Simulation, at: np.ndarray, size: float) -> np.ndarray:
-    """Random displacements (n, 3) of n positions `at`, each within a cube of half-width `size`; z is 0 in 2-D."""
+    """Random displacements (n, 3) of positions `at` (n, 3), each in a cube of half-width `size` [m]; z is 0 in 2-D."""
     random = size * numpy_uniform3(simulation.scene.seed, SHIFT_STREAM, np.arange(len(at)), 0)
     random[:, simulation.basin.dimension :] = 0.0
     return random

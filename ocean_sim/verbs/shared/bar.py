@@ -83,7 +83,7 @@ class Drawing:
             self.bar.show(done / max(1, total), text)
 
     def left(self, now: float, done: int, total: int) -> float | None:
-        """Estimated wall time [s] until all pictures are drawn; None before the second picture."""
+        """Wall time [s] left at `now` [s], with `done` of `total` pictures drawn; None before the second picture."""
         if self.first is None or done == self.first[1]:
             return None
         return (total - done) * (now - self.first[0]) / (done - self.first[1])

@@ -118,7 +118,7 @@ def draw_best(done: Commands, best: Commands, hexapod: Hexapod) -> Any:
 
 
 def label_axes(axis: Any, title: str, columns: int) -> None:
-    """Add a grid, a title, and above the axes, where it hides no curve, a legend in so many columns."""
+    """Add to Matplotlib axes a grid, a title, and above, where it hides no curve, a legend in so many columns."""
     axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, ncol=columns, fontsize=8, frameon=False)
     axis.set_title(title, fontsize=9, loc="right")
     axis.grid(alpha=0.3)

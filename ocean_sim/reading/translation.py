@@ -131,7 +131,8 @@ def key_sentence(word: str, choices: Any) -> tuple[str, str | None]:
 
 
 def translate_errors(error: ValidationError, model: type[BaseModel], root: Node, prefix: Path) -> list[Problem]:
-    """Problems that state a pydantic error of the model at path `prefix`; of a union only its likeliest member's."""
+    """Problems that state a pydantic error of a `model`, read from the YAML node `root` at path `prefix` of a document;
+    of a union only its likeliest member's."""
     found = [_locate_error(e, model, root) for e in error.errors(include_url=False)[:MAX_ERRORS]]
     problems = [_problem_of(f, prefix) for f in found if f.union is None and not _is_extra_item(f, found)]
     for union in dict.fromkeys(f.union for f in found if f.union is not None):

@@ -83,7 +83,7 @@ def study_cases(quick: bool, workers: int | None, out: Path) -> None:
 
 
 def print_settings(title: str, rows: list[dict[str, Any]], speed: str) -> None:
-    """Print the runs of a case, the cheapest by the column `speed` first; stars mark the Pareto front."""
+    """Print a case's runs, one a setting, by rising cost (column `speed`); stars: Pareto front of cost and error."""
     done = [row for row in rows if row.get("error") is not None and row.get(speed)]
     best = {id(done[k]) for k in pareto_front([(row[speed], abs(row["error"])) for row in done])}
     lost = [row for row in rows if row.get("error") is None]

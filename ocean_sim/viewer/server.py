@@ -189,7 +189,7 @@ class Server(AbstractContextManager["Server"]):
         self.loop.call_soon_threadsafe(self.keep_packets, None, frame)
 
     def tell(self, watcher: int | None, **message: Any) -> None:
-        """Send a text message to page number `watcher`, or all (None); later pages get the last `panel` (settings)."""
+        """Send a text message (`type` and its fields) to page number `watcher`, or all (None)."""
         self.loop.call_soon_threadsafe(self.queue_text, watcher, message)
 
     def orders(self) -> list[Order]:

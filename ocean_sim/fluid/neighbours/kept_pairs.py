@@ -152,7 +152,8 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def spare_start(self, group):
-        """Index in `shape` of task `group`'s last `width` places, for sub-cells that find no room for shapes."""
+        """Index in the array `shape` (grad W of kept pairs) of the last `width` entries of parallel task `group`, where
+        sub-cells that find no room write theirs, one over the other."""
         return self.shape_start(group + 1) - self.width
 
     @ti.func

@@ -143,7 +143,7 @@ class Cubes:
     @ti.kernel
     def find_immersed(self, around: Template, table: Array2, found: Array2):
         """Write x, z, depth [m] and volume [m3] of each cube's wet part to `found` (n, 4); `around`: lattice of water
-        samples; first row of `table`: the hull's pose (POSE_COLUMNS), its x, z from the lattice's middle."""
+        samples; first row of `table`: the hull's pose (POSE_COLUMNS). All x, z are from the lattice's middle."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for block in range(self.blocks):
             position, turn = row_vector(table, pose.position), row_matrix(table)

@@ -74,12 +74,12 @@ def _read_table(path: str | Path) -> Heights:
 
 def _read_esri(path: str | Path) -> Heights:
     """Heights in an ESRI ASCII grid: rows from north to south; its header gives the corner or the centre of a cell."""
-    words = [(word, k) for k, line in enumerate(read_text(path).splitlines(), 1) for word in line.split()]
+    words = ((word, k) for k, line in enumerate(read_text(path).splitlines(), 1) for word in line.split())
     head, numbers = dict[str, float](), list[float]()
     try:
-        for word, k in (rest := iter(words)):
+        for word, k in words:
             if word[:1].isalpha() and not numbers:
-                key, (word, k) = word.lower(), next(rest, ("", k))
+                key, (word, k) = word.lower(), next(words, ("", k))
                 head[key] = float(word)
             else:
                 numbers.append(float(word))

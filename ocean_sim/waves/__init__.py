@@ -468,7 +468,7 @@ class FileSpectrum(Model):
 
     @property
     def heading_deg(self) -> None:
-        """None: the directions of the waves are in the file."""
+        """No heading: the directions of the waves are in the file."""
 
     def statement(self, dimension: int) -> str:
         """Sentence for the user on how the file's compass directions become headings in a 2-D or 3-D scene."""

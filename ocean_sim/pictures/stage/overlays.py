@@ -14,7 +14,7 @@ HEIGHT_TITLE = "height of\nthe water"
 BAR_TOP, BAR_HEIGHT, BAR_LEFT, BAR_WIDTH = 0.3, 0.4, 130, 18  # of a picture's height; [pixels] from its right edge
 ARROW_COLOUR, ARROW_HEAD = (240, 190, 60), 18  # of the wind: colour; [pixels] of its head
 MAX_BAR = 0.25  # of the width of a picture: the bar
-MARGIN = 24  # [pixels] from a bar to the right edge of the picture
+BAR_MARGIN = 24  # [pixels] from a bar to the right edge of the picture
 
 
 def metre_pixels(stage: Stage, target: np.ndarray) -> float:
@@ -36,7 +36,7 @@ class Overlay:
         self.image = Image.fromarray(picture)
         self.ink = ImageDraw.Draw(self.image, "RGBA")
         self.font = ImageFont.truetype(f"{get_data_path()}/fonts/ttf/DejaVuSans.ttf", LETTER_SIZE)
-        self.right, self.low = self.image.width - MARGIN, self.image.height
+        self.right, self.low = self.image.width - BAR_MARGIN, self.image.height
 
     def write(self, text: str, x: float, y: float, anchor: str = "ls") -> None:
         """Write text on a dark ground; `x`, `y`: from the upper left corner [pixels]; `anchor`: as Pillow has it."""

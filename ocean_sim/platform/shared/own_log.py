@@ -59,8 +59,6 @@ def read_own_log(
 def even_times(table: Table, known: dict[str, np.ndarray]) -> list[str]:
     """Shift times to begin at 0, interpolate all columns of `known` by cubic splines where rows are a little uneven, or
     too few a second; returns sentences that say so. Epoch times in units of 1e-3, 1e-6 or 1e-9 s become seconds."""
-    from scipy.interpolate import CubicSpline
-
     time = known[TIME_COLUMN]
     thousands = max(0, round((np.log10(max(time[0], 1.0)) - 9.25) / 3.0))  # 1e9 s after 1970 was in 2001
     table[TIME_COLUMN] = known[TIME_COLUMN] = time = np.round((time - time[0]) / 1000.0**thousands, 6)
@@ -70,6 +68,8 @@ def even_times(table: Table, known: dict[str, np.ndarray]) -> list[str]:
     off, slow = float(np.abs(steps - every).max()), 1.0 / motion_log.MIN_ROW_RATE < every <= MAX_ROW_TIME
     if (off <= motion_log.INTERVAL_TOLERANCE * every and not slow) or steps.max() > MAX_GAP_ROWS * every:
         return []
+    from scipy.interpolate import CubicSpline
+
     parts = ceil(every * SPLINE_ROW_RATE) if slow else 1
     even = every / parts * np.arange((len(time) - 1) * parts + 1)
     known |= {name: CubicSpline(time, column)(even) for name, column in known.items()} | {TIME_COLUMN: even}

@@ -83,19 +83,22 @@ def say(text: str = "") -> None:
     """Print a line to standard output, with control characters escaped; nothing if the user asked for JSON."""
     if not json_asked:
         with NAMED_OUTPUT:
-            print(escape_controls(text), flush=True)
+            print(escape_controls(as_called(text)), flush=True)
 
 
 def complain(text: str) -> None:
     """Print a message, cut to MAX_COMPLAINT_BYTES, to standard error; a closed stream is ignored."""
     with suppress(OSError):  # there may be nobody to tell
-        print(shorten(escape_controls(text), MAX_COMPLAINT_BYTES), file=sys.stderr, flush=True)
+        print(shorten(escape_controls(as_called(text)), MAX_COMPLAINT_BYTES), file=sys.stderr, flush=True)
+
+
+def as_called(text: str) -> str:
+    """Text whose quoted commands (`ocean-sim ...`) begin with the name by which the user called the program."""
+    return text.replace("`ocean-sim ", f"`{os.environ.get(COMMAND_VARIABLE, 'ocean-sim')} ")
 
 
 def escape_controls(text: str) -> str:
-    """Text whose unprintable characters, except line breaks, are escape sequences, so that no terminal obeys them;
-    commands quoted in it (`ocean-sim ...`) begin with the name by which the user called the program."""
-    text = text.replace("`ocean-sim ", f"`{os.environ.get(COMMAND_VARIABLE, 'ocean-sim')} ")
+    """Text whose unprintable characters, except line breaks, are escape sequences, so that no terminal obeys them."""
     return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
 
 

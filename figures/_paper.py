@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from _options import Said
 
+from ocean_sim.files.atomic_file import new_figure
 from ocean_sim.palette import BLUE as BLUE
 from ocean_sim.palette import GREEN as GREEN
 from ocean_sim.palette import ORANGE as ORANGE
@@ -26,13 +27,12 @@ HASTY, WHOLE = "--fast: coarse", "--fast leaves nothing out here"
 def paper(width: float, height: float) -> Any:
     """A matplotlib figure of this size [inch] without a display, in the common style; its panels do not overlap."""
     from matplotlib import rcParams
-    from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
     rcParams.update({"axes.spines.top": False, "axes.spines.right": False, "axes.titlelocation": "left"})
     rcParams.update({"axes.titlesize": 11, "axes.labelsize": 10, "legend.fontsize": 9, "legend.frameon": False})
     apart = ConstrainedLayoutEngine(h_pad=0.09)  # [inch], so that no caption touches a label
-    return Figure(figsize=(width, height), layout=apart)
+    return new_figure(width, height, apart)
 
 
 def save_figure(figure: Any, path: Path, found: str = "") -> None:

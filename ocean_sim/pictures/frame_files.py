@@ -94,8 +94,8 @@ class Frame:
 
     @property
     def folds(self) -> bool:
-        """True if the surface mesh folds over: some triangle does not face up, so a point x, z has several heights."""
-        return self.mesh is not None and bool((Mesh(*self.mesh).vector_areas[:, 1] <= 0.0).any())
+        """True if the frame has a surface mesh, and this folds over."""
+        return self.mesh is not None and Mesh(*self.mesh).folds
 
 
 def read_elevation(path: Path) -> np.ndarray:

@@ -28,6 +28,11 @@ class Mesh:
         return 0.5 * np.cross(b - a, c - a)
 
     @property
+    def folds(self) -> bool:
+        """True if some triangle does not face up, so that a point x, z may have several heights."""
+        return bool((self.vector_areas[:, 1] <= 0.0).any())
+
+    @property
     def vertex_areas(self) -> np.ndarray:
         """Outward area vectors (n, 3) [m2] at vertices: each the sum over the triangles around it."""
         around, n = self.triangles.ravel(), len(self.vertices)

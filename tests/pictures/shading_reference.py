@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ocean_sim.pictures.stage.sky import Sky, unit_vector, value_noise
+from ocean_sim.pictures.stage.sky import Sky, hashed_number, unit_vector
 from ocean_sim.pictures.water.foam import (
     EDGE_SOFTNESS,
     GRAIN_BEND,
@@ -281,6 +281,18 @@ def sky_reflection(
     ray[:, 1] = np.where(ray[:, 1] < 0.0, 0.01 - 0.6 * ray[:, 1], ray[:, 1])
     ray[:, 1] += 0.35 * blur * (1.0 - cos_eye)
     return np.minimum(sky.sample(unit_vector(ray), np.minimum(BLUR_LEVELS * blur, MAX_BLUR_LEVEL)), MAX_MIRRORED)
+
+
+def value_noise(x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Noise at points x, z, smooth between random values at integer points, and its two derivatives."""
+    i, j = np.floor(x), np.floor(z)
+    f, g = x - i, z - j
+    i, j = i.astype(np.int64), j.astype(np.int64)
+    a, b, c, d = hashed_number(i, j), hashed_number(i + 1, j), hashed_number(i, j + 1), hashed_number(i + 1, j + 1)
+    u, v = f**3 * (f * (f * 6.0 - 15.0) + 10.0), g**3 * (g * (g * 6.0 - 15.0) + 10.0)
+    du, dv = 30.0 * f**2 * (f * (f - 2.0) + 1.0), 30.0 * g**2 * (g * (g - 2.0) + 1.0)
+    k = a - b - c + d
+    return a + (b - a) * u + (c - a) * v + k * u * v, du * (b - a + k * v), dv * (c - a + k * u)
 
 
 def slopes(

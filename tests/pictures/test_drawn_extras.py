@@ -38,6 +38,19 @@ def test_the_volumes_of_a_wind_are_told_apart_by_their_lines():
     stage.close()
 
 
+@pytest.mark.parametrize("centre", [(0.0, 0.0, 0.0), (0.0, 2.0, 5.0), (10.0, 0.0, 0.0)])
+def test_a_round_wind_volume_is_drawn_once(centre):
+    """The ends of its rings differ by rounding where a coordinate is 0."""
+    lines = place.Core(half=(0.0, 0.0, 0.0), radius=3.0, yaw=0.0, centre=np.array(centre)).edges().astype(np.float32)
+    stage = Stage((64, 64), camera_looking(np.array([0.0, 9.0, 60.0]), np.zeros(3)), 1)
+    marks = wind_marks.WindMarks(stage, np.full(3, -20.0), np.full(3, 20.0))
+    marks.show_volumes(lines, 0.0)
+    edges = stage.plotter.actors["edges of volumes"].mapper.dataset
+    assert edges.n_cells == 1
+    assert np.hypot(*(edges.points[:, [0, 2]] - np.array(centre)[[0, 2]]).T) == pytest.approx(3.0, rel=1e-4)
+    stage.close()
+
+
 def blown(arrows: list[float], strongest: float, unit: str):
     along = np.outer(arrows, [1.0, 0.0, 0.0])
     return SimpleNamespace(wind_arrows=along, wind_tails=0.0 * along, wind_strongest=strongest, wind_unit=unit)

@@ -125,7 +125,7 @@ def read_shot(frame: Path, grid: dict[str, np.ndarray], wakes: RunWakes) -> Expo
         points, faces = np.zeros((0, 3), np.float32), np.zeros((0, 3), int)
     elif "vertices" in data:
         points, faces, fields["Normals"] = data["vertices"], data["triangles"], data["normals"]
-        if (np.cross(*np.diff(points[faces], axis=1).swapaxes(0, 1))[:, 1] > 0.0).all():  # one height above each point
+        if not Mesh(points, faces, data["normals"]).folds:
             at = wakes.relative_positions(points[:, [0, 2]], data.get("origin", np.zeros(2)))
             if raised.any():
                 points = points + np.outer(read_cells(raised, at), [0.0, 1.0, 0.0])

@@ -108,7 +108,7 @@ class Picture:
             self.ships, (over, exposure) = self.content.add_ships(models), self.content.look
         else:
             over, exposure = sky.clear_sky_image(), TANK_EXPOSURE
-            above = water_glsl.sky_textures(over)
+            above = water_glsl.sky_textures(over) if models else {}
             self.ships = {key: ShadedShip(stage, model, over, above, False) for key, model in models.items()}
         self.streaks = Streaks(stage, over, exposure) if order.foam and not order.particles else None
         self.outline = overlays.Outline(stage, grid["lower"], grid["upper"]) if order.outline else None
@@ -162,7 +162,10 @@ class Picture:
         if self.wind is not None:
             self.wind.show(frame, self.heights_at(frame, frame.wind_tails[:, [0, 2]].astype(float)))
         self.stage.render()
-        over = overlays.Overlay(sample_means(self.plotter.screenshot(None, return_img=True), self.stage.samples))
+        image = sample_means(self.plotter.screenshot(None, return_img=True), self.stage.samples)
+        if not (self.order.caption or self.order.scale_bar):
+            return image
+        over = overlays.Overlay(image)
         if self.order.caption:
             over.write(f"t = {frame.time:.2f} s", 17, over.low - 14)
         if self.order.scale_bar:

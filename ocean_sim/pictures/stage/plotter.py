@@ -23,7 +23,7 @@ class Stage:
 
         self.pyvista: ModuleType = pyvista
         self.size, self.camera, self.samples = size, camera, samples
-        self.over: list[Any] = []  # actors on the water or before the picture, of which the water shows none within it
+        self.over: list[Any] = []  # actors on the water, of which it shows none within it
         self.plotters: list[Any] = []
         self.plotter = self.new_plotter((samples * size[0], samples * size[1]))
         if samples == 1:
@@ -46,8 +46,8 @@ class Stage:
         return made
 
     def add(self, points: np.ndarray, faces: np.ndarray, colours: np.ndarray, **shown: Any) -> Any:
-        """Add and return a mesh of faces (m, 3) or (m, 4) between points (n, 3) [m] with 8-bit `colours`, RGB (n, 3) or
-        RGBA (n, 4); `shown`: PyVista options."""
+        """Add and return a mesh of faces (m, 3) or (m, 4) between points (n, 3) [m] with 8-bit RGB `colours` (n, 3);
+        `shown`: PyVista options."""
         mesh = self.mesh(points, faces)
         mesh["colour"] = colours
         self.plotter.add_mesh(mesh, scalars="colour", rgb=True, lighting=False, **shown)

@@ -222,22 +222,20 @@ def fractal_noise(p: np.ndarray, octaves: int, seed: int) -> np.ndarray:
     """Noise (...), 0 to 1, at points `p` (..., 2): `octaves` of value noise, each half as strong; `seed` shifts it."""
     total, weight, amplitude = np.zeros(p.shape[:-1]), 0.0, 1.0
     for k in range(octaves):
-        total += amplitude * value_noise(*np.moveaxis(p * 2.03**k + 34.3 * k + 17.0 * seed, -1, 0))[0]
+        total += amplitude * value_noise(*np.moveaxis(p * 2.03**k + 34.3 * k + 17.0 * seed, -1, 0))
         weight += amplitude
         amplitude *= 0.5
     return total / weight
 
 
-def value_noise(x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Noise (...) at points x, z (...), smooth between random values at integer points, and its two derivatives."""
+def value_noise(x: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Noise (...) at points x, z (...), smooth between random values at integer points."""
     i, j = np.floor(x), np.floor(z)
     f, g = x - i, z - j
     i, j = i.astype(np.int64), j.astype(np.int64)
     a, b, c, d = hashed_number(i, j), hashed_number(i + 1, j), hashed_number(i, j + 1), hashed_number(i + 1, j + 1)
     u, v = f**3 * (f * (f * 6.0 - 15.0) + 10.0), g**3 * (g * (g * 6.0 - 15.0) + 10.0)
-    du, dv = 30.0 * f**2 * (f * (f - 2.0) + 1.0), 30.0 * g**2 * (g * (g - 2.0) + 1.0)
-    k = a - b - c + d
-    return a + (b - a) * u + (c - a) * v + k * u * v, du * (b - a + k * v), dv * (c - a + k * u)
+    return a + (b - a) * u + (c - a) * v + (a - b - c + d) * u * v
 
 
 def hashed_number(i: np.ndarray, j: np.ndarray) -> np.ndarray:

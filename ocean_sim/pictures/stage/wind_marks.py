@@ -13,6 +13,7 @@ VOLUME_COLOUR, ARROW_COLOUR = "#ffb347", np.array([0.95, 0.42, 0.04])  # of volu
 VOLUME_OPACITY = 0.22  # opacity of a volume
 # Least and greatest height of a volume over the water, over the basin's length
 MIN_VOLUME_HEIGHT, MAX_VOLUME_HEIGHT = 0.10, 0.18
+JOINED_ENDS = 1e-3  # [m] at most between ends of outlines that are one corner
 VOLUME_DEPTH = 0.2  # of the basin's length: how far it goes on below, where waves hide it
 MAX_ARROW, ARROW_HEIGHT = 0.13, 0.02  # of the basin's length: the longest arrow, and how far over the water they begin
 ARROW_TITLES = {"m/s²": "acceleration by wind"}  # what an arrow shows, by its unit, where it is not the wind itself
@@ -68,13 +69,15 @@ class WindMarks:
         on_map = self.stage.camera.from_above
         low, high = MIN_VOLUME_HEIGHT * self.length, MAX_VOLUME_HEIGHT * self.length
         walls, edges = pyvista.PolyData(), pyvista.PolyData()
-        for volume in pyvista.line_segments_from_points(lines.reshape(-1, 3)).clean().split_bodies():
+        joined = pyvista.line_segments_from_points(lines.reshape(-1, 3)).clean(tolerance=JOINED_ENDS, absolute=True)
+        for volume in joined.split_bodies():
             plan = volume.points[:, [0, 2]]
             around = ConvexHull(plan).vertices
             top = crest if on_map else float(np.clip(volume.points[:, 1].max(), low, high))
             ring = pyvista.MultipleLines(np.insert(plan[[*around, around[0]]], 1, top, axis=1))
-            walls += ring.extrude((0.0, -VOLUME_DEPTH * self.length - top, 0.0), capping=False)
             edges += ring
+            if not on_map:
+                walls += ring.extrude((0.0, -VOLUME_DEPTH * self.length - top, 0.0), capping=False)
         shown = {"lighting": False, "reset_camera": False, "render": False, "color": VOLUME_COLOUR}
         if not on_map:
             plotter.add_mesh(walls, opacity=VOLUME_OPACITY, name="volumes", **shown)

@@ -236,7 +236,7 @@ class FoamField:
 
 def gathering_noise(places: np.ndarray) -> np.ndarray:
     """Random factor (n,), 1 on average, on convergence, which makes foam patchy; of period 1 in `places` (2, n)."""
-    return 0.5 + value_noise(*places)[0]
+    return 0.5 + value_noise(*places)
 
 
 def refined_cells(values: np.ndarray) -> np.ndarray:
@@ -297,7 +297,7 @@ def edge_bends(x: np.ndarray, z: np.ndarray, angle: float) -> np.ndarray:
     along, across, way = (c * x + s * z) / STREAK_STRETCH, c * z - s * x, np.zeros((2, len(x)))
     for wave, far in EDGE_BENDS:
         u, v = along / wave, across / wave
-        way += far * (np.stack([value_noise(u + 3.0, v + 17.0)[0], value_noise(u + 29.0, v + 5.0)[0]]) - 0.5)
+        way += far * (np.stack([value_noise(u + 3.0, v + 17.0), value_noise(u + 29.0, v + 5.0)]) - 0.5)
     return np.stack([STREAK_STRETCH * c * way[0] - s * way[1], STREAK_STRETCH * s * way[0] + c * way[1]])
 
 

@@ -26,7 +26,7 @@ from ocean_sim.pictures.water.waterline import (
     kelvin_height,
     limited_answer,
 )
-from ocean_sim.surface import sheet
+from ocean_sim.surface import cell_triangles, sheet
 from ocean_sim.waves.orbits import surface_fall
 
 NODE_TRAITS = "nrm", "att", "car"  # normal; white, crest, variance of slopes; place by which foam finds its grain
@@ -184,8 +184,8 @@ class Sea(Content):
         dark = "".join(water_glsl.shader("sea_shadow", ship_glsl, k=k) for k in range(len(self.hulls)))
         body = water_glsl.water_program(len(self.hulls), "carW.xz", dark)
         functions = water_glsl.WATER_FUNCTIONS + ship_glsl.SHADOW_FUNCTIONS
-        level = sheet(self.surface.x, self.surface.z, np.zeros(self.surface.share.shape))
-        inner, empty = self.mesh_of(self.surface.nodes, level.triangles), stage.pyvista.PolyData()
+        corners = cell_triangles(len(self.surface.x), len(self.surface.z))
+        inner, empty = self.mesh_of(self.surface.nodes, corners), stage.pyvista.PolyData()
         self.near = water_glsl.Shaded(inner, body, functions, textures, NODE_TRAITS)
         self.far = water_glsl.Shaded(empty, water_glsl.shader("sea_beyond") + body, functions, textures, NODE_TRAITS)
         self.dome = Dome(stage, self.above["sky"])

@@ -121,8 +121,8 @@ class Shaded:
     ) -> None:
         """`body`, `functions`: fragment program and its GLSL functions; `textures`: by sampler name; `attributes`:
         three-letter names of vectors at the mesh's points, which the program reads with a W appended, as nrmW."""
-        unused = {"sky": make_texture(np.zeros((2, 2, 3), np.uint8))}  # which the common functions name
-        self.mesh, self.attributes, self.textures = mesh, attributes, textures or unused
+        self.mesh, self.attributes = mesh, attributes
+        self.textures = textures or {"sky": make_texture(np.zeros((2, 2, 3), np.uint8))}  # which common functions name
         self.actor = self.new_actor(self.textures)
         program = self.actor.GetShaderProperty()
         taken = "".join(f"in vec3 {name}In; out vec3 {name}W;\n" for name in attributes)

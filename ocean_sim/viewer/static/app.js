@@ -374,7 +374,7 @@ function panel(now) {
   const world = state.worlds[0];
   if (ship && world) world.route = ship.route;
   if (world && now.sea) world.still.sea = now.sea;
-  link();
+  helmBar();
   state.dirty = true;
 }
 

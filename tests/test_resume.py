@@ -39,6 +39,11 @@ tracers: {ids: [0, 50], every: 0.02}
 checkpoint: {every: 0.1}
 frames: {every: 0.1}
 """
+BEACH = (
+    TANK.replace("depth: 0.5", "depth: 0.5, floor: {profile: [[-1.0, -0.5], [0.0, -0.5], [1.0, 0.1]]}")
+    .replace("elevation", "runup: {shore: {}}, elevation")
+    .replace("mueller, spacing: 0.1, kinematic_viscosity: 0.01", "delta_sph, spacing: 0.05")
+)
 
 
 @pytest.fixture(scope="module")
@@ -324,7 +329,10 @@ def last_row(path: Path) -> float:
 
 
 @pytest.mark.anchor
-@pytest.mark.parametrize("kills, text", [(3, LONG), pytest.param(50, TANK, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "kills, text",
+    [(3, LONG), pytest.param(50, TANK, marks=pytest.mark.slow), pytest.param(5, BEACH, marks=pytest.mark.slow)],
+)
 def test_a_run_that_is_killed_again_and_again_leaves_the_bytes_of_one_that_is_not(kills, text, tmp_path):
     """Without a word of warning, at random moments; no more than one interval is lost each time. 50 take minutes;
     OCEAN_SIM_KILLS takes another number."""

@@ -93,7 +93,7 @@ def _read_all(lines: Lines, reader: Callable[[Lines], Iterable]) -> list:
     except (LookupError, ValueError) as error:
         if isinstance(error, Unreadable):
             raise
-        number, line = [*lines.rows, (lines.rows[-1][0] + 1, "the end")][lines.at]
+        number, line = [(0, ""), *lines.rows, (lines.rows[-1][0] + 1 if lines.rows else 1, "the end")][lines.at + 1]
         wrong = f"line {number}: expected {lines.expected}, got {quoted_piece(line)}"
         raise FORMAT_RULE.broken(lines.path, wrong) from None
 
@@ -193,6 +193,9 @@ def _read_ndbc(lines: Lines) -> Iterable[Record]:
     if not paths:
         raise FORMAT_RULE.broken(path, "its name does not tell those of the other four")
     density, *others = [dict(_read_all(Lines(each), _ndbc_rows)) for each in paths]
+    for companion, each in zip(paths[1:], others):
+        if density and density.keys().isdisjoint(each):
+            raise TABLE_RULE.broken(companion, f"it has none of the {len(density)} times of {paths[0].name}")
     for time, (frequency, values) in density.items():
         if all(time in each for each in others):
             if not all(np.array_equal(each[time][0], frequency) for each in others):

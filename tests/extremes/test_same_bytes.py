@@ -70,6 +70,17 @@ for scheme, sea, what in (
         "basin": TANK | {"walls": "periodic"},
         "sea": sea,
     }
+MESH = str(Path(__file__).parents[2] / "ocean_sim/validation/data/ball.obj")
+BED = {
+    "floor": {"profile": [[-2.0, -1.2], [-0.4, -1.2], [2.0, 0.2]]},
+    "obstacles": [{"mesh": MESH, "at": [-1.2, -0.6, 0.0]}],
+}
+SCENES |= {
+    f"{scheme}, {name}, no ship": {key: value for key, value in water(scheme, "cloth", None).items() if key != "wind"}
+    | {"basin": TANK | BED | {"wavemaker": {"height": 0.2, "period": 1.5}}}
+    | {"gauges": {"elevation": {"here": [0.1, 0.2]}, "runup": {"shore": {}}, "every": 0.01}}
+    for scheme, name in (("delta_sph", "a beach and a mesh"), ("dfsph", "a beach and a mesh"))
+}
 FEW = ("mueller, cloth, hydrostatic", "spectral_sea, dynamic")
 
 

@@ -403,6 +403,13 @@ def test_a_missing_companion_an_unknown_name_and_another_time_are_refused(tmp_pa
     companion.write_text(companion.read_text().replace("(0.03453)", "(0.03454)"))
     with pytest.raises(Unreadable, match="its frequencies at 2026-10-03T12:00 are not those of the other four"):
         read_spectra(path)
+    for text, sentence in {
+        "": "line 1: expected #YY MM DD hh, got 'the end'",
+        "#YY MM DD hh mm\n": r"none of the 1 times of b\.data_spec",
+    }.items():
+        companion.write_text(text)
+        with pytest.raises(Unreadable, match=rf"b\.swr1: .*{sentence}"):
+            read_spectra(path)
     (tmp_path / "b.swr2").unlink()
     with pytest.raises(Unreadable, match=r"b\.swr2: there is no such file"):
         read_spectra(path)

@@ -230,7 +230,7 @@ def test_check_says_what_acts_on_each_ship():
     random = {"height": None, "period": None, "heading_deg": None}
     random |= {"spectrum": {"significant_wave_height": 0.4, "peak_period": 3.5}}
     found = acting({"drift": {"table": BARGE}}, random, wind={"kind": "stress", "u10": 8.0})
-    assert found.endswith("mean, slow drift (by table), wind, no current")
+    assert found.endswith("mean, slow drift (by a table of waves of 2.62 to 15.7 s), wind, no current")
     found = acting({"drift": "rule"}, {"kind": "spectral_sea", "current": [0.5, 0.0]})
     assert found.endswith("mean, no slow drift (by rule), no wind, current")
     assert acting({"drift": "rule"}, {"height": 0.0}) == ""

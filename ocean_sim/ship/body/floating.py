@@ -163,7 +163,12 @@ class FloatingConfig(VesselConfig):
 
     @property
     def drift_law(self) -> str:
-        return "" if self.drift is None else self.drift if isinstance(self.drift, str) else "table"
+        if self.drift is None or isinstance(self.drift, str):
+            return self.drift or ""
+        from ocean_sim.ship.forces.drift import read_table
+
+        longest, shortest = 2.0 * pi / read_table(self.drift.table).omega[[0, -1]]
+        return f"a table of waves of {shortest:.3g} to {longest:.3g} s"
 
     def drift_force(self, still: Hydrostatics, sea: ClosedForm, body: RigidBody) -> "Drift | None":
         """Mean and slow second-order force of the waves of `sea` on this ship, with hydrostatics `still` and the first

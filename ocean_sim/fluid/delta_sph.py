@@ -388,8 +388,9 @@ class Continuity(Law):
 
     @ti.func
     def swelling(self, filled, edge, deviation):
-        """Share by which particles lie further apart than density says: 1 + `deviation` / rho0 - M - (a - b e) e. M:
-        `filled` (filled_share); e: `edge`; a e - b e^2: kernel's part over a flat surface (Stencil.surface_deficit)."""
+        """Share by which particles lie further apart than their density, rest density plus `deviation` [kg/m3], says:
+        that density over rest density, less the `filled` share of the kernel, less the share that is empty at a flat
+        surface with the slope `edge` of the filled share (fitted in `Stencil.surface_deficit`)."""
         return 1.0 + deviation / self.fluid.rest_density - filled - (self.deficit - self.deficit_bend * edge) * edge
 
     @ti.func

@@ -95,17 +95,20 @@ class Ground:
         return position[self.distances(position) <= TOUCH_DISTANCE * spacing]
 
     def runup(self, position: np.ndarray, spacing: float, axis: int = 0) -> float:
-        """Run-up [m]: highest bed point that particles at `position` (n, 3) [m], `spacing` [m] apart at rest, touch, if
-        water near the bed joins it along `axis` (0: x, 2: z) without a gap to the lowest; NaN if none touches."""
+        """Run-up [m]: height at which the water's edge, half a `spacing` [m] thick, lies beyond the highest bed point that
+        particles at `position` (n, 3) [m] touch, if water near the bed joins it along `axis` (0: x, 2: z) without a gap
+        to the lowest; NaN if none touches. Still water has 0 within a quarter of a spacing."""
         position = position[np.argsort(position[:, axis])]
         away = self.distances(position)
         over = away <= RUNUP_GAP * spacing
         near, touch = position[over], away[over] <= TOUCH_DISTANCE * spacing
-        bed = self.heights(near[:, [0, 2]])
         if not touch.any():
             return float("nan")
+        bed, slopes = self.shape_at(near[:, [0, 2]])
+        steepness = np.linalg.norm(slopes, axis=1)
+        edge = bed + 0.5 * spacing * (1.0 + steepness + steepness**2) / np.sqrt(1.0 + steepness**2)
         stretch = np.cumsum(np.diff(near[:, axis], prepend=near[0, axis]) > RUNUP_GAP * spacing)
-        return float(bed[touch & (stretch == stretch[np.where(touch, bed, np.inf).argmin()])].max())
+        return float(edge[touch & (stretch == stretch[np.where(touch, bed, np.inf).argmin()])].max())
 
     def sheet_heights(self, places: np.ndarray, water: np.ndarray, position: np.ndarray, spacing: float) -> np.ndarray:
         """Heights (n,) [m] of the drawn surface of `water` (n,) [m] at places x, z (n, 2) [m]: in shallows near that of

@@ -214,10 +214,19 @@ def test_water_runs_up_as_far_as_no_dry_place_lies_below():
     ground, spacing = load(scene({"profile": SLOPE})).preflight.tank.ground, 0.04
     x = np.arange(-0.98, 0.2, spacing)
     bed = ground.heights(np.stack([x, 0 * x], axis=1))
+    edge = 0.5 * spacing * (1.0 + 0.2 + 0.2**2) / np.hypot(1.0, 0.2)  # of water on a slope of 1:5
     water = np.stack([x, bed + 0.75 * spacing, 0 * x], axis=1)
     lifted, puddle = water + np.outer((x > -0.5) & (x < -0.2), [0, spacing, 0]), water[-1:] + [0.3, 0.06, 0]
     for place in (water, lifted, np.concatenate([water, puddle])):
-        assert ground.runup(place, spacing) == pytest.approx(bed[-1])
+        assert ground.runup(place, spacing) == pytest.approx(bed[-1] + edge)
     parted = np.abs(x + 0.3) > 0.1
-    assert ground.runup(water[parted], spacing) == pytest.approx(bed[x < -0.4][-1])
+    assert ground.runup(water[parted], spacing) == pytest.approx(bed[x < -0.4][-1] + edge)
     assert np.isnan(ground.runup(water + [0, 0.5, 0], spacing))
+
+
+@pytest.mark.parametrize("slope", [1.0, 0.5, 0.2, 0.1, 0.05])
+def test_still_water_runs_up_to_its_level(slope):
+    length = 0.2 + (DEPTH + 0.1) / slope
+    profile = [[-0.5 * length, -DEPTH], [0.2 - 0.5 * length, -DEPTH], [0.5 * length, 0.1]]
+    facts = load(scene({"profile": profile}, length=length)).preflight
+    assert facts.tank.ground.runup(facts.untouched.positions(), 0.04) == pytest.approx(0.0, abs=0.25 * 0.04)

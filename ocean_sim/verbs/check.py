@@ -13,9 +13,9 @@ from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.simulation import Simulation
 from ocean_sim.time_step.courant import Config as Courant
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.history import keep_step_time, step_time
+from ocean_sim.verbs.shared.history import keep_run_times, run_times
 from ocean_sim.verbs.shared.options import Profile, Scene, Sets
-from ocean_sim.verbs.shared.progress import kernel_notice
+from ocean_sim.verbs.shared.progress import Progress, kernel_notice
 
 WATER_FACTS = ("particles", "memory_mb", "pictures_mb", "bytes_a_particle", "most_particles", "time_step", "limited_by")
 UNKNOWN_FACTS = dict.fromkeys((*WATER_FACTS, "estimated_wall_s"))
@@ -43,13 +43,12 @@ def check(
     if time:
         console.must_compute_with(config.runtime.library)
         console.say(kernel_notice())
-        from ocean_sim.observers.timings import synchronization
-        from ocean_sim.verbs.bench import time_block
-
+        progress = Progress(config.duration, quiet=True)
         with Simulation(config) as simulation:
-            simulation.step()  # it compiles kernels
-            steps, wall, _, _ = time_block(simulation, synchronization(simulation.backend.arch))
-        keep_step_time(config, wall / steps)
+            while progress.step_time is None:
+                simulation.step()
+                progress.observe(simulation)
+        keep_run_times(config, progress)
     found = preflight(config)
     rows = ledger_rows(found, config) if ledger or console.json_asked else []
     console.answer(found | {"ledger": rows})
@@ -78,8 +77,8 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         if most := room["most_particles"]:
             fits = 1.01 * (known.spacing or 0.0) * (particles / most) ** (1.0 / known.tank.dimension)
             urgent[-1] += f"; fluid.spacing from {fits:.3g} m on fits"
-    (each, is_measured), pictures = step_time(config), picture_time(config)
-    steps = each * config.duration / dt
+    start, each, is_measured = run_times(config)
+    parts = {"start_s": start, "steps_s": each * config.duration / dt, "pictures_s": picture_time(config)}
     return {
         "ok": True,
         "problems": [],
@@ -95,9 +94,9 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         "limited_by": time_step.limited_by,
         "stable_time_step": stable,
         "stable_limited_by": limit,
-        "estimated_wall_s": steps + pictures,
+        "estimated_wall_s": sum(parts.values()),
         "estimate_is_measured": is_measured,
-        "estimated_by_part": {"steps_s": steps, "pictures_s": pictures},
+        "estimated_by_part": parts,
         "ships": ship_facts(config),
         "ledger": rows,
     }
@@ -156,7 +155,7 @@ def ledger_rows(found: dict[str, Any], config: SceneConfig) -> list[dict[str, An
 
 
 def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
-    """Text on the wall time in facts `found` of `preflight`, and its basis: a guess, or the last run of such water."""
+    """Text on the wall time in facts `found` of `preflight`, and its basis: a guess, or a run of such water."""
     parts = found["estimated_by_part"]
     terms = ", ".join(
         f"{name.removesuffix('_s')} {console.duration(seconds)}" for name, seconds in parts.items() if seconds
@@ -166,7 +165,7 @@ def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
     water = f"{config.fluid.kind} in {config.preflight.tank.dimension}-D"
     if not found["estimate_is_measured"]:
         return f"{about}: a guess until {water} has run on this machine, or `check --time` takes some steps"
-    return f"{about}, by the last run of {water} on this machine"
+    return f"{about}, by the run of {water} nearest in size on this machine"
 
 
 def memory_text(found: dict[str, Any]) -> str:

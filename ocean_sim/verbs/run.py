@@ -15,7 +15,7 @@ from ocean_sim.result import FIRST_FILE, Result, claim_run_folder, simulate
 from ocean_sim.state import checkpoint_file
 from ocean_sim.verbs.check import preflight, preflight_lines
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.history import keep_step_time
+from ocean_sim.verbs.shared.history import keep_run_times
 from ocean_sim.verbs.shared.options import Out, Profile, Quiet, Scene, Sets
 from ocean_sim.verbs.shared.progress import Progress, kernel_notice
 
@@ -69,8 +69,7 @@ def report_run(
         result = made()
     except KeyboardInterrupt:
         raise stopped_run(progress, folder) from None
-    if progress.step_time is not None:
-        keep_step_time(config, progress.step_time)
+    keep_run_times(config, progress)
     facts = progress.summary() | {"outcome": result.manifest.get("outcome"), "warnings": config.warnings()}
     facts |= run_facts(result, config)
     console.reply(facts, str(folder) if quiet else run_summary(facts))

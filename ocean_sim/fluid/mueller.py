@@ -78,7 +78,7 @@ class Config(SphConfig):
 
     def notes(self, preflight: SceneFacts) -> Iterator[str]:
         yield from super().notes(preflight)
-        yield "mueller heats or damps what moves, as its forces keep no energy: `energy that no work has given` is its"
+        yield "the forces of mueller heat or damp what moves: the event `energy that no work has given` says how much"
 
     def ledger(self, preflight: SceneFacts) -> Iterator[LedgerRow]:
         sizes = self.list_size(self.start_lattice(preflight), preflight.arch, Momentum.row.size)
@@ -154,8 +154,7 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Values (`row`) to use in `pair` for boundary particle s (or its image by matrix `mirror`), d [m] from the
-        particle with values `own`: its pressure continued to there, and 1 / density of water at rest."""
+        """Values (`row`) of boundary particle s, or its image, d [m] away: pressure continued, 1 / rest density."""
         other = self.continued_sample(own, s, d, mirror)
         other[self.row.volume] = 1.0 / self.fluid.rest_density
         return other

@@ -144,8 +144,7 @@ def ship_facts(config: SceneConfig) -> dict[str, dict[str, Any]]:
 
 
 def ledger_rows(found: dict[str, Any], config: SceneConfig) -> list[dict[str, Any]]:
-    """Memory ledger in the facts `found` of `preflight` as dicts. The first row of each part of the scene, such as
-    `fluid`, lists the kernels of that part, too."""
+    """Memory ledger of the facts `found` as dicts; the first row of each part, such as `fluid`, lists its kernels."""
     parts, listed, rows = {"basin": config.basin} | config.parts(), set(), []
     for row in found["ledger"]:
         kernels = None if row.part in listed else runtime.kernels_in(type(parts[row.part]).__module__)
@@ -175,8 +174,7 @@ def memory_text(found: dict[str, Any]) -> str:
 
 
 def preflight_lines(found: dict[str, Any], config: SceneConfig, listed: str = "") -> str:
-    """Text that `check` prints on `found`, the facts of `preflight`: verdict, wall time, memory, steps and files.
-    `listed`: text on where the warnings are listed."""
+    """Verdict, wall time, memory, steps and files, of the facts `found`; `listed`: where the warnings are listed."""
     count = len(found["warnings"])
     steps = f"{found['particles']} particles in steps of {found['time_step']:.3g} s in still water"
     lines = [
@@ -199,20 +197,19 @@ def ship_lines(found: dict[str, Any]) -> list[str]:
             continue
         periods = ", ".join(f"{motion} {t:.3g} s" for motion, t in ship["periods_s"].items() if t is not None)
         own, across = ship["gm_of_faces_m"], ship["draught_spacings"]
-        faces = "" if own is None else f" (by the faces of her hull {own:.3g} m)"
+        faces = "" if own is None else f" ({own:.3g} m by the faces of her hull)"
         does = "resolves" if (across or 0.0) >= RESOLVED_SPACINGS else "does not resolve"
         resolved = "" if across is None else f" ({across:.3g} spacings: the water {does} her)"
         lines.append(
             f"{called(name)}: {figures(ship['displacement_kg'])} kg, draught {ship['draught_m']:.3g} m{resolved}, "
-            f"GM {ship['gm_m']:.3g} m{faces}, longitudinal GM {ship['gm_longitudinal_m']:.3g} m; "
+            f"GM by her cubes {ship['gm_m']:.3g} m in roll{faces}, {ship['gm_longitudinal_m']:.3g} m in pitch; "
             f"natural periods: {periods}"
         )
     return lines
 
 
 def print_ledger(found: dict[str, Any], ledger: list[dict[str, Any]], config: SceneConfig) -> None:
-    """Print the table `ledger` of memory and kernels by part of the scene, after capacity and stable time step, from
-    the facts `found` of `preflight`."""
+    """Print capacity, stable time step (of the facts `found`), and the table `ledger` by part of the scene."""
     stable = f"{found['stable_time_step']:.4g} s in still water, limited by: {found['stable_limited_by']}"
     on_card = config.runtime.arch in runtime.GRAPHICS_CARD_CHOICES
     room = f"{(CARD_BYTES if on_card else machine.memory_limit()) / 1e9:.1f} GB of {'a card' if on_card else 'memory'}"

@@ -171,8 +171,7 @@ def kinetic_and_potential(simulation: Simulation, totals: Totals) -> tuple[float
 
 
 def stored_by_weight(simulation: Simulation) -> float:
-    """Energy [J] stored in water at rest as its weight compresses it, at most: (g depth)^2 / (6 c^2) per kilogram, of
-    c as waves of pressure travel."""
+    """Energy [J] stored in water at rest as its weight compresses it, at most: (g depth)^2 / (6 c^2) per kilogram."""
     fluid, basin = simulation.fluid, simulation.basin
     particles = with_particles(fluid).particles
     head = float(np.linalg.norm(basin.gravity)) * basin.depth  # [m2/s2]

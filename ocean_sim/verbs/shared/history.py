@@ -75,11 +75,9 @@ def rate_conditions(config: SceneConfig) -> str:
 
 
 def run_times(config: SceneConfig) -> tuple[float, float, bool]:
-    """Estimated wall times [s] of the start, first step included, and of each later step, by the run nearest in size
-    under the same conditions; False if there is none."""
-    conditions, assumed = rate_conditions(config), assumed_step(config.preflight.particles)
-    known = [row for key, row in read_json_object(rate_file()).items() if key.startswith(conditions)]
-    rows = [row for row in known if isinstance(row, list)]
+    """Wall times [s] of the start and of each later step, estimated by the run nearest in size; False without one."""
+    conditions, assumed = f"{rate_conditions(config)}, below", assumed_step(config.preflight.particles)
+    rows = [row for key, row in read_json_object(rate_file()).items() if key.startswith(conditions)]
     if not rows:
         return ASSUMED_START_SECONDS, assumed, False
     particles, start, step = min(rows, key=lambda row: abs(log(assumed_step(row[0]) / assumed)))

@@ -85,7 +85,8 @@ def platform(
         files = write_commands(out, ride, done, possible, found, config, machine, frame, film)
         seconds = float(done.time[-1] - done.time[0])
         warnings = list(config.cut_short(seconds))
-        for each in said:
+        blend = f"wherever the log begins, the platform goes from neutral into its motion over {config.ramp:g} s"
+        for each in (*said, blend):
             console.say(f"{log}: {each}")
         print_report(done, found, files)
         for sentence in warnings:

@@ -85,8 +85,7 @@ def platform(
         files = write_commands(out, ride, done, possible, found, config, machine, frame, film)
         seconds = float(done.time[-1] - done.time[0])
         warnings = list(config.cut_short(seconds))
-        blend = f"wherever the log begins, the platform goes from neutral into its motion over {config.ramp:g} s"
-        for each in (*said, blend):
+        for each in (*said, f"from neutral into its motion over {config.ramp:g} s, wherever the log begins"):
             console.say(f"{log}: {each}")
         print_report(done, found, files)
         for sentence in warnings:

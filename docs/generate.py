@@ -462,9 +462,13 @@ def gallery() -> str:
         "laws of the water, wind, surface and ships that they show; `--all` makes all, a name one, and `--check` lists",
         "the old ones.\n",
     ]
+    ran = dict[str, str]()  # by each command that runs a scene, the picture that it was first given for
     for entry in gallery_entries():
         picture = f"![{entry.about}](../../figures/gallery/{entry.picture})\n"
-        text += [f"## {entry.about}\n", picture, "```text", *show_entry(entry), "```\n"]
+        simulate, draw = show_entry(entry)
+        above = ran.setdefault(simulate, entry.about)
+        lines = [simulate, draw] if above == entry.about else [f"# of the run of: {above}", draw]
+        text += [f"## {entry.about}\n", picture, "```sh", *lines, "```\n"]
     return "\n".join(text)
 
 

@@ -7,6 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 from subprocess import Popen
 from time import sleep
+from types import SimpleNamespace
 
 import pytest
 
@@ -32,6 +33,11 @@ def cache(tmp_path, monkeypatch):
     return tmp_path
 
 
+def keep(config, step: float, start: float = 2.0) -> None:
+    """Store the wall times [s] of a run, as one that ends does."""
+    history.keep_run_times(config, SimpleNamespace(step_time=step, summary=lambda: {"wall_s": {"start": start}}))
+
+
 def steps(**overrides: object) -> float | None:
     """Measured estimate of the wall time of the steps of a tank [s]; None where it is a guess."""
     found = preflight(load(TANK | UNDRAWN, overrides))
@@ -43,13 +49,17 @@ def test_the_time_of_steps_is_a_guess_until_such_water_has_run_and_then_goes_wit
     found = preflight(config)
     assert found["estimated_wall_s"] > 0.0 and not found["estimate_is_measured"]
     assert "a guess until delta_sph in 2-D has run on this machine" in wall_time(found, config)
-    history.keep_step_time(config, 0.003)
+    keep(config, 0.003)
     assert steps() == pytest.approx(0.003 * 5000)
     assert steps(duration=20.0) == pytest.approx(2.0 * steps())
-    assert steps(**{"fluid.spacing": 0.05}) == pytest.approx(4.0 * steps(), rel=0.05)
     found = preflight(config)
-    assert wall_time(found, config).startswith("about 15.0 s for 10 s (steps 15.0 s), by the last run of delta_sph")
-    history.keep_step_time(config, 0.001)
+    assert wall_time(found, config).startswith(
+        "about 17.0 s for 10 s (start 2.0 s, steps 15.0 s), by the run of delta_sph"
+    )
+    assert 2.0 * steps() < steps(**{"fluid.spacing": 0.05}) < 4.0 * steps()
+    keep(load(TANK | UNDRAWN, {"fluid.spacing": 0.05}), 0.02)  # each size has times of its own
+    assert steps() == pytest.approx(0.003 * 5000) and steps(**{"fluid.spacing": 0.05}) == pytest.approx(0.02 * 5000)
+    keep(config, 0.001)
     assert steps() == pytest.approx(0.001 * 5000)
 
 
@@ -65,28 +75,28 @@ def test_the_time_of_steps_is_a_guess_until_such_water_has_run_and_then_goes_wit
     ],
 )
 def test_a_rate_is_of_one_kind_of_water_dimension_and_backend(cache, other):
-    history.keep_step_time(load(TANK | UNDRAWN), 0.003)
+    keep(load(TANK | UNDRAWN), 0.003)
     assert steps() is not None and steps(**other) is None
 
 
 def test_water_without_particles_has_a_time_a_step(cache):
     sea = {"basin": OPEN, "fluid": {"kind": "linear_waves", "spectrum": JONSWAP}} | UNDRAWN
-    history.keep_step_time(load(sea), 0.001)
-    assert preflight(load(sea))["estimated_wall_s"] == pytest.approx(0.001 * 5000)
+    keep(load(sea), 0.001)
+    assert preflight(load(sea))["estimated_wall_s"] == pytest.approx(2.0 + 0.001 * 5000)
 
 
 @pytest.mark.parametrize("text", ["", "[1, 2]", '{"half'])
 def test_a_file_that_cannot_be_read_says_nothing_and_is_replaced(cache, text):
     history.rate_file().write_text(text)
     assert steps() is None
-    history.keep_step_time(load(TANK | UNDRAWN), 0.003)
+    keep(load(TANK | UNDRAWN), 0.003)
     assert steps() is not None
 
 
 def test_a_cache_that_cannot_be_written_is_no_failure(cache, monkeypatch):
     (cache / "file").write_text("where the folder should be")
     monkeypatch.setattr(machine, "cache_directory", lambda: cache / "file")
-    history.keep_step_time(load(TANK | UNDRAWN), 0.003)
+    keep(load(TANK | UNDRAWN), 0.003)
     assert steps() is None
 
 
@@ -100,7 +110,7 @@ def test_a_run_and_a_check_with_time_make_the_time_known(taichi_cpu, cache, tmp_
     assert run_command_line([verb, str(scene), *options, "--json", *folder]) == 0
     answer = json.loads(capsys.readouterr().out)
     wall = preflight(load(scene))["estimated_wall_s"]
-    assert wall is not None and (wall == answer["estimated_wall_s"] if folder == [] else wall < 10.0)
+    assert wall is not None and (wall == answer["estimated_wall_s"] if folder == [] else wall < 60.0)
     assert (tmp_path / "run").exists() == (verb == "run")
 
 

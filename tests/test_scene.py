@@ -405,7 +405,7 @@ def test_resolution_is_a_factor_on_every_spacing(library):
     library("run/coarse", "resolution: 2.0\n")
     config = load(PLAIN, profile="coarse")
     assert config.fluid.spacing == 2.5
-    assert config.notes == ["resolution 2: fluid.spacing 1.25 -> 2.5"]
+    assert config.notes[0] == "resolution 2: fluid.spacing 1.25 -> 2.5"
     budget = PLAIN | {"fluid": {"kind": "mueller", "particles": 8000}}
     assert load(budget, profile="coarse").fluid.particles == 1000
     assert load(budget | {"basin": {"length": 40.0, "depth": 7.5}}, profile="coarse").fluid.particles == 2000

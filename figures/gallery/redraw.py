@@ -139,7 +139,7 @@ def redraw(names: list[str], check: bool, every: bool, out: Path | None) -> int:
 
 def show_entry(entry: Entry) -> list[str]:
     """Command lines to print, with which a person can make the picture of an entry."""
-    run = f"runs/{entry.scene.split('/')[-1]}"
+    run = f"runs/{entry.scene.split('/')[-1]}_to_{entry.until:g}"  # never the folder of `run` itself, or of the demo
     return [f"ocean-sim {shlex.join(words)}" for words in entry.commands(run)]
 
 

@@ -121,6 +121,7 @@ class Fluid(Protocol):
     config: Any  # the kind's Config
     particles: Particles | None = None  # None in a closed form
     sound_speed: float = 0.0  # [m/s]; 0 where nothing is compressed
+    pressure_share: float = 1.0  # part of the gradient of the pressure that acts as a force
     reference_speed: float  # [m/s] speed to which `compression` refers
     rest_density: float  # [kg/m3]
     spacing: float  # [m] between particles at rest; in a closed form between points that show its waves

@@ -76,6 +76,10 @@ class Config(SphConfig):
             boils = f"still water of mueller boils within seconds below a viscosity of about {least:.1g} m2/s"
             yield f"{boils}; set fluid.kinematic_viscosity, or take delta_sph"
 
+    def notes(self, preflight: SceneFacts) -> Iterator[str]:
+        yield from super().notes(preflight)
+        yield "the forces of mueller heat or damp what moves: the event `energy that no work has given` says how much"
+
     def ledger(self, preflight: SceneFacts) -> Iterator[LedgerRow]:
         sizes = self.list_size(self.start_lattice(preflight), preflight.arch, Momentum.row.size)
         what = "position, velocity, density, pressure, volume, number"
@@ -133,6 +137,7 @@ class Density(Law):
 class Momentum(MomentumLaw):
     """Pair law for accelerations by pressure (thesis eq. 2.16, spiky kernel) and viscosity (eq. 2.18, own kernel)."""
 
+    stores_pressure_work: ClassVar[bool] = True
     fluid: "Mueller"
     row = Columns(position=3, velocity=3, pressure=1, volume=1)
 
@@ -149,8 +154,7 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """Values (`row`) to use in `pair` for boundary particle s (or its image by matrix `mirror`), d [m] from the
-        particle with values `own`: its pressure continued to there, and 1 / density of water at rest."""
+        """Values (`row`) of boundary particle s, or its image, d [m] away: pressure continued, 1 / rest density."""
         other = self.continued_sample(own, s, d, mirror)
         other[self.row.volume] = 1.0 / self.fluid.rest_density
         return other
@@ -184,6 +188,7 @@ class Mueller(PairSph):
     """Water by the scheme of the thesis: weakly compressible SPH with summed density."""
 
     config: Config
+    pressure_share = 0.5  # in (2.16) p_j / 2 sums to half the gradient, and p_i / 2 to nothing inside the water
     density: Density
     momentum: Momentum
 
@@ -219,10 +224,10 @@ class Mueller(PairSph):
         self.factors[VISCOUS_FACTOR] = mu * particles.mass * self.smoothing.viscosity_constant / self.momentum.constant
 
     def internal_energy(self) -> float:
-        """Work of compression, m times the integral of p / rho^2 from the rest density [J]."""
+        """Work of the forces in compression, m times half the integral of p / rho^2 from the rest density [J]."""
         density = self.densities.values()[: self.particles.count.now]
         ratio = density.astype(float) / self.particles.rest_density
         energy = np.log(ratio) + 1.0 / ratio - 1.0
         if self.config.minimum_pressure is not None:
             energy = np.where(ratio > 1.0, energy, 0.0)
-        return self.particles.mass * self.stiffness * float(energy.sum())
+        return self.pressure_share * self.particles.mass * self.stiffness * float(energy.sum())

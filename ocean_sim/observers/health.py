@@ -262,8 +262,7 @@ class Health(OutcomeObserver, of=Config):
             self.report_excess("energy that no work has given", "over_all_work", share, WORK_REPORTED)
 
     def unexplained_energy(self, balance: checks.Balance, totals: Totals) -> float:
-        """Energy [J] gained by the water without work of a force, since the first check, or since the user last changed
-        the speed of sound, on which the energy of compression depends."""
+        """Energy [J] gained without work of a force since the first check, or a change of the speed of sound."""
         fluid = self.simulation.fluid
         if fluid.sound_speed != self.stiffness:  # a person has changed the stiffness
             balance.at_first, self.stiffness = None, fluid.sound_speed

@@ -13,9 +13,9 @@ from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.simulation import Simulation
 from ocean_sim.time_step.courant import Config as Courant
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.history import keep_step_time, step_time
+from ocean_sim.verbs.shared.history import keep_run_times, run_times
 from ocean_sim.verbs.shared.options import Profile, Scene, Sets
-from ocean_sim.verbs.shared.progress import kernel_notice
+from ocean_sim.verbs.shared.progress import Progress, kernel_notice
 
 WATER_FACTS = ("particles", "memory_mb", "pictures_mb", "bytes_a_particle", "most_particles", "time_step", "limited_by")
 UNKNOWN_FACTS = dict.fromkeys((*WATER_FACTS, "estimated_wall_s"))
@@ -43,13 +43,12 @@ def check(
     if time:
         console.must_compute_with(config.runtime.library)
         console.say(kernel_notice())
-        from ocean_sim.observers.timings import synchronization
-        from ocean_sim.verbs.bench import time_block
-
+        progress = Progress(config.duration, quiet=True)
         with Simulation(config) as simulation:
-            simulation.step()  # it compiles kernels
-            steps, wall, _, _ = time_block(simulation, synchronization(simulation.backend.arch))
-        keep_step_time(config, wall / steps)
+            while progress.step_time is None:
+                simulation.step()
+                progress.observe(simulation)
+        keep_run_times(config, progress)
     found = preflight(config)
     rows = ledger_rows(found, config) if ledger or console.json_asked else []
     console.answer(found | {"ledger": rows})
@@ -78,8 +77,8 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         if most := room["most_particles"]:
             fits = 1.01 * (known.spacing or 0.0) * (particles / most) ** (1.0 / known.tank.dimension)
             urgent[-1] += f"; fluid.spacing from {fits:.3g} m on fits"
-    (each, is_measured), pictures = step_time(config), picture_time(config)
-    steps = each * config.duration / dt
+    start, each, is_measured = run_times(config)
+    parts = {"start_s": start, "steps_s": each * config.duration / dt, "pictures_s": picture_time(config)}
     return {
         "ok": True,
         "problems": [],
@@ -95,9 +94,9 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         "limited_by": time_step.limited_by,
         "stable_time_step": stable,
         "stable_limited_by": limit,
-        "estimated_wall_s": steps + pictures,
+        "estimated_wall_s": sum(parts.values()),
         "estimate_is_measured": is_measured,
-        "estimated_by_part": {"steps_s": steps, "pictures_s": pictures},
+        "estimated_by_part": parts,
         "ships": ship_facts(config),
         "ledger": rows,
     }
@@ -145,8 +144,7 @@ def ship_facts(config: SceneConfig) -> dict[str, dict[str, Any]]:
 
 
 def ledger_rows(found: dict[str, Any], config: SceneConfig) -> list[dict[str, Any]]:
-    """Memory ledger in the facts `found` of `preflight` as dicts. The first row of each part of the scene, such as
-    `fluid`, lists the kernels of that part, too."""
+    """Memory ledger of the facts `found` as dicts; the first row of each part, such as `fluid`, lists its kernels."""
     parts, listed, rows = {"basin": config.basin} | config.parts(), set(), []
     for row in found["ledger"]:
         kernels = None if row.part in listed else runtime.kernels_in(type(parts[row.part]).__module__)
@@ -156,7 +154,7 @@ def ledger_rows(found: dict[str, Any], config: SceneConfig) -> list[dict[str, An
 
 
 def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
-    """Text on the wall time in facts `found` of `preflight`, and its basis: a guess, or the last run of such water."""
+    """Text on the wall time in facts `found` of `preflight`, and its basis: a guess, or a run of such water."""
     parts = found["estimated_by_part"]
     terms = ", ".join(
         f"{name.removesuffix('_s')} {console.duration(seconds)}" for name, seconds in parts.items() if seconds
@@ -166,7 +164,7 @@ def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
     water = f"{config.fluid.kind} in {config.preflight.tank.dimension}-D"
     if not found["estimate_is_measured"]:
         return f"{about}: a guess until {water} has run on this machine, or `check --time` takes some steps"
-    return f"{about}, by the last run of {water} on this machine"
+    return f"{about}, by the run of {water} nearest in size on this machine"
 
 
 def memory_text(found: dict[str, Any]) -> str:
@@ -176,8 +174,7 @@ def memory_text(found: dict[str, Any]) -> str:
 
 
 def preflight_lines(found: dict[str, Any], config: SceneConfig, listed: str = "") -> str:
-    """Text that `check` prints on `found`, the facts of `preflight`: verdict, wall time, memory, steps and files.
-    `listed`: text on where the warnings are listed."""
+    """Verdict, wall time, memory, steps and files, of the facts `found`; `listed`: where the warnings are listed."""
     count = len(found["warnings"])
     steps = f"{found['particles']} particles in steps of {found['time_step']:.3g} s in still water"
     lines = [
@@ -200,20 +197,19 @@ def ship_lines(found: dict[str, Any]) -> list[str]:
             continue
         periods = ", ".join(f"{motion} {t:.3g} s" for motion, t in ship["periods_s"].items() if t is not None)
         own, across = ship["gm_of_faces_m"], ship["draught_spacings"]
-        faces = "" if own is None else f" (by the faces of her hull {own:.3g} m)"
+        faces = "" if own is None else f" ({own:.3g} m by the faces of her hull)"
         does = "resolves" if (across or 0.0) >= RESOLVED_SPACINGS else "does not resolve"
         resolved = "" if across is None else f" ({across:.3g} spacings: the water {does} her)"
         lines.append(
             f"{called(name)}: {figures(ship['displacement_kg'])} kg, draught {ship['draught_m']:.3g} m{resolved}, "
-            f"GM {ship['gm_m']:.3g} m{faces}, longitudinal GM {ship['gm_longitudinal_m']:.3g} m; "
+            f"GM by her cubes {ship['gm_m']:.3g} m in roll{faces}, {ship['gm_longitudinal_m']:.3g} m in pitch; "
             f"natural periods: {periods}"
         )
     return lines
 
 
 def print_ledger(found: dict[str, Any], ledger: list[dict[str, Any]], config: SceneConfig) -> None:
-    """Print the table `ledger` of memory and kernels by part of the scene, after capacity and stable time step, from
-    the facts `found` of `preflight`."""
+    """Print capacity, stable time step (of the facts `found`), and the table `ledger` by part of the scene."""
     stable = f"{found['stable_time_step']:.4g} s in still water, limited by: {found['stable_limited_by']}"
     on_card = config.runtime.arch in runtime.GRAPHICS_CARD_CHOICES
     room = f"{(CARD_BYTES if on_card else machine.memory_limit()) / 1e9:.1f} GB of {'a card' if on_card else 'memory'}"

@@ -33,6 +33,11 @@ ROLL_AMPLITUDES_DEG = (5.0, 10.0, 20.0)  # [deg] amplitudes of roll
 PICTURE_SUFFIXES = (".png", ".svg", ".pdf")  # as what a picture is written
 SQUAT_FROUDE_NUMBERS = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7)  # speeds over that of the fastest wave, for squat
 BLOCK_FROUDE = 0.3  # speed over sqrt(g L) at full throttle of a ship to paste
+GM_TITLES = {
+    "gm": "GM in roll, by cubes",
+    "gm_of_faces": "GM in roll, by faces",
+    "gm_longitudinal": "GM in pitch, by cubes",
+}
 EMPTY_ANSWER = dict.fromkeys(("volume_m3", "displacement_kg", "draught_m", "kb_m", "bm_m", "gm_m"))
 
 
@@ -232,21 +237,17 @@ def hull_report(
         afloat = replace(afloat, free_surface_loss=condition.free_surface_loss)
     notes += [] if solid is None else solid.unlike_a_ship(afloat.draught, afloat.kb)
     stability = Stability(afloat, None if condition is None else condition.openings)
-    if afloat.gm_of_faces is not None:
-        notes.append(f"GM by the faces of the hull is {afloat.gm_of_faces:.4g} m; what follows is by its cubes")
     problems += stability_problems(stability)
     damped, beyond = roll_damping_rows(afloat, asked)
     sunk, blunt = squat_rows(afloat, asked.depth)
     notes += [*beyond, *blunt]
     found = balance_facts(afloat, stability, asked.cross) | {"roll_damping": damped, "squat": sunk}
-    facts["gm_of_faces_m"] = afloat.gm_of_faces
     found["scene"] = ship_block(name, shape, afloat, asked)
     return facts | found | {"notes": notes, "problems": problems}, notes
 
 
 def ship_block(name: str, shape: Hull, afloat: hydrostatics.Hydrostatics, asked: HullOptions) -> str:
-    """YAML of a ship with this hull, called `name`, for a scene; propeller and rudder by rule. Empty if she is from a
-    scene.
+    """YAML of a ship with this hull, called `name`, with propeller and rudder by rule; empty if a scene has her.
 
     The propeller at full throttle reaches a Froude number of BLOCK_FROUDE against the resistance by rule. The rudder is
     half as large again as the least area of DNV (1975), T L / 100 (1 + 25 (B / L)^2)."""
@@ -350,6 +351,7 @@ def balance_facts(afloat: hydrostatics.Hydrostatics, stability: Stability, cross
         "kb_m": kb,
         "bm_m": stability.gm + afloat.free_surface_loss[0] + kg - kb,
         "gm_m": stability.gm,
+        "gm_of_faces_m": afloat.gm_of_faces,
         "gm_longitudinal_m": afloat.metacentric_height(0),
         "kg_m": kg,
         "free_surface_m": afloat.free_surface_loss[0],
@@ -397,7 +399,7 @@ def print_report(name: str, found: dict[str, Any], notes: list[str], picture: Pa
             where += " or more" if key == "vanishing_deg" and value == LAST_HEEL else ""
             if key in sides and value != 0.0:
                 where, value = f" {sides[key][value > 0.0]}", abs(value)
-            rows.append([stem.replace("_", " "), f"{figures(value)} {unit}{where}"])
+            rows.append([GM_TITLES.get(stem, stem.replace("_", " ")), f"{figures(value)} {unit}{where}"])
     for motion, period in found["periods_s"].items():
         shown = "none" if period is None else f"{period:.3g} s ({found['dry_periods_s'][motion]:.3g} s without water)"
         rows.append([f"{motion} period", shown])

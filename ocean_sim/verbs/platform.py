@@ -85,7 +85,7 @@ def platform(
         files = write_commands(out, ride, done, possible, found, config, machine, frame, film)
         seconds = float(done.time[-1] - done.time[0])
         warnings = list(config.cut_short(seconds))
-        for each in said:
+        for each in (*said, f"from neutral into its motion over {config.ramp:g} s, wherever the log begins"):
             console.say(f"{log}: {each}")
         print_report(done, found, files)
         for sentence in warnings:

@@ -10,19 +10,18 @@ import typer
 from ocean_sim.conventions import figures
 from ocean_sim.files.run_files import MANIFEST_FILE, Claim, FolderClaimed, foreign_names
 from ocean_sim.files.yaml_file import Location, Node, node_of
+from ocean_sim.observers.shared.run_report import event_details
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.result import FIRST_FILE, Result, claim_run_folder, simulate
 from ocean_sim.state import checkpoint_file
 from ocean_sim.verbs.check import preflight, preflight_lines
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.history import keep_step_time
+from ocean_sim.verbs.shared.history import keep_run_times
 from ocean_sim.verbs.shared.options import Out, Profile, Quiet, Scene, Sets
 from ocean_sim.verbs.shared.progress import Progress, kernel_notice
 
 OFFSET_STATED = 0.1  # [spacings] by which a surface has left the highest particles, from which on it is said
-RESIDUAL_STATED = 0.2  # of the work of what drives the water and its most kinetic energy, from which on it is said
 USUAL_EVENTS = ("start", "limit", "end", "stop", "done")  # that are not news
-DRIVING_TERMS = ("wind", "walls", "sea", "obstacles", "ship", "emitter")
 
 
 def run(
@@ -69,8 +68,7 @@ def report_run(
         result = made()
     except KeyboardInterrupt:
         raise stopped_run(progress, folder) from None
-    if progress.step_time is not None:
-        keep_step_time(config, progress.step_time)
+    keep_run_times(config, progress)
     facts = progress.summary() | {"outcome": result.manifest.get("outcome"), "warnings": config.warnings()}
     facts |= run_facts(result, config)
     console.reply(facts, str(folder) if quiet else run_summary(facts))
@@ -96,8 +94,7 @@ def until_node(until: float) -> Node:
 
 
 def run_folder(stem: str, out: Path | None, overwrite: bool, coming: Iterable[str] = ()) -> Claim:
-    """Claim (lock) `out`, or else the first unused of runs/STEM, runs/STEM-2, ..., for a run that writes the files
-    `coming`. Raises Refused if another run (unless `overwrite`) or other files are there."""
+    """Claim `out`, or else the first unused of runs/STEM, runs/STEM-2, ...; Refused if a run or others lie there."""
     if out is None:
         folders = (Path("runs") / (stem if k == 1 else f"{stem}-{k}") for k in count(1))
         return next(filter(None, map(unused_folder, folders)))
@@ -123,7 +120,7 @@ def run_facts(result: Any, config: SceneConfig) -> dict[str, Any]:
     worst = {name: accuracy[column].max() for name, column in columns.items() if column in accuracy}
     return {
         "worst_compression": worst,
-        "remarks": balance_remarks(accuracy, config.preflight.spacing) if accuracy else [],
+        "remarks": surface_remarks(accuracy, config.preflight.spacing) if accuracy else [],
         "events": [event for event in result.events if event.get("event") not in USUAL_EVENTS],
         "folder": str(result.folder),
         "files": sorted(path.name + ("/" if path.is_dir() else "") for path in result.folder.glob("[!.]*")),
@@ -131,26 +128,16 @@ def run_facts(result: Any, config: SceneConfig) -> dict[str, Any]:
     }
 
 
-def balance_remarks(columns: dict[str, Any], spacing: float | None) -> list[str]:
-    """Sentences on a drawn surface that has left the particles and on energy gained without work, from the `columns` of
-    accuracy.csv; empty if all is well. `spacing`: of the particles [m]."""
-    found, offset = [], columns.get("surface_offset_m", [0.0])
+def surface_remarks(columns: dict[str, Any], spacing: float | None) -> list[str]:
+    """Sentences on a drawn surface that has left particles `spacing` [m] apart, by the `columns` of accuracy.csv."""
+    offset = columns.get("surface_offset_m", [0.0])
     apart = abs(offset[-1] - offset[0])
-    if spacing is not None and apart > OFFSET_STATED * spacing:
-        found.append(
-            f"the surface lies {offset[-1]:.3g} m over the highest particles in the mean, at the start {offset[0]:.3g} "
-            f"m: it has left them by {apart / spacing:.2g} spacings (surface_offset_m in accuracy.csv)"
-        )
-    driving = sum(abs(columns[name][-1]) for term in DRIVING_TERMS if (name := f"work_{term}_J") in columns)
-    residual = columns.get("energy_residual_J", [0.0])[-1]
-    moved = driving + max(columns.get("kinetic_energy_J", [0.0]))
-    if moved > 0.0 and abs(residual) > RESIDUAL_STATED * moved:
-        found.append(
-            f"{abs(residual):.3g} J {'came from nowhere' if residual > 0.0 else 'went nowhere'} in the water's energy, "
-            f"{abs(residual) / moved:.2g} of the most that moved and the work of all that drives it (energy_residual_J "
-            "in accuracy.csv)"
-        )
-    return found
+    if spacing is None or apart <= OFFSET_STATED * spacing:
+        return []
+    return [
+        f"the surface lies {offset[-1]:.3g} m over the highest particles in the mean, at the start {offset[0]:.3g} "
+        f"m: it has left them by {apart / spacing:.2g} spacings (surface_offset_m in accuracy.csv)"
+    ]
 
 
 def run_summary(facts: dict[str, Any]) -> str:
@@ -173,13 +160,9 @@ def run_summary(facts: dict[str, Any]) -> str:
         if count
     ]
     lines += facts["remarks"]
-    lines += [f"event at t = {e.get('time_s', 0.0):.3f} s: {describe_event(e)}" for e in facts["events"][:5]]
+    told = facts["events"][:5]
+    lines += [f"event at t = {e.get('time_s', 0.0):.3f} s: {e.get('event')} ({event_details(e)})" for e in told]
     lines += ["docs/guide/health.md says what events mean"] if facts["events"] else []
     if len(facts["events"]) > 5:
         lines.append(f"... and {len(facts['events']) - 5} more events in events.jsonl")
     return "\n".join([*lines, f"{facts['folder']}: {' '.join(facts['files'])}"])
-
-
-def describe_event(event: dict[str, Any]) -> str:
-    rest = [f"{key} {value}" for key, value in event.items() if key not in ("time_s", "step", "event")]
-    return f"{event.get('event')} ({', '.join(rest)})" if rest else str(event.get("event"))

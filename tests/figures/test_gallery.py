@@ -76,7 +76,9 @@ def test_the_docs_show_every_picture_with_its_commands(monkeypatch):
 
     shown = page()
     for entry in gallery.gallery_entries():
-        assert f"/{entry.picture})" in shown and "\n".join(gallery.show_entry(entry)) in shown, entry.picture
+        simulate, draw = gallery.show_entry(entry)
+        assert f"/{entry.picture})" in shown and 0 <= shown.find(f"\n{simulate}\n") < shown.find(f"\n{draw}\n"), draw
+        assert shown.count(simulate) == 1, "a folder that holds a run is refused to another one"
 
 
 @pytest.mark.parametrize("name", ["showcas", "nothing"])

@@ -52,7 +52,9 @@ def test_check_states_both_and_warns_where_the_cubes_differ(capsys):
         "GM of the ship's cubes is 0.895 m, that of her hull 0.811 m" in warning for warning in found["warnings"]
     )
     assert run_command_line(["check", "showcase"]) == 0
-    assert "GM 0.895 m (by the faces of her hull 0.811 m)" in capsys.readouterr().out
+    assert (
+        "GM by her cubes 0.895 m in roll (0.811 m by the faces of her hull), 16.2 m in pitch" in capsys.readouterr().out
+    )
     assert any("6.25 rows of cubes are under water" in warning for warning in found["warnings"])
     half = load("showcase", {"ship.cells_per_draught": 7.5})
     assert not any("cubes is" in warning for warning in half.ships[ALONE].warnings(half.preflight))

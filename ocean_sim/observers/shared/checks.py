@@ -175,7 +175,7 @@ def stored_by_weight(simulation: Simulation) -> float:
     fluid, basin = simulation.fluid, simulation.basin
     particles = with_particles(fluid).particles
     head = float(np.linalg.norm(basin.gravity)) * basin.depth  # [m2/s2]
-    return particles.mass * particles.count.now * head**2 / (6.0 * fluid.sound_speed**2)
+    return particles.mass * particles.count.now * head**2 / (6.0 * fluid.pressure_share * fluid.sound_speed**2)
 
 
 def energy_scale(simulation: Simulation) -> float:

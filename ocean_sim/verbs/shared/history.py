@@ -3,6 +3,7 @@
 import json
 import platform
 from contextlib import suppress
+from math import log
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -11,8 +12,10 @@ from ocean_sim import kernel_library, machine
 from ocean_sim.files.atomic_file import write_facts
 from ocean_sim.files.input_file import read_json_object
 from ocean_sim.reading.scene import SceneConfig
+from ocean_sim.verbs.shared.progress import Progress
 
-ASSUMED_STEP_SECONDS, ASSUMED_PARTICLE_SECONDS = 1e-3, 1e-6  # wall time [s] of a step until one has been measured
+ASSUMED_START_SECONDS = 10.0  # wall time until the first step has been taken, of a run that compiles all kernels
+ASSUMED_STEP_SECONDS, ASSUMED_PARTICLE_SECONDS = 3e-4, 1e-6  # wall time [s] of a step, and of each particle in it
 MAX_COMPARED = 10  # measurements that a new one is compared with
 MIN_COMPARED = 3  # the median of fewer says nothing
 STATED_SLOWDOWN = 1.1  # times the step time of before, from which on it is said
@@ -25,7 +28,7 @@ def bench_file() -> Path:
 
 
 def rate_file() -> Path:
-    """Path of the JSON file with wall times [s] per step (and particle, if any) of past runs, by `rate_conditions`."""
+    """Path of the JSON file with [particles, start, step] of past runs (times in s), by `rate_conditions` and size."""
     return machine.cache_directory() / "step_rates.json"
 
 
@@ -71,14 +74,24 @@ def rate_conditions(config: SceneConfig) -> str:
     return ", ".join((water, runtime.arch, runtime.precision, library, threads, processor_name()))
 
 
-def step_time(config: SceneConfig) -> tuple[float, bool]:
-    """Estimated wall time of a step [s], and True if it is based on a run under the same conditions."""
-    rate = read_json_object(rate_file()).get(rate_conditions(config))
-    if isinstance(rate, float):
-        return rate * max(config.preflight.particles, 1), True
-    return ASSUMED_STEP_SECONDS + ASSUMED_PARTICLE_SECONDS * config.preflight.particles, False
+def run_times(config: SceneConfig) -> tuple[float, float, bool]:
+    """Wall times [s] of the start and of each later step, estimated by the run nearest in size; False without one."""
+    conditions, assumed = f"{rate_conditions(config)}, below", assumed_step(config.preflight.particles)
+    rows = [row for key, row in read_json_object(rate_file()).items() if key.startswith(conditions)]
+    if not rows:
+        return ASSUMED_START_SECONDS, assumed, False
+    particles, start, step = min(rows, key=lambda row: abs(log(assumed_step(row[0]) / assumed)))
+    return start, step * assumed / assumed_step(particles), True
 
 
-def keep_step_time(config: SceneConfig, seconds: float) -> None:
-    """Store the mean wall time of a step, `seconds`, from which `step_time` estimates later runs."""
-    keep_measurement(rate_file(), rate_conditions(config), seconds / max(config.preflight.particles, 1))
+def assumed_step(particles: float) -> float:
+    """Wall time [s] of a step of so many particles until one has been measured, and how it grows with them."""
+    return ASSUMED_STEP_SECONDS + ASSUMED_PARTICLE_SECONDS * particles
+
+
+def keep_run_times(config: SceneConfig, progress: Progress) -> None:
+    """Store the wall times of a run's start and of its later steps, for `run_times` of runs of about this size."""
+    if progress.step_time is not None:
+        particles, start = config.preflight.particles, progress.summary()["wall_s"]["start"]
+        conditions = f"{rate_conditions(config)}, below {1 << particles.bit_length()} particles"
+        keep_measurement(rate_file(), conditions, [particles, start, progress.step_time])

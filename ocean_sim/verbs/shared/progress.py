@@ -5,15 +5,13 @@ from contextlib import suppress
 from time import perf_counter
 from typing import Any
 
-import numpy as np
-
 from ocean_sim.conventions import figures
 from ocean_sim.machine import kernel_cache
 from ocean_sim.simulation import OutcomeObserver, Simulation
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import FILM_CURE, Bar, Drawing
 
-MIN_TIMED_STEPS, MAX_TIMED_STEPS = 20, 400  # of which the time of a step is the median
+MIN_TIMED_STEPS, MAX_TIMED_STEPS = 20, 400  # from whose later half a step is timed
 
 
 def kernel_notice() -> str:
@@ -97,10 +95,11 @@ class Progress(OutcomeObserver):
 
     @property
     def step_time(self) -> float | None:
-        """Median wall time [s] of the last steps, so that late compilation does not count; None if they are too few."""
+        """Mean wall time [s] of the later half of `ends`, after what compiles late; None if these are too few."""
         if len(self.ends) <= MIN_TIMED_STEPS:
             return None
-        return float(np.median(np.diff(self.ends)))
+        half = len(self.ends) // 2
+        return (self.ends[-1] - self.ends[half]) / (len(self.ends) - 1 - half)
 
     def summary(self) -> dict[str, Any]:
         """Particles, steps, times, share of steps by limit, as JSON data; call it once all files are finished."""

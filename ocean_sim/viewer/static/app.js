@@ -60,8 +60,9 @@ function begin(stills) {
 }
 
 function sayWaves({ kind, height, period, significant_wave_height: high, peak_period: peak }) {
-  if (high) return `Waves: ${kind.toUpperCase()}, significant height ${high} m, peak period ${peak} s.`;
-  if (height) return `Waves: regular, ${height} m high, period ${period} s.`;
+  const swell = state.panel?.wind === "still" ? " They are swell: no wind blows here." : "";
+  if (high) return `Waves: ${kind.toUpperCase()}, significant height ${high} m, peak period ${peak} s.${swell}`;
+  if (height) return `Waves: regular, ${height} m high, period ${period} s.${swell}`;
   return "";
 }
 
@@ -237,7 +238,7 @@ function instruments() {
   const { still } = world, { waves, exact } = still.sea, ship = world.ships[camera.ship], rows = [];
   const add = (name, value, more, few) => rows.push(`<div${few ? ' class="few"' : ""}><dt>${name}</dt><dd>${value}</dd><small>${more}</small></div>`);
   const eye = world.seen?.view || M.one(), ahead = Math.atan2(eye[1] - eye[2], eye[9] - eye[10]);  // the top of the compass
-  const turn = (id, angle) => { $(id).style.display = angle === null ? "none" : ""; $(id).setAttribute("transform", `rotate(${((ahead - (angle ?? 0)) * 180) / Math.PI})`); };
+  const turn = (id, angle) => { for (const one of [$(id), $(`${id}Word`)]) one.style.display = angle === null ? "none" : ""; $(id).setAttribute("transform", `rotate(${((ahead - (angle ?? 0)) * 180) / Math.PI})`); };
   turn("rose", 0);
   turn("shipMark", ship?.steered ? Math.atan2(ship.pose[8], ship.pose[10]) : null);
   $("compass").style.display = ship?.steered || (exact && waves.length) || still.windAngle !== null ? "" : "none";
@@ -339,8 +340,8 @@ function panel(now) {
   state.panel = now;
   if (!state.back) pausedIs(now.paused);
   speeds(now.speed);
-  $("wind").innerHTML = now.winds.map((name) => `<option${name === now.wind ? " selected" : ""}>${escaped(name)}</option>`).join("");
-  $("windGroup").hidden = !state.drives;
+  $("wind").innerHTML = now.winds.map((name) => `<option value="${escaped(name)}"${name === now.wind ? " selected" : ""}>${name === "still" ? "still: no wind blows" : escaped(name)}</option>`).join("");
+  $("windGroup").hidden = !state.drives; if (state.worlds[0]) $("wavesText").textContent = sayWaves(state.worlds[0].still.waves);
   $("message").hidden = !now.message;
   $("message").textContent = now.message;
   $("record").textContent = now.recording ? "Stop recording" : "Record a run";

@@ -95,7 +95,7 @@ class Ground:
         return position[self.distances(position) <= TOUCH_DISTANCE * spacing]
 
     def runup(self, position: np.ndarray, spacing: float, axis: int = 0) -> float:
-        """Run-up [m]: height at which the water's edge, half a `spacing` [m] thick, lies beyond the highest bed point that
+        """Run-up [m]: height of the water's edge, half a `spacing` [m] of water beyond the highest bed point that
         particles at `position` (n, 3) [m] touch, if water near the bed joins it along `axis` (0: x, 2: z) without a gap
         to the lowest; NaN if none touches. Still water has 0 within a quarter of a spacing."""
         position = position[np.argsort(position[:, axis])]

@@ -238,9 +238,9 @@ class Frames(Observer, of=Config):
                 sources.append(spray.bow_source(n, size, foot, meets, forward / np.linalg.norm(forward), heights_at))
         if snapshot is not None and len(snapshot.position):
             x, v = snapshot.position.astype(float), snapshot.velocity.astype(float)
-            x += shifts(x, place.mean(axis=(0, 1))[[0, 2]], basin.periods)
             bed = basin.lower[1] if basin.ground is None else basin.ground.heights(x[:, [0, 2]])
             floor = spray.floor_heights(x, bed, boxes)
+            x += shifts(x, place.mean(axis=(0, 1))[[0, 2]], basin.periods)
             sources.append(spray.airborne_source(x, v, floor, spacing))
         landed = self.spray.advance(time, sources, ahead, heights_at, is_open)
         self.left.receive((landed[:, [0, 2]] - low) / self.cell, spray.cross_section(landed))

@@ -12,7 +12,7 @@ from pydantic import Field, field_validator
 
 from ocean_sim.model import Faults, quantity
 from ocean_sim.parts import LedgerRow, PlatformConfig, SceneFacts, preset
-from ocean_sim.platform import SINGULARITY_LIMIT, Commands, Cue, WashoutConfig
+from ocean_sim.platform import SINGULARITY_LIMIT, Commands, Cue, Ghost, WashoutConfig
 from ocean_sim.platform.shared import leg_programme
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, felt_motion, smooth_step
 from ocean_sim.platform.shared.limits import LEG_MATCH, Governor, Legs, Workspace
@@ -46,12 +46,17 @@ class Config(PlatformConfig):
         """Preset mapping that a name stands for; a value that is no name is returned unchanged."""
         return preset(info.field_name, value) if isinstance(value, str) else value
 
+    @property
+    def look_ahead(self) -> float:
+        return cast(WashoutConfig, self.washout).look_ahead
+
     def mismatches(self, preflight: SceneFacts) -> Faults:
-        """Yield faults (key, sentence): those of the base class, and a washout that plans with the ship's future
-        motion, which only a finished log has."""
+        """Yield faults (key, sentence): those of the base class, and a washout that must know the ship's motion in
+        advance in water of particles, whose motion nobody can run ahead in time."""
         yield from super().mismatches(preflight)
-        if cast(WashoutConfig, self.washout).look_ahead > 0.0:
-            yield ("washout",), "predictive looks ahead, in a finished log: use `ocean-sim platform RUN`"
+        if self.look_ahead > 0.0 and preflight.fluid.made_of_particles:
+            closed = "predictive runs the ship ahead, in linear_waves or spectral_sea, which particles are too slow for"
+            yield ("washout",), f"{closed}; use `ocean-sim platform RUN --washout predictive` after the run"
 
     def warnings(self, preflight: SceneFacts) -> Iterator[str]:
         if not preflight.ships:
@@ -96,24 +101,29 @@ class HexapodPlatform:
         self.legs = Legs(geometry, every, self.hexapod.neutral_legs)
         self.start: float | None = None  # [s]
         self.past = np.zeros((2, 6))  # the last two poses
+        self.on_plan = self.washout.plans_legs  # whether the last one was of a plan that keeps the limits itself
 
     @property
     def neutral_legs(self) -> np.ndarray:
         return self.hexapod.neutral_legs
 
-    def follow(self, ride: Ride, ahead: Ride | None = None) -> Commands:
+    def follow(self, ride: Ride, ahead: Ride | Ghost | None = None) -> Commands:
         """Commands of the platform for the next rows of ship motion. Steps: washout, ramp from neutral, workspace,
-        limits of the legs, leg lengths. `ahead`: motion after these rows, if it is known."""
+        limits of the legs, leg lengths. `ahead`: motion after these rows, or a ghost of the ship, if there is one."""
         if self.start is None:
             self.start = float(ride.time[0])
         cue = self.washout.follow(ride, ahead)
-        if self.washout.plans_legs:
+        planned = self.washout.plans_legs
+        if planned and self.on_plan:
             pose, limited = cue.pose.copy(), cue.limited
         else:
             wanted = cue.pose * self.ramp_share(ride.time)[:, None]
-            within, scaled = self.workspace.scale_back(wanted)
+            within, scaled = (wanted, cue.limited) if planned else self.workspace.scale_back(wanted)
+            if self.on_plan:
+                self.governor.begin(self.past, within[0])
             pose, slowed = self.governor.follow(within, wanted)
             limited = cue.limited | scaled | slowed
+            self.on_plan = planned and self.governor.is_there
         legs, velocity, held = self.move_legs(self.legs, pose)
         limited = limited | held
         force, rate = self.felt_motion(pose)

@@ -230,6 +230,8 @@ class LegPlan:
         """Drop the first k knots of the plan, which are past, and advance the filters of the senses (`state`) over
         them, by felt motion less motion `asked` for (k, 6): specific force [m/s2] and rate [rad/s]."""
         k = len(asked)
+        n = len(self.motion) + k  # a plan that is too short stays at rest
+        self.points, self.motion = extended(self.points, n + 2), extended(self.motion, n)
         self.state = sensed_error(felt_at(self.motion[:k]) - asked, KNOT_INTERVAL, self.state)[1]
         self.points, self.motion = self.points[k:], self.motion[k:]
 

@@ -21,6 +21,7 @@ from ocean_sim.platform.shared.motion_log import Ride
 # A washout is one file, washout/<kind>.py: a Config with its `kind`, which builds what follows a ride.
 WASHOUT_KINDS = sorted(path.stem for path in (Path(__file__).parent / "washout").glob("[!_]*.py"))
 GLIDE_TIME = 0.15  # [s] within which a platform that stops loses its speed
+PLAN_COST = 0.15  # [s] of processor time of a plan, for each second that it looks ahead
 WASHOUT_CONFIGS = [import_module(f"ocean_sim.platform.washout.{name}").Config for name in WASHOUT_KINDS]
 AnyWashout: Any = reduce(or_, WASHOUT_CONFIGS)
 if len(WASHOUT_CONFIGS) > 1:  # pydantic selects one by its kind, which takes two or more
@@ -55,8 +56,8 @@ class Config(PlatformConfig):
         advance in water of particles, whose motion nobody can run ahead in time."""
         yield from super().mismatches(preflight)
         if self.look_ahead > 0.0 and preflight.fluid.made_of_particles:
-            closed = "predictive runs the ship ahead, in linear_waves or spectral_sea, which particles are too slow for"
-            yield ("washout",), f"{closed}; use `ocean-sim platform RUN --washout predictive` after the run"
+            slow = "predictive runs the ship ahead, for which particles are too slow; take linear_waves or spectral_sea"
+            yield ("washout",), f"{slow}, or `ocean-sim platform RUN --washout predictive` after the run"
 
     def warnings(self, preflight: SceneFacts) -> Iterator[str]:
         if not preflight.ships:
@@ -68,6 +69,9 @@ class Config(PlatformConfig):
             if len(preflight.ships) > 1 and self.ship is None:
                 first = next(iter(preflight.ships))
                 yield f"platform: it rides in {first}, the first of the ships; platform.ship names another"
+            if self.look_ahead > 0.0:
+                takes = f"a second process takes about {PLAN_COST * self.look_ahead:.2g} s of a core for each plan"
+                yield f"platform: {takes}; in real time `ship` moves the platform where one comes too late"
 
     def cut_short(self, duration: float) -> Iterator[str]:
         """Warn if a run of this duration [s] ends before the platform's initial ramp does."""

@@ -8,6 +8,7 @@ import pytest
 
 from ocean_sim.conventions import Failed
 from ocean_sim.files import csv_file
+from ocean_sim.observers.platform_log import PlatformLog
 from ocean_sim.observers.shared.csv_rows import TakesCommands
 from ocean_sim.observers.shared.ghost import Ghost, plan_for
 from ocean_sim.platform import LATE_PLAN
@@ -20,7 +21,9 @@ from ocean_sim.simulation import NO_FOLDER, Simulation
 from ocean_sim.state.snapshot import Snapshot
 from ocean_sim.verbs.resume import continue_run, newest_checkpoint
 from ocean_sim.verbs.shared.progress import Progress
+from ocean_sim.viewer.session import Session
 from tests.platform.test_best_ride import DT, predictive, waves
+from tests.viewer.test_session import RIG, Desk, Source
 
 pytest.importorskip("clarabel")
 SHORT = ("horizon=1.2", "period=0.4")
@@ -154,5 +157,18 @@ def test_the_classical_washout_moves_the_platform_while_there_is_no_plan():
 
 
 def test_the_ship_is_not_run_ahead_in_particles():
-    with pytest.raises(Failed, match="predictive runs the ship ahead, in linear_waves or spectral_sea"):
+    with pytest.raises(Failed, match="predictive runs the ship ahead, for which particles are too slow"):
         load("showcase", {"platform": {"kind": "hexapod", "washout": "predictive"}})
+
+
+def test_a_page_shows_a_platform_that_looks_ahead(tmp_path):
+    """And the ghost's process ends with the page's simulation."""
+    plan = "washout: {kind: predictive, horizon: 1.2, period: 0.4, force_scale: [1, 1, 1], rotation_scale: [1, 1, 1]}"
+    (tmp_path / "rig.yaml").write_text(RIG.replace("washout: ship", plan))
+    source = Source.of(str(tmp_path / "rig.yaml"), None, {"runtime.threads": 1, "runtime.precision": "f64"})
+    with Session(source, Desk(), tmp_path, list) as one:
+        [ghost] = [each.ghost for each in one.simulation.observers if isinstance(each, PlatformLog)]
+        while one.simulation.time < 0.3:
+            one.step()
+        assert one.watch.commands[:6].any() and ghost.child.poll() is None
+    assert ghost.child.poll() is not None

@@ -37,7 +37,8 @@ class Ghost:
     def __init__(self, simulation: Simulation) -> None:
         self.simulation, self.pool = simulation, ThreadPoolExecutor(1)
         self.away = TemporaryDirectory(prefix="ocean-sim-")
-        command = [sys.executable, "-m", __name__, self.away.name, json.dumps(simulation.scene.resolved())]
+        scene = simulation.scene.resolved() | {"manifest": {}}  # which a page leaves out, and a scene cannot
+        command = [sys.executable, "-m", __name__, self.away.name, json.dumps(scene)]
         self.child = Popen(command, stdin=PIPE, stdout=PIPE, start_new_session=True)  # which Ctrl-C does not reach
 
     def exchange(self) -> Any:

@@ -23,7 +23,7 @@ from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, felt_motion
 
 KNOT_INTERVAL = 0.04  # [s]
 WINDOW_TIME, KEPT_TIME = 60.0, 40.0  # [s] solved at a time, and kept of it if the ride goes on
-PASS_TOLERANCES = (1e-3, 1e-3, 1e-5)  # of passes over a window, each about the solution of the one before
+PASS_TOLERANCES = (1e-3, 1e-3, 1e-3, 1e-5)  # of passes over a window, each about the solution of the one before
 OTOLITH_FILTER = ([4.0, 0.4], [0.08, 5.016, 1.0])  # numerator and denominator, powers of s downwards
 CANAL_FILTER = ([458.4, 0.0, 0.0], [458.4, 85.73, 1.0])
 SENSED_THRESHOLDS = np.concatenate([(0.17, 0.17, 0.28), np.radians([3.0, 3.6, 2.6])])  # [m/s2], [rad/s]

@@ -4,6 +4,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from ocean_sim.model import Vector3
 from ocean_sim.platform.shared.kinematics import Geometry
 from ocean_sim.platform.shared.motion_log import Ride
 
@@ -91,6 +92,14 @@ class WashoutConfig(Protocol):
 
     @property
     def kind(self) -> str: ...
+
+    @property
+    def force_scale(self) -> Vector3:
+        """Scale of acceleration along x, y and z."""
+
+    @property
+    def rotation_scale(self) -> Vector3:
+        """Scale of roll, pitch and yaw."""
 
     @property
     def look_ahead(self) -> float:

@@ -69,7 +69,8 @@ def platform(
         sender = open_sender(stream, packets, key) if stream is not None else None
         ride, said = read_motion_log(log, frame, parse_columns(columns), units == "deg", axes)
         machine = config.build(ride.every)
-        look_ahead = cast(WashoutConfig, config.washout).look_ahead
+        asked = cast(WashoutConfig, config.washout)
+        look_ahead = asked.look_ahead
         ahead = round(look_ahead / ride.every)
         if ahead:
             console.say(f"planning the ride, each time for {look_ahead:g} s ahead; this takes longer than the ride")
@@ -85,6 +86,10 @@ def platform(
         files = write_commands(out, ride, done, possible, found, config, machine, frame, film)
         seconds = float(done.time[-1] - done.time[0])
         warnings = list(config.cut_short(seconds))
+        force, turns = (
+            " ".join(f"{share:g}" for share in scale) for scale in (asked.force_scale, asked.rotation_scale)
+        )
+        console.say(f"{geometry}, washout {washout}: asks for {force} of acceleration x y z, {turns} of roll pitch yaw")
         for each in (*said, f"from neutral into its motion over {config.ramp:g} s, wherever the log begins"):
             console.say(f"{log}: {each}")
         print_report(done, found, files)

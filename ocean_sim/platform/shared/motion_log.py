@@ -165,7 +165,7 @@ def checked_log(table: Table, agree: bool = True) -> MotionLog:
 def row_interval(table: Table) -> float:
     """Time between rows [s]; raises Unreadable if it varies or is too long, or if rows are missing."""
     time, steps = table[TIME_COLUMN], np.diff(table[TIME_COLUMN])
-    every = float(np.median(steps))
+    every = round_interval(float(np.median(steps)))
     off = np.abs(steps - every) > INTERVAL_TOLERANCE * every + table.resolution(TIME_COLUMN)
     off |= np.diff(table.get("seq", np.arange(len(time)))) != 1
     if off.any():

@@ -381,6 +381,11 @@ class PlatformConfig(KindConfig):
     ship: str | None = None
     """The name of the ship that it rides in; null: the first by name."""
 
+    @property
+    def look_ahead(self) -> float:
+        """Time [s] by which the platform must know the ship's motion in advance."""
+        return 0.0
+
     def ridden(self, ships: Sequence[str]) -> str:
         """Name of the ship, one of `ships`, whose motion the platform reproduces."""
         return ships[0] if self.ship is None else self.ship

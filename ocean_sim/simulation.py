@@ -42,6 +42,9 @@ class Observer:
     def show_progress(self, progress: Progress) -> None:
         """Receive the callback to which an observer reports the progress of a long task; ignored by default."""
 
+    def record_event(self, name: str, **facts: object) -> None:
+        """Write an event of the run, of this name; ignored by default."""
+
     def close(self) -> None:
         """Finish the files of the observer; called once, also after a run that failed."""
 

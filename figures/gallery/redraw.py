@@ -28,7 +28,6 @@ from ocean_sim.verbs.shared import console
 LIST_FILE, STAMP_FILE = "gallery.yaml", "stamps.json"
 PICTURE_SIZE, JPEG_QUALITY = "1280x720", 88  # of a picture, and as a JPEG
 LAW_SLOTS = ("sea", "wind", "fluid", "surface", "ship")  # slots whose kinds make what a picture shows
-UNUSED_OBSERVERS = ("render", "report", "accuracy", "timings")  # observers that a run for pictures does without
 
 
 class Entry(Model):
@@ -64,10 +63,9 @@ class Entry(Model):
     def commands(self, run: str) -> tuple[list[str], list[str]]:
         """Arguments of two `ocean-sim` commands: one simulates the scene into folder `run`, one draws its picture."""
         verb, *options = shlex.split(self.draw)
-        left_out = [word for name in UNUSED_OBSERVERS for word in ("--set", f"{name}=null")]
         looks = ["--no-film", "--quality", "final", "--size", PICTURE_SIZE] if verb == "render" else []
         drawing = [verb, run, *options, *looks]
-        return ["run", self.scene, "--until", f"{self.until:g}", *left_out, "--out", run], drawing
+        return ["run", self.scene, "--until", f"{self.until:g}", "--set", "render=null", "--out", run], drawing
 
 
 @cache

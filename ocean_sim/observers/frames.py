@@ -22,7 +22,7 @@ from ocean_sim.pictures.live.scene_lines import surface_heights
 from ocean_sim.pictures.water import foam, spray
 from ocean_sim.pictures.water.far_sea import wind_speed_from_sea
 from ocean_sim.pictures.water.sea_state import gust_speed, wind_heading
-from ocean_sim.pictures.water.waterline import STERN_DISTANCE, ship_coordinates
+from ocean_sim.pictures.water.waterline import STERN_DISTANCE, Hull, ship_coordinates
 from ocean_sim.simulation import Observer, Simulation
 from ocean_sim.waves.orbits import surface_fall
 
@@ -87,20 +87,20 @@ class Frames(Observer, of=Config):
         x, z = grid(basin, config.spacing or fluid.spacing)
         self.shape = (len(x), len(z))
         self.points = grid_points(x, z)
-        self.cell = np.array([x[1] - x[0], z[1] - z[0]]) if len(z) > 1 else np.zeros(2)  # [m]; 0 in 2-D
+        self.cell = np.array([x[1] - x[0], z[1] - z[0] if len(z) > 1 else fluid.spacing])  # [m]
         arrays = grid_arrays(simulation, x, z)
         self.white = foam.FoamField(self.shape, self.cell) if arrays["has_surface"] else None
-        self.left = foam.FoamField(self.shape, self.cell, WAKE_SECONDS)  # by sterns of ships and by drops
-        self.spray = spray.Spray(simulation.scene.seed)
+        self.left = foam.FoamField(self.shape, self.cell, WAKE_SECONDS, fine=False)  # by sterns and drops
+        self.spray = spray.Spray(simulation.scene.seed, basin.dimension)
         self.wind_speed = simulation.scene.wind.strongest
         stated = simulation.scene.resolved()
         self.gust_speed, angle = gust_speed(stated), wind_heading(stated, fluid.plane_waves)
-        self.wind_ahead = np.array([np.cos(angle), np.sin(angle)])
+        self.wind_ahead = np.array([np.cos(angle), np.sin(angle)]) * self.spray.axes[[0, 2]]
         self.before = np.zeros(2)  # origin of the frame before [m]
         self.ships = [ship for name, ship in simulation.ships.items() if f"{key_of(name)}_vertices" in arrays]
-        hulls = [arrays[f"{key_of(ship.name)}_vertices"] for ship in self.ships]
-        self.sizes = [np.ptp(vertices, axis=0)[[0, 2]] for vertices in hulls]  # breadth and length [m]
-        ends = [of[of[:, 2] > of[:, 2].max() - 0.05 * np.ptp(of[:, 2])] for of in hulls]
+        self.hulls = [Hull(arrays, key_of(ship.name)) for ship in self.ships]
+        self.sizes = [np.array([hull.beam, hull.length]) for hull in self.hulls]  # [m]
+        ends = [hull.vertices[hull.vertices[:, 2] > hull.bounds[1, 2] - 0.05 * hull.length] for hull in self.hulls]
         self.stems = [of[of[:, 1].argmin()] * [0.0, 1.0, 1.0] for of in ends]  # feet, body axes [m]
         self.write("grid", every=config.every, **arrays)
 
@@ -121,6 +121,9 @@ class Frames(Observer, of=Config):
             frame |= self.foam_arrays(simulation, points, frame["elevation"], snapshot)
         elif (foam_share := simulation.fluid.foam(points)) is not None:
             frame["foam"] = foam_share.reshape(self.shape)
+        elif snapshot is not None and simulation.basin.dimension == 2:
+            place = np.insert(points, 1, frame["elevation"].ravel(), axis=1).reshape(*self.shape, 3)
+            frame["drops"] = self.fly_drops(simulation, place, np.zeros_like(place), snapshot, self.wind_speed)
         if simulation.surface is not None:
             mesh = simulation.surface.mesh()
             if origin.any():
@@ -178,8 +181,8 @@ class Frames(Observer, of=Config):
         place = np.insert(points, 1, elevation.ravel(), axis=1).reshape(*self.shape, 3)
         drops = self.fly_drops(simulation, place, velocity, snapshot, wind)
         shown = {"drops": drops, "left": self.left.white, "foam": self.white.white, "carried": self.white.carried}
-        shown |= {"cover": np.array(self.white.cover)} if made is None else {}
-        return shown | {"surface_velocity": velocity}
+        shown["surface_velocity"] = velocity
+        return shown | ({} if made is not None else {"cover": np.array(self.white.cover)})
 
     def leave_wakes(self, time: float, low: np.ndarray, velocity: np.ndarray) -> None:
         """Advance the foam of ships' wakes to a `time` [s]: carry it with the surface `velocity` (nx, nz, 2) [m/s], and
@@ -203,7 +206,8 @@ class Frames(Observer, of=Config):
         particles, or None; `wind`: speed at 10 m [m/s]."""
         from scipy.ndimage import minimum_filter
 
-        assert self.white is not None
+        basin, time, spacing = simulation.basin, simulation.time, simulation.fluid.spacing
+        boxes = np.array(basin.obstacles_at(time)).reshape(-1, 2, 3)
         low, ahead = place[0, 0, [0, 2]], (wind or self.gust_speed) * self.wind_ahead
         # Jets of particles have heights, too, but no water below them.
         level = place[..., 1] if snapshot is None else minimum_filter(place[..., 1], LANDING_CELLS)
@@ -211,24 +215,34 @@ class Frames(Observer, of=Config):
         def heights_at(places: np.ndarray) -> np.ndarray:
             return foam.read_ways(level[None], ((places - low) / self.cell).T)[0]
 
-        rate = 1.0 / max(simulation.time - self.spray.time, 1e-9)
-        shares = [foam.cell_means(of, self.shape) for of in (rate * self.white.whitened, self.white.white)]
-        surface = place.reshape(-1, 3), velocity.reshape(-1, 3), np.reshape(shares, (2, -1))
-        fast = float(np.sqrt(GRAVITY * place[..., 1].std() / max(surface_fall(place[..., 1], *self.cell).std(), 1e-9)))
-        sources = spray.foam_sources(*surface, self.cell, fast, ahead)
+        def is_open(position: np.ndarray) -> np.ndarray:
+            share, bodies = ((position[:, [0, 2]] - low) / self.cell + 0.5) / self.shape, list[np.ndarray]()
+            bodies += [((position > lower) & (position < upper)).all(axis=1) for lower, upper in boxes]
+            bodies += [mesh.distances(position - way, spacing) < 0.0 for mesh, way in basin.meshes_at(time)]
+            hulls = zip(self.hulls, self.ships, strict=True)
+            bodies += [hull.encloses(position, ship.body.position, ship.body.matrix) for hull, ship in hulls]
+            return np.asarray(((share > 0.0) & (share < 1.0)).all(axis=1) & ~np.any(bodies, axis=0))
+
+        sources = []
+        if self.white is not None:
+            rate = 1.0 / max(time - self.spray.time, 1e-9)
+            shares = [foam.cell_means(of, self.shape) for of in (rate * self.white.whitened, self.white.white)]
+            surface = place.reshape(-1, 3), velocity.reshape(-1, 3), np.reshape(shares, (2, -1))
+            falls = max(float(surface_fall(place[..., 1], *self.cell).std()), 1e-9)
+            fast = float(np.sqrt(GRAVITY * place[..., 1].std() / falls))
+            sources += spray.foam_sources(*surface, self.cell, fast, ahead)
+            for n, (ship, size, stem) in enumerate(zip(self.ships, self.sizes, self.stems, strict=True)):
+                foot, forward = ship.body.point(stem), ship.body.matrix[:, 2] * [1.0, 0.0, 1.0]
+                at = (foot[None, [0, 2]] - low) / self.cell
+                meets = ship.body.point_velocity(stem) - foam.read_ways(np.moveaxis(velocity, -1, 0), at.T)[:, 0]
+                sources.append(spray.bow_source(n, size, foot, meets, forward / np.linalg.norm(forward), heights_at))
         if snapshot is not None and len(snapshot.position):
-            basin, spacing = simulation.basin, simulation.fluid.spacing
             x, v = snapshot.position.astype(float), snapshot.velocity.astype(float)
             bed = basin.lower[1] if basin.ground is None else basin.ground.heights(x[:, [0, 2]])
-            floor = spray.floor_heights(x, bed, np.array(basin.fixed).reshape(-1, 2, 3))
+            floor = spray.floor_heights(x, bed, boxes)
+            x += shifts(x, place.mean(axis=(0, 1))[[0, 2]], basin.periods)
             sources.append(spray.airborne_source(x, v, floor, spacing))
-        for n, (ship, size, stem) in enumerate(zip(self.ships, self.sizes, self.stems, strict=True)):
-            foot, forward = ship.body.point(stem), ship.body.matrix[:, 2] * [1.0, 0.0, 1.0]
-            below = foam.read_ways(np.moveaxis(velocity, -1, 0), ((foot[None, [0, 2]] - low) / self.cell).T)[:, 0]
-            meets = ship.body.point_velocity(stem) - below
-            sources.append(spray.bow_source(n, size, foot, meets, forward / np.linalg.norm(forward), heights_at))
-        sides = low + self.cell * np.array([[-0.5, -0.5], np.array(self.shape) - 0.5])
-        landed = self.spray.advance(simulation.time, sources, ahead, heights_at, sides)
+        landed = self.spray.advance(time, sources, ahead, heights_at, is_open)
         self.left.receive((landed[:, [0, 2]] - low) / self.cell, spray.cross_section(landed))
         return self.spray.parcels
 
@@ -266,15 +280,14 @@ class Frames(Observer, of=Config):
         """Advance the foam to a `time` [s]: carry it with the `velocity` (nx, nz, 3) [m/s], and form new foam on crests
         of the heights `elevation` (nx, nz) [m], if given, up to the cover usual at this `wind` speed [m/s]."""
         assert self.white is not None
-        source = None
-        if elevation is not None and velocity.any():  # a column before its release does not break
-            source = surface_fall(elevation, *self.cell)
+        # A column before its release does not break.
+        source = None if elevation is None or not velocity.any() else surface_fall(elevation, *self.cell)
         wanted = None if source is None else foam.wanted_cover(source, wind)
         self.white.advance(time, velocity[..., [0, 2]], source, wanted)
 
     def origin(self) -> np.ndarray:
         """Middle x, z (2,) [m] of a frame: in 3-D the mean position of the ships, in whole cells; else the origin."""
-        return middle_cell(self.ships, self.cell) if self.ships and self.cell.all() else np.zeros(2)
+        return middle_cell(self.ships, self.cell) if self.ships and self.shape[1] > 1 else np.zeros(2)
 
     def resumed(self, changed: str) -> None:
         """Delete the frames later than the checkpoint to continue from, whatever has `changed` in the program."""
@@ -303,8 +316,11 @@ def move_triangles(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) ->
 
 
 def topmost_velocity(snapshot: "Snapshot", points: np.ndarray, top: np.ndarray, period: Sequence[float]) -> np.ndarray:
-    """Mean velocity (nx, nz, 3) [m/s] of the particles above the heights `top` (nx, nz) [m] in each cell around
-    `points` (n, 2) [m]; a cell without any takes that of its neighbours. `period`: of the basin per axis [m], or 0."""
+    """Mean velocity (nx, nz, 3) [m/s] of the particles above the heights `top` (nx, nz) [m] in 3 x 3 cells around each
+    of `points` (n, 2) [m], whose flow is smooth as that of single particles is not; 0 without any. `period`: of the
+    basin per axis [m], or 0."""
+    from scipy.ndimage import uniform_filter
+
     high = np.flatnonzero(snapshot.position[:, 1] > top.min())  # all others lie lower
     x = snapshot.position.take(high, axis=0).astype(float)
     if any(period):
@@ -315,18 +331,6 @@ def topmost_velocity(snapshot: "Snapshot", points: np.ndarray, top: np.ndarray, 
     at = np.clip(i, 0, nx - 1) * nz + np.clip(k, 0, nz - 1)
     above = np.flatnonzero(x[:, 1] > top.take(at))
     at, v = at.take(above), snapshot.velocity.take(high.take(above), axis=0)
-    count = np.bincount(at, minlength=nx * nz).reshape(nx, nz)
-    parts = [np.bincount(at, weights=v[:, axis], minlength=nx * nz).reshape(nx, nz) for axis in range(3)]
-    return fill_unknown(np.stack(parts, axis=-1) / np.maximum(count, 1)[..., None], count > 0)
-
-
-def fill_unknown(values: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Copy of `values` (nx, nz, m) whose gaps, where `known` (nx, nz) is False, are filled by the mean of the known
-    values in the 8 cells around, or by 0 without any."""
-    from scipy.ndimage import uniform_filter
-
-    if known.all():
-        return values
-    share = uniform_filter(known.astype(float), 3, mode="nearest")
-    around = uniform_filter(values * known[..., None], (3, 3, 1), mode="nearest") / np.maximum(share, 1e-9)[..., None]
-    return np.where(known[..., None], values, around)
+    sums = [np.bincount(at, weights, nx * nz).reshape(nx, nz).astype(float) for weights in (None, *v.T)]
+    count, *parts = (uniform_filter(each, 3, mode="nearest") for each in sums)
+    return np.stack(parts, axis=-1) / np.maximum(count, 1e-6)[..., None]

@@ -10,7 +10,7 @@ import numpy as np
 from ocean_sim.columns import Columns
 from ocean_sim.conventions import Frame, Motions, to_frame
 from ocean_sim.model import Faults, quantity
-from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, TakesMotion, heading, legend
+from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, TakesCommands, TakesMotion, heading, legend
 from ocean_sim.parts import ALONE, LedgerRow, PeriodicConfig, SceneFacts, called
 from ocean_sim.ship import Ship
 from ocean_sim.ship.body.track import (
@@ -161,7 +161,7 @@ class Log:
             self.write(simulation)
             self.velocity = UNKNOWN_VELOCITY
         elif self.seen == MOMENTS_PER_BATCH or (
-            self.due and any(isinstance(each, TakesMotion) and each.at_once for each in simulation.observers)
+            self.due and any(o.at_once for o in simulation.observers if isinstance(o, TakesMotion | TakesCommands))
         ):
             self.write(simulation)
 

@@ -51,6 +51,8 @@ class Stream(Observer, TakesCommands, of=Config):
     """Sends the rows of platform.csv by UDP at the pace of simulated time: a run faster than real time waits, and while
     a slower one computes, the receiver keeps its last pose. At the end the platform returns to neutral."""
 
+    paced = True
+
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         scene = simulation.scene
         assert scene.platform is not None

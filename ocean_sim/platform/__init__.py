@@ -1,6 +1,6 @@
 """A motion platform: the motion of a ship in, poses and leg lengths out; it feeds nothing back."""
 
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -19,7 +19,7 @@ PLATFORM_COLUMNS = (
 
 # Bits of `limited`.
 STROKE_LIMIT, LEG_SPEED_LIMIT, LEG_ACCELERATION_LIMIT = 1, 2, 4
-TILT_RATE_LIMIT, INPUT_LIMIT, SINGULARITY_LIMIT = 8, 16, 32
+TILT_RATE_LIMIT, INPUT_LIMIT, SINGULARITY_LIMIT, LATE_PLAN = 8, 16, 32, 64
 LIMIT_TEXTS = {
     STROKE_LIMIT: "scaled back near the end of a stroke, or from beyond it",
     LEG_SPEED_LIMIT: "held to the speed of a leg",
@@ -27,6 +27,7 @@ LIMIT_TEXTS = {
     TILT_RATE_LIMIT: "tilt held to its rate",
     INPUT_LIMIT: "input clipped, or cut at the end of the travel",
     SINGULARITY_LIMIT: "scaled back from a singular pose",
+    LATE_PLAN: "moved by the classical washout, as no plan was ready",
 }
 
 
@@ -65,14 +66,24 @@ class Commands(NamedTuple):
         return [[*head, *row, end] for head, row, end in zip(heads, table.tolist(), ends)]
 
 
+class Ghost(Protocol):
+    """Interface of a copy of the ship that is run ahead by another process, which also plans for the washout."""
+
+    def ask(self, number: int, until: float, every: float, question: tuple) -> None:
+        """Begin plan `number`, unless one is under way: `foresee` of the washout, for rows `every` [s] until then."""
+
+    def answer(self, number: int) -> Any:
+        """Plan `number`, or None. Plan 0 is waited for, as is each plan of a run that is not held to real time."""
+
+
 class Washout(Protocol):
     """Interface of a washout: a filter from ship motion to platform motion, fed with successive chunks of rows."""
 
     plans_legs: bool  # True if its poses keep the legs within their stroke
 
-    def follow(self, ride: Ride, ahead: Ride | None = None) -> Cue:
+    def follow(self, ride: Ride, ahead: Ride | Ghost | None = None) -> Cue:
         """Platform poses requested for the rows of ship motion that follow those of the last call; the filter keeps its
-        state. `ahead`: the rows after them, up to `look_ahead` of the Config."""
+        state. `ahead`: the rows after them, up to `look_ahead` of the Config, or a ghost of the ship."""
 
 
 class WashoutConfig(Protocol):
@@ -92,12 +103,14 @@ class WashoutConfig(Protocol):
 class Platform(Protocol):
     """Interface of a motion platform: a washout, and the machine (legs) that carries out the poses it requests."""
 
+    washout: Any  # one that plans by a ghost has `foresee(ride, question)`, whose value is the ghost's answer
+
     @property
     def neutral_legs(self) -> np.ndarray:
         """Lengths (6,) of the legs in the neutral pose [m]."""
 
-    def follow(self, ride: Ride, ahead: Ride | None = None) -> Commands:
-        """Commands for the next rows of ship motion, after the last call's. `ahead`: the rows after them, or None."""
+    def follow(self, ride: Ride, ahead: Ride | Ghost | None = None) -> Commands:
+        """Commands for the next rows of ship motion, after the last call's. `ahead`: as the washout takes it."""
 
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
         """Commands from the last two poses, `past` (2, 6), to neutral; the last: at `time` [s], in row number `seq`."""

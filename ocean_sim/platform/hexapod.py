@@ -12,7 +12,7 @@ from pydantic import Field, field_validator
 
 from ocean_sim.model import Faults, quantity
 from ocean_sim.parts import LedgerRow, PlatformConfig, SceneFacts, preset
-from ocean_sim.platform import SINGULARITY_LIMIT, Commands, Cue, WashoutConfig
+from ocean_sim.platform import SINGULARITY_LIMIT, Commands, Cue, Ghost, WashoutConfig
 from ocean_sim.platform.shared import leg_programme
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, felt_motion, smooth_step
 from ocean_sim.platform.shared.limits import LEG_MATCH, Governor, Legs, Workspace
@@ -21,6 +21,7 @@ from ocean_sim.platform.shared.motion_log import Ride
 # A washout is one file, washout/<kind>.py: a Config with its `kind`, which builds what follows a ride.
 WASHOUT_KINDS = sorted(path.stem for path in (Path(__file__).parent / "washout").glob("[!_]*.py"))
 GLIDE_TIME = 0.15  # [s] within which a platform that stops loses its speed
+PLAN_COST = 0.12  # [s] of processor time of a plan, for each second that it looks ahead
 WASHOUT_CONFIGS = [import_module(f"ocean_sim.platform.washout.{name}").Config for name in WASHOUT_KINDS]
 AnyWashout: Any = reduce(or_, WASHOUT_CONFIGS)
 if len(WASHOUT_CONFIGS) > 1:  # pydantic selects one by its kind, which takes two or more
@@ -46,12 +47,17 @@ class Config(PlatformConfig):
         """Preset mapping that a name stands for; a value that is no name is returned unchanged."""
         return preset(info.field_name, value) if isinstance(value, str) else value
 
+    @property
+    def look_ahead(self) -> float:
+        return cast(WashoutConfig, self.washout).look_ahead
+
     def mismatches(self, preflight: SceneFacts) -> Faults:
-        """Yield faults (key, sentence): those of the base class, and a washout that plans with the ship's future
-        motion, which only a finished log has."""
+        """Yield faults (key, sentence): those of the base class, and a washout that must know the ship's motion in
+        advance in water of particles, whose motion nobody can run ahead in time."""
         yield from super().mismatches(preflight)
-        if cast(WashoutConfig, self.washout).look_ahead > 0.0:
-            yield ("washout",), "predictive looks ahead, in a finished log: use `ocean-sim platform RUN`"
+        if self.look_ahead > 0.0 and preflight.fluid.made_of_particles:
+            slow = "predictive runs the ship ahead, for which particles are too slow; take linear_waves or spectral_sea"
+            yield ("washout",), f"{slow}, or `ocean-sim platform RUN --washout predictive` after the run"
 
     def warnings(self, preflight: SceneFacts) -> Iterator[str]:
         if not preflight.ships:
@@ -63,6 +69,9 @@ class Config(PlatformConfig):
             if len(preflight.ships) > 1 and self.ship is None:
                 first = next(iter(preflight.ships))
                 yield f"platform: it rides in {first}, the first of the ships; platform.ship names another"
+            if self.look_ahead > 0.0:
+                takes = f"a second process takes about {PLAN_COST * self.look_ahead:.2g} s of a core for each plan"
+                yield f"platform: {takes}; in real time `ship` moves the platform where one comes too late"
 
     def cut_short(self, duration: float) -> Iterator[str]:
         """Warn if a run of this duration [s] ends before the platform's initial ramp does."""
@@ -96,24 +105,29 @@ class HexapodPlatform:
         self.legs = Legs(geometry, every, self.hexapod.neutral_legs)
         self.start: float | None = None  # [s]
         self.past = np.zeros((2, 6))  # the last two poses
+        self.on_plan = self.washout.plans_legs  # whether the last one was of a plan that keeps the limits itself
 
     @property
     def neutral_legs(self) -> np.ndarray:
         return self.hexapod.neutral_legs
 
-    def follow(self, ride: Ride, ahead: Ride | None = None) -> Commands:
+    def follow(self, ride: Ride, ahead: Ride | Ghost | None = None) -> Commands:
         """Commands of the platform for the next rows of ship motion. Steps: washout, ramp from neutral, workspace,
-        limits of the legs, leg lengths. `ahead`: motion after these rows, if it is known."""
+        limits of the legs, leg lengths. `ahead`: motion after these rows, or a ghost of the ship, if there is one."""
         if self.start is None:
             self.start = float(ride.time[0])
         cue = self.washout.follow(ride, ahead)
-        if self.washout.plans_legs:
+        planned = self.washout.plans_legs
+        if planned and self.on_plan:
             pose, limited = cue.pose.copy(), cue.limited
         else:
             wanted = cue.pose * self.ramp_share(ride.time)[:, None]
-            within, scaled = self.workspace.scale_back(wanted)
+            within, scaled = (wanted, cue.limited) if planned else self.workspace.scale_back(wanted)
+            if self.on_plan:
+                self.governor.begin(self.past, within[0])
             pose, slowed = self.governor.follow(within, wanted)
             limited = cue.limited | scaled | slowed
+            self.on_plan = planned and self.governor.is_there
         legs, velocity, held = self.move_legs(self.legs, pose)
         limited = limited | held
         force, rate = self.felt_motion(pose)

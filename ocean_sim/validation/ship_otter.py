@@ -28,10 +28,9 @@ def problems(coarse: bool) -> list[Problem]:
     orders = [{"time": 0.0} | ahead, {"time": 20.0} | ahead, {"time": 20.01} | turn]
     straight_scene = at_sea({"controls": orders[:1]}, 5.0, 0.01, 15.0)
     turn_scene = at_sea({"controls": orders}, 5.0, 0.01, 60.0)
-    schemes = ("manoeuvring",)
     return [
-        Problem(straight_scene, straight, measure_straight, "straight", slot="ship", schemes=schemes),
-        Problem(turn_scene, round_ + reported, measure_turn, "turn", slot="ship", schemes=schemes),
+        Problem(straight_scene, straight, measure_straight, "straight", slot="ship", schemes=tuple(TOLERANCE)),
+        Problem(turn_scene, round_ + reported, measure_turn, "turn", slot="ship", schemes=tuple(TOLERANCE)),
     ]
 
 
@@ -62,8 +61,7 @@ def measure_turn(simulation: Simulation) -> Finding:
     at = lambda angle, y: float(np.interp(angle, turned[begin:], y[begin:]))
     spin = abs(float(rate[-1]))
     found = (u[-1], np.degrees(spin), u[-1] / spin)
-    aside = np.abs(x)
-    marks = (at(90.0, z) - z[begin], at(90.0, aside), at(180.0, aside))
+    marks = (at(90.0, z) - z[begin], at(90.0, np.abs(x)), at(180.0, np.abs(x)))
     pairs = zip((*found, *marks), (*TURN_RESULTS.values(), *TACTICAL_RESULTS.values()), strict=True)
     numbers = [percent_error(float(a), b) for a, b in pairs]
-    return Finding(numbers, [Curve("track", x, z)], [], ("x [m]", "z [m]"))
+    return Finding(numbers, [Curve("track", x, z)], [], ("x [m]", "z [m]"), True)

@@ -72,7 +72,8 @@ def measure_sailed(simulation: Simulation, test: str, speed: float, measured: li
     else:
         rows, _, found = zigzag_record(simulation, float(angle), way, ZIGZAG_TIME, *sailing)
         numbers = list(map(absolute_error, found, measured))
-    return Finding(numbers, [Curve("track", rows[:, 1], rows[:, 2])], [], ("x, to port [m]", "z, ahead [m]"))
+    axes = ("x, to port [m]", "z, ahead [m]")
+    return Finding(numbers, [Curve("track", rows[:, 1], rows[:, 2])], [], axes, equal_axes=kind == "circle")
 
 
 def set_steady_throttle(ship: Any, speed: float) -> float:

@@ -139,7 +139,7 @@ def measure_circle(simulation: Simulation, length: float) -> Finding:
     rows = np.array(list(sail_rows(simulation, lambda time, yaw: radians(RUDDER_ANGLE), TURN_TIME)))
     found = [np.hypot(rows[0, 5], rows[0, 6]), *circle_values(rows, length, 10.0)]
     numbers = [bounded_number(*pair) for pair in zip(found, CIRCLE_LIMITS.values(), strict=True)]
-    return Finding(numbers, [Curve("track", rows[:, 1], rows[:, 2])], [], ("x, to port [m]", "z, ahead [m]"))
+    return Finding(numbers, [Curve("track", rows[:, 1], rows[:, 2])], [], ("x, to port [m]", "z, ahead [m]"), True)
 
 
 def zigzag_record(

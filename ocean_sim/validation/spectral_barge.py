@@ -1,7 +1,5 @@
-"""A barge in regular waves of a `spectral_sea`, against the same barge in the same closed-form waves.
-
-Her own waves are kept on a tile and never act on her: her law of motion has them already, as added mass and damping.
-So her response is that in `linear_waves`.
+"""A barge in regular waves of a `spectral_sea`, against the same barge in `linear_waves`: equal to the last digit,
+unless the waves that she makes act on her a second time. Her law of motion has them already, as added mass and damping.
 """
 
 import numpy as np

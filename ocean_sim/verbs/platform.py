@@ -97,9 +97,8 @@ def platform(
             files += write_leg_reports(out, sender)
         answer: dict[str, Any] = {"log": log, "rows": len(done.time), "every_s": ride.every, "files": files}
         answer["metrics"] = [metric._asdict() for metric in found]
-        answer |= {"warnings": warnings, "derived": said}
-        answer["stream"] = jitter._asdict() if jitter is not None else None
-        answer["latency"] = latency._asdict() if latency is not None else None
+        answer |= {"warnings": warnings, "derived": said, "stream": jitter and jitter._asdict()}
+        answer["latency"] = latency and latency._asdict()
         console.answer(answer)
         if jitter is not None:
             console.say(f"{stream}: {jitter}")
@@ -246,10 +245,7 @@ def print_report(done: Commands, found: list[Metric], files: list[Path]) -> None
     kinds = ("scaled_rms", "felt_rms", "error_rms", "correlation", "delay", "false_cue")
     numbers = [[value[f"{name}_{kind}"] for kind in kinds] for name in FELT_COLUMNS]
     rows = [[name, *("-" if np.isnan(n) else f"{n:.4g}" for n in row)] for name, row in zip(FELT_COLUMNS, numbers)]
-    title = (
-        "specific force [m/s2] and rates [rad/s] along x forward, y to port, z up: scaled, and felt on the platform "
-        "(late by < 0: early)"
-    )
+    title = "specific force [m/s2], rates [rad/s] (x forward, y to port, z up): scaled, and felt (late by < 0: early)"
     console.table(title, ["", "scaled rms", "felt rms", "error rms", "correlation", "late by [s]", "false cue"], rows)
     sick = (value["motion_sickness_dose_ship"], value["motion_sickness_dose_platform"])
     limited, stroke = 100.0 * value["share_limited"], 100.0 * value["stroke_used"]

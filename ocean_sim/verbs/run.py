@@ -45,8 +45,8 @@ def run(
         progress = Progress(config.duration, quiet)
         if not quiet:
             found = preflight(config)
-            lines = [preflight_lines(found, config, ", listed at the end")]
-            console.say("\n".join([*lines, *(f"warning: {told}" for told in found["urgent"])]))
+            lines = preflight_lines(found, config, ", listed at the end")
+            console.say("\n".join([lines, *(f"warning: {told}" for told in found["urgent"])]))
             console.say(f"writing {folder}\n{kernel_notice()}")
         try:
             report_run(lambda: simulate(config, folder, (progress,)), progress, config, folder, quiet)
@@ -54,6 +54,9 @@ def run(
             told = [] if quiet else [f"- {each}" for each in (*found["notes"], *found["warnings"])]
             if told:
                 console.say("\n".join(["\nwhat to know when you read these numbers:", *told]))
+        begin = [folder / name for name in ("report.html", "preview.png") if (folder / name).exists()]
+        if begin and not quiet:
+            console.say(f"\nopen {' or '.join(map(str, begin))} first")
 
 
 def report_run(

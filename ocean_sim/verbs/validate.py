@@ -18,7 +18,7 @@ from ocean_sim.machine import available_cores, exit_after
 from ocean_sim.parts import kinds
 from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.validation import case_names, problems
-from ocean_sim.validation.shared.case import ROW_KEYS, Curve, Finding, Problem
+from ocean_sim.validation.shared.case import COARSE_BASIS, ROW_KEYS, Curve, Finding, Problem
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Sets, completion
 
@@ -75,16 +75,16 @@ def validate(
             columns = ["scheme", "quantity", "value", "reference", "error", "tolerance", "", "source"]
             console.table(f"\n{found[0]['case']}", columns, [row_line(row) for row in found])
         write_table(out / "validate.csv", ROW_KEYS, ([row[key] for key in ROW_KEYS] for row in rows))
-        if junit is not None:
-            write_junit(junit, rows)
         missed = [row for row in rows if not row["ok"]]
         console.answer(rows)
         for sentence in omission_sentences(plan, schemes, coarse):
             console.say(f"\n{sentence}")
         promised = sum(row["tolerance"] is not None for row in rows)
         kept = f"{promised - len(missed)} of {promised} tolerances kept"
+        kept += f", {sum(COARSE_BASIS in row['source'] for row in rows)} for regressions only" if coarse else ""
         console.say(f"\n{kept}; {out / 'validate.csv'} and pictures")
         if junit is not None:
+            write_junit(junit, rows)
             console.say(str(junit))
         return 1 if missed else 0
 
@@ -168,11 +168,10 @@ def omission_sentences(plan: dict[str, list[tuple[Problem, str]]], schemes: list
 
 
 def row_line(row: dict[str, Any]) -> list[str]:
-    unit = "" if row["unit"] == "1" else f" {row['unit']}"
+    unit = "" if row["unit"] == "1" or row["error"] is None else f" {row['unit']}"
     verdict = "reported" if row["tolerance"] is None else "ok" if row["ok"] else "MISSED"
     value, reference, error = (console.cell(row[key], "-") for key in ("value", "reference", "error"))
-    error += "" if row["error"] is None else unit
-    numbers = [value, reference, error, console.cell(row["tolerance"])]
+    numbers = [value, reference, error + unit, console.cell(row["tolerance"])]
     return [row["scheme"], row["quantity"], *numbers, verdict, row["source"]]
 
 
@@ -220,6 +219,7 @@ def draw_case(path: Path, case: str, runs: list[tuple[Problem, str, Finding]]) -
             for n, curve in enumerate(shown.expected):
                 plot_curve(axes, curve, curve.label, "black", n)
             axes.set(xlabel=shown.axes[0], ylabel=shown.axes[1])
+            axes.set_aspect("equal" if shown.equal_axes else "auto", "datalim")
             axes.legend(fontsize="x-small")
         axes.set_title(f"{case}: {name}" if name else case)
         axes.grid(alpha=0.3)

@@ -31,8 +31,7 @@ if TYPE_CHECKING:
 
 STEP_BUDGET = 0.04  # [s] of wall time, between two looks at the commands
 IDLE_WAIT = 0.05  # [s] for commands when nothing is due
-PLAYED_OBSERVERS = ("gauges", "motion", "health")  # their files go to a temporary folder
-PLATFORM_OBSERVERS = ("platform_log", "stream")  # also, if a scene names `stream`
+PLAYED_OBSERVERS = ("gauges", "motion", "health", "platform_log", "stream")  # their files go to a temporary folder
 SCENE_WIND = "of the scene"  # a wind that is not a preset
 MAX_LAG = 0.1  # [s] of wall time, of a simulation that is too slow for its speed
 
@@ -87,12 +86,12 @@ class Session(AbstractContextManager["Session"]):
         self.config = config
         if folder is None:
             self.away = TemporaryDirectory(prefix="ocean-sim-")
-            playing = (*PLAYED_OBSERVERS, *PLATFORM_OBSERVERS) if "stream" in config.observers else PLAYED_OBSERVERS
-            kept = {name: part for name, part in config.observers.items() if name in playing}
+            kept = {name: part for name, part in config.observers.items() if name in PLAYED_OBSERVERS}
             config = config.model_copy(update={"observers": kept})
         self.simulation = Simulation(config, folder or Path(self.away.name))  # type: ignore[union-attr]
         self.plays = True
         self.watch = Watch(self.simulation, self.server)
+        self.watch.paced = True
         self.simulation.observers.append(self.watch)
         self.wind = wind_name(self.source)
         self.sliders = sliders_of(self.simulation)

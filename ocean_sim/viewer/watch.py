@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ocean_sim.basin.points import grid_points, middles
-from ocean_sim.observers.shared.csv_rows import TakesMotion
+from ocean_sim.observers.shared.csv_rows import TakesCommands
 from ocean_sim.parts import PeriodicConfig
 from ocean_sim.pictures.frame_files import grid_arrays, middle_cell
 from ocean_sim.pictures.live.scene_lines import box_top, scene_lines, surface_heights
-from ocean_sim.platform import Platform
-from ocean_sim.platform.shared.motion_log import ride_of
+from ocean_sim.platform import Commands, Platform
 from ocean_sim.simulation import Observer, Simulation
 from ocean_sim.viewer.protocol import FULL_SCALE, box_scale, packet
 from ocean_sim.viewer.still import StaticScene
@@ -34,10 +33,8 @@ SPLASH_REACH = 6.0  # four standard deviations of a random sea
 STAGE_NAMES = ("wind", "fluid", "surface", "ship", "observers")
 
 
-class Watch(Observer, TakesMotion):
+class Watch(Observer, TakesCommands):
     """Observer that sends the newest state to a server's open pages, at most MAX_FRAME_RATE times a second."""
-
-    at_once = True
 
     def __init__(self, simulation: Simulation, server: "Server") -> None:
         """Send the static part of the simulation to the server, and prepare frames."""
@@ -58,12 +55,11 @@ class Watch(Observer, TakesMotion):
         scene = simulation.scene
         motion = scene.observers.get("motion")
         self.platform: Platform | None = None
-        self.ridden, self.commands = "", np.zeros(12, np.float32)
+        self.commands = np.zeros(12, np.float32)
         if scene.platform is not None and simulation.ships and motion is not None:
             assert isinstance(motion, PeriodicConfig)
             self.platform = scene.platform.build(motion.every)
             self.commands[6:] = self.platform.neutral_legs
-            self.ridden = scene.platform.ridden([*simulation.ships])
         self.stage_times: dict[str, float] = defaultdict(float)  # since the last frame [s]
         self.stage_costs = dict.fromkeys(STAGE_NAMES, 0.0)  # [ms] a step
         self.mark = (perf_counter(), simulation.time, simulation.steps)
@@ -86,11 +82,8 @@ class Watch(Observer, TakesMotion):
 
         simulation.stage = stage  # type: ignore[method-assign, assignment]
 
-    def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
-        """Compute platform commands from new rows of the log of the ship it follows, along axes `frame` (as `flu`)."""
-        if ship == self.ridden and self.platform is not None:
-            done = self.platform.follow(ride_of(rows, frame))
-            self.commands = np.concatenate([done.pose[-1], done.legs[-1]]).astype(np.float32)
+    def take_commands(self, rows: Commands) -> None:
+        self.commands = np.concatenate([rows.pose[-1], rows.legs[-1]]).astype(np.float32)
 
     def observe(self, simulation: Simulation) -> None:
         now = perf_counter()

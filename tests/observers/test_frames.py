@@ -144,14 +144,21 @@ def test_particles_of_a_patch_are_kept_around_the_ship_and_triangles_stay_whole(
 
 
 def test_cells_without_particles_move_as_those_around_them():
-    values, known = np.zeros((5, 4, 3)), np.ones((5, 4), bool)
-    values[...] = [1.0, 2.0, 3.0]
-    values[2, 1], known[2, 1] = 0.0, False
-    values[0, 0], known[0, 0] = 9.0, True
-    filled = frames.fill_unknown(values, known)
-    np.testing.assert_allclose(filled[2, 1], [1.0, 2.0, 3.0], rtol=1e-12)
-    np.testing.assert_array_equal(filled[known], values[known])
-    assert not frames.fill_unknown(values, np.zeros((5, 4), bool)).any()
+    """Particles below the layer, which go the other way, do not count; nor does the noise of single ones."""
+    x = np.arange(8.0)
+    points, top = grid_points(x, x), np.full((8, 8), -1.0)
+    keep = np.ones(64, bool)
+    keep[[10, 37]] = False
+    at, down = np.insert(points, 1, 0.0, axis=1), np.insert(points, 1, -3.0, axis=1)
+    noise = np.where((points.sum(axis=1) % 2 == 0)[:, None], 0.9, -0.9)
+    found = SimpleNamespace(
+        position=np.concatenate([at[keep], down]),
+        velocity=np.concatenate([np.array([1.0, 2.0, 3.0]) + noise[keep], np.full((64, 3), -50.0)]),
+    )
+    velocity = frames.topmost_velocity(found, points, top, (0.0, 0.0, 0.0))
+    assert np.abs(velocity - [1.0, 2.0, 3.0]).max() < 0.35
+    found.position = found.position - [0.0, 9.0, 0.0]
+    assert not frames.topmost_velocity(found, points, top, (0.0, 0.0, 0.0)).any()
 
 
 def test_a_sea_that_is_there_from_the_beginning_bears_foam_of_every_age(tmp_path, watched, monkeypatch):

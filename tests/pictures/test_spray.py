@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from ocean_sim import waves
 from ocean_sim.basin.points import grid_points, middles
@@ -16,13 +17,19 @@ from ocean_sim.pictures.stage.plotter import Stage
 from ocean_sim.pictures.stage.streaks import Streaks
 from ocean_sim.pictures.water import foam, spray
 from ocean_sim.pictures.water.far_sea import wind_speed_from_sea
+from ocean_sim.pictures.water.waterline import Hull
+from ocean_sim.ship.hull.shapes import convex_triangles
 from ocean_sim.waves.orbits import surface_fall
 
-STILL, SIDES = np.zeros(2), np.array([[-50.0, -50.0], [50.0, 50.0]])
+STILL = np.zeros(2)
 
 
 def flat(places: np.ndarray) -> np.ndarray:
     return np.zeros(len(places))
+
+
+def is_near(position: np.ndarray) -> np.ndarray:
+    return (np.abs(position[:, [0, 2]]) < 50.0).all(axis=1)
 
 
 def fountain(mass: float, speed: float = 4.0) -> spray.Source:
@@ -77,10 +84,10 @@ def test_calm_water_throws_nothing():
     bow = spray.bow_source(0, np.array([4.0, 14.0]), np.zeros(3), np.zeros(3), np.array([0.0, 0.0, 1.0]), flat)
     few = np.array([[1.0], [0.0]])
     slow = spray.foam_sources(np.zeros((1, 3)), np.zeros((1, 3)), few, np.ones(2), 0.5, np.array([9.0, 0.0]))
-    pool = spray.Spray(1)
-    pool.advance(0.0, [], STILL, flat, SIDES)
+    pool = spray.Spray(1, 3)
+    pool.advance(0.0, [], STILL, flat, is_near)
     for time in (0.1, 0.2):
-        pool.advance(time, [calm, bow, *slow], STILL, flat, SIDES)
+        pool.advance(time, [calm, bow, *slow], STILL, flat, is_near)
     assert not len(pool.parcels) and not sum(source.mass.sum() for source in (calm, bow, *slow))
 
 
@@ -107,10 +114,10 @@ def test_drops_fly_alike_in_one_step_and_in_many_and_reach_their_terminal_speed_
 
 
 def test_as_much_falls_back_as_is_thrown_and_the_pool_holds_no_more_than_it_may():
-    pool, fallen, thrown = spray.Spray(3), 0.0, 4.0
-    pool.advance(0.0, [], STILL, flat, SIDES)
+    pool, fallen, thrown = spray.Spray(3, 3), 0.0, 4.0
+    pool.advance(0.0, [], STILL, flat, is_near)
     for n in range(1, 41):
-        landed = pool.advance(0.05 * n, [fountain(thrown if n <= 20 else 0.0)], STILL, flat, SIDES)
+        landed = pool.advance(0.05 * n, [fountain(thrown if n <= 20 else 0.0)], STILL, flat, is_near)
         fallen += masses(landed).sum()
         assert len(pool.parcels) <= spray.POOL_PARCELS
     left = masses(pool.parcels).sum()
@@ -119,16 +126,38 @@ def test_as_much_falls_back_as_is_thrown_and_the_pool_holds_no_more_than_it_may(
 
 def test_drops_depend_on_seed_place_and_frame_alone():
     """A copy, as a checkpoint keeps it, goes on to the byte; another seed throws others."""
-    pool, other = spray.Spray(3), spray.Spray(4)
+    pool, other = spray.Spray(3, 3), spray.Spray(4, 3)
     for n in range(3):
         for each in (pool, other):
-            each.advance(0.1 * n, [fountain(2.0)], np.array([3.0, 1.0]), flat, SIDES)
+            each.advance(0.1 * n, [fountain(2.0)], np.array([3.0, 1.0]), flat, is_near)
     copy = deepcopy(pool)
     for each in (pool, copy):
-        each.advance(0.3, [fountain(2.0)], np.array([3.0, 1.0]), flat, SIDES)
+        each.advance(0.3, [fountain(2.0)], np.array([3.0, 1.0]), flat, is_near)
     assert pool.parcels.tobytes() == copy.parcels.tobytes() != other.parcels.tobytes()
     radius = np.log(pool.parcels[:, 6])
     assert radius.std() == pytest.approx(spray.RADIUS_DEVIATION, rel=0.1)  # log-normal
+
+
+def test_drops_end_at_a_hull_and_stay_in_a_slice():
+    """A box, whose corner is cut off, from its mesh; thrown where all of z is 0, drops fly along x and y alone."""
+    corners = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (0.0, 1.0) for z in (-3.0, 3.0)][:-1])
+    mesh = convex_triangles(SimpleNamespace(vertices=lambda: corners))
+    hull = Hull({f"own_{name}": values for name, values in mesh.items()}, "own")
+    at, turn = np.array([0.0, 0.2, 0.0]), Rotation.from_euler("y", 90.0, degrees=True).as_matrix()
+    inside = np.array([[0.0, 0.5, 0.0], [-0.9, 0.9, 2.8]]) @ turn.T + at
+    outside = np.array([[0.0, 1.1, 0.0], [0.9, 0.9, 2.8], [1.2, 0.5, 0.0], [0.0, -9.0, 0.0]]) @ turn.T + at
+    assert hull.encloses(inside, at, turn).all() and not hull.encloses(outside, at, turn).any()
+    free, held, thin = spray.Spray(3, 3), spray.Spray(3, 3), spray.Spray(3, 2)
+    for n in range(4):
+        for pool, is_open in (
+            (free, is_near),
+            (held, lambda points: ~hull.encloses(points, at, turn)),
+            (thin, is_near),
+        ):
+            pool.advance(0.1 * n, [fountain(2.0)], STILL, flat, is_open)
+    assert hull.encloses(free.parcels[:, :3], at, turn).any() and len(held.parcels) > 0
+    assert not hull.encloses(held.parcels[:, :3], at, turn).any()
+    assert not thin.parcels[:, [2, 5]].any() and thin.parcels[:, 3].any()
 
 
 def test_drops_that_fall_whiten_as_large_an_area():

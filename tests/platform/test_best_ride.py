@@ -97,14 +97,6 @@ def test_plans_over_a_horizon_are_nearly_the_best():
     assert sensed(done, done.pose) < 0.3 * sensed(done, Config(ramp=0.0).build(DT).follow(ride).pose)
 
 
-def test_a_scene_cannot_look_ahead():
-    from ocean_sim.conventions import Failed
-    from ocean_sim.reading.scene import load
-
-    with pytest.raises(Failed, match="finished log"):
-        load("ship_linear_sea", {"platform": {"kind": "hexapod", "washout": "predictive"}})
-
-
 def test_a_period_must_fit_knots_and_horizon():
     from ocean_sim.conventions import Failed
 

@@ -142,6 +142,9 @@ class TakesMotion:
 class TakesCommands:
     """Base of an observer to which new rows of platform.csv, the commands of a motion platform, are passed."""
 
+    at_once = True
+    paced = False  # True: its run keeps pace with real time, and waits for no plan of a washout
+
     def take_commands(self, rows: "Commands") -> None:
         """Receive new commands of the motion platform."""
         raise NotImplementedError

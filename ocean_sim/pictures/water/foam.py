@@ -87,9 +87,10 @@ class FoamField:
     consists of flecks that move freely, since shares on a grid would blur. A fleck begins on one of the foam's cells,
     of which there are FLECKS_PER_CELL along each side of a cell of the waves' grid."""
 
-    def __init__(self, shape: tuple[int, int], cell: np.ndarray, lasts: float = FADE_SECONDS) -> None:
-        """`shape`, `cell`: number and sides [m] of the heights' cells on x, z; `lasts`: time [s] of fading to 1/e."""
-        self.cell, self.lasts, self.time = cell, lasts, 0.0
+    def __init__(self, shape: tuple[int, int], cell: np.ndarray, life: float = FADE_SECONDS, fine: bool = True) -> None:
+        """`shape`, `cell`: number and sides [m] of the heights' cells on x, z; `life`: time [s] of fading to 1/e;
+        `fine`: True to move the foam's fine pattern, too."""
+        self.cell, self.life, self.fine, self.time = cell, life, fine, 0.0
         self.origin = np.zeros(2)  # of the grid along x and z [cells of the waves]
         self.flecks = np.zeros((4, 0))  # places along x and z [cells of the waves], thickness, and what that rises to
         self.white = np.zeros((FLECKS_PER_CELL * shape[0], FLECKS_PER_CELL * shape[1]))  # share of each of its cells
@@ -186,7 +187,7 @@ class FoamField:
         x, z, thick, rises_to = self.flecks
         rising = rises_to > thick
         risen = np.minimum(rises_to, thick + step / RISE_SECONDS)
-        thick = np.where(rising, risen, thick * np.exp(-step / self.lasts))
+        thick = np.where(rising, risen, thick * np.exp(-step / self.life))
         self.whitened = self.cell_shares(np.where(rising, thick - self.flecks[2], 0.0))
         rises_to = np.where(rising & (rises_to > thick), rises_to, 0.0)
         self.flecks = np.stack([x, z, thick, rises_to])[:, np.maximum(thick, rises_to) > MIN_SHARE]
@@ -210,9 +211,9 @@ class FoamField:
         """Move flecks and the foam's fine pattern by the water's displacements `way` along x, z (nx, nz, 2) [m]."""
         cells = np.moveaxis(way / self.cell, -1, 0)
         # Ways are read in their middle, not at their end, since water may go around.
-        back = read_ways(cells, np.indices(cells.shape[1:]) - 0.5 * cells)
-        here = np.indices(cells.shape[1:]) - back
-        self.carried = np.moveaxis(read_ways(np.moveaxis(self.carried, -1, 0), here, order=3), 0, -1) + way
+        if self.fine:
+            here = np.indices(cells.shape[1:]) - read_ways(cells, np.indices(cells.shape[1:]) - 0.5 * cells)
+            self.carried = np.moveaxis(read_ways(np.moveaxis(self.carried, -1, 0), here, order=3), 0, -1) + way
         self.flecks[:2] += read_ways(cells, self.flecks[:2] + 0.5 * read_ways(cells, self.flecks[:2]))
         self.drop_outside()
 
@@ -242,16 +243,8 @@ def gathering_noise(places: np.ndarray) -> np.ndarray:
 def refined_cells(values: np.ndarray) -> np.ndarray:
     """Values (nx, nz) at cell centres, interpolated linearly to the centres of the foam's finer cells (FLECKS_PER_CELL
     along each side of a cell); constant outside the outermost centres."""
-    (nx, nz), around = values.shape, np.pad(values, 1, mode="edge")
-    shares = {(a, b): around * a * b for a, b in product((0.25, 0.75), repeat=2)}
-    fine = np.empty((FLECKS_PER_CELL * nx, FLECKS_PER_CELL * nz))
-    # Each half cell along x and z is a mean of the two cells there, the nearer with a weight of 3/4.
-    for i, k in np.ndindex(FLECKS_PER_CELL, FLECKS_PER_CELL):
-        fine[i::FLECKS_PER_CELL, k::FLECKS_PER_CELL] = sum(
-            shares[0.25 if i == m else 0.75, 0.25 if k == n else 0.75][i + m : i + m + nx, k + n : k + n + nz]
-            for m, n in np.ndindex(2, 2)
-        )
-    return fine
+    fine = np.indices([FLECKS_PER_CELL * cells for cells in values.shape])
+    return read_ways(values[None], (fine + 0.5) / FLECKS_PER_CELL - 0.5)[0]
 
 
 def cell_means(white: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:

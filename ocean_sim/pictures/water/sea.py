@@ -14,18 +14,10 @@ from ocean_sim.pictures.stage import sky as sky_module
 from ocean_sim.pictures.stage.camera import Vessel
 from ocean_sim.pictures.stage.plotter import Content, Stage
 from ocean_sim.pictures.stage.render_order import Order
-from ocean_sim.pictures.water import far_sea, foam, water_glsl
+from ocean_sim.pictures.water import far_sea, foam, water_glsl, waterline
 from ocean_sim.pictures.water.sea_state import SeaNow, SeaState
 from ocean_sim.pictures.water.water_mesh import spline_matrix
 from ocean_sim.pictures.water.water_shading import SEA_EXPOSURE, slope_variance
-from ocean_sim.pictures.water.waterline import (
-    CONTACT_WIDTH,
-    RESTING_FOAM,
-    Hull,
-    WettedHull,
-    kelvin_height,
-    limited_answer,
-)
 from ocean_sim.surface import cell_triangles, sheet
 from ocean_sim.waves.orbits import surface_fall
 
@@ -171,7 +163,7 @@ class Sea(Content):
         self.surface = SeaSurface(grid, state, BASIN_NODES[order.quality])
         sky = self.sky = sky_module.cloudy_sky() if order.sky else sky_module.clear_sky_image()
         self.above, self.look = water_glsl.sky_textures(sky), (sky, SEA_EXPOSURE)
-        self.hulls = {key: Hull(grid, key) for key in ship_keys(grid, "_vertices")}
+        self.hulls = {key: waterline.Hull(grid, key) for key in ship_keys(grid, "_vertices")}
         rows, columns = HULL_PIXELS
         self.vessels, self.points = vessels, (grid["x"], grid["z"])
         self.gap = np.zeros((max(len(self.hulls), 1), rows, columns, 3), np.float32)  # [m] and share, for each ship
@@ -193,7 +185,7 @@ class Sea(Content):
         shown = water_glsl.neutral_uniforms(len(self.hulls)) | water_glsl.sky_uniforms(sky)
         shown |= {f"use{name}": float(there) for name, there in terms.items()}
         shown["glintKind"] = water_glsl.GLINTS[order.glint]
-        shown["hullFoam"] = np.array([RESTING_FOAM, CONTACT_WIDTH, 0.0])
+        shown["hullFoam"] = np.array([waterline.RESTING_FOAM, waterline.CONTACT_WIDTH, 0.0])
         shown["windAngle"] = state.angle
         shown["rippleLongest"] = np.clip(2.0 * state.resolved, *RIPPLE_LENGTHS)
         self.set(**shown)
@@ -279,10 +271,10 @@ class Sea(Content):
         if answer is not None:
             x, z = (points + start for points, start in zip(self.points, frame.origin, strict=True))
             for key, vessel in self.vessels.items():
-                answer = limited_answer(answer, vessel, self.hulls[key].beam, x, z, frame.time)
+                answer = waterline.limited_answer(answer, vessel, self.hulls[key].beam, x, z, frame.time)
         height, convergence = surface.at(frame, self.now, answer)
         for key, vessel in self.vessels.items() if self.raises and self.state.exact is not None else ():
-            behind = kelvin_height(vessel, self.hulls[key].beam, frame.time, surface.nodes + frame.origin)
+            behind = waterline.kelvin_height(vessel, self.hulls[key].beam, frame.time, surface.nodes + frame.origin)
             height = height + surface.share * behind.reshape(height.shape)
         self.frame, self.height = frame, height
         if self.raises:
@@ -311,7 +303,7 @@ class Sea(Content):
         drawn = sheet(surface.x, surface.z, height)
         self.set_nodes(self.near, drawn.vertices + frame.place, drawn.normals, traits.reshape(-1, 3), grain)
 
-    def wetted_hull(self, key: str, position: np.ndarray, turn: np.ndarray) -> WettedHull:
+    def wetted_hull(self, key: str, position: np.ndarray, turn: np.ndarray) -> waterline.WettedHull:
         """Hull of the ship `key` at a position (3,) [m], in the water drawn now; `turn`: (3, 3) from body to world."""
         speed = self.vessels[key].speed(self.frame.time) if key in self.vessels else 0.0
         return self.hulls[key].wetted_hull(position, turn, speed, self.heights_at)
@@ -336,12 +328,10 @@ class Sea(Content):
         white = np.zeros(rings.shape)
         if self.order.foam:
             white = surface.far_foam(found, rings, nodes, eye, amplitude)
-        traits = np.stack([white, self.crest_shares(height), fan.lost_variance(amplitude)[rings]], axis=-1).reshape(
-            -1, 3
-        )
+        traits = np.stack([white, self.crest_shares(height), fan.lost_variance(amplitude)[rings]], axis=-1)
         normals = np.stack([-slope_x, np.ones_like(height), -slope_z], axis=-1).reshape(-1, 3)
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-        self.set_nodes(self.far, np.insert(nodes, 1, height.ravel(), axis=1), normals, traits, nodes)
+        self.set_nodes(self.far, np.insert(nodes, 1, height.ravel(), axis=1), normals, traits.reshape(-1, 3), nodes)
         lap = 0.5 * np.array([surface.x[1] - surface.x[0], surface.z[1] - surface.z[0]])  # that no gap is seen
         low, high = surface.lower + self.origin + lap, surface.upper + self.origin - lap
         x, z = nodes.T
@@ -373,7 +363,7 @@ class Sea(Content):
             rows, columns = HULL_PIXELS
             x, z = middles_of(low[0], high[0], columns), middles_of(low[1], high[1], rows)
             places = np.stack(np.meshgrid(x, z), axis=-1).reshape(-1, 2)
-            gap = ship.gap(places)
+            gap = waterline.distance_to_line(places, ship.line)
             self.gap[k, ..., 0] = gap.astype(np.float32).reshape(rows, columns)
             self.gap[k, ..., 1] = ship.breaking(places, gap).astype(np.float32).reshape(rows, columns)
             self.set(**{f"hullBox{k}": np.append(low, 0.0), f"hullSize{k}": np.append(high - low, 1.0)})

@@ -13,6 +13,7 @@ from ocean_sim.pictures.water.waterline import CREST_WIDTH, ENTRANCE_LENGTH, Bow
 from ocean_sim.random_numbers import numpy_uniform, numpy_uniform3
 
 Heights = Callable[[np.ndarray], np.ndarray]  # of the water [m] at x, z (n, 2) [m]
+Openness = Callable[[np.ndarray], np.ndarray]  # (n,) True at points (n, 3) [m] in the basin and in no solid body
 BREAKING_STRENGTH = 1.0e-3  # power of a metre of breaking crest over rho c^5 / g (Phillips et al. 2001, J. P. O. 31)
 CREST_STEEPNESS = 0.44  # orbital over phase speed of the highest wave on deep water (Michell 1893, Phil. Mag. 36)
 BREAKER_SPEED_SHARE = 0.5  # phase speed of crests that break over that of the sea (Melville & Matusov 2002, Nature 417)
@@ -34,8 +35,8 @@ BOW_FLARE, BOW_POINTS = 0.5, 8  # outward over upward slope of a bow, which risi
 SHEDDING_SECONDS, AIRBORNE_SCATTER = 0.8, 0.25  # [s] in which flying particles would be drops; of their speed
 # [spacings] breadth of a column, and of air in it below a particle that flies
 COLUMN_BREADTH, FLYING_GAPS = 2.0, (2.2, 3.5)
-# [spacings], and neighbours in it below which water comes apart, and wholly so
-NEIGHBOUR_REACH, TEARING_NEIGHBOURS = 1.6, (12.0, 6.0)
+# [spacings], neighbours in it on a lattice in 2-D and 3-D, and shares of them at which water comes apart, or begins to
+NEIGHBOUR_REACH, LATTICE_NEIGHBOURS, TEARING_SHARES = 1.6, (8, 18), (1 / 3, 2 / 3)
 POOL_PARCELS, FLIGHT_SECONDS = 8192, 1.0  # parcels in the air at most, and [s] for which these are all that are thrown
 DIRECTION_SCATTER, MAX_SPEED_FACTOR = 0.6, 1.8  # of the direction of throwing; of the root mean square of its speed
 # Radius of a parcel as it is thrown over that at which its drops cover it; of its speed, at which the radius grows
@@ -71,21 +72,22 @@ class Spray:
     """Drops in the air, as parcels (n, 9): position (3) [m], velocity (3) [m/s], radius of a drop [m], number of drops,
     radius of the parcel [m]. Beyond POOL_PARCELS the oldest are dropped."""
 
-    def __init__(self, seed: int) -> None:
+    def __init__(self, seed: int, dimension: int) -> None:
         self.seed, self.frame, self.time, self.parcels = seed, 0, 0.0, np.zeros((0, 9))
+        self.axes = np.array([1.0, 1.0, dimension - 2.0])  # along which drops are thrown
 
     def advance(
-        self, time: float, sources: list[Source], wind: np.ndarray, heights_at: Heights, sides: np.ndarray
+        self, time: float, sources: list[Source], wind: np.ndarray, heights_at: Heights, is_open: Openness
     ) -> np.ndarray:
         """Throw drops and let them fly until a time [s], in a wind x, z [m/s] at 10 m. Returns the parcels (n, 9) that
-        fell into the water; those beyond `sides` (2, 2), lower and upper x, z [m], are dropped."""
+        fell into the water; those that `is_open` finds beyond the sides or in a solid body are dropped."""
         step, self.time = time - self.time, time
         active = [source for source in sources if source.mass.any() and step > 0.0]
         most = POOL_PARCELS * min(step / FLIGHT_SECONDS, 1.0) / max(len(active), 1)
         thrown = [self.throw_parcels(source, step, most, wind) for source in active]
         self.frame += 1
         parcels = np.concatenate([fly_parcels(self.parcels, step, wind), *thrown])
-        parcels = parcels[((parcels[:, [0, 2]] > sides[0]) & (parcels[:, [0, 2]] < sides[1])).all(axis=1)]
+        parcels = parcels[is_open(parcels[:, :3])]
         flying = parcels[:, 1] > heights_at(parcels[:, [0, 2]])
         self.parcels = parcels[flying][-POOL_PARCELS:]
         return parcels[~flying]
@@ -98,18 +100,19 @@ class Spray:
         each = max(float(number.sum()) / most, 1.0)  # drops of a parcel
         many = np.floor(number / each + numpy_uniform(self.seed, SPRAY_STREAM, source.key, self.frame)).astype(int)
         which = np.repeat(np.arange(len(many)), many)
-        key = KEYS_PER_PLACE * source.key[which] + np.minimum(
-            np.arange(len(which)) - (np.cumsum(many) - many)[which], 255
-        )
+        rank = np.arange(len(which)) - (np.cumsum(many) - many)[which]
+        key = KEYS_PER_PLACE * source.key[which] + np.minimum(rank, KEYS_PER_PLACE - 1)
         a, b, c = (numpy_uniform3(self.seed, SPRAY_STREAM + k, key, self.frame) for k in (1, 2, 3))
         share = 0.5 + 0.5 * c
         bell = np.sqrt(-2.0 * np.log(share[:, 0])) * np.cos(np.pi * c[:, 1])  # Box & Muller (1958)
         radius = (source.radius + 0.0 * source.speed)[which] * np.exp(RADIUS_DEVIATION * bell)
-        towards = np.broadcast_to(source.towards, source.place.shape)[which] + DIRECTION_SCATTER * b
+        towards = np.broadcast_to(source.towards, source.place.shape)[which] + DIRECTION_SCATTER * b * self.axes
         fast = source.speed[which] * np.minimum(np.sqrt(-np.log(share[:, 2])), MAX_SPEED_FACTOR)
         velocity = source.flow[which] + (fast / np.linalg.norm(towards, axis=1))[:, None] * towards
         since = 0.5 * (1.0 + a[:, 1]) * step
-        place = source.place[which] + source.extent * a * [1.0, 0.0, 1.0] - since[:, None] * source.flow[which]
+        place = (
+            source.place[which] + source.extent * a * self.axes * [1.0, 0.0, 1.0] - since[:, None] * source.flow[which]
+        )
         spread = radius * (PARCEL_SPACING * np.sqrt(each) if each > 1.0 else 1.0)
         return fly_parcels(np.column_stack([place, velocity, radius, np.full(len(key), each), spread]), since, wind)
 
@@ -165,23 +168,19 @@ def airborne_source(position: np.ndarray, velocity: np.ndarray, floor: np.ndarra
     some = np.flatnonzero(up)
     x, v = position[some], velocity[some]
     near = cKDTree(x).query_ball_point(x, NEIGHBOUR_REACH * spacing, return_length=True) if len(x) else up[some]
-    speed, torn = np.linalg.norm(v, axis=1), up[some] * clipped_ramp(near - 1.0, TEARING_NEIGHBOURS)
+    share = (near - 1.0) / LATTICE_NEIGHBOURS[int(position[:, 2].any())]
+    speed, torn = np.linalg.norm(v, axis=1), up[some] * np.interp(share, TEARING_SHARES, (1.0, 0.0))
     mass = (speed > MIN_MEETING_SPEED) * torn * WATER_DENSITY * spacing**3 / SHEDDING_SECONDS
     return Source(some, x, 0.5 * spacing, v, UP, AIRBORNE_SCATTER * speed, drop_radius(speed), mass)
-
-
-def clipped_ramp(value: np.ndarray, bounds: tuple[float, float]) -> np.ndarray:
-    """Linear ramp of a value: 0 up to the first bound, 1 from the second on."""
-    return np.clip((value - bounds[0]) / (bounds[1] - bounds[0]), 0.0, 1.0)
 
 
 def flying_share(position: np.ndarray, floor: np.ndarray, spacing: float) -> np.ndarray:
     """Share (n,), 0 to 1, by which particles (n, 3) [m] count as flying: by the widest vertical gap in the water below
     each, down to the `floor` at heights (n,) [m]. `spacing`: of particles [m]."""
     low, size = position.min(axis=0)[[0, 2]] - 0.5 * spacing, np.ptp(position, axis=0)[[0, 2]] + spacing
-    broad = size / np.maximum(np.round(size / (COLUMN_BREADTH * spacing)), 1.0)  # so that none is half behind a side
-    column = np.floor((position[:, [0, 2]] - low) / broad).astype(np.int64)
-    number = np.unique(column, axis=0, return_inverse=True)[1].ravel()
+    many = np.maximum(np.round(size / (COLUMN_BREADTH * spacing)), 1.0)  # of whole breadths: none is half behind a side
+    x, z = np.floor((position[:, [0, 2]] - low) * (many / size)).astype(np.int64).T
+    number = x * int(many[1] + 1) + z
     order = np.lexsort((position[:, 1], number))
     height, column = position[order, 1] / spacing, number[order]
     lowest = np.diff(column, prepend=-1) > 0
@@ -189,16 +188,14 @@ def flying_share(position: np.ndarray, floor: np.ndarray, spacing: float) -> np.
     gap = np.clip(height - below, 0.0, 2.0 * FLYING_GAPS[1]) / (2.0 * FLYING_GAPS[1])
     widest = np.empty(len(position))
     widest[order] = np.maximum.accumulate(2.0 * column + gap) - 2.0 * column
-    return clipped_ramp(2.0 * FLYING_GAPS[1] * widest, FLYING_GAPS)
+    return np.interp(2.0 * FLYING_GAPS[1] * widest, FLYING_GAPS, (0.0, 1.0))
 
 
 def floor_heights(position: np.ndarray, bed: float | np.ndarray, obstacles: np.ndarray) -> np.ndarray:
     """Heights (n,) [m] of the bed (one or (n,)) or of obstacles, boxes (m, 2, 3) [m], below particles (n, 3) [m]."""
-    floor = np.full(len(position), bed)
-    for low, up in obstacles:
-        over = np.all((position[:, [0, 2]] > low[[0, 2]]) & (position[:, [0, 2]] < up[[0, 2]]), axis=1)
-        floor = np.where(over & (position[:, 1] > up[1]), np.maximum(floor, up[1]), floor)
-    return floor
+    (x, y, z), (low, up) = position.T[..., None], np.moveaxis(obstacles, 1, 0)
+    over = (x > low[:, 0]) & (x < up[:, 0]) & (z > low[:, 2]) & (z < up[:, 2]) & (y > up[:, 1])
+    return np.maximum(bed, np.where(over, up[:, 1], -np.inf).max(axis=1, initial=-np.inf))
 
 
 def bow_source(

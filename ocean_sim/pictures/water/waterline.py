@@ -2,11 +2,12 @@
 are drawn where the water of the run is too coarse for them or knows nothing of its ships, without effect on the run."""
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ocean_sim.basin.solids.mesh import column_shares
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.pictures.stage.camera import Vessel
 
@@ -14,6 +15,7 @@ from ocean_sim.pictures.stage.camera import Vessel
 FOAM_REACH, FOAM_FADE_WIDTH = 4.0, 1.5
 # Share of foam along a hull that lies still, and [m] in which it falls to a third
 RESTING_FOAM, CONTACT_WIDTH = 0.30, 0.55
+HULL_CELLS = 16, 16, 48  # of a hull across, up and along, by which drops find it
 POINTS_PER_BATCH = 512  # whose distances to a line are found together: they stay in the processor's cache
 ENTRANCE_LENGTH = 0.35  # lengths of a ship abaft her stem in which she reaches her breadth
 DRAUGHT_SHARE = 0.25  # of her breadth
@@ -131,19 +133,14 @@ class WettedHull(NamedTuple):
         abaft, aside = self.stem_coordinates(at)
         return self.bow.height(abaft, np.abs(aside) - self.bow.half_breadth(abaft))
 
-    def gap(self, at: np.ndarray) -> np.ndarray:
-        """Distance (n,) [m] of points x, z (n, 2) [m] from the hull, negative inside."""
-        return distance_to_line(at, self.line)
-
     def breaking(self, at: np.ndarray, gap: np.ndarray) -> np.ndarray:
         """Share (n,) of foam on the bow wave at points x, z (n, 2) [m] that are `gap` (n,) [m] off the hull."""
-        return self.bow.white(self.stem_coordinates(at)[0], gap) * np.clip(
-            (FOAM_REACH - gap) / FOAM_FADE_WIDTH, 0.0, 1.0
-        )
+        near = np.clip((FOAM_REACH - gap) / FOAM_FADE_WIDTH, 0.0, 1.0)
+        return self.bow.white(self.stem_coordinates(at)[0], gap) * near
 
     def white(self, at: np.ndarray) -> np.ndarray:
         """Share (n,) of foam at points x, z (n, 2) [m]: the larger of that on the bow wave and that along the hull."""
-        gap = self.gap(at)
+        gap = distance_to_line(at, self.line)
         return np.maximum(self.breaking(at, gap), RESTING_FOAM * np.exp(-np.maximum(gap, 0.0) / CONTACT_WIDTH))
 
 
@@ -153,7 +150,21 @@ class Hull:
     def __init__(self, grid: Any, key: str) -> None:
         """Read the hull of the ship with this key from the arrays in the run's grid.npz (`grid`)."""
         self.vertices, self.triangles = grid[f"{key}_vertices"].astype(float), grid[f"{key}_triangles"].astype(int)
-        self.beam, _, self.length = (float(size) for size in np.ptp(self.vertices, axis=0))  # [m]
+        self.bounds = np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])  # lower, upper corner [m]
+        self.beam, _, self.length = np.ptp(self.bounds, axis=0).tolist()  # [m]
+
+    @cached_property
+    def cells(self) -> np.ndarray:
+        """Share of the hull in each of HULL_CELLS within its bounds, body axes."""
+        x, y, z = (np.linspace(self.bounds[0, k], self.bounds[1, k], 2 * n + 1) for k, n in enumerate(HULL_CELLS))
+        return column_shares(self.vertices[self.triangles], x[1::2], z[1::2], y[::2])
+
+    def encloses(self, points: np.ndarray, position: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        """True for `points` (n, 3) [m] inside the hull, whose pose is as in `wetted_hull`."""
+        from scipy.ndimage import map_coordinates
+
+        cells = ((points - position) @ turn - self.bounds[0]) / np.ptp(self.bounds, axis=0) * HULL_CELLS - 0.5
+        return np.asarray(map_coordinates(self.cells, cells.T, order=0, mode="grid-constant") > 0.5)
 
     def wetted_hull(
         self, position: np.ndarray, turn: np.ndarray, speed: float, heights_at: Callable[[np.ndarray], np.ndarray]
@@ -194,12 +205,9 @@ def waterline_segments(vertices: np.ndarray, triangles: np.ndarray, above: np.nd
 
 def distance_to_line(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
     """Distance (n,) [m] of points x, z (n, 2) [m] from a closed line of segments (m, 2, 2) [m]; negative inside."""
-    batches = [points[k : k + POINTS_PER_BATCH] for k in range(0, len(points), POINTS_PER_BATCH)]
-    return np.concatenate([batch_distance(batch, segments) for batch in batches])
-
-
-def batch_distance(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
-    """Distances (n,) [m] as from `distance_to_line`, for a batch of points small enough for the processor's cache."""
+    if len(points) > POINTS_PER_BATCH:
+        batches = np.split(points, range(POINTS_PER_BATCH, len(points), POINTS_PER_BATCH))
+        return np.concatenate([distance_to_line(batch, segments) for batch in batches])
     (x, z), (along_x, along_z) = segments[:, 0].T, (segments[:, 1] - segments[:, 0]).T
     to_x, to_z = points[:, 0, None] - x, points[:, 1, None] - z
     share = np.clip((to_x * along_x + to_z * along_z) / np.maximum(along_x**2 + along_z**2, 1e-12), 0.0, 1.0)

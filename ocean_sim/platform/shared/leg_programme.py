@@ -23,7 +23,8 @@ from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, felt_motion
 
 KNOT_INTERVAL = 0.04  # [s]
 WINDOW_TIME, KEPT_TIME = 60.0, 40.0  # [s] solved at a time, and kept of it if the ride goes on
-PASS_TOLERANCES = (1e-3, 1e-3, 1e-5)  # of passes over a window, each about the solution of the one before
+PASS_TOLERANCES = (1e-3, 1e-3, 1e-3, 1e-5)  # of passes over a window, each about the solution of the one before
+ROUGH_TOLERANCE = 1e-3  # of passes that are no better for iterative refinement, a quarter of their time
 OTOLITH_FILTER = ([4.0, 0.4], [0.08, 5.016, 1.0])  # numerator and denominator, powers of s downwards
 CANAL_FILTER = ([458.4, 0.0, 0.0], [458.4, 85.73, 1.0])
 SENSED_THRESHOLDS = np.concatenate([(0.17, 0.17, 0.28), np.radians([3.0, 3.6, 2.6])])  # [m/s2], [rad/s]
@@ -195,6 +196,7 @@ def solve_programme(
     costs = [calm, *6 * [diags_array(np.repeat([0.0, 1.0], [3 * n, n]))]]
     settings = clarabel.DefaultSettings()
     settings.verbose, settings.direct_solve_method = False, "qdldl"  # which is one thread, and the faster here
+    settings.iterative_refinement_enable = tolerance < ROUGH_TOLERANCE
     settings.tol_feas = settings.tol_gap_abs = settings.tol_gap_rel = tolerance
     right = np.concatenate([right for _, right in rows])
     cones = [clarabel.ZeroConeT(equal), clarabel.NonnegativeConeT(len(right) - equal)]
@@ -230,6 +232,8 @@ class LegPlan:
         """Drop the first k knots of the plan, which are past, and advance the filters of the senses (`state`) over
         them, by felt motion less motion `asked` for (k, 6): specific force [m/s2] and rate [rad/s]."""
         k = len(asked)
+        n = len(self.motion) + k  # a plan that is too short stays at rest
+        self.points, self.motion = extended(self.points, n + 2), extended(self.motion, n)
         self.state = sensed_error(felt_at(self.motion[:k]) - asked, KNOT_INTERVAL, self.state)[1]
         self.points, self.motion = self.points[k:], self.motion[k:]
 

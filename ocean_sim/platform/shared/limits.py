@@ -149,6 +149,16 @@ class Governor:
             self.target = wanted[k - 1]
         return given, limited
 
+    def begin(self, past: np.ndarray, target: np.ndarray) -> None:
+        """Take over a platform after poses `past` (2, 6), which from now on is to go to `target` (6,)."""
+        self.pose, self.velocity = past[1], (past[1] - past[0]) / self.every
+        self.target, self.asked = target, np.stack([target, target])
+
+    @property
+    def is_there(self) -> bool:
+        """True if the last pose given is the one that was wanted."""
+        return self.motion_size(self.pose - self.target) <= LEG_MATCH
+
     def motion_sizes(self, motion: np.ndarray) -> np.ndarray:
         """Sizes (n,) of pose changes `motion` (n, 6) [m], or of their rates: shift of the reference point or, if
         larger, of joints in the turn."""
@@ -161,7 +171,7 @@ class Governor:
     def can_follow(self, step: np.ndarray, allowed: float) -> bool:
         """True if the platform is at its target, and its legs can change to the pose velocity `step` (6,) [m/s, rad/s]
         in one time step (row), with a change of at most `allowed` [m/s]."""
-        if self.motion_size(self.pose - self.target) > LEG_MATCH:
+        if not self.is_there:
             return False
         change = step - self.velocity
         hard = float(np.abs(self.leg_speeds(change)).max()) > self.acceleration * self.every * (1.0 + 1e-9)

@@ -22,6 +22,7 @@ POSE_COLUMNS = ("sway_m", "heave_m", "surge_m", "pitch_rad", "yaw_rad", "roll_ra
 REQUIRED_COLUMNS = (TIME_COLUMN, *POSE_COLUMNS, *RATE_COLUMNS, *FORCE_COLUMNS)
 UNIT_PATTERN = re.compile(r"_(rad_s|m_s2|rad|m|s)$")
 COLUMN_KEYS = {UNIT_PATTERN.sub("", name).removeprefix("specific_"): name for name in REQUIRED_COLUMNS}  # of --columns
+OTHER_NAMES = {"time": "time|utc|stamp|epoch|^t$", "yaw": "yaw|hdg|heading"}  # by which other software calls columns
 Columns = tuple[Sequence[str], np.ndarray]  # names of (n, k) values
 
 # Components along the axes of each frame, from those along FLU (x forward, y left, z up).
@@ -132,10 +133,12 @@ def read_log(path: str | Path) -> MotionLog:
         other = next((name for name in words if name.startswith(UNIT_PATTERN.sub("_", missing[0]))), None)
         but = f", but {other}: it has another unit" if other and len(missing) == 1 else ""
         keys = [key for key, name in COLUMN_KEYS.items() if name in (TIME_COLUMN, *POSE_COLUMNS)]
-        alike = {key: next((name for name in table if key in name.lower()), None) for key in keys}
+        found = {key: re.compile(OTHER_NAMES.get(key, key), re.IGNORECASE).search for key in keys}
+        alike = {key: next(filter(search, table), None) for key, search in found.items()}
         yours = ",".join(f"{key}={name}" for key, name in alike.items() if name and name.isidentifier())
-        how = f"--columns {yours or 'time=...,heave=...'}"
-        own = "" if len(missing) == 1 else f"; `{how}` names columns of your own, and the rest is derived"
+        how = f"`--columns {yours or 'time=...,heave=...'}` names columns of your own"
+        how += ", with `--units deg` if in degrees, `--axes ned` if down is positive"
+        own = "" if len(missing) == 1 else f"; {how}"
         raise NAMED_COLUMNS_RULE.broken(path, f"it has no column {', '.join(missing)}{but}{own}")
     return checked_log(table)
 

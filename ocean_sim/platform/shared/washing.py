@@ -127,9 +127,9 @@ class Washing:
             for omega in config.rotation_frequency
         ]
 
-    def follow(self, ride: Ride, ahead: Ride | None = None) -> Cue:
+    def follow(self, ride: Ride, ahead: object = None) -> Cue:
         """Requested poses, and motion to be felt, for the next rows of ship motion: filtered displacements and turns,
-        plus tilt angles. `ahead`, the rows after them, is not used."""
+        plus tilt angles. `ahead`, what is known of the rows after them, is not used."""
         config = self.config
         limited = np.zeros(len(ride.time), dtype=int)
         level = turn_to_level(ride.attitude, ride.specific_force) - [0.0, 0.0, GRAVITY]

@@ -64,6 +64,7 @@ class Finding:
     measured: list[Curve] = field(default_factory=list)
     expected: list[Curve] = field(default_factory=list)
     axes: tuple[str, str] = ("", "")
+    equal_axes: bool = False  # one scale for both, as a track on the water needs
 
 
 @dataclass(frozen=True)

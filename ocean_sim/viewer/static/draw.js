@@ -191,7 +191,7 @@ void main() {
   vec2 s = mix(here.yz, slope, share);
   posW = vec3(p.x, h, p.y);
   nrmW = normalize(vec3(-s.x, 1.0, -s.y));
-  attW = vec3(here.w * (1.0 - share), (h - level) / crest, max(lost * share, rough));
+  attW = vec3(here.w * (1.0 - smoothstep(0.0, 2.0 * max(tileStep.x, tileStep.y), out_)), (h - level) / crest, max(lost * share, rough));
   gl_Position = view * vec4(posW, 1.0);
 }`;
 

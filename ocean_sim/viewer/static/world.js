@@ -171,7 +171,7 @@ class World {
     });
   }
 
-  // Foam: where a crest is as steep as one that breaks it appears at once, then it fades; what the simulation knows of it counts, too.
+  // Foam as the simulation knows it, else where a crest is as steep as one that breaks: there it appears at once, then it fades.
   whiten(after) {
     const { nx, nz, foam } = this, h = after.data.height, flat = this.still.basin.flat, known = after.data.foam;
     const past = this.before ? Math.abs(after.time - this.before.time) : 0, fade = Math.exp(-Math.min(past, 1) / 1.6);
@@ -181,6 +181,7 @@ class World {
     this.level = this.still.sea.exact ? 0 : mean;
     this.height += (now - this.height) * (this.before ? 0.08 : 1);
     if (flat || this.still.tank) { foam.fill(0); return; }
+    if (known) { foam.forEach((_, k) => { foam[k] = known[k] / 255; }); return; }
     this.carry(after.origin);
     const dx = 1 / this.step[0] ** 2, dz = 1 / this.step[1] ** 2;
     for (let i = 0; i < nx; i++) for (let j = 0; j < nz; j++) {
@@ -188,9 +189,7 @@ class World {
       const curve = (h[k] * 2 - h[Math.max(i - 1, 0) * nz + j] - h[Math.min(i + 1, nx - 1) * nz + j]) * dx +
         (h[k] * 2 - h[i * nz + Math.max(j - 1, 0)] - h[i * nz + Math.min(j + 1, nz - 1)]) * dz;
       const steep = h[k] > mean && curve > 0 ? Math.sqrt(curve * (h[k] - mean)) : 0;  // k a of a sine
-      let white = clamp(2.2 * (steep - 0.42), 0, 0.5);
-      if (known) white = Math.max(white, known[k] / 255);
-      foam[k] = Math.max(foam[k] * fade, white);
+      foam[k] = Math.max(foam[k] * fade, clamp(2.2 * (steep - 0.42), 0, 0.5));
     }
   }
 

@@ -39,6 +39,15 @@ def test_terraces_on_a_slope_are_smoothed_away_and_the_mean_stays():
     assert abs(left.mean()) < 0.01 * SPACING
 
 
+def test_a_crest_over_the_walls_of_a_box_without_a_top_is_smoothed_too():
+    """A crest that reaches over the top of a box is held there, as under a lid; a box without a top holds none."""
+    low, (x, _, z) = BOX
+    rough = sheet(lambda x: 0.15 * SPACING * np.sin(2.0 * np.pi * x / 0.12))
+    lidded, free = (smooth_mesh(rough, low, (x, top, z), MOST) for top in (0.05 * SPACING, np.inf))
+    assert np.abs(over(free, np.zeros_like)).max() < 0.1 * 0.15 * SPACING < 0.05 * SPACING
+    assert np.abs(lidded.vertices[:, 1]).max() > 0.1 * SPACING
+
+
 def test_waves_of_a_dozen_spacings_and_more_are_left_alone():
     wave = lambda x: 0.05 * np.cos(2.0 * np.pi * x / (18.0 * SPACING))
     assert np.abs(over(smooth_mesh(sheet(wave), *BOX, MOST), wave)).max() < 0.05 * 0.05

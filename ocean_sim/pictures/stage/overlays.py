@@ -53,6 +53,12 @@ class Overlay:
             self.ink.rectangle((ends[k], self.low - 20, ends[k + 1] - 1, self.low - 15), 3 * ((238, 110)[k % 2],))
         self.write(f"{metres:g} m", ends[0], self.low - 32)
 
+    def name_zones(self, zones: np.ndarray, eye: np.ndarray, each: float) -> None:
+        """Write over absorbing zones (n, 2, 3) [m] of a 2-D tank, seen from `eye` (3,) [m], `each` [pixels] a metre."""
+        for low, top in zones:
+            x, y = each * (0.5 * (low[0] + top[0]) - eye[0]), each * (top[1] - eye[1])
+            self.write("absorbs waves", 0.5 * self.image.width + x, 0.5 * self.low - y - 14, "ms")
+
     def arrow_bar(self, length: float, text: str) -> None:
         """Write `text` about the wind's arrows and, above the scale bar, draw one of a length [pixels]; 0: none."""
         self.write(text, self.right, self.low - (94 if length else 72), "rs")

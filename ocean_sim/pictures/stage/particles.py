@@ -5,11 +5,10 @@ import sys
 import numpy as np
 
 from ocean_sim.pictures.frame_files import Frame
-from ocean_sim.pictures.stage import sky
 from ocean_sim.pictures.stage.plotter import Content, Stage
 from ocean_sim.pictures.water import water_glsl
 
-RIM_LIGHT = 0.5  # light of the rim of a ball over that of its middle
+RIM_LIGHT = 0.75  # light of the rim of a ball over that of its middle
 
 
 class Particles(Content):
@@ -20,8 +19,6 @@ class Particles(Content):
         assert first.position is not None
         cloud = stage.pyvista.PolyData(first.position.astype(np.float32))
         cloud["speed [m/s]"] = np.zeros(len(first.position), np.float32)
-        stage.plotter.add_light(stage.pyvista.Light(position=tuple(1e3 * sky.SUN_DIRECTION), light_type="scene light"))
-        stage.plotter.add_light(stage.pyvista.Light(light_type="headlight", intensity=0.5))
         place = {"position_x": 0.70, "position_y": 0.90, "width": 0.27, "height": 0.07}
         letters = {"label_font_size": 14 * stage.samples, "title_font_size": 15 * stage.samples}
         balls = stage.plotter.add_mesh(
@@ -31,7 +28,7 @@ class Particles(Content):
             cmap="YlGnBu_r",
             style="points_gaussian",
             render_points_as_spheres=True,
-            ambient=0.4,
+            lighting=False,  # colours are those of the bar
             scalar_bar_args=place | {"n_labels": 2, "fmt": "%.2g", "color": "#10222c"} | letters,
         )
         balls.mapper.SetSplatShaderCode(water_glsl.shader("ball", sys.modules[__name__]))  # VTK's own end in black

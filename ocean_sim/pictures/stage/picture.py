@@ -58,7 +58,7 @@ class Picture:
             self.upper[1] = max(self.upper[1], float(ground.y.max()))
         plates = grid.get("plates", NO_BOXES)  # of wavemakers, behind which the walls stand
         walls = np.min([self.lower, *plates[:, 0]], axis=0), np.max([self.upper, *plates[:, 1]], axis=0)
-        flat = bool(self.lower[2] == self.upper[2])
+        flat = self.flat = bool(self.lower[2] == self.upper[2])
         away = "sea_answers" in grid  # ships are free to leave the basin
         if away and order.camera in MAP_CAMERAS and log.tracks:
             ways = [track.position for track in log.tracks.values()]
@@ -102,7 +102,8 @@ class Picture:
         if ground is not None:
             stage.add(*sand_mesh(ground, float(grid["spacing"])), culling="back")
         if in_tank:
-            tank_walls.add_edges(stage, *walls, grid.get("zones", NO_BOXES))
+            self.zones = grid.get("zones", NO_BOXES) - [0.0, 0.0, flat * float(grid["spacing"])]  # behind flat water
+            tank_walls.add_edges(stage, *walls, self.zones)
         self.obstacles = Obstacles(stage, grid, *walls)
         if isinstance(self.content, Sea):
             self.ships, (over, exposure) = self.content.add_ships(models), self.content.look
@@ -168,10 +169,12 @@ class Picture:
         over = overlays.Overlay(image)
         if self.order.caption:
             over.write(f"t = {frame.time:.2f} s", 17, over.low - 14)
-        if self.order.scale_bar:
+        if self.order.scale_bar or self.flat:
             target = next(iter(frame.ships.values()), (0.5 * (self.lower + self.upper) * [1.0, 0.0, 1.0],))[0]
             each = overlays.metre_pixels(self.stage, target)
             over.scale_bar(each)
+            if self.flat:
+                over.name_zones(self.zones, self.stage.camera.eye, each)
             if self.wind is not None:
                 length, text = arrow_legend(frame, self.wind.length)
                 over.arrow_bar(round(length * each), text)

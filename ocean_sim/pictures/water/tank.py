@@ -24,7 +24,7 @@ from ocean_sim.surface import Mesh
 
 # Angle acos(1 - k) of the eigenvalue k where a wave is halved; and how sharply the filter falls
 PASS_BAND, FILTER_DEGREE = 0.30, 32
-SIDE_TOLERANCE = 1.0e-4  # of the box: what is nearer to one of its sides lies on it
+SIDE_TOLERANCE = 1.0e-4  # of the length of the box: what is nearer to one of its sides lies on it
 SPREAD_STEPS = 16  # edges from its rim to which what lies flat on a side goes with the rim
 MAX_SMOOTHING = 0.4  # [spacings] by which a folded surface is smoothed
 WATER_TRAITS = "nrm", "air", "was"  # normal; share of air; where its water was born
@@ -125,8 +125,8 @@ def split_edges(mesh: Mesh, flat: np.ndarray, facing: np.ndarray) -> Mesh:
 
 def points_on_sides(x: np.ndarray, lower: tuple[float, ...], upper: tuple[float, ...]) -> np.ndarray:
     """Masks (2, n, 3) of points (n, 3) [m] on the lower and on the upper side of a box, for each axis."""
-    low, up = np.array(lower), np.array(upper)
-    return np.stack([x <= low + SIDE_TOLERANCE * (up - low), x >= up - SIDE_TOLERANCE * (up - low)])
+    low, up, near = np.array(lower), np.array(upper), SIDE_TOLERANCE * (upper[0] - lower[0])
+    return np.stack([x <= low + near, x >= up - near])
 
 
 def low_pass_weights(edge: float, degree: int) -> np.ndarray:
@@ -145,7 +145,8 @@ class Shell(Content):
         """`stage`: camera, plotter; `grid`: arrays in grid.npz; `upper`: top corner [m]; `white`: True to draw foam."""
         depth = self.depth = float(grid["depth"])
         self.stage, self.white, self.sides = stage, white, (grid["lower"][[0, 2]], grid["upper"][[0, 2]])
-        self.lower, self.upper, self.spacing = tuple(grid["lower"]), tuple(upper), float(grid["spacing"])
+        self.lower, self.spacing = tuple(grid["lower"]), float(grid["spacing"])
+        self.upper = upper[0], np.inf, upper[2]  # no lid in which crests would lie flat
         over = sky.clear_sky_image()
         self.behind = water_glsl.make_texture(np.zeros((2, 2, 3), np.uint8))
         self.far, self.farther = (water_glsl.make_texture(np.zeros((2, 2, 4), np.uint8)) for _ in range(2))
@@ -165,7 +166,7 @@ class Shell(Content):
         for part in (self.water, self.backs):
             shown = {"exposure": water_shading.TANK_EXPOSURE, "depth": depth, "onMap": float(stage.camera.from_above)}
             shown |= {"spacing": self.spacing, "pixel": pixel, "behindOthers": 0.0, "parallel": float(parallel)}
-            space = {"ahead": stage.camera.forward, "boxLow": np.array(self.lower), "boxHigh": np.array(self.upper)}
+            space = {"ahead": stage.camera.forward, "boxLow": np.array(self.lower), "boxHigh": upper}
             part.set(**plain | shown | space | {"view": np.eye(4), "screen": np.ones(3), "reach": 1.0})
         stage.plotter.add_actor(self.water.actor, reset_camera=False, render=False)
         self.measure = stage.new_plotter(stage.plotter.window_size)  # the picture of distances

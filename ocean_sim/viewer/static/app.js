@@ -51,7 +51,7 @@ function begin(stills) {
   $("whichShip").hidden = first.ships.length < 2;
   $("whichShip").innerHTML = first.ships.map((ship, k) => `<option value="${k}">${escaped(ship.name)}</option>`).join("");
   $("whichShip").value = camera.ship;
-  $("wavesText").textContent = sayWaves(still.waves);
+  $("wavesText").textContent = sayWaves(still);
   const tints = still.speeds.map((rgb) => `rgb(${rgb.map((v) => Math.round(255 * v))})`);
   document.querySelector("#legend i").style.background = `linear-gradient(90deg, ${tints})`;
   $("strip").hidden = state.worlds.length > 1;
@@ -59,10 +59,10 @@ function begin(stills) {
   state.dirty = true;
 }
 
-function sayWaves({ kind, height, period, significant_wave_height: high, peak_period: peak }) {
-  const swell = state.panel?.wind === "still" ? " They are swell: no wind blows here." : "";
-  if (high) return `Waves: ${kind.toUpperCase()}, significant height ${high} m, peak period ${peak} s.${swell}`;
-  if (height) return `Waves: regular, ${height} m high, period ${period} s.${swell}`;
+function sayWaves({ plates, waves: { kind, height, period, significant_wave_height: high, peak_period: peak } }) {
+  const origin = plates ? ", made by the wavemaker." : state.panel?.wind === "still" ? ". They are swell: no wind blows here." : ".";
+  if (high) return `Waves: ${kind.toUpperCase()}, significant height ${high} m, peak period ${peak} s${origin}`;
+  if (height) return `Waves: regular, ${height} m high, period ${period} s${origin}`;
   return "";
 }
 
@@ -187,7 +187,7 @@ function link() {
 
 // Whether the simulation goes on, beside the title.
 function doing() {
-  const { panel } = state, what = !panel?.paused ? "live" : Math.abs(live.history.end - panel.duration) < 0.1 ? "scene's end" : "paused";
+  const { panel } = state, what = !state.worlds.length ? `building, ${short(performance.now() / 1000)} s` : !panel?.paused ? "live" : Math.abs(live.history.end - panel.duration) < 0.1 ? "scene's end" : "paused";
   $("link").textContent = !state.connected ? "looking for the server" : state.watchers > 1 ? `${what}, ${state.watchers} watching` : what;
 }
 
@@ -241,7 +241,7 @@ function instruments() {
   const turn = (id, angle) => { for (const one of [$(id), $(`${id}Word`)]) one.style.display = angle === null ? "none" : ""; $(id).setAttribute("transform", `rotate(${((ahead - (angle ?? 0)) * 180) / Math.PI})`); };
   turn("rose", 0);
   turn("shipMark", ship?.steered ? Math.atan2(ship.pose[8], ship.pose[10]) : null);
-  $("compass").style.display = ship?.steered || (exact && waves.length) || still.windAngle !== null ? "" : "none";
+  for (const id of ["compass", "marks"]) $(id).style.display = ship?.steered || (exact && waves.length) || still.windAngle !== null ? "" : "none";
   const going = [1, 2].map((k) => waves.reduce((sum, wave) => sum + wave[0] ** 2 * wave[k], 0));
   turn("seaMark", exact && waves.length ? Math.atan2(...going) : null);
   turn("windMark", still.windAngle === null ? null : 0.5 * Math.PI - still.windAngle);
@@ -249,7 +249,7 @@ function instruments() {
     const speed = reading(head, "speed", ""), rudder = reading(head, "orders", "rudder");
     if (speed !== undefined) add("Speed", ...(ship.steered ? [`${fixed(speed / 0.514444)} kn`, `${fixed(speed)} m/s`] : [`${fixed(speed)} m/s`, ""]));
     if (ship.steered) add("Heading", sided((Math.atan2(ship.pose[8], ship.pose[10]) * 180) / Math.PI), "of north (+z)");
-    if (rudder !== undefined && ship.steered) add("Rudder", sided(rudder), "");
+    if (rudder !== undefined && ship.steered) add("Rudder", ...`${sided(rudder)} `.split(" "));
   }
   const regular = exact && waves.length === 1, high = regular ? 2 * waves[0][0] : reading(head, "height", "") ?? world.height;
   const moved = state.panel?.sliders.find((s) => s.label.startsWith("wave period"))?.value;
@@ -341,7 +341,7 @@ function panel(now) {
   if (!state.back) pausedIs(now.paused);
   speeds(now.speed);
   $("wind").innerHTML = now.winds.map((name) => `<option value="${escaped(name)}"${name === now.wind ? " selected" : ""}>${name === "still" ? "still: no wind blows" : escaped(name)}</option>`).join("");
-  $("windGroup").hidden = !state.drives; if (state.worlds[0]) $("wavesText").textContent = sayWaves(state.worlds[0].still.waves);
+  $("windGroup").hidden = !state.drives; if (state.worlds[0]) $("wavesText").textContent = sayWaves(state.worlds[0].still);
   $("message").hidden = !now.message;
   $("message").textContent = now.message;
   $("record").textContent = now.recording ? "Stop recording" : "Record a run";
@@ -737,7 +737,7 @@ function tick(now) {
   }
   if (now - plotted < 150) return;
   plotted = now;
-  instruments();
+  if (state.worlds.length) instruments(); else doing();
   if (state.tab === "plots") plots.draw(state.time);
 }
 

@@ -368,10 +368,12 @@ class Painter {
     if (!this.waters.has(key)) {
       const { common, functions, water, sky } = still.shaders, top = declared(still.uniforms);
       const body = `${top}in vec3 posW, nrmW, attW;\n${common}${functions}void main() {${water}
-  // From above a slope mirrors hardly more sky than the flat: crests and slopes towards the sun are made lighter.
+  // From above a slope mirrors hardly more sky than the flat: crests and slopes towards the sun are made lighter; clouds
+  // lit by the sun turn no dark water brown.
   float over = smoothstep(0.70, 0.95, normalize(eyeW - posW).y);
   float relief = clamp(2.0 * dot(normalize(nrmW).xz, normalize(sunDir.xz)) + 0.25 * clamp(attW.y, -1.0, 1.0), -0.4, 1.0);
-  fragOutput0.rgb = mix(fragOutput0.rgb, min(fragOutput0.rgb, fragOutput0.bbb), over) * (1.0 + over * relief);
+  vec3 bluest = fragOutput0.b * mix(vec3(0.36, 0.80, 1.0), vec3(1.0), smoothstep(0.35, 0.60, fragOutput0.b));
+  fragOutput0.rgb = mix(fragOutput0.rgb, min(fragOutput0.rgb, bluest), over) * (1.0 + over * relief);
 }`;
       const dome = `${top}in vec3 posW;\nuniform float studio;
 uniform vec3 ground;\n${common}void main() {${sky}

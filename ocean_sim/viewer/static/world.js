@@ -300,7 +300,7 @@ class World {
     const hulls = this.meet();
     gl.activeTexture(gl.TEXTURE3);
     gl.bindTexture(gl.TEXTURE_2D, this.mirror);
-    if (mirrored) Object.assign(hulls, { useMirror: 1, mirrorView: mirrored, mirrorPixel: 2 * pixel });
+    if (mirrored) Object.assign(hulls, { useMirror: 1, mirrorView: mirrored, mirrorPixel: (still.tank ? 16 : 2) * pixel });
     const { waves, exact, ramp } = still.sea, size = exact ? (ramp > 0 ? Math.min(this.time / ramp, 1) : 1) : Math.max(this.height, 0.02);
     const flat = waves.flatMap(([a, kx, kz, omega, phase]) => [a * size, kx, kz, (phase - omega * this.time) % (2 * Math.PI)]);
     gl.enable(gl.BLEND);
@@ -316,7 +316,7 @@ class World {
     this.programs.water.use({
       ...uniforms, ...hulls, ...known, view, waves: flat, waveCount: waves.length, farShare: sea ? 1 : 0, level: this.level,
       crest: Math.max(0.5 * this.height, 0.02), cell: this.cell, margin: Math.min(...this.reach),
-      useFog: sea ? 1 : 0, rough: still.tank ? 0.02 : 0,  // of slopes: a tank mirrors the sky, but not its clouds
+      useFog: sea ? 1 : 0, rough: still.tank ? 0.02 : 0,  // of slopes: a tank mirrors the sky without clouds, but sharp ships
     });
     const surface = this.surfaces[sea ? "sea" : "tank"];
     gl.bindVertexArray(surface.vertices);

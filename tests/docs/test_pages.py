@@ -279,6 +279,20 @@ def test_every_term_of_a_scheme_stands_by_its_equation_and_links_to_its_code(mon
     assert all(f"({scheme}.{name})=" in generate.terms() for scheme, name in terms)
 
 
+def test_rows_that_only_detect_regressions_are_counted_apart(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "docs"))
+    import generate
+
+    row = {"quantity": "front", "scheme": "delta_sph", "unit": "%", "ok": "True"}
+    judge = row | {"error": "1.0", "tolerance": "2.0", "source": "theory"}
+    alarm = row | {"error": "-9.0", "tolerance": "11.0", "source": f"theory; {generate.COARSE_BASIS}"}
+    reported = row | {"error": "", "tolerance": "", "source": "theory"}
+    kept, words = generate.line_of("tank", [alarm, judge, reported])
+    assert kept == "[tank](#tank) 1\u00a0of\u00a01"
+    assert "error 1\u00a0%, tolerance 2\u00a0%; 1 for regressions only, with errors up to -9\u00a0%" in words
+    assert [generate.verdict(each) for each in (alarm, judge, reported)] == ["no regression", "kept", "reported"]
+
+
 @pytest.mark.parametrize("page", sorted((ROOT / "docs" / "guide").glob("*.md")), ids=lambda page: page.stem)
 def test_a_guide_is_a_how_to_of_at_most_500_words(page):
     assert len(page.read_text(encoding="utf-8").split()) <= 500, "move what was measured to docs/measurements"

@@ -285,3 +285,10 @@ def test_a_column_that_was_left_out_is_said(tmp_path, name, value, said):
     table = moved()
     with pytest.raises(ValueError, match=said):
         read_log(written(tmp_path / "log.csv", table | {name: value + 0.0 * table[name]}))
+
+
+def test_a_log_of_other_software_is_answered_by_the_columns_that_it_has(tmp_path):
+    (tmp_path / "log.csv").write_text("UTC,Heave,Roll_deg,Hdg_deg\n0.0,0.1,1.0,358.0\n0.1,0.1,1.0,358.0\n")
+    how = "`--columns time=UTC,heave=Heave,yaw=Hdg_deg,roll=Roll_deg` names columns of your own, with `--units deg`"
+    with pytest.raises(ValueError, match=how):
+        read_log(tmp_path / "log.csv")

@@ -238,7 +238,7 @@ def test_rows_four_times_a_second_are_interpolated(ask, draw_nothing, tmp_path):
     fine, found = (read_columns(tmp_path / name / "platform.csv") for name in ("fine", "few"))
     legs = np.interp(found["time_s"], fine["time_s"], fine["leg1_m"])
     np.testing.assert_allclose(found["leg1_m"], legs, atol=0.02 * np.ptp(legs))
-    tenth = {name: values[::5] for name, values in columns(40.0, dt=0.02).items()}  # 10 a second, the fewest that are taken as they are
+    tenth = {name: values[::5] for name, values in columns(40.0, dt=0.02).items()}  # the fewest taken as they are
     code, out, err = ask(own_log(tmp_path / "own.csv", tenth, **OWN), *COLUMNS, "--out", "tenth")
     assert (code, err) == (0, "") and "interpolated" not in out
     rare = {name: values[::30] for name, values in table.items()}

@@ -29,6 +29,7 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "description"
 html_math_renderer = "mathml"
 exclude_patterns = ["tutorials/*.py", "_build"]
+smartquotes = False  # which would make one dash of the two of an option
 suppress_warnings = ["myst.header"]
 contents = yaml.safe_load((Path(__file__).parent / "contents.yaml").read_text(encoding="utf-8"))
 

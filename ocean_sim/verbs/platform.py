@@ -259,7 +259,7 @@ def print_report(done: Commands, found: list[Metric], files: list[Path]) -> None
         if len(held := done.time[done.limited & bit > 0]):
             console.say(f"  {len(held)} rows between {held[0]:.2f} and {held[-1]:.2f} s: {why}")
     if limited > MANY_LIMITED:
-        console.say("  a smaller washout.force_scale or washout.rotation_scale asks less of the legs (--set)")
+        console.say("  --set 'washout.force_scale=[0.3, 0.3, 0.2]', say, or rotation_scale asks less of the legs")
     if "share_of_possible_all" in value:
         share, error, least = (value[k] for k in ("share_of_possible_all", "sensed_error", "sensed_error_best"))
         console.say(

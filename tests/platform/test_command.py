@@ -245,6 +245,23 @@ def test_rows_four_times_a_second_are_interpolated(ask, draw_nothing, tmp_path):
     assert "it has a row every 0.6 s" in ask(own_log(tmp_path / "own.csv", rare, **OWN), *COLUMNS)[2]
 
 
+@pytest.mark.parametrize("heading", [90.0, 200.0])
+def test_surge_and_sway_are_along_and_across_the_heading(heading, ask, draw_nothing, tmp_path):
+    draw_nothing()
+    time = np.arange(0.0, 20.0, 0.05)
+    found = []
+    for yaw in (0.0, heading):
+        rows = zip(time, 0.5 * np.sin(time), 0.2 * np.cos(time), 0 * time + yaw)
+        lines = ["t,Surge,Sway,Hdg", *(",".join(f"{value:.9g}" for value in row) for row in rows)]
+        (tmp_path / "own.csv").write_text("\n".join(lines))
+        words = ["--columns", "time=t,surge=Surge,sway=Sway,yaw=Hdg", "--units", "deg", "--axes", "ned"]
+        code, out, err = ask(tmp_path / "own.csv", *words, "--out", f"{yaw:g}")
+        assert (code, err) == (0, "") and "surge and sway taken along and across her heading" in out
+        found.append(read_columns(tmp_path / f"{yaw:g}" / "platform.csv"))
+    for k in range(1, 7):
+        np.testing.assert_allclose(found[1][f"leg{k}_m"], found[0][f"leg{k}_m"], atol=1e-4)
+
+
 def test_what_an_own_log_lacks_is_said_at_once(ask, tmp_path):
     path = own_log(tmp_path / "own.csv", columns(1.0), **OWN)
     code, _, err = ask(path)

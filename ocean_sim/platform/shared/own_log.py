@@ -51,6 +51,10 @@ def read_own_log(
     absent = [name for name in POSE_COLUMNS if name not in known]
     known = dict.fromkeys(absent, 0.0 * known[TIME_COLUMN]) | known
     said += [f"taken as 0: {', '.join(absent)}"] if absent else []
+    if "yaw_rad" not in absent and not {"surge_m", "sway_m"} <= {*absent}:
+        turned = (known["surge_m"] + 1j * known["sway_m"]) * np.exp(1j * known["yaw_rad"])
+        known |= {"surge_m": turned.real, "sway_m": turned.imag}
+        said.append("surge and sway taken along and across her heading")
     said += derive_motion(known, motion_log.frame_of(table))
     table.replace_columns({name: known[name] for name in motion_log.REQUIRED_COLUMNS})
     return motion_log.checked_log(table, agree=not said), said

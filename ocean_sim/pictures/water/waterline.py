@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ocean_sim.basin.solids.mesh import column_shares
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.pictures.stage.camera import Vessel
 
@@ -156,6 +155,8 @@ class Hull:
     @cached_property
     def cells(self) -> np.ndarray:
         """Share of the hull in each of HULL_CELLS within its bounds, body axes."""
+        from ocean_sim.basin.solids.mesh import column_shares
+
         x, y, z = (np.linspace(self.bounds[0, k], self.bounds[1, k], 2 * n + 1) for k, n in enumerate(HULL_CELLS))
         return column_shares(self.vertices[self.triangles], x[1::2], z[1::2], y[::2])
 

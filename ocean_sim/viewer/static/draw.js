@@ -173,8 +173,9 @@ uniform vec4 waves[40];
 uniform float waveCount, farShare, level, crest, cell, margin, rough;
 out vec3 posW, nrmW, attW;
 void main() {
-  vec2 p = node + origin, beyond = max(abs(node - 0.5 * (tileFirst * 2.0 + tileStep * (vec2(tileSize) - 1.0))) - reach, 0.0);
-  float out_ = max(beyond.x, beyond.y), share = smoothstep(0.0, 1.0, out_ / margin) * farShare;
+  vec2 p = node + origin, past = abs(node - 0.5 * (tileFirst * 2.0 + tileStep * (vec2(tileSize) - 1.0))) - reach, beyond = max(past, 0.0);
+  // The waves from afar begin before the sides, beyond which the heights of the basin are drawn out to stripes.
+  float out_ = max(beyond.x, beyond.y), share = smoothstep(-0.2, 0.05, max(past.x, past.y) / margin) * farShare;
   vec4 here = known(node);
   here.yz *= step(beyond, vec2(1e-4));
   float height = 0.0, lost = 0.0;

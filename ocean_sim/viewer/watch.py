@@ -13,7 +13,7 @@ from ocean_sim.observers.shared.csv_rows import TakesCommands
 from ocean_sim.parts import PeriodicConfig
 from ocean_sim.pictures.frame_files import grid_arrays, middle_cell
 from ocean_sim.pictures.live.scene_lines import box_top, scene_lines, surface_heights
-from ocean_sim.platform import Commands, Platform
+from ocean_sim.platform import Commands
 from ocean_sim.simulation import Observer, Simulation
 from ocean_sim.viewer.protocol import FULL_SCALE, box_scale, packet
 from ocean_sim.viewer.still import StaticScene
@@ -54,12 +54,11 @@ class Watch(Observer, TakesCommands):
         self.follows = simulation.fluid.in_closed_form is not None and not self.setting.flat
         scene = simulation.scene
         motion = scene.observers.get("motion")
-        self.platform: Platform | None = None
-        self.commands = np.zeros(12, np.float32)
+        self.commands: np.ndarray | None = None  # pose (6) and leg lengths (6) of the platform, if there is one
         if scene.platform is not None and simulation.ships and motion is not None:
             assert isinstance(motion, PeriodicConfig)
-            self.platform = scene.platform.build(motion.every)
-            self.commands[6:] = self.platform.neutral_legs
+            neutral = scene.platform.build(motion.every).neutral_legs
+            self.commands = np.concatenate([np.zeros(6), neutral]).astype(np.float32)
         self.stage_times: dict[str, float] = defaultdict(float)  # since the last frame [s]
         self.stage_costs = dict.fromkeys(STAGE_NAMES, 0.0)  # [ms] a step
         self.mark = (perf_counter(), simulation.time, simulation.steps)
@@ -124,7 +123,7 @@ class Watch(Observer, TakesCommands):
         if simulation.fluid.particles is not None:
             arrays |= self.particle_arrays(simulation.fluid.particles)
             boxes["particles"] = self.box
-        if self.platform is not None:
+        if self.commands is not None:
             arrays["platform"] = self.commands
         if self.is_rare_frame or self.setting.flat:
             ends, hues = scene_lines(simulation, self.top)
@@ -185,7 +184,7 @@ class Watch(Observer, TakesCommands):
                 (f"throttle_{name}", f"throttle{whose}", "1", "orders", throttle),
                 (f"rudder_{name}", f"rudder{whose}", "deg", "orders", np.degrees(rudder)),
             ]
-        if self.platform is not None:
+        if self.commands is not None:
             rows += [(f"leg{k}", f"leg {k}", "m", "legs", leg) for k, leg in enumerate(self.commands[6:], 1)]
         if fluid.particles is not None:
             excess = 100.0 * (fluid.status.max_density / fluid.rest_density - 1.0)

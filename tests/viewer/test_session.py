@@ -458,4 +458,4 @@ def test_a_platform_stands_in_neutral_before_its_first_row(tmp_path):
     with Session(rig(tmp_path), Desk(), tmp_path, list) as one:
         commands = one.watch.commands
         assert not commands[:6].any() and commands[6:].min() > 0.1  # [m]
-        np.testing.assert_allclose(commands[6:], one.watch.platform.neutral_legs, rtol=1e-6)
+        np.testing.assert_allclose(commands[6:], one.simulation.scene.platform.build(0.02).neutral_legs, rtol=1e-6)

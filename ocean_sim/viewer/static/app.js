@@ -341,7 +341,8 @@ function panel(now) {
   if (!state.back) pausedIs(now.paused);
   speeds(now.speed);
   $("wind").innerHTML = now.winds.map((name) => `<option value="${escaped(name)}"${name === now.wind ? " selected" : ""}>${name === "still" ? "still: no wind blows" : escaped(name)}</option>`).join("");
-  $("windGroup").hidden = !state.drives; if (state.worlds[0]) $("wavesText").textContent = sayWaves(state.worlds[0].still);
+  $("windGroup").hidden = !state.drives;
+  if (state.worlds[0]) $("wavesText").textContent = sayWaves(state.worlds[0].still);
   $("message").hidden = !now.message;
   $("message").textContent = now.message;
   $("record").textContent = now.recording ? "Stop recording" : "Record a run";

@@ -15,6 +15,7 @@ import tempfile
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, suppress
+from math import prod
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -45,7 +46,7 @@ from ocean_sim.pictures.stage.picture import (
     is_foreseeable,
     picture_row,
 )
-from ocean_sim.pictures.stage.render_order import Drawing, Order, RenderFailed
+from ocean_sim.pictures.stage.render_order import DEFAULT_SIZE, Drawing, Order, RenderFailed
 from ocean_sim.pictures.water.sea_state import DRY_DEPTH_SHARE, is_tank, run_scene
 from ocean_sim.simulation import OutcomeObserver, Progress, Simulation
 
@@ -105,7 +106,7 @@ class Config(Drawing, PeriodicConfig):
         return self.film_pictures(preflight.duration, frames.every) if isinstance(frames, PeriodicConfig) else None
 
     def picture_time(self, preflight: SceneFacts) -> float:
-        dimension, pixels = preflight.tank.dimension, self.size[0] * self.size[1] / (1280.0 * 720.0)
+        dimension, pixels = preflight.tank.dimension, prod(self.size or DEFAULT_SIZE) / prod(DEFAULT_SIZE)
         each, pictures = PICTURE_SECONDS[dimension][self.quality] * pixels, self.pictures(preflight)
         if pictures is None:
             return 0.0
@@ -130,7 +131,7 @@ class Config(Drawing, PeriodicConfig):
         return 0 if pictures is None else PARTICLE_BYTES * painter_count(pictures)
 
     def ledger(self, preflight: SceneFacts) -> list[LedgerRow]:
-        [row], pictures, pixels = super().ledger(preflight), self.pictures(preflight), self.size[0] * self.size[1]
+        [row], pictures, pixels = super().ledger(preflight), self.pictures(preflight), prod(self.size or DEFAULT_SIZE)
         if pictures is None:
             return [row]
         of, (base, each) = painter_count(pictures), PROCESS_BYTES[self.scenery(preflight)]
@@ -459,18 +460,17 @@ class Painter(DrawingProcess, AbstractContextManager["Painter"]):
     def __init__(self, order: Order, over: threading.Event, turn: int) -> None:
         """Start the process. `over`: event set when the run ends; `turn`: its number, from 1; this process has 0."""
         super().__init__(Request(orders=[order], goes_on=not over.is_set(), turn=turn))
-        self.shape = *order.size[::-1], 3
         if not over.is_set():
             threading.Thread(target=self.say_over, args=(over,), daemon=True).start()
 
-    def picture(self) -> np.ndarray:
-        """Next picture (height, width, 3) that the process draws, 8-bit RGB; raises RenderFailed if it has ended."""
-        size = int(np.prod(self.shape))
-        pixels = self.given.read(size)
-        if len(pixels) < size:
+    def picture(self, size: tuple[int, int]) -> np.ndarray:
+        """Next picture (height, width, 3) that the process draws, 8-bit RGB; raises RenderFailed if it has ended.
+        `size`: its width and height [pixels]."""
+        pixels = self.given.read(3 * prod(size))
+        if len(pixels) < 3 * prod(size):
             self.child.wait()
             raise self.failure()
-        return np.frombuffer(pixels, np.uint8).reshape(self.shape)
+        return np.frombuffer(pixels, np.uint8).reshape(*size[::-1], 3)
 
     def __exit__(self, *_: object) -> None:
         self.child.kill()
@@ -497,7 +497,7 @@ def write_film(
         with film_writer(draft, order.every) as writer:
             for k, (file, total, whose) in enumerate(film_turns(coming, order.every, order.painters)):
                 if whose is not None:
-                    image = others[whose - 1].picture() if whose else picture.draw(Frame(file))
+                    image = others[whose - 1].picture(picture.stage.size) if whose else picture.draw(Frame(file))
                 writer.append_data(image)
                 moments.see(image)
                 yield k + 1, total

@@ -21,6 +21,7 @@ from ocean_sim.pictures import frame_files
 from ocean_sim.pictures.stage import camera as camera_module
 from ocean_sim.pictures.stage import opengl
 from ocean_sim.pictures.stage import sky as sky_module
+from ocean_sim.pictures.stage.picture import fitting_size
 from ocean_sim.pictures.water import water_mesh, water_shading
 from ocean_sim.reading.scene import load
 from tests.processes import alive, children, wait_for, wait_for_end
@@ -126,6 +127,16 @@ def test_of_a_run_that_is_over_the_frames_are_drawn_that_are_left(tmp_path):
 def test_a_size_that_no_film_can_have_is_refused_at_once(size):
     with pytest.raises(ValidationError):
         render.Config(size=size)
+
+
+def test_pictures_of_a_long_slice_are_as_high_as_it_needs():
+    """Its ends are in the picture as before; tall slices and tanks have the size of all pictures."""
+    lower, upper = np.array([-5.0, -0.4, 0.0]), np.array([5.0, 0.25, 0.0])
+    width, height = fitting_size(lower, upper, True)
+    assert width == 1280 and height % 2 == 0 and 0.25 < (1280 / 11.0 * 0.65) / height < 0.5
+    camera = camera_module.camera_on_box("side", lower, upper, width / height)
+    assert camera.parallel_height * width / height == pytest.approx(5.5)
+    assert fitting_size(lower, upper, False) == fitting_size(lower, lower + [2.0, 2.0, 0.0], True) == (1280, 720)
 
 
 def test_missing_opengl_is_a_sentence(kept, watched, monkeypatch, capsys):
@@ -348,7 +359,7 @@ def test_a_second_drawing_process_that_ends_is_a_sentence(words, told, tmp_path,
     monkeypatch.setattr(sys, "executable", script(tmp_path, words))
     with render.Painter(render.order_of(tmp_path), threading.Event(), 1) as painter:
         with pytest.raises(render.RenderFailed, match=told):
-            painter.picture()
+            painter.picture((64, 64))
 
 
 @with_opengl

@@ -19,7 +19,8 @@ class Particles(Content):
         assert first.position is not None
         cloud = stage.pyvista.PolyData(first.position.astype(np.float32))
         cloud["speed [m/s]"] = np.zeros(len(first.position), np.float32)
-        place = {"position_x": 0.70, "position_y": 0.90, "width": 0.27, "height": 0.07}
+        wide = 9 / 16 * stage.size[0] / stage.size[1]  # the bar is as high in pictures of a long slice
+        place = {"position_x": 0.70, "position_y": 1.0 - 0.1 * wide, "width": 0.27, "height": 0.07 * wide}
         letters = {"label_font_size": 14 * stage.samples, "title_font_size": 15 * stage.samples}
         balls = stage.plotter.add_mesh(
             cloud,

@@ -11,11 +11,11 @@ from ocean_sim.pictures.frame_files import FREEBOARD_SHARE, Frame, FrameLog, kep
 from ocean_sim.pictures.ships.ship import ShadedShip
 from ocean_sim.pictures.ships.ship_model import kept_model
 from ocean_sim.pictures.stage import overlays, sky
-from ocean_sim.pictures.stage.camera import Camera, Operator, Vessel
+from ocean_sim.pictures.stage.camera import FRAME_MARGIN, Camera, Operator, Vessel
 from ocean_sim.pictures.stage.obstacles import NO_BOXES, Obstacles, sand_mesh
 from ocean_sim.pictures.stage.particles import Particles
 from ocean_sim.pictures.stage.plotter import Content, Stage
-from ocean_sim.pictures.stage.render_order import Order, RenderFailed
+from ocean_sim.pictures.stage.render_order import DEFAULT_SIZE, Order, RenderFailed
 from ocean_sim.pictures.stage.streaks import Streaks
 from ocean_sim.pictures.stage.wind_marks import WindMarks, arrow_legend
 from ocean_sim.pictures.water import far_sea, sea_state, tank_walls, water_glsl
@@ -27,6 +27,7 @@ from ocean_sim.pictures.water.water_surface import SURFACE_NODES, Water
 PIXEL_SAMPLES = {"draft": 1, "final": 2}
 SHEET_PICTURES, SHEET_SHRINKING = 6, 2  # pictures in a sheet of moments, and pixels along a side of one of its
 SHEET_COLUMNS, SHEET_GAP = 3, 6  # of a sheet, and [pixels] between its pictures
+WORDS_HEIGHT = 160  # [pixels] around a long slice: bars and the time
 MAP_CAMERAS = "top", "side"  # cameras that see the whole way of a ship that leaves the basin
 
 
@@ -42,6 +43,14 @@ def swept_box(lower: np.ndarray, upper: np.ndarray, ways: list[np.ndarray]) -> t
     ships; `ways`: their tracks (n, 3) [m]."""
     middle = np.mean(ways, axis=0) * [1.0, 0.0, 1.0]
     return lower + middle.min(axis=0), upper + middle.max(axis=0)
+
+
+def fitting_size(lower: np.ndarray, upper: np.ndarray, flat: bool) -> tuple[int, int]:
+    """Width and height [pixels] of pictures of a box [m]; those of a long slice, `flat`, are as high as it and words
+    need."""
+    (width, most), (long, high, _) = DEFAULT_SIZE, upper - lower
+    seen = width / FRAME_MARGIN * high / long  # [pixels]
+    return width, min(most, 2 * round(0.5 * (seen + WORDS_HEIGHT))) if flat else most
 
 
 class Picture:
@@ -76,9 +85,9 @@ class Picture:
         at_sea = order.far_sea and not (in_tank or order.particles)
         aim = {"eye": order.eye, "target": order.target}
         given = {"vessel": vessel, "away": away, "at_sea": at_sea, "whole": in_tank}
-        camera, aspect = "side" if flat else order.camera, order.size[0] / order.size[1]
-        self.operator = Operator(camera, self.lower, self.upper, aspect, log.span, **aim, **given)
-        stage = self.stage = Stage(order.size, self.operator.at(first.time), PIXEL_SAMPLES[order.quality])
+        camera, size = "side" if flat else order.camera, order.size or fitting_size(self.lower, self.upper, flat)
+        self.operator = Operator(camera, self.lower, self.upper, size[0] / size[1], log.span, **aim, **given)
+        stage = self.stage = Stage(size, self.operator.at(first.time), PIXEL_SAMPLES[order.quality])
         self.plotter = stage.plotter
         middle, size = 0.5 * (self.lower + self.upper), self.upper - self.lower
         self.reach = float(max(np.linalg.norm(stage.camera.eye - middle), np.linalg.norm(size)))  # [m]

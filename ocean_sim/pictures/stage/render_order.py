@@ -9,6 +9,7 @@ from ocean_sim.conventions import Failed
 from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.pictures.stage.camera import CameraName
 
+DEFAULT_SIZE = 1280, 720  # [pixels] of a picture whose size no scene names
 Quality = Literal["draft", "final"]
 StillTime = Annotated[float, Field(ge=0.0, strict=False)]
 
@@ -29,8 +30,8 @@ class Drawing(Model):
     """Target of the fixed camera."""
     ship: str | None = None
     """The name of the ship that a camera follows; null: the first."""
-    size: tuple[int, int] = Field((1280, 720), strict=False, json_schema_extra={"unit": "pixels"})
-    """Width and height of the pictures, even numbers."""
+    size: tuple[int, int] | None = Field(None, strict=False, json_schema_extra={"unit": "pixels"})
+    """Width and height of the pictures, even numbers; null: 1280 x 720, of a long slice less high."""
     particles: bool = False
     """Draw the particles, coloured by speed, in place of the surface of the water."""
     quality: Quality = "draft"
@@ -66,8 +67,8 @@ class Drawing(Model):
 
     @field_validator("size")
     @classmethod
-    def even(cls, size: tuple[int, int]) -> tuple[int, int]:
-        if any(n % 2 or not 64 <= n <= 7680 for n in size):
+    def even(cls, size: tuple[int, int] | None) -> tuple[int, int] | None:
+        if size is not None and any(n % 2 or not 64 <= n <= 7680 for n in size):
             raise ValueError(f"a film needs an even width and height between 64 and 7680 pixels, not {list(size)}")
         return size
 

@@ -259,7 +259,7 @@ class Sea(Content):
     def pixel(self) -> float:
         """Angle of view that one pixel covers [rad]."""
         angle = np.radians(self.stage.plotter.camera.view_angle)
-        return 2.0 * float(np.tan(angle / 2.0)) / self.order.size[1]
+        return 2.0 * float(np.tan(angle / 2.0)) / self.stage.size[1]
 
     def crest_shares(self, height: np.ndarray) -> np.ndarray:
         """Water heights [m] above the mean level, over half the significant height: 0 at rest, 1 on a crest."""
@@ -312,7 +312,7 @@ class Sea(Content):
         """Update heights and foam of the water outside the basin, on a fan of nodes around the eye."""
         surface, camera = self.surface, self.stage.camera
         fan = surface.fan
-        aspect = self.order.size[0] / self.order.size[1]
+        aspect = self.stage.size[0] / self.stage.size[1]
         half, lowest = camera.spread(aspect)
         heading = float(np.arctan2(camera.forward[2], camera.forward[0]))
         amplitude, eye = self.now.waves.amplitude, camera.eye

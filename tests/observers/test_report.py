@@ -282,6 +282,15 @@ def test_curves_survive_flat_lines_gaps_and_a_single_row():
     assert "nan" not in draw_curves(np.zeros(1), {"a": np.ones(1)}, "a")
 
 
+@pytest.mark.parametrize("height, explained, cut", [(1.0, False, False), (5.0, True, False), (40.0, True, True)])
+def test_needles_are_explained_where_they_stand_out(height, explained, cut):
+    time = np.linspace(0.0, 10.0, 1001)
+    values = np.sin(time)
+    values[500] = height
+    drawing = draw_curves(time, {"a": values}, "force [N]", on_needles="A needle is a slam.")
+    assert ("A needle is a slam." in drawing, "1 values cut" in drawing) == (explained, cut)
+
+
 def test_no_axis_has_a_negative_zero():
     time = np.linspace(0.0, 0.3, 7)
     drawing = draw_curves(time, {"a": time - 0.1}, "label")

@@ -22,6 +22,7 @@ LEFT, RIGHT, TOP, BOTTOM = 72, 12, 8, 38  # margins
 CURVE_COLOURS = (*SERIES, "#7a8790")
 CURVE_DASHES = ("none", "8 3", "2 3", "9 3 2 3", "5 5", "14 4", "3 2 1 2")  # curves differ without colour, too
 SPIKE_RATIO = 4.0  # of the range of all values to the common range: beyond it spikes are cut
+NEEDLE_RATIO = 2.0  # of the same ranges: beyond it spikes are explained
 COMMON_QUANTILE = 0.995  # the common range lies between this quantile and its opposite
 MAX_POINTS = 600  # of a curve
 PAGE_FILE = Path(__file__).with_suffix(".html")  # template of a page, with its style and the clip path of its plots
@@ -104,14 +105,15 @@ def axis_range(values: np.ndarray) -> tuple[float, float]:
     return low - gap, high + gap
 
 
-def range_without_spikes(values: np.ndarray) -> tuple[float, float]:
-    """Least and greatest value that a plot shows: of all values, or without a few spikes that flatten the curve."""
+def range_without_spikes(values: np.ndarray, ratio: float = SPIKE_RATIO) -> tuple[float, float]:
+    """Least and greatest value that a plot shows: of all values, or without a few spikes that flatten the curve, over
+    `ratio` times the common range."""
     finite = values[np.isfinite(values)]
     if not finite.size:
         return -np.inf, np.inf
     low, high = np.quantile(finite, [1.0 - COMMON_QUANTILE, COMMON_QUANTILE])
     least, greatest = finite.min(), finite.max()
-    if greatest - least <= SPIKE_RATIO * max(high - low, 1e-12 * abs(high)) or high == low:
+    if greatest - least <= ratio * max(high - low, 1e-12 * abs(high)) or high == low:
         return float(least), float(greatest)
     return float(max(least, low - 0.5 * (high - low))), float(min(greatest, high + 0.5 * (high - low)))
 
@@ -136,10 +138,15 @@ def curve_stroke(k: int) -> str:
 
 
 def draw_curves(
-    time: np.ndarray, series: Mapping[str, np.ndarray], label: str, limits: Mapping[str, float] | None = None
+    time: np.ndarray,
+    series: Mapping[str, np.ndarray],
+    label: str,
+    limits: Mapping[str, float] | None = None,
+    on_needles: str = "",
 ) -> str:
     """HTML figure of curves (`series`, by name) over time [s], spikes cut, with lines at `limits`; empty if all are 0
-    or NaN. `label`: quantity and unit of the curves, read aloud by screen readers."""
+    or NaN. `label`: quantity and unit of the curves, read aloud by screen readers; `on_needles`: sentence below curves
+    whose few greatest values stand far out."""
     everything = np.concatenate(list(series.values()))
     if not np.nan_to_num(everything).any():
         return ""
@@ -150,6 +157,7 @@ def draw_curves(
     low, high = axis_range(np.array([bottom, top, *limits.values()]))
     farthest = max(np.nanmin(everything), np.nanmax(everything), key=abs)
     note = f" ({beyond} values cut, as far as {farthest:.4g})" if beyond else ""
+    has_needles = range_without_spikes(everything, NEEDLE_RATIO) != range_without_spikes(everything, np.inf)
 
     x = lambda t: LEFT + (t - left) / (right - left) * (PLOT_WIDTH - LEFT - RIGHT)
     y = lambda value: PLOT_HEIGHT - BOTTOM - (value - low) / (high - low) * (PLOT_HEIGHT - TOP - BOTTOM)
@@ -173,5 +181,6 @@ def draw_curves(
         parts.append(f'<polyline points="{line}" {curve_stroke(k)} clip-path="url(#plot)"/>')
         sample = f'<svg class="sample" viewBox="0 0 26 8"><path d="M0 4H26" {curve_stroke(k)}/></svg>'
         legend.append(f"<span>{sample} {html.escape(name)}</span>")
+    legend += [f"<br>{html.escape(on_needles)}"] if on_needles and has_needles else []
     caption = f"<figcaption>{' '.join(legend)}</figcaption>"
     return "\n".join([f'<figure class="plot">{caption}', *parts, "</svg></figure>"])

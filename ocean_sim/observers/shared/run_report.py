@@ -177,7 +177,7 @@ def draw(log: Table, plot: Mapping[str, Any], limits: Mapping[str, float]) -> st
     series = {name: plot.get("times", 1.0) * log[column] for name, column in columns.items() if column in log}
     if plot.get("acting"):
         series = {name: values for name, values in series.items() if values.any()}
-    return draw_curves(log["time_s"], series, plot["label"], shown) if series else ""
+    return draw_curves(log["time_s"], series, plot["label"], shown, plot.get("needles", "")) if series else ""
 
 
 def columns_like(log: Table, pattern: str) -> dict[str, str]:

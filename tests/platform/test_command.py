@@ -13,7 +13,7 @@ from ocean_sim.platform.shared import motion_log
 from ocean_sim.verbs.shared import platform_pictures
 from tests.platform.conftest import Listener, columns, ride, write
 
-PICTURES = {"motion.png", "legs.png", "workspace.png", "strips.png"}
+PICTURES = {"motion.png", "legs.png", "workspace.png"}
 
 
 @pytest.fixture

@@ -18,8 +18,6 @@ FORCE_LABELS = ("specific force on the platform, x [m/s²]", "y", "z, less g")
 RATE_LABELS = ("angular rate of the platform, x [deg/s]", "y", "z")
 PUSH_LABELS = tuple(f"felt specific force, {axis} [m/s²]" for axis in ("forward", "to port", "up, less g"))
 TURN_LABELS = tuple(f"felt rate of {turn} [deg/s]" for turn in ("roll", "pitch", "yaw"))
-STRIP_ROWS = (("pitch", 4), ("roll", 3), ("yaw", 5))
-STRIP_ANGLE = np.radians(12.0)
 FILM_SECONDS, FRAME_RATE = 10.0, 20  # of a film
 WORKSPACE_PAIRS = ((0, 2), (1, 2), (0, 1), (3, 4), (3, 5), (4, 5))  # motions of which a workspace is drawn
 WORKSPACE_POINTS = 121  # points along one of them
@@ -29,8 +27,8 @@ PLATE_THICKNESS = 0.025  # of the drawn platform, as a part of its height
 def draw_pictures(
     folder: Path, done: Commands, best: Commands | None, config: Config, machine: HexapodPlatform, film: bool
 ) -> None:
-    """Draw pictures of the commands `done` into a folder: motion.png, legs.png, workspace.png and strips.png, best.png
-    if there are those of the `best` ride within the limits, and film.gif if `film` is true."""
+    """Draw pictures of the commands `done` into a folder: motion.png, legs.png and workspace.png, best.png if
+    there are those of the `best` ride within the limits, and film.gif if `film` is true."""
     span = liveliest_span(done, machine, MAX_CURVE_SECONDS)
     shown = done.select(span)
     curves = [(draw_motion(shown), "motion.png"), (draw_legs(shown, config.geometry), "legs.png")]
@@ -44,7 +42,6 @@ def draw_pictures(
         draw_workspace(done.select(slice(None, None, max(1, len(done.time) // MAX_PATH_POINTS))), machine),
         folder / "workspace.png",
     )
-    save_figure(draw_strips(machine.hexapod), folder / "strips.png")
     if film:
         write_film(folder / "film.gif", done, machine)
 
@@ -182,22 +179,6 @@ def stroke_usage_grid(machine: HexapodPlatform, one: int, other: int) -> tuple[n
         if not cut.any() or size.max() > 4.0:
             return across, up, usage
         size = np.where(cut, 1.15 * size, size)
-
-
-def draw_strips(hexapod: Hexapod) -> Any:
-    """Figure 6-10 of the thesis: three strips of five drawings of the hexapod, in a swing of pitch, roll and yaw."""
-    picture, axes = panel_grid(3, 1, (12, 9))
-    apart, height = 2.6 * float(np.abs(hexapod.base).max()), hexapod.neutral_height
-    for axis, (name, motion) in zip(axes[:, 0], STRIP_ROWS):
-        for k, phase in enumerate(np.cos(np.linspace(0.0, 2.0 * np.pi, 5))):
-            pose = np.zeros(6)
-            pose[motion] = STRIP_ANGLE * phase
-            draw_stand(axis, hexapod, pose, k * apart)
-            angle = round(np.degrees(pose[motion]))
-            axis.text(k * apart, -0.42 * height, f"{angle:+d}°" if angle else "0°", ha="center", va="top")
-        axis.set_title(f"{name}: a swing of the platform, of no ride", loc="left")
-        axis.set_ylim(-0.6 * height, 1.5 * height)
-    return picture
 
 
 def project_points(points: np.ndarray) -> np.ndarray:

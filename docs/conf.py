@@ -1,5 +1,6 @@
 """Configuration of Sphinx for these pages: `./sandbox docs`. Nothing is fetched; a warning is an error."""
 
+import json
 import re
 import sys
 from pathlib import Path
@@ -21,16 +22,18 @@ myst_heading_anchors = 3
 html_theme = "furo"
 html_title = "Ocean Sim"
 html_show_sphinx = False
-html_show_search_summary = False  # it would fetch pages, which browsers refuse on file://
+html_show_search_summary = False  # it would fetch pages, which browsers refuse on file://; see excerpts.js
 html_copy_source = False
 html_static_path = ["static"]
 html_css_files = ["pages.css"]
+html_js_files = ["excerpts.js"]
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
 html_math_renderer = "mathml"
 exclude_patterns = ["tutorials/*.py", "_build"]
 smartquotes = False  # which would make one dash of the two of an option
 suppress_warnings = ["myst.header"]
+UNREAD = nodes.raw, nodes.comment, nodes.literal_block  # left out of excerpts
 contents = yaml.safe_load((Path(__file__).parent / "contents.yaml").read_text(encoding="utf-8"))
 
 
@@ -55,9 +58,22 @@ def add_contents(app: Any, page: str, source: list[str]) -> None:
         source[0] += "\n".join(["\n```{toctree}", f":caption: {caption}", ":glob:", shown, "", *names, "```\n"])
 
 
+def write_texts(app: Any, failure: Exception | None) -> None:
+    """Write the prose of each page, for excerpts in the results of the search, as a script that assigns it to TEXTS."""
+    if failure is None:
+        texts = {}
+        for page in sorted(app.env.found_docs):
+            words = app.env.get_doctree(page)
+            for node in list(words.findall(lambda node: isinstance(node, UNREAD))):
+                node.parent.remove(node)
+            texts[page] = " ".join(words.astext().split())
+        Path(app.outdir, "_static", "texts.js").write_text(f"const TEXTS = {json.dumps(texts)};\n", encoding="utf-8")
+
+
 def setup(app: Any) -> None:
     """Register formulas as MathML, which browsers draw by themselves, so that no script is fetched."""
     app.add_config_value("contents", {}, "env")  # another tree builds all pages anew
     app.add_html_math_renderer("mathml", (inline_math, None), (block_math, None))
     app.connect("source-read", add_contents)
+    app.connect("build-finished", write_texts)
     app.connect("builder-inited", lambda app: generate.pages(Path(app.srcdir) / "generated"))

@@ -278,7 +278,7 @@ function instruments() {
 function greet() {
   if (store("greeted")) return;
   $("first").hidden = false;
-  if (matchMedia("(pointer: coarse)").matches) $("first").querySelector("ul").innerHTML = "<li><b>Drag</b> to look around; two fingers move, a pinch comes nearer</li><li>The panel (top right) has rudder, throttle and scenes</li>";
+  if (matchMedia("(pointer: coarse), (hover: none) and (max-width: 820px)").matches) $("first").querySelector("ul").innerHTML = `<li><b>Drag</b> to look around; two fingers move, a pinch comes nearer</li><li>${LIVE ? "The panel (top right) has rudder, throttle and scenes" : "The bar goes to any time"}</li>`;
   else if (!LIVE) $("first").querySelector("ul").innerHTML = "<li><b>Space</b> pauses; the bar goes to any time</li><li><b>Drag</b> to look around, 1 to 5 choose a camera</li><li><b>?</b> lists all keys</li>";
   const done = (event) => {
     if (event.key === "Tab") return;

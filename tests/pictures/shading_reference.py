@@ -19,8 +19,10 @@ from ocean_sim.pictures.water.foam import (
     MIN_SHARE,
     MIN_WHITENESS,
     OCTAVE_TURN,
-    PATCH_DEVIATION,
     PATCH_MEAN,
+    PATCH_VARIANCE,
+    RIDGE_MEAN,
+    RIDGE_VARIANCE,
     WHOLE_SHARE,
 )
 from ocean_sim.pictures.water.water_glsl import CONSTANT_REFLECTANCE, GLINTS
@@ -337,8 +339,9 @@ def tilted(normal: np.ndarray, slope_x: np.ndarray, slope_z: np.ndarray) -> np.n
     return steeper / np.linalg.norm(steeper, axis=1, keepdims=True)
 
 
-def patches(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """The grain of foam at positions [m], about 0 to 1: lace of threads around bubbles, in clumps."""
+def patches(x: np.ndarray, z: np.ndarray, footprint: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The grain of foam at positions [m], about 0 to 1: lace of threads around bubbles, in clumps; and its variance.
+    Octaves that the footprint [m] of a pixel hides are their mean."""
     x, z = GRAIN_SCALE * x, GRAIN_SCALE * z
     bend_x, bend_z = (
         value_noise(0.6 * x + 3.0, 0.6 * z + 7.0)[0] - 0.5,
@@ -346,12 +349,14 @@ def patches(x: np.ndarray, z: np.ndarray) -> np.ndarray:
     )
     x, z = x + GRAIN_BEND * bend_x, z + GRAIN_BEND * bend_z
     clumps = value_noise(0.45 * x, 0.45 * z)[0]
-    grain, scale = 0.42 * clumps, 1.3
+    grain, variance, scale = 0.42 * clumps, np.full(np.shape(x), PATCH_VARIANCE), 1.3
     for share in (0.30, 0.26, 0.20):
         x, z = OCTAVE_TURN[0] * x - OCTAVE_TURN[1] * z, OCTAVE_TURN[1] * x + OCTAVE_TURN[0] * z
         ridge = 1.0 - np.abs(2.0 * value_noise(scale * x + 9.0, scale * z + 9.0)[0] - 1.0)
-        grain, scale = grain + share * ridge * ridge, 2.1 * scale
-    return grain
+        fine = np.clip(2.0 - 4.0 * footprint * GRAIN_SCALE * scale, 0.0, 1.0)
+        grain = grain + share * (RIDGE_MEAN + fine * (ridge * ridge - RIDGE_MEAN))
+        variance, scale = variance + (fine * share) ** 2 * RIDGE_VARIANCE, 2.1 * scale
+    return grain, variance
 
 
 def white(share: np.ndarray, x: np.ndarray, z: np.ndarray, footprint: np.ndarray) -> np.ndarray:
@@ -360,7 +365,8 @@ def white(share: np.ndarray, x: np.ndarray, z: np.ndarray, footprint: np.ndarray
     The mean over an area stays the share's: patches are thresholded by their own distribution, the threads first and
     the bubbles last, and foam that is thin covers the more of the water, the less white it is.
     """
-    rank = 1.0 / (1.0 + np.exp(1.702 * (patches(x, z) - PATCH_MEAN) / PATCH_DEVIATION))
+    grain, variance = patches(x, z, footprint)
+    rank = 1.0 / (1.0 + np.exp(1.702 * (grain - PATCH_MEAN) / np.sqrt(variance)))
     thick = np.minimum(MIN_WHITENESS + (1.0 - MIN_WHITENESS) * share / WHOLE_SHARE, 1.0)
     covered = share / thick
     soft = np.maximum(np.minimum(np.minimum(covered, 1.0 - covered), EDGE_SOFTNESS), 1e-3)

@@ -17,26 +17,30 @@ vec3 noise(vec2 p) {
   float k = a - b - c + d;
   return vec3(a + (b - a) * u.x + (c - a) * u.y + k * u.x * u.y, du * (vec2(b - a, c - a) + k * u.yx));
 }
-float patches(vec2 q) {
+// Grain of foam at a place, and its variance; octaves that the footprint of a pixel hides are their mean.
+vec2 patches(vec2 q, float footprint) {
   q *= GRAIN_SCALE;
   q += GRAIN_BEND * (vec2(noise(0.6 * q + vec2(3.0, 7.0)).x, noise(0.6 * q + vec2(23.0, 11.0)).x) - 0.5);
-  float grain = 0.42 * noise(0.45 * q).x, scale = 1.3;
+  float grain = 0.42 * noise(0.45 * q).x, variance = PATCH_VARIANCE, scale = 1.3;
   vec3 shares = vec3(0.30, 0.26, 0.20);
   for (int o = 0; o < 3; o++) {
     q = vec2(OCTAVE_TURN[0] * q.x - OCTAVE_TURN[1] * q.y,
              OCTAVE_TURN[1] * q.x + OCTAVE_TURN[0] * q.y);
     float ridge = 1.0 - abs(2.0 * noise(scale * q + 9.0).x - 1.0);
-    grain += shares[o] * ridge * ridge;
+    float fine = clamp(2.0 - 4.0 * footprint * GRAIN_SCALE * scale, 0.0, 1.0), each = fine * shares[o];
+    grain += shares[o] * mix(RIDGE_MEAN, ridge * ridge, fine);
+    variance += each * each * RIDGE_VARIANCE;
     scale *= 2.1;
   }
-  return grain;
+  return vec2(grain, variance);
 }
 float white(float share, vec2 q, float footprint) {
   float fine = clamp(1.0 - footprint / MAX_FOOTPRINT, 0.0, 1.0);
   float result = share > MIN_SHARE ? share : 0.0;
   int turns = result > 0.0 && fine > 0.0 ? 1 : 0;
   for (int turn = 0; turn < turns; turn++) {
-    float rank = 1.0 / (1.0 + exp(1.702 * (patches(q) - PATCH_MEAN) / PATCH_DEVIATION));
+    vec2 grain = patches(q, footprint);
+    float rank = 1.0 / (1.0 + exp(1.702 * (grain.x - PATCH_MEAN) * inversesqrt(grain.y)));
     float whiter = (1.0 - MIN_WHITENESS) / WHOLE_SHARE * share;
     float thick = min(MIN_WHITENESS + whiter, 1.0);
     float covered = share / thick, soft = max(min(min(covered, 1.0 - covered), EDGE_SOFTNESS), 0.001);

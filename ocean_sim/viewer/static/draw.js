@@ -205,6 +205,7 @@ void main() {
   vec2 inside = reach - abs(node.xy - origin - tileFirst - 0.5 * tileStep * (vec2(tileSize) - 1.0));
   at = vec4(node.xyz, node.w * step(0.0, min(inside.x, inside.y)));
   gl_Position = view * vec4(node.x, known(node.xy - origin).x + 0.02, node.y, 1.0);
+  gl_Position.z -= 3e-5 * gl_Position.w;  // water between its nodes stands over those of the wake
 }`;
 const WAKE_FRAGMENT = `
 in vec4 at;

@@ -307,7 +307,7 @@ class World {
     if (!sea) {  // the cut sides
       gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
       gl.depthMask(!thin);
-      painter.side.use({ ...known, view, bed: this.bed, alpha: thin ? 0.22 : 0.93 });
+      painter.side.use({ ...known, view, bed: this.bed, alpha: thin ? 0.22 : 1 });
       gl.bindVertexArray(this.wall);
       gl.drawArrays(gl.TRIANGLES, 0, this.wallCount);
     }

@@ -16,7 +16,7 @@ from ocean_sim.__main__ import run_command_line
 from ocean_sim.observers import render
 from ocean_sim.pictures.stage import opengl
 from ocean_sim.reading.scene import load
-from ocean_sim.verbs.check import memory_text, preflight, wall_time
+from ocean_sim.verbs.check import memory_text, picture_time, preflight, wall_time
 from ocean_sim.verbs.shared import history
 from tests.processes import children
 
@@ -61,6 +61,18 @@ def test_the_time_of_steps_is_a_guess_until_such_water_has_run_and_then_goes_wit
     assert steps() == pytest.approx(0.003 * 5000) and steps(**{"fluid.spacing": 0.05}) == pytest.approx(0.02 * 5000)
     keep(config, 0.001)
     assert steps() == pytest.approx(0.001 * 5000)
+
+
+def test_the_time_of_pictures_goes_with_the_last_film_of_the_machine(cache):
+    config = load(COLUMN | DRAWN)
+    alone, before = picture_time(load(COLUMN | DRAWN, {"render.film": False})), picture_time(config)
+    history.keep_picture_ratio(config, 3.0 * (before - alone))
+    assert picture_time(config) == pytest.approx(3.0 * before)
+    history.keep_picture_ratio(config, None)  # too few pictures were drawn after the run
+    history.keep_picture_ratio(load(COLUMN | DRAWN, {"render": None}), 1.0)
+    assert picture_time(config) == pytest.approx(3.0 * before)
+    flat = load(TANK | DRAWN)
+    assert picture_time(flat) == sum(part.picture_time(flat.preflight) for part in flat.observers.values())
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from ocean_sim import machine
 from ocean_sim import result as result_module
 from ocean_sim.machine import available_cores
 from ocean_sim.observers.render import PICTURE_SECONDS, START_SECONDS
@@ -101,10 +102,12 @@ def test_a_film_is_estimated_once_from_its_first_pictures(clock, capsys):
     lines = [line for line in capsys.readouterr().out.splitlines() if "film" in line]
     assert lines == [f"drawing a film of 101 pictures, about 3 min 14 s more{FILM_CURE}"]
     assert 2.0 * (101 - 1 - MIN_TIMED_PICTURES) == 194.0 and "render=null" in FILM_CURE
+    assert drawing.film_time == 202.0
 
 
 @pytest.mark.parametrize("film, drafts", [(True, 10), (False, 0)])
-def test_an_estimate_says_what_pictures_take_and_how_to_leave_them_out(film, drafts):
+def test_an_estimate_says_what_pictures_take_and_how_to_leave_them_out(film, drafts, tmp_path, monkeypatch):
+    monkeypatch.setattr(machine, "cache_directory", lambda: tmp_path)
     config = load(SEA, {"render.film": film})
     wall, alone = picture_time(config), START_SECONDS[3] + drafts * PICTURE_SECONDS[3]["draft"]  # on one core
     assert alone / available_cores() <= wall <= alone

@@ -51,8 +51,8 @@ from ocean_sim.pictures.water.sea_state import DRY_DEPTH_SHARE, is_tank, run_sce
 from ocean_sim.simulation import OutcomeObserver, Progress, Simulation
 
 PICTURE_SECONDS = {  # processor time [s] of a picture of 1280 x 720 without a graphics card, by dimensions and quality
-    2: {"draft": 0.1, "final": 0.26},
-    3: {"draft": 0.7, "final": 1.9},
+    2: {"draft": 0.1, "final": 0.15},
+    3: {"draft": 0.5, "final": 1.4},
 }
 START_SECONDS = {2: 3.3, 3: 7.0}  # of starting to draw, and of the pictures next to the film [s]
 SERIAL_SHARE = 0.36  # share of the processor time of a process that draws that one core takes by itself; measured
@@ -464,8 +464,7 @@ class Painter(DrawingProcess, AbstractContextManager["Painter"]):
             threading.Thread(target=self.say_over, args=(over,), daemon=True).start()
 
     def picture(self, size: tuple[int, int]) -> np.ndarray:
-        """Next picture (height, width, 3) that the process draws, 8-bit RGB; raises RenderFailed if it has ended.
-        `size`: its width and height [pixels]."""
+        """Next picture (height, width, 3), 8-bit RGB; raises RenderFailed if it has ended. `size`: as Order's."""
         pixels = self.given.read(3 * prod(size))
         if len(pixels) < 3 * prod(size):
             self.child.wait()

@@ -13,7 +13,7 @@ from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.simulation import Simulation
 from ocean_sim.time_step.courant import Config as Courant
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.history import keep_run_times, run_times
+from ocean_sim.verbs.shared.history import keep_run_times, picture_ratio, run_times
 from ocean_sim.verbs.shared.options import Profile, Scene, Sets
 from ocean_sim.verbs.shared.progress import Progress, kernel_notice
 
@@ -103,8 +103,8 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
 
 
 def picture_time(config: SceneConfig) -> float:
-    """Estimated wall time [s] to draw all pictures of a run on an idle machine."""
-    return sum(part.picture_time(config.preflight) for part in config.observers.values())
+    """Estimated wall time [s] to draw all pictures of a run, by the last film on this machine, else as if idle."""
+    return picture_ratio(config) * sum(part.picture_time(config.preflight) for part in config.observers.values())
 
 
 def particle_room(config: SceneConfig, rows: list[LedgerRow], particles: int) -> dict[str, int | None]:

@@ -16,7 +16,7 @@ from ocean_sim.result import FIRST_FILE, Result, claim_run_folder, simulate
 from ocean_sim.state import checkpoint_file
 from ocean_sim.verbs.check import preflight, preflight_lines
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.history import keep_run_times
+from ocean_sim.verbs.shared.history import keep_picture_ratio, keep_run_times
 from ocean_sim.verbs.shared.options import Out, Profile, Quiet, Scene, Sets
 from ocean_sim.verbs.shared.progress import Progress, kernel_notice
 
@@ -72,6 +72,7 @@ def report_run(
     except KeyboardInterrupt:
         raise stopped_run(progress, folder) from None
     keep_run_times(config, progress)
+    keep_picture_ratio(config, progress.drawing.film_time)
     facts = progress.summary() | {"outcome": result.manifest.get("outcome"), "warnings": config.warnings()}
     facts |= run_facts(result, config)
     console.reply(facts, str(folder) if quiet else run_summary(facts))

@@ -13,6 +13,7 @@ BAR_SECONDS = 0.1  # wall time between two pictures of the bar [s]
 LINE_SHARE = 0.05  # share of the whole between two plain lines
 MIN_LINE_SECONDS = 2.0  # and at least this much wall time between them [s]
 MIN_TIMED_PICTURES = 3  # pictures from which the time that a film takes is estimated
+MIN_KEPT_PICTURES = 10  # and from which films to come are estimated
 FILM_CURE = "; Ctrl-C leaves it out, and so does --set render=null from the start"
 
 
@@ -67,11 +68,14 @@ class Drawing:
         self.bar, self.cure = Bar(1.0, quiet), cure
         self.first: tuple[float, int] | None = None  # wall time [s], and pictures that were drawn by then
         self.estimated = self.bar.quiet
+        self.film_time: float | None = None  # wall time [s] of all pictures, once enough are timed
 
     def __call__(self, done: int, total: int) -> None:
         """Show that `done` of `total` pictures are drawn; the drawing of a film calls this after each picture."""
         now = perf_counter()
         self.first = self.first or (now, done)
+        if (timed := done - self.first[1]) >= MIN_KEPT_PICTURES:
+            self.film_time = total * (now - self.first[0]) / timed
         left = self.left(now, done, total)
         if not self.estimated and left is not None and done - self.first[1] >= MIN_TIMED_PICTURES:
             self.estimated = True

@@ -95,3 +95,20 @@ def keep_run_times(config: SceneConfig, progress: Progress) -> None:
         particles, start = config.preflight.particles, progress.summary()["wall_s"]["start"]
         conditions = f"{rate_conditions(config)}, below {1 << particles.bit_length()} particles"
         keep_measurement(rate_file(), conditions, [particles, start, progress.step_time])
+
+
+def picture_key(config: SceneConfig) -> str:
+    return f"pictures in {config.preflight.tank.dimension}-D, {processor_name()}"
+
+
+def picture_ratio(config: SceneConfig) -> float:
+    """Wall time of the last film on this machine over its estimate; 1 without one."""
+    return float(read_json_object(rate_file()).get(picture_key(config), 1.0))
+
+
+def keep_picture_ratio(config: SceneConfig, film_time: float | None) -> None:
+    """Store the wall time [s] of a run's film, unless None, over its estimate, for `picture_ratio`."""
+    part, facts = config.observers.get("render"), config.preflight
+    if part is not None and film_time is not None:
+        estimate = part.picture_time(facts) - part.model_copy(update={"film": False}).picture_time(facts)
+        keep_measurement(rate_file(), picture_key(config), film_time / estimate)

@@ -25,6 +25,7 @@ SPIKE_RATIO = 4.0  # of the range of all values to the common range: beyond it s
 NEEDLE_RATIO = 2.0  # of the same ranges: beyond it spikes are explained
 COMMON_QUANTILE = 0.995  # the common range lies between this quantile and its opposite
 MAX_POINTS = 600  # of a curve
+Curves = Mapping[str, np.ndarray]
 PAGE_FILE = Path(__file__).with_suffix(".html")  # template of a page, with its style and the clip path of its plots
 
 
@@ -106,8 +107,7 @@ def axis_range(values: np.ndarray) -> tuple[float, float]:
 
 
 def range_without_spikes(values: np.ndarray, ratio: float = SPIKE_RATIO) -> tuple[float, float]:
-    """Least and greatest value that a plot shows: of all values, or without a few spikes that flatten the curve, over
-    `ratio` times the common range."""
+    """Least and greatest value that a plot shows: of all, or without a few that reach over `ratio` common ranges."""
     finite = values[np.isfinite(values)]
     if not finite.size:
         return -np.inf, np.inf
@@ -138,15 +138,10 @@ def curve_stroke(k: int) -> str:
 
 
 def draw_curves(
-    time: np.ndarray,
-    series: Mapping[str, np.ndarray],
-    label: str,
-    limits: Mapping[str, float] | None = None,
-    on_needles: str = "",
+    time: np.ndarray, series: Curves, label: str, limits: Mapping[str, float] | None = None, on_needles: str = ""
 ) -> str:
     """HTML figure of curves (`series`, by name) over time [s], spikes cut, with lines at `limits`; empty if all are 0
-    or NaN. `label`: quantity and unit of the curves, read aloud by screen readers; `on_needles`: sentence below curves
-    whose few greatest values stand far out."""
+    or NaN. `label`: quantity and unit, read aloud by screen readers; `on_needles`: sentence if few values are far."""
     everything = np.concatenate(list(series.values()))
     if not np.nan_to_num(everything).any():
         return ""

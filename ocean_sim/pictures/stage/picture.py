@@ -46,8 +46,7 @@ def swept_box(lower: np.ndarray, upper: np.ndarray, ways: list[np.ndarray]) -> t
 
 
 def fitting_size(lower: np.ndarray, upper: np.ndarray, flat: bool) -> tuple[int, int]:
-    """Width and height [pixels] of pictures of a box [m]; those of a long slice, `flat`, are as high as it and words
-    need."""
+    """Width and height [pixels] of pictures of a box [m]; as high as it and words need if it is `flat` and long."""
     (width, most), (long, high, _) = DEFAULT_SIZE, upper - lower
     seen = width / FRAME_MARGIN * high / long  # [pixels]
     return width, min(most, 2 * round(0.5 * (seen + WORDS_HEIGHT))) if flat else most

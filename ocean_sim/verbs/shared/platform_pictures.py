@@ -38,10 +38,8 @@ def draw_pictures(
         if len(shown.time) < len(done.time):
             picture.suptitle(f"the liveliest {MAX_CURVE_SECONDS:g} s of {np.ptp(done.time):.4g} s", fontsize=10)
         save_figure(picture, folder / name)
-    save_figure(
-        draw_workspace(done.select(slice(None, None, max(1, len(done.time) // MAX_PATH_POINTS))), machine),
-        folder / "workspace.png",
-    )
+    path = done.select(slice(None, None, max(1, len(done.time) // MAX_PATH_POINTS)))
+    save_figure(draw_workspace(path, machine), folder / "workspace.png")
     if film:
         write_film(folder / "film.gif", done, machine)
 

@@ -57,10 +57,11 @@ SHEAR_UPDATE_INTERVAL = 1.0 / 64.0  # [SHEAR_MEMORY]
 CALM_STRAIN, WINDY_CALM_STRAIN = 1e-3, 1e-4
 # Share of the density by which particles may stand too thin or too dense before pressure leaks: in full water, more of
 # it in a unit of `edge`, and beyond it, up to which the leak grows.
-PACKING_TOLERANCE, EDGE_TOLERANCE, PACKING_RANGE = 0.03, 0.06, 0.1
+PACKING_TOLERANCE, EDGE_TOLERANCE, PACKING_RANGE = 0.015, 0.06, 0.25
+SURFACE_TENSION, TENSION_RANGE = 3e-4, 1e-3  # of density below rest, from which it ends at a surface; up to full rate
+INNER_EDGE, EDGE_RANGE = 0.1, 0.5  # of `edge` inside water, beyond it at a surface; that of its third row is 0.01
 RESISTED_APPROACH = 1e-4  # [c] of particles on which the stress under tension acts in full
 PARTING_TENSION = 1e-3  # of the density below rest, from which on a face draws no water apart
-INNER_EDGE = 0.1  # of `edge` inside the water: of the third row from a surface it is 0.01
 IMPACT_DISSIPATION = 0.5  # between particles that meet, over their density and the square of their speed
 # Deviation of the density, damped pressure over density squared; share of diffusion, spin, strain.
 CARRIED_NUMBERS, GRADED_NUMBERS = 2, 3
@@ -403,6 +404,14 @@ class Continuity(Law):
         return ti.select(thinner * deviation > 0.0, rate, 0.0)
 
     @ti.func
+    def tension_release(self, edge, deviation):
+        """Rate [1/s], up to c / spacing, at which a `deviation` [kg/m3] of the density below rest ends near a surface
+        (`edge`), beyond which nothing can pull; inside the water tension stays."""
+        tense = tm.clamp((-deviation / self.fluid.rest_density - SURFACE_TENSION) / TENSION_RANGE, 0.0, 1.0)
+        near = tm.clamp((edge - INNER_EDGE) / EDGE_RANGE, 0.0, 1.0)
+        return self.fluid.sound_speed / self.fluid.spacing * tense * near
+
+    @ti.func
     def finish(self, i, own, total, beyond, group):
         """Advance density and pressure of particle i to the step's end by the sums `total` over neighbours of `own`;
         store its share of diffusion or, in a closed basin, its shift. `group`: row of the budget."""
@@ -425,7 +434,8 @@ class Continuity(Law):
             self.grade_diffusion(i, filled)
             edge = self.edge(own, total)
             thinner = self.swelling(filled, edge, deviation)
-            excess -= lesser(dt * self.leak(thinner, edge, deviation), 1.0) * excess
+            leak = tm.max(self.leak(thinner, edge, deviation), self.tension_release(edge, deviation))
+            excess -= lesser(dt * leak, 1.0) * excess
             if edge < INNER_EDGE:
                 fluid.accounts.count_packing(group, thinner)
         fluid.rate[i], fluid.excess[i] = rate, excess

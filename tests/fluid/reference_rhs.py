@@ -220,8 +220,10 @@ def delta_continuity(
 def delta_leak(water: Water, excess: np.ndarray, filled: np.ndarray, edge: np.ndarray, lack: np.ndarray) -> np.ndarray:
     """Rate (n,) [1/s] at which an excess of the density decays; `lack`: share of a kernel beyond a flat surface."""
     thinner = 1.0 + excess / RHO_0 - filled - lack
-    share = np.clip((np.abs(thinner) - 0.03 - 0.06 * edge) / 0.1, 0.0, 1.0)
-    return np.where(thinner * excess > 0.0, share * water.c / water.support, 0.0)
+    share = np.clip((np.abs(thinner) - 0.015 - 0.06 * edge) / 0.25, 0.0, 1.0)
+    packing = np.where(thinner * excess > 0.0, share * water.c / water.support, 0.0)
+    tense = np.clip((-excess / RHO_0 - 3e-4) / 1e-3, 0.0, 1.0) * np.clip((edge - 0.1) / 0.5, 0.0, 1.0)
+    return np.maximum(packing, tense * water.c / water.spacing)
 
 
 def dfsph(water: Water, p: np.ndarray, left_out: str = "") -> dict[str, np.ndarray]:

@@ -340,6 +340,28 @@ def test_the_stress_under_tension_resists_approach_alone(again):
     assert by_stress[0] - by_stress[1] == pytest.approx(expected, rel=2e-2)
 
 
+def test_tension_ends_at_a_surface_and_stays_inside(water, monkeypatch):
+    """A square of water in free space, stretched by 0.2 %, for as long as sound takes over a spacing: its rim keeps
+    less than a quarter of that, the middle all. Without the law (negative control) the rim keeps four fifths."""
+
+    def kept() -> tuple[float, float]:
+        square = {"spacing": 0.02, "fill": [{"min": [-0.25, -0.5], "max": [0.25, 0.0]}], "reference_speed": 2.0}
+        fluid = water("delta_sph", basin=OPEN | {"width": None}, **square)
+        stretched = -2e-3 * fluid.rest_density
+        fluid.particles.pressure.fill(stretched * fluid.sound_speed**2)
+        fluid.begin()
+        advance(fluid, fluid.spacing / fluid.sound_speed)
+        x, share = fluid.particles.position.to_numpy(), fluid.excesses.values() / stretched
+        inside = np.abs(x[:, :2] + [0.0, 0.25]).max(axis=1)  # [m] from the middle
+        return share[inside > 0.235].max(), share[inside < 0.05].min()
+
+    rim, middle = kept()
+    assert rim < 0.25 and middle > 0.99
+    monkeypatch.setattr(delta_sph, "TENSION_RANGE", 1e9)
+    rim, middle = kept()
+    assert rim > 0.8 and middle > 0.99
+
+
 def poured() -> tuple[float, float]:
     """Depth [m] of the water at rest in a tank of 1 m into which 0.2 m2 fell on 0.25 m2, and what the books lack over
     the energy that came with it."""

@@ -21,7 +21,7 @@ from ocean_sim.platform.shared.motion_log import Ride
 # A washout is one file, washout/<kind>.py: a Config with its `kind`, which builds what follows a ride.
 WASHOUT_KINDS = sorted(path.stem for path in (Path(__file__).parent / "washout").glob("[!_]*.py"))
 GLIDE_TIME = 0.15  # [s] within which a platform that stops loses its speed
-PLAN_COST = 0.12  # [s] of processor time of a plan, for each second that it looks ahead
+PLAN_COST = 0.045  # [s] of processor time of a plan, for each second that it looks ahead
 WASHOUT_CONFIGS = [import_module(f"ocean_sim.platform.washout.{name}").Config for name in WASHOUT_KINDS]
 AnyWashout: Any = reduce(or_, WASHOUT_CONFIGS)
 if len(WASHOUT_CONFIGS) > 1:  # pydantic selects one by its kind, which takes two or more

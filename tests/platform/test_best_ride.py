@@ -100,6 +100,6 @@ def test_plans_over_a_horizon_are_nearly_the_best():
 def test_a_period_must_fit_knots_and_horizon():
     from ocean_sim.conventions import Failed
 
-    for wrong, said in (("period=0.05", "multiple of 0.04"), ("period=29.92", "no room to stop")):
+    for wrong, said in (("period=0.05", "multiple of 0.04"), ("period=39.92", "no room to stop")):
         with pytest.raises(Failed, match=said):
             predictive(wrong)

@@ -13,7 +13,7 @@ Otoliths sense a specific force by 0.4 (10 s + 1) / ((5 s + 1) (0.016 s + 1)), s
 0.28 m/s2, and 3.0, 3.6 and 2.6 deg/s about roll, pitch and yaw (Reid & Nahon 1985, UTIAS Report 296).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,9 +22,9 @@ from ocean_sim.conventions import Failed, Lacking
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, felt_motion
 
 KNOT_INTERVAL = 0.04  # [s]
-WINDOW_TIME, KEPT_TIME = 60.0, 40.0  # [s] solved at a time, and kept of it if the ride goes on
-PASS_TOLERANCES = (1e-3, 1e-3, 1e-3, 1e-5)  # of passes over a window, each about the solution of the one before
-ROUGH_TOLERANCE = 1e-3  # of passes that are no better for iterative refinement, a quarter of their time
+WINDOW_TIME, KEPT_TIME = 120.0, 100.0  # [s] solved at a time, and kept of it if the ride goes on
+PASSES = 5  # over a window, each about the solution of the one before
+SOLVER_TOLERANCE = 1e-5
 OTOLITH_FILTER = ([4.0, 0.4], [0.08, 5.016, 1.0])  # numerator and denominator, powers of s downwards
 CANAL_FILTER = ([458.4, 0.0, 0.0], [458.4, 85.73, 1.0])
 SENSED_THRESHOLDS = np.concatenate([(0.17, 0.17, 0.28), np.radians([3.0, 3.6, 2.6])])  # [m/s2], [rad/s]
@@ -33,6 +33,7 @@ NEUTRAL_COST = 1e-5  # of a leg 1 m from neutral at a knot, where a sensed error
 JERK_COST = 1e-5  # of a leg's jerk of 1 m/s3 at a knot: of two rides that feel the same at knots, the smoother one
 DERIVATIVE_STEP = 1e-5  # [m], [rad], [1/s] and [1/s2] of both, of central differences
 REST_POINTS = 3  # control points that fix value, slope and second derivative at a knot
+STOP_SHARE = 0.125  # of a plan that ends at rest: its stop is not felt, since the next plan takes over before
 SOLVED_STATES = ("Solved", "AlmostSolved", "NumericalError", "InsufficientProgress")  # NumericalError: no nearer
 
 
@@ -148,38 +149,38 @@ def solve_programme(
     past: np.ndarray,
     guess: np.ndarray,
     state: np.ndarray,
-    tolerance: float,
-    still_points: int,
+    stops: bool,
 ) -> np.ndarray:
     """Control points (n + 2, 6) [m] of six leg-length splines, best for the motion `asked` for (n, 6) at n knots.
 
     Motion (specific force [m/s2] and rate [rad/s]) is linearised about an earlier solution `past` (n + 2, 6), whose
     first REST_POINTS are kept. `guess` (n, 6): poses near it; `state` (6, 2): before the first knot, of the two modes
-    that filter each component (`sensed_modes`); `tolerance`: of the solver; `still_points`: how many final points are
-    equal (REST_POINTS of them are rest). Raises Lacking, and Failed without a solution."""
+    that filter each component (`sensed_modes`); `stops`: the ride ends at rest, and STOP_SHARE of it is not felt.
+    Raises Lacking, and Failed without a solution."""
     clarabel = load_solver()
-    from scipy.sparse import block_array, block_diag, csr_array, diags_array, eye_array, kron
+    from scipy.sparse import block_array, block_diag, diags_array, eye_array, kron
 
     n = len(asked)
-    m, one, zero = n + 2, eye_array(n), np.zeros(n)
+    m, one = n + 2, eye_array(n)
     track = leg_track(hexapod, past, guess)
     felt_by, neutral = felt_by_points(track), hexapod.neutral_legs
     past_error = felt_at(track.motion) - asked
     offset = past_error - np.column_stack([by @ (past - neutral).T.ravel() for by in felt_by])
-    # Blocks of unknowns: 0 control points from neutral; per component its error, its two modes and its sensed size.
+    # Blocks of unknowns: 0 control points from neutral; per component its two modes and its sensed size. Errors are no
+    # unknowns: with them the factors of the solver would have seven times the work.
     rows: list[tuple[dict[int, Any], np.ndarray]] = []
     for k, (residues, poles, direct) in enumerate(sensed_modes(KNOT_INTERVAL)):
-        error, slow, fast, size = range(1 + 4 * k, 5 + 4 * k)
-        rows.append(({0: -felt_by[k], error: one}, offset[:, k]))
+        slow, fast, size = range(1 + 3 * k, 4 + 3 * k)
         for mode, r, p, begin in zip((slow, fast), residues, poles, state[k]):
             decay = diags_array([1.0, -p], offsets=[0, -1], shape=(n, n))
-            rows.append(({error: -r * one, mode: decay}, np.pad([p * begin], (0, n - 1))))
-        rows.append(({error: -direct * one, slow: -one, fast: -one, size: one}, zero))
-    legs, last = eye_array(6), csr_array(np.eye(m)[m - still_points :])
-    rows.append(({0: kron(legs, np.eye(m)[:REST_POINTS])}, (past - neutral)[:REST_POINTS].T.ravel()))
-    rows.append(({0: kron(legs, last[1:] - last[:-1])}, np.zeros(6 * (still_points - 1))))
+            rows.append(({0: -r * felt_by[k], mode: decay}, r * offset[:, k] + np.pad([p * begin], (0, n - 1))))
+        rows.append(({0: -direct * felt_by[k], slow: -one, fast: -one, size: one}, direct * offset[:, k]))
+    legs, unit = eye_array(6), eye_array(m, format="csr")
+    rows.append(({0: kron(legs, unit[:REST_POINTS])}, (past - neutral)[:REST_POINTS].T.ravel()))
+    if stops:
+        rows.append(({0: kron(legs, unit[1 - REST_POINTS :] - unit[-REST_POINTS:-1])}, np.zeros(6 * REST_POINTS - 6)))
     equal = sum(len(right) for _, right in rows)
-    free = kron(legs, np.eye(m)[REST_POINTS:])
+    free = kron(legs, unit[REST_POINTS:])
     room = np.column_stack([hexapod.high - neutral, neutral - hexapod.low])
     step = kron(legs, diags_array([-1.0, 1.0], offsets=[0, 1], shape=(m - 1, m)) / KNOT_INTERVAL)
     turn = kron(legs, diags_array([1.0, -2.0, 1.0], offsets=[0, 1, 2], shape=(m - 2, m)) / KNOT_INTERVAL**2)
@@ -189,15 +190,16 @@ def solve_programme(
         rows.append(({0: sign * turn}, np.full(turn.shape[0], geometry.leg_acceleration)))
         for k in (3, 4):  # what the past does is allowed, so that there always is a solution
             most = np.maximum(np.abs(asked[:, k]), np.abs(past_error[:, k]))
-            rows.append(({1 + 4 * k: sign * one}, np.maximum(NOTICED_TURN_RATE, most)))
-    matrix = block_array([[blocks.get(k) for k in range(25)] for blocks, _ in rows], format="csc")
+            rows.append(({0: sign * felt_by[k]}, np.maximum(NOTICED_TURN_RATE, most) - sign * offset[:, k]))
+    matrix = block_array([[blocks.get(k) for k in range(19)] for blocks, _ in rows], format="csc")
     jerk = kron(legs, diags_array([-1.0, 3.0, -3.0, 1.0], offsets=[0, 1, 2, 3], shape=(m - 3, m)) / KNOT_INTERVAL**3)
     calm = NEUTRAL_COST * eye_array(6 * m) + JERK_COST * (jerk.T @ jerk)
-    costs = [calm, *6 * [diags_array(np.repeat([0.0, 1.0], [3 * n, n]))]]
+    felt_knots = n - round(STOP_SHARE * n) if stops else n
+    costs = [calm, *6 * [diags_array(np.repeat([0.0, 1.0, 0.0], [2 * n, felt_knots, n - felt_knots]))]]
     settings = clarabel.DefaultSettings()
     settings.verbose, settings.direct_solve_method = False, "qdldl"  # which is one thread, and the faster here
-    settings.iterative_refinement_enable = tolerance < ROUGH_TOLERANCE
-    settings.tol_feas = settings.tol_gap_abs = settings.tol_gap_rel = tolerance
+    settings.iterative_refinement_enable = False  # no plan is better for it, and each takes twice the time
+    settings.tol_feas = settings.tol_gap_abs = settings.tol_gap_rel = SOLVER_TOLERANCE
     right = np.concatenate([right for _, right in rows])
     cones = [clarabel.ZeroConeT(equal), clarabel.NonnegativeConeT(len(right) - equal)]
     cost = block_diag(costs, format="csc")
@@ -210,21 +212,21 @@ def solve_programme(
 class LegPlan:
     """Plan of leg lengths over the time ahead: splines with knots KNOT_INTERVAL apart, which begin in neutral."""
 
-    def __init__(self, geometry: Geometry, hexapod: Hexapod, still_points: int = 1) -> None:
-        """`still_points`: how many of the last control points are equal; REST_POINTS for a plan that ends at rest."""
-        self.geometry, self.hexapod, self.still_points = geometry, hexapod, still_points
+    def __init__(self, geometry: Geometry, hexapod: Hexapod, stops: bool = False) -> None:
+        """`stops`: the plan ends at rest, and its stop is not felt (STOP_SHARE)."""
+        self.geometry, self.hexapod, self.stops = geometry, hexapod, stops
         self.points = hexapod.neutral_legs[None]  # control points (n + 2, 6) [m]
         self.motion = np.zeros((1, 18))  # at n knots, as in LegTrack
         self.state = np.zeros((6, 2))  # of the organs before the first knot
 
-    def improve(self, asked: np.ndarray, tolerances: Sequence[float]) -> None:
+    def improve(self, asked: np.ndarray, passes: int) -> None:
         """Plan `points` for the specific force and rate `asked` for at knots (n, 6): `solve_programme` once for each of
-        the solver's `tolerances`, about the solution before. Raises Lacking, and Failed without a plan."""
+        the `passes`, about the solution before. Raises Lacking, and Failed without a plan."""
         self.points, self.motion = extended(self.points, len(asked) + 2), extended(self.motion, len(asked))
-        for tolerance in tolerances:
+        for _ in range(passes):
             guess = self.motion[:, :6]
             self.points = solve_programme(
-                self.geometry, self.hexapod, asked, self.points, guess, self.state, tolerance, self.still_points
+                self.geometry, self.hexapod, asked, self.points, guess, self.state, self.stops
             )
             self.motion = leg_track(self.hexapod, self.points, guess).motion
 
@@ -257,7 +259,7 @@ def best_poses(geometry: Geometry, hexapod: Hexapod, rows: np.ndarray) -> np.nda
     plan, poses = LegPlan(geometry, hexapod), np.empty((len(rows), 6))
     for first in range(0, max(1, len(asked) - window + kept), kept):
         part = asked[first : first + window]
-        plan.improve(part, PASS_TOLERANCES)
+        plan.improve(part, PASSES)
         here = (at >= first) & (at < first + len(part))  # a later window has the last word
         poses[here] = plan.poses(at[here] - first)
         plan.leave(part[:kept])

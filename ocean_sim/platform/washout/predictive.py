@@ -14,13 +14,12 @@ from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.parts import preset
 from ocean_sim.platform import LATE_PLAN, Cue, Ghost, Washout
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod
-from ocean_sim.platform.shared.leg_programme import KNOT_INTERVAL, REST_POINTS, LegPlan, load_solver, motion_at
+from ocean_sim.platform.shared.leg_programme import KNOT_INTERVAL, STOP_SHARE, LegPlan, load_solver, motion_at
 from ocean_sim.platform.shared.motion_log import Ride
 from ocean_sim.platform.shared.washing import scaled_motion
 from ocean_sim.platform.washout import classical
 
-FIRST_TOLERANCES = (1e-3, 1e-3, 1e-4)  # of passes of the first plan, each about the solution of the one before
-PLAN_TOLERANCES = (1e-3,)  # of later plans, about the one before
+FIRST_PASSES = 3  # of the first plan; a later one takes one pass, about the plan before
 SAFE_WASHOUT = "ship"  # of configs/washout/, in place of a late plan
 TIME_ROUNDING = 1e-6  # of a period
 
@@ -33,7 +32,7 @@ class Config(Model):
     """Scale of acceleration along x, y and z."""
     rotation_scale: Vector3 = quantity("1")
     """Scale of roll, pitch and yaw."""
-    horizon: float = quantity("s", 30.0, ge=0.4, le=60.0)
+    horizon: float = quantity("s", 40.0, ge=0.4, le=60.0)
     """Time over which the motion is planned."""
     period: float = quantity("s", 5.0, ge=KNOT_INTERVAL)
     """Time between plans."""
@@ -42,7 +41,7 @@ class Config(Model):
         knots = self.period / KNOT_INTERVAL
         if abs(knots - round(knots)) > TIME_ROUNDING:
             yield f"period: {self.period:g} s is not a multiple of {KNOT_INTERVAL:g} s, the time between knots"
-        if self.period > self.horizon - 2 * REST_POINTS * KNOT_INTERVAL:
+        if self.period > (1.0 - STOP_SHARE) * self.horizon:
             yield f"period: {self.period:g} s leaves no room to stop within a horizon of {self.horizon:g} s"
 
     @property
@@ -61,7 +60,7 @@ class Predictive:
     def __init__(self, config: Config, geometry: Geometry, safe: Washout) -> None:
         """`safe`: the washout in place of a late plan. Raises Lacking without the solver."""
         load_solver()
-        self.config, self.plan = config, LegPlan(geometry, Hexapod(geometry), REST_POINTS)
+        self.config, self.plan = config, LegPlan(geometry, Hexapod(geometry), stops=True)
         self.safe, self.late, self.plans_legs = safe, False, True  # the latter of all rows of the last call
         self.start, self.number = np.nan, -1  # time of the first row [s], number of the plan
         self.known = np.zeros((0, 7))  # rows of the last period: time [s], specific force [m/s2], rate [rad/s]
@@ -104,8 +103,7 @@ class Predictive:
         """Replace the plan, the one before `number`, by that of this number, for motion `rows`; True, or Failed."""
         if number:
             self.plan.leave(self.at_knots(rows, number - 1, self.config.period))
-        tolerances = PLAN_TOLERANCES if number else FIRST_TOLERANCES
-        self.plan.improve(self.at_knots(rows, number, self.config.horizon), tolerances)
+        self.plan.improve(self.at_knots(rows, number, self.config.horizon), 1 if number else FIRST_PASSES)
         return True
 
     def take_plan(self, number: int, rows: np.ndarray, ghost: Ghost) -> bool:

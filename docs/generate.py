@@ -141,15 +141,15 @@ def terms() -> str:
 
 
 def terms_of(scheme: str) -> list[str]:
-    """Names `Class.function` of a scheme's equations of state, its `leak`, and the functions that make its pair
-    terms."""
+    """Names `Class.function` of a scheme's equations of state, of rates at which its pressure decays, and of the
+    functions that make its pair terms."""
     found = []
     for law in ast.parse((PACKAGE / "fluid" / f"{scheme}.py").read_text(encoding="utf-8")).body:
         functions = [part for part in getattr(law, "body", ()) if isinstance(part, ast.FunctionDef)]
         adders = [function for function in functions if function.name in ("pair", "sum_of_terms")]
         calls = [node.func for adder in adders for node in ast.walk(adder) if isinstance(node, ast.Call)]
         called = {call.attr for call in calls if isinstance(call, ast.Attribute) and ast.unparse(call.value) == "self"}
-        wanted = (called | {"equation_of_state", "leak"}) - {adder.name for adder in adders}
+        wanted = (called | {"equation_of_state", "leak", "tension_release"}) - {adder.name for adder in adders}
         found += [f"{law.name}.{part.name}" for part in functions if part.name in wanted]  # type: ignore[attr-defined]
     return found
 

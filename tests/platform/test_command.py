@@ -123,6 +123,16 @@ def test_a_ramp_that_outlasts_the_ride_is_told(ask, draw_nothing, log):
     assert "warning" not in out
 
 
+@pytest.mark.parametrize("begins, told", [(0.0, True), (np.pi / 2.0, False)])
+def test_a_log_that_begins_in_mid_motion_is_advised_a_longer_ramp(ask, draw_nothing, tmp_path, begins, told):
+    """Heave of 0.7 m in 8 s: it begins where she rises fastest, or at her highest."""
+    draw_nothing()
+    t = np.arange(0.0, 60.0, 0.1)
+    heave = {"t": t, "z": 0.7 * np.sin(2.0 * np.pi * t / 8.0 + begins)}
+    _, out, _ = ask(write(tmp_path / "heave.csv", heave), "--columns", "time=t,heave=z")
+    assert ("in mid-motion, --ramp 12 starts gently" in out) == told
+
+
 def test_it_streams_at_the_pace_of_the_log_and_comes_to_rest(ask, draw_nothing, tmp_path):
     draw_nothing()
     short, listener = write(tmp_path / "short.csv", columns(0.5)), Listener(351)

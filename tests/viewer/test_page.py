@@ -248,6 +248,12 @@ def test_a_scene_is_played_in_the_page(tmp_path):
             browser.wait(f"Math.abs({heading} - {before}) > 2e-4", 120.0)
             sea = "document.querySelector('#readings').innerText"
             assert "kn" in browser.js(sea) and "port of north" in browser.js(sea).replace("\n", " ")
+            pace = "document.getElementById('pace').textContent"
+            browser.wait(f"/^(keeps up|[0-9.]+ × real time)$/.test({pace})", 60.0)
+            upright = "letter => { const m = letter.getScreenCTM(); return m.a > 0 && Math.abs(m.b) < 1e-3 * m.a; }"
+            for camera in ("top", "follow"):
+                browser.js(f"document.querySelector('#cameras [data-name={camera}]').click()")
+                browser.wait(f"[...document.querySelectorAll('#rose text')].every({upright})")
             browser.js("document.getElementById('scrub').value = 300; document.getElementById('scrub').oninput()")
             past = browser.js("[oceanSim.state.back, oceanSim.state.time, oceanSim.state.worlds[0].time]")
             assert past[0] and past[1] == pytest.approx(past[2], abs=1e-6)

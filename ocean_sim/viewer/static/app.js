@@ -201,11 +201,22 @@ function say(text, bad) {
   say.timer = setTimeout(() => box.classList.remove("on"), bad ? 8000 : 4500);
 }
 
+const PACE_SECONDS = 5;  // of wall time, that the pace is the mean of
+let lately = [];  // frames of this time, without a pause or another speed asked for
+
+function paceWords({ at, time }) {
+  if (lately.length && (time < lately[0].time || lately[0].speed !== state.speed)) lately = [];
+  lately.push({ at, time, speed: state.speed });
+  while (lately.length > 2 && lately[1].at <= at - PACE_SECONDS) lately.shift();
+  const wall = at - lately[0].at, pace = (time - lately[0].time) / wall;
+  if (wall < 1) return "measuring ...";
+  if (state.speed && pace >= 0.97 * state.speed) return "keeps up";
+  return `${pace < 9.95 ? pace.toPrecision(2) : pace.toFixed(0)} × real time`;
+}
+
 function numbers(head) {
-  const names = state.worlds[0].still.scalars, at = names.findIndex((s) => s.name === "pace");
-  const pace = head.data.scalars[at];
-  $("pace").hidden = at < 0 || state.paused;
-  if (at >= 0) $("pace").textContent = head.time ? `${short(pace)} × real time` : "compiling ...";
+  $("pace").hidden = state.paused;
+  $("pace").textContent = head.time ? paceWords(head) : "compiling ...";
   if (performance.now() - state.steered < 1500) return;
   const throttle = reading(head, "orders", "throttle"), rudder = reading(head, "orders", "rudder");
   if (throttle === undefined || (throttle === state.throttle && rudder === state.steeredTo)) return;
@@ -240,16 +251,17 @@ function instruments() {
   const eye = world.seen?.view || M.one(), ahead = Math.atan2(eye[1] - eye[2], eye[9] - eye[10]);  // the top of the compass
   const turn = (id, angle) => { for (const one of [$(id), $(`${id}Word`)]) one.style.display = angle === null ? "none" : ""; $(id).setAttribute("transform", `rotate(${((ahead - (angle ?? 0)) * 180) / Math.PI})`); };
   turn("rose", 0);
+  [...document.querySelectorAll("#rose text")].forEach((letter, k) => letter.setAttribute("transform", `rotate(${90 * k}) translate(0 -46.5) rotate(${-90 * k - (ahead * 180) / Math.PI})`));
   turn("shipMark", ship?.steered ? Math.atan2(ship.pose[8], ship.pose[10]) : null);
-  for (const id of ["compass", "marks"]) $(id).style.display = ship?.steered || (exact && waves.length) || still.windAngle !== null ? "" : "none";
+  $("strip").classList.toggle("bare", !(ship?.steered || (exact && waves.length) || still.windAngle !== null));
   const going = [1, 2].map((k) => waves.reduce((sum, wave) => sum + wave[0] ** 2 * wave[k], 0));
   turn("seaMark", exact && waves.length ? Math.atan2(...going) : null);
   turn("windMark", still.windAngle === null ? null : 0.5 * Math.PI - still.windAngle);
-  if (ship) {
+  if (ship?.steered) {
     const speed = reading(head, "speed", ""), rudder = reading(head, "orders", "rudder");
-    if (speed !== undefined) add("Speed", ...(ship.steered ? [`${fixed(speed / 0.514444)} kn`, `${fixed(speed)} m/s`] : [`${fixed(speed)} m/s`, ""]));
-    if (ship.steered) add("Heading", sided((Math.atan2(ship.pose[8], ship.pose[10]) * 180) / Math.PI), "of north (+z)");
-    if (rudder !== undefined && ship.steered) add("Rudder", ...`${sided(rudder)} `.split(" "));
+    if (speed !== undefined) add("Speed", `${fixed(speed / 0.514444)} kn`, `${fixed(speed)} m/s`);
+    add("Heading", sided((Math.atan2(ship.pose[8], ship.pose[10]) * 180) / Math.PI), "of north (+z)");
+    if (rudder !== undefined) add("Rudder", ...`${sided(rudder)} `.split(" "));
   }
   const regular = exact && waves.length === 1, high = regular ? 2 * waves[0][0] : reading(head, "height", "") ?? world.height;
   const moved = state.panel?.sliders.find((s) => s.label.startsWith("wave period"))?.value;
@@ -258,7 +270,7 @@ function instruments() {
     add(regular ? "H" : "H<sub>s</sub>", `${high.toFixed(high < 1 ? 2 : 1)} m`, regular ? "of the wave" : "now");
     if (period) add(regular ? "T" : stated ? "T<sub>p</sub>" : "T<sub>z</sub>", `${period.toFixed(1)} s`, stated ? "stated" : "at the gauge", true);
   }
-  add("Depth", `${+(-still.basin.lower[1]).toPrecision(3)} m`, "", !!ship);
+  add("Depth", `${+(-still.basin.lower[1]).toPrecision(3)} m`, "", !!ship?.steered);
   if (still.windSpeed) add("Wind", `${still.windSpeed.toFixed(1)} m/s`, "stated", true);
   $("readings").innerHTML = rows.join("");
   $("legend").hidden = state.content === "water" || !world.balls.count;
@@ -381,6 +393,7 @@ function panel(now) {
 }
 
 function pausedIs(paused) {
+  if (paused !== state.paused) lately = [];
   state.paused = paused;
   $("go").setAttribute("aria-label", paused ? "Play" : "Pause");
   $("goShape").setAttribute("d", paused ? "M7 4l13 8-13 8z" : "M7 5h4v14H7zM13 5h4v14h-4z");

@@ -242,7 +242,7 @@ uniform float alpha;
 out vec4 colour;
 void main() {
   vec3 n = normalize(cross(dFdx(posW), dFdy(posW)));
-  vec3 c = mix(vec3(0.13, 0.46, 0.56), vec3(0.02, 0.09, 0.16), pow(down, 0.6));
+  vec3 c = mix(vec3(0.17, 0.52, 0.62), vec3(0.07, 0.29, 0.40), pow(down, 0.6));
   c *= 0.86 + 0.18 * abs(dot(n, normalize(vec3(-0.87, 0.32, -0.37)))) + 0.10 * smoothstep(0.03, 0.0, down);
   colour = vec4(c, alpha);
 }`;

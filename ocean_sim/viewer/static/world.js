@@ -489,7 +489,7 @@ class World {
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
     gl.depthMask(false);
     for (const [low, high] of still.zones) {
-      painter.solid.use({ ...lit, view, pose: this.block(low, high, 1.004), paint: [0.91, 0.70, 0.24, 0.22] });
+      painter.solid.use({ ...lit, view, pose: this.block(low, high, 1.004), paint: [0.98, 0.88, 0.60, 0.16] });
       gl.bindVertexArray(painter.box.vertices);
       gl.drawArrays(gl.TRIANGLES, 0, painter.box.count);
     }

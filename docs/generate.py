@@ -365,7 +365,8 @@ def rows_of(name: str) -> list[dict[str, str]]:
 
 
 def number(text: str) -> str:
-    return f"{float(text):.4g}" if text else ""
+    """A number to four digits; a hyphen before its exponent breaks no line."""
+    return f"{float(text):.4g}".replace("e-", "e\u2011") if text else ""
 
 
 def validation() -> str:
@@ -383,6 +384,9 @@ def validation() -> str:
     return "\n".join(
         [
             "# Validation\n",
+            "Each case is a problem whose answer is known from theory, an experiment or another program; "
+            "`ocean-sim validate` runs it and compares. A row is one quantity: its error, and the tolerance that this "
+            "error has to keep, with its source.\n",
             f"{len(cases)} cases, {len(rows)} rows; {kept(judges)} tolerances kept. Missed: {', '.join(first)}. "
             f"{len(alarms)} more rows only detect regressions: their tolerance is the error measured, plus 25 %.\n",
             f"<details><summary>The {len(missed)} misses</summary>\n\n{misses}\n</details>\n",

@@ -40,7 +40,7 @@ DIALECT_RULE = Rule(
     "cells are separated by commas, semicolons, tabs or spaces, and all numbers have a decimal point or all a decimal "
     "comma, which stands in quotes where commas separate cells"
 )
-NAMED_COLUMNS_RULE = Rule("the columns that are needed are there, by their names with units")
+NAMED_COLUMNS_RULE = Rule("columns are found by their exact names, units included, as heave_m")
 FINITE_NUMBERS_RULE = Rule(
     "every cell of a column that is used is a finite number; times are seconds or dates (ISO 8601)"
 )

@@ -92,7 +92,7 @@ def platform(
         begins, rest = np.split(done.limited > 0, [round(starting / ride.every)])
         if len(rest) > len(begins) > 0 and begins.mean() > max(HARD_START * rest.mean(), 0.01 * MANY_LIMITED):
             warnings.append(
-                f"{begins.mean():.0%} of the rows in the first {starting:g} s are limited, and {rest.mean():.1%} of the "
+                f"{begins.mean():.0%} of rows in the first {starting:g} s are limited, and {rest.mean():.1%} of the "
                 f"others: if the log begins in mid-motion, --ramp {starting:g} starts gently"
             )
         force, turns = (

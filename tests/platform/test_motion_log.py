@@ -288,7 +288,31 @@ def test_a_column_that_was_left_out_is_said(tmp_path, name, value, said):
 
 
 def test_a_log_of_other_software_is_answered_by_the_columns_that_it_has(tmp_path):
-    (tmp_path / "log.csv").write_text("UTC,Heave,Roll_deg,Hdg_deg\n0.0,0.1,1.0,358.0\n0.1,0.1,1.0,358.0\n")
-    how = "`--columns time=UTC,heave=Heave,yaw=Hdg_deg,roll=Roll_deg` names columns of your own, with `--units deg`"
-    with pytest.raises(ValueError, match=how):
+    names, row = "Zeit UTC,MRU Heave (m),Roll Rate (deg/s),MRU Roll (deg),MRU Pitch (deg),Hdg", ",0.1,0.2,1.0,0.5,358.0"
+    (tmp_path / "my log.csv").write_text(f"{names}\n0.0{row}\n0.1{row}\n")
+    yours = "'time=Zeit UTC,heave=MRU Heave (m),roll=MRU Roll (deg),pitch=MRU Pitch (deg),yaw=Hdg'"
+    with pytest.raises(ValueError) as caught:
+        read_log(tmp_path / "my log.csv")
+    said = str(caught.value)
+    assert f"'{tmp_path / 'my log.csv'}' --columns {yours} --units deg`, with `--axes ned`" in said
+    assert "has no column time_s, sway_m, heave_m and 10 more" in said and "docs/guide/own_log.md" in said
+
+
+@pytest.mark.parametrize(
+    "names, row, said",
+    [
+        (
+            "UTC,Heave,Roll,Hdg",
+            "0.1,1.0,358.0",
+            "--columns time=UTC,heave=Heave,roll=Roll,yaw=Hdg --units deg`, with",
+        ),
+        ("t (s),Heave,Roll", "0.1,1.0", "--columns 'time=t (s),heave=Heave,roll=Roll'`, with `--units deg` if"),
+        ("t,Heave,Roll (rad)", "0.1,7.0", "--columns 'time=t,heave=Heave,roll=Roll (rad)'`, with `--units deg` if"),
+        ("Zeit,Surge (cm),Sway velocity (m/s)", "0.1,1.0", "--columns time=...`"),
+    ],
+)
+def test_columns_and_units_are_guessed_from_names_and_values(tmp_path, names, row, said):
+    (tmp_path / "log.csv").write_text(f"{names}\n0.0,{row}\n0.1,{row}\n")
+    with pytest.raises(ValueError) as caught:
         read_log(tmp_path / "log.csv")
+    assert said in str(caught.value)

@@ -1,6 +1,7 @@
 """Motion logs, the rows of `motion.csv`: read, checked, and converted to other axes."""
 
 import re
+import shlex
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,7 +12,7 @@ from ocean_sim import conventions
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files import csv_file
 from ocean_sim.files.csv_file import NAMED_COLUMNS_RULE, Table
-from ocean_sim.files.input_file import Checked, Rule
+from ocean_sim.files.input_file import Checked, Rule, display_path
 
 TIME_COLUMN = csv_file.TIME_COLUMN
 QUATERNION_COLUMNS = ("qw", "qx", "qy", "qz")
@@ -22,7 +23,8 @@ POSE_COLUMNS = ("sway_m", "heave_m", "surge_m", "pitch_rad", "yaw_rad", "roll_ra
 REQUIRED_COLUMNS = (TIME_COLUMN, *POSE_COLUMNS, *RATE_COLUMNS, *FORCE_COLUMNS)
 UNIT_PATTERN = re.compile(r"_(rad_s|m_s2|rad|m|s)$")
 COLUMN_KEYS = {UNIT_PATTERN.sub("", name).removeprefix("specific_"): name for name in REQUIRED_COLUMNS}  # of --columns
-OTHER_NAMES = {"time": "time|utc|stamp|epoch|^t$", "yaw": "yaw|hdg|heading"}  # by which other software calls columns
+OTHER_NAMES = (r"time|utc|stamp|epoch|^t\b", "surge", "sway", "heave", "roll", "pitch", "yaw|hdg|heading")  # each a key
+OTHER_QUANTITY = re.compile(r",|rate|vel|acc|speed|/s|(\b|_)(cm|mm|ft)\b", re.IGNORECASE)  # or no name for --columns
 Columns = tuple[Sequence[str], np.ndarray]  # names of (n, k) values
 
 # Components along the axes of each frame, from those along FLU (x forward, y left, z up).
@@ -130,17 +132,26 @@ def read_log(path: str | Path) -> MotionLog:
     missing = [name for name in REQUIRED_COLUMNS if name not in table]
     if missing:
         words = [name for name in table if name.isidentifier() and name not in REQUIRED_COLUMNS]
-        other = next((name for name in words if name.startswith(UNIT_PATTERN.sub("_", missing[0]))), None)
-        but = f", but {other}: it has another unit" if other and len(missing) == 1 else ""
-        keys = [key for key, name in COLUMN_KEYS.items() if name in (TIME_COLUMN, *POSE_COLUMNS)]
-        found = {key: re.compile(OTHER_NAMES.get(key, key), re.IGNORECASE).search for key in keys}
-        alike = {key: next(filter(search, table), None) for key, search in found.items()}
-        yours = ",".join(f"{key}={name}" for key, name in alike.items() if name and name.isidentifier())
-        how = f"`--columns {yours or 'time=...,heave=...'}` names columns of your own"
-        how += ", with `--units deg` if in degrees, `--axes ned` if down is positive"
-        own = "" if len(missing) == 1 else f"; {how}"
-        raise NAMED_COLUMNS_RULE.broken(path, f"it has no column {', '.join(missing)}{but}{own}")
+        other = next((name for name in words if name.startswith(UNIT_PATTERN.sub("_", missing[0]))), "")
+        how = f"; {suggested_command(table)}" if len(missing) > 1 else other and f", but {other}: it has another unit"
+        more = f" and {len(missing) - 3} more" if len(missing) > 3 else ""
+        raise NAMED_COLUMNS_RULE.broken(path, f"it has no column {', '.join(missing[:3])}{more}{how}")
     return checked_log(table)
+
+
+def suggested_command(table: Table) -> str:
+    """Clause with the command that reads a log of other software; columns and units guessed from names and values."""
+    names = [name for name in table if not OTHER_QUANTITY.search(name)]
+    alike = {words.split("|")[0]: next(filter(re.compile(words, re.I).search, names), "") for words in OTHER_NAMES}
+    angles = [name for key, name in alike.items() if key in ("roll", "pitch", "yaw") and "rad" not in name.lower()]
+    degrees = any(
+        re.search("deg|\xb0", each.lower()) or (np.abs(table[each]) > 2.0 * np.pi).any()
+        for each in filter(None, angles)
+    )
+    columns = ",".join(f"{key}={name or '...'}" for key, name in alike.items() if name or key == "time")
+    command = shlex.join(["ocean-sim", "platform", display_path(table.path), "--columns", columns])
+    unit, unsure = (" --units deg", "") if degrees else ("", "`--units deg` if angles are in degrees, ")
+    return f"name yours: `{command}{unit}`, with {unsure}`--axes ned` if down is positive (docs/guide/own_log.md)"
 
 
 def frame_of(table: Table) -> str:

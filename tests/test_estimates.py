@@ -126,7 +126,7 @@ def test_a_run_and_a_check_with_time_make_the_time_known(taichi_cpu, cache, tmp_
     assert (tmp_path / "run").exists() == (verb == "run")
 
 
-def test_a_picture_in_2d_takes_less_than_one_in_3d():
+def test_a_picture_in_2d_takes_less_than_one_in_3d(cache):
     def pictures(**basin: float) -> float:
         tank = {"length": 4.0, "depth": 1.0} | basin
         scene = load({"basin": tank, "fluid": {"kind": "delta_sph", "spacing": 0.25}})

@@ -8,6 +8,7 @@ from statistics import median
 
 import pytest
 
+from ocean_sim import machine
 from ocean_sim.machine import available_cores
 from ocean_sim.observers.render import PICTURE_SECONDS, SERIAL_SHARE, START_SECONDS
 from ocean_sim.parts import config_of
@@ -54,8 +55,9 @@ def test_each_part_lists_its_own_kernels():
     assert not any(name.startswith("Mueller") for part in ("wind", "surface", "ship") for name in kernels[part])
 
 
-def test_pictures_take_time_as_many_as_there_are():
-    """No more pictures than frames, one each 0.033 s."""
+def test_pictures_take_time_as_many_as_there_are(tmp_path, monkeypatch):
+    """No more pictures than frames, one each 0.033 s, on a machine that knows no film."""
+    monkeypatch.setattr(machine, "cache_directory", lambda: tmp_path)
     drawn = preflight(load(WHOLE, {"render": {"every": 0.01, "size": [1280, 720]}}))
     seconds = START_SECONDS[3] + 2 * PICTURE_SECONDS[3]["draft"]
     assert drawn["estimated_by_part"]["pictures_s"] == pytest.approx(

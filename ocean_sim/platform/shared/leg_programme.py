@@ -23,7 +23,7 @@ from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, felt_motion
 
 KNOT_INTERVAL = 0.04  # [s]
 WINDOW_TIME, KEPT_TIME = 120.0, 100.0  # [s] solved at a time, and kept of it if the ride goes on
-PASSES = 5  # over a window, each about the solution of the one before
+PASSES_PER_WINDOW = 5  # each about the solution of the one before
 SOLVER_TOLERANCE = 1e-5
 OTOLITH_FILTER = ([4.0, 0.4], [0.08, 5.016, 1.0])  # numerator and denominator, powers of s downwards
 CANAL_FILTER = ([458.4, 0.0, 0.0], [458.4, 85.73, 1.0])
@@ -259,7 +259,7 @@ def best_poses(geometry: Geometry, hexapod: Hexapod, rows: np.ndarray) -> np.nda
     plan, poses = LegPlan(geometry, hexapod), np.empty((len(rows), 6))
     for first in range(0, max(1, len(asked) - window + kept), kept):
         part = asked[first : first + window]
-        plan.improve(part, PASSES)
+        plan.improve(part, PASSES_PER_WINDOW)
         here = (at >= first) & (at < first + len(part))  # a later window has the last word
         poses[here] = plan.poses(at[here] - first)
         plan.leave(part[:kept])

@@ -382,9 +382,10 @@ class PlatformConfig(KindConfig):
     """The name of the ship that it rides in; null: the first by name."""
 
     @property
-    def look_ahead(self) -> float:
-        """Time [s] by which the platform must know the ship's motion in advance."""
-        return 0.0
+    def look_ahead(self) -> float | None:
+        """Time [s] by which the platform must know the ship's motion in advance: 0 if it guesses that, None if it does
+        not plan."""
+        return None
 
     def ridden(self, ships: Sequence[str]) -> str:
         """Name of the ship, one of `ships`, whose motion the platform reproduces."""

@@ -35,18 +35,18 @@ class PlatformLog(Observer, TakesMotion, of=Config):
         assert scene.platform is not None
         every = round_interval(config.interval(scene.preflight))
         self.platform, self.ship = scene.platform.build(every), scene.platform.ridden(list(scene.ships))
-        self.ghost = None
-        if scene.platform.look_ahead:
-            from ocean_sim.observers.shared.ghost import Ghost
+        self.planner = None
+        if scene.platform.look_ahead is not None:
+            from ocean_sim.observers.shared.planner import Planner
 
-            self.ghost = Ghost(simulation)
-        self.at_once = self.ghost is not None
+            self.planner = Planner(simulation)
+        self.at_once = self.planner is not None
         self.csv = CsvFile(folder / "platform.csv", heading(every) | {"seed": scene.seed}, PLATFORM_COLUMNS)
 
     def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
         """Write platform commands for rows of its ship's motion log, along axes `frame` (as `flu`); pass them on."""
         if ship == self.ship:
-            commands = self.platform.follow(ride_of(rows, frame), self.ghost)
+            commands = self.platform.follow(ride_of(rows, frame), self.planner)
             for row in commands.rows():
                 self.csv.row(row)
             for observer in self.simulation.observers:
@@ -54,6 +54,6 @@ class PlatformLog(Observer, TakesMotion, of=Config):
                     observer.take_commands(commands)
 
     def close(self) -> None:
-        if self.ghost is not None:
-            self.ghost.close()
+        if self.planner is not None:
+            self.planner.close()
         self.csv.close()

@@ -67,14 +67,15 @@ class Commands(NamedTuple):
         return [[*head, *row, end] for head, row, end in zip(heads, table.tolist(), ends)]
 
 
-class Ghost(Protocol):
-    """Interface of a copy of the ship that is run ahead by another process, which also plans for the washout."""
+class Planner(Protocol):
+    """Interface of what plans for a washout: mostly another process, which may run a copy of the ship ahead."""
 
     def ask(self, number: int, until: float, every: float, question: tuple) -> None:
         """Begin plan `number`, unless one is under way: `foresee` of the washout, for rows `every` [s] until then."""
 
-    def answer(self, number: int) -> Any:
-        """Plan `number`, or None. Plan 0 is waited for, as is each plan of a run that is not held to real time."""
+    def answer(self, number: int, dispensable: bool) -> Any:
+        """Plan `number`, or None. Plan 0 is waited for, as is each plan of a run that is not held to real time.
+        `dispensable`: the plan before still moves the platform."""
 
 
 class Washout(Protocol):
@@ -82,9 +83,9 @@ class Washout(Protocol):
 
     plans_legs: bool  # True if its poses keep the legs within their stroke
 
-    def follow(self, ride: Ride, ahead: Ride | Ghost | None = None) -> Cue:
+    def follow(self, ride: Ride, ahead: Ride | Planner | None = None) -> Cue:
         """Platform poses requested for the rows of ship motion that follow those of the last call; the filter keeps its
-        state. `ahead`: the rows after them, up to `look_ahead` of the Config, or a ghost of the ship."""
+        state. `ahead`: the rows after them, up to `look_ahead` of the Config, or what plans."""
 
 
 class WashoutConfig(Protocol):
@@ -102,8 +103,9 @@ class WashoutConfig(Protocol):
         """Scale of roll, pitch and yaw."""
 
     @property
-    def look_ahead(self) -> float:
-        """Time [s] by which the washout must know the ship's motion in advance."""
+    def look_ahead(self) -> float | None:
+        """Time [s] by which the washout must know the ship's motion in advance; 0 if it guesses that, None if it does
+        not plan."""
 
     def build(self, every: float, geometry: Geometry, travel: np.ndarray) -> Washout:
         """Washout for rows `every` [s] and a platform; `travel` (3, 2): its lowest and highest x, y, z [m]."""
@@ -112,13 +114,13 @@ class WashoutConfig(Protocol):
 class Platform(Protocol):
     """Interface of a motion platform: a washout, and the machine (legs) that carries out the poses it requests."""
 
-    washout: Any  # one that plans by a ghost has `foresee(ride, question)`, whose value is the ghost's answer
+    washout: Any  # one that plans has `foresee(ride, question)`, whose value is the planner's answer
 
     @property
     def neutral_legs(self) -> np.ndarray:
         """Lengths (6,) of the legs in the neutral pose [m]."""
 
-    def follow(self, ride: Ride, ahead: Ride | Ghost | None = None) -> Commands:
+    def follow(self, ride: Ride, ahead: Ride | Planner | None = None) -> Commands:
         """Commands for the next rows of ship motion, after the last call's. `ahead`: as the washout takes it."""
 
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:

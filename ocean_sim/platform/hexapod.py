@@ -12,7 +12,7 @@ from pydantic import Field, field_validator
 
 from ocean_sim.model import Faults, quantity
 from ocean_sim.parts import LedgerRow, PlatformConfig, SceneFacts, preset
-from ocean_sim.platform import SINGULARITY_LIMIT, Commands, Cue, Ghost, WashoutConfig
+from ocean_sim.platform import SINGULARITY_LIMIT, Commands, Cue, Planner, WashoutConfig
 from ocean_sim.platform.shared import leg_programme
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, felt_motion, smooth_step
 from ocean_sim.platform.shared.limits import LEG_MATCH, Governor, Legs, Workspace
@@ -21,7 +21,7 @@ from ocean_sim.platform.shared.motion_log import Ride
 # A washout is one file, washout/<kind>.py: a Config with its `kind`, which builds what follows a ride.
 WASHOUT_KINDS = sorted(path.stem for path in (Path(__file__).parent / "washout").glob("[!_]*.py"))
 GLIDE_TIME = 0.15  # [s] within which a platform that stops loses its speed
-PLAN_COST = 0.045  # [s] of processor time of a plan, for each second that it looks ahead
+PLAN_COST = 0.035  # [s] of processor time of a plan, for each second that it looks ahead
 WASHOUT_CONFIGS = [import_module(f"ocean_sim.platform.washout.{name}").Config for name in WASHOUT_KINDS]
 AnyWashout: Any = reduce(or_, WASHOUT_CONFIGS)
 if len(WASHOUT_CONFIGS) > 1:  # pydantic selects one by its kind, which takes two or more
@@ -48,16 +48,17 @@ class Config(PlatformConfig):
         return preset(info.field_name, value) if isinstance(value, str) else value
 
     @property
-    def look_ahead(self) -> float:
+    def look_ahead(self) -> float | None:
         return cast(WashoutConfig, self.washout).look_ahead
 
     def mismatches(self, preflight: SceneFacts) -> Faults:
         """Yield faults (key, sentence): those of the base class, and a washout that must know the ship's motion in
         advance in water of particles, whose motion nobody can run ahead in time."""
         yield from super().mismatches(preflight)
-        if self.look_ahead > 0.0 and preflight.fluid.made_of_particles:
+        if self.look_ahead and preflight.fluid.made_of_particles:
             slow = "predictive runs the ship ahead, for which particles are too slow; take linear_waves or spectral_sea"
-            yield ("washout",), f"{slow}, or `ocean-sim platform RUN --washout predictive` after the run"
+            other = "or predictive_linear, or `ocean-sim platform RUN --washout predictive` after the run"
+            yield ("washout",), f"{slow}, {other}"
 
     def warnings(self, preflight: SceneFacts) -> Iterator[str]:
         if not preflight.ships:
@@ -69,13 +70,14 @@ class Config(PlatformConfig):
             if len(preflight.ships) > 1 and self.ship is None:
                 first = next(iter(preflight.ships))
                 yield f"platform: it rides in {first}, the first of the ships; platform.ship names another"
-            if self.look_ahead > 0.0:
-                takes = f"a second process takes about {PLAN_COST * self.look_ahead:.2g} s of a core for each plan"
-                yield f"platform: {takes}; in real time `ship` moves the platform where one comes too late"
+            if self.look_ahead is not None:
+                plan = f"{PLAN_COST * self.look_ahead:.2g} s of a core for each plan"
+                takes = f"a second process takes about {plan if self.look_ahead else 'two thirds of a core'}"
+                yield f"platform: {takes}; in real time `ship` moves the platform where a plan is much too late"
 
     def cut_short(self, duration: float) -> Iterator[str]:
-        """Warn if a run of this duration [s] ends before the platform's initial ramp does."""
-        if duration < self.ramp:
+        """Warn if a run of this duration [s] ends before the platform's initial ramp, which no plan has, does."""
+        if self.look_ahead is None and duration < self.ramp:
             share = 100.0 * float(smooth_step(np.array(duration / self.ramp)))
             yield (
                 f"platform: it goes from neutral into the motion over {self.ramp:.4g} s, and the ride ends after "
@@ -111,9 +113,9 @@ class HexapodPlatform:
     def neutral_legs(self) -> np.ndarray:
         return self.hexapod.neutral_legs
 
-    def follow(self, ride: Ride, ahead: Ride | Ghost | None = None) -> Commands:
+    def follow(self, ride: Ride, ahead: Ride | Planner | None = None) -> Commands:
         """Commands of the platform for the next rows of ship motion. Steps: washout, ramp from neutral, workspace,
-        limits of the legs, leg lengths. `ahead`: motion after these rows, or a ghost of the ship, if there is one."""
+        limits of the legs, leg lengths. `ahead`: motion after these rows, or what plans, if there is either."""
         if self.start is None:
             self.start = float(ride.time[0])
         cue = self.washout.follow(ride, ahead)

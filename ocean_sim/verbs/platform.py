@@ -72,10 +72,9 @@ def platform(
         ride, said = read_motion_log(log, frame, parse_columns(columns), units == "deg", axes)
         machine = config.build(ride.every)
         asked = cast(WashoutConfig, config.washout)
-        look_ahead = asked.look_ahead
-        ahead = round(look_ahead / ride.every)
-        if ahead:
-            console.say(f"planning the ride, each time for {look_ahead:g} s ahead; this takes longer than the ride")
+        ahead = round((asked.look_ahead or 0.0) / ride.every)
+        if asked.look_ahead is not None:
+            console.say("planning the ride; this takes about as long as the ride")
         parts = [machine.follow(rows, later) for rows, later in ride.ride.chunks(ahead)]
         cue = Cue(*map(np.concatenate, zip(*(part.cue for part in parts))))
         done = Commands._make([*map(np.concatenate, list(zip(*parts))[:-1]), cue])

@@ -10,7 +10,7 @@ from ocean_sim.conventions import Failed
 from ocean_sim.files import csv_file
 from ocean_sim.observers.platform_log import PlatformLog
 from ocean_sim.observers.shared.csv_rows import TakesCommands
-from ocean_sim.observers.shared.ghost import Ghost, plan_for
+from ocean_sim.observers.shared.planner import Planner, plan_for
 from ocean_sim.platform import LATE_PLAN
 from ocean_sim.platform.hexapod import Config
 from ocean_sim.platform.shared.motion_log import read_log
@@ -61,7 +61,7 @@ def test_the_ghost_moves_as_the_ship_will_while_the_helm_is_held(person, tmp_pat
         state = Snapshot({"simulation": ship}, NO_FOLDER)
         ship.run(2.0)
         order = (0, 1.6, DT, (), state.tree, state.arrays)
-        ahead = plan_for(order, other, tmp_path / "ghost")
+        ahead = plan_for(order, other, scene.platform.build(DT).washout, tmp_path / "ghost")
     true = read_log(tmp_path / "ship" / "motion.csv").ride
     assert 0.5 <= ahead.time[0] <= 0.6
     ahead = ahead.rows(*np.searchsorted(ahead.time, [0.61, 1.61]))
@@ -109,34 +109,36 @@ def test_a_ghost_is_not_waited_for_in_real_time():
         def record_event(self, name, **facts):
             said.append((name, facts["what"]))
 
-    ghost = Ghost.__new__(Ghost)
+    ghost = Planner.__new__(Planner)
     ghost.simulation = SimpleNamespace(observers=[Rig()])
     ghost.order, ghost.coming = (3,), Future()
-    assert ghost.answer(3) is None and ghost.order is not None
+    assert ghost.answer(3, False) is None and ghost.order is not None
     ghost.coming.set_result(plan)
-    assert ghost.answer(4) is None and ghost.order is None  # which is for a period that is over
+    assert ghost.answer(4, False) is None and ghost.order is None  # which is for a period that is over
     ghost.order, ghost.coming = (5,), Future()
+    assert ghost.answer(5, True) is None  # and nothing is said, as the plan before still moves the platform
     ghost.coming.set_result(plan)
-    assert ghost.answer(5) is plan
+    assert ghost.answer(5, True) is plan
     assert [what for _, what in said] == [
         f"plan {number} came too late: the classical washout moves the platform" for number in (3, 4)
     ]
 
 
 class Prophet:
-    """A ghost that knows the ride, but has no plan for some periods."""
+    """A planner that knows the ride, or guesses it (None), but has no plan for some periods."""
 
-    def __init__(self, ride, without):
-        self.ride, self.without, self.planner, self.order = ride, without, predictive(*SHORT).washout, None
+    def __init__(self, ride, without, *sets):
+        self.ride, self.without, self.planner, self.order = ride, without, predictive(*SHORT, *sets).washout, None
 
     def ask(self, number, until, every, question):
         self.order = question
 
-    def answer(self, number):
+    def answer(self, number, dispensable):
         return None if number in self.without else self.planner.foresee(self.ride, self.order)
 
 
-def test_the_classical_washout_moves_the_platform_while_there_is_no_plan():
+def test_the_classical_washout_moves_the_platform_where_the_last_plan_stops():
+    """A late plan leaves the one before in force for as long as that does not stop."""
     ride = waves(8.0, 2.0)
     whole, machine = predictive(*SHORT).follow(ride), predictive(*SHORT)
     ghost, parts = Prophet(ride, {8, 9}), []
@@ -144,7 +146,7 @@ def test_the_classical_washout_moves_the_platform_while_there_is_no_plan():
         parts.append(machine.follow(ride.rows(k, k + 5), ghost))
     pose = np.vstack([part.pose for part in parts])
     late = np.concatenate([part.limited for part in parts]) & LATE_PLAN > 0
-    assert ride.time[late][0] == pytest.approx(3.2) and ride.time[late][-1] == pytest.approx(4.0 - DT)
+    assert ride.time[late][0] == pytest.approx(3.6) and ride.time[late][-1] == pytest.approx(4.0 - DT)
     np.testing.assert_allclose(pose[~late & (ride.time < 3.2)], whole.pose[~late & (ride.time < 3.2)], atol=1e-9)
     asked = np.vstack([part.cue.pose for part in parts])
     safe = Config().build(DT).washout.follow(ride).pose
@@ -157,9 +159,28 @@ def test_the_classical_washout_moves_the_platform_while_there_is_no_plan():
     np.testing.assert_allclose(pose[-5:], asked[-5:], atol=1e-9)
 
 
+@pytest.mark.parametrize("preview", ["linear", "hold"])
+def test_what_lies_ahead_may_be_guessed(preview, tmp_path):
+    """Of the past alone, in a run and in its finished log, whose rows come in any parts: with the same poses."""
+    guess = {"preview": preview, "horizon": 1.2, "period": 0.4}
+    run_scene(load(SCENE | {"platform": {"kind": "hexapod", "washout": PLAN | guess}}), tmp_path)
+    ride, sets = read_log(tmp_path / "motion.csv").ride, (*SHORT, f"preview={preview}")
+    whole, machine = predictive(*sets).follow(ride), predictive(*sets)
+    parts = [machine.follow(ride.rows(k, k + 37)).pose for k in range(0, len(ride.time), 37)]
+    assert np.array_equal(np.vstack(parts), whole.pose) and not whole.limited.any()
+    table = csv_file.read_columns_if_any(tmp_path / "platform.csv")
+    assert np.abs(whole.pose[:, 2]).max() > 0.01
+    np.testing.assert_allclose(table["z_m"], whole.pose[:, 2], atol=1e-6)
+    other = predictive(*sets).follow(ride.rows(0, 50)).pose
+    assert np.array_equal(other, whole.pose[:50])
+
+
 def test_the_ship_is_not_run_ahead_in_particles():
     with pytest.raises(Failed, match="predictive runs the ship ahead, for which particles are too slow"):
         load("showcase", {"platform": {"kind": "hexapod", "washout": "predictive"}})
+    guess = {"kind": "predictive", "preview": "linear", "force_scale": [0.5] * 3, "rotation_scale": [1.0] * 3}
+    washout = load("showcase", {"platform": {"kind": "hexapod", "washout": guess}}).resolved()["platform"]["washout"]
+    assert (washout["horizon"], washout["period"]) == (3.0, 0.12)
 
 
 def test_a_page_shows_a_platform_that_looks_ahead(tmp_path):
@@ -168,7 +189,7 @@ def test_a_page_shows_a_platform_that_looks_ahead(tmp_path):
     (tmp_path / "rig.yaml").write_text(RIG.replace("washout: ship", plan))
     source = Source.of(str(tmp_path / "rig.yaml"), None, {"runtime.threads": 1, "runtime.precision": "f64"})
     with Session(source, Desk(), tmp_path, list) as one:
-        [ghost] = [each.ghost for each in one.simulation.observers if isinstance(each, PlatformLog)]
+        [ghost] = [each.planner for each in one.simulation.observers if isinstance(each, PlatformLog)]
         while one.simulation.time < 0.3:
             one.step()
         assert one.watch.commands[:6].any() and ghost.child.poll() is None

@@ -14,6 +14,7 @@ Otoliths sense a specific force by 0.4 (10 s + 1) / ((5 s + 1) (0.016 s + 1)), s
 """
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,6 +33,13 @@ NOTICED_TURN_RATE = np.radians(3.0)  # [rad/s] about roll and pitch
 NEUTRAL_COST = 1e-5  # of a leg 1 m from neutral at a knot, where a sensed error at its threshold costs 1
 JERK_COST = 1e-5  # of a leg's jerk of 1 m/s3 at a knot: of two rides that feel the same at knots, the smoother one
 DERIVATIVE_STEP = 1e-5  # [m], [rad], [1/s] and [1/s2] of both, of central differences
+SPLINE_STENCILS = np.array(  # of three control points: value [1], slope [1/s] and second derivative [1/s2] at a knot
+    [
+        np.array([1.0, 4.0, 1.0]) / 6.0,
+        np.array([-0.5, 0.0, 0.5]) / KNOT_INTERVAL,
+        np.array([1.0, -2.0, 1.0]) / KNOT_INTERVAL**2,
+    ]
+)
 REST_POINTS = 3  # control points that fix value, slope and second derivative at a knot
 STOP_SHARE = 0.125  # of a plan that ends at rest: its stop is not felt, since the next plan takes over before
 SOLVED_STATES = ("Solved", "AlmostSolved", "NumericalError", "InsufficientProgress")  # NumericalError: no nearer
@@ -44,6 +52,7 @@ class LegTrack(NamedTuple):
     by_legs: list[np.ndarray]  # derivatives (n, 6, 6) of the pose by leg lengths, and their first and second in time
 
 
+@cache
 def sensed_modes(every: float) -> list[tuple[np.ndarray, np.ndarray, float]]:
     """Digital filters of the organs of balance for samples `every` [s] (linear between them), from the error of each of
     six components (specific force [m/s2], rate [rad/s]) to its sensed size over the threshold of perception: as partial
@@ -91,9 +100,7 @@ def spline_matrices(n: int) -> list[Any]:
     """Three sparse (n, n + 2) matrices from control points to value, slope and second derivative at n knots."""
     from scipy.sparse import diags_array
 
-    h = KNOT_INTERVAL
-    stencils = np.array([1.0, 4.0, 1.0]) / 6.0, np.array([-0.5, 0.0, 0.5]) / h, np.array([1.0, -2.0, 1.0]) / h**2
-    return [diags_array(stencil, offsets=[0, 1, 2], shape=(n, n + 2), format="csr") for stencil in stencils]
+    return [diags_array(stencil, offsets=[0, 1, 2], shape=(n, n + 2), format="csr") for stencil in SPLINE_STENCILS]
 
 
 def spline_values(points: np.ndarray, at: np.ndarray) -> np.ndarray:
@@ -120,7 +127,7 @@ def leg_track(hexapod: Hexapod, points: np.ndarray, guess: np.ndarray) -> LegTra
 def felt_by_points(track: LegTrack) -> list[Any]:
     """Derivatives of felt motion at n knots by the control points of the leg-length splines, leg after leg: for each of
     six components (specific force [m/s2], then rate [rad/s]) a sparse matrix (n, 6 (n + 2)) [per m]."""
-    from scipy.sparse import diags_array, hstack
+    from scipy.sparse import csr_array
 
     of_pose, of_rate, of_second = np.split(derivatives(felt_at, track.motion), 3, axis=2)
     pose, drift, bend = track.by_legs
@@ -129,8 +136,10 @@ def felt_by_points(track: LegTrack) -> list[Any]:
         of_rate @ pose + 2.0 * of_second @ drift,
         of_second @ pose,
     )  # of lengths, speeds and accelerations of the legs
-    parts = list(zip(shares, spline_matrices(len(pose))))
-    return [hstack([sum(diags_array(s[:, k, j]) @ m for s, m in parts) for j in range(6)]) for k in range(6)]
+    values, n = np.einsum("snkj,sp->knjp", np.stack(shares), SPLINE_STENCILS), len(pose)
+    points = np.arange(n)[:, None, None] + (n + 2) * np.arange(6)[:, None] + np.arange(3)  # (n, 6, 3)
+    starts = points[0].size * np.arange(n + 1)
+    return [csr_array((part.ravel(), points.ravel(), starts), shape=(n, 6 * (n + 2))) for part in values]
 
 
 def load_solver() -> Any:

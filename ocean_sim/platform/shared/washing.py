@@ -24,7 +24,7 @@ Frequencies = Annotated[tuple[Positive | None, Positive | None, Positive], Field
 class WashingConfig(Model):
     """Config keys that washouts by filters have: scales, tilt, high-pass of angles, and input limits."""
 
-    look_ahead: ClassVar[float] = 0.0
+    look_ahead: ClassVar[None] = None
 
     force_scale: Vector3 = quantity("1")
     """Scale of acceleration along x, y and z."""

@@ -1,7 +1,7 @@
-"""Ghost of a ship: another process that runs the scene ahead from its present state, and plans for the platform.
+"""Planner of a platform's motion: another process, which may run a ghost of the ship ahead.
 
-It builds the same scene on one core, without observers. It is sent the state of the run, as a checkpoint holds it, and
-steps on with the helm as it is: a script, an autopilot or a pilot goes on, the orders of a person are held.
+For a ghost it builds the same scene on one core, without observers. It is sent the state of the run, as a checkpoint
+holds it, and steps on with the helm as it is: a script, an autopilot or a pilot goes on, a person's orders are held.
 """
 
 import json
@@ -9,7 +9,7 @@ import os
 import pickle
 import sys
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from pathlib import Path
 from subprocess import PIPE, Popen
 from tempfile import TemporaryDirectory
@@ -27,7 +27,7 @@ from ocean_sim.state.snapshot import Restorer, Snapshot
 ON_ONE_CORE = {"runtime.arch": "cpu", "runtime.threads": 1}
 
 
-class Ghost:
+class Planner:
     """This side of the process. A checkpoint holds the question, which a run that goes on asks again."""
 
     left_out = ("simulation", "away", "child", "pool", "coming")
@@ -35,7 +35,9 @@ class Ghost:
     coming: "Future[Any] | None" = None  # the reply
 
     def __init__(self, simulation: Simulation) -> None:
-        self.simulation, self.pool = simulation, ThreadPoolExecutor(1)
+        platform = simulation.scene.platform
+        assert platform is not None
+        self.simulation, self.pool, self.runs_ahead = simulation, ThreadPoolExecutor(1), bool(platform.look_ahead)
         self.away = TemporaryDirectory(prefix="ocean-sim-")
         scene = simulation.scene.resolved() | {"manifest": {}}  # which a page leaves out, and a scene cannot
         command = [sys.executable, "-m", __name__, self.away.name, json.dumps(scene)]
@@ -53,11 +55,11 @@ class Ghost:
 
     def ask(self, number: int, until: float, every: float, question: tuple) -> None:
         if self.order is None:
-            state = Snapshot({"simulation": self.simulation}, NO_FOLDER)
+            state = Snapshot({"simulation": self.simulation} if self.runs_ahead else {}, NO_FOLDER)
             self.order = number, until, every, question, state.tree, state.arrays
             self.coming = self.pool.submit(self.exchange)
 
-    def answer(self, number: int) -> Any:
+    def answer(self, number: int, dispensable: bool) -> Any:
         assert self.order is not None
         if self.coming is None:  # in a run that goes on from a checkpoint
             self.coming = self.pool.submit(self.exchange)
@@ -69,7 +71,7 @@ class Ghost:
             self.order = self.coming = None
         if not isinstance(found, str):
             return found
-        for each in observers:
+        for each in observers if not dispensable else ():
             each.record_event("no plan", what=f"{found}: the classical washout moves the platform")
         return None
 
@@ -92,21 +94,26 @@ class MotionAhead(Observer, TakesMotion):
             self.rides.append(ride_of(rows, frame))
 
 
-def plan_for(order: tuple, simulation: Simulation, folder: Path) -> Any:
-    """Plan for the order of a `Ghost`, or a sentence why there is none. `folder`: of files of no use."""
-    (_, until, every, question, tree, arrays), scene = order, simulation.scene
-    assert scene.platform is not None
-    ahead = MotionAhead(scene.platform.ridden(list(scene.ships)))
-    motion = scene.observers["motion"].model_copy(update={"every": every})
-    Restorer({"simulation": simulation}, tree, arrays, NO_FOLDER)
-    simulation.observers, simulation.begun = [motion.build(folder, simulation), ahead], False
+def plan_for(order: tuple, simulation: Simulation | None, washout: Any, folder: Path) -> Any:
+    """Plan of a washout for the order of a `Planner`, or a sentence why there is none: by a ghost, the `simulation` in
+    this process, if there is one. `folder`: of files of no use."""
+    _, until, every, question, tree, arrays = order
     try:
+        if simulation is None:
+            return washout.foresee(None, question)
+        scene = simulation.scene
+        assert scene.platform is not None
+        ahead = MotionAhead(scene.platform.ridden(list(scene.ships)))
+        motion = scene.observers["motion"].model_copy(update={"every": every})
+        Restorer({"simulation": simulation}, tree, arrays, NO_FOLDER)
+        simulation.observers, simulation.begun = [motion.build(folder, simulation), ahead], False
         simulation.run(until)
         simulation.run(simulation.time + 2.0 * simulation.next_dt)  # so that the forces at `until` are known
         simulation.conclude()
-        return scene.platform.build(every).washout.foresee(Ride(*map(np.concatenate, zip(*ahead.rides))), question)
+        return washout.foresee(Ride(*map(np.concatenate, zip(*ahead.rides))), question)
     except Failed as failure:
-        simulation.conclude()
+        if simulation is not None:
+            simulation.conclude()
         return str(failure)
 
 
@@ -114,10 +121,16 @@ def main() -> None:
     """Reply to orders on standard input until it ends. Arguments: a folder, and a scene in JSON."""
     replies, scene = os.fdopen(os.dup(1), "wb"), load(json.loads(sys.argv[2]), ON_ONE_CORE)
     os.dup2(2, 1)  # for what else is printed
-    with Simulation(scene) as simulation, suppress(EOFError, OSError):
-        simulation.conclude()  # its observers have nothing to write
+    platform = scene.platform
+    assert platform is not None
+    washout = None
+    with Simulation(scene) if platform.look_ahead else nullcontext() as simulation, suppress(EOFError, OSError):
+        if simulation is not None:
+            simulation.conclude()  # its observers have nothing to write
         while True:
-            pickle.dump(plan_for(pickle.load(sys.stdin.buffer), simulation, Path(sys.argv[1])), replies)
+            order = pickle.load(sys.stdin.buffer)
+            washout = washout or platform.build(order[2]).washout
+            pickle.dump(plan_for(order, simulation, washout, Path(sys.argv[1])), replies)
             replies.flush()
 
 

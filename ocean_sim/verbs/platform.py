@@ -27,9 +27,8 @@ from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared import platform_pictures as pictures
 
 RIDE_FILES = ("best.csv", "best.png", "film.gif", "legs.csv")  # that not every ride has: those of one before go
-MANY_LIMITED = 5.0  # [%] of the rows, above which smaller scales are advised
+MANY_LIMITED = 5.0  # [%] of the rows, above which smaller scales or a longer ramp are advised
 START_RAMPS = 4.0  # [ramps] after which a ride is no longer at its start
-HARD_START = 0.05  # share of rows at the start that only a short ramp limits, above which a longer one is advised
 FELT_COLUMNS = ("force_x", "force_y", "force_z", "rate_x", "rate_y", "rate_z")
 
 
@@ -93,12 +92,10 @@ def platform(
         if not ahead and len(rest) > len(begins) > 0:
             gentle = config.model_copy(update={"ramp": starting}).build(ride.every)
             gently = gentle.follow(ride.ride.rows(0, len(begins))).limited
-            hard, later, left = (float((rows > 0).mean()) for rows in (begins, rest, gently))
-            if hard - left > max(later, HARD_START):
-                many = f"{100.0 * hard:.0f} % of rows in the first {starting:g} s are limited, {100.0 * later:.3g} % of the others"
-                warnings.append(
-                    f"{many}: --ramp {starting:g} begins gently and limits {100.0 * left:.3g} % of the first"
-                )
+            hard, later, left = (100.0 * float((rows > 0).mean()) for rows in (begins, rest, gently))
+            if hard - left > max(later, MANY_LIMITED):
+                many = f"{hard:.3g} % of rows in the first {starting:g} s are limited, {later:.3g} % of the others"
+                warnings.append(f"{many}: --ramp {starting:g} begins gently and limits {left:.3g} % of the first")
         force, turns = (
             " ".join(f"{share:g}" for share in scale) for scale in (asked.force_scale, asked.rotation_scale)
         )

@@ -127,8 +127,8 @@ def test_a_ramp_that_outlasts_the_ride_is_told(ask, draw_nothing, log):
     "heave, begins, advised", [(0.7, 0.0, True), (0.9, 0.0, True), (0.7, 90.0, False), (1.3, 0.0, False)]
 )
 def test_a_longer_ramp_is_advised_where_it_helps(ask, draw_nothing, tmp_path, heave, begins, advised):
-    """Heave in 8 s that begins where she rises fastest, or at her highest. Of 0.9 m legs limit some of the rest, too; of
-    1.3 m they limit half of all rows, and a longer ramp only lowers the motion for a while."""
+    """Heave in 8 s that begins where she rises fastest, or at her highest. Of 0.9 m legs limit some of the rest, too;
+    of 1.3 m half of it, and a longer ramp only lowers the motion for a while."""
     draw_nothing()
     t = np.arange(0.0, 60.0, 0.1)
     motion = {"t": t, "z": heave * np.sin(2.0 * np.pi * t / 8.0 + np.radians(begins))}

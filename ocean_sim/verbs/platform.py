@@ -200,13 +200,13 @@ def write_commands(
     (None: FLU; else the `log` is written along them, too); `machine`: the platform; `film`: True to draw one."""
     with TemporaryDirectory(prefix=".platform-", dir=out) as draft:
         folder = Path(draft)
-        seed = {"seed": log.table.head["seed"]} if "seed" in log.table.head else {}
+        kept = {key: text for key, text in log.table.head.items() if key in ("start", "seed")}
         axes = frame or "flu"
         for name, ride in (("platform", done), ("best", best)):
             if ride is not None:
                 force, rate = ride.felt_force @ FRAME_AXES[axes].T, ride.felt_rate @ FRAME_AXES[axes].T
                 turned = ride._replace(pose=wire.turn_to_frame(ride.pose, axes), felt_force=force, felt_rate=rate)
-                head = heading(log.every, axes) | seed
+                head = heading(log.every, axes) | kept
                 commands_table(folder / f"{name}.csv", head, PLATFORM_COLUMNS, turned.rows())
         rows = [[metric.quantity, metric.value, metric.unit] for metric in found]
         commands_table(folder / "metrics.csv", {}, ("quantity", "value", "unit"), rows)

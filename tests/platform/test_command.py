@@ -245,6 +245,7 @@ def test_times_are_dates_milliseconds_or_a_little_uneven(form, ask, draw_nothing
     path.write_text("\n".join([lines[0], *(f"{stamp(cell)},{others}" for cell, _, others in rest)]) + "\n")
     code, out, err = ask(path, *COLUMNS, "--out", form)
     assert (code, err) == (0, "") and ("interpolated to rows every 0.02 s" in out) == (form == "uneven")
+    assert f"# start: {stamp('0')}\n" in (tmp_path / form / "platform.csv").read_text()
     even, other = (read_columns(tmp_path / name / "platform.csv") for name in ("even", form))
     np.testing.assert_allclose(other["leg1_m"], even["leg1_m"], atol=2e-3 if form == "uneven" else 1e-6)
 

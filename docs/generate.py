@@ -511,10 +511,16 @@ def gallery() -> str:
         picture = f"![{entry.about}](../../figures/gallery/{entry.picture})\n\n{GALLERY[name]} (`{entry.scene}`)\n"
         simulate, draw = show_entry(entry)
         above = ran.setdefault(simulate, entry.about)
+        simulate, draw = map(wrapped_command, (simulate, draw))
         lines = [simulate, draw] if above == entry.about else [f"# of the run of: {above}", draw]
         text += [f"## {entry.about}\n", picture, "```sh", *lines, "```\n"]
     text.append("`./sandbox gallery` makes those again that are older than what they show; `--check` lists them.\n")
     return "\n".join(text)
+
+
+def wrapped_command(line: str) -> str:
+    """Command of a shell over several lines that fit a page 1280 px wide."""
+    return " \\\n    ".join(textwrap.wrap(line, 84, break_long_words=False, break_on_hyphens=False))
 
 
 def errata() -> str:

@@ -163,7 +163,7 @@ def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
     about = f"about {console.duration(found['estimated_wall_s'])} for {config.duration:g} s ({terms})"
     water = f"{config.fluid.kind} in {config.preflight.tank.dimension}-D"
     if not found["estimate_is_measured"]:
-        return f"{about}: a guess until {water} has run on this machine, or `check --time` takes some steps"
+        return f"{about}: a guess, for an idle machine, until {water} has run on it, or `check --time` takes some steps"
     return f"{about}, by the run of {water} nearest in size on this machine"
 
 

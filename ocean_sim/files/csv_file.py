@@ -113,9 +113,8 @@ class Table(dict[str, np.ndarray]):
         """True if numbers have a decimal comma, False if a point; raises Unreadable if a file mixes them."""
         found: dict[str, str] = {}
         for k, row in enumerate(self.rows):
-            found = {
-                number[1]: number[0] for number in map(DECIMAL_NUMBER.fullmatch, self.cells(row)) if number
-            } | found
+            numbers = filter(None, map(DECIMAL_NUMBER.fullmatch, self.cells(row)))
+            found = {number[1]: number[0] for number in numbers} | found
             if len(found) == 2:
                 signs = (
                     f"{quoted_piece(found[','])} and, up to {row_and_line(self.path, k)}, {quoted_piece(found['.'])}"
@@ -161,11 +160,9 @@ class Table(dict[str, np.ndarray]):
         time, *found = self.finite(TIME_COLUMN, *wanted)
         if len(time) < fewest:
             raise WHOLE_TABLE_RULE.broken(self.path, f"it has {len(time)} rows, and a smooth path needs {fewest}")
-        back = np.flatnonzero(np.diff(time) <= 0.0)
-        if len(back):
-            k = int(back[0])
-            found = f"{time[k + 1]:.12g} s follows {time[k]:.12g} s in {row_and_line(self.path, k + 1)}"
-            raise RISING_TIMES_RULE.broken(self.path, found)
+        for k in np.flatnonzero(np.diff(time) <= 0.0).tolist():
+            back = f"{time[k + 1]:.12g} s follows {time[k]:.12g} s in {row_and_line(self.path, k + 1)}"
+            raise RISING_TIMES_RULE.broken(self.path, back)
         return [time, *found]
 
     def like_radians(self) -> list[str]:

@@ -96,9 +96,7 @@ def platform(
             if hard - left > max(later, MANY_LIMITED):
                 many = f"{hard:.3g} % of rows in the first {starting:g} s are limited, {later:.3g} % of the others"
                 warnings.append(f"{many}: --ramp {starting:g} begins gently and limits {left:.3g} % of the first")
-        force, turns = (
-            " ".join(f"{share:g}" for share in scale) for scale in (asked.force_scale, asked.rotation_scale)
-        )
+        force, turns = (" ".join(map("{:g}".format, scale)) for scale in (asked.force_scale, asked.rotation_scale))
         console.say(f"{geometry}, washout {washout}: asks for {force} of acceleration x y z, {turns} of roll pitch yaw")
         for each in (*said, f"from neutral into its motion over {config.ramp:g} s, wherever the log begins"):
             console.say(f"{log}: {each}")
@@ -115,11 +113,9 @@ def platform(
         answer |= {"warnings": warnings, "derived": said, "stream": jitter and jitter._asdict()}
         answer["latency"] = latency and latency._asdict()
         console.answer(answer)
-        if jitter is not None:
-            console.say(f"{stream}: {jitter}")
-            for told in (latency, sender.stop_report() if sender is not None else ""):
-                if told:
-                    console.say(f"{stream}: {told}")
+        if sender is not None:
+            for told in filter(None, (jitter, latency, sender.stop_report())):
+                console.say(f"{stream}: {told}")
 
 
 def platform_config(geometry: str, washout: str, sets: Sequence[str] = ()) -> Config:
@@ -208,8 +204,7 @@ def write_commands(
                 turned = ride._replace(pose=wire.turn_to_frame(ride.pose, axes), felt_force=force, felt_rate=rate)
                 head = heading(log.every, axes) | kept
                 commands_table(folder / f"{name}.csv", head, PLATFORM_COLUMNS, turned.rows())
-        rows = [[metric.quantity, metric.value, metric.unit] for metric in found]
-        commands_table(folder / "metrics.csv", {}, ("quantity", "value", "unit"), rows)
+        commands_table(folder / "metrics.csv", {}, Metric._fields, found)
         if frame is not None:
             changed = log.table.head | {"frame": frame, "axes": motion_log.AXES_IN_WORDS[frame]}
             converted = motion_log.convert_rows(log, frame)

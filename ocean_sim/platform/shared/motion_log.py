@@ -145,11 +145,8 @@ def suggested_command(table: Table) -> str:
     alike = {words.split("|")[0]: next(filter(re.compile(words, re.I).search, names), "") for words in OTHER_NAMES}
     rest = [name for name in names if name not in alike.values()]
     alike["time"] = alike["time"] or next((name for name in rest if like_times(table, name)), "...")
-    angles = [name for key, name in alike.items() if key in ("roll", "pitch", "yaw") and "rad" not in name.lower()]
-    degrees = any(
-        re.search("deg|\xb0", each.lower()) or (np.abs(table[each]) > 2.0 * np.pi).any()
-        for each in filter(None, angles)
-    )
+    angles = [each for each in map(alike.get, ("roll", "pitch", "yaw")) if each and "rad" not in each.lower()]
+    degrees = any(re.search("deg|\xb0", each.lower()) or (np.abs(table[each]) > 2.0 * np.pi).any() for each in angles)
     columns = ",".join(f"{key}={name}" for key, name in alike.items() if name)
     command = shlex.join(["ocean-sim", "platform", display_path(table.path), "--columns", columns])
     unit, unsure = (" --units deg", "") if degrees else ("", "`--units deg` if angles are in degrees, ")

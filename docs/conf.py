@@ -34,6 +34,7 @@ exclude_patterns = ["tutorials/*.py", "_build"]
 smartquotes = False  # which would make one dash of the two of an option
 suppress_warnings = ["myst.header"]
 UNREAD = nodes.raw, nodes.comment, nodes.literal_block  # left out of excerpts
+WORD_LENGTHS = {"whole": 40, "short": 16}  # characters that fit a line of text on a phone, and a cell of a table
 contents = yaml.safe_load((Path(__file__).parent / "contents.yaml").read_text(encoding="utf-8"))
 
 
@@ -58,6 +59,13 @@ def add_contents(app: Any, page: str, source: list[str]) -> None:
         source[0] += "\n".join(["\n```{toctree}", f":caption: {caption}", ":glob:", shown, "", *names, "```\n"])
 
 
+def mark_code(app: Any, page: nodes.document, docname: str) -> None:
+    """Add classes to inline code whose words are short enough to stay whole on a line of a page, or of a table."""
+    for node in page.findall(nodes.literal):
+        longest = max(map(len, node.astext().split()), default=0)
+        node["classes"] += [name for name, most in WORD_LENGTHS.items() if longest <= most]
+
+
 def write_texts(app: Any, failure: Exception | None) -> None:
     """Write the prose of each page, for excerpts in the results of the search, as a script that assigns it to TEXTS."""
     if failure is None:
@@ -75,5 +83,6 @@ def setup(app: Any) -> None:
     app.add_config_value("contents", {}, "env")  # another tree builds all pages anew
     app.add_html_math_renderer("mathml", (inline_math, None), (block_math, None))
     app.connect("source-read", add_contents)
+    app.connect("doctree-resolved", mark_code)
     app.connect("build-finished", write_texts)
     app.connect("builder-inited", lambda app: generate.pages(Path(app.srcdir) / "generated"))

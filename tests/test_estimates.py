@@ -48,7 +48,7 @@ def test_the_time_of_steps_is_a_guess_until_such_water_has_run_and_then_goes_wit
     config = load(TANK | UNDRAWN)
     found = preflight(config)
     assert found["estimated_wall_s"] > 0.0 and not found["estimate_is_measured"]
-    assert "a guess until delta_sph in 2-D has run on this machine" in wall_time(found, config)
+    assert "a guess, for an idle machine, until delta_sph in 2-D has run on it" in wall_time(found, config)
     keep(config, 0.003)
     assert steps() == pytest.approx(0.003 * 5000)
     assert steps(duration=20.0) == pytest.approx(2.0 * steps())

@@ -80,10 +80,11 @@ def test_no_time_is_left_once_the_last_step_is_taken_but_pictures_may_be(clock):
 def test_a_film_whose_pictures_are_drawn_says_so(clock, monkeypatch):
     drawing, lines = Drawing(quiet=False), []
     monkeypatch.setattr(drawing.bar, "show", lambda done, text: lines.append(text))
-    for done in (8, 9, 10):
+    for done in range(5, 11):
         clock.wall += 1.0
         drawing(done, 10)
-    assert lines == ["drawing picture 8 of 10", "drawing picture 9 of 10, 1.0 s left", "10 pictures drawn, finishing"]
+    shown = [f"drawing picture {done} of 10, {10 - done}.0 s left" for done in (8, 9)]  # once the film is announced
+    assert lines == [*shown, "10 pictures drawn, finishing"]
 
 
 def test_pictures_that_are_drawn_while_a_run_goes_on_are_counted_in_its_line(clock, capsys):

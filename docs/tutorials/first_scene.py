@@ -1,6 +1,6 @@
 """Your first scene.
 
-A scene is a text file. Nine lines make a tank with a wave in it, and a gauge that records the height of the water. At
+A scene is a text file. Ten lines make a tank with a wave in it, and a gauge that records the height of the water. At
 the end you know how far the simulated period is from theory; every claim of this program is made in this way.
 """
 

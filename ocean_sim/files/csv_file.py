@@ -71,6 +71,13 @@ def split_lines(text: str) -> Lines:
     return Lines({key.strip(): value.strip() for key, _, value in comments}, heading, rows)
 
 
+def row_and_line(path: str | Path, k: int) -> str:
+    """Text on row `k`, from 0, of a CSV file: its number, and that of its line in an editor."""
+    lines = enumerate(input_file.read_text(path).lower().splitlines(), 1)
+    numbers = [n for n, line in lines if line.strip() and not line.startswith(("#", "sep="))]
+    return f"row {k + 1} (line {numbers[k + 1]})"
+
+
 class Table(dict[str, np.ndarray]):
     """Columns (n,) by name of a CSV file that a user named, float64, NaN if a cell is no number. Raises Unreadable, a
     ValueError, if the file breaks a rule in CHECKS or has no row."""
@@ -105,12 +112,13 @@ class Table(dict[str, np.ndarray]):
     def has_decimal_commas(self) -> bool:
         """True if numbers have a decimal comma, False if a point; raises Unreadable if a file mixes them."""
         found: dict[str, str] = {}
-        for k, row in enumerate(self.rows, 1):
-            found = {
-                number[1]: number[0] for number in map(DECIMAL_NUMBER.fullmatch, self.cells(row)) if number
-            } | found
+        for k, row in enumerate(self.rows):
+            numbers = filter(None, map(DECIMAL_NUMBER.fullmatch, self.cells(row)))
+            found = {number[1]: number[0] for number in numbers} | found
             if len(found) == 2:
-                signs = f"{quoted_piece(found[','])} and, up to row {k}, {quoted_piece(found['.'])}"
+                signs = (
+                    f"{quoted_piece(found[','])} and, up to {row_and_line(self.path, k)}, {quoted_piece(found['.'])}"
+                )
                 raise DIALECT_RULE.broken(self.path, f"it has {signs}")
         return "," in found
 
@@ -122,7 +130,7 @@ class Table(dict[str, np.ndarray]):
             row, name = since + int(wrong[0, 0]), wanted[wrong[0, 1]]
             cell = self.cells(self.rows[row])[self.names.index(name)]
             found = quoted_piece(cell) if cell else "empty"
-            raise FINITE_NUMBERS_RULE.broken(self.path, f"{name} is {found} in row {row + 1}")
+            raise FINITE_NUMBERS_RULE.broken(self.path, f"{name} is {found} in {row_and_line(self.path, row)}")
         return [self[name] for name in wanted]
 
     def require(self, *wanted: str) -> None:
@@ -152,10 +160,9 @@ class Table(dict[str, np.ndarray]):
         time, *found = self.finite(TIME_COLUMN, *wanted)
         if len(time) < fewest:
             raise WHOLE_TABLE_RULE.broken(self.path, f"it has {len(time)} rows, and a smooth path needs {fewest}")
-        back = np.flatnonzero(np.diff(time) <= 0.0)
-        if len(back):
-            k = int(back[0])
-            raise RISING_TIMES_RULE.broken(self.path, f"{time[k + 1]:.12g} s follows {time[k]:.12g} s in row {k + 2}")
+        for k in np.flatnonzero(np.diff(time) <= 0.0).tolist():
+            back = f"{time[k + 1]:.12g} s follows {time[k]:.12g} s in {row_and_line(self.path, k + 1)}"
+            raise RISING_TIMES_RULE.broken(self.path, back)
         return [time, *found]
 
     def like_radians(self) -> list[str]:
@@ -229,7 +236,7 @@ def build_columns(
     split = [cells_of(row) for row in rows]
     for k, row in enumerate(split):
         if len(row) != len(names):
-            found = f"row {k + 1} has {len(row)} cells under {len(names)} names, {quoted_piece(rows[k])}"
+            found = f"{row_and_line(path, k)} has {len(row)} cells under {len(names)} names, {quoted_piece(rows[k])}"
             raise (DIALECT_RULE if len(row) > len(names) else WHOLE_TABLE_RULE).broken(path, found)
     return {name: column_of(name, found) for name, found in zip(names, zip(*split))}
 

@@ -156,14 +156,12 @@ def ledger_rows(found: dict[str, Any], config: SceneConfig) -> list[dict[str, An
 def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
     """Text on the wall time in facts `found` of `preflight`, and its basis: a guess, or a run of such water."""
     parts = found["estimated_by_part"]
-    terms = ", ".join(
-        f"{name.removesuffix('_s')} {console.duration(seconds)}" for name, seconds in parts.items() if seconds
-    )
+    terms = ", ".join(f"{name.removesuffix('_s')} {console.duration(took)}" for name, took in parts.items() if took)
     terms += ", which --set render=null saves" if parts["pictures_s"] else ""
     about = f"about {console.duration(found['estimated_wall_s'])} for {config.duration:g} s ({terms})"
     water = f"{config.fluid.kind} in {config.preflight.tank.dimension}-D"
     if not found["estimate_is_measured"]:
-        return f"{about}: a guess until {water} has run on this machine, or `check --time` takes some steps"
+        return f"{about}: a guess, for an idle machine, until {water} has run on it, or `check --time` takes some steps"
     return f"{about}, by the run of {water} nearest in size on this machine"
 
 

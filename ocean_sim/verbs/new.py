@@ -94,9 +94,7 @@ def with_comment(text: str, comment: str) -> str:
     return f"{text:<{COMMENT_COLUMN}}  # {comment}" if comment else text
 
 
-def print_schema(
-    out: Path | None = typer.Option(None, help="A file to write instead of standard output."),
-) -> None:
+def print_schema(out: Path | None = typer.Option(None, help="A file to write instead of standard output.")) -> None:
     """Print the JSON Schema of scenes, or write it into a file."""
     if out is None:
         with console.NAMED_OUTPUT:

@@ -27,9 +27,8 @@ from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared import platform_pictures as pictures
 
 RIDE_FILES = ("best.csv", "best.png", "film.gif", "legs.csv")  # that not every ride has: those of one before go
-MANY_LIMITED = 5.0  # [%] of the rows, above which smaller scales are advised
+MANY_LIMITED = 5.0  # [%] of the rows, above which smaller scales or a longer ramp are advised
 START_RAMPS = 4.0  # [ramps] after which a ride is no longer at its start
-HARD_START = 5.0  # share of limited rows at the start over that of the rest, above which a longer ramp is advised
 FELT_COLUMNS = ("force_x", "force_y", "force_z", "rate_x", "rate_y", "rate_z")
 
 
@@ -88,15 +87,15 @@ def platform(
         seconds = float(done.time[-1] - done.time[0])
         warnings = list(config.cut_short(seconds))
         starting = START_RAMPS * config.ramp  # [s]
-        begins, rest = np.split(done.limited > 0, [round(starting / ride.every)])
-        if len(rest) > len(begins) > 0 and begins.mean() > max(HARD_START * rest.mean(), 0.01 * MANY_LIMITED):
-            warnings.append(
-                f"{begins.mean():.0%} of rows in the first {starting:g} s are limited, and {rest.mean():.1%} of the "
-                f"others: if the log begins in mid-motion, --ramp {starting:g} starts gently"
-            )
-        force, turns = (
-            " ".join(f"{share:g}" for share in scale) for scale in (asked.force_scale, asked.rotation_scale)
-        )
+        begins, rest = np.split(done.limited, [round(starting / ride.every)])
+        if not ahead and len(rest) > len(begins) > 0:
+            gentle = config.model_copy(update={"ramp": starting}).build(ride.every)
+            gently = gentle.follow(ride.ride.rows(0, len(begins))).limited
+            hard, later, left = (100.0 * float((rows > 0).mean()) for rows in (begins, rest, gently))
+            if hard - left > max(later, MANY_LIMITED):
+                many = f"{hard:.3g} % of rows in the first {starting:g} s are limited, {later:.3g} % of the others"
+                warnings.append(f"{many}: --ramp {starting:g} begins gently and limits {left:.3g} % of the first")
+        force, turns = (" ".join(map("{:g}".format, scale)) for scale in (asked.force_scale, asked.rotation_scale))
         console.say(f"{geometry}, washout {washout}: asks for {force} of acceleration x y z, {turns} of roll pitch yaw")
         for each in (*said, f"from neutral into its motion over {config.ramp:g} s, wherever the log begins"):
             console.say(f"{log}: {each}")
@@ -113,11 +112,9 @@ def platform(
         answer |= {"warnings": warnings, "derived": said, "stream": jitter and jitter._asdict()}
         answer["latency"] = latency and latency._asdict()
         console.answer(answer)
-        if jitter is not None:
-            console.say(f"{stream}: {jitter}")
-            for told in (latency, sender.stop_report() if sender is not None else ""):
-                if told:
-                    console.say(f"{stream}: {told}")
+        if sender is not None:
+            for told in filter(None, (jitter, latency, sender.stop_report())):
+                console.say(f"{stream}: {told}")
 
 
 def platform_config(geometry: str, washout: str, sets: Sequence[str] = ()) -> Config:
@@ -198,16 +195,15 @@ def write_commands(
     (None: FLU; else the `log` is written along them, too); `machine`: the platform; `film`: True to draw one."""
     with TemporaryDirectory(prefix=".platform-", dir=out) as draft:
         folder = Path(draft)
-        seed = {"seed": log.table.head["seed"]} if "seed" in log.table.head else {}
+        kept = {key: text for key, text in log.table.head.items() if key in ("start", "seed")}
         axes = frame or "flu"
         for name, ride in (("platform", done), ("best", best)):
             if ride is not None:
                 force, rate = ride.felt_force @ FRAME_AXES[axes].T, ride.felt_rate @ FRAME_AXES[axes].T
                 turned = ride._replace(pose=wire.turn_to_frame(ride.pose, axes), felt_force=force, felt_rate=rate)
-                head = heading(log.every, axes) | seed
+                head = heading(log.every, axes) | kept
                 commands_table(folder / f"{name}.csv", head, PLATFORM_COLUMNS, turned.rows())
-        rows = [[metric.quantity, metric.value, metric.unit] for metric in found]
-        commands_table(folder / "metrics.csv", {}, ("quantity", "value", "unit"), rows)
+        commands_table(folder / "metrics.csv", {}, Metric._fields, found)
         if frame is not None:
             changed = log.table.head | {"frame": frame, "axes": motion_log.AXES_IN_WORDS[frame]}
             converted = motion_log.convert_rows(log, frame)

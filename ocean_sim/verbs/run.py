@@ -60,11 +60,7 @@ def run(
 
 
 def report_run(
-    made: Callable[[], Result],
-    progress: Progress,
-    config: SceneConfig,
-    folder: Path,
-    quiet: bool = False,
+    made: Callable[[], Result], progress: Progress, config: SceneConfig, folder: Path, quiet: bool = False
 ) -> None:
     """Carry out a run by calling `made`, store its time per step, print its results; raises Stopped if interrupted."""
     try:

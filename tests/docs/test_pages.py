@@ -291,6 +291,12 @@ def test_rows_that_only_detect_regressions_are_counted_apart(monkeypatch):
     assert kept == "[tank](#tank) 1\u00a0of\u00a01"
     assert "error 1\u00a0%, tolerance 2\u00a0%; 1 for regressions only, with errors up to -9\u00a0%" in words
     assert [generate.verdict(each) for each in (alarm, judge, reported)] == ["no regression", "kept", "reported"]
+    rows = [each | {"case": "couette", "value": "", "reference": ""} for each in (alarm, judge, reported)]
+    late = rows[0] | {"ok": "False", "quantity": "back"}, rows[1] | {"ok": "False"}
+    monkeypatch.setattr(generate, "rows_of", lambda name: [*rows, *late])
+    page = generate.validation()
+    assert "5 rows; 1 of 2 tolerances kept. Missed: [couette](#couette) 1. 2 more rows only" in page
+    assert "beyond it now: [couette](#couette), back, error -9" in page and "<summary>Misses: 1</summary>" in page
 
 
 @pytest.mark.parametrize("page", sorted((ROOT / "docs" / "guide").glob("*.md")), ids=lambda page: page.stem)

@@ -51,10 +51,10 @@ def test_a_line_that_a_killed_run_did_not_finish_is_no_row(file):
     assert csv_file.read_columns(file("a,b\n1,2\n\0\0\0\0"))["b"].tolist() == [2.0]  # as a power cut leaves it
     assert csv_file.read_columns(file("a,b")) == {}
     for uneven in ("a,b\n1\n3,4\n", "a,b\n1,2\n3\n", "a,b\n1,2,3\n"):
-        with pytest.raises(Unreadable, match=r"row \d has \d cells under 2 names"):
+        with pytest.raises(Unreadable, match=r"row \d \(line \d\) has \d cells under 2 names"):
             csv_file.read_columns(file(uneven))
-    with pytest.raises(Unreadable, match="row 3 has 1 cells under 2 names, '5'"):
-        csv_file.Table(file("a,b\n1,2\n3,4\n5"))
+    with pytest.raises(Unreadable, match=r"row 3 \(line 6\) has 1 cells under 2 names, '5'"):
+        csv_file.Table(file("# from: me\na,b\n1,2\n\n3,4\n5"))
 
 
 def test_a_table_without_rows_or_without_a_heading(file):
@@ -108,10 +108,10 @@ def test_a_table_has_the_same_numbers_in_every_dialect(file, seed):
 
 def test_a_table_of_two_dialects_is_refused(file):
     for text, said in {
-        "time_s;x_m\n0,5;1.25\n": "it has '0,5' and, up to row 1, '1.25'",
-        'time_s,x_m\n0.5,"1,25"\n': "it has '1,25' and, up to row 1, '0.5'",
-        "time_s,x_m\n0,5,1,25\n": "row 1 has 4 cells under 2 names.* decimal comma",
-        "time_s\tx_m\n0.5;1\n": "row 1 has 1 cells under 2 names",
+        "time_s;x_m\n0,5;1.25\n": r"it has '0,5' and, up to row 1 \(line 2\), '1.25'",
+        'time_s,x_m\n0.5,"1,25"\n': r"it has '1,25' and, up to row 1 \(line 2\), '0.5'",
+        "time_s,x_m\n0,5,1,25\n": r"row 1 \(line 2\) has 4 cells under 2 names.* decimal comma",
+        "time_s\tx_m\n0.5;1\n": r"row 1 \(line 2\) has 1 cells under 2 names",
     }.items():
         with pytest.raises(Unreadable, match=said):
             csv_file.Table(file(text))
@@ -129,8 +129,8 @@ def test_times_are_dates_or_seconds_and_rise(file):
     for offset in (0.0, 1e5, 2e9):
         times = offset + 0.02 * np.arange(50)
         for rows, said in {
-            (*range(20), 21, 20, *range(22, 50)): "in row 22; times rise",
-            (*range(20), 19, *range(20, 50)): "in row 21; times rise",
+            (*range(20), 21, 20, *range(22, 50)): r"in row 22 \(line 23\); times rise",
+            (*range(20), 19, *range(20, 50)): r"in row 21 \(line 22\); times rise",
         }.items():
             with pytest.raises(Unreadable, match=said):
                 csv_file.Table(file("time_s\n" + "".join(f"{times[k]:.3f}\n" for k in rows))).series()

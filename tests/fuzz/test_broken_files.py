@@ -187,7 +187,7 @@ def test_a_table_begins_with_a_byte_order_mark_or_not_and_has_even_rows(tmp_path
     path.write_bytes(b"\xef\xbb\xbftime_s,x_m\n0,1\n1,2\n")
     assert csv_file.Table(path)["time_s"].tolist() == [0.0, 1.0]
     for content, why in {
-        "time_s,x_m\n0,1\n1\n": "row 2 has 1 cells under 2 names, '1'",
+        "time_s,x_m\n0,1\n1\n": r"row 2 \(line 3\) has 1 cells under 2 names, '1'",
         "time_s,time_s\n0,1\n": "two columns 'time_s'",
         "time_s,x_m\n": "no rows under a heading",
     }.items():

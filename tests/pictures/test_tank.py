@@ -1,14 +1,17 @@
 """Pictures of water that folds: its surface without the lattice of particles, and air where it is stirred."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+import trimesh
 
 from ocean_sim.pictures.stage import opengl
 from ocean_sim.pictures.stage.camera import camera_looking
 from ocean_sim.pictures.stage.plotter import Stage
 from ocean_sim.pictures.water import tank_walls
 from ocean_sim.pictures.water.spray import floor_heights, flying_share
-from ocean_sim.pictures.water.tank import low_pass_weights, smooth_mesh
+from ocean_sim.pictures.water.tank import Shell, low_pass_weights, smooth_mesh
 from ocean_sim.surface import Mesh, cell_triangles
 
 SPACING = 0.04  # [m] of particles; edges of a mesh are half as long
@@ -99,3 +102,31 @@ def test_bed_and_walls_of_a_tank_look_inwards_and_are_darker_where_they_meet():
     column = seen[:, 150]
     wall = column[column > 0.5 * column.max()]
     assert len(wall) > 20 and wall.min() < 0.9 * wall.max()
+
+
+@with_opengl
+def test_what_stands_before_the_water_is_not_seen_in_it():
+    """A ball in front of a tank changes the picture within its own outline, not where the water beyond bends rays."""
+    box = trimesh.creation.box(bounds=[(-1.0, -1.0, -1.0), (1.0, 0.0, 1.0)]).subdivide().subdivide().subdivide()
+    frame = SimpleNamespace(mesh=(box.vertices, box.faces, box.vertex_normals), left=None, carried=None)
+    stage = Stage((240, 160), camera_looking(np.array([0.0, 1.5, 4.0]), np.array([0.0, -0.2, 0.0])), 1)
+    grid = {"depth": 1.0, "lower": np.array(BOX[0]), "upper": np.array([1.0, 0.0, 1.0]), "spacing": 0.1}
+    shell = Shell(stage, grid, np.array([1.0, 0.5, 1.0]), white=False)
+    stage.plotter.camera.position, stage.plotter.camera.focal_point = tuple(stage.camera.eye), (0.0, -0.2, 0.0)
+    stage.plotter.camera.up, stage.plotter.camera.view_angle = (0.0, 1.0, 0.0), stage.camera.angle
+    stage.plotter.camera.clipping_range = 0.1, 40.0
+    ball = stage.plotter.add_mesh(
+        stage.pyvista.Sphere(radius=0.15, center=(0.0, 0.25, 1.4)), color="red", lighting=False
+    )
+
+    def picture(water: bool, balls: bool) -> np.ndarray:
+        ball.SetVisibility(balls)
+        shell.show(frame)
+        shell.water.actor.SetVisibility(water)
+        stage.render()
+        return stage.plotter.screenshot(None, return_img=True).astype(int)
+
+    outline = np.abs(picture(False, True) - picture(False, False)).max(axis=2) > 0
+    changed = np.abs(picture(True, True) - picture(True, False)).max(axis=2) > 30  # edges are blended
+    stage.close()
+    assert outline.sum() > 200 and (changed & outline).sum() > 200 and not (changed & ~outline).any()

@@ -123,14 +123,25 @@ def test_a_ramp_that_outlasts_the_ride_is_told(ask, draw_nothing, log):
     assert "warning" not in out
 
 
-@pytest.mark.parametrize("begins, told", [(0.0, True), (np.pi / 2.0, False)])
-def test_a_log_that_begins_in_mid_motion_is_advised_a_longer_ramp(ask, draw_nothing, tmp_path, begins, told):
-    """Heave of 0.7 m in 8 s: it begins where she rises fastest, or at her highest."""
+@pytest.mark.parametrize(
+    "heave, begins, advised", [(0.7, 0.0, True), (0.9, 0.0, True), (0.7, 90.0, False), (1.3, 0.0, False)]
+)
+def test_a_longer_ramp_is_advised_where_it_helps(ask, draw_nothing, tmp_path, heave, begins, advised):
+    """Heave in 8 s that begins where she rises fastest, or at her highest. Of 0.9 m legs limit some of the rest, too;
+    of 1.3 m half of it, and a longer ramp only lowers the motion for a while."""
     draw_nothing()
     t = np.arange(0.0, 60.0, 0.1)
-    heave = {"t": t, "z": 0.7 * np.sin(2.0 * np.pi * t / 8.0 + begins)}
-    _, out, _ = ask(write(tmp_path / "heave.csv", heave), "--columns", "time=t,heave=z")
-    assert ("in mid-motion, --ramp 12 starts gently" in out) == told
+    motion = {"t": t, "z": heave * np.sin(2.0 * np.pi * t / 8.0 + np.radians(begins))}
+    log = write(tmp_path / "heave.csv", motion), "--columns", "time=t,heave=z"
+    _, out, _ = ask(*log)
+    assert ("--ramp 12 begins gently" in out) == advised
+    if advised:
+        assert limited_share(ask(*log, "--ramp", "12")[1]) < 0.6 * limited_share(out)
+
+
+def limited_share(said):
+    """Percentage of limited rows that the command states."""
+    return float(said.partition(" % of them limited")[0].rpartition(" ")[2])
 
 
 def test_it_streams_at_the_pace_of_the_log_and_comes_to_rest(ask, draw_nothing, tmp_path):
@@ -234,6 +245,7 @@ def test_times_are_dates_milliseconds_or_a_little_uneven(form, ask, draw_nothing
     path.write_text("\n".join([lines[0], *(f"{stamp(cell)},{others}" for cell, _, others in rest)]) + "\n")
     code, out, err = ask(path, *COLUMNS, "--out", form)
     assert (code, err) == (0, "") and ("interpolated to rows every 0.02 s" in out) == (form == "uneven")
+    assert f"# start: {stamp('0')}\n" in (tmp_path / form / "platform.csv").read_text()
     even, other = (read_columns(tmp_path / name / "platform.csv") for name in ("even", form))
     np.testing.assert_allclose(other["leg1_m"], even["leg1_m"], atol=2e-3 if form == "uneven" else 1e-6)
 

@@ -84,7 +84,7 @@ def test_other_units_and_frames_are_named(tmp_path):
     path = write(tmp_path / "d.csv", table)
     lines = path.read_text().splitlines()
     path.write_text("\n".join([*lines[:50], lines[50].rpartition(",")[0], *lines[51:]]))
-    with pytest.raises(ValueError, match="row 48 has 20 cells under 21 names"):
+    with pytest.raises(ValueError, match=r"row 48 \(line 51\) has 20 cells under 21 names"):
         read_log(path)
     path.write_text("\n".join([*lines[:50], lines[50].replace(lines[50].split(",")[4], "word", 1), *lines[51:]]))
     with pytest.raises(ValueError, match="surge_m is 'word' in row 48"):
@@ -308,7 +308,7 @@ def test_a_log_of_other_software_is_answered_by_the_columns_that_it_has(tmp_path
         ),
         ("t (s),Heave,Roll", "0.1,1.0", "--columns 'time=t (s),heave=Heave,roll=Roll'`, with `--units deg` if"),
         ("t,Heave,Roll (rad)", "0.1,7.0", "--columns 'time=t,heave=Heave,roll=Roll (rad)'`, with `--units deg` if"),
-        ("Zeit,Surge (cm),Sway velocity (m/s)", "0.1,1.0", "--columns time=...`"),
+        ("Zeit,Surge (cm),Sway velocity (m/s)", "0.1,1.0", "--columns time=Zeit`"),
     ],
 )
 def test_columns_and_units_are_guessed_from_names_and_values(tmp_path, names, row, said):
@@ -316,3 +316,22 @@ def test_columns_and_units_are_guessed_from_names_and_values(tmp_path, names, ro
     with pytest.raises(ValueError) as caught:
         read_log(tmp_path / "log.csv")
     assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "first, second, key",
+    [
+        ("2026-03-04T05:06:07.98Z", "2026-03-04T05:06:08.00Z", "time=when"),
+        ("1772600767980", "1772600768000", "time=when"),
+        ("0.98", "1.0", "time=when"),
+        ("1", "2", "time=..."),  # it counts rows
+        ("1.0", "0.98", "time=..."),
+    ],
+)
+def test_times_are_known_by_their_values_and_a_column_left_over_is_named(tmp_path, first, second, key):
+    (tmp_path / "log.csv").write_text(f"up_m,when,Roll(deg),heave_rate\n0.1,{first},1.0,0\n0.1,{second},1.1,0\n")
+    with pytest.raises(ValueError) as caught:
+        read_log(tmp_path / "log.csv")
+    left = "up_m" if key == "time=when" else "up_m, when"
+    assert f"--columns '{key},roll=Roll(deg)' --units deg`" in str(caught.value)
+    assert f"if down is positive, and {left} as one of surge, sway, heave, pitch, yaw (" in str(caught.value)

@@ -331,10 +331,7 @@ class Boundary:
     def head(self, x, a, s, d, mirror):
         """Rise of p / rho [m2/s2], by gravity less acceleration, from a particle at x [m], accelerated by a [m/s2], to
         boundary particle s at x + d, or to its image there by matrix `mirror` (Images.mirror)."""
-        n, a_s = (
-            mirror_direction(mirror, self.normal.at(s)),
-            mirror_direction(mirror, self.acceleration.at(s)),
-        )
+        n, a_s = mirror_direction(mirror, self.normal.at(s)), mirror_direction(mirror, self.acceleration.at(s))
         return (self.pull.at_rest(x + 0.5 * d) - a).dot(d) + (a - a_s).dot(n) * n.dot(d)
 
     @ti.func

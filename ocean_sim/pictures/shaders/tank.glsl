@@ -15,7 +15,12 @@
   vec3 ends = (mix(boxLow, boxHigh, onwards) - posW) / (down + mix(vec3(-1e-6), vec3(1e-6), onwards));
   thick = min(thick, max(min(ends.x, min(ends.y, ends.z)), 0.0));
   vec4 at = view * vec4(posW + thick * down, 1.0);
-  vec3 behind = radiance(min(textureLod(scene, clamp(0.5 + 0.5 * at.xy / at.w, 0.002, 0.998), 0.0).rgb, vec3(1.0)));
+  vec2 bent = clamp(0.5 + 0.5 * at.xy / at.w, 0.002, 0.998);
+  ivec2 last = textureSize(scene, 0) - 4, corner = clamp(ivec2(bent * vec2(last + 4) - 1.5), ivec2(0), last);
+  float near = 1.0;
+  for (int k = 0; k < 16; k++) near = min(near, texelFetch(scene, corner + ivec2(k % 4, k / 4), 0).a);
+  if (near < dot(posW - eyeW, ahead) / reach - 0.01) bent = gl_FragCoord.xy / screen.xy;  // it stands before the water
+  vec3 behind = radiance(min(textureLod(scene, bent, 0.0).rgb, vec3(1.0)));
   thick /= depth;
   vec3 left = exp(-ABSORPTION * thick);
   float share = fresnel(clamp(dot(n, e), 0.02, 1.0));

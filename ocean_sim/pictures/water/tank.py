@@ -191,12 +191,12 @@ class Shell(Content):
         traits = dict(zip(WATER_TRAITS, (mesh.normals, state, birth), strict=True))
         self.water.mesh.DeepCopy(self.stage.mesh(mesh.vertices, mesh.triangles, **traits))
         eye, plotter = self.stage.camera.eye, self.stage.plotter
-        reach = 1.01 * float(np.linalg.norm(mesh.vertices - eye, axis=1).max())
+        self.reach = 1.01 * float(np.linalg.norm(mesh.vertices - eye, axis=1).max())
         camera = plotter.camera
         view = water_glsl.projection(camera, self.stage.size[0] / self.stage.size[1])
-        screen = np.array([*plotter.window_size, 1.0])
+        space = {"eyeW": eye, "ahead": self.stage.camera.forward, "screen": np.array([*plotter.window_size, 1.0])}
         for part in (self.water, self.backs):
-            part.set(eyeW=eye, ahead=self.stage.camera.forward, reach=reach, view=view, screen=screen, behindOthers=0.0)
+            part.set(**space, reach=self.reach, view=view, behindOthers=0.0)
         self.measure.camera.DeepCopy(camera)
         nearest = self.distances()
         water_glsl.fill_image(self.far.GetInput(), nearest)
@@ -217,10 +217,14 @@ class Shell(Content):
         return self.measure.screenshot(None, return_img=True, transparent_background=True)[::-1]
 
     def capture_background(self) -> None:
-        """Render the present picture without overlays, and use it as the background seen through the water."""
+        """Render the present picture without overlays, and use it as the background seen through the water; its fourth
+        channel: distances along the camera's axis, over `reach`."""
         for mark in self.stage.over:
             mark.VisibilityOff()
         self.stage.plotter.render()
-        water_glsl.fill_image(self.behind.GetInput(), self.stage.plotter.screenshot(None, return_img=True)[::-1])
+        image = self.stage.plotter.screenshot(None, return_img=True)
+        away = -self.stage.plotter.get_image_depth(fill_value=-np.inf, reset_camera_clipping_range=False) / self.reach
+        image = np.dstack([image, (255.0 * np.minimum(away, 1.0)).astype(np.uint8)])
+        water_glsl.fill_image(self.behind.GetInput(), image[::-1])
         for mark in self.stage.over:
             mark.VisibilityOn()

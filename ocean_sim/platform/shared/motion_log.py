@@ -143,15 +143,23 @@ def suggested_command(table: Table) -> str:
     """Clause with the command that reads a log of other software; columns and units guessed from names and values."""
     names = [name for name in table if not OTHER_QUANTITY.search(name)]
     alike = {words.split("|")[0]: next(filter(re.compile(words, re.I).search, names), "") for words in OTHER_NAMES}
-    angles = [name for key, name in alike.items() if key in ("roll", "pitch", "yaw") and "rad" not in name.lower()]
-    degrees = any(
-        re.search("deg|\xb0", each.lower()) or (np.abs(table[each]) > 2.0 * np.pi).any()
-        for each in filter(None, angles)
-    )
-    columns = ",".join(f"{key}={name or '...'}" for key, name in alike.items() if name or key == "time")
+    rest = [name for name in names if name not in alike.values()]
+    alike["time"] = alike["time"] or next((name for name in rest if like_times(table, name)), "...")
+    angles = [each for each in map(alike.get, ("roll", "pitch", "yaw")) if each and "rad" not in each.lower()]
+    degrees = any(re.search("deg|\xb0", each.lower()) or (np.abs(table[each]) > 2.0 * np.pi).any() for each in angles)
+    columns = ",".join(f"{key}={name}" for key, name in alike.items() if name)
     command = shlex.join(["ocean-sim", "platform", display_path(table.path), "--columns", columns])
     unit, unsure = (" --units deg", "") if degrees else ("", "`--units deg` if angles are in degrees, ")
-    return f"name yours: `{command}{unit}`, with {unsure}`--axes ned` if down is positive (docs/guide/own_log.md)"
+    left, free = [name for name in rest if name != alike["time"]], [key for key in alike if not alike[key]]
+    more = f", and {', '.join(left[:4])} as one of {', '.join(free)}" if left and free else ""
+    return f"name yours: `{command}{unit}`, with {unsure}`--axes ned` if down is positive{more} (docs/guide/own_log.md)"
+
+
+def like_times(table: Table, name: str) -> bool:
+    """True if a column may hold times: dates, or numbers that rise evenly and do not count rows."""
+    k = table.names.index(name)
+    steps = np.diff(csv_file.numeric_column(TIME_COLUMN, [table.cells(row)[k] for row in table.rows]))
+    return len(steps) > 0 and 0.0 < steps.max() < 2.0 * steps.min() and bool((steps != 1.0).any())
 
 
 def frame_of(table: Table) -> str:

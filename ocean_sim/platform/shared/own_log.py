@@ -40,6 +40,7 @@ def read_own_log(
     if not known.keys() & {*POSE_COLUMNS}:
         raise NAMED_COLUMNS_RULE.broken(path, f"it has no column for any of {', '.join(POSE_COLUMNS)}")
     table.finite(TIME_COLUMN, *known)
+    table.head["start"] = table.cells(table.rows[0])[table.names.index(TIME_COLUMN)]
     for name in known.keys() & {*ANGLE_COLUMNS, *RATE_COLUMNS}:
         known[name] = np.radians(known[name]) if degrees else known[name]
     for name in known.keys() & {*ANGLE_COLUMNS}:

@@ -37,6 +37,7 @@ class Hull(Model):
     """A hull; positions are from its origin amidships at the keel: x to port, y up, z to the bow."""
 
     shape: Shape
+    """A box, a cylinder, a ball, Wigley's hull, the hull of points, or a mesh."""
     mass: float | None = quantity("kg", None, gt=0.0)
     """Mass of the whole ship."""
     centre_of_mass: Vector3 | None = quantity("m", None)

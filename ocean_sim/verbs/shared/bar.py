@@ -81,7 +81,7 @@ class Drawing:
             self.estimated = True
             self.bar.close()
             console.say(f"drawing a film of {total} pictures, about {console.duration(left)} more{self.cure}")
-        if not self.bar.quiet and (done == total or self.bar.due(now)):
+        if not self.bar.quiet and (done == total or (self.estimated and self.bar.due(now))):
             time = "" if left is None else f", {console.duration(left)} left"
             text = f"drawing picture {done} of {total}{time}" if done < total else f"{total} pictures drawn, finishing"
             self.bar.show(done / max(1, total), text)

@@ -58,7 +58,7 @@ CALM_STRAIN, WINDY_CALM_STRAIN = 1e-3, 1e-4
 # Share of the density by which particles may stand too thin or too dense before pressure leaks: in full water, more of
 # it in a unit of `edge`, and beyond it, up to which the leak grows.
 PACKING_TOLERANCE, EDGE_TOLERANCE, PACKING_RANGE = 0.015, 0.06, 0.25
-SURFACE_TENSION, TENSION_RANGE = 3e-4, 1e-3  # of density below rest, from which it ends at a surface; up to full rate
+RELEASED_TENSION, TENSION_RANGE = 3e-4, 1e-3  # of density below rest, from which it ends at a surface; up to full rate
 INNER_EDGE, EDGE_RANGE = 0.1, 0.5  # of `edge` inside water, beyond it at a surface; that of its third row is 0.01
 RESISTED_APPROACH = 1e-4  # [c] of particles on which the stress under tension acts in full
 PARTING_TENSION = 1e-3  # of the density below rest, from which on a face draws no water apart
@@ -407,7 +407,7 @@ class Continuity(Law):
     def tension_release(self, edge, deviation):
         """Rate [1/s], up to c / spacing, at which a `deviation` [kg/m3] of the density below rest ends near a surface
         (`edge`), beyond which nothing can pull; inside the water tension stays."""
-        tense = tm.clamp((-deviation / self.fluid.rest_density - SURFACE_TENSION) / TENSION_RANGE, 0.0, 1.0)
+        tense = tm.clamp((-deviation / self.fluid.rest_density - RELEASED_TENSION) / TENSION_RANGE, 0.0, 1.0)
         near = tm.clamp((edge - INNER_EDGE) / EDGE_RANGE, 0.0, 1.0)
         return self.fluid.sound_speed / self.fluid.spacing * tense * near
 

@@ -88,7 +88,7 @@ def platform(
         warnings = list(config.cut_short(seconds))
         starting = START_RAMPS * config.ramp  # [s]
         begins, rest = np.split(done.limited, [round(starting / ride.every)])
-        if not ahead and len(rest) > len(begins) > 0:
+        if asked.look_ahead is None and len(rest) > len(begins) > 0:
             gentle = config.model_copy(update={"ramp": starting}).build(ride.every)
             gently = gentle.follow(ride.ride.rows(0, len(begins))).limited
             hard, later, left = (100.0 * float((rows > 0).mean()) for rows in (begins, rest, gently))
@@ -97,7 +97,9 @@ def platform(
                 warnings.append(f"{many}: --ramp {starting:g} begins gently and limits {left:.3g} % of the first")
         force, turns = (" ".join(map("{:g}".format, scale)) for scale in (asked.force_scale, asked.rotation_scale))
         console.say(f"{geometry}, washout {washout}: asks for {force} of acceleration x y z, {turns} of roll pitch yaw")
-        for each in (*said, f"from neutral into its motion over {config.ramp:g} s, wherever the log begins"):
+        if asked.look_ahead is None:
+            said = [*said, f"from neutral into its motion over {config.ramp:g} s, wherever the log begins"]
+        for each in said:
             console.say(f"{log}: {each}")
         print_report(done, found, files)
         for sentence in warnings:

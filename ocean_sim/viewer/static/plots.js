@@ -1,7 +1,7 @@
 // Curves over time: one card for each group of numbers, the last of them in words.
 const TITLES = {
-  elevation: "Elevation at the gauges", height: "Significant wave height", heave: "Heave", angles: "Roll and pitch", yaw: "Heading",
-  speed: "Speed ahead", orders: "Throttle and rudder", legs: "Legs of the platform", compression: "Compression of the water",
+  elevation: "Elevation at the gauges", height: "Significant wave height", heave: "Heave: height of the centre of mass", angles: "Roll and pitch", yaw: "Heading to port of north",
+  speed: "Speed ahead", orders: "Throttle, and rudder to port", legs: "Legs of the platform", compression: "Compression of the water",
   pace: "Simulated over wall time", dt: "Time step", cost: "Cost of each stage",
 };
 const HUES = {
@@ -44,7 +44,8 @@ class Plots {
       set.times.length = set.rows.length = 0;
     }
     set.times.push(time);
-    set.rows.push(Float32Array.from(scalars));
+    const before = set.rows[set.rows.length - 1];
+    set.rows.push(Float32Array.from(scalars, (v, i) => (before && set.scalars[i].group === "yaw" ? v - 360 * Math.round((v - before[i]) / 360) : v)));
     if (set.times.length > KEPT) { set.times.splice(0, 200); set.rows.splice(0, 200); }
   }
 
@@ -83,10 +84,10 @@ class Plots {
     }
     if (!(to > -Infinity)) return;
     if (!lines.some(({ set }) => set.whole)) from = Math.max(from, to - 60);
-    const gap = 0.08 * (high - low) || Math.max(0.05 * Math.abs(high), 1e-3);
+    const gap = high - low > 1e-6 ? 0.08 * (high - low) : Math.max(0.05 * Math.abs(high), 1e-3);  // rounding is no curve
     low -= gap;
     high += gap;
-    if (to <= from) to = from + 1e-3;
+    if (to <= from) to = from + 1;
     const x = (t) => left + ((t - from) / (to - from)) * (width - left - 6), y = (v) => height - bottom - ((v - low) / (high - low)) * (height - bottom - top);
     pen.font = "11px system-ui, sans-serif";
     pen.lineWidth = 1;
@@ -124,7 +125,9 @@ class Plots {
       const at = set.whole ? nearest(set.times, now) : set.rows.length - 1;
       const value = set.rows[at] ? set.rows[at][i] : NaN;
       const who = this.sets.length > 1 ? `${k + 1}: ` : "";
-      words.push(`<i style="--hue:${hue}">${who}${escaped(label)} <b>${short(value)}</b> ${unit === "1" ? "" : escaped(unit)}</i>`);
+      const turned = (card.group === "yaw" || label.startsWith("rudder")) && Number.isFinite(value);
+      const said = turned ? sided(value) : short(Math.abs(value) < 1e-6 ? 0 : value);
+      words.push(`<i style="--hue:${hue}">${who}${escaped(label)} <b>${said}</b> ${turned || unit === "1" ? "" : escaped(unit)}</i>`);
     });
     pen.setLineDash([]);
     if (lines.some(({ set }) => set.whole) && now >= from && now <= to) {

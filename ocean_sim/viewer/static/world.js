@@ -1,3 +1,4 @@
+const WHEEL_TURN = 180 / 35;  // angle of the wheel over that of the rudder; the top of the wheel goes to port with it
 const WAKE_SECONDS = 40;  // after which white water behind a ship is gone
 
 // One simulation as it is drawn: what never changes is made once, two moments are held, and what lies between is shown.
@@ -229,6 +230,16 @@ class World {
     return (at(a, b) * (1 - s) + at(a + 1, b) * s) * (1 - t) + (at(a, b + 1) * (1 - s) + at(a + 1, b + 1) * s) * t;
   }
 
+  // Height of the water around a ship [m]; in her footprint that of particles follows her bottom.
+  levelAround(k) {
+    const { beam, length, pose } = this.ships[k], [x, , z] = this.poses[k].position, c = pose[10], s = pose[8], n = 12;
+    const heights = Array.from({ length: n }, (_, i) => {
+      const a = (0.6 * beam + 3 * this.step[0]) * Math.cos((2 * Math.PI * i) / n), b = (0.6 * length + 3 * this.step[0]) * Math.sin((2 * Math.PI * i) / n);
+      return this.heightAt(x + c * a + s * b, z - s * a + c * b);
+    });
+    return heights.reduce((sum, h) => sum + h, 0) / n;
+  }
+
   // The maps of distances to the hulls, turned from body to world.
   meet() {
     const n = 96, values = {};
@@ -344,7 +355,7 @@ class World {
     box([0, -0.82, 1.05], [2.4, 0.2, 0.34], [0.30, 0.33, 0.36, 1]);
     box([0, 0.80, 1.3], [2.4, 0.09, 0.3], [0.80, 0.81, 0.80, 1]);
     for (const x of [-1.9, -0.7, 0.7, 1.9]) draw(painter.rod, along(at(x, -0.64, 1.37), at(0.97 * x, 0.75, 1.2), 0.03 * u), [0.80, 0.81, 0.80, 1]);
-    const rim = (k, r) => { const a = (k * Math.PI) / 8 - 4 * rudder; return at(r * Math.sin(a), -0.40 + 0.8 * r * Math.cos(a), 0.86 + 0.5 * r * Math.cos(a)); };
+    const rim = (k, r) => { const a = (k * Math.PI) / 8 + WHEEL_TURN * rudder; return at(r * Math.sin(a), -0.40 + 0.8 * r * Math.cos(a), 0.86 + 0.5 * r * Math.cos(a)); };
     for (let k = 0; k < 16; k++) {
       draw(painter.rod, along(rim(k, 0.2), rim(k + 1, 0.2), 0.012 * u), [0.52, 0.38, 0.24, 1]);
       if (k % 2 === 0) draw(painter.rod, along(rim(k, 0), rim(k, 0.26), 0.008 * u), [0.52, 0.38, 0.24, 1]);
@@ -367,7 +378,7 @@ class World {
       gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth);
       this.pool = { width, height, frame, depth };
     }
-    const p = this.poses[0].position, level = this.heightAt(p[0], p[2]);
+    const level = this.levelAround(0);
     const flip = [1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 2 * level, 0, 1], view = M.mul(M.mul(eye.projection, eye.view), flip);
     const was = gl.getParameter(gl.VIEWPORT), scissor = gl.isEnabled(gl.SCISSOR_TEST);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.pool.frame);

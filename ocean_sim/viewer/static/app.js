@@ -52,6 +52,9 @@ function begin(stills) {
   $("whichShip").innerHTML = first.ships.map((ship, k) => `<option value="${k}">${escaped(ship.name)}</option>`).join("");
   $("whichShip").value = camera.ship;
   $("wavesText").textContent = sayWaves(still);
+  const words = [["wavemaker", "#cc7533", still.plates], ["absorbs waves", "#e8d08c", still.zones.length], ["gauge", "#f26b1a", still.plates || still.zones.length]].filter(([, , there]) => there);
+  $("things").innerHTML = words.map(([word, hue]) => `<span style="--hue:${hue}">${word}</span>`).join("");
+  $("things").hidden = !words.length || state.worlds.length > 1;
   const tints = still.speeds.map((rgb) => `rgb(${rgb.map((v) => Math.round(255 * v))})`);
   document.querySelector("#legend i").style.background = `linear-gradient(90deg, ${tints})`;
   $("strip").hidden = state.worlds.length > 1;
@@ -119,6 +122,7 @@ const live = {
       this.queue.push(head);
       if (this.queue.length > 6) this.queue.shift();
       this.history.add(head.time, packet);
+      if (head.data.trail) state.worlds[0].recall(head.data.trail, head.about.trail.shape);
       if (head.data.poses) state.worlds[0].follow(head.time, head.data.poses, WAKE_SECONDS + HISTORY_SECONDS);
       plots.add(0, head.time, head.data.scalars);
       state.frames++;
@@ -298,6 +302,16 @@ function instruments() {
   $("ago").textContent = state.back ? `${(state.end - state.time).toFixed(1)} s ago` : `last ${length < 9.95 ? length.toFixed(1) : Math.round(length)} s`;
 }
 
+// A length on the water, where one looks straight down.
+function scaleBar() {
+  const eye = camera.mode === "top" && state.worlds.length === 1 && state.worlds[0].seen;
+  $("scale").hidden = !eye;
+  if (!eye) return;
+  const metres = (2 * Math.tan(eye.angle / 2) * V.length(V.sub(eye.position, eye.target))) / canvas.clientHeight, length = round(60 * metres);
+  $("scale").textContent = `${+length.toPrecision(1)} m`;
+  $("scale").style.width = `${length / metres}px`;
+}
+
 // A first visit gets three lines.
 function greet() {
   if (store("greeted")) return;
@@ -349,7 +363,7 @@ function tab(name) {
     send({ do: "scene" });
     if (!editor.schema) fetch(`/schema${WITH}`).then((reply) => reply.json()).then((schema) => { editor.schema = schema; }).catch(() => {});
   }
-  if (name === "plots") plots.draw(state.time);
+  if (name === "plots") plots.draw(state.time, state.back);
 }
 
 function mayTouch() { return !LIVE || state.holder === 0 || state.holder === state.me; }
@@ -569,17 +583,23 @@ function keep(blob, name) {
 
 // What is seen as a film, from one press of the button to the next.
 function film() {
-  if (film.tape) { film.tape.stop(); return; }
+  if (film.tape) { film.end(); return; }
   const kind = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"].find((one) => window.MediaRecorder?.isTypeSupported(one));
   if (!kind) { say("This browser cannot record a film.", true); return; }
   const tape = film.tape = new MediaRecorder(canvas.captureStream(30), { mimeType: kind, videoBitsPerSecond: 8e6 }), parts = [];
   const mark = (on) => { $("film").classList.toggle("on", on); $("film").textContent = on ? "Stop the film" : "Film (WebM)"; };
-  tape.ondataavailable = (event) => parts.push(event.data);
+  let ends = false;
+  film.end = () => {
+    if (ends || parts.some((part) => part.size)) { tape.stop(); return; }
+    ends = true;
+    say("The film ends with its first picture; press again to end it without.");
+  };
+  tape.ondataavailable = (event) => { parts.push(event.data); if (ends && event.data.size && tape.state === "recording") tape.stop(); };
   tape.onstop = () => {
     const whole = new Blob(parts, { type: "video/webm" });
     film.tape = null;
     mark(false);
-    if (whole.size) keep(whole, `ocean_${state.time.toFixed(0)}s.webm`); else say("No picture was drawn while the film ran: there is nothing to keep.", true);
+    if (whole.size) keep(whole, `ocean_${state.time.toFixed(0)}s.webm`); else say("The film has no picture: this browser drew none while it ran.", true);
   };
   tape.start(1000);
   mark(true);
@@ -772,7 +792,8 @@ function tick(now) {
   if (now - plotted < 150) return;
   plotted = now;
   if (state.worlds.length) instruments(); else doing();
-  if (state.tab === "plots") plots.draw(state.time);
+  scaleBar();
+  if (state.tab === "plots") plots.draw(state.time, state.back);
 }
 
 // --- replay -------------------------------------------------------------------------------------------------------------

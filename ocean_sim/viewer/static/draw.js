@@ -251,14 +251,17 @@ const SHIP_VERTEX = `
 layout(location = 0) in vec3 corner;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 paint;
+layout(location = 3) in float radius;
 uniform mat4 view, pose;
 uniform vec3 low, high;
+uniform float pixel;
 out vec3 nrmW, posW;
 out vec4 tint;
 void main() {
   vec4 p = pose * vec4(0.5 * (low + high) + 0.5 * (high - low) * corner, 1.0);
-  posW = p.xyz;
   nrmW = mat3(pose) * normal;
+  if (radius > 0.0) p.xyz += normalize(nrmW) * max(0.6 * pixel * (view * p).w - radius, 0.0);  // a stay is drawn a pixel wide or more
+  posW = p.xyz;
   tint = vec4(pow(paint.rgb, vec3(2.2)), paint.a);
   gl_Position = view * p;
 }`;
@@ -388,6 +391,17 @@ uniform vec3 ground;\n${common}void main() {${sky}
     }
     return this.waters.get(key);
   }
+}
+
+// Radius [m] of the rod that each long and narrow triangle is one of twelve sides of, at its corners; 0 for all others.
+function slender(corners, unit) {
+  const radius = new Float32Array(corners.length / 3);
+  for (let k = 0; k < radius.length; k += 3) {
+    const [a, b, c] = [0, 1, 2].map((i) => unit.map((u, axis) => u * corners[3 * (k + i) + axis])), sides = [V.sub(b, a), V.sub(c, a), V.sub(c, b)];
+    const long = Math.max(...sides.map(V.length)), high = V.length(V.cross(sides[0], sides[1])) / long;
+    if (high < 0.03 && long > 40 * high) radius.fill(1.93 * high, k, k + 3);
+  }
+  return radius;
 }
 
 function shape(gl, [corners, normals]) {

@@ -57,7 +57,8 @@ class Plots {
     set.whole = true;
   }
 
-  draw(now) {
+  // At the end of the curves, or at `now` in a replay and where a live page looks back.
+  draw(now, past) {
     const style = getComputedStyle(document.documentElement), dark = style.getPropertyValue("--dark").trim() === "1";
     const ink = style.getPropertyValue("--muted").trim(), rule = style.getPropertyValue("--rule").trim(), hues = HUES[dark ? "dark" : "light"];
     for (const card of this.cards) {
@@ -68,11 +69,11 @@ class Plots {
       const pen = canvas.getContext("2d");
       pen.setTransform(ratio, 0, 0, ratio, 0, 0);
       pen.clearRect(0, 0, box.width, box.height);
-      this.curves(pen, box.width, box.height, card, { ink, rule, hues }, now);
+      this.curves(pen, box.width, box.height, card, { ink, rule, hues }, now, past);
     }
   }
 
-  curves(pen, width, height, card, { ink, rule, hues }, now) {
+  curves(pen, width, height, card, { ink, rule, hues }, now, past) {
     const lines = [], left = 56, bottom = 16, top = 6;
     this.sets.forEach((set, k) => set.scalars.forEach((s, i) => { if (s.group === card.group) lines.push({ set, k, i, ...s }); }));
     let low = Infinity, high = -Infinity, from = Infinity, to = -Infinity;
@@ -122,7 +123,7 @@ class Plots {
         begun = true;
       }
       pen.stroke();
-      const at = set.whole ? nearest(set.times, now) : set.rows.length - 1;
+      const at = set.whole || past ? nearest(set.times, now) : set.rows.length - 1;
       const value = set.rows[at] ? set.rows[at][i] : NaN;
       const who = this.sets.length > 1 ? `${k + 1}: ` : "";
       const turned = (card.group === "yaw" || label.startsWith("rudder")) && Number.isFinite(value);
@@ -130,7 +131,7 @@ class Plots {
       words.push(`<i style="--hue:${hue}">${who}${escaped(label)} <b>${said}</b> ${turned || unit === "1" ? "" : escaped(unit)}</i>`);
     });
     pen.setLineDash([]);
-    if (lines.some(({ set }) => set.whole) && now >= from && now <= to) {
+    if ((past || lines.some(({ set }) => set.whole)) && now >= from && now <= to) {
       pen.strokeStyle = ink;
       pen.lineWidth = 1;
       pen.beginPath();

@@ -86,8 +86,9 @@ class World {
 
   model(ship, k) {
     const { gl, still } = this, about = still.about[`corners${k}`];
+    const thin = slender(still.data[`corners${k}`], V.scale(V.sub(about.high, about.low), 0.5 / 32767));
     const vertices = array(gl, [
-      [0, buffer(gl, still.data[`corners${k}`]), 3, gl.SHORT, true],
+      [3, buffer(gl, thin), 1], [0, buffer(gl, still.data[`corners${k}`]), 3, gl.SHORT, true],
       [1, buffer(gl, still.data[`normals${k}`]), 3, gl.BYTE, true],
       [2, buffer(gl, still.data[`paint${k}`]), 4, gl.UNSIGNED_BYTE, true],
     ]);
@@ -170,6 +171,12 @@ class World {
       trail.push(here);
       while (trail[0].time < time - keep) trail.shift();
     });
+  }
+
+  // Rows of time and poses from before this page was open: once, for wakes.
+  recall(rows, [count, width]) {
+    if (this.wakes.some(({ trail }) => trail.length)) return;
+    for (let k = 0; k < count; k++) this.follow(rows[k * width], rows.subarray(k * width + 1, (k + 1) * width), WAKE_SECONDS);
   }
 
   // Foam as the simulation knows it, else where a crest is as steep as one that breaks: there it appears at once, then it fades.
@@ -293,7 +300,7 @@ class World {
     gl.depthMask(true);
     this.solids(view, lit);
     if (content !== "water") this.drawBalls(view, eye, content === "both");
-    for (const ship of this.ships) this.drawShip(ship, view, lit, -1e9);
+    for (const ship of this.ships) this.drawShip(ship, view, lit, -1e9, pixel);
     if (options.helm) this.drawWheelhouse(options.helm, view, lit);
     if (water) this.drawWater(view, uniforms, content === "both", sea, mirrored, pixel);
     if (water && content === "water") this.drawWakes(view);
@@ -336,9 +343,9 @@ class World {
     gl.disable(gl.BLEND);
   }
 
-  drawShip(ship, view, lit, above) {
+  drawShip(ship, view, lit, above, pixel) {
     const { gl, painter } = this;
-    painter.ship.use({ ...lit, view, pose: ship.pose, low: ship.low, high: ship.high, above });
+    painter.ship.use({ ...lit, view, pose: ship.pose, low: ship.low, high: ship.high, above, pixel });
     gl.bindVertexArray(ship.vertices);
     gl.drawArrays(gl.TRIANGLES, 0, ship.count);
   }
@@ -387,7 +394,7 @@ class World {
     gl.clearColor(0, 0, 0, 0);
     gl.enable(gl.DEPTH_TEST);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    for (const ship of this.ships) this.drawShip(ship, view, lit, level);
+    for (const ship of this.ships) this.drawShip(ship, view, lit, level, (2 * Math.tan(eye.angle / 2)) / height);
     gl.bindFramebuffer(gl.FRAMEBUFFER, eye.framebuffer || null);
     gl.viewport(...was);
     if (scissor) gl.enable(gl.SCISSOR_TEST);

@@ -372,7 +372,10 @@ class Painter {
     const key = still.shaders.water;
     if (!this.waters.has(key)) {
       const { common, functions, water, sky } = still.shaders, top = declared(still.uniforms);
-      const body = `${top}in vec3 posW, nrmW, attW;\n${common}${functions}void main() {${water}
+      // With few pixels a wave the sun's glint stands on the water as crumbs of sand: here it is wider, whiter and limited.
+      const soft = `vec3 softened(vec3 glint) { return mix(glint, vec3(glint.g), 0.4) / (1.0 + 2.0 * glint.g); }
+#define sunGlint(n, e, variance) softened(sunGlint(n, e, (variance) + 0.006))\n`;
+      const body = `${top}in vec3 posW, nrmW, attW;\n${common}${functions}${soft}void main() {${water}
   // From above a slope mirrors hardly more sky than the flat: crests and slopes towards the sun are made lighter; clouds
   // lit by the sun turn no dark water brown.
   float over = smoothstep(0.70, 0.95, normalize(eyeW - posW).y);

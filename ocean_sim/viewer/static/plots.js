@@ -92,7 +92,7 @@ class Plots {
     const x = (t) => left + ((t - from) / (to - from)) * (width - left - 6), y = (v) => height - bottom - ((v - low) / (high - low)) * (height - bottom - top);
     pen.font = "11px system-ui, sans-serif";
     pen.lineWidth = 1;
-    const step = round((high - low) / 3);
+    const step = round((high - low) / 3), digits = clamp(Math.ceil(-Math.log10(step) - 1e-9), 0, 7);
     pen.textAlign = "right";
     pen.textBaseline = "middle";
     for (let v = Math.ceil(low / step) * step; v <= high; v += step) {
@@ -102,7 +102,7 @@ class Plots {
       pen.lineTo(width - 6, y(v));
       pen.stroke();
       pen.fillStyle = ink;
-      pen.fillText(short(Math.abs(v) < 1e-9 * step ? 0 : v), left - 6, y(v));
+      pen.fillText((Math.abs(v) < 1e-9 * step ? 0 : v).toFixed(digits).replace("-", "−"), left - 6, y(v));
     }
     pen.textBaseline = "alphabetic";
     pen.textAlign = "left";

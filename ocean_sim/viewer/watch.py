@@ -134,15 +134,9 @@ class Watch(Observer, TakesCommands):
             arrays["hues"] = np.rint(255.0 * hues).astype(np.uint8)
         numbers = np.array([row[-1] for row in self.plotted_rows(heights)], np.float32)
         arrays["scalars"] = np.nan_to_num(numbers, nan=np.nan, posinf=0.0, neginf=0.0)
-        return packet(
-            "frame",
-            arrays,
-            boxes,
-            time=round(simulation.time, 6),
-            seq=self.seq,
-            origin=[round(float(v), 4) for v in origin],
-            fastest=round(self.fastest, 4),
-        )
+        place, fastest = [round(float(v), 4) for v in origin], round(self.fastest, 4)
+        header = {"time": round(simulation.time, 6), "seq": self.seq, "origin": place, "fastest": fastest}
+        return packet("frame", arrays, boxes, **header)
 
     def poses(self) -> np.ndarray:
         """Positions [m] and quaternions of the drawn ships (ships, 7)."""

@@ -396,13 +396,13 @@ uniform vec3 ground;\n${common}void main() {${sky}
   }
 }
 
-// Radius [m] of the rod that each long and narrow triangle is one of twelve sides of, at its corners; 0 for all others.
-function slender(corners, unit) {
+// Radius [m] of the rod of twelve sides that a triangle longer than `least` [m] and narrow belongs to, at its corners; 0 for all others.
+function slender(corners, unit, least) {
   const radius = new Float32Array(corners.length / 3);
   for (let k = 0; k < radius.length; k += 3) {
     const [a, b, c] = [0, 1, 2].map((i) => unit.map((u, axis) => u * corners[3 * (k + i) + axis])), sides = [V.sub(b, a), V.sub(c, a), V.sub(c, b)];
     const long = Math.max(...sides.map(V.length)), high = V.length(V.cross(sides[0], sides[1])) / long;
-    if (high < 0.03 && long > 40 * high) radius.fill(1.93 * high, k, k + 3);
+    if (long > least && long > 40 * high) radius.fill(1.93 * high, k, k + 3);
   }
   return radius;
 }

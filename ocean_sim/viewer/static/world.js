@@ -86,7 +86,7 @@ class World {
 
   model(ship, k) {
     const { gl, still } = this, about = still.about[`corners${k}`];
-    const thin = slender(still.data[`corners${k}`], V.scale(V.sub(about.high, about.low), 0.5 / 32767));
+    const thin = slender(still.data[`corners${k}`], V.scale(V.sub(about.high, about.low), 0.5 / 32767), 0.15 * ship.length);
     const vertices = array(gl, [
       [3, buffer(gl, thin), 1], [0, buffer(gl, still.data[`corners${k}`]), 3, gl.SHORT, true],
       [1, buffer(gl, still.data[`normals${k}`]), 3, gl.BYTE, true],

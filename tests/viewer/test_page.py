@@ -267,7 +267,7 @@ def test_a_scene_is_played_in_the_page(tmp_path):
             browser.key("ArrowLeft", 1.5)
             assert browser.js("oceanSim.state.rudder") > 0.02  # to port; how far depends on how fast pictures are drawn
             browser.js("document.querySelector('#cameras [data-name=helm]').click()")
-            browser.js("document.getElementById('rudder').value = -20; document.getElementById('rudder').oninput()")
+            browser.js("document.getElementById('rudder').value = -8; document.getElementById('rudder').oninput()")
             assert browser.js("document.getElementById('wheelTurn').getAttribute('transform')").startswith("rotate(-")
             browser.wait(f"{WHEEL_MARK} < -0.1", 60.0)
             browser.js("document.querySelector('#cameras [data-name=orbit]').click()")

@@ -92,7 +92,7 @@ class Plots {
     const x = (t) => left + ((t - from) / (to - from)) * (width - left - 6), y = (v) => height - bottom - ((v - low) / (high - low)) * (height - bottom - top);
     pen.font = "11px system-ui, sans-serif";
     pen.lineWidth = 1;
-    const step = round((high - low) / 3), digits = clamp(Math.ceil(-Math.log10(step) - 1e-9), 0, 7);
+    const step = round((high - low) / 4), digits = clamp(Math.ceil(-Math.log10(step) - 1e-9), 0, 7);
     pen.textAlign = "right";
     pen.textBaseline = "middle";
     for (let v = Math.ceil(low / step) * step; v <= high; v += step) {

@@ -16,8 +16,9 @@ moments along its first axis; with `delta` it holds their differences modulo 655
 A frame has `time` [s], `seq`, `origin` (x and z of the middle of the heights [m]) and those of these arrays that the
 scene calls for: `height` (nx, nz) [m], `foam` (nx, nz) share of white 0 to 255, `poses` (ships, 7) position of the
 centre of mass [m] and quaternion w, x, y, z, `particles` (n, 3) in the box, by id, `speed` (n,) 0 to 255 for 0 to
-`fastest` [m/s], `platform` (12,) pose [m, rad] and leg lengths [m], `lines` (m, 2, 3) [m] and `hues` (m, 3) of wind and
-basin, sent at intervals, `drops` (m, 6) [m, m/s] from the origin, in a replay, and `scalars` (k,), see `still`.
+`fastest` [m/s], `platform` (12,) pose [m, rad] and leg lengths [m], `drops` (m, 6) [m, m/s] from the origin, in a
+replay, `scalars` (k,), see `still`; at intervals `lines` (m, 2, 3) [m] and `hues` (m, 3) of wind and basin, and `trail`
+(m, 1 + 7 ships): time [s] and poses of up to 40 s before.
 
 The server also sends text: JSON objects with `type`: `hello`, `panel` (settings and their values), `problems`, `scene`,
 `scenes`, `keys`, `said` (a sentence), and to the page that asked `waves`: `id`, `verb`, `time` [s] and `values`, or an

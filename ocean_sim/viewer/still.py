@@ -56,9 +56,8 @@ class StaticScene:
         self.plates, self.zones = grid.get("plates", NO_BOXES), grid.get("zones", NO_BOXES)  # (n, 2, 3) [m]
         self.obstacles = np.concatenate([self.plates, grid["obstacles"]])
         self.ground = kept_ground(grid)
-        self.tank = bool(
-            self.flat or self.ground or sea_state.is_tank(scene.get("basin") or {})
-        )  # without ripples and foam
+        # A tank is drawn without ripples and foam
+        self.tank = bool(self.flat or self.ground or sea_state.is_tank(scene.get("basin") or {}))
         self.ship_keys = ship_keys(grid, "_look")
         self.models = kept_models(grid)
         named = (scene.get("gauges") or {}).get("elevation") or {}
@@ -90,7 +89,7 @@ class StaticScene:
             corners, normals = self.ground.body_mesh(self.spacing)
             arrays["ground"] = corners.reshape(-1, 3).astype(np.float32)
             arrays["ground_normals"] = np.repeat(normals, 3, axis=0).astype(np.float32)
-        low, high = self.box
+        steps = [spacing_of(self.x), spacing_of(self.z)]
         sea, uniforms = self.sea_header()
         platform, wind, basin = (self.scene.get(name) or {} for name in ("platform", "wind", "basin"))
         train = self.scene.get("sea") or basin.get("wavemaker") or self.scene.get("fluid") or {}
@@ -98,13 +97,7 @@ class StaticScene:
             "protocol": PROTOCOL_VERSION,
             "title": self.title,
             "basin": {"lower": json_numbers(self.lower), "upper": json_numbers(self.upper), "flat": self.flat},
-            "tile": {
-                "nx": len(self.x),
-                "nz": len(self.z),
-                "step": [spacing_of(self.x), spacing_of(self.z)],
-                "first": [float(self.x[0]), float(self.z[0])],
-            },
-            "box": [json_numbers(low), json_numbers(high)],
+            "tile": {"nx": len(self.x), "nz": len(self.z), "step": steps, "first": [self.x[0], self.z[0]]},
             "spacing": float(self.spacing),
             "surface": self.surface,
             "particles": self.particles,
@@ -121,7 +114,6 @@ class StaticScene:
             "windAngle": sea_state.scene_wind_heading(wind),
             "windSpeed": sea_state.stated_wind_speed(self.scene) or sea_state.gust_speed(self.scene),
             "fluid": (self.scene.get("fluid") or {}).get("kind", ""),
-            "gravity": GRAVITY,
             "speeds": json_numbers(SPEED_COLOURS),
             "light": {name: json_numbers(getattr(sky, name)) for name in LIGHT_NAMES},
             "shaders": {  # in GLSL; a page adds the declarations of its version
@@ -147,9 +139,8 @@ class StaticScene:
         paint = np.concatenate([model.mesh.colour ** (1.0 / 2.2), model.mesh.gloss[:, None]], axis=1)
         arrays[f"paint{k}"] = np.repeat(np.rint(255.0 * np.clip(paint, 0.0, 1.0)).astype(np.uint8), 3, axis=0)
         line = waterline.waterline_segments(hull.vertices, hull.triangles, hull.over_water(hull.vertices))
-        wet = len(line) > 2
         config = (self.scene.get("ships") or {}).get(name) or self.scene.get("ship") or {}
-        if wet:
+        if len(line) > 2:
             near, far = line.min(axis=(0, 1)) - GAP_REACH, line.max(axis=(0, 1)) + GAP_REACH
             x, z = (middles_of(low, high, GAP_CELLS) for low, high in zip(near, far))
             gap = waterline.distance_to_line(np.stack(np.meshgrid(x, z), axis=-1).reshape(-1, 2), line)
@@ -160,8 +151,6 @@ class StaticScene:
             "length": float(hull.length),
             "beam": float(hull.breadth),
             "helm": json_numbers(model.helm),
-            "draught": float(hull.over_water(hull.lower)) * -1.0,
-            "wet": wet,
             "steered": config.get("propeller", True) is not None,  # kinds without the key have their own
         }
 

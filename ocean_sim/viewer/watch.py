@@ -1,6 +1,6 @@
 """Live frames of a simulation for open pages, made by an observer that only reads the simulation."""
 
-from collections import defaultdict
+from collections import defaultdict, deque
 from collections.abc import Iterator
 from contextlib import contextmanager
 from time import perf_counter
@@ -29,6 +29,7 @@ MAX_PARTICLES = 60_000  # that are shown: of more, every second, third, ...
 RARE_FRAME_INTERVAL = 4  # frames between two that draw the wind and measure the largest speed
 MIN_TOP_SPEED = 0.5  # [m/s] least speed of the brightest colour
 MAX_PLOTTED_SHIPS = 4
+TRAIL_INTERVAL, TRAIL_LENGTH = 0.25, 160  # [s] between kept poses of the ships, and their number: 40 s of wake
 SPLASH_REACH = 6.0  # four standard deviations of a random sea
 STAGE_NAMES = ("wind", "fluid", "surface", "ship", "observers")
 
@@ -59,6 +60,7 @@ class Watch(Observer, TakesCommands):
             assert isinstance(motion, PeriodicConfig)
             neutral = scene.platform.build(motion.every).neutral_legs
             self.commands = np.concatenate([np.zeros(6), neutral]).astype(np.float32)
+        self.trail: deque[np.ndarray] = deque(maxlen=TRAIL_LENGTH)  # time [s] and poses, for a page that opens late
         self.stage_times: dict[str, float] = defaultdict(float)  # since the last frame [s]
         self.stage_costs = dict.fromkeys(STAGE_NAMES, 0.0)  # [ms] a step
         self.mark = (perf_counter(), simulation.time, simulation.steps)
@@ -86,6 +88,8 @@ class Watch(Observer, TakesCommands):
 
     def observe(self, simulation: Simulation) -> None:
         now = perf_counter()
+        if self.setting.models and not (self.trail and simulation.time < self.trail[-1][0] + TRAIL_INTERVAL):
+            self.trail.append(np.array([simulation.time, *self.poses().ravel()], np.float32))
         if self.server.watchers and (self.server.fresh or now - self.last >= 1.0 / MAX_FRAME_RATE):
             self.show(now)
 
@@ -107,7 +111,7 @@ class Watch(Observer, TakesCommands):
         simulation = self.simulation
         arrays: dict[str, np.ndarray] = {}
         boxes: dict[str, Any] = {}
-        origin = self.origin()
+        origin, heights = self.origin(), np.zeros(1)
         if self.setting.surface:
             points = self.points + origin if self.follows else self.points
             heights = surface_heights(simulation, points)
@@ -115,11 +119,10 @@ class Watch(Observer, TakesCommands):
             white = simulation.fluid.foam(points)
             if white is not None:
                 arrays["foam"] = np.rint(255.0 * np.clip(white, 0.0, 1.0)).astype(np.uint8)
-        else:
-            heights = np.zeros(1)
         if self.setting.models:
-            bodies = [simulation.ships[name].body for name in self.setting.models]
-            arrays["poses"] = np.array([[*body.position, *body.orientation] for body in bodies], np.float32)
+            arrays["poses"] = self.poses()
+            if self.is_rare_frame and self.trail:
+                arrays["trail"] = np.array(self.trail)
         if simulation.fluid.particles is not None:
             arrays |= self.particle_arrays(simulation.fluid.particles)
             boxes["particles"] = self.box
@@ -131,15 +134,14 @@ class Watch(Observer, TakesCommands):
             arrays["hues"] = np.rint(255.0 * hues).astype(np.uint8)
         numbers = np.array([row[-1] for row in self.plotted_rows(heights)], np.float32)
         arrays["scalars"] = np.nan_to_num(numbers, nan=np.nan, posinf=0.0, neginf=0.0)
-        return packet(
-            "frame",
-            arrays,
-            boxes,
-            time=round(simulation.time, 6),
-            seq=self.seq,
-            origin=[round(float(v), 4) for v in origin],
-            fastest=round(self.fastest, 4),
-        )
+        place, fastest = [round(float(v), 4) for v in origin], round(self.fastest, 4)
+        header = {"time": round(simulation.time, 6), "seq": self.seq, "origin": place, "fastest": fastest}
+        return packet("frame", arrays, boxes, **header)
+
+    def poses(self) -> np.ndarray:
+        """Positions [m] and quaternions of the drawn ships (ships, 7)."""
+        bodies = [self.simulation.ships[name].body for name in self.setting.models]
+        return np.array([[*body.position, *body.orientation] for body in bodies], np.float32)
 
     @property
     def is_rare_frame(self) -> bool:

@@ -140,6 +140,14 @@ def test_a_replay_opens_from_a_file_and_scrubs(run, tmp_path):
         browser.js("document.getElementById('scrub').value = 900; document.getElementById('scrub').oninput()")
         browser.wait(f"oceanSim.state.drawn > {drawn}")
         assert browser.picture() != before
+        # A heading that passes south goes on, and is told with its side.
+        turned = browser.js(
+            "(() => { const { plots } = oceanSim, yaw = { group: 'yaw', label: 'heading', unit: 'deg', name: 'yaw' }; "
+            "document.getElementById('fold').click(); plots.begin([{ scalars: [yaw], name: '' }]); "
+            "plots.add(0, 0, [170]); plots.add(0, 1, [-170]); plots.draw(0); "
+            "return [plots.sets[0].rows[1][0], document.querySelector('#plots .legend').textContent]; })()"
+        )
+        assert turned[0] == 190.0 and turned[1].split() == ["heading", "170°", "starboard"]
         # Of a live page, the last minute: at most so many moments, and so many bytes.
         kept = browser.js(
             "(() => { const kept = new oceanSim.History(); "
@@ -218,6 +226,21 @@ def test_in_virtual_reality_one_stands_at_the_helm_and_a_platform_moves_the_sea_
         assert rolled[1, 0] == pytest.approx(-np.sin(0.3))
 
 
+# Mean place across the picture, -1 to 1, of the yellow mark of the wheel in the wheelhouse, from the middle of what no
+# panel hides; 0 where there is none.
+WHEEL_MARK = """(() => {
+  const { gl } = oceanSim.painter, w = gl.drawingBufferWidth, h = gl.drawingBufferHeight;
+  const seen = new Uint8Array(4 * w * h);
+  gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, seen);
+  let sum = 0, count = 0;
+  for (let k = 0; k < w * h; k++) {
+    const [r, g, b] = seen.subarray(4 * k, 4 * k + 3);
+    if (r > 150 && g > 0.85 * r && b < 0.5 * g) { sum += (2 * (k % w)) / w - 1; count++; }
+  }
+  return count > 3 ? sum / count : 0;
+})()"""
+
+
 @pytest.mark.slow
 @in_a_browser
 def test_a_scene_is_played_in_the_page(tmp_path):
@@ -243,6 +266,11 @@ def test_a_scene_is_played_in_the_page(tmp_path):
             browser.js("document.getElementById('sea').focus()")
             browser.key("ArrowLeft", 1.5)
             assert browser.js("oceanSim.state.rudder") > 0.02  # to port; how far depends on how fast pictures are drawn
+            browser.js("document.querySelector('#cameras [data-name=helm]').click()")
+            browser.js("document.getElementById('rudder').value = -8; document.getElementById('rudder').oninput()")
+            assert browser.js("document.getElementById('wheelTurn').getAttribute('transform')").startswith("rotate(-")
+            browser.wait(f"{WHEEL_MARK} < -0.1", 60.0)
+            browser.js("document.querySelector('#cameras [data-name=orbit]').click()")
             browser.wait("oceanSim.state.panel.ships[0].name === 'ship' && oceanSim.state.time > 0.5", 120.0)
             before = browser.js(heading)
             browser.wait(f"Math.abs({heading} - {before}) > 2e-4", 120.0)
@@ -257,6 +285,10 @@ def test_a_scene_is_played_in_the_page(tmp_path):
             browser.js("document.getElementById('scrub').value = 300; document.getElementById('scrub').oninput()")
             past = browser.js("[oceanSim.state.back, oceanSim.state.time, oceanSim.state.worlds[0].time]")
             assert past[0] and past[1] == pytest.approx(past[2], abs=1e-6)
+            words = "['clock', 'link', 'ago'].map(id => document.getElementById(id).textContent)"
+            browser.wait(f"{words}[1] === 'looking back'")
+            clock, _, ago = browser.js(words)
+            assert clock == f"t = {past[1]:.2f} s" and re.fullmatch(r"[0-9.]+ s ago", ago)
             browser.js("document.getElementById('toLive').click()")
             browser.wait(f"!oceanSim.state.back && oceanSim.state.time > {past[1]}", 30.0)
             browser.js("document.getElementById('to-scene').click()")

@@ -166,6 +166,21 @@ def test_play_step_and_pause(session):
     assert simulation.steps > before + 1
 
 
+def test_a_page_that_opens_late_is_told_where_the_ship_was(session):
+    """For her wake; also while nobody watches."""
+    session.server.watchers = 0
+    for _ in range(3):
+        session.simulation.run(session.simulation.time + 0.3)
+    session.server.watchers, session.server.fresh = 1, True
+    session.watch.show(0.0)
+    session.server.fresh = False
+    head, arrays = page_packets.unpack(session.server.frames[-1])
+    times, poses = arrays["trail"][:, 0], arrays["trail"][:, 1:]
+    assert (np.diff(times) >= 0.25 - 1e-5).all() and head["time"] - 0.3 <= times[-1] <= head["time"] + 1e-5
+    assert poses.shape == (len(times), 7) and poses[-1, :3] == pytest.approx(arrays["poses"][0, :3], abs=1.0)
+    assert np.linalg.norm(poses[:, 3:], axis=1) == pytest.approx(np.ones(len(times)), abs=1e-5)
+
+
 def test_the_first_step_waits_for_a_page(lake):
     lake.paused, lake.server.watchers = False, 0
     lake.advance(0.1)
@@ -334,6 +349,7 @@ def test_every_key_has_its_unit_and_range():
     found = {row["key"]: row for row in key_table(load("showcase"))}
     spacing = found["fluid.spacing"]
     assert (spacing["unit"], spacing["range"]) == ("m", "> 0") and spacing["meaning"]
+    assert found["seed"]["range"] == ">= 0, < 2147483648"
     assert {"seed", "duration", "basin.depth", "runtime.threads", "time_step.courant_number"} <= set(found)
     assert found["runtime.precision"]["choices"] == ("f32", "f64") and found["wind.frame"]["value"] is None
     assert not any(key.endswith("kind") for key in found)

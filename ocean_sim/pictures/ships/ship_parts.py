@@ -137,8 +137,13 @@ def path_mesh(points: np.ndarray, radius: float, colour: Triple) -> Mesh:
 
 
 def smooth_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Unit normals (m, 3, 3) at triangle corners: area-weighted means of faces around a vertex, not across creases."""
-    faces = area_vectors(vertices[triangles])
+    """Unit normals (m, 3, 3) at triangle corners: means of faces around a vertex, not across creases, by the weights of
+    Max (1999), J. Graphics Tools 4(2), which are exact on a sphere."""
+    points = vertices[triangles]
+    ahead, back = np.roll(points, -1, axis=1) - points, np.roll(points, 1, axis=1) - points  # edges from each corner
+    sizes = (ahead**2).sum(axis=2) * (back**2).sum(axis=2)
+    weighted = (np.cross(ahead, back) / np.maximum(sizes, 1e-300)[..., None]).reshape(-1, 3)
+    faces = area_vectors(points)
     flat = faces / np.maximum(np.linalg.norm(faces, axis=1, keepdims=True), 1e-30)
     order = np.argsort(triangles.ravel(), kind="stable")
     owner, face = triangles.ravel()[order], order // 3
@@ -146,7 +151,7 @@ def smooth_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     for corners in np.split(np.arange(len(order)), np.flatnonzero(np.diff(owner)) + 1):
         around = face[corners]
         alike = (flat[around] @ flat[around].T > CREASE_COSINE).astype(float)
-        normals[order[corners]] = alike @ faces[around]
+        normals[order[corners]] = alike @ weighted[order[corners]]
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
     return normals.reshape(-1, 3, 3)
 

@@ -52,6 +52,9 @@ function begin(stills) {
   $("whichShip").innerHTML = first.ships.map((ship, k) => `<option value="${k}">${escaped(ship.name)}</option>`).join("");
   $("whichShip").value = camera.ship;
   $("wavesText").textContent = sayWaves(still);
+  const words = [["wavemaker", "#cc7533", still.plates], ["absorbs waves", "#e8d08c", still.zones.length], ["gauge", "#f26b1a", still.plates || still.zones.length]].filter(([, , there]) => there);
+  $("things").innerHTML = words.map(([word, hue]) => `<span style="--hue:${hue}">${word}</span>`).join("");
+  $("things").hidden = !words.length || state.worlds.length > 1;
   const tints = still.speeds.map((rgb) => `rgb(${rgb.map((v) => Math.round(255 * v))})`);
   document.querySelector("#legend i").style.background = `linear-gradient(90deg, ${tints})`;
   $("strip").hidden = state.worlds.length > 1;
@@ -59,10 +62,15 @@ function begin(stills) {
   state.dirty = true;
 }
 
+// The value of a slider by the first words of its label, as it stands now.
+function slid(words) { return state.panel?.sliders.find((s) => s.label.startsWith(words))?.value; }
+
 function sayWaves({ plates, waves: { kind, height, period, significant_wave_height: high, peak_period: peak } }) {
-  const origin = plates ? ", made by the wavemaker." : state.panel?.wind === "still" ? ". They are swell: no wind blows here." : ".";
-  if (high) return `Waves: ${kind.toUpperCase()}, significant height ${high} m, peak period ${peak} s${origin}`;
-  if (height) return `Waves: regular, ${height} m high, period ${period} s${origin}`;
+  const [tall, long] = [slid("wave height") ?? high ?? height, slid("wave period") ?? peak ?? period].map((v) => v && +v.toPrecision(3));
+  const towards = slid("wave heading"), heading = towards === undefined ? "" : `, heading ${Math.round(towards)}°`;
+  const origin = plates ? ", made by the wavemaker." : state.panel?.wind === "still" || slid("wind strength") === 0 ? ". They are swell: no wind blows here." : ".";
+  if (high) return `Waves: ${kind.toUpperCase()}, significant height ${tall} m, peak period ${long} s${heading}${origin}`;
+  if (height) return `Waves: regular, ${tall} m high, period ${long} s${heading}${origin}`;
   return "";
 }
 
@@ -114,6 +122,7 @@ const live = {
       this.queue.push(head);
       if (this.queue.length > 6) this.queue.shift();
       this.history.add(head.time, packet);
+      if (head.data.trail) state.worlds[0].recall(head.data.trail, head.about.trail.shape);
       if (head.data.poses) state.worlds[0].follow(head.time, head.data.poses, WAKE_SECONDS + HISTORY_SECONDS);
       plots.add(0, head.time, head.data.scalars);
       state.frames++;
@@ -187,7 +196,7 @@ function link() {
 
 // Whether the simulation goes on, beside the title.
 function doing() {
-  const { panel } = state, what = !state.worlds.length ? `building, ${short(performance.now() / 1000)} s` : !panel?.paused ? "live" : Math.abs(live.history.end - panel.duration) < 0.1 ? "scene's end" : "paused";
+  const { panel } = state, what = !state.worlds.length ? `building, ${short(performance.now() / 1000)} s` : state.back ? "looking back" : !panel?.paused ? "live" : Math.abs(live.history.end - panel.duration) < 0.1 ? "scene's end" : "paused";
   $("link").textContent = !state.connected ? "looking for the server" : state.watchers > 1 ? `${what}, ${state.watchers} watching` : what;
 }
 
@@ -232,7 +241,12 @@ function reading(head, group, word) {
 }
 
 const fixed = (value) => (Math.round(10 * value) / 10 || 0).toFixed(1);  // never -0.0
-const sided = (degrees) => `${Math.abs(degrees).toFixed(0)}°${Math.abs(degrees) < 0.5 ? "" : degrees > 0 ? " port" : " starboard"}`;
+
+// An angle with its side, however many turns a curve has counted.
+function sided(angle) {
+  const degrees = angle - 360 * Math.round(angle / 360);
+  return `${Math.abs(degrees).toFixed(0)}°${Math.abs(degrees) < 0.5 ? "" : degrees > 0 ? " port" : " starboard"}`;
+}
 
 // Mean time between two rises of the first gauge through its mean, in the last minute [s].
 function crossingPeriod() {
@@ -264,33 +278,45 @@ function instruments() {
     if (rudder !== undefined) add("Rudder", ...`${sided(rudder)} `.split(" "));
   }
   const regular = exact && waves.length === 1, high = regular ? 2 * waves[0][0] : reading(head, "height", "") ?? world.height;
-  const moved = state.panel?.sliders.find((s) => s.label.startsWith("wave period"))?.value;
-  const stated = moved || still.waves.peak_period || still.waves.period, period = stated || crossingPeriod();
+  const stated = slid("wave period") || still.waves.peak_period || still.waves.period, period = stated || crossingPeriod();
   if (high > 0.005 && (exact || stated || still.windSpeed || world.ships.length)) {
     add(regular ? "H" : "H<sub>s</sub>", `${high.toFixed(high < 1 ? 2 : 1)} m`, regular ? "of the wave" : "now");
     if (period) add(regular ? "T" : stated ? "T<sub>p</sub>" : "T<sub>z</sub>", `${period.toFixed(1)} s`, stated ? "stated" : "at the gauge", true);
   }
   add("Depth", `${+(-still.basin.lower[1]).toPrecision(3)} m`, "", !!ship?.steered);
-  if (still.windSpeed) add("Wind", `${still.windSpeed.toFixed(1)} m/s`, "stated", true);
+  const strength = slid("wind strength") ?? 1;
+  if (still.windSpeed) add("Wind", `${still.windSpeed.toFixed(1)} m/s`, strength === 1 ? "stated" : `stated, × ${short(strength)}`, true);
   $("readings").innerHTML = rows.join("");
   $("legend").hidden = state.content === "water" || !world.balls.count;
   if (!$("legend").hidden) {
     const top = world.balls.fastest;
-    document.querySelector("#legend b").innerHTML = [0, 0.5 * top, top].map((v) => `<span>${+v.toPrecision(2)}</span>`).join("") + "<span>m/s</span>";
+    document.querySelector("#legend b").innerHTML = [0, 0.5 * top, top].map((v) => `<span>${+v.toPrecision(2)}</span>`).join("");
   }
   $("scrubBar").hidden = LIVE && !(live.history.end - live.history.times[0] > 0.2);
   $("toLive").hidden = !state.back;
   if (!LIVE) return;
   doing();
-  if (state.back) span(); else $("scrub").value = 1000;
-  $("ago").textContent = state.back ? `−${(state.end - state.time).toFixed(1)} s` : `${short(live.history.end - live.history.times[0])} s`;
+  if (state.back) span();
+  $("scrub").value = state.back ? (1000 * (state.time - state.begin)) / (state.end - state.begin) : 1000;
+  const length = live.history.end - live.history.times[0];
+  $("ago").textContent = state.back ? `${(state.end - state.time).toFixed(1)} s ago` : `last ${length < 9.95 ? length.toFixed(1) : Math.round(length)} s`;
+}
+
+// A length on the water, where one looks straight down.
+function scaleBar() {
+  const eye = camera.mode === "top" && state.worlds.length === 1 && state.worlds[0].seen;
+  $("scale").hidden = !eye;
+  if (!eye) return;
+  const metres = (2 * Math.tan(eye.angle / 2) * V.length(V.sub(eye.position, eye.target))) / canvas.clientHeight, length = round(60 * metres);
+  $("scale").textContent = `${+length.toPrecision(1)} m`;
+  $("scale").style.width = `${length / metres}px`;
 }
 
 // A first visit gets three lines.
 function greet() {
   if (store("greeted")) return;
   $("first").hidden = false;
-  if (matchMedia("(pointer: coarse), (hover: none) and (max-width: 820px)").matches) $("first").querySelector("ul").innerHTML = `<li><b>Drag</b> to look around; two fingers move, a pinch comes nearer</li><li>${LIVE ? "The panel (top right) has rudder, throttle and scenes" : "The bar goes to any time"}</li>`;
+  if (matchMedia("(pointer: coarse), (hover: none) and (max-width: 820px)").matches) $("first").querySelector("ul").innerHTML = `<li><b>Drag</b> to look around; two fingers move, a pinch comes nearer</li><li>${LIVE ? "The panel (top right) has the controls, plots and scenes" : "The bar goes to any time"}</li>`;
   else if (!LIVE) $("first").querySelector("ul").innerHTML = "<li><b>Space</b> pauses; the bar goes to any time</li><li><b>Drag</b> to look around, 1 to 5 choose a camera</li><li><b>?</b> lists all keys</li>";
   const done = (event) => {
     if (event.key === "Tab") return;
@@ -329,12 +355,15 @@ function tab(name) {
   }
   document.body.classList.toggle("wide", name === "scene");
   if (name === "scenes") send({ do: "scenes" });
-  if (name === "keys") send({ do: "keys" });
+  if (name === "keys") {
+    if (!$("keys").childElementCount) $("keys").innerHTML = '<p class="hint">The keys are on their way ...</p>';
+    send({ do: "keys" });
+  }
   if (name === "scene") {
     send({ do: "scene" });
     if (!editor.schema) fetch(`/schema${WITH}`).then((reply) => reply.json()).then((schema) => { editor.schema = schema; }).catch(() => {});
   }
-  if (name === "plots") plots.draw(state.time);
+  if (name === "plots") plots.draw(state.time, state.back);
 }
 
 function mayTouch() { return !LIVE || state.holder === 0 || state.holder === state.me; }
@@ -413,7 +442,7 @@ function helmShows() {
   $("throttle").value = state.throttle;
   $("rudderOut").textContent = sided(degrees);
   $("throttleOut").textContent = `${Math.round(100 * state.throttle)} %`;
-  $("wheelTurn").setAttribute("transform", `rotate(${(-degrees * 180) / 35})`);
+  $("wheelTurn").setAttribute("transform", `rotate(${-degrees * WHEEL_TURN})`);
 }
 
 function steer(throttle, rudder) {
@@ -554,13 +583,24 @@ function keep(blob, name) {
 
 // What is seen as a film, from one press of the button to the next.
 function film() {
-  if (film.tape) { film.tape.stop(); return; }
+  if (film.tape) { film.end(); return; }
   const kind = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"].find((one) => window.MediaRecorder?.isTypeSupported(one));
   if (!kind) { say("This browser cannot record a film.", true); return; }
   const tape = film.tape = new MediaRecorder(canvas.captureStream(30), { mimeType: kind, videoBitsPerSecond: 8e6 }), parts = [];
   const mark = (on) => { $("film").classList.toggle("on", on); $("film").textContent = on ? "Stop the film" : "Film (WebM)"; };
-  tape.ondataavailable = (event) => parts.push(event.data);
-  tape.onstop = () => { film.tape = null; mark(false); keep(new Blob(parts, { type: "video/webm" }), `ocean_${state.time.toFixed(0)}s.webm`); };
+  let ends = false;
+  film.end = () => {
+    if (ends || parts.some((part) => part.size)) { tape.stop(); return; }
+    ends = true;
+    say("The film ends with its first picture; press again to end it without.");
+  };
+  tape.ondataavailable = (event) => { parts.push(event.data); if (ends && event.data.size && tape.state === "recording") tape.stop(); };
+  tape.onstop = () => {
+    const whole = new Blob(parts, { type: "video/webm" });
+    film.tape = null;
+    mark(false);
+    if (whole.size) keep(whole, `ocean_${state.time.toFixed(0)}s.webm`); else say("The film has no picture: this browser drew none while it ran.", true);
+  };
   tape.start(1000);
   mark(true);
 }
@@ -731,9 +771,9 @@ function tick(now) {
   last = now;
   holdKeys(seconds);
   holdPad(seconds);
-  let moving = false;
+  let moving = !!film.tape;  // a film of a scene at rest is its still picture, drawn again and again
   if (XR.session) return;  // the headset asks for its own pictures
-  if (LIVE && !state.back) moving = live.show(now / 1000);
+  if (LIVE && !state.back) moving = live.show(now / 1000) || moving;
   else if (state.replays.length && !state.paused) {
     seek(state.time + seconds * (state.speed || 1));
     moving = true;
@@ -745,14 +785,15 @@ function tick(now) {
     state.drawn++;
     state.dirty = false;
     if (state.worlds[0].after && !$("cover").classList.contains("gone")) $("cover").classList.add("gone");
-    // Coarser pixels where the machine cannot follow.
+    // Coarser pixels where the machine cannot follow; a film keeps its size.
     slow = 0.92 * slow + 0.08 * Math.max(seconds * 1000, performance.now() - begun);
-    if (++counted > 40 && slow > 55 && state.scale > 0.5) { state.scale = Math.max(0.5, state.scale * 0.8); counted = 0; }
+    if (++counted > 40 && slow > 55 && state.scale > 0.5 && !film.tape) { state.scale = Math.max(0.5, state.scale * 0.8); counted = 0; }
   }
   if (now - plotted < 150) return;
   plotted = now;
   if (state.worlds.length) instruments(); else doing();
-  if (state.tab === "plots") plots.draw(state.time);
+  scaleBar();
+  if (state.tab === "plots") plots.draw(state.time, state.back);
 }
 
 // --- replay -------------------------------------------------------------------------------------------------------------
@@ -766,7 +807,7 @@ function seek(time) {
   });
   $("scrub").value = (1000 * (state.time - state.begin)) / Math.max(state.end - state.begin, 1e-9);
   $("scrub").setAttribute("aria-valuetext", `${state.time.toFixed(2)} seconds`);
-  $("clock").textContent = `t = ${state.time.toFixed(2)} of ${state.end.toFixed(2)} s`;
+  $("clock").textContent = `t = ${state.time.toFixed(2)}${LIVE ? "" : ` of ${state.end.toFixed(2)}`} s`;
   state.dirty = true;
 }
 

@@ -251,14 +251,17 @@ const SHIP_VERTEX = `
 layout(location = 0) in vec3 corner;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 paint;
+layout(location = 3) in float radius;
 uniform mat4 view, pose;
 uniform vec3 low, high;
+uniform float pixel;
 out vec3 nrmW, posW;
 out vec4 tint;
 void main() {
   vec4 p = pose * vec4(0.5 * (low + high) + 0.5 * (high - low) * corner, 1.0);
-  posW = p.xyz;
   nrmW = mat3(pose) * normal;
+  if (radius > 0.0) p.xyz += normalize(nrmW) * max(0.6 * pixel * (view * p).w - radius, 0.0);  // a stay is drawn a pixel wide or more
+  posW = p.xyz;
   tint = vec4(pow(paint.rgb, vec3(2.2)), paint.a);
   gl_Position = view * p;
 }`;
@@ -369,7 +372,10 @@ class Painter {
     const key = still.shaders.water;
     if (!this.waters.has(key)) {
       const { common, functions, water, sky } = still.shaders, top = declared(still.uniforms);
-      const body = `${top}in vec3 posW, nrmW, attW;\n${common}${functions}void main() {${water}
+      // With few pixels a wave the sun's glint stands on the water as crumbs of sand: here it is wider, whiter and limited.
+      const soft = `vec3 softened(vec3 glint) { return mix(glint, vec3(glint.g), 0.4) / (1.0 + 2.0 * glint.g); }
+#define sunGlint(n, e, variance) softened(sunGlint(n, e, (variance) + 0.006))\n`;
+      const body = `${top}in vec3 posW, nrmW, attW;\n${common}${functions}${soft}void main() {${water}
   // From above a slope mirrors hardly more sky than the flat: crests and slopes towards the sun are made lighter; clouds
   // lit by the sun turn no dark water brown.
   float over = smoothstep(0.70, 0.95, normalize(eyeW - posW).y);
@@ -388,6 +394,17 @@ uniform vec3 ground;\n${common}void main() {${sky}
     }
     return this.waters.get(key);
   }
+}
+
+// Radius [m] of the rod of twelve sides that a triangle longer than `least` [m] and narrow belongs to, at its corners; 0 for all others.
+function slender(corners, unit, least) {
+  const radius = new Float32Array(corners.length / 3);
+  for (let k = 0; k < radius.length; k += 3) {
+    const [a, b, c] = [0, 1, 2].map((i) => unit.map((u, axis) => u * corners[3 * (k + i) + axis])), sides = [V.sub(b, a), V.sub(c, a), V.sub(c, b)];
+    const long = Math.max(...sides.map(V.length)), high = V.length(V.cross(sides[0], sides[1])) / long;
+    if (long > least && long > 40 * high) radius.fill(1.93 * high, k, k + 3);
+  }
+  return radius;
 }
 
 function shape(gl, [corners, normals]) {

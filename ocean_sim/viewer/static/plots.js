@@ -1,7 +1,7 @@
 // Curves over time: one card for each group of numbers, the last of them in words.
 const TITLES = {
-  elevation: "Elevation at the gauges", height: "Significant wave height", heave: "Heave", angles: "Roll and pitch", yaw: "Heading",
-  speed: "Speed ahead", orders: "Throttle and rudder", legs: "Legs of the platform", compression: "Compression of the water",
+  elevation: "Elevation at the gauges", height: "Significant wave height", heave: "Heave: height of the centre of mass", angles: "Roll and pitch", yaw: "Heading to port of north",
+  speed: "Speed ahead", orders: "Throttle, and rudder to port", legs: "Legs of the platform", compression: "Compression of the water",
   pace: "Simulated over wall time", dt: "Time step", cost: "Cost of each stage",
 };
 const HUES = {
@@ -44,7 +44,8 @@ class Plots {
       set.times.length = set.rows.length = 0;
     }
     set.times.push(time);
-    set.rows.push(Float32Array.from(scalars));
+    const before = set.rows[set.rows.length - 1];
+    set.rows.push(Float32Array.from(scalars, (v, i) => (before && set.scalars[i].group === "yaw" ? v - 360 * Math.round((v - before[i]) / 360) : v)));
     if (set.times.length > KEPT) { set.times.splice(0, 200); set.rows.splice(0, 200); }
   }
 
@@ -56,7 +57,8 @@ class Plots {
     set.whole = true;
   }
 
-  draw(now) {
+  // At the end of the curves, or at `now` in a replay and where a live page looks back.
+  draw(now, past) {
     const style = getComputedStyle(document.documentElement), dark = style.getPropertyValue("--dark").trim() === "1";
     const ink = style.getPropertyValue("--muted").trim(), rule = style.getPropertyValue("--rule").trim(), hues = HUES[dark ? "dark" : "light"];
     for (const card of this.cards) {
@@ -67,11 +69,11 @@ class Plots {
       const pen = canvas.getContext("2d");
       pen.setTransform(ratio, 0, 0, ratio, 0, 0);
       pen.clearRect(0, 0, box.width, box.height);
-      this.curves(pen, box.width, box.height, card, { ink, rule, hues }, now);
+      this.curves(pen, box.width, box.height, card, { ink, rule, hues }, now, past);
     }
   }
 
-  curves(pen, width, height, card, { ink, rule, hues }, now) {
+  curves(pen, width, height, card, { ink, rule, hues }, now, past) {
     const lines = [], left = 56, bottom = 16, top = 6;
     this.sets.forEach((set, k) => set.scalars.forEach((s, i) => { if (s.group === card.group) lines.push({ set, k, i, ...s }); }));
     let low = Infinity, high = -Infinity, from = Infinity, to = -Infinity;
@@ -83,14 +85,14 @@ class Plots {
     }
     if (!(to > -Infinity)) return;
     if (!lines.some(({ set }) => set.whole)) from = Math.max(from, to - 60);
-    const gap = 0.08 * (high - low) || Math.max(0.05 * Math.abs(high), 1e-3);
+    const gap = high - low > 1e-6 ? 0.08 * (high - low) : Math.max(0.05 * Math.abs(high), 1e-3);  // rounding is no curve
     low -= gap;
     high += gap;
-    if (to <= from) to = from + 1e-3;
+    if (to <= from) to = from + 1;
     const x = (t) => left + ((t - from) / (to - from)) * (width - left - 6), y = (v) => height - bottom - ((v - low) / (high - low)) * (height - bottom - top);
     pen.font = "11px system-ui, sans-serif";
     pen.lineWidth = 1;
-    const step = round((high - low) / 3);
+    const step = round((high - low) / 4), digits = clamp(Math.ceil(-Math.log10(step) - 1e-9), 0, 7);
     pen.textAlign = "right";
     pen.textBaseline = "middle";
     for (let v = Math.ceil(low / step) * step; v <= high; v += step) {
@@ -100,7 +102,7 @@ class Plots {
       pen.lineTo(width - 6, y(v));
       pen.stroke();
       pen.fillStyle = ink;
-      pen.fillText(short(Math.abs(v) < 1e-9 * step ? 0 : v), left - 6, y(v));
+      pen.fillText((Math.abs(v) < 1e-9 * step ? 0 : v).toFixed(digits).replace("-", "−"), left - 6, y(v));
     }
     pen.textBaseline = "alphabetic";
     pen.textAlign = "left";
@@ -121,13 +123,15 @@ class Plots {
         begun = true;
       }
       pen.stroke();
-      const at = set.whole ? nearest(set.times, now) : set.rows.length - 1;
+      const at = set.whole || past ? nearest(set.times, now) : set.rows.length - 1;
       const value = set.rows[at] ? set.rows[at][i] : NaN;
       const who = this.sets.length > 1 ? `${k + 1}: ` : "";
-      words.push(`<i style="--hue:${hue}">${who}${escaped(label)} <b>${short(value)}</b> ${unit === "1" ? "" : escaped(unit)}</i>`);
+      const turned = (card.group === "yaw" || label.startsWith("rudder")) && Number.isFinite(value);
+      const said = turned ? sided(value) : short(Math.abs(value) < 1e-6 ? 0 : value);
+      words.push(`<i style="--hue:${hue}">${who}${escaped(label)} <b>${said}</b> ${turned || unit === "1" ? "" : escaped(unit)}</i>`);
     });
     pen.setLineDash([]);
-    if (lines.some(({ set }) => set.whole) && now >= from && now <= to) {
+    if ((past || lines.some(({ set }) => set.whole)) && now >= from && now <= to) {
       pen.strokeStyle = ink;
       pen.lineWidth = 1;
       pen.beginPath();

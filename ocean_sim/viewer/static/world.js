@@ -1,3 +1,4 @@
+const WHEEL_TURN = 180 / 35;  // angle of the wheel over that of the rudder; the top of the wheel goes to port with it
 const WAKE_SECONDS = 40;  // after which white water behind a ship is gone
 
 // One simulation as it is drawn: what never changes is made once, two moments are held, and what lies between is shown.
@@ -85,8 +86,9 @@ class World {
 
   model(ship, k) {
     const { gl, still } = this, about = still.about[`corners${k}`];
+    const thin = slender(still.data[`corners${k}`], V.scale(V.sub(about.high, about.low), 0.5 / 32767), 0.15 * ship.length);
     const vertices = array(gl, [
-      [0, buffer(gl, still.data[`corners${k}`]), 3, gl.SHORT, true],
+      [3, buffer(gl, thin), 1], [0, buffer(gl, still.data[`corners${k}`]), 3, gl.SHORT, true],
       [1, buffer(gl, still.data[`normals${k}`]), 3, gl.BYTE, true],
       [2, buffer(gl, still.data[`paint${k}`]), 4, gl.UNSIGNED_BYTE, true],
     ]);
@@ -171,6 +173,12 @@ class World {
     });
   }
 
+  // Rows of time and poses from before this page was open: once, for wakes.
+  recall(rows, [count, width]) {
+    if (this.wakes.some(({ trail }) => trail.length)) return;
+    for (let k = 0; k < count; k++) this.follow(rows[k * width], rows.subarray(k * width + 1, (k + 1) * width), WAKE_SECONDS);
+  }
+
   // Foam as the simulation knows it, else where a crest is as steep as one that breaks: there it appears at once, then it fades.
   whiten(after) {
     const { nx, nz, foam } = this, h = after.data.height, flat = this.still.basin.flat, known = after.data.foam;
@@ -229,6 +237,16 @@ class World {
     return (at(a, b) * (1 - s) + at(a + 1, b) * s) * (1 - t) + (at(a, b + 1) * (1 - s) + at(a + 1, b + 1) * s) * t;
   }
 
+  // Height of the water around a ship [m]; in her footprint that of particles follows her bottom.
+  levelAround(k) {
+    const { beam, length, pose } = this.ships[k], [x, , z] = this.poses[k].position, c = pose[10], s = pose[8], n = 12;
+    const heights = Array.from({ length: n }, (_, i) => {
+      const a = (0.6 * beam + 3 * this.step[0]) * Math.cos((2 * Math.PI * i) / n), b = (0.6 * length + 3 * this.step[0]) * Math.sin((2 * Math.PI * i) / n);
+      return this.heightAt(x + c * a + s * b, z - s * a + c * b);
+    });
+    return heights.reduce((sum, h) => sum + h, 0) / n;
+  }
+
   // The maps of distances to the hulls, turned from body to world.
   meet() {
     const n = 96, values = {};
@@ -282,7 +300,7 @@ class World {
     gl.depthMask(true);
     this.solids(view, lit);
     if (content !== "water") this.drawBalls(view, eye, content === "both");
-    for (const ship of this.ships) this.drawShip(ship, view, lit, -1e9);
+    for (const ship of this.ships) this.drawShip(ship, view, lit, -1e9, pixel);
     if (options.helm) this.drawWheelhouse(options.helm, view, lit);
     if (water) this.drawWater(view, uniforms, content === "both", sea, mirrored, pixel);
     if (water && content === "water") this.drawWakes(view);
@@ -325,9 +343,9 @@ class World {
     gl.disable(gl.BLEND);
   }
 
-  drawShip(ship, view, lit, above) {
+  drawShip(ship, view, lit, above, pixel) {
     const { gl, painter } = this;
-    painter.ship.use({ ...lit, view, pose: ship.pose, low: ship.low, high: ship.high, above });
+    painter.ship.use({ ...lit, view, pose: ship.pose, low: ship.low, high: ship.high, above, pixel });
     gl.bindVertexArray(ship.vertices);
     gl.drawArrays(gl.TRIANGLES, 0, ship.count);
   }
@@ -344,7 +362,7 @@ class World {
     box([0, -0.82, 1.05], [2.4, 0.2, 0.34], [0.30, 0.33, 0.36, 1]);
     box([0, 0.80, 1.3], [2.4, 0.09, 0.3], [0.80, 0.81, 0.80, 1]);
     for (const x of [-1.9, -0.7, 0.7, 1.9]) draw(painter.rod, along(at(x, -0.64, 1.37), at(0.97 * x, 0.75, 1.2), 0.03 * u), [0.80, 0.81, 0.80, 1]);
-    const rim = (k, r) => { const a = (k * Math.PI) / 8 - 4 * rudder; return at(r * Math.sin(a), -0.40 + 0.8 * r * Math.cos(a), 0.86 + 0.5 * r * Math.cos(a)); };
+    const rim = (k, r) => { const a = (k * Math.PI) / 8 + WHEEL_TURN * rudder; return at(r * Math.sin(a), -0.40 + 0.8 * r * Math.cos(a), 0.86 + 0.5 * r * Math.cos(a)); };
     for (let k = 0; k < 16; k++) {
       draw(painter.rod, along(rim(k, 0.2), rim(k + 1, 0.2), 0.012 * u), [0.52, 0.38, 0.24, 1]);
       if (k % 2 === 0) draw(painter.rod, along(rim(k, 0), rim(k, 0.26), 0.008 * u), [0.52, 0.38, 0.24, 1]);
@@ -367,7 +385,7 @@ class World {
       gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth);
       this.pool = { width, height, frame, depth };
     }
-    const p = this.poses[0].position, level = this.heightAt(p[0], p[2]);
+    const level = this.levelAround(0);
     const flip = [1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 2 * level, 0, 1], view = M.mul(M.mul(eye.projection, eye.view), flip);
     const was = gl.getParameter(gl.VIEWPORT), scissor = gl.isEnabled(gl.SCISSOR_TEST);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.pool.frame);
@@ -376,7 +394,7 @@ class World {
     gl.clearColor(0, 0, 0, 0);
     gl.enable(gl.DEPTH_TEST);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    for (const ship of this.ships) this.drawShip(ship, view, lit, level);
+    for (const ship of this.ships) this.drawShip(ship, view, lit, level, (2 * Math.tan(eye.angle / 2)) / height);
     gl.bindFramebuffer(gl.FRAMEBUFFER, eye.framebuffer || null);
     gl.viewport(...was);
     if (scissor) gl.enable(gl.SCISSOR_TEST);

@@ -122,12 +122,7 @@ def patch_scene(free: float, moves: Sequence[str]) -> dict[str, Any]:
     rim = {"width": RIM_WIDTH * WAVELENGTH}
     return {
         "duration": RUN_PERIODS * PERIOD,
-        "basin": {
-            "length": (free + 2.0 * RIM_WIDTH) * WAVELENGTH,
-            "depth": DEPTH,
-            "walls": "periodic",
-            "gravity": [0.0, -GRAVITY, 0.0],
-        },
+        "basin": {"length": (free + 2.0 * RIM_WIDTH) * WAVELENGTH, "depth": DEPTH, "walls": "periodic"},
         "fluid": {"kind": "delta_sph", "spacing": WAVELENGTH / round(WAVELENGTH / DRAUGHT * DRAUGHT_SPACINGS)},
         "sea": {"kind": "linear_waves", "height": 2.0 * AMPLITUDE, "period": PERIOD, "rim": rim},
         "ship": box_keys(moves) | {"kind": "pressure"},

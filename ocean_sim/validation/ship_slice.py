@@ -53,9 +53,8 @@ def box_problem(density: float, coarse: bool) -> Problem:
     }
     limit = {} if coarse else {"pressure": DRAUGHT_TOLERANCE}
     promise = Promise(f"box of relative density {density:g}: draught [m]", "%", "Archimedes, closed form", limit)
-    name = f"box {density:g}"
     look = partial(measure_draught, exact=draught)
-    return Problem(scene, (promise,), look, name, not coarse, "ship", PRESSURE_SCHEMES)
+    return Problem(scene, (promise,), look, f"box {density:g}", not coarse, "ship", PRESSURE_SCHEMES)
 
 
 def measure_draught(simulation: Simulation, exact: float) -> Finding:
@@ -64,10 +63,9 @@ def measure_draught(simulation: Simulation, exact: float) -> Finding:
     A level by volume at rest density would be about 15 mm too high: 1.2 m of water compressed by 2 % is 12 mm lower."""
     apart = np.linspace(BOX_SIDE, 0.5 * TANK_LENGTH - 0.1, 8)
     gauges = np.array([(x, 0.0) for x in (*-apart, *apart)])
-    until = simulation.scene.duration
     path = [
         (t, simulation.fluid.elevations(gauges).mean() - (b.position[1] - CENTRE_HEIGHT))
-        for t, b in follow_body(simulation, until)
+        for t, b in follow_body(simulation, simulation.scene.duration)
     ]
     t, draught = np.array(path).T
     found = percent_error(float(draught[t > SETTLING_TIME].mean()), exact)
@@ -112,11 +110,9 @@ def measure_extrema(simulation: Simulation) -> Finding:
     numbers, begin = [], 0
     for when, height in EXTREMA:
         until = np.searchsorted(t, when + 0.15)
-        span = y[begin:until] * np.sign(height)
-        at = begin + int(np.argmax(span))
+        at = begin + int(np.argmax(y[begin:until] * np.sign(height)))
         numbers += [percent_error(float(t[at]), when), percent_error(float(y[at]), height)]
         begin = at
     exact = np.array(EXTREMA).T
-    measured = [Curve("heave", t, y)]
     expected = [Curve("linear theory", exact[0], exact[1], points=True)]
-    return Finding(numbers, measured, expected, ("t [s]", "heave over the rise"))
+    return Finding(numbers, [Curve("heave", t, y)], expected, ("t [s]", "heave over the rise"))

@@ -53,10 +53,13 @@ def problems(coarse: bool) -> list[Problem]:
         "basin": {"length": LENGTH, "depth": DEPTH, "motion": sway_motion(SWAY, SWAY_OMEGA)},
         "fluid": {"spacing": DEPTH / (10 if coarse else 25), "kinematic_viscosity": 1e-6},
     }
-    bore_sway = sway_motion(2.333 * SHALLOW_DEPTH, SHALLOW_OMEGA)
     series = {
         "duration": 11.0 * SHALLOW_PERIOD,
-        "basin": {"length": LENGTH, "depth": SHALLOW_DEPTH, "motion": bore_sway},
+        "basin": {
+            "length": LENGTH,
+            "depth": SHALLOW_DEPTH,
+            "motion": sway_motion(2.333 * SHALLOW_DEPTH, SHALLOW_OMEGA),
+        },
         "fluid": {"spacing": SHALLOW_DEPTH / (8 if coarse else 15), "kinematic_viscosity": 1e-6},
     }
     return [
@@ -101,9 +104,8 @@ def measure_series(simulation: Simulation) -> Finding:
     level = 0.5 * float(known.max())
     came, due = arrival_time(times[at], elevation[at], level), arrival_time(known_times, known, level)
     numbers = (percent_error(float(elevation[at].max()), float(known.max())), (came, due, 100.0 * (came - due)))
-    measured = [Curve("gauge", times, elevation)]
     expected = [Curve(SERIES_SOURCE, known_times, known, points=True)]
-    return Finding(numbers, measured, expected, ("time [periods]", "elevation [m]"))
+    return Finding(numbers, [Curve("gauge", times, elevation)], expected, ("time [periods]", "elevation [m]"))
 
 
 def arrival_time(times: np.ndarray, elevation: np.ndarray, level: float) -> float:

@@ -71,15 +71,13 @@ def compare_patches(patches: list[State]) -> Finding:
     times = np.array([SPIN_RATE * patch.time for patch in patches])
     voids = np.array([void_diameter(patch) for patch in patches])
     torn = np.flatnonzero(voids > MAX_VOID)
-    first = float(times[torn[0]]) if torn.size else END_TIME
     spin = 100.0 * (patches[-1].angular_momentum / patches[0].angular_momentum - 1.0)
     energy = 100.0 * (patches[-1].kinetic_energy / patches[0].kinetic_energy - 1.0)
     numbers = (
-        absolute_error(first, END_TIME),
+        absolute_error(float(times[torn[0]]) if torn.size else END_TIME, END_TIME),
         absolute_error(float(voids.max()), sqrt(2.0)),
         (1.0 + spin / 100.0, 1.0, spin),
         (1.0 + energy / 100.0, 1.0, energy),
     )
-    measured = [Curve("largest void", times, voids)]
     expected = [Curve("tears", np.array([0.0, END_TIME]), np.array([MAX_VOID, MAX_VOID]))]
-    return Finding(numbers, measured, expected, ("w t", "void [spacings]"))
+    return Finding(numbers, [Curve("largest void", times, voids)], expected, ("w t", "void [spacings]"))

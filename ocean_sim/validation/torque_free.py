@@ -39,8 +39,7 @@ def measure(simulation: Simulation) -> Finding:
     rows = [(t, *b.rates) for t, b in follow_body(simulation, SPIN_DURATION - 0.5 * TIME_STEP)]
     body = ship.body
     apart = 2.0 * np.degrees(np.arccos(min(1.0, abs(float(body.orientation @ REFERENCE_ORIENTATION)))))
-    drift = energy(body) / first - 1.0
     lost = float(np.linalg.norm(body.angular_momentum - momentum) / np.linalg.norm(momentum))
-    numbers = [absolute_error(value) for value in (apart, drift, lost)]
+    numbers = [absolute_error(value) for value in (apart, energy(body) / first - 1.0, lost)]
     t, *rates = np.array(rows).T
     return Finding(numbers, [Curve(f"rate {k + 1}", t, r) for k, r in enumerate(rates)], [], ("t [s]", "rate [rad/s]"))

@@ -69,9 +69,8 @@ def measure(simulation: Simulation) -> Finding:
     with without_wind(simulation) as without:
         _, under_still = record_run(without, PERIOD / 20, wave_amplitude)
     grown, calm = growth_rate(times, under_wind), growth_rate(times, under_still)
-    viscosity = -calm / (4.0 * K**2)
     rates = (percent_error(grown, GROWTH_RATE + calm), percent_error(grown - calm, GROWTH_RATE))
-    numbers = (*rates, reported(calm), reported(viscosity), reported(WIND_GAIN))
+    numbers = (*rates, reported(calm), reported(-calm / (4.0 * K**2)), reported(WIND_GAIN))
     first = under_still[0]
     t = times / PERIOD
     measured = [Curve("wind", t, under_wind / first), Curve("still air", t, under_still / first)]

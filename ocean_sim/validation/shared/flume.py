@@ -53,8 +53,7 @@ def reflection_ratio(
     """
     n, m = elevation.shape
     time = every * np.arange(n)
-    frequency = np.arange(*band, 1.0 / (FREQUENCY_DENSITY * time[-1]))
-    omega = 2.0 * np.pi * frequency
+    omega = 2.0 * np.pi * np.arange(*band, 1.0 / (FREQUENCY_DENSITY * time[-1]))
     k = waves.wavenumber(omega, depth)
 
     def wave_columns(x: np.ndarray, way: float) -> np.ndarray:

@@ -266,8 +266,7 @@ def choice_of(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
     if name.data in named(slot) and name.data not in within and (name is node or name.data not in kinds(slot)):
         part = read_mapping(library("configs") / slot / f"{name.data}.yaml")
         base = choice_of(place, part, (*within, name.data)).whole()
-        kind = name.with_data(base.data["kind"].data)
-        return Choice(base.with_data(base.data | {"kind": kind}), own)
+        return Choice(base.with_data(base.data | {"kind": name.with_data(base.data["kind"].data)}), own)
     if name.data in kinds(slot):
         return Choice(node.with_data({"kind": name}), own)
     raise SceneError([unknown_name(slot, name, f"{place}.kind" if node.is_mapping else place)])

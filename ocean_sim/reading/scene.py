@@ -98,8 +98,7 @@ class SceneConfig(Heading):
         known, word, arch = self._preflight, WORD_BYTES[self.runtime.precision], self.runtime.arch
         facts = self.parts(), self.basin, word, self.duration, arch
         if known is None or (known.parts, known.tank.config, known.word, known.duration, known.arch) != facts:
-            parts, tank, word, duration, arch = facts
-            known = self._preflight = SceneFacts(parts, tank.build(self.sea), word, duration, arch)
+            known = self._preflight = SceneFacts(facts[0], self.basin.build(self.sea), *facts[2:])
         return known
 
     def ledger(self) -> list[LedgerRow]:
@@ -109,8 +108,7 @@ class SceneConfig(Heading):
 
     def inputs(self) -> dict[str, str]:
         """SHA-256 by name of each input file of the scene's numbers; raises Refused if one changed since loading."""
-        parts = [part.model_dump() for part in (self.basin, *self.parts().values())]
-        names = set(input_names(parts))
+        names = set(input_names([part.model_dump() for part in (self.basin, *self.parts().values())]))
         names |= {str(beside) for name in names for beside in ndbc_files(name) if beside.is_file()}
         found = {name: file_digest(name) for name in sorted(names)}
         for name, now in found.items():

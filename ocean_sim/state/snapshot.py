@@ -278,8 +278,7 @@ class Restorer:
         made, data = find_class(node[OBJECT_KEY]), node["data"]
         if type(data) is not bool:
             raise Mismatch(f"its {path.lstrip('.')} is neither data nor not: {data!r:.60}")
-        stays = type(fresh) is made and not data
-        value = fresh if stays else object.__new__(made)
+        value = fresh if type(fresh) is made and not data else object.__new__(made)
         if self.used.setdefault(id(value), path) != path:
             both = f"{path.lstrip('.')} and {self.used[id(value)].lstrip('.')}"
             raise Mismatch(f"its {both} are one thing in this program")

@@ -136,9 +136,8 @@ def clock_column(rows: list[dict[str, Any]]) -> str:
 
 def pareto_front(pairs: list[tuple[float, float]]) -> list[int]:
     """Indices of the pairs (cost, error) for which no other pair is as good in both and better in one."""
-    order = sorted(range(len(pairs)), key=lambda k: pairs[k])
     kept: list[int] = []
-    for k in order:
+    for k in sorted(range(len(pairs)), key=lambda k: pairs[k]):
         if not kept or pairs[k][1] < pairs[kept[-1]][1]:
             kept.append(k)
     return kept

@@ -41,11 +41,10 @@ def doctor() -> None:
     backends = [[f"backend {name}", *_row(fact)] for name, fact in found["backends"].items()]
     names = {"vectors": "vectors", "preview": "ggui", "pictures": "opengl", "film": "video"}
     others = [[name, *_row(found[key])] for name, key in names.items()]
-    versions = " ".join(f"{name} {number}" for name, number in found["versions"].items())
     machine = [
         ["machine", "", f"{found['machine']}, {found['cores']} cores, {found['memory_gb']:.1f} GB of memory"],
         ["python", "", f"{found['python']} ({found['executable']})"],
-        ["packages", "", versions],
+        ["packages", "", " ".join(f"{name} {number}" for name, number in found["versions"].items())],
         ["cache", "", found["cache"] or "unknown"],
     ]
     console.table("", ["", "", ""], [*backends, *others, *machine])

@@ -216,8 +216,7 @@ def hull_report(
     solid = shape.shape.closed_mesh()
     if solid is not None:
         notes += [solid.size_sentence(), *solid.remarks]
-    whole = load_ship(shape, asked, condition, notes)
-    afloat = whole.in_still_water(asked.cells, asked.density, GRAVITY)
+    afloat = load_ship(shape, asked, condition, notes).in_still_water(asked.cells, asked.density, GRAVITY)
     notes += outlying_parts(shape, afloat, condition)
     cubes, weight = afloat.voxels, afloat.matter.mass
     if solid is not None:
@@ -366,10 +365,9 @@ def balance_facts(afloat: hydrostatics.Hydrostatics, stability: Stability, cross
         "dry_periods_s": afloat.periods(np.zeros(6)),
     }
     if cross:
-        curves = stability.cross_curves()
         found["cross"] = [
             {"displacement_kg": mass, "kn": [{"heel_deg": h, "kn_m": kn} for h, kn in zip(CROSS_HEELS, levers)]}
-            for mass, levers in curves.items()
+            for mass, levers in stability.cross_curves().items()
         ]
     return found
 
@@ -414,8 +412,7 @@ def print_report(name: str, found: dict[str, Any], notes: list[str], picture: Pa
         ]
         console.table("\nIMO A.749(18), 3.1.2", ["", "", "at least", "met"], asked)
     if found.get("roll_damping"):
-        first = found["roll_damping"][0]
-        heads = ["amplitude [deg]", *(part.replace("_", " ") for part in list(first)[1:])]
+        heads = ["amplitude [deg]", *(part.replace("_", " ") for part in list(found["roll_damping"][0])[1:])]
         rows = [
             [f"{angle:g}", *(f"{100.0 * share:.3f}" for share in shares)]
             for angle, *shares in (row.values() for row in found["roll_damping"])

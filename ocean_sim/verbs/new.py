@@ -37,8 +37,7 @@ def new(
     if file.exists():
         raise console.Refused(f"{file}: this file is there already; name another one")
     load(source)  # what is wrong with it is reported first
-    scene = read_mapping(scene_path(source))
-    write_file(file, "\n".join(scene_lines(scene, file)) + "\n")
+    write_file(file, "\n".join(scene_lines(read_mapping(scene_path(source)), file)) + "\n")
     load(file)
     console.reply({"file": file}, f"{file}: try `ocean-sim check {file}`, then `ocean-sim run {file}`")
 
@@ -94,9 +93,7 @@ def with_comment(text: str, comment: str) -> str:
     return f"{text:<{COMMENT_COLUMN}}  # {comment}" if comment else text
 
 
-def print_schema(
-    out: Path | None = typer.Option(None, help="A file to write instead of standard output."),
-) -> None:
+def print_schema(out: Path | None = typer.Option(None, help="A file to write instead of standard output.")) -> None:
     """Print the JSON Schema of scenes, or write it into a file."""
     if out is None:
         with console.NAMED_OUTPUT:

@@ -35,8 +35,7 @@ def run(
     quiet: Quiet = False,
 ) -> None:
     """Simulate a scene and write its run folder."""
-    axes = [] if frame is None else [f"motion.frame={frame}"]
-    overrides = console.set_values([*(sets or []), *axes])
+    overrides = console.set_values([*(sets or []), *([f"motion.frame={frame}"] if frame is not None else [])])
     if until is not None:
         overrides["duration"] = until_node(until)
     config = load(scene, overrides, profile)
@@ -60,11 +59,7 @@ def run(
 
 
 def report_run(
-    made: Callable[[], Result],
-    progress: Progress,
-    config: SceneConfig,
-    folder: Path,
-    quiet: bool = False,
+    made: Callable[[], Result], progress: Progress, config: SceneConfig, folder: Path, quiet: bool = False
 ) -> None:
     """Carry out a run by calling `made`, store its time per step, print its results; raises Stopped if interrupted."""
     try:

@@ -313,9 +313,8 @@ class Gauges(Observer, of=Config):
             position = with_particles(fluid).particles.position.to_numpy()
             parts.append(np.array([line.height(position, simulation.basin, fluid.spacing) for line in self.runups]))
         if len(self.points):
-            begins = np.cumsum(self.sizes) - self.sizes
             pressures = fluid.pressures(self.points + self.points_ride * [x, 0.0, z])
-            parts.append(np.add.reduceat(pressures, begins) / self.sizes)
+            parts.append(np.add.reduceat(pressures, np.cumsum(self.sizes) - self.sizes) / self.sizes)
         for time, values, _ in self.sampled.rows(simulation.time, np.concatenate(parts)):
             self.csv.row([time, *values])
 

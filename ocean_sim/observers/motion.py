@@ -179,8 +179,7 @@ class Log:
             between = Between(track, np.array(times), np.array(numbers))
             values = self.load_table(attitude_of(track), acceleration, turning, moments[:, MOMENT.orders :])
             motions = self.motion_table(between.interpolated_track()).T.tolist()
-            others = between.interpolated_values(values).tolist()
-            for t, pose, rest in zip(times, motions, others, strict=True):
+            for t, pose, rest in zip(times, motions, between.interpolated_values(values).tolist(), strict=True):
                 rows.append(self.csv.row([t, self.number, *pose, *rest]))
                 self.number += 1
         self.moments[0], self.velocity, self.seen, self.due = moments[-1], track.velocity[:, -1], 1, []

@@ -38,14 +38,7 @@ from ocean_sim.pictures.frame_files import (
 )
 from ocean_sim.pictures.stage import opengl
 from ocean_sim.pictures.stage.camera import SHIP_CAMERAS, CameraName
-from ocean_sim.pictures.stage.picture import (
-    MAP_CAMERAS,
-    PIXEL_SAMPLES,
-    Moments,
-    Picture,
-    is_foreseeable,
-    picture_row,
-)
+from ocean_sim.pictures.stage.picture import MAP_CAMERAS, PIXEL_SAMPLES, Moments, Picture, is_foreseeable, picture_row
 from ocean_sim.pictures.stage.render_order import DEFAULT_SIZE, Drawing, Order, RenderFailed
 from ocean_sim.pictures.water.sea_state import DRY_DEPTH_SHARE, is_tank, run_scene
 from ocean_sim.simulation import OutcomeObserver, Progress, Simulation
@@ -175,10 +168,9 @@ class Render(OutcomeObserver, of=Config):
         files = frame_files(self.folder)
         if not files:
             return
-        later = f"`ocean-sim render {self.folder}` draws them"
         if self.simulation.reason == "interrupted":  # who stops a run does not want to wait for its film
             self.stop()
-            print(f"no pictures; {later}", file=sys.stderr)
+            print(f"no pictures; `ocean-sim render {self.folder}` draws them", file=sys.stderr)
             return
         missing = times_without_frame(files, self.config.stills)
         if missing:

@@ -53,13 +53,10 @@ def problems(coarse: bool) -> list[Problem]:
         "basin": {"length": LENGTH, "depth": DEPTH, "motion": sway_motion(SWAY, SWAY_OMEGA)},
         "fluid": {"spacing": DEPTH / (10 if coarse else 25), "kinematic_viscosity": 1e-6},
     }
+    bore_sway = sway_motion(2.333 * SHALLOW_DEPTH, SHALLOW_OMEGA)
     series = {
         "duration": 11.0 * SHALLOW_PERIOD,
-        "basin": {
-            "length": LENGTH,
-            "depth": SHALLOW_DEPTH,
-            "motion": sway_motion(2.333 * SHALLOW_DEPTH, SHALLOW_OMEGA),
-        },
+        "basin": {"length": LENGTH, "depth": SHALLOW_DEPTH, "motion": bore_sway},
         "fluid": {"spacing": SHALLOW_DEPTH / (8 if coarse else 15), "kinematic_viscosity": 1e-6},
     }
     return [

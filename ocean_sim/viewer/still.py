@@ -222,8 +222,7 @@ def sky_packet() -> bytes:
 def shared_exponent(image: np.ndarray) -> np.ndarray:
     """RGB image (rows, columns, 3) as uint32 pixels in OpenGL's RGB9_E5: three 9-bit mantissas, a 5-bit exponent."""
     colours = np.clip(image, 0.0, 65000.0)
-    largest = colours.max(axis=-1)
-    exponent = np.clip(np.ceil(np.log2(np.maximum(largest, 2.0**-16))), -15, 16)
+    exponent = np.clip(np.ceil(np.log2(np.maximum(colours.max(axis=-1), 2.0**-16))), -15, 16)
     unit = 2.0 ** (exponent - 9)
     parts = np.minimum(np.rint(colours / unit[..., None]), 511).astype(np.uint32)
     stored = (exponent + 15).astype(np.uint32)
@@ -253,14 +252,13 @@ def page_document(title: str, start: dict[str, Any], data: dict[str, bytes] | No
         f'<script type="application/octet-stream" id="{name}">{base64.b64encode(content).decode()}</script>\n'
         for name, content in (data or {}).items()
     )
-    program = "".join(page_file(f"{name}.js") for name in SCRIPT_NAMES)
     given = json.dumps(start, allow_nan=False).replace("<", "\\u003c")
     contents = {
         "<!--title-->": html.escape(title),
         "/*style*/": page_file("style.css"),
         "<!--data-->": held,
         "/*start*/": f"const START = {given};",
-        "/*program*/": program,
+        "/*program*/": "".join(page_file(f"{name}.js") for name in SCRIPT_NAMES),
     }
     places = "|".join(map(re.escape, contents))
     return re.sub(places, lambda place: contents[place[0]], page_file("index.html")).encode(errors="replace")

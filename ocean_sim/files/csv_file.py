@@ -30,7 +30,6 @@ csv.field_size_limit(input_file.MAX_FILE_BYTES)  # a cell in quotes may be as lo
 
 TIME_COLUMN = "time_s"
 CELL_SEPARATORS = (";", "\t", ",", " ")  # of cells, as they are tried
-QUOTED_CELL = re.compile(r'"[^"]*"')
 DECIMAL_NUMBER = re.compile(r"[+-]?\d*([.,])\d+(?:[eE][+-]?\d+)?")
 
 WHOLE_TABLE_RULE = Rule(
@@ -106,9 +105,8 @@ class Table(dict[str, np.ndarray]):
         """True if numbers have a decimal comma, False if a point; raises Unreadable if a file mixes them."""
         found: dict[str, str] = {}
         for k, row in enumerate(self.rows, 1):
-            found = {
-                number[1]: number[0] for number in map(DECIMAL_NUMBER.fullmatch, self.cells(row)) if number
-            } | found
+            numbers = filter(None, map(DECIMAL_NUMBER.fullmatch, self.cells(row)))
+            found = {number[1]: number[0] for number in numbers} | found
             if len(found) == 2:
                 signs = f"{quoted_piece(found[','])} and, up to row {k}, {quoted_piece(found['.'])}"
                 raise DIALECT_RULE.broken(self.path, f"it has {signs}")
@@ -178,7 +176,7 @@ def unreached_times_warning(what: str, times: np.ndarray, duration: float, inste
 
 def find_separator(names: str, row: str) -> str:
     """Separator that splits the heading `names` and the first `row` into equally many cells; else one in `names`."""
-    bare = [QUOTED_CELL.sub('""', line) for line in (names, row)]
+    bare = [re.sub(r'"[^"]*"', '""', line) for line in (names, row)]
     for each in CELL_SEPARATORS:
         counts = [len(line.split(each.strip(" ") or None)) for line in bare]
         if counts[0] == counts[1] > 1:

@@ -90,10 +90,8 @@ class Glb:
         shape = ACCESSOR_TYPES[1 if values.ndim == 1 else values.shape[1]]
         found = {"bufferView": len(views) - 1, "componentType": kind, "count": len(values), "type": shape}
         if bounds:
-            found |= {
-                "min": np.atleast_1d(values.min(axis=0)).tolist(),
-                "max": np.atleast_1d(values.max(axis=0)).tolist(),
-            }
+            ends = {"min": values.min(axis=0), "max": values.max(axis=0)}
+            found |= {name: np.atleast_1d(end).tolist() for name, end in ends.items()}
         accessors.append(found)
         return len(accessors) - 1
 

@@ -113,12 +113,11 @@ class Health(OutcomeObserver, of=Config):
         if self.n > 0 and not self.begun:
             self.begin(simulation)
         if self.n > 0 and simulation.steps > 0:
+            sentence = None
             if self.is_suspicious() or simulation.steps % STEPS_BETWEEN_CHECKS == 0:
                 sentence = next(self.violations(), None)
             elif self.judges_energy and simulation.time >= self.energy_time + self.energy_interval:
                 sentence = next(self.energy_violations(with_particles(simulation.fluid).totals()), None)
-            else:
-                sentence = None
             if sentence is not None:
                 raise Diverged(sentence)
         self.judge_hulls(simulation)
@@ -328,8 +327,7 @@ class Health(OutcomeObserver, of=Config):
         """Raise Diverged if the hulls of two ships overlap: contact between hulls is not modelled."""
         if len(simulation.ships) < 2:
             return
-        outlines = [(name, ship.outline()) for name, ship in simulation.ships.items()]
-        there = [(name, outline) for name, outline in outlines if outline is not None]
+        there = [(name, found) for name, ship in simulation.ships.items() if (found := ship.outline()) is not None]
         repeats = simulation.scene.preflight.repeats
         for (name, one), (other_name, other) in combinations(there, 2):
             image = max(other.images(one, repeats), key=one.overlap)

@@ -116,6 +116,4 @@ class Timings(Observer, of=Config):
 
 def synchronization(arch: str) -> Callable[[], None]:
     """Function that waits for launched kernels; on a processor (`arch` as cpu) it does nothing: each launch waits."""
-    if arch in ("cpu", "x64", "arm64"):
-        return lambda: None
-    return ti.sync
+    return (lambda: None) if arch in ("cpu", "x64", "arm64") else ti.sync

@@ -211,11 +211,8 @@ class Restorer:
     def from_field(self, node: Any, fresh: Any, path: str) -> Any:
         """The newly built field `fresh`, to be filled later; raises Mismatch if its shape or type has changed."""
         values = self.arrays[node[FIELD_KEY]]
-        if (
-            not isinstance(fresh, ti.Field)
-            or array_shape(fresh) != values.shape
-            or to_numpy_type(fresh.dtype) != values.dtype
-        ):
+        form = values.shape, values.dtype
+        if not isinstance(fresh, ti.Field) or (array_shape(fresh), to_numpy_type(fresh.dtype)) != form:
             raise Mismatch(f"its {path.lstrip('.')} has {values.shape} numbers of type {values.dtype}")
         self.fields[node[FIELD_KEY]] = fresh
         return fresh

@@ -26,7 +26,6 @@ from ocean_sim.pictures.water import sea_state, water_glsl, water_shading, water
 from ocean_sim.viewer.protocol import PROTOCOL_VERSION, box_positions, packet
 from ocean_sim.waves import Components
 
-STATIC_FOLDER = Path(__file__).parent / "static"
 SCRIPT_NAMES = ("math", "packets", "draw", "world", "cameras", "plots", "editor", "xr", "app")
 GAP_CELLS, GAP_REACH = 64, 3.0  # side of the map of distances to a hull at rest [cells], margin around it [m]
 MAX_FAR_WAVES = 40  # plane waves of the sea around the basin
@@ -56,9 +55,8 @@ class StaticScene:
         self.plates, self.zones = grid.get("plates", NO_BOXES), grid.get("zones", NO_BOXES)  # (n, 2, 3) [m]
         self.obstacles = np.concatenate([self.plates, grid["obstacles"]])
         self.ground = kept_ground(grid)
-        self.tank = bool(
-            self.flat or self.ground or sea_state.is_tank(scene.get("basin") or {})
-        )  # without ripples and foam
+        # A tank has neither ripples nor foam.
+        self.tank = bool(self.flat or self.ground or sea_state.is_tank(scene.get("basin") or {}))
         self.ship_keys = ship_keys(grid, "_look")
         self.models = kept_models(grid)
         named = (scene.get("gauges") or {}).get("elevation") or {}
@@ -243,7 +241,7 @@ def json_numbers(value: Any) -> Any:
 @cache
 def page_file(name: str) -> str:
     """Text of one of the page's files in the folder `static`, such as index.html."""
-    return (STATIC_FOLDER / name).read_text(encoding="utf-8")
+    return (Path(__file__).parent / "static" / name).read_text(encoding="utf-8")
 
 
 def page_document(title: str, start: dict[str, Any], data: dict[str, bytes] | None = None) -> bytes:

@@ -217,7 +217,5 @@ def has_driving_walls(basin: Basin) -> bool:
 def gains_energy(simulation: Simulation) -> bool:
     """True if wind, moving walls or obstacles, ships, inflow or a body force may give energy to the water."""
     scene, basin = simulation.scene, simulation.basin
-    moved = has_driving_walls(basin) or basin.gates or simulation.ships
-    return bool(
-        not scene.wind.still or moved or scene.fluid.driven or not basin.has_potential(scene.fluid.steady_force)
-    )
+    moved = bool(has_driving_walls(basin) or basin.gates or simulation.ships or scene.fluid.driven)
+    return moved or not scene.wind.still or not basin.has_potential(scene.fluid.steady_force)

@@ -36,7 +36,6 @@ from ocean_sim.parts import (
 from ocean_sim.reading.translation import NAME_RULE, choice_sentence, dotted, likeliest
 
 DEFAULT_KINDS = {"wind": "still", "time_step": "courant"}  # any other absent slot is nothing at all
-NAME_PATTERN = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
 @dataclass
@@ -99,7 +98,7 @@ class Composition:
             return
         for name, ship in node.data.items():
             key, meant = key_for_name(name, ship), None
-            if NAME_PATTERN.fullmatch(str(name)) is None:
+            if re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", str(name)) is None:
                 message = f"{name!r} is not a name: {NAME_RULE}"
             elif name == ALONE:
                 message = f"{ALONE!r} is the name of the only ship of a scene; choose another"

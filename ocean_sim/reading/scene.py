@@ -370,11 +370,9 @@ class _SceneCheck:
     def find_overlapping_ships(self, preflight: SceneFacts) -> None:
         """Report ships whose outlines overlap at the start."""
         ships = preflight.ships if len(preflight.ships) > 1 else {}
-        outlines = {name: ship.outline(preflight) for name, ship in ships.items()}
+        outlines = {name: found for name, ship in ships.items() if (found := ship.outline(preflight)) is not None}
         for (first, one), (second, other) in combinations(outlines.items(), 2):
-            depth = 0.0
-            if one is not None and other is not None:
-                depth = max(one.overlap(image) for image in other.images(one, preflight.repeats))
+            depth = max(one.overlap(image) for image in other.images(one, preflight.repeats))
             if depth > 0.0:
                 sentence = f"the hulls of {first} and {second} reach {depth:.3g} m into each other; move one"
                 self.report(key_of(second), sentence, ("position",))
@@ -402,11 +400,8 @@ def _scale_spacings(root: Node, factor: float, dimension: int, notes: list[str])
         if isinstance(node.data, dict):
             return node.with_data({key: scaled(inner, (*path, key)) for key, inner in node.data.items()})
         value, number = node.data, node.data
-        if (
-            isinstance(value, bool)
-            or not isinstance(value, int | float)
-            or node.location.file.startswith(OVERRIDE_NAME)
-        ):
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        if not is_number or node.location.file.startswith(OVERRIDE_NAME):
             return node
         if path[-1] in ("particles", "cap") and isinstance(value, int):
             number = max(1, round(value / factor**dimension))

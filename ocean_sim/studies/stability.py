@@ -55,9 +55,7 @@ class Axis(Model):
             everywhere = [{"kind": "box", "half_size": [1e4, 1e4, 1e4]}]
             volume = {"include": everywhere, "acceleration": [value, 0.0, 0.0]}
             return {"wind": {"kind": "gusts", "volumes": [volume]}} if value else {}
-        if self.name == "mass ratio":
-            return {self.key: value * AFLOAT_BOX_MASS}
-        return {self.key: value}
+        return {self.key: value * AFLOAT_BOX_MASS if self.name == "mass ratio" else value}
 
 
 EXTREME_AXES = tuple(Axis(**keys) for keys in PLAN["axes"])

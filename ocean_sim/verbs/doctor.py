@@ -19,7 +19,6 @@ from ocean_sim.runtime import RuntimeConfig, start
 start(RuntimeConfig(arch={arch!r}))
 print(kernel_cache())
 """
-PREVIEW_PROBE = "from ocean_sim.pictures.live.vulkan import require; require(show=False)"
 FILM_PROBE = """
 import subprocess
 from imageio_ffmpeg import get_ffmpeg_exe
@@ -63,7 +62,7 @@ def examine_machine() -> dict[str, Any]:
     return {
         "backends": backends,
         "vectors": vector_row(),
-        "ggui": run_probe(PREVIEW_PROBE),
+        "ggui": run_probe("from ocean_sim.pictures.live.vulkan import require; require(show=False)"),
         "opengl": opengl_row(),
         "video": run_probe(FILM_PROBE),
         "machine": f"{platform.system()} {platform.machine()}",

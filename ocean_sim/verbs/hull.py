@@ -108,9 +108,8 @@ def hull(
     asked = HullOptions(mass, draught, kg, at, density or 0.0, cells, cross, keels, depth, up, bow, scale)
     asked.require_consistent(loading)
     if out is not None and out.suffix.lower() not in PICTURE_SUFFIXES:
-        raise console.Refused(
-            f"--out: {out} is no picture's name: end it in {', '.join(PICTURE_SUFFIXES[:-1])} or {PICTURE_SUFFIXES[-1]}"
-        )
+        ends = f"{', '.join(PICTURE_SUFFIXES[:-1])} or {PICTURE_SUFFIXES[-1]}"
+        raise console.Refused(f"--out: {out} is no picture's name: end it in {ends}")
     condition = None if loading is None else checked(Loading, read_mapping(loading))
     try:
         shape, of_water, fitted = find_hull(name, ship, asked)
@@ -455,9 +454,8 @@ def draw_hull(path: Path, shape: Hull, found: dict[str, Any]) -> None:
     curve.axhline(0.0, color="black", linewidth=0.6)
     at = f"draught {found['draught_m']:.3g} m, KG {found['kg_m']:.3g} m" if heels else "she sinks"
     curve.set(xlabel=f"heel to {found.get('gz_to', 'a side')} [deg]", ylabel="GZ [m]")
-    curve.set(
-        title=f"{figures(found['displacement_kg'])} kg, {at}", xlim=(0.0, LAST_HEEL), ylim=(min([*levers, 0.0]), top)
-    )
+    curve.set_title(f"{figures(found['displacement_kg'])} kg, {at}")
+    curve.set(xlim=(0.0, LAST_HEEL), ylim=(min([*levers, 0.0]), top))
     curve.grid(alpha=0.3)
     names = ("x to port [m]", "y up [m]", "z to the bow [m]")
     views = (plan, "waterlines", 1, 7), (body, "body plan: bow right, stern left", 2, 21), (profile, "buttocks", 0, 6)
@@ -473,8 +471,7 @@ def draw_hull(path: Path, shape: Hull, found: dict[str, Any]) -> None:
             axes.add_collection(LineCollection(list(lines), colors="0.35", linewidths=0.7))
         if up == 1 and found["draught_m"] is not None:
             axes.axhline(lower[1] + found["draught_m"], color="C0", linewidth=1.0)
-        axes.set(
-            title=title, xlabel=names[across] if normal != 2 else "half breadth [m]", ylabel=names[up], aspect="equal"
-        )
+        label = names[across] if normal != 2 else "half breadth [m]"
+        axes.set(title=title, xlabel=label, ylabel=names[up], aspect="equal")
         axes.autoscale_view()
     save_figure(figure, path)

@@ -129,11 +129,8 @@ class Log:
         self.seen, self.velocity = 0, UNKNOWN_VELOCITY  # number of moments, and velocity at the first
         self.due: list[tuple[float, int]] = []  # times of rows [s], and the moment that completes each
         self.number = 0
-        head = heading(
-            simulation,
-            f"every {config.every:g} s, between steps poses on cubics, velocities and rates theirs, all else linear",
-            **legend("motion", point=config.point or "the centre of mass"),
-        )
+        rate = f"every {config.every:g} s, between steps poses on cubics, velocities and rates theirs, all else linear"
+        head = heading(simulation, rate, **legend("motion", point=config.point or "the centre of mass"))
         head |= {"frame": config.frame, "axes": FRAME_AXES[config.frame]}
         self.columns = log_columns(ship.parts)
         self.motion_columns = next(k for k, name in enumerate(self.columns) if name.startswith("force_"))

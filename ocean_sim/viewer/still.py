@@ -182,11 +182,8 @@ class StaticScene:
             "rippleVariance": 0.0 if self.tank else water_shading.slope_variance(wind),
             "rippleLongest": float(np.clip(2.0 * resolved, *RIPPLE_LENGTHS)),
         }
-        known = {
-            "waves": json_numbers(rows),
-            "exact": self.waves is not None,
-            "ramp": self.waves.ramp if self.waves else 0.0,
-        }
+        ramp = self.waves.ramp if self.waves else 0.0
+        known = {"waves": json_numbers(rows), "exact": self.waves is not None, "ramp": ramp}
         return known, {name: json_numbers(np.asarray(value, dtype=float).T) for name, value in uniforms.items()}
 
 

@@ -131,15 +131,8 @@ class Watch(Observer, TakesCommands):
             arrays["hues"] = np.rint(255.0 * hues).astype(np.uint8)
         numbers = np.array([row[-1] for row in self.plotted_rows(heights)], np.float32)
         arrays["scalars"] = np.nan_to_num(numbers, nan=np.nan, posinf=0.0, neginf=0.0)
-        return packet(
-            "frame",
-            arrays,
-            boxes,
-            time=round(simulation.time, 6),
-            seq=self.seq,
-            origin=[round(float(v), 4) for v in origin],
-            fastest=round(self.fastest, 4),
-        )
+        header = {"time": round(simulation.time, 6), "seq": self.seq, "fastest": round(self.fastest, 4)}
+        return packet("frame", arrays, boxes, origin=[round(float(v), 4) for v in origin], **header)
 
     @property
     def is_rare_frame(self) -> bool:

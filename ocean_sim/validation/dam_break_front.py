@@ -55,10 +55,9 @@ SCATTER_SOURCE = "experiment; they differ by 4 to 8 %"
 PUBLISHED_PROMISES = tuple(
     Promise(f"mean distance of the front, {name} [a]", "%", SCATTER_SOURCE, TOLERANCE) for name in EXPERIMENTS
 )
+LETHE_SOURCE = "experiment, on the clock of Lethe"
 LETHE_PROMISES = tuple(
-    Promise(
-        f"the same, release at T = {LETHE_DELAY:g}, {name} [a]", "%", "experiment, on the clock of Lethe", TOLERANCE
-    )
+    Promise(f"the same, release at T = {LETHE_DELAY:g}, {name} [a]", "%", LETHE_SOURCE, TOLERANCE)
     for name in MARTIN_MOYCE
 )
 RELEASE_PROMISES = tuple(Promise(f"the same, release unknown, {name} [a]", "%", SCATTER_SOURCE) for name in EXPERIMENTS)

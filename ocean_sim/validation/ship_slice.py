@@ -75,11 +75,8 @@ def measure_draught(simulation: Simulation, exact: float) -> Finding:
 
 def cylinder_problem(coarse: bool) -> Problem:
     """Set-up of the cylinder released in heave, with ten (coarse: five) spacings to its radius."""
-    hull = {
-        "shape": {"kind": "cylinder", "length": 1.0, "radius": RADIUS},
-        "mass": 500.0 * np.pi * RADIUS**2,
-        "centre_of_mass": [0.0, RADIUS, 0.0],
-    }
+    shape = {"kind": "cylinder", "length": 1.0, "radius": RADIUS}
+    hull = {"shape": shape, "mass": 500.0 * np.pi * RADIUS**2, "centre_of_mass": [0.0, RADIUS, 0.0]}
     height = RISE - 0.5 * BED_COMPRESSION * CYLINDER_DEPTH
     scene = {
         "duration": 1.0,

@@ -22,13 +22,8 @@ WIND_SPEED, DURATION = 7.0, 500.0  # [m/s], [s]
 
 
 def problems(coarse: bool) -> list[Problem]:
-    shape = {"kind": "box", "length": LENGTH, "breadth": BREADTH, "height": HEIGHT}
-    ship = {
-        "hull": {"shape": shape, "mass": MASS},
-        "cells_per_draught": 4,
-        "free": ["surge"],
-        "damping": {"surge": DRAG},
-    }
+    hull = {"shape": {"kind": "box", "length": LENGTH, "breadth": BREADTH, "height": HEIGHT}, "mass": MASS}
+    ship = {"hull": hull, "cells_per_draught": 4, "free": ["surge"], "damping": {"surge": DRAG}}
     limit = dict.fromkeys(COMPARED_SHIPS, 2.0)
     promises = (
         *(Promise(name, "%", "closed form", limit) for name in ("speed after 100 s [m/s]", "way after 500 s [m]")),

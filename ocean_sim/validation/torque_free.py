@@ -15,12 +15,9 @@ REFERENCE_ORIENTATION = np.array([-0.84949542, 0.21516101, -0.09205273, -0.47285
 
 
 def problems(coarse: bool) -> list[Problem]:
-    box = {
-        "shape": {"kind": "box", "length": 1.0, "breadth": 1.0, "height": 1.0},
-        "mass": 500.0,
-        "inertia": [1.0, 2.0, 3.0],
-    }
-    ship = {"hull": box, "cells_per_draught": 2, "rates": [1.0, 0.0, 1.0]}
+    shape = {"kind": "box", "length": 1.0, "breadth": 1.0, "height": 1.0}
+    hull = {"shape": shape, "mass": 500.0, "inertia": [1.0, 2.0, 3.0]}
+    ship = {"hull": hull, "cells_per_draught": 2, "rates": [1.0, 0.0, 1.0]}
     promises = (
         Promise("attitude after 60 s [deg]", "deg", "elliptic functions", dict.fromkeys(COMPARED_SHIPS, 0.5)),
         Promise("energy of the spin", "1", "kept", dict.fromkeys(COMPARED_SHIPS, 1e-4)),

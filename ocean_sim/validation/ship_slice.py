@@ -37,18 +37,14 @@ def box_problem(density: float, coarse: bool) -> Problem:
     """Set-up of a floating box of a density relative to water, ten (coarse: five) spacings deep, that settles before
     its draught is measured."""
     draught = BOX_SIDE * density
+    spacing = draught / (5.0 if coarse else 10.0)
     period = 2.0 * np.pi * np.sqrt((density * BOX_SIDE**2 + np.pi / 8.0 * BOX_SIDE**2) / (GRAVITY * BOX_SIDE))
     shape = {"kind": "box", "length": 1.0, "breadth": BOX_SIDE, "height": BOX_SIDE}
     hull = {"shape": shape, "mass": 1000.0 * density * BOX_SIDE**2, "centre_of_mass": [0.0, CENTRE_HEIGHT, 0.0]}
     scene = {
         "duration": SETTLING_TIME + period,
         "basin": {"length": TANK_LENGTH, "depth": TANK_DEPTH},
-        "fluid": {
-            "kind": "delta_sph",
-            "spacing": draught / (5.0 if coarse else 10.0),
-            "compression": 0.02,
-            "artificial_viscosity": 0.1,
-        },
+        "fluid": {"kind": "delta_sph", "spacing": spacing, "compression": 0.02, "artificial_viscosity": 0.1},
         "ship": {"hull": hull},
     }
     limit = {} if coarse else {"pressure": DRAUGHT_TOLERANCE}
@@ -78,15 +74,11 @@ def cylinder_problem(coarse: bool) -> Problem:
     shape = {"kind": "cylinder", "length": 1.0, "radius": RADIUS}
     hull = {"shape": shape, "mass": 500.0 * np.pi * RADIUS**2, "centre_of_mass": [0.0, RADIUS, 0.0]}
     height = RISE - 0.5 * BED_COMPRESSION * CYLINDER_DEPTH
+    water = {"kind": "delta_sph", "compression": BED_COMPRESSION, "artificial_viscosity": 0.03}
     scene = {
         "duration": 1.0,
         "basin": {"length": CYLINDER_LENGTH, "depth": CYLINDER_DEPTH, "walls": {"x": "absorbing"}},
-        "fluid": {
-            "kind": "delta_sph",
-            "spacing": RADIUS / (5.0 if coarse else 10.0),
-            "compression": BED_COMPRESSION,
-            "artificial_viscosity": 0.03,
-        },
+        "fluid": water | {"spacing": RADIUS / (5.0 if coarse else 10.0)},
         "ship": {"hull": hull, "position": [0.0, height, 0.0], "free": ["heave"]},
     }
     timed = {} if coarse else {"pressure": TIME_TOLERANCE}

@@ -25,14 +25,11 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
+    fill = [{"min": [-SIDE / 2, -SIDE / 2], "max": [SIDE / 2, SIDE / 2]}]
     scene = {
         "duration": END_TIME / SPIN_RATE,
         "basin": free_space(6.0 * SIDE, 3.0 * SIDE),
-        "fluid": {
-            "spacing": SIDE / (25 if coarse else 80),
-            "reference_speed": SPIN_RATE * SIDE,
-            "fill": [{"min": [-SIDE / 2, -SIDE / 2], "max": [SIDE / 2, SIDE / 2]}],
-        },
+        "fluid": {"spacing": SIDE / (25 if coarse else 80), "reference_speed": SPIN_RATE * SIDE, "fill": fill},
     }
     return [Problem(scene, PROMISES, measure)]
 

@@ -35,14 +35,11 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
+    wave = {"kind": "regular_wave", "height": 2.0 * STEEPNESS / K, "period": PERIOD}
     scene = {
         "duration": PERIODS * PERIOD,
         "basin": {"length": WAVELENGTH, "depth": DEPTH, "walls": {"x": "periodic"}},
-        "fluid": {
-            "spacing": WAVELENGTH / (32 if coarse else 64),
-            "kinematic_viscosity": 1e-6,
-            "initial": {"kind": "regular_wave", "height": 2.0 * STEEPNESS / K, "period": PERIOD},
-        },
+        "fluid": {"spacing": WAVELENGTH / (32 if coarse else 64), "kinematic_viscosity": 1e-6, "initial": wave},
         "wind": wind_keys(WIND_GAIN * WU_STRESS, sheltering=SHELTERING, wave_speed=CREST_SPEED),
     }
     return [Problem(scene, PROMISES, measure)]

@@ -558,8 +558,7 @@ class SceneFacts:
     @cached_property
     def solids(self) -> dict[str, Solid]:
         """Solid bodies of the ships that displace particles at the start, by the name of the ship."""
-        found = {name: ship.solid(self) for name, ship in self.ships.items()}
-        return {name: solid for name, solid in found.items() if solid is not None}
+        return {name: solid for name, ship in self.ships.items() if (solid := ship.solid(self)) is not None}
 
     @cached_property
     def basin(self) -> Basin:

@@ -10,7 +10,6 @@ from ocean_sim.files.csv_file import Table
 from ocean_sim.files.input_file import Checked, Rule, Unreadable, open_netcdf, read_text
 
 ESRI_ENDINGS, NETCDF_ENDINGS = (".asc", ".grd"), (".nc", ".cdf")
-ESRI_HEADINGS = ("ncols", "nrows", "cellsize")
 HIGHEST_GROUND = 9000.0  # [m] above which a height is none
 METRE_UNITS = ("", "m", "meter", "meters", "metre", "metres")
 EAST_PREFIXES = ("x", "e", "lon")  # how names of places along east begin
@@ -86,7 +85,7 @@ def _read_esri(path: str | Path) -> Heights:
     except ValueError:
         raise GRID_RULE.broken(path, f"line {k}: {word!r} is not a number") from None
     absent = [f"{axis}llcorner" for axis in "xy" if not {f"{axis}llcorner", f"{axis}llcenter"} & head.keys()]
-    if absent := [*(name for name in ESRI_HEADINGS if name not in head), *absent]:
+    if absent := [*(name for name in ("ncols", "nrows", "cellsize") if name not in head), *absent]:
         raise GRID_RULE.broken(path, f"its head lacks {', '.join(absent)}")
     shape, size = (head["nrows"], head["ncols"]), head["cellsize"]
     if shape[0] * shape[1] != len(numbers) or any(count < 1.0 or count % 1.0 for count in shape):

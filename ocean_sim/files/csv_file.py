@@ -30,7 +30,6 @@ csv.field_size_limit(input_file.MAX_FILE_BYTES)  # a cell in quotes may be as lo
 
 TIME_COLUMN = "time_s"
 CELL_SEPARATORS = (";", "\t", ",", " ")  # of cells, as they are tried
-QUOTED_CELL = re.compile(r'"[^"]*"')
 DECIMAL_NUMBER = re.compile(r"[+-]?\d*([.,])\d+(?:[eE][+-]?\d+)?")
 
 WHOLE_TABLE_RULE = Rule(
@@ -185,7 +184,7 @@ def unreached_times_warning(what: str, times: np.ndarray, duration: float, inste
 
 def find_separator(names: str, row: str) -> str:
     """Separator that splits the heading `names` and the first `row` into equally many cells; else one in `names`."""
-    bare = [QUOTED_CELL.sub('""', line) for line in (names, row)]
+    bare = [re.sub(r'"[^"]*"', '""', line) for line in (names, row)]
     for each in CELL_SEPARATORS:
         counts = [len(line.split(each.strip(" ") or None)) for line in bare]
         if counts[0] == counts[1] > 1:

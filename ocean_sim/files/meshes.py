@@ -90,10 +90,8 @@ class Glb:
         shape = ACCESSOR_TYPES[1 if values.ndim == 1 else values.shape[1]]
         found = {"bufferView": len(views) - 1, "componentType": kind, "count": len(values), "type": shape}
         if bounds:
-            found |= {
-                "min": np.atleast_1d(values.min(axis=0)).tolist(),
-                "max": np.atleast_1d(values.max(axis=0)).tolist(),
-            }
+            ends = {"min": values.min(axis=0), "max": values.max(axis=0)}
+            found |= {name: np.atleast_1d(end).tolist() for name, end in ends.items()}
         accessors.append(found)
         return len(accessors) - 1
 
@@ -148,9 +146,8 @@ class Glb:
             del self.tree["animations"]
         words = json.dumps(self.tree, separators=(",", ":")).encode()
         words += b" " * (-len(words) % 4)
-        size = 12 + 8 + len(words) + 8 + len(self.data)
         with atomic_write(path) as draft, draft.open("wb") as file:
-            file.write(struct.pack("<4sII", b"glTF", 2, size))
+            file.write(struct.pack("<4sII", b"glTF", 2, 12 + 8 + len(words) + 8 + len(self.data)))
             file.write(struct.pack("<I4s", len(words), b"JSON") + words)
             file.write(struct.pack("<I4s", len(self.data), b"BIN\0") + bytes(self.data))
 
@@ -178,8 +175,7 @@ class Series(AbstractContextManager["Series"]):
         """Append a moment, `time` [s]: points (n, 3) [m], cells (m, corners) of point indices, fields (n, ...)."""
         taken = points.nbytes + cells.nbytes + sum(values.nbytes for values in fields.values())
         require_disk_space(self.path, taken + HDF5_UNWRITTEN_BYTES)
-        before = len(self.root["Points"]) if self.times else 0
-        self.steps["PointOffsets"].append(before)
+        self.steps["PointOffsets"].append(len(self.root["Points"]) if self.times else 0)
         self.append("Points", points.astype(np.float32))
         for name, values in fields.items():
             self.append(f"PointData/{name}", values)

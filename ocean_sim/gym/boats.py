@@ -88,8 +88,7 @@ class Boats:
 
     def elevation_at_bow(self, later: float) -> np.ndarray:
         """Elevation (n,) [m] under the bow `later` [s] from now, if the boat keeps her course and speed."""
-        ahead = self.bow_direction()
-        bow = self.place + ahead * (0.5 * self.boat.length + self.speed * later)[:, None]
+        bow = self.place + self.bow_direction() * (0.5 * self.boat.length + self.speed * later)[:, None]
         return (self.amplitude * np.cos(self.wave_phases(bow, later))).sum(axis=1)
 
     def wave_forcing(self) -> tuple[np.ndarray, np.ndarray]:

@@ -155,5 +155,4 @@ class OceanEnv(gymnasium.Env):
         return {"position": self.many.boats.place[0].copy(), "heading": float(self.many.boats.heading[0])}
 
 
-ENTRY_POINTS = {"entry_point": f"{__name__}:OceanEnv", "vector_entry_point": f"{__name__}:OceanVectorEnv"}
-gymnasium.register("OceanSim/HoldHeading-v0", **ENTRY_POINTS)
+gymnasium.register("OceanSim/HoldHeading-v0", f"{__name__}:OceanEnv", vector_entry_point=f"{__name__}:OceanVectorEnv")

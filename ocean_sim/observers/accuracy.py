@@ -56,8 +56,7 @@ class Accuracy(Observer, of=Config):
         if simulation.fluid.particles is not None:
             fluid = simulation.fluid
             self.impulse_terms = [term for term in FORCE_TERMS if term in fluid.impulse]
-            water = with_particles(fluid)
-            self.at_start = kinetic_and_potential(simulation, water.totals())[1]
+            self.at_start = kinetic_and_potential(simulation, with_particles(fluid).totals())[1]
             self.balance = Balance(simulation, self.work_terms)
             self.solvers = tuple(fluid.solvers)
             meaning = self.column_meaning()

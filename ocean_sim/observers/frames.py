@@ -305,8 +305,7 @@ class Frames(Observer, of=Config):
 def move_triangles(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) -> "Mesh":
     """Copy of a surface `mesh` in a periodic basin, each triangle moved by whole periods to its image nearest to
     `origin` (x, z) [m]. `period`: of the basin along each axis [m], 0 if none."""
-    corners = mesh.vertices[mesh.triangles]
-    shift = np.repeat(shifts(corners.mean(axis=1), origin, period), 3, axis=0)
+    shift = np.repeat(shifts(mesh.vertices[mesh.triangles].mean(axis=1), origin, period), 3, axis=0)
     at = np.column_stack([mesh.triangles.ravel(), np.round(shift, 6)])
     kept, which = np.unique(at, axis=0, return_inverse=True)
     number = kept[:, 0].astype(int)

@@ -286,12 +286,9 @@ class Gauges(Observer, of=Config):
             place = "" if simulation.basin.dimension == 2 else f" at {'zx'[line.along == 'z']} = {line.at or 0.0:g} m"
             meaning[f"{name}_m"] = f"highest place of the bed that water touches along {line.along}{place}"
         meaning |= {f"{name}_Pa": sensor_description(sensors[name], len(face)) for name, face in faces.items()}
-        offset = hydrostatic_offset(simulation)
-        self.csv = CsvFile(
-            folder / "gauges.csv",
-            heading(simulation, f"every {config.every:g} s, linear between steps", **offset, **meaning),
-            ["time_s", *meaning],
-        )
+        rate = f"every {config.every:g} s, linear between steps"
+        head = heading(simulation, rate, **hydrostatic_offset(simulation), **meaning)
+        self.csv = CsvFile(folder / "gauges.csv", head, ["time_s", *meaning])
 
     def observe(self, simulation: Simulation) -> None:
         fluid, parts = simulation.fluid, []
@@ -313,9 +310,8 @@ class Gauges(Observer, of=Config):
             position = with_particles(fluid).particles.position.to_numpy()
             parts.append(np.array([line.height(position, simulation.basin, fluid.spacing) for line in self.runups]))
         if len(self.points):
-            begins = np.cumsum(self.sizes) - self.sizes
             pressures = fluid.pressures(self.points + self.points_ride * [x, 0.0, z])
-            parts.append(np.add.reduceat(pressures, begins) / self.sizes)
+            parts.append(np.add.reduceat(pressures, np.cumsum(self.sizes) - self.sizes) / self.sizes)
         for time, values, _ in self.sampled.rows(simulation.time, np.concatenate(parts)):
             self.csv.row([time, *values])
 

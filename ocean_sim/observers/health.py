@@ -113,12 +113,11 @@ class Health(OutcomeObserver, of=Config):
         if self.n > 0 and not self.begun:
             self.begin(simulation)
         if self.n > 0 and simulation.steps > 0:
+            sentence = None
             if self.is_suspicious() or simulation.steps % STEPS_BETWEEN_CHECKS == 0:
                 sentence = next(self.violations(), None)
             elif self.judges_energy and simulation.time >= self.energy_time + self.energy_interval:
                 sentence = next(self.energy_violations(with_particles(simulation.fluid).totals()), None)
-            else:
-                sentence = None
             if sentence is not None:
                 raise Diverged(sentence)
         self.judge_hulls(simulation)
@@ -210,18 +209,16 @@ class Health(OutcomeObserver, of=Config):
             yield self.describe_failure(f"{what} for {len(lost)} of {len(finite)} particles", position, lost[:1])
             return
         if self.is_too_dense(status.max_density):
-            ratio = status.max_density / particles.rest_density
-            what = f"density reached {status.max_density:.4g} kg/m^3, {ratio:.3g} x the rest density"
-            bound = self.config.max_density_ratio
-            yield self.describe_failure(f"{what} (bound {bound:g})", position, [density.argmax()])
+            ratio, bound = status.max_density / particles.rest_density, self.config.max_density_ratio
+            what = f"density reached {status.max_density:.4g} kg/m^3, {ratio:.3g} x the rest density (bound {bound:g})"
+            yield self.describe_failure(what, position, [density.argmax()])
         if self.has_no_density(status.min_density):
             what = f"density fell to {status.min_density:.4g} kg/m^3; it must stay above 0"
             yield self.describe_failure(what, position, [int(density.argmin())])
         if not status.max_speed <= self.max_speed:
             what = f"a particle reached {status.max_speed:.4g} m/s (bound {self.max_speed:.4g} m/s)"
             yield self.describe_failure(what, position, [int(np.square(velocity).sum(axis=1).argmax())])
-        spacing = with_particles(self.simulation.fluid).spacing
-        through = checks.distance_outside(position, self.simulation.basin, self.simulation.time, spacing)
+        through = checks.distance_outside(position, self.simulation.basin, self.simulation.time, fluid.spacing)
         if through.any():
             what = f"{np.count_nonzero(through)} of {len(through)} particles are outside the walls"
             far = f"the farthest by {through.max():.4g} m (none may be)"
@@ -246,8 +243,7 @@ class Health(OutcomeObserver, of=Config):
     def record_change(self, kind: str, value: object, name: str, **facts: object) -> None:
         """Record the event `name` if `value` differs from the one at the last event of this `kind` (a key of
         `recorded`), and that event is at least EVENT_INTERVAL [s] ago."""
-        due = self.simulation.time >= self.event_times[kind] + EVENT_INTERVAL
-        if due and value != self.recorded[kind]:
+        if self.simulation.time >= self.event_times[kind] + EVENT_INTERVAL and value != self.recorded[kind]:
             self.record_event(name, **facts)
             self.event_times[kind], self.recorded[kind] = self.simulation.time, value
 
@@ -319,8 +315,7 @@ class Health(OutcomeObserver, of=Config):
         if fluid.sound_speed**2 >= EXCESS_STIFFNESS_RATIO * needed:
             times = f"{fluid.sound_speed**2 / needed:.3g} times that of 1 % compression"
             return f"stiffness {fluid.sound_speed**2:.4g} m^2/s^2 is {times}: try fluid.compression: 0.01"
-        limits = fluid.limits()
-        limit, shortest = min(asdict(limits).items(), key=lambda item: item[1])
+        limit, shortest = min(asdict(fluid.limits()).items(), key=lambda item: item[1])
         return scene.time_step.advice(limit, shortest)
 
     def name_last_frame(self) -> str:
@@ -332,8 +327,7 @@ class Health(OutcomeObserver, of=Config):
         """Raise Diverged if the hulls of two ships overlap: contact between hulls is not modelled."""
         if len(simulation.ships) < 2:
             return
-        outlines = [(name, ship.outline()) for name, ship in simulation.ships.items()]
-        there = [(name, outline) for name, outline in outlines if outline is not None]
+        there = [(name, found) for name, ship in simulation.ships.items() if (found := ship.outline()) is not None]
         repeats = simulation.scene.preflight.repeats
         for (name, one), (other_name, other) in combinations(there, 2):
             image = max(other.images(one, repeats), key=one.overlap)

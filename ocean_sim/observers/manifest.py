@@ -37,7 +37,7 @@ class Manifest(OutcomeObserver, of=Config):
         self.facts: dict[str, Any] = {
             "outcome": "running",
             "scene": scene,
-            "scene_sha256": sha256(json.dumps(scene, sort_keys=True).encode()),
+            "scene_sha256": hashlib.sha256(json.dumps(scene, sort_keys=True).encode()).hexdigest(),
             "inputs": simulation.scene.inputs(),
             "seed": simulation.scene.seed,
             "versions": {"python": platform.python_version()}
@@ -90,10 +90,6 @@ class Manifest(OutcomeObserver, of=Config):
         write_facts(self.path, self.facts)
 
 
-def sha256(data: bytes) -> str:
-    return hashlib.sha256(data).hexdigest()
-
-
 def state_sha256(simulation: Simulation) -> str:
     """SHA-256 of the final particles, sorted by id, and ships; without particles, of heights along a basin diagonal."""
     particles = simulation.fluid.particles
@@ -106,4 +102,4 @@ def state_sha256(simulation: Simulation) -> str:
         state = [snapshot.position[order], snapshot.velocity[order]]
     for ship in simulation.ships.values():
         state += [ship.body.position, ship.body.orientation, ship.body.velocity, ship.body.angular_momentum]
-    return sha256(b"".join(np.ascontiguousarray(array).tobytes() for array in state))
+    return hashlib.sha256(b"".join(np.ascontiguousarray(array).tobytes() for array in state)).hexdigest()

@@ -39,7 +39,6 @@ MOMENTS_PER_BATCH = 100  # whose rows are computed together
 MOMENT = Columns(time=1, position=3, orientation=4, acceleration=3, turning=3, spin=3, orders=2)  # then the load
 PLACE, QUATERNION = slice(MOMENT.position, MOMENT.acceleration), slice(MOMENT.orientation, MOMENT.acceleration)
 ACCELERATION, TURNING = slice(MOMENT.acceleration, MOMENT.turning), slice(MOMENT.turning, MOMENT.spin)
-SPIN = slice(MOMENT.spin, MOMENT.orders)
 
 
 def log_name(ship: str) -> str:
@@ -130,11 +129,8 @@ class Log:
         self.seen, self.velocity = 0, UNKNOWN_VELOCITY  # number of moments, and velocity at the first
         self.due: list[tuple[float, int]] = []  # times of rows [s], and the moment that completes each
         self.number = 0
-        head = heading(
-            simulation,
-            f"every {config.every:g} s, between steps poses on cubics, velocities and rates theirs, all else linear",
-            **legend("motion", point=config.point or "the centre of mass"),
-        )
+        rate = f"every {config.every:g} s, between steps poses on cubics, velocities and rates theirs, all else linear"
+        head = heading(simulation, rate, **legend("motion", point=config.point or "the centre of mass"))
         head |= {"frame": config.frame, "axes": FRAME_AXES[config.frame]}
         self.columns = log_columns(ship.parts)
         self.motion_columns = next(k for k, name in enumerate(self.columns) if name.startswith("force_"))
@@ -171,7 +167,7 @@ class Log:
         moments[:, QUATERNION] = continuous_signs(moments[:, QUATERNION].T).T
         columns = moments[:, : MOMENT.size].T
         acceleration, turning = columns[ACCELERATION], columns[TURNING]
-        bends = second_derivative(acceleration, turning, columns[SPIN], columns[QUATERNION])
+        bends = second_derivative(acceleration, turning, columns[MOMENT.spin : MOMENT.orders], columns[QUATERNION])
         track = join_moments(columns[MOMENT.time], columns[PLACE], bends, self.velocity)
         rows = []
         if self.due:
@@ -179,8 +175,7 @@ class Log:
             between = Between(track, np.array(times), np.array(numbers))
             values = self.load_table(attitude_of(track), acceleration, turning, moments[:, MOMENT.orders :])
             motions = self.motion_table(between.interpolated_track()).T.tolist()
-            others = between.interpolated_values(values).tolist()
-            for t, pose, rest in zip(times, motions, others, strict=True):
+            for t, pose, rest in zip(times, motions, between.interpolated_values(values).tolist(), strict=True):
                 rows.append(self.csv.row([t, self.number, *pose, *rest]))
                 self.number += 1
         self.moments[0], self.velocity, self.seen, self.due = moments[-1], track.velocity[:, -1], 1, []

@@ -168,10 +168,9 @@ class Render(OutcomeObserver, of=Config):
         files = frame_files(self.folder)
         if not files:
             return
-        later = f"`ocean-sim render {self.folder}` draws them"
         if self.simulation.reason == "interrupted":  # who stops a run does not want to wait for its film
             self.stop()
-            print(f"no pictures; {later}", file=sys.stderr)
+            print(f"no pictures; `ocean-sim render {self.folder}` draws them", file=sys.stderr)
             return
         missing = times_without_frame(files, self.config.stills)
         if missing:

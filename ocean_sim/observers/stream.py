@@ -76,7 +76,6 @@ class Stream(Observer, TakesCommands, of=Config):
         """Send the poses that lead back to neutral, print the jitter of the packets' times, and close the socket."""
         if len(self.past):
             self.send(self.platform.return_home(self.past[[0, -1]], self.time, self.seq))
-        latency = self.sender.latency()
-        back = "".join(f"; {told}" for told in (latency, self.sender.stop_report()) if told)
+        back = "".join(f"; {told}" for told in (self.sender.latency(), self.sender.stop_report()) if told)
         print(f"stream to {self.config.to}: {self.sender.jitter()}{back}", file=sys.stderr, flush=True)
         self.sender.close()

@@ -86,16 +86,11 @@ class Timings(Observer, of=Config):
         if self.folder is None or self.last is None or self.start is None or now.steps == self.last.steps:
             return
         if self.csv is None:
+            rate = f"every {self.every:g} s, at the first step after it; means since the row before"
+            head = heading(self.simulation, rate, **legend("timings", first_step=self.first_step_s))
             stages = [f"{name}_ms_per_step" for name in (*self.names, "other")]
-            self.csv = CsvFile(
-                self.folder / "timings.csv",
-                heading(
-                    self.simulation,
-                    f"every {self.every:g} s, at the first step after it; means since the row before",
-                    **legend("timings", first_step=self.first_step_s),
-                ),
-                ["time_s", "steps", "wall_s", "real_time_factor", *stages],
-            )
+            columns = ["time_s", "steps", "wall_s", "real_time_factor", *stages]
+            self.csv = CsvFile(self.folder / "timings.csv", head, columns)
         factor, means = self.stage_means(self.last, now)
         self.csv.row([now.time, now.steps, now.wall - self.start.wall, factor, *means.values()])
         self.last = now
@@ -116,6 +111,4 @@ class Timings(Observer, of=Config):
 
 def synchronization(arch: str) -> Callable[[], None]:
     """Function that waits for launched kernels; on a processor (`arch` as cpu) it does nothing: each launch waits."""
-    if arch in ("cpu", "x64", "arm64"):
-        return lambda: None
-    return ti.sync
+    return (lambda: None) if arch in ("cpu", "x64", "arm64") else ti.sync

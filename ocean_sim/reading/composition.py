@@ -36,7 +36,6 @@ from ocean_sim.parts import (
 from ocean_sim.reading.translation import NAME_RULE, choice_sentence, dotted, likeliest
 
 DEFAULT_KINDS = {"wind": "still", "time_step": "courant"}  # any other absent slot is nothing at all
-NAME_PATTERN = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
 @dataclass
@@ -99,7 +98,7 @@ class Composition:
             return
         for name, ship in node.data.items():
             key, meant = key_for_name(name, ship), None
-            if NAME_PATTERN.fullmatch(str(name)) is None:
+            if re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", str(name)) is None:
                 message = f"{name!r} is not a name: {NAME_RULE}"
             elif name == ALONE:
                 message = f"{ALONE!r} is the name of the only ship of a scene; choose another"
@@ -266,8 +265,7 @@ def choice_of(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
     if name.data in named(slot) and name.data not in within and (name is node or name.data not in kinds(slot)):
         part = read_mapping(library("configs") / slot / f"{name.data}.yaml")
         base = choice_of(place, part, (*within, name.data)).whole()
-        kind = name.with_data(base.data["kind"].data)
-        return Choice(base.with_data(base.data | {"kind": kind}), own)
+        return Choice(base.with_data(base.data | {"kind": name.with_data(base.data["kind"].data)}), own)
     if name.data in kinds(slot):
         return Choice(node.with_data({"kind": name}), own)
     raise SceneError([unknown_name(slot, name, f"{place}.kind" if node.is_mapping else place)])

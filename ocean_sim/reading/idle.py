@@ -31,7 +31,6 @@ def has_stops(mapping: Any, known: SceneFacts, *_: Any) -> bool:
 
 PI_TWELFTH = np.pi / 12.0  # [rad]
 PI_TOLERANCE = 0.008  # share of it by which 3.14 differs from pi, but no 5.5 from 21
-SEEDS_APART = "the scene draws nothing at random but its spectra, and each of these has a seed of its own"
 
 # Slots and paths of mappings, through all entries of lists; some of their keys; True if they have an effect, by the
 # mapping h, the scene k, the part p and the key n; and the reason where they have none.
@@ -40,7 +39,7 @@ IDLE_RULES: list[tuple[str, str, Callable[[Any, SceneFacts, Any, str], Any], str
         "scene",
         "seed",
         lambda h, k, p, *_: not (found := spectrum_seeds(p)) or h.seed in found or k.wind.is_random,
-        SEEDS_APART,
+        "the scene draws nothing at random but its spectra, and each of these has a seed of its own",
     ),
     ("runtime", "threads pin", lambda h, *_: h.arch not in GRAPHICS_BACKENDS, "a graphics processor does the work"),
     ("basin.walls", "z z_min z_max", lambda h, k, *_: k.tank.dimension == 3, "a slice has no sides across z"),

@@ -213,8 +213,7 @@ def bound_of(node: dict[str, Any], *names: str) -> float | None:
 
 def keys_at(word: str) -> list[Key]:
     """The key at the path `word`, then those directly below; `wind.u10`, without a kind, matches that of every kind."""
-    wanted = word.replace("[]", "").strip(".").split(".")
-    steps = [step for step in wanted if not step.isdigit()]
+    steps = [step for step in word.replace("[]", "").strip(".").split(".") if not step.isdigit()]
     exact, below = [], []
     for key in scene_keys():
         path = key.path.replace(LIST_STEP, "").split(".")
@@ -301,8 +300,7 @@ def _slot_schema(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:
         if MEANT.get(slot) != kind:
             definition = definitions[f"{slot}.{kind}"]
             definition["required"] = ["kind", *definition.get("required", [])]
-    presets = sorted(set(named(slot)) - set(kinds(slot)))
-    choices += [_preset_schema(slot, name, definitions) for name in presets]
+    choices += [_preset_schema(slot, name, definitions) for name in sorted({*named(slot)} - {*kinds(slot)})]
     return {"description": (module.__doc__ or "").split(":")[0], "anyOf": [*choices, {"type": "null"}]}
 
 

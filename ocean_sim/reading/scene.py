@@ -98,8 +98,7 @@ class SceneConfig(Heading):
         known, word, arch = self._preflight, WORD_BYTES[self.runtime.precision], self.runtime.arch
         facts = self.parts(), self.basin, word, self.duration, arch
         if known is None or (known.parts, known.tank.config, known.word, known.duration, known.arch) != facts:
-            parts, tank, word, duration, arch = facts
-            known = self._preflight = SceneFacts(parts, tank.build(self.sea), word, duration, arch)
+            known = self._preflight = SceneFacts(facts[0], self.basin.build(self.sea), *facts[2:])
         return known
 
     def ledger(self) -> list[LedgerRow]:
@@ -109,8 +108,7 @@ class SceneConfig(Heading):
 
     def inputs(self) -> dict[str, str]:
         """SHA-256 by name of each input file of the scene's numbers; raises Refused if one changed since loading."""
-        parts = [part.model_dump() for part in (self.basin, *self.parts().values())]
-        names = set(input_names(parts))
+        names = set(input_names([part.model_dump() for part in (self.basin, *self.parts().values())]))
         names |= {str(beside) for name in names for beside in ndbc_files(name) if beside.is_file()}
         found = {name: file_digest(name) for name in sorted(names)}
         for name, now in found.items():
@@ -372,11 +370,9 @@ class _SceneCheck:
     def find_overlapping_ships(self, preflight: SceneFacts) -> None:
         """Report ships whose outlines overlap at the start."""
         ships = preflight.ships if len(preflight.ships) > 1 else {}
-        outlines = {name: ship.outline(preflight) for name, ship in ships.items()}
+        outlines = {name: found for name, ship in ships.items() if (found := ship.outline(preflight)) is not None}
         for (first, one), (second, other) in combinations(outlines.items(), 2):
-            depth = 0.0
-            if one is not None and other is not None:
-                depth = max(one.overlap(image) for image in other.images(one, preflight.repeats))
+            depth = max(one.overlap(image) for image in other.images(one, preflight.repeats))
             if depth > 0.0:
                 sentence = f"the hulls of {first} and {second} reach {depth:.3g} m into each other; move one"
                 self.report(key_of(second), sentence, ("position",))
@@ -404,11 +400,8 @@ def _scale_spacings(root: Node, factor: float, dimension: int, notes: list[str])
         if isinstance(node.data, dict):
             return node.with_data({key: scaled(inner, (*path, key)) for key, inner in node.data.items()})
         value, number = node.data, node.data
-        if (
-            isinstance(value, bool)
-            or not isinstance(value, int | float)
-            or node.location.file.startswith(OVERRIDE_NAME)
-        ):
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        if not is_number or node.location.file.startswith(OVERRIDE_NAME):
             return node
         if path[-1] in ("particles", "cap") and isinstance(value, int):
             number = max(1, round(value / factor**dimension))

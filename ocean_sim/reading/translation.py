@@ -171,8 +171,7 @@ def _locate_error(error: Any, model: type[BaseModel], root: Node) -> _Found:
     steps = error["loc"]
     for k, step in enumerate(steps):
         inner = node.child(step)
-        last = k == len(steps) - 1
-        if inner is None and not (last and error["type"] in ("missing", "extra_forbidden")):
+        if inner is None and not (k == len(steps) - 1 and error["type"] in ("missing", "extra_forbidden")):
             if union is None:
                 union, member = path, str(step)
             places = [place for place in places if _is_meant(place, str(step))] or places

@@ -9,6 +9,7 @@ import hashlib
 import json
 import os
 from collections.abc import Iterator
+from contextlib import suppress
 from io import BytesIO
 from math import isfinite
 from pathlib import Path
@@ -25,7 +26,6 @@ HEADER_BYTES = 512  # bytes, the least block that HDF5 leaves to its user
 HEADER_LINE = "ocean-sim checkpoint 1"
 COMPRESSION_MIN_SIZE = 4096  # numbers that are worth packing
 MAX_COMPRESSION_RATIO = 300  # times that LZF makes anything smaller, less than that
-CHECKPOINT_PATTERN = "checkpoint_*.h5"
 
 
 class UnreadableCheckpoint(Exception):
@@ -107,9 +107,7 @@ def time_of(path: Path) -> float:
 def checkpoint_files(folder: Path) -> Iterator[Path]:
     """Paths of the checkpoints in a run folder, newest first."""
     times = {}
-    for path in folder.glob(CHECKPOINT_PATTERN):
-        try:
+    for path in folder.glob("checkpoint_*.h5"):
+        with suppress(ValueError):
             times[path] = time_of(path)
-        except ValueError:
-            continue
     return iter(sorted(times, key=lambda path: times[path], reverse=True))

@@ -211,11 +211,8 @@ class Restorer:
     def from_field(self, node: Any, fresh: Any, path: str) -> Any:
         """The newly built field `fresh`, to be filled later; raises Mismatch if its shape or type has changed."""
         values = self.arrays[node[FIELD_KEY]]
-        if (
-            not isinstance(fresh, ti.Field)
-            or array_shape(fresh) != values.shape
-            or to_numpy_type(fresh.dtype) != values.dtype
-        ):
+        form = values.shape, values.dtype
+        if not isinstance(fresh, ti.Field) or (array_shape(fresh), to_numpy_type(fresh.dtype)) != form:
             raise Mismatch(f"its {path.lstrip('.')} has {values.shape} numbers of type {values.dtype}")
         self.fields[node[FIELD_KEY]] = fresh
         return fresh
@@ -278,8 +275,7 @@ class Restorer:
         made, data = find_class(node[OBJECT_KEY]), node["data"]
         if type(data) is not bool:
             raise Mismatch(f"its {path.lstrip('.')} is neither data nor not: {data!r:.60}")
-        stays = type(fresh) is made and not data
-        value = fresh if stays else object.__new__(made)
+        value = fresh if type(fresh) is made and not data else object.__new__(made)
         if self.used.setdefault(id(value), path) != path:
             both = f"{path.lstrip('.')} and {self.used[id(value)].lstrip('.')}"
             raise Mismatch(f"its {both} are one thing in this program")

@@ -120,9 +120,8 @@ def setting_grid(scene: str, profile: str | None, sets: dict[str, Node], vary: V
     has SEED_COUNTS scenes (fewer if `quick`) of unlike seed, and one to confirm it if best. Raises SceneError."""
     count = prod(map(len, vary.values()))
     if not 2 <= count <= MOST_SETTINGS:
-        location = Location("--vary")
         message = f"there are {count} settings; 2 to {MOST_SETTINGS} can be compared"
-        raise SceneError([problem_at(location, "", message)])
+        raise SceneError([problem_at(Location("--vary"), "", message)])
     best = {key: finest_setting(key, [node.plain() for node in nodes]) for key, nodes in vary.items()}
     found: list[Setting] = []
     problems: list[Problem] = []
@@ -132,8 +131,7 @@ def setting_grid(scene: str, profile: str | None, sets: dict[str, Node], vary: V
         own = str(values["profile"]) if "profile" in values else profile
         laid = sets | {key: node for key, node in chosen.items() if key != "profile"}
         try:
-            scenes = _with_seed(scene, own, laid, SEED_COUNTS[quick] + 1)
-            found.append(Setting(values, scenes, values == best))
+            found.append(Setting(values, _with_seed(scene, own, laid, SEED_COUNTS[quick] + 1), values == best))
         except SceneError as error:
             problems += error.problems
     if problems:
@@ -211,8 +209,7 @@ def tradeoff_summary(
     for key in (*scene_run.CLOCK_COLUMNS, "particles", "threads"):
         known = [answer[key] for answer in answers if answer.get(key) is not None]
         row[key] = median(known) if known else None
-    names = dict.fromkeys(name for found in apart for name in found)
-    for name in names:
+    for name in dict.fromkeys(name for found in apart for name in found):
         known = [found[name] for found in apart if found.get(name) is not None]
         row[name] = mean(known) if known and lost is None else None
         row[f"{name}_spread"] = stdev(known) if len(known) > 1 and lost is None else None

@@ -55,9 +55,7 @@ class Axis(Model):
             everywhere = [{"kind": "box", "half_size": [1e4, 1e4, 1e4]}]
             volume = {"include": everywhere, "acceleration": [value, 0.0, 0.0]}
             return {"wind": {"kind": "gusts", "volumes": [volume]}} if value else {}
-        if self.name == "mass ratio":
-            return {self.key: value * AFLOAT_BOX_MASS}
-        return {self.key: value}
+        return {self.key: value * AFLOAT_BOX_MASS if self.name == "mass ratio" else value}
 
 
 EXTREME_AXES = tuple(Axis(**keys) for keys in PLAN["axes"])
@@ -160,14 +158,13 @@ def map_summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     found = []
     for key in dict.fromkeys((row["map"], row["scheme"], row["value"]) for row in rows):
         here = [row for row in rows if (row["map"], row["scheme"], row["value"]) == key]
-        broken = [row["dt_over_courant"] for row in here if row["verdict"] != "stable"]
-        first = min(broken, default=None)
+        first = min((row["dt_over_courant"] for row in here if row["verdict"] != "stable"), default=None)
         held = [row["dt_over_courant"] for row in here if first is None or row["dt_over_courant"] < first]
         longest = max(held, default=None)
         step = here[0]["dt_s"] / here[0]["dt_over_courant"]
         line = {"map": key[0], "scheme": key[1], "value": key[2], "courant_s": step, "stable_to": longest}
-        line["first_break"] = first
-        line["verdict"] = next((r["verdict"] for r in here if r["dt_over_courant"] == first), "")
+        verdict = next((r["verdict"] for r in here if r["dt_over_courant"] == first), "")
+        line |= {"first_break": first, "verdict": verdict}
         for name in ("acoustic", "viscous", "force"):
             limit = here[0].get(f"{name}_s")
             line[f"{name}_number"] = longest * step / limit if limit and longest else None

@@ -109,6 +109,5 @@ def _locate_problem(plan: Node, settings: Settings, found: Problem) -> Problem:
     if found.line is not None:
         return found
     key = "profile" if found.file.startswith("--profile") else "scene"
-    location = plan.data[key].location
     message = f"{found.file}: {found.message}" if key == "scene" else found.message
-    return problem_at(location, found.key or key, message, found.suggestion)
+    return problem_at(plan.data[key].location, found.key or key, message, found.suggestion)

@@ -24,14 +24,11 @@ def problems(coarse: bool) -> list[Problem]:
 
 def square_problem(precision: str, coarse: bool) -> Problem:
     """Set-up of the square of water in a precision, `f32` or `f64`; `coarse`: 2.5 times the particle spacing."""
+    fill = [{"min": [-0.5, -0.5], "max": [0.5, 0.5]}]
     scene = {
         "duration": 1.0,
         "basin": free_space(4.0, 2.0),
-        "fluid": {
-            "spacing": 0.05 if coarse else 0.02,
-            "reference_speed": START_SPEED,
-            "fill": [{"min": [-0.5, -0.5], "max": [0.5, 0.5]}],
-        },
+        "fluid": {"spacing": 0.05 if coarse else 0.02, "reference_speed": START_SPEED, "fill": fill},
         "runtime": {"precision": precision},
     }
     tolerance = {scheme: LIMITS[precision] for scheme, config in water_schemes() if config.conserves_momentum}

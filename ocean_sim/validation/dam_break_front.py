@@ -76,14 +76,9 @@ def problems(coarse: bool) -> list[Problem]:
     """Set-ups to run: sudden release and release by a gate, with 40 (coarse: 20) particles to the column's width."""
     left = -TANK_LENGTH * WIDTH / 2
     basin = {"length": TANK_LENGTH * WIDTH, "depth": 2.0 * WIDTH}
-    scene = {
-        "duration": LAST_TIME / TIME_SCALE,
-        "basin": basin,
-        "fluid": {
-            "spacing": WIDTH / (20 if coarse else 40),
-            "fill": [{"min": [left, -2.0 * WIDTH], "max": [left + WIDTH, 0.0]}],
-        },
-    }
+    fill = [{"min": [left, -2.0 * WIDTH], "max": [left + WIDTH, 0.0]}]
+    fluid = {"spacing": WIDTH / (20 if coarse else 40), "fill": fill}
+    scene = {"duration": LAST_TIME / TIME_SCALE, "basin": basin, "fluid": fluid}
     gate = {"min": [left + WIDTH, -2.0 * WIDTH], "max": [left + (1.0 + GATE_THICKNESS) * WIDTH, 0.0]}
     pulled = {"acceleration": [0.0, GRAVITY, 0.0], "end": sqrt(4.0 * WIDTH / GRAVITY)}  # past the top of the column
     gated = scene | {"basin": basin | {"obstacles": [gate | {"motion": pulled}]}}

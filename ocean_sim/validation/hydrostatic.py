@@ -80,5 +80,4 @@ def measure_long(simulation: Simulation) -> Finding:
     energy, centre, outside = values.T
     creep = 100.0 * (centre[-1] - centre[max(1, len(times) // 12)]) / depth
     numbers = [absolute_error(value) for value in (energy[-1], creep, outside.max())]
-    curve = Curve("kinetic energy", times[1:], energy[1:])
-    return Finding(numbers, [curve], [], ("time [s]", "KE / (m g H)"))
+    return Finding(numbers, [Curve("kinetic energy", times[1:], energy[1:])], [], ("time [s]", "KE / (m g H)"))

@@ -48,14 +48,11 @@ def problems(coarse: bool) -> list[Problem]:
         "min": [low + FACE_DISTANCE, bed, -BOX_WIDTH / 2],
         "max": [low + FACE_DISTANCE + BOX_SIDE, bed + BOX_SIDE, BOX_WIDTH / 2],
     }
+    fill = [{"min": [low, bed, -WIDTH / 2], "max": [low + RESERVOIR, 0.0, WIDTH / 2]}]
     scene = {
         "duration": END_TIME,
         "basin": {"length": LENGTH, "width": WIDTH, "depth": DEPTH, "obstacles": [box]},
-        "fluid": {
-            "spacing": DEPTH / (8 if coarse else 20),
-            "kinematic_viscosity": 1e-6,
-            "fill": [{"min": [low, bed, -WIDTH / 2], "max": [low + RESERVOIR, 0.0, WIDTH / 2]}],
-        },
+        "fluid": {"spacing": DEPTH / (8 if coarse else 20), "kinematic_viscosity": 1e-6, "fill": fill},
     }
     return [Problem(scene, PROMISES, measure, slow=not coarse)]
 

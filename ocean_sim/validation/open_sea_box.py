@@ -122,12 +122,7 @@ def patch_scene(free: float, moves: Sequence[str]) -> dict[str, Any]:
     rim = {"width": RIM_WIDTH * WAVELENGTH}
     return {
         "duration": RUN_PERIODS * PERIOD,
-        "basin": {
-            "length": (free + 2.0 * RIM_WIDTH) * WAVELENGTH,
-            "depth": DEPTH,
-            "walls": "periodic",
-            "gravity": [0.0, -GRAVITY, 0.0],
-        },
+        "basin": {"length": (free + 2.0 * RIM_WIDTH) * WAVELENGTH, "depth": DEPTH, "walls": "periodic"},
         "fluid": {"kind": "delta_sph", "spacing": WAVELENGTH / round(WAVELENGTH / DRAUGHT * DRAUGHT_SPACINGS)},
         "sea": {"kind": "linear_waves", "height": 2.0 * AMPLITUDE, "period": PERIOD, "rim": rim},
         "ship": box_keys(moves) | {"kind": "pressure"},
@@ -172,11 +167,10 @@ def follow_motions(simulation: Simulation, speed: float) -> np.ndarray:
 def closed_form_motions(simulation: Simulation, speed: float) -> np.ndarray:
     """Motions of the same box towed in `linear_waves` at a speed [m/s] along x: rows (n, 3) of time [s], heave over
     wave amplitude, pitch over wave slope."""
-    extra = {"kind": "dynamic", "radiation": str(table_path("box_radiation")), "damping": {"cross_flow": 0.0}}
+    ship = box_keys(SHIP_MOTIONS) | {"kind": "dynamic", "radiation": str(table_path("box_radiation"))}
+    ship["damping"] = {"cross_flow": 0.0}
     of_waves = {"height": 2.0 * AMPLITUDE, "period": PERIOD, "heading_deg": 90.0}
-    scene = ships.at_sea(
-        box_keys(SHIP_MOTIONS) | extra, BREADTH, PERIOD / PERIOD_STEPS, RUN_PERIODS * PERIOD, **of_waves
-    )
+    scene = ships.at_sea(ship, BREADTH, PERIOD / PERIOD_STEPS, RUN_PERIODS * PERIOD, **of_waves)
     scene["basin"]["depth"] = DEPTH
     with case.other_simulation(simulation, scene) as plain:
         return follow_motions(plain, speed)

@@ -63,7 +63,7 @@ def patch_scene(length: float, particles: int, sea: dict, periods: float) -> dic
     `sea`: keys of the surrounding sea."""
     return {
         "duration": periods * PERIOD,
-        "basin": {"length": length * LENGTH, "depth": DEPTH, "walls": "periodic", "gravity": [0.0, -G, 0.0]},
+        "basin": {"length": length * LENGTH, "depth": DEPTH, "walls": "periodic"},
         "fluid": {"spacing": LENGTH / particles},
         "sea": {"kind": "linear_waves"} | sea,
     }

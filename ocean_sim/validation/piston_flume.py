@@ -101,12 +101,11 @@ def compare_harmonics(
     near_theory, far_theory = (first_harmonic(times[late], column[late]) for column in theory.T)
     apart = away[1] - away[0]  # [wavelengths]
     waves_between = apart - float(np.angle(far / near * near_theory / far_theory)) / (2.0 * pi)
-    speed = apart * WAVELENGTH / (waves_between * PERIOD)
     numbers = (
         percent_error(2.0 * abs(near) / stroke, 2.0 * abs(near_theory) / stroke),
         percent_error(2.0 * abs(far) / stroke, 2.0 * abs(far_theory) / stroke),
         percent_error(2.0 * abs(far) / stroke, TRANSFER),
-        percent_error(speed, WAVELENGTH / PERIOD),
+        percent_error(apart * WAVELENGTH / (waves_between * PERIOD), WAVELENGTH / PERIOD),
     )
     measured = [Curve(f"{n} wavelengths away", times, column) for n, column in zip(away, elevation.T)]
     expected = [Curve(f"linear theory, {n}", times, column) for n, column in zip(away, theory.T)]

@@ -40,14 +40,13 @@ def gap_problem(exact: Profile, column: str, lid: list[float], force: float, coa
     `exact`: profile to compare with; `column`: of the table of exact series, to plot (u_poiseuille or u_couette).
 
     Compression follows the largest of V^2, nu V / L and F L, as Morris, Fox & Zhu (1997) advise."""
-    spacing = 0.1 if coarse else 0.05
     duration = JUDGED_TIMES[2] if coarse else JUDGED_TIMES[-1]
     plates = {"walls": {"x": "periodic"}, "floor": "no_slip", "lid": {"slip": "no_slip", "velocity": lid}}
     scene = {
         "duration": duration,
         "basin": free_space(1.0, 1.0) | plates,
         "fluid": {
-            "spacing": spacing,
+            "spacing": 0.1 if coarse else 0.05,
             "kinematic_viscosity": 1.0,
             "reference_speed": max(FINAL_SPEED, FINAL_SPEED**0.5, force**0.5),
             "body_force": [force, 0.0, 0.0],

@@ -43,8 +43,7 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
-    layers = 5 if coarse else 10
-    spacing = DEPTH / layers
+    spacing = DEPTH / (5 if coarse else 10)
     scene = {
         "duration": END_TIME,
         "basin": {"length": LENGTH, "depth": DEPTH, "walls": {"x": "periodic"}, "floor": {"roughness": ROUGHNESS}},

@@ -96,8 +96,7 @@ def sway_springs() -> list[dict[str, Any]]:
 
 def particle_problem(period: float) -> Problem:
     """Set-up of the ship's section, free in heave and roll, on particles in open sea, in beam waves of a period [s]."""
-    k = float(waves.wavenumber(2.0 * pi / period, DEPTH, GRAVITY))
-    length = 2.0 * pi / k
+    length = 2.0 * pi / float(waves.wavenumber(2.0 * pi / period, DEPTH, GRAVITY))
     limits = {motion: {"pressure": PARTICLE_TOLERANCES[motion]} for motion in MOTION_SCALES}
     promises = tuple(
         Promise(f"T {period:g} s, particles: {motion} [{over}]", "%", SOURCE_TEXT, limits[motion])
@@ -105,12 +104,7 @@ def particle_problem(period: float) -> Problem:
     )
     scene = {
         "duration": RUN_PERIODS * period,
-        "basin": {
-            "length": PATCH_LENGTH * length,
-            "depth": DEPTH,
-            "walls": "periodic",
-            "gravity": [0.0, -GRAVITY, 0.0],
-        },
+        "basin": {"length": PATCH_LENGTH * length, "depth": DEPTH, "walls": "periodic"},
         "fluid": {"kind": "delta_sph", "spacing": length / round(length / DRAUGHT * DRAUGHT_SPACINGS)},
         "sea": {"kind": "linear_waves", "height": 2.0 * AMPLITUDE, "period": period},
         "ship": section_keys(12),

@@ -76,8 +76,7 @@ def trim_problem() -> Problem:
     promise = Promise("trim of a barge by shifted load [deg]", "%", "w x / (W GM_L)", limits)
 
     def measure(simulation: Simulation) -> Finding:
-        ship = ship_of(simulation)
-        return Finding([percent_error(-degrees(ship.body.angles[0]), degrees(BARGE_TRIM))])
+        return Finding([percent_error(-degrees(ship_of(simulation).body.angles[0]), degrees(BARGE_TRIM))])
 
     ship = {"hull": "barge20", "centre_of_mass": [0.0, 2.5, -10.0 * 5.0 / 320.0]}
     return Problem(at_sea(ship, 20.0, 0.01), (promise,), measure, "trim", slot="ship", schemes=("hydrostatic",))

@@ -24,10 +24,9 @@ CONSTANT_KEYS = {"added_mass": {"heave": ADDED_MASS}, "damping": {"heave": DAMPI
 
 def problems(coarse: bool) -> list[Problem]:
     """Set-ups to run: the drop with constant added mass, and with wave memory; 8 (coarse: 4) cubes over the draught."""
-    memory = {"radiation": str(table_path("sphere_radiation"))}
     return [
         drop_problem("constant", CONSTANT_KEYS, PARTICIPANT_SPREAD, coarse),
-        drop_problem("memory", memory, MEMORY_TOLERANCE, coarse),
+        drop_problem("memory", {"radiation": str(table_path("sphere_radiation"))}, MEMORY_TOLERANCE, coarse),
     ]
 
 
@@ -40,16 +39,14 @@ def drop_problem(name: str, keys: dict[str, Any], limit: float, coarse: bool) ->
     def measure(simulation: Simulation) -> Finding:
         real = table("oes_task10_sphere_1m")
         others = np.stack([column for name, column in real.items() if name != "time_s"])
-        ship = ship_of(simulation)
-        rest = ship.body.position
+        rest = ship_of(simulation).body.position
         set_pose(simulation, position=rest + np.array([0.0, 1.0, 0.0]))
         path = [(0.0, 1.0), *((t, b.position[1] - rest[1]) for t, b in follow_body(simulation, 20.0))]
         times, heights = np.array(path).T
         until = real["time_s"] <= 20.0
         found, mean = np.interp(real["time_s"][until], times, heights), others.mean(axis=0)[until]
         rms = float(np.sqrt(np.mean((found - mean) ** 2)))
-        curves = [Curve("heave", times, heights)]
         expected = [Curve("mean of six", real["time_s"][until], mean)]
-        return Finding([absolute_error(rms)], curves, expected, ("t [s]", "heave [m]"))
+        return Finding([absolute_error(rms)], [Curve("heave", times, heights)], expected, ("t [s]", "heave [m]"))
 
     return Problem(at_sea(ship, 10.0, 0.02), (promise,), measure, name, slot="ship", schemes=("dynamic",))

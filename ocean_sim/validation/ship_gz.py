@@ -24,8 +24,7 @@ SOURCE_TEXT = "hull sections clipped as polygons"
 def problems(coarse: bool) -> list[Problem]:
     """Set-ups to run: three hulls at two resolutions (coarse: one), and the barge on the thesis's water columns."""
     cells = ((8, 4.0),) if coarse else ((8, 4.0), (16, 2.0))
-    found = [hull_problem(hull, n, limit) for n, limit in cells for hull in RIGHTING_LEVERS]
-    return [*found, thesis_problem()]
+    return [*(hull_problem(hull, n, limit) for n, limit in cells for hull in RIGHTING_LEVERS), thesis_problem()]
 
 
 def hull_problem(hull: str, cells: int, limit: float) -> Problem:
@@ -42,8 +41,7 @@ def hull_problem(hull: str, cells: int, limit: float) -> Problem:
         worst = int(np.abs(error).argmax())
         numbers = [(found[worst], exact[worst], error[worst])]
         measured = [Curve("GZ", heels, found, points=True)]
-        expected = [Curve("exact", heels, exact)]
-        return Finding(numbers, measured, expected, ("heel [deg]", "GZ [m]"))
+        return Finding(numbers, measured, [Curve("exact", heels, exact)], ("heel [deg]", "GZ [m]"))
 
     return Problem(scene, (promise,), measure, name, slot="ship", schemes=("hydrostatic",))
 
@@ -64,6 +62,5 @@ def thesis_problem() -> Problem:
 
 def righting_levers(simulation: Simulation, heels: np.ndarray) -> np.ndarray:
     """Righting levers GZ (n,) [m] at heel angles (n,) [deg], with weight and buoyancy balanced at each."""
-    ship = ship_of(simulation)
-    weight = ship.body.mass * 9.81
+    weight = ship_of(simulation).body.mass * 9.81
     return np.array([-balance_heave(simulation, turn_quaternion(2, float(heel))).torque[2] / weight for heel in heels])

@@ -36,10 +36,9 @@ def problems(coarse: bool) -> list[Problem]:
 
 def sail_record(simulation: Simulation) -> np.ndarray:
     """Run to the end: rows (7, n) of time [s], x, z [m], speed [m/s], pitch, yaw [rad] and yaw rate [rad/s]."""
-    seconds = simulation.scene.duration
     rows = [
         (t, b.position[0], b.position[2], np.hypot(b.velocity[0], b.velocity[2]), b.angles[0], b.angles[1], b.rates[1])
-        for t, b in follow_body(simulation, seconds)
+        for t, b in follow_body(simulation, simulation.scene.duration)
     ]
     return np.array(rows).T
 
@@ -47,8 +46,7 @@ def sail_record(simulation: Simulation) -> np.ndarray:
 def measure_straight(simulation: Simulation) -> Finding:
     """Run straight ahead; compare final speed, distance to 95 % of it, and trim with the published program."""
     t, _, z, u, pitch, _, _ = sail_record(simulation)
-    way = z[np.argmax(u >= 0.95 * u[-1])] - z[0]
-    found = (u[-1], way, np.degrees(pitch[-1]))
+    found = (u[-1], z[np.argmax(u >= 0.95 * u[-1])] - z[0], np.degrees(pitch[-1]))
     numbers = [percent_error(float(a), b) for a, b in zip(found, STRAIGHT_RESULTS.values(), strict=True)]
     return Finding(numbers, [Curve("speed", t, u)], [], ("t [s]", "speed [m/s]"))
 

@@ -21,11 +21,10 @@ SOURCE_TEXT = "Capytaine, panel method; rho g A, W GM"
 
 def problems(coarse: bool) -> list[Problem]:
     """Set-ups to run: the barge with added mass by rule of thumb, and given; 8 (coarse: 4) cubes over the draught."""
-    rule = {"hydrostatic": 1.0, "dynamic": 10.0}
     cells = 4 if coarse else 8
     given = {"added_mass": ADDED_MASS, "damping": {"heave": 0.0, "pitch": 0.0, "roll": 0.0}}
     return [
-        release_problem("by rule", {}, rule, ("hydrostatic", "dynamic"), cells),
+        release_problem("by rule", {}, {"hydrostatic": 1.0, "dynamic": 10.0}, ("hydrostatic", "dynamic"), cells),
         release_problem("given", given, {"dynamic": 1.0}, ("dynamic",), cells),
     ]
 

@@ -68,8 +68,7 @@ def hull_problem(
                 numbers.append(percent_error(value, exact))
         at, errors = np.array(omegas), np.array([error for _, _, error in numbers]).reshape(-1, 2)
         measured = [Curve(f"{motion}, error", at, each, points=True) for motion, each in zip(unit, errors.T)]
-        expected = [Curve("none", at, 0.0 * at)]
-        return Finding(numbers, measured, expected, ("omega [rad/s]", "error [%]"))
+        return Finding(numbers, measured, [Curve("none", at, 0.0 * at)], ("omega [rad/s]", "error [%]"))
 
     scene = at_sea(ship, HULL_LENGTH[hull], 0.01, heading_deg=180.0 if sea == "head" else 90.0)
     return Problem(scene, tuple(promises), measure, name, slot="ship", schemes=schemes)

@@ -21,8 +21,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 def measure(simulation: Simulation) -> Finding:
     """Run for a minute in calm water; measure the drift speed [mm/s] and the largest roll [deg]."""
-    ship = ship_of(simulation)
-    start = ship.body.position
+    start = ship_of(simulation).body.position
     rows = [(t, *(b.position - start), b.angles[2]) for t, b in follow_body(simulation, REST_DURATION)]
     t, x, _, z, roll = np.array(rows).T
     drift, heel = 1e3 * float(np.hypot(x[-1], z[-1])) / t[-1], float(np.degrees(np.abs(roll).max()))

@@ -37,25 +37,20 @@ def box_problem(density: float, coarse: bool) -> Problem:
     """Set-up of a floating box of a density relative to water, ten (coarse: five) spacings deep, that settles before
     its draught is measured."""
     draught = BOX_SIDE * density
+    spacing = draught / (5.0 if coarse else 10.0)
     period = 2.0 * np.pi * np.sqrt((density * BOX_SIDE**2 + np.pi / 8.0 * BOX_SIDE**2) / (GRAVITY * BOX_SIDE))
     shape = {"kind": "box", "length": 1.0, "breadth": BOX_SIDE, "height": BOX_SIDE}
     hull = {"shape": shape, "mass": 1000.0 * density * BOX_SIDE**2, "centre_of_mass": [0.0, CENTRE_HEIGHT, 0.0]}
     scene = {
         "duration": SETTLING_TIME + period,
         "basin": {"length": TANK_LENGTH, "depth": TANK_DEPTH},
-        "fluid": {
-            "kind": "delta_sph",
-            "spacing": draught / (5.0 if coarse else 10.0),
-            "compression": 0.02,
-            "artificial_viscosity": 0.1,
-        },
+        "fluid": {"kind": "delta_sph", "spacing": spacing, "compression": 0.02, "artificial_viscosity": 0.1},
         "ship": {"hull": hull},
     }
     limit = {} if coarse else {"pressure": DRAUGHT_TOLERANCE}
     promise = Promise(f"box of relative density {density:g}: draught [m]", "%", "Archimedes, closed form", limit)
-    name = f"box {density:g}"
     look = partial(measure_draught, exact=draught)
-    return Problem(scene, (promise,), look, name, not coarse, "ship", PRESSURE_SCHEMES)
+    return Problem(scene, (promise,), look, f"box {density:g}", not coarse, "ship", PRESSURE_SCHEMES)
 
 
 def measure_draught(simulation: Simulation, exact: float) -> Finding:
@@ -64,10 +59,9 @@ def measure_draught(simulation: Simulation, exact: float) -> Finding:
     A level by volume at rest density would be about 15 mm too high: 1.2 m of water compressed by 2 % is 12 mm lower."""
     apart = np.linspace(BOX_SIDE, 0.5 * TANK_LENGTH - 0.1, 8)
     gauges = np.array([(x, 0.0) for x in (*-apart, *apart)])
-    until = simulation.scene.duration
     path = [
         (t, simulation.fluid.elevations(gauges).mean() - (b.position[1] - CENTRE_HEIGHT))
-        for t, b in follow_body(simulation, until)
+        for t, b in follow_body(simulation, simulation.scene.duration)
     ]
     t, draught = np.array(path).T
     found = percent_error(float(draught[t > SETTLING_TIME].mean()), exact)
@@ -77,21 +71,14 @@ def measure_draught(simulation: Simulation, exact: float) -> Finding:
 
 def cylinder_problem(coarse: bool) -> Problem:
     """Set-up of the cylinder released in heave, with ten (coarse: five) spacings to its radius."""
-    hull = {
-        "shape": {"kind": "cylinder", "length": 1.0, "radius": RADIUS},
-        "mass": 500.0 * np.pi * RADIUS**2,
-        "centre_of_mass": [0.0, RADIUS, 0.0],
-    }
+    shape = {"kind": "cylinder", "length": 1.0, "radius": RADIUS}
+    hull = {"shape": shape, "mass": 500.0 * np.pi * RADIUS**2, "centre_of_mass": [0.0, RADIUS, 0.0]}
     height = RISE - 0.5 * BED_COMPRESSION * CYLINDER_DEPTH
+    water = {"kind": "delta_sph", "compression": BED_COMPRESSION, "artificial_viscosity": 0.03}
     scene = {
         "duration": 1.0,
         "basin": {"length": CYLINDER_LENGTH, "depth": CYLINDER_DEPTH, "walls": {"x": "absorbing"}},
-        "fluid": {
-            "kind": "delta_sph",
-            "spacing": RADIUS / (5.0 if coarse else 10.0),
-            "compression": BED_COMPRESSION,
-            "artificial_viscosity": 0.03,
-        },
+        "fluid": water | {"spacing": RADIUS / (5.0 if coarse else 10.0)},
         "ship": {"hull": hull, "position": [0.0, height, 0.0], "free": ["heave"]},
     }
     timed = {} if coarse else {"pressure": TIME_TOLERANCE}
@@ -112,11 +99,9 @@ def measure_extrema(simulation: Simulation) -> Finding:
     numbers, begin = [], 0
     for when, height in EXTREMA:
         until = np.searchsorted(t, when + 0.15)
-        span = y[begin:until] * np.sign(height)
-        at = begin + int(np.argmax(span))
+        at = begin + int(np.argmax(y[begin:until] * np.sign(height)))
         numbers += [percent_error(float(t[at]), when), percent_error(float(y[at]), height)]
         begin = at
     exact = np.array(EXTREMA).T
-    measured = [Curve("heave", t, y)]
     expected = [Curve("linear theory", exact[0], exact[1], points=True)]
-    return Finding(numbers, measured, expected, ("t [s]", "heave over the rise"))
+    return Finding(numbers, [Curve("heave", t, y)], expected, ("t [s]", "heave over the rise"))

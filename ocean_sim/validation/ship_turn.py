@@ -89,11 +89,8 @@ def zigzag_limits(angle: float) -> dict[str, tuple[float, float] | None]:
     """Lowest and highest allowed value (None: no limits) of each quantity of a zig-zag by an angle [deg]."""
     name = f"zig-zag {angle:g}/{angle:g}: "
     first, second = ((0.0, most) if most is not None else None for most in MAX_OVERSHOOTS[angle])
-    return {
-        name + "first overshoot [deg]": first,
-        name + "second overshoot [deg]": second,
-        name + "first execute to second [s]": None,
-    }
+    limits = {"first overshoot [deg]": first, "second overshoot [deg]": second, "first execute to second [s]": None}
+    return {name + quantity: within for quantity, within in limits.items()}
 
 
 def sail_rows(

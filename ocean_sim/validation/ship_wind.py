@@ -22,13 +22,8 @@ WIND_SPEED, DURATION = 7.0, 500.0  # [m/s], [s]
 
 
 def problems(coarse: bool) -> list[Problem]:
-    shape = {"kind": "box", "length": LENGTH, "breadth": BREADTH, "height": HEIGHT}
-    ship = {
-        "hull": {"shape": shape, "mass": MASS},
-        "cells_per_draught": 4,
-        "free": ["surge"],
-        "damping": {"surge": DRAG},
-    }
+    hull = {"shape": {"kind": "box", "length": LENGTH, "breadth": BREADTH, "height": HEIGHT}, "mass": MASS}
+    ship = {"hull": hull, "cells_per_draught": 4, "free": ["surge"], "damping": {"surge": DRAG}}
     limit = dict.fromkeys(COMPARED_SHIPS, 2.0)
     promises = (
         *(Promise(name, "%", "closed form", limit) for name in ("speed after 100 s [m/s]", "way after 500 s [m]")),
@@ -51,9 +46,8 @@ def measure(simulation: Simulation) -> Finding:
     left = a / b * np.exp(-2.0 * WIND_SPEED * sqrt(k * DRAG) / whole * fine)
     exact = (a - b * left) / (1.0 - left)
     way = float(np.sum(0.5 * (exact[1:] + exact[:-1]) * np.diff(fine)))
-    at = lambda when: float(np.interp(when, t, u))
     numbers = (
-        percent_error(at(100.0), float(np.interp(100.0, fine, exact))),
+        percent_error(float(np.interp(100.0, t, u)), float(np.interp(100.0, fine, exact))),
         percent_error(float(x[-1]), way),
         percent_error(float(u[-1]) / WIND_SPEED, float(exact[-1]) / WIND_SPEED),
         percent_error(first, AIR_DENSITY * WIND_DRAG_COEFFICIENT * WIND_SPEED**2 * faces),

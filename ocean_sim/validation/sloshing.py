@@ -101,9 +101,8 @@ def measure_series(simulation: Simulation) -> Finding:
     level = 0.5 * float(known.max())
     came, due = arrival_time(times[at], elevation[at], level), arrival_time(known_times, known, level)
     numbers = (percent_error(float(elevation[at].max()), float(known.max())), (came, due, 100.0 * (came - due)))
-    measured = [Curve("gauge", times, elevation)]
     expected = [Curve(SERIES_SOURCE, known_times, known, points=True)]
-    return Finding(numbers, measured, expected, ("time [periods]", "elevation [m]"))
+    return Finding(numbers, [Curve("gauge", times, elevation)], expected, ("time [periods]", "elevation [m]"))
 
 
 def arrival_time(times: np.ndarray, elevation: np.ndarray, level: float) -> float:

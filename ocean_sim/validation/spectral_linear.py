@@ -66,8 +66,7 @@ def reflection_problem() -> Problem:
             numbers.append(absolute_error(100.0 * float(np.sqrt(np.mean(np.abs(near - far) ** 2)) / sent)))
         return Finding(numbers)
 
-    scene = tile_scene(100.0, 256, slice_=True)
-    return Problem(scene, promises, measure, "returned", schemes=SPECTRAL_SCHEMES)
+    return Problem(tile_scene(100.0, 256, slice_=True), promises, measure, "returned", schemes=SPECTRAL_SCHEMES)
 
 
 def radiated_amplitude(tile: Tile, k: float, rim: bool) -> np.ndarray:

@@ -76,11 +76,9 @@ def side_band_problem() -> Problem:
             size.append(np.log(np.hypot(e[CARRIER_COUNT - 1], e[CARRIER_COUNT + 1])))
         time = dt * np.arange(1, len(size) + 1)
         of = slice(JUDGED_PERIODS[0] * PERIOD_STEPS, JUDGED_PERIODS[1] * PERIOD_STEPS)
-        rate = float(np.polyfit(time[of], size[of], 1)[0])
         dysthe = omega * delta / np.sqrt(8.0) * np.sqrt(s**2 * (1.0 - delta) - delta**2 / 8.0)
-        grown = np.array(size) - size[0]
-        numbers = [percent_error(rate, float(dysthe))]
-        measured = [Curve("side-bands", time, grown)]
+        numbers = [percent_error(float(np.polyfit(time[of], size[of], 1)[0]), float(dysthe))]
+        measured = [Curve("side-bands", time, np.array(size) - size[0])]
         expected = [Curve("Dysthe 1979", time, dysthe * time)]
         return Finding(numbers, measured, expected, ("t [s]", "logarithm of their growth"))
 

@@ -75,10 +75,8 @@ def track_crests(simulation: Simulation, eta: np.ndarray, u: float) -> tuple[np.
     rows) [m]: distances behind it (n,) [m], elevations there (n,) [m], and wavelength [m]."""
     tile = sea_of(simulation).tile
     behind = np.arange(2.0 * np.pi * u**2 / GRAVITY, FREE_SHARE * TILE_SIDE, 0.01)
-    points = np.stack([u * END_TIME - behind, np.zeros(len(behind))], axis=1)
-    line = tile.interpolate(eta, points)
-    k = np.flatnonzero(line[1:] * line[:-1] < 0.0)
-    zeros = behind[k]
+    line = tile.interpolate(eta, np.stack([u * END_TIME - behind, np.zeros(len(behind))], axis=1))
+    zeros = behind[np.flatnonzero(line[1:] * line[:-1] < 0.0)]
     return behind, line, 2.0 * float((zeros[-1] - zeros[0]) / (len(zeros) - 1))
 
 

@@ -165,7 +165,6 @@ def compare_wave(times: np.ndarray, share: np.ndarray, viscosity: float) -> Find
     """Compare period and decay of `share` (n,), `amplitude_share` at times (n,), with theory for a viscosity [m2/s]."""
     period, rate = DEEP_WAVE.fit_damped_cosine(times, share)
     expected, root = DEEP_WAVE.leading_rate(viscosity), DEEP_WAVE.viscous_root(viscosity)
-    effective = rate / DEEP_WAVE.leading_rate(1.0)
     per_period, wanted = DEEP_WAVE.amplitude_ratio(rate), DEEP_WAVE.amplitude_ratio(expected)
     numbers = (
         percent_error(period, DEEP_WAVE.steep_period(root, times)),
@@ -173,6 +172,6 @@ def compare_wave(times: np.ndarray, share: np.ndarray, viscosity: float) -> Find
         percent_error(rate, -root.real) if viscosity else absolute_error(rate),
         percent_error(rate, expected) if viscosity else absolute_error(rate),
         percent_error(per_period, wanted),
-        absolute_error(effective, viscosity),
+        absolute_error(rate / DEEP_WAVE.leading_rate(1.0), viscosity),
     )
     return DEEP_WAVE.finding(numbers, times, share, expected)

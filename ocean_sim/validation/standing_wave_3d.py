@@ -63,5 +63,4 @@ def measure_wave(simulation: Simulation, wave: StandingWave, viscosity: float) -
     period, rate = wave.fit_damped_cosine(times, share)
     expected = wave.leading_rate(viscosity)
     right = wave.steep_period(wave.viscous_root(viscosity), times) if wave is DEEP_WAVE else wave.period
-    numbers = (percent_error(period, right), percent_error(rate, expected))
-    return wave.finding(numbers, times, share, expected)
+    return wave.finding((percent_error(period, right), percent_error(rate, expected)), times, share, expected)

@@ -69,9 +69,8 @@ def measure(simulation: Simulation) -> Finding:
     x = np.linspace(-half, half, 2001)[:-1]
     wave, shown = np.cos(K * x), surface.elevations(np.stack([x, np.full_like(x, 0.03)], axis=1))
     spacing = particles.spacing
-    offset = float(shown.mean()) / spacing
     apart = float(np.sqrt(np.mean((shown - AMPLITUDE * wave) ** 2))) / spacing
     height = percent_error(4.0 * float(np.mean(shown * wave)), 2.0 * AMPLITUDE)
-    numbers = (height, absolute_error(offset), absolute_error(apart))
-    of_slab, of_water = Curve("surface", x, shown), Curve("water", x, AMPLITUDE * wave)
-    return Finding(numbers, [of_slab], [of_water], ("x [m]", "elevation [m]"))
+    numbers = (height, absolute_error(float(shown.mean()) / spacing), absolute_error(apart))
+    expected = [Curve("water", x, AMPLITUDE * wave)]
+    return Finding(numbers, [Curve("surface", x, shown)], expected, ("x [m]", "elevation [m]"))

@@ -26,14 +26,11 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
+    spacing = 0.04 if coarse else 0.02
     scene = {
         "duration": 1.0,
         "basin": free_space(1.0, 1.0) | {"walls": {"x": "periodic", "y": "periodic"}},
-        "fluid": {
-            "spacing": 0.04 if coarse else 0.02,
-            "kinematic_viscosity": SPEED / REYNOLDS,
-            "reference_speed": SPEED,
-        },
+        "fluid": {"spacing": spacing, "kinematic_viscosity": SPEED / REYNOLDS, "reference_speed": SPEED},
     }
     return [Problem(scene, PROMISES, measure)]
 

@@ -47,14 +47,11 @@ PROMISES = tuple(
 
 def problems(coarse: bool) -> list[Problem]:
     left = -TANK_LENGTH * HEIGHT / 2
+    fill = [{"min": [left, -HEIGHT], "max": [left + 2.0 * HEIGHT, 0.0]}]
     scene = {
         "duration": END_TIME / TIME_SCALE,
         "basin": {"length": TANK_LENGTH * HEIGHT, "depth": HEIGHT},
-        "fluid": {
-            "spacing": HEIGHT / (20 if coarse else 80),
-            "rest_density": DENSITY,
-            "fill": [{"min": [left, -HEIGHT], "max": [left + 2.0 * HEIGHT, 0.0]}],
-        },
+        "fluid": {"spacing": HEIGHT / (20 if coarse else 80), "rest_density": DENSITY, "fill": fill},
     }
     return [Problem(scene, PROMISES, measure)]
 

@@ -126,7 +126,6 @@ def particle_room(config: SceneConfig, rows: list[LedgerRow], particles: int) ->
 
 def ship_facts(config: SceneConfig) -> dict[str, dict[str, Any]]:
     """Displacement, draught, metacentric heights and natural periods of each ship with a hull, by her name."""
-    found = {name: ship.floats(config.preflight) for name, ship in config.ships.items()}
     spacing = config.preflight.spacing
     return {
         name: {
@@ -138,8 +137,8 @@ def ship_facts(config: SceneConfig) -> dict[str, dict[str, Any]]:
             "gm_of_faces_m": each.gm_of_faces,
             "periods_s": each.periods,
         }
-        for name, each in found.items()
-        if each is not None
+        for name, ship in config.ships.items()
+        if (each := ship.floats(config.preflight)) is not None
     }
 
 

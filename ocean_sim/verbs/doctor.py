@@ -19,7 +19,6 @@ from ocean_sim.runtime import RuntimeConfig, start
 start(RuntimeConfig(arch={arch!r}))
 print(kernel_cache())
 """
-PREVIEW_PROBE = "from ocean_sim.pictures.live.vulkan import require; require(show=False)"
 FILM_PROBE = """
 import subprocess
 from imageio_ffmpeg import get_ffmpeg_exe
@@ -41,11 +40,10 @@ def doctor() -> None:
     backends = [[f"backend {name}", *_row(fact)] for name, fact in found["backends"].items()]
     names = {"vectors": "vectors", "preview": "ggui", "pictures": "opengl", "film": "video"}
     others = [[name, *_row(found[key])] for name, key in names.items()]
-    versions = " ".join(f"{name} {number}" for name, number in found["versions"].items())
     machine = [
         ["machine", "", f"{found['machine']}, {found['cores']} cores, {found['memory_gb']:.1f} GB of memory"],
         ["python", "", f"{found['python']} ({found['executable']})"],
-        ["packages", "", versions],
+        ["packages", "", " ".join(f"{name} {number}" for name, number in found["versions"].items())],
         ["cache", "", found["cache"] or "unknown"],
     ]
     console.table("", ["", "", ""], [*backends, *others, *machine])
@@ -64,7 +62,7 @@ def examine_machine() -> dict[str, Any]:
     return {
         "backends": backends,
         "vectors": vector_row(),
-        "ggui": run_probe(PREVIEW_PROBE),
+        "ggui": run_probe("from ocean_sim.pictures.live.vulkan import require; require(show=False)"),
         "opengl": opengl_row(),
         "video": run_probe(FILM_PROBE),
         "machine": f"{platform.system()} {platform.machine()}",

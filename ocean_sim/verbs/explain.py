@@ -61,8 +61,7 @@ def preset_choice(word: str) -> tuple[str, str] | None:
 
 def with_preset_value(key: Key, slot: str, name: str) -> Key:
     """Copy of a key whose default is the value that preset `name` of a slot sets; the key itself if it sets none."""
-    own = choice_of(slot, node_of(name, Location(name))).base.plain()
-    value = own.get(key.path.split(".")[2])
+    value = choice_of(slot, node_of(name, Location(name))).base.plain().get(key.path.split(".")[2])
     return key if value is None else key._replace(default=in_yaml(value))
 
 
@@ -80,8 +79,7 @@ def suggestion_ending(word: str) -> str:
     above, _, last = word.rpartition(".")
     beside = by_kind(above)
     there = {key.path.rpartition(".")[2] for key in keys_at(beside)} - {beside.rpartition(".")[2]} if above else set()
-    names = known_names(above) if above in SLOTS else []
-    likely = likeliest(last, sorted({*there, *names}))
+    likely = likeliest(last, sorted({*there, *(known_names(above) if above in SLOTS else ())}))
     return f"; did you mean '{above}.{likely}'?" if likely else ""
 
 

@@ -108,9 +108,8 @@ def hull(
     asked = HullOptions(mass, draught, kg, at, density or 0.0, cells, cross, keels, depth, up, bow, scale)
     asked.require_consistent(loading)
     if out is not None and out.suffix.lower() not in PICTURE_SUFFIXES:
-        raise console.Refused(
-            f"--out: {out} is no picture's name: end it in {', '.join(PICTURE_SUFFIXES[:-1])} or {PICTURE_SUFFIXES[-1]}"
-        )
+        ends = f"{', '.join(PICTURE_SUFFIXES[:-1])} or {PICTURE_SUFFIXES[-1]}"
+        raise console.Refused(f"--out: {out} is no picture's name: end it in {ends}")
     condition = None if loading is None else checked(Loading, read_mapping(loading))
     try:
         shape, of_water, fitted = find_hull(name, ship, asked)
@@ -216,8 +215,7 @@ def hull_report(
     solid = shape.shape.closed_mesh()
     if solid is not None:
         notes += [solid.size_sentence(), *solid.remarks]
-    whole = load_ship(shape, asked, condition, notes)
-    afloat = whole.in_still_water(asked.cells, asked.density, GRAVITY)
+    afloat = load_ship(shape, asked, condition, notes).in_still_water(asked.cells, asked.density, GRAVITY)
     notes += outlying_parts(shape, afloat, condition)
     cubes, weight = afloat.voxels, afloat.matter.mass
     if solid is not None:
@@ -366,10 +364,9 @@ def balance_facts(afloat: hydrostatics.Hydrostatics, stability: Stability, cross
         "dry_periods_s": afloat.periods(np.zeros(6)),
     }
     if cross:
-        curves = stability.cross_curves()
         found["cross"] = [
             {"displacement_kg": mass, "kn": [{"heel_deg": h, "kn_m": kn} for h, kn in zip(CROSS_HEELS, levers)]}
-            for mass, levers in curves.items()
+            for mass, levers in stability.cross_curves().items()
         ]
     return found
 
@@ -414,8 +411,7 @@ def print_report(name: str, found: dict[str, Any], notes: list[str], picture: Pa
         ]
         console.table("\nIMO A.749(18), 3.1.2", ["", "", "at least", "met"], asked)
     if found.get("roll_damping"):
-        first = found["roll_damping"][0]
-        heads = ["amplitude [deg]", *(part.replace("_", " ") for part in list(first)[1:])]
+        heads = ["amplitude [deg]", *(part.replace("_", " ") for part in list(found["roll_damping"][0])[1:])]
         rows = [
             [f"{angle:g}", *(f"{100.0 * share:.3f}" for share in shares)]
             for angle, *shares in (row.values() for row in found["roll_damping"])
@@ -458,9 +454,8 @@ def draw_hull(path: Path, shape: Hull, found: dict[str, Any]) -> None:
     curve.axhline(0.0, color="black", linewidth=0.6)
     at = f"draught {found['draught_m']:.3g} m, KG {found['kg_m']:.3g} m" if heels else "she sinks"
     curve.set(xlabel=f"heel to {found.get('gz_to', 'a side')} [deg]", ylabel="GZ [m]")
-    curve.set(
-        title=f"{figures(found['displacement_kg'])} kg, {at}", xlim=(0.0, LAST_HEEL), ylim=(min([*levers, 0.0]), top)
-    )
+    curve.set_title(f"{figures(found['displacement_kg'])} kg, {at}")
+    curve.set(xlim=(0.0, LAST_HEEL), ylim=(min([*levers, 0.0]), top))
     curve.grid(alpha=0.3)
     names = ("x to port [m]", "y up [m]", "z to the bow [m]")
     views = (plan, "waterlines", 1, 7), (body, "body plan: bow right, stern left", 2, 21), (profile, "buttocks", 0, 6)
@@ -476,8 +471,7 @@ def draw_hull(path: Path, shape: Hull, found: dict[str, Any]) -> None:
             axes.add_collection(LineCollection(list(lines), colors="0.35", linewidths=0.7))
         if up == 1 and found["draught_m"] is not None:
             axes.axhline(lower[1] + found["draught_m"], color="C0", linewidth=1.0)
-        axes.set(
-            title=title, xlabel=names[across] if normal != 2 else "half breadth [m]", ylabel=names[up], aspect="equal"
-        )
+        label = names[across] if normal != 2 else "half breadth [m]"
+        axes.set(title=title, xlabel=label, ylabel=names[up], aspect="equal")
         axes.autoscale_view()
     save_figure(figure, path)

@@ -38,8 +38,7 @@ def section_rows(section: str) -> list[dict[str, str]]:
         files = sorted(folder.rglob("*.yaml"))
         found = [(path.relative_to(folder).with_suffix("").as_posix(), "scene", file_sentence(path)) for path in files]
     elif section == "cases":
-        modules = PACKAGE / "validation"
-        found = [(name, "case", module_sentence(modules / f"{name}.py")) for name in case_names()]
+        found = [(name, "case", module_sentence(PACKAGE / "validation" / f"{name}.py")) for name in case_names()]
     elif section == "figures":
         scripts = figure.figure_scripts().items()
         found = [(name, "figure", figure.figure_sentence(path)) for name, path in scripts]

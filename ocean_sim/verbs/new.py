@@ -37,8 +37,7 @@ def new(
     if file.exists():
         raise console.Refused(f"{file}: this file is there already; name another one")
     load(source)  # what is wrong with it is reported first
-    scene = read_mapping(scene_path(source))
-    write_file(file, "\n".join(scene_lines(scene, file)) + "\n")
+    write_file(file, "\n".join(scene_lines(read_mapping(scene_path(source)), file)) + "\n")
     load(file)
     console.reply({"file": file}, f"{file}: try `ocean-sim check {file}`, then `ocean-sim run {file}`")
 

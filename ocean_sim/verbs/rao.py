@@ -155,9 +155,8 @@ def draw_response(path: Path, found: Response, closed: np.ndarray) -> None:
         axes.plot(found.omega, np.where(sure, size, np.nan), ".-", label="this ship")
         axes.plot(found.omega, found.coherence[:, k], ":", color="0.5", linewidth=0.9, label="coherence")
         if name in CLOSED_FORM_MOTIONS:
-            axes.plot(
-                found.omega, closed[:, CLOSED_FORM_MOTIONS.index(name)], "--", linewidth=1.0, label="box, closed form"
-            )
+            theory = closed[:, CLOSED_FORM_MOTIONS.index(name)]
+            axes.plot(found.omega, theory, "--", linewidth=1.0, label="box, closed form")
         axes.set(title=f"{name} [{'m/m' if k < 3 else 'rad per wave slope'}]", ylim=(0.0, None))
         axes.set_xlabel("frequency of encounter [rad/s]" if k > 2 else "")
         axes.grid(alpha=0.3)

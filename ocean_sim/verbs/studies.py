@@ -58,8 +58,7 @@ def stability(
             raise console.Refused(f"{scene}: this scene has no setting to take to an extreme")
         console.say(f"{len(plan)} runs, each on one thread")
         runs, table_file = workers or available_cores(), out / "stability.csv"
-        study = Study(plan, out / "runs", runs, table_file, limit=MAX_RUN_SECONDS[quick])
-        table = rows_of(study)
+        table = rows_of(Study(plan, out / "runs", runs, table_file, limit=MAX_RUN_SECONDS[quick]))
         lines = map_summary(table)
         write_table(out / "limits.csv", lines)
         for axis in EXTREME_AXES:

@@ -124,8 +124,7 @@ def study_scene(plan: list[Setting], limit: Budget | None, by: str | None, quick
         for row in sorted(rows, key=lambda row: row["wall_per_s"] or 0.0)
     ]
     labels = [*map(scenes.measure_label, known)]
-    heads = ["setting", *CLOCK_COLUMNS[:3], labels[0], "its spread", *labels[1:4], ""]
-    console.table("", heads, lines)
+    console.table("", ["setting", *CLOCK_COLUMNS[:3], labels[0], "its spread", *labels[1:4], ""], lines)
     if told := scenes.clock_note(rows):
         console.say(f"warning: {told}")
     if limit is not None:

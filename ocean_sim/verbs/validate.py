@@ -91,11 +91,8 @@ def validate(
 
 def scheme_pairs(case: str, schemes: list[str], slow: bool, coarse: bool) -> list[tuple[Problem, str]]:
     """Pairs (set-up, scheme) of a case, sorted by scheme: those that will run; `slow`, `coarse`: see `problems`."""
-    pairs = [
-        (problem, scheme)
-        for problem in problems(case, slow=slow, coarse=coarse)
-        for scheme in problem.schemes_for(schemes)
-    ]
+    found = problems(case, slow=slow, coarse=coarse)
+    pairs = [(problem, scheme) for problem in found for scheme in problem.schemes_for(schemes)]
     return sorted(pairs, key=lambda pair: (schemes or pair[0].schemes).index(pair[1]))
 
 
@@ -150,14 +147,11 @@ def omission_sentences(plan: dict[str, list[tuple[Problem, str]]], schemes: list
     slow: dict[str, list[str]] = {}
     for case, pairs in plan.items():
         ran = {problem.name for problem, _ in pairs}
-        more = {
-            p.name: None
-            for p in problems(case, slow=True, coarse=coarse)
-            if p.schemes_for(schemes) and p.name not in ran
-        }
+        every = problems(case, slow=True, coarse=coarse)
+        more = dict.fromkeys(p.name for p in every if p.schemes_for(schemes) and p.name not in ran)
         if more:
             slow[case] = list(more) if pairs else []
-        elif coarse and not problems(case, slow=True, coarse=True):
+        elif coarse and not every:
             yield f"{case} {NOT_COARSE}"
         elif not pairs:
             yield f"{case}: nothing to run under these schemes"

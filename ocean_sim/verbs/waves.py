@@ -135,9 +135,8 @@ def particle_orbits(path: Path, folder: Path, begin: float, period: float | None
         for name, level, o in sorted(zip(names, found.level_m, found.orbits), key=lambda row: -row[1])
     ]
     csv_file.write_table(folder / "orbits.csv", ORBIT_COLUMNS, rows)
-    some = rows[:: max(1, len(rows) // 10)]
     title = f"{path}: orbits under waves of {period:.4g} s (half length and height, and drift)"
-    console.table(title, ORBIT_COLUMNS, some)
+    console.table(title, ORBIT_COLUMNS, rows[:: max(1, len(rows) // 10)])
     if found.decay_per_m is not None:
         console.say(f"orbits shrink with depth as exp({found.decay_per_m:.4g} y)")
     return [folder / "orbits.csv"]
@@ -189,8 +188,7 @@ def wind_text(path: Path) -> str | None:
         if wind.get("tau") is not None:
             return f"wind: a physical stress of {wind['tau']:g} Pa, times a gain of {gain}"
         speed = f"{stated_speed(wind['u10'], None):g} m/s" if wind["schedule"] is None else "by a schedule"
-        law = wind["drag_law"] or LAW
-        return f"wind: a physical stress, U10 {speed}, law {law}, times a gain of {gain}"
+        return f"wind: a physical stress, U10 {speed}, law {wind['drag_law'] or LAW}, times a gain of {gain}"
     return "no wind" if wind["kind"] == "still" else f"wind: {wind['kind']}, a stylised force field"
 
 

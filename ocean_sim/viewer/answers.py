@@ -17,14 +17,13 @@ from ocean_sim.reading.scene import SceneConfig
 from ocean_sim.viewer.protocol import Waves
 from ocean_sim.waves.exchange import WaveField
 
-GENERAL_KEYS = ("seed", "duration")
 SHOWN_TRAITS = ("unit", "meaning", "range", "choices")  # of a key
 SLOPE_STEP = 0.5  # [spacings] of the water, on either side of a point
 
 
 def key_table(scene: SceneConfig) -> list[dict[str, Any]]:
     """Rows of `key`, `value`, `unit`, `meaning`, `range`, `choices` for all numbers, words and switches of a scene."""
-    rows = [key_row(by_path()[name], name, getattr(scene, name)) for name in GENERAL_KEYS]
+    rows = [key_row(by_path()[name], name, getattr(scene, name)) for name in ("seed", "duration")]
     for name, part in {"basin": scene.basin, **scene.parts(), "runtime": scene.runtime}.items():
         rows += model_rows(name, f"{slot_of(name)}.{part.kind}" if isinstance(part, KindConfig) else name, part)
     return rows

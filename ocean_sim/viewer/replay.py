@@ -97,8 +97,7 @@ class Recorded:
             "scalars": np.nan_to_num(scalars, nan=np.nan).astype(np.float32),
         }
         boxes: dict[str, Any] = {"height": {"delta": True, "low": -top, "high": top}}
-        platform = self.platform_commands(np.array(times))
-        if platform is not None:
+        if (platform := self.platform_commands(np.array(times))) is not None:
             arrays["platform"] = platform
         if foams:
             arrays["foam"] = moment_differences(np.rint(255.0 * np.clip(foams, 0.0, 1.0)).astype(np.int16))
@@ -116,14 +115,13 @@ class Recorded:
             pace = np.zeros((len(particles), most), np.float32)
             for k, each in enumerate(particles):
                 whole_run[k, : len(each)], pace[k, : len(each)] = each, np.nan_to_num(speeds[k][:, 0])
-            fastest = max(0.5, float(np.quantile(pace, 0.999)))
-            header["fastest"] = fastest
+            header["fastest"] = fastest = max(0.5, float(np.quantile(pace, 0.999)))
             wide = np.maximum(0.5 * (high - low), FULL_SCALE * RESOLUTIONS[1])
             middle = 0.5 * (high + low)
-            boxes["particles"] = {"delta": True, "low": (middle - wide).tolist(), "high": (middle + wide).tolist()}
-            boxes["particles"] |= {"every": PARTICLE_INTERVAL}
+            low, high = middle - wide, middle + wide
             boxes["speed"] = {"delta": True, "every": PARTICLE_INTERVAL}
-            places = box_positions(whole_run, (middle - wide).astype(np.float32), (middle + wide).astype(np.float32))
+            boxes["particles"] = boxes["speed"] | {"low": low.tolist(), "high": high.tolist()}
+            places = box_positions(whole_run, low.astype(np.float32), high.astype(np.float32))
             tints = (np.minimum(pace / fastest, 1.0) * 31.0).astype(np.int16) * 8
             while True:
                 kept = slice(None, None, every)

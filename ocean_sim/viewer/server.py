@@ -42,14 +42,12 @@ SECURITY_POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src 'self' data: blob:; "
     "connect-src 'self' {socket}; base-uri 'none'; form-action 'none'"
 )
-NO_FRAMES = "; frame-ancestors 'none'"
 ANSWER_HEADERS = {
     "Cache-Control": "no-cache",
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
     "Cross-Origin-Resource-Policy": "same-origin",
 }
-NO_FILES = (errno.EMFILE, errno.ENFILE)
 
 File = Callable[[], bytes]  # the content of an address
 
@@ -151,7 +149,7 @@ class Server(AbstractContextManager["Server"]):
         except ImportError:
             raise Lacking("the page needs aiohttp: pip install 'ocean-sim[browser]'") from None
         self.files, self.host, self.token, self.hello = files, host, token, dict(hello or {})
-        self.policy, self.full = SECURITY_POLICY + ("" if framed else NO_FRAMES), False
+        self.policy, self.full = SECURITY_POLICY + ("" if framed else "; frame-ancestors 'none'"), False
         self.all: dict[int, Watcher] = {}
         self.inbox: deque[Order] = deque()
         self.arrived = threading.Event()  # a command, or a watcher
@@ -269,7 +267,7 @@ class Server(AbstractContextManager["Server"]):
     def handle_loop_failure(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
         """Failure handler: log once that too many files are open, as asyncio tries again; leave the rest to asyncio."""
         failure = context.get("exception")
-        if not (isinstance(failure, OSError) and failure.errno in NO_FILES):
+        if not (isinstance(failure, OSError) and failure.errno in (errno.EMFILE, errno.ENFILE)):
             loop.default_exception_handler(context)
         elif not self.full:
             self.full = True
@@ -343,10 +341,8 @@ class Server(AbstractContextManager["Server"]):
                 self.helm = 0
             self.tell_helm()
             with suppress(Exception):
-                await socket.close(
-                    code=1008 if socket.close_code is None else 1000,
-                    message=why.encode("ascii", "replace")[:REASON_BYTES],
-                )
+                code = 1008 if socket.close_code is None else 1000
+                await socket.close(code=code, message=why.encode("ascii", "replace")[:REASON_BYTES])
         return socket
 
     def receive(self, watcher: Watcher, text: str) -> None:

@@ -173,9 +173,8 @@ class Session(AbstractContextManager["Session"]):
 
     def follow_routes(self) -> None:
         """Tell the pages when a ship begins the next leg of her route; at the route's end, put her rudder amidships."""
-        simulation = self.simulation
         for name, pilot in list(self.pilots.items()):
-            if pilot.has_arrived(simulation.ships[name].body):
+            if pilot.has_arrived(self.simulation.ships[name].body):
                 self.steer_amidships(name)
                 self.say(f"{name}: the end of the route")
                 self.tell_panel()
@@ -348,8 +347,7 @@ class Session(AbstractContextManager["Session"]):
             self.server.tell(watcher, type="problems", problems=[])
 
     def tell_problems(self, watcher: int, error: SceneError) -> None:
-        rows = [each._asdict() for each in error.problems[:100]]
-        self.server.tell(watcher, type="problems", problems=rows)
+        self.server.tell(watcher, type="problems", problems=[each._asdict() for each in error.problems[:100]])
 
     def save_scene(self, name: str) -> None:
         """Save the scene being played as `name`.yaml: text, or all keys if some are overridden. Failed if it exists."""
@@ -424,8 +422,7 @@ def load_within_memory(source: Source) -> SceneConfig:
 def wind_name(source: Source) -> str:
     """Name of the wind preset that a source uses, or SCENE_WIND if its wind is not a preset."""
     written = parse_mapping(source.text, source.name).data.get("wind")
-    wind = source.overrides.get("wind", written)
-    name = plain_value(wind)
+    name = plain_value(source.overrides.get("wind", written))
     if any(key.startswith("wind.") for key in source.overrides) or not isinstance(name, str | None):
         return SCENE_WIND
     return name or "still"

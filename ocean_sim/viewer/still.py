@@ -26,7 +26,6 @@ from ocean_sim.pictures.water import sea_state, water_glsl, water_shading, water
 from ocean_sim.viewer.protocol import PROTOCOL_VERSION, box_positions, packet
 from ocean_sim.waves import Components
 
-STATIC_FOLDER = Path(__file__).parent / "static"
 SCRIPT_NAMES = ("math", "packets", "draw", "world", "cameras", "plots", "editor", "xr", "app")
 GAP_CELLS, GAP_REACH = 64, 3.0  # side of the map of distances to a hull at rest [cells], margin around it [m]
 MAX_FAR_WAVES = 40  # plane waves of the sea around the basin
@@ -173,11 +172,8 @@ class StaticScene:
             "rippleVariance": 0.0 if self.tank else water_shading.slope_variance(wind),
             "rippleLongest": float(np.clip(2.0 * resolved, *RIPPLE_LENGTHS)),
         }
-        known = {
-            "waves": json_numbers(rows),
-            "exact": self.waves is not None,
-            "ramp": self.waves.ramp if self.waves else 0.0,
-        }
+        ramp = self.waves.ramp if self.waves else 0.0
+        known = {"waves": json_numbers(rows), "exact": self.waves is not None, "ramp": ramp}
         return known, {name: json_numbers(np.asarray(value, dtype=float).T) for name, value in uniforms.items()}
 
 
@@ -211,8 +207,7 @@ def sky_packet() -> bytes:
 def shared_exponent(image: np.ndarray) -> np.ndarray:
     """RGB image (rows, columns, 3) as uint32 pixels in OpenGL's RGB9_E5: three 9-bit mantissas, a 5-bit exponent."""
     colours = np.clip(image, 0.0, 65000.0)
-    largest = colours.max(axis=-1)
-    exponent = np.clip(np.ceil(np.log2(np.maximum(largest, 2.0**-16))), -15, 16)
+    exponent = np.clip(np.ceil(np.log2(np.maximum(colours.max(axis=-1), 2.0**-16))), -15, 16)
     unit = 2.0 ** (exponent - 9)
     parts = np.minimum(np.rint(colours / unit[..., None]), 511).astype(np.uint32)
     stored = (exponent + 15).astype(np.uint32)
@@ -233,7 +228,7 @@ def json_numbers(value: Any) -> Any:
 @cache
 def page_file(name: str) -> str:
     """Text of one of the page's files in the folder `static`, such as index.html."""
-    return (STATIC_FOLDER / name).read_text(encoding="utf-8")
+    return (Path(__file__).parent / "static" / name).read_text(encoding="utf-8")
 
 
 def page_document(title: str, start: dict[str, Any], data: dict[str, bytes] | None = None) -> bytes:
@@ -242,14 +237,13 @@ def page_document(title: str, start: dict[str, Any], data: dict[str, bytes] | No
         f'<script type="application/octet-stream" id="{name}">{base64.b64encode(content).decode()}</script>\n'
         for name, content in (data or {}).items()
     )
-    program = "".join(page_file(f"{name}.js") for name in SCRIPT_NAMES)
     given = json.dumps(start, allow_nan=False).replace("<", "\\u003c")
     contents = {
         "<!--title-->": html.escape(title),
         "/*style*/": page_file("style.css"),
         "<!--data-->": held,
         "/*start*/": f"const START = {given};",
-        "/*program*/": program,
+        "/*program*/": "".join(page_file(f"{name}.js") for name in SCRIPT_NAMES),
     }
     places = "|".join(map(re.escape, contents))
     return re.sub(places, lambda place: contents[place[0]], page_file("index.html")).encode(errors="replace")

@@ -46,12 +46,10 @@ def level_ratio(position: np.ndarray, spacing: float, basin: Basin, time: float)
         return float("nan")
     axes = [0, 2][: basin.dimension - 1]
     lower, size = np.array(basin.lower), np.subtract(basin.upper, basin.lower)[axes]
-    counts = np.maximum(1.0, np.round(size / (LEVEL_COLUMN_WIDTH * spacing)))
-    side = size / counts
+    side = size / np.maximum(1.0, np.round(size / (LEVEL_COLUMN_WIDTH * spacing)))
     place = np.floor((position[:, axes] - lower[axes]) / side).astype(np.int64)
     place -= place.min(axis=0)
-    column = place @ [1, *(place.max(axis=0) + 1)[:-1]]
-    held = np.unique(column, return_counts=True)[1]
+    held = np.unique(place @ [1, *(place.max(axis=0) + 1)[:-1]], return_counts=True)[1]
     tall = np.maximum(held * spacing**basin.dimension / side.prod(), spacing)  # of each column's water at rest [m]
     foot = lower[1] if basin.ground is None else basin.ground.heights(position[:, [0, 2]])
     places = np.where([True, False, True], spacing * np.round(position / spacing), position)  # few columns for meshes
@@ -219,7 +217,5 @@ def has_driving_walls(basin: Basin) -> bool:
 def gains_energy(simulation: Simulation) -> bool:
     """True if wind, moving walls or obstacles, ships, inflow or a body force may give energy to the water."""
     scene, basin = simulation.scene, simulation.basin
-    moved = has_driving_walls(basin) or basin.gates or simulation.ships
-    return bool(
-        not scene.wind.still or moved or scene.fluid.driven or not basin.has_potential(scene.fluid.steady_force)
-    )
+    moved = bool(has_driving_walls(basin) or basin.gates or simulation.ships or scene.fluid.driven)
+    return moved or not scene.wind.still or not basin.has_potential(scene.fluid.steady_force)

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from ocean_sim.platform import Commands
     from ocean_sim.simulation import Simulation
 
-REAL_TYPES = (float, np.floating)
 LEGEND_FILE = Path(__file__).with_name("legends.yaml")
 TIME_TOLERANCE = 1.0e-9  # of `every`: a time so little short of a multiple has reached it
 
@@ -42,7 +41,7 @@ def legend(name: str, **known: object) -> dict[str, object]:
 @lru_cache(maxsize=1000)
 def row_format(kinds: tuple[type, ...]) -> str:
     """Format string for a row of values of these types; real numbers get nine significant digits on every machine."""
-    return ",".join("%.9g" if issubclass(kind, REAL_TYPES) else "%s" for kind in kinds)
+    return ",".join("%.9g" if issubclass(kind, float | np.floating) else "%s" for kind in kinds)
 
 
 class CsvFile:

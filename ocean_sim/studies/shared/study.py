@@ -44,9 +44,8 @@ _over = Event()  # the caller has stopped: start nothing
 def run_address(order: dict[str, Any]) -> str:
     """Folder name of an order (job description): hash of its content, except MACHINE_KEY, and of the package."""
     content = {key: value for key, value in order.items() if key != MACHINE_KEY}
-    return hashlib.sha256(
-        json.dumps([installed_version("ocean-sim") or "", program_hash(), content], sort_keys=True).encode()
-    ).hexdigest()[:16]
+    text = json.dumps([installed_version("ocean-sim") or "", program_hash(), content], sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def run_answers(
@@ -212,10 +211,8 @@ def write_table(path: Path, rows: list[dict[str, Any]]) -> None:
 
 def read_table(path: Path) -> list[dict[str, Any]]:
     """Rows of a CSV file that `write_table` has written; an empty cell is None."""
-    return [
-        {key: parse_cell(text) for key, text in row.items()}
-        for row in csv_file.read_records(input_file.read_text(path))
-    ]
+    rows = csv_file.read_records(input_file.read_text(path))
+    return [{key: parse_cell(text) for key, text in row.items()} for row in rows]
 
 
 def parse_cell(text: str) -> Any:

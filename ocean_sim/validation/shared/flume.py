@@ -14,14 +14,10 @@ MIN_FIT_SHARE = 1e-3  # regularisation: amplitude over the largest that the reco
 
 def flume_scene(length: float, depth: float, spacing: float, duration: float, piston: dict[str, Any]) -> dict[str, Any]:
     """Scene of a flume: length, depth, spacing [m], duration [s]; `piston`: keys of its wavemaker but the wall."""
+    maker = {"wall": "x_min", **piston}
     return {
         "duration": duration,
-        "basin": {
-            "length": length,
-            "depth": depth,
-            "walls": {"x_max": "absorbing"},
-            "wavemaker": {"wall": "x_min", **piston},
-        },
+        "basin": {"length": length, "depth": depth, "walls": {"x_max": "absorbing"}, "wavemaker": maker},
         "fluid": {"spacing": spacing, "kinematic_viscosity": 1e-6},
     }
 
@@ -53,8 +49,7 @@ def reflection_ratio(
     """
     n, m = elevation.shape
     time = every * np.arange(n)
-    frequency = np.arange(*band, 1.0 / (FREQUENCY_DENSITY * time[-1]))
-    omega = 2.0 * np.pi * frequency
+    omega = 2.0 * np.pi * np.arange(*band, 1.0 / (FREQUENCY_DENSITY * time[-1]))
     k = waves.wavenumber(omega, depth)
 
     def wave_columns(x: np.ndarray, way: float) -> np.ndarray:

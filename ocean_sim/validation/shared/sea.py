@@ -17,10 +17,9 @@ SPECTRAL_SCHEMES = ("spectral_sea",)
 def tile_scene(side: float, cells: int, slice_: bool = False, depth: float = 500.0, **keys: Any) -> dict[str, Any]:
     """Scene of a tile of open sea, `side` [m] long with `cells` grid cells along it, of a `depth` [m]; 2-D if `slice_`.
     `keys`: further keys of the fluid; without them the sea is calm."""
-    basin = {"length": side, "depth": depth, "walls": "none"} | ({} if slice_ else {"width": side})
     return {
         "duration": 1.0,
-        "basin": basin,
+        "basin": {"length": side, "depth": depth, "walls": "none"} | ({} if slice_ else {"width": side}),
         "fluid": {"tile": side, "cells": cells, "ramp": 0.0} | keys,
         "runtime": {"precision": "f64"},
     }

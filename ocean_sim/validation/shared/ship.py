@@ -76,8 +76,7 @@ def floating_ship(simulation: Simulation) -> "FloatingShip":
 def set_pose(simulation: Simulation, **changes: Any) -> None:
     """Replace fields of the ship's body by `changes`; velocity and angular momentum become 0 unless given."""
     ship = ship_of(simulation)
-    still = {"velocity": np.zeros(3), "angular_momentum": np.zeros(3)}
-    ship.body = replace(ship.body, **(still | changes))
+    ship.body = replace(ship.body, **({"velocity": np.zeros(3), "angular_momentum": np.zeros(3)} | changes))
 
 
 class ImposedMotion(NamedTuple):

@@ -130,9 +130,8 @@ def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
         shown.add_column(column, justify="right" if numbers else "left", overflow="fold")
     for row in rows:
         shown.add_row(*row)
-    width = None if sys.stdout.isatty() else 140
     with NAMED_OUTPUT:
-        Console(width=width, markup=False, highlight=False).print(shown)
+        Console(width=None if sys.stdout.isatty() else 140, markup=False, highlight=False).print(shown)
 
 
 def cell(value: Any, missing: str = "") -> str:

@@ -144,8 +144,7 @@ def draw_workspace(done: Commands, machine: HexapodPlatform) -> Any:
     pose = in_degrees(done.pose)
     for axis, (one, other) in zip(axes.flat, WORKSPACE_PAIRS):
         across, up, usage = stroke_usage_grid(machine, one, other)
-        levels = [0.0, 0.25, 0.5, 0.75, 1.0]
-        shades = axis.contourf(across, up, usage, levels, cmap="Blues_r", alpha=0.6)
+        shades = axis.contourf(across, up, usage, [0.0, 0.25, 0.5, 0.75, 1.0], cmap="Blues_r", alpha=0.6)
         axis.contour(across, up, usage, [1.0], colors="k", linewidths=1.0)
         axis.plot(pose[:, one], pose[:, other], color="#d1601f", lw=0.8)
         inside = usage <= 1.0

@@ -106,7 +106,6 @@ class Progress(OutcomeObserver):
         start = self.wall if self.first is None else self.first[0] - self.began
         after = perf_counter() - self.began - self.wall
         wall = {"start": start, "steps": self.wall - start, "pictures": after, "total": self.wall + after}
-        shares = {name: count / self.limits.total() for name, count in self.limits.most_common()}
         return {
             "particles": self.particles,
             "steps": self.steps,
@@ -114,7 +113,7 @@ class Progress(OutcomeObserver):
             "since_s": self.since,
             "wall_s": wall,
             "real_time_factor": self.factor,
-            "limited_by": shares,
+            "limited_by": {name: count / self.limits.total() for name, count in self.limits.most_common()},
             "unsolved": self.unsolved,
         }
 

@@ -300,7 +300,7 @@ def _slot_schema(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:
         if MEANT.get(slot) != kind:
             definition = definitions[f"{slot}.{kind}"]
             definition["required"] = ["kind", *definition.get("required", [])]
-    choices += [_preset_schema(slot, name, definitions) for name in sorted({*named(slot)} - {*kinds(slot)})]
+    choices += [_preset_schema(slot, name, definitions) for name in sorted(set(named(slot)) - set(kinds(slot)))]
     return {"description": (module.__doc__ or "").split(":")[0], "anyOf": [*choices, {"type": "null"}]}
 
 

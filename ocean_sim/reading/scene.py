@@ -98,7 +98,7 @@ class SceneConfig(Heading):
         known, word, arch = self._preflight, WORD_BYTES[self.runtime.precision], self.runtime.arch
         facts = self.parts(), self.basin, word, self.duration, arch
         if known is None or (known.parts, known.tank.config, known.word, known.duration, known.arch) != facts:
-            known = self._preflight = SceneFacts(facts[0], self.basin.build(self.sea), *facts[2:])
+            known = self._preflight = SceneFacts(self.parts(), self.basin.build(self.sea), word, self.duration, arch)
         return known
 
     def ledger(self) -> list[LedgerRow]:

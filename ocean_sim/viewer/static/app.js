@@ -197,6 +197,7 @@ function link() {
 // Whether the simulation goes on, beside the title.
 function doing() {
   const { panel } = state, what = !state.worlds.length ? `building, ${short(performance.now() / 1000)} s` : state.back ? "looking back" : !panel?.paused ? "live" : Math.abs(live.history.end - panel.duration) < 0.1 ? "scene's end" : "paused";
+  $("link").classList.toggle("still", !!panel?.paused);
   $("link").textContent = !state.connected ? "looking for the server" : state.watchers > 1 ? `${what}, ${state.watchers} watching` : what;
 }
 
@@ -449,7 +450,7 @@ function steer(throttle, rudder) {
   const world = state.worlds[0], ship = world?.ships[camera.ship];
   if (!ship || !LIVE || !mayTouch()) return;
   toLive();
-  if (state.paused) say("Paused: she answers when you press Space.");
+  if (state.paused) say("Paused: she answers when play goes on (Space).");
   state.throttle = clamp(throttle, -1, 1);
   state.rudder = clamp(rudder, -0.611, 0.611);
   state.steered = performance.now();

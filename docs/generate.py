@@ -476,7 +476,7 @@ def figures() -> str:
     from ocean_sim.verbs.figure import figure_sentence as shows
 
     took = {row["figure"]: [row["full_s"], row["fast_s"]] for row in rows_of("figures")}
-    cells = []
+    shown = []
     for name, path in figure_scripts().items():
         if name[0].isdigit():
             what = (shows(path).partition(": ")[2] or shows(path)).removesuffix(": CSV and PNG.").rstrip(".")
@@ -488,13 +488,14 @@ def figures() -> str:
                 else ""
             )
             time = f" {full} of processor time, {fast} with `--fast`." if full else ""
-            cells.append([picture, f"**{name}** {what[0].upper()}{what[1:]}. `ocean-sim figure {name}`:{time}{thesis}"])
+            said = f"{what[0].upper()}{what[1:]}. `ocean-sim figure {name}`:{time}{thesis}"
+            shown.append(f"## Figure {name}\n\n{picture}\n\n{said}\n")
     left = [[name, why] for name, why in NO_FIGURE.items()]
     return "\n".join(
         [
             "# The thesis, figure by figure\n",
             (DOCS / "figures.md.in").read_text(encoding="utf-8"),
-            framed(table(["made with `--fast`", "figure"], cells), "pictures"),
+            *shown,
             "## Not drawn\n",
             table(["figure", "is"], left),
         ]

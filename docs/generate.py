@@ -32,7 +32,7 @@ SCHEMES = ("mueller", "delta_sph", "dfsph")  # of particles, whose laws have ter
 NUMBERS = {
     "3-7": "the transmitted angle ends at 48.59 degrees; asin(1 / 1.333) is 48.61",
     "6-1": "6000 particles; 32 x 6 x 32 = 6144",
-    "6-2": "none, but the cloth is said to be the cheaper: of cubes' time it takes a quarter here, "
+    "6-2": "none, but the cloth is said to be the cheaper: of cubes' time it takes a seventh here, "
     "and a tenth [on finer water](../guide/surface.md)",
 }
 NO_FIGURE = {

@@ -64,17 +64,21 @@ class Lines(NamedTuple):
 
 def split_lines(text: str) -> Lines:
     """Split a CSV text into comments, heading and rows; the heading is empty if the text has only comments."""
-    written = [line for line in text.splitlines() if line.strip()]
-    comments = [line[1:].partition(":") for line in written if line[0] == "#"]
-    heading, *rows = [line for line in written if line[0] != "#"] or [""]
+    comments = [line[1:].partition(":") for line in text.splitlines() if line.startswith("#")]
+    heading, *rows = [line for _, line in lines_of_cells(text)] or [""]
     return Lines({key.strip(): value.strip() for key, _, value in comments}, heading, rows)
+
+
+def lines_of_cells(text: str) -> list[tuple[int, str]]:
+    """Heading and rows of a CSV text, each with the number of its line; neither blanks, comments nor a first `sep=`."""
+    lines = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and line[0] != "#"]
+    begins_with_sign = lines and lines[0][1].lower().startswith("sep=")  # as spreadsheets begin a file
+    return lines[1:] if begins_with_sign else lines
 
 
 def row_and_line(path: str | Path, k: int) -> str:
     """Text on row `k`, from 0, of a CSV file: its number, and that of its line in an editor."""
-    lines = enumerate(input_file.read_text(path).lower().splitlines(), 1)
-    numbers = [n for n, line in lines if line.strip() and not line.startswith(("#", "sep="))]
-    return f"row {k + 1} (line {numbers[k + 1]})"
+    return f"row {k + 1} (line {lines_of_cells(input_file.read_text(path))[k + 1][0]})"
 
 
 class Table(dict[str, np.ndarray]):
@@ -88,8 +92,6 @@ class Table(dict[str, np.ndarray]):
         """`renamed`: new names of columns, by their names in the file; Unreadable if one is not there."""
         self.path = path
         self.head, names, self.rows = split_lines(input_file.read_text(path))
-        if names.lower().startswith("sep=") and self.rows:  # as spreadsheets begin a file
-            names, *self.rows = self.rows
         if not self.rows:
             raise WHOLE_TABLE_RULE.broken(path, "it has no rows under a heading")
         self.separator = find_separator(names, self.rows[0])
@@ -159,9 +161,11 @@ class Table(dict[str, np.ndarray]):
         time, *found = self.finite(TIME_COLUMN, *wanted)
         if len(time) < fewest:
             raise WHOLE_TABLE_RULE.broken(self.path, f"it has {len(time)} rows, and a smooth path needs {fewest}")
-        for k in np.flatnonzero(np.diff(time) <= 0.0).tolist():
-            back = f"{time[k + 1]:.12g} s follows {time[k]:.12g} s in {row_and_line(self.path, k + 1)}"
-            raise RISING_TIMES_RULE.broken(self.path, back)
+        back = np.flatnonzero(np.diff(time) <= 0.0)
+        if len(back):
+            k = int(back[0])
+            where = row_and_line(self.path, k + 1)
+            raise RISING_TIMES_RULE.broken(self.path, f"{time[k + 1]:.12g} s follows {time[k]:.12g} s in {where}")
         return [time, *found]
 
     def like_radians(self) -> list[str]:

@@ -22,6 +22,7 @@ except ImportError:
 
 USAGE = "usage: python -m ocean_sim.gym.unit [FOLDER]\nWrites OceanBoat.fmu into the folder, by default this one."
 WATER_DEPTH, MAX_STEP = 50.0, 0.1  # [m], and at most [s] at once
+INPUT_NAMES = ("helm", "throttle")
 OUTPUT_NAMES = ("surge", "sway", "heave", "roll", "pitch", "yaw", "speed", "elevation")
 PARAMETERS = {"significant_height": 1.0, "peak_period": 6.0, "heading_deg": 0.0, "seed": 0.0}
 
@@ -39,7 +40,7 @@ class OceanBoat(Fmi2Slave):
             setattr(self, name, value)
             cause = {"causality": Fmi2Causality.parameter, "variability": Fmi2Variability.fixed}
             self.register_variable(Real(name, **cause))
-        for names, causality in ((("helm", "throttle"), Fmi2Causality.input), (OUTPUT_NAMES, Fmi2Causality.output)):
+        for names, causality in ((INPUT_NAMES, Fmi2Causality.input), (OUTPUT_NAMES, Fmi2Causality.output)):
             for name in names:
                 setattr(self, name, 0.0)
                 self.register_variable(Real(name, causality=causality))

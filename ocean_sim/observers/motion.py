@@ -39,6 +39,7 @@ MOMENTS_PER_BATCH = 100  # whose rows are computed together
 MOMENT = Columns(time=1, position=3, orientation=4, acceleration=3, turning=3, spin=3, orders=2)  # then the load
 PLACE, QUATERNION = slice(MOMENT.position, MOMENT.acceleration), slice(MOMENT.orientation, MOMENT.acceleration)
 ACCELERATION, TURNING = slice(MOMENT.acceleration, MOMENT.turning), slice(MOMENT.turning, MOMENT.spin)
+SPIN = slice(MOMENT.spin, MOMENT.orders)
 
 
 def log_name(ship: str) -> str:
@@ -167,7 +168,7 @@ class Log:
         moments[:, QUATERNION] = continuous_signs(moments[:, QUATERNION].T).T
         columns = moments[:, : MOMENT.size].T
         acceleration, turning = columns[ACCELERATION], columns[TURNING]
-        bends = second_derivative(acceleration, turning, columns[MOMENT.spin : MOMENT.orders], columns[QUATERNION])
+        bends = second_derivative(acceleration, turning, columns[SPIN], columns[QUATERNION])
         track = join_moments(columns[MOMENT.time], columns[PLACE], bends, self.velocity)
         rows = []
         if self.due:

@@ -71,9 +71,10 @@ class Config(PlatformConfig):
                 first = next(iter(preflight.ships))
                 yield f"platform: it rides in {first}, the first of the ships; platform.ship names another"
             if self.look_ahead is not None:
-                plan = f"{PLAN_COST * self.look_ahead:.2g} s of a core for each plan"
-                takes = f"a second process takes about {plan if self.look_ahead else 'two thirds of a core'}"
-                yield f"platform: {takes}; in real time `ship` moves the platform where a plan is much too late"
+                cost = PLAN_COST * self.look_ahead
+                share = f"{cost:.2g} s of a core for each plan" if cost else "two thirds of a core"
+                late = "in real time `ship` moves the platform where a plan is much too late"
+                yield f"platform: a second process takes about {share}; {late}"
 
     def cut_short(self, duration: float) -> Iterator[str]:
         """Warn if a run of this duration [s] ends before the platform's initial ramp, which no plan has, does."""

@@ -122,7 +122,7 @@ def key_of_node(path: str, node: dict[str, Any], required: bool) -> Key:
 def bounds_of(node: dict[str, Any]) -> Iterator[str]:
     """Yield the bounds of a number, or of the numbers in a list, by its schema `node`, as text: `> 0`."""
     found = ((sign, node[name]) for name, sign in BOUND_SIGNS.items() if name in node)
-    yield from (f"{sign} {bound if isinstance(bound, int) else f'{bound:g}'}" for sign, bound in found)
+    yield from (f"{sign} {bound if isinstance(bound, int) else format(bound, 'g')}" for sign, bound in found)
     if isinstance(node.get("items"), dict):
         yield from bounds_of(node["items"])
 

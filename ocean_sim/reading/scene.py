@@ -96,9 +96,10 @@ class SceneConfig(Heading):
     def preflight(self) -> SceneFacts:
         """Facts on the whole scene for parts that are not built yet, such as the tank; cached until parts change."""
         known, word, arch = self._preflight, WORD_BYTES[self.runtime.precision], self.runtime.arch
-        facts = self.parts(), self.basin, word, self.duration, arch
+        parts = self.parts()
+        facts = parts, self.basin, word, self.duration, arch
         if known is None or (known.parts, known.tank.config, known.word, known.duration, known.arch) != facts:
-            known = self._preflight = SceneFacts(self.parts(), self.basin.build(self.sea), word, self.duration, arch)
+            known = self._preflight = SceneFacts(parts, self.basin.build(self.sea), word, self.duration, arch)
         return known
 
     def ledger(self) -> list[LedgerRow]:

@@ -29,6 +29,7 @@ from ocean_sim.validation.shared.case import Number, Problem, Promise
 PLAN: dict[str, Any] = read_mapping(Path(__file__).with_suffix(".yaml")).plain()
 RESOLVED_SLOTS = ("fluid", "surface")  # slots whose cases are run coarse and fine
 RESOLUTION_LEVELS = ((True, 1.0), (True, 0.5), (False, 1.0), (False, 0.5))  # coarse set-up or not; resolution over it
+QUICK_LEVELS = 2
 MAX_TIMED_SECONDS = {True: 4.0, False: 120.0}  # quick or not: processor time [s] after which a run is not timed again
 BUSY_CLOCK_RATIO = 1.3  # wall over processor time of one thread beyond which the machine was busy
 MAX_REPEATS = 3  # runs at most; the median time of their parts counts
@@ -109,7 +110,7 @@ def _trial_points(trial: Trial, quick: bool) -> Iterator[CasePoint]:
 def _case_levels(trial: Trial, quick: bool) -> list[tuple[bool, float]]:
     """Resolutions of a case, coarse to fine (`quick`: fewer): (coarse set-up?, factor on its spacing), none twice."""
     spacings: dict[float, tuple[bool, float]] = {}
-    for coarse, factor in RESOLUTION_LEVELS[: 2 if quick else None]:
+    for coarse, factor in RESOLUTION_LEVELS[:QUICK_LEVELS] if quick else RESOLUTION_LEVELS:
         spacing = find_problem(trial.case, trial.set_up, coarse, trial.schemes[0]).scene["fluid"]["spacing"] * factor
         spacings.setdefault(round(spacing, 9), (coarse, factor))
     return list(spacings.values())

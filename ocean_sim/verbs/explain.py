@@ -79,7 +79,8 @@ def suggestion_ending(word: str) -> str:
     above, _, last = word.rpartition(".")
     beside = by_kind(above)
     there = {key.path.rpartition(".")[2] for key in keys_at(beside)} - {beside.rpartition(".")[2]} if above else set()
-    likely = likeliest(last, sorted({*there, *(known_names(above) if above in SLOTS else ())}))
+    names = known_names(above) if above in SLOTS else []
+    likely = likeliest(last, sorted({*there, *names}))
     return f"; did you mean '{above}.{likely}'?" if likely else ""
 
 

@@ -97,10 +97,10 @@ def platform(
                 warnings.append(f"{many}: --ramp {starting:g} begins gently and limits {left:.3g} % of the first")
         force, turns = (" ".join(map("{:g}".format, scale)) for scale in (asked.force_scale, asked.rotation_scale))
         console.say(f"{geometry}, washout {washout}: asks for {force} of acceleration x y z, {turns} of roll pitch yaw")
-        if asked.look_ahead is None:
-            said = [*said, f"from neutral into its motion over {config.ramp:g} s, wherever the log begins"]
         for each in said:
             console.say(f"{log}: {each}")
+        if asked.look_ahead is None:
+            console.say(f"{log}: from neutral into its motion over {config.ramp:g} s, wherever the log begins")
         print_report(done, found, files)
         for sentence in warnings:
             console.say(f"warning: {sentence}")

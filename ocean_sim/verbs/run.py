@@ -35,7 +35,8 @@ def run(
     quiet: Quiet = False,
 ) -> None:
     """Simulate a scene and write its run folder."""
-    overrides = console.set_values([*(sets or []), *([f"motion.frame={frame}"] if frame is not None else [])])
+    axes = [] if frame is None else [f"motion.frame={frame}"]
+    overrides = console.set_values([*(sets or []), *axes])
     if until is not None:
         overrides["duration"] = until_node(until)
     config = load(scene, overrides, profile)

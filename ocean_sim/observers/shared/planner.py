@@ -51,7 +51,7 @@ class Planner:
             self.child.stdin.flush()
             return pickle.load(self.child.stdout)
         except (OSError, EOFError):
-            raise Failed("the process that runs the ship ahead has ended before the run") from None
+            raise Failed("the process that plans for the platform has ended before the run") from None
 
     def ask(self, number: int, until: float, every: float, question: tuple) -> None:
         if self.order is None:

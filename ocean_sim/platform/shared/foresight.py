@@ -12,7 +12,7 @@ from ocean_sim.platform.shared.washing import rest_force
 
 HOLD_TIME = 0.6  # [s] in which what is held dies away
 LAW_STEP, LAW_ORDER = 5, 10  # knots between values of the law, and how many it takes
-MEMORY = 60.0  # [s] of a ride to which the law is fitted
+FITTED_TIME = 60.0  # [s] of a ride, up to now, to which the law is fitted
 OWN_PENALTY, CROSS_PENALTY = 0.3, 30.0  # of squared coefficients of a channel's own last value, and of others'
 LEAST_DEVIATION = 1e-3  # [m/s2], [rad], [rad/s]: less is no motion
 LONGEST_DECAY = 60.0  # [s] of what is predicted
@@ -33,7 +33,7 @@ def predicted_motion(rows: np.ndarray, count: int) -> np.ndarray:
 
     time, end, every = rows[:, 0], rows[-1, 0], LAW_STEP * KNOT_INTERVAL
     channels = np.hstack([rows[:, 1:4] - rest_force(rows[:, 7:10]), rows[:, 7:9], rows[:, 6:7]])
-    known = min(round(MEMORY / every), int((end - time[0]) / every + 1e-6)) + 1
+    known = min(round(FITTED_TIME / every), int((end - time[0]) / every + 1e-6)) + 1
     at = end - every * np.arange(known)[::-1]
     values = np.stack([np.interp(at, time, channel) for channel in channels.T], axis=1)
     size = values.std(axis=0) + LEAST_DEVIATION

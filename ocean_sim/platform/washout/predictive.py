@@ -15,7 +15,7 @@ from pydantic import model_validator
 from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.parts import preset
 from ocean_sim.platform import LATE_PLAN, Cue, Planner, Washout
-from ocean_sim.platform.shared.foresight import MEMORY, held_motion, predicted_motion
+from ocean_sim.platform.shared.foresight import FITTED_TIME, held_motion, predicted_motion
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod
 from ocean_sim.platform.shared.leg_programme import KNOT_INTERVAL, STOP_SHARE, LegPlan, load_solver, motion_at
 from ocean_sim.platform.shared.motion_log import Ride
@@ -26,7 +26,7 @@ FIRST_PASSES = 3  # of the first plan; a later one takes one pass, about the pla
 SAFE_WASHOUT = "ship"  # of configs/washout/, in place of a late plan
 TIME_ROUNDING = 1e-6  # of a period
 GUESSES = {"hold": held_motion, "linear": predicted_motion}  # by `preview`
-GUESSED = {"horizon": 3.0, "period": 0.12}  # [s] in place of the defaults where the motion ahead is a guess
+GUESS_DEFAULTS = {"horizon": 3.0, "period": 0.12}  # [s] in place of the defaults where the motion ahead is a guess
 
 
 class Config(Model):
@@ -49,7 +49,7 @@ class Config(Model):
     @classmethod
     def _defaults(cls, given: Any) -> Any:
         """The keys as `given`, with the defaults of a guess if `preview` is one."""
-        return GUESSED | given if isinstance(given, dict) and given.get("preview") in GUESSES else given
+        return GUESS_DEFAULTS | given if isinstance(given, dict) and given.get("preview") in GUESSES else given
 
     def contradictions(self) -> Iterator[str]:
         knots = self.period / KNOT_INTERVAL
@@ -79,7 +79,7 @@ class Predictive:
         self.safe, self.late, self.plans_legs = safe, False, True  # the latter of all rows of the last call
         self.start, self.number = np.nan, -1  # time of the first row [s], number of the period
         self.planned = 0  # number of the plan
-        self.known = np.zeros((0, 10))  # rows of the last period, or of MEMORY, as `asked_rows` gives them
+        self.known = np.zeros((0, 10))  # rows of the last period, or of FITTED_TIME, as `asked_rows` gives them
 
     def follow(self, ride: Ride, ahead: Ride | Planner | None = None) -> Cue:
         """Requested poses for the next rows of ship motion. `ahead`: rows that follow them, over the whole horizon, or
@@ -103,7 +103,7 @@ class Predictive:
             here = numbers == number
             since = ride.time[here] - self.start - number * period
             pose[here], late[here] = self.plan.poses(np.maximum(since, 0.0) / KNOT_INTERVAL), self.late
-        kept = MEMORY if self.config.preview in GUESSES else period
+        kept = FITTED_TIME if self.config.preview in GUESSES else period
         self.known = past[past[:, 0] >= past[-1, 0] - kept - KNOT_INTERVAL]
         self.plans_legs, limited = not late.any(), np.zeros(len(pose), dtype=int)
         if planner is not None:

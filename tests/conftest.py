@@ -28,6 +28,7 @@ import pytest
 from ocean_sim import runtime
 from ocean_sim.__main__ import run_command_line
 from ocean_sim.kernel_library import ti
+from ocean_sim.pictures.live import vulkan
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.state.snapshot import Restorer, Snapshot
@@ -163,6 +164,13 @@ class Start:
     def put_back(self) -> None:
         arrays = {name: values.copy() for name, values in self.held.arrays.items()}
         Restorer(self.root, self.held.tree, arrays, Path())
+
+
+@pytest.fixture(scope="session")
+def vulkan_there():
+    """Skips where there is no Vulkan; a process is started to see, so only where a test asks."""
+    if not vulkan.draws(show=False):
+        pytest.skip("no Vulkan on this machine")
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -64,7 +64,7 @@ class Config(PeriodicConfig):
 class Preview(Observer, of=Config):
     """Writes numbered pictures into the folder preview/ of a run, drawn as in the window of `ocean-sim preview`."""
 
-    left_out = ("screen",)  # of its checkpoints
+    left_out = ("screen", "panel")  # of its checkpoints: config gives both
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.every, self.multiples = config.every, Multiples(config.every)

@@ -141,7 +141,7 @@ def read_log(path: str | Path) -> MotionLog:
 
 def suggested_command(table: Table) -> str:
     """Clause with the command that reads a log of other software; columns and units guessed from names and values."""
-    names = [name for name in table if not OTHER_QUANTITY.search(name)]
+    names = [name for name in table if name.isprintable() and not OTHER_QUANTITY.search(name)]
     alike = {words.split("|")[0]: next(filter(re.compile(words, re.I).search, names), "") for words in OTHER_NAMES}
     rest = [name for name in names if name not in alike.values()]
     alike["time"] = alike["time"] or next((name for name in rest if like_times(table, name)), "...")

@@ -308,7 +308,7 @@ def test_more_fields_than_taichi_holds_are_no_end():
     """Without a fresh start, the 513th set of fields ends the process."""
     done = subprocess.run([sys.executable, "-c", MANY], capture_output=True, text=True)
     assert done.returncode == 0 and int(done.stdout) == 2, done.stderr
-    never = MANY.replace("begun = set()", "begun = set()\nruntime.TREES = 10_000")
+    never = MANY.replace("begun = set()", "begun = set()\nruntime.MAX_FIELD_SETS = 10_000")
     assert subprocess.run([sys.executable, "-c", never], capture_output=True).returncode < 0  # the negative control
 
 

@@ -75,6 +75,7 @@ class Sea(Fluid):
             clipped=0,
             finite=True,
             swelling=0.0,
+            inner=0,
         )
         self.impulse = {term: np.zeros(3) for term in ("gravity", "walls", "pressure", "viscosity", "wind")}
         self.work = {"gravity": 0.0, "walls": 0.0, "pressure": 0.0, "viscosity": 0.0, "wind": 0.0}

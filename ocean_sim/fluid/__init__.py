@@ -50,6 +50,7 @@ class Status:
     clipped: int  # particles held back by `motion_limit`, since the start
     finite: bool  # no particle has a velocity or density that is not a number
     swelling: float = 0.0  # mean share by which particles inside the water stand thinner than their density says
+    inner: int = 0  # particles so far inside the water that `swelling` counts them
 
 
 class Totals(NamedTuple):

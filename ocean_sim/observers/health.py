@@ -4,6 +4,7 @@ import json
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 from itertools import combinations
+from math import sqrt
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -24,6 +25,7 @@ GAIN_REPORTED = 0.01  # in units of `max_energy_gain`: a larger one is reported
 MOMENTUM_REPORTED = 1e-4  # over all impulses: a larger unexplained share is reported
 WORK_REPORTED = 0.05  # over all work and the energy scale: a larger unexplained share is reported
 SWELLING_REPORTED = 0.03  # mean share by which particles stand thinner or denser than their density says
+INNER_SHARE = 0.2  # of all particles: of fewer so far inside the water that mean is chance
 MAX_IMAGE_DRIFT = 0.02  # [spacings] of an image from its place, before the first check
 EVENT_INTERVAL = 0.5  # [s] at least, between two events of one kind
 FIRM_STIFFNESS_RATIO = 100.0  # stiffness over the square of the reference speed, for compression of 1 %
@@ -42,8 +44,8 @@ class Config(PeriodicConfig):
     """Density that no particle may exceed, as a multiple of the rest density."""
     max_level_ratio: float = quantity("1", 1.25, gt=1.0)
     """Height over the bed that the centre of mass of the water may reach, as a multiple of its height at rest in the
-    same columns, or of its height at the start: water that swells lies higher. Not judged where water enters, a lid
-    holds it down or gravity does not."""
+    same columns, and of its height at the start, unless it stays longer than its highest particle takes to rise and
+    fall: water that swells lies higher. Not judged where water enters, a lid holds it down or gravity does not."""
     max_distance: float | None = quantity("m", None, gt=0.0)
     """Distance from the basin that a particle may reach where no wall stops it; by default the basin's diagonal."""
     max_energy_gain: float = quantity("1", 0.1, gt=0.0)
@@ -72,6 +74,8 @@ class Health(OutcomeObserver, of=Config):
         self.begun = False  # True once the first state is known
         self.first_energy = 0.0, 0.0  # of motion and height, and of compression [J]
         self.first_level = float("nan")
+        self.first_height = 0.0  # [m] of the centre of mass over the bed
+        self.level_time = 0.0  # [s] when the level was last within its bound
         self.momentum: checks.Momentum | None = None
         self.balance: checks.Balance | None = None
         self.symmetry: checks.Symmetry | None = None
@@ -138,6 +142,8 @@ class Health(OutcomeObserver, of=Config):
         if self.judges_level:
             position = particles.snapshot().position
             self.first_level = checks.level_ratio(position, particles.spacing, simulation.basin, simulation.time)
+            self.first_height = float(position[:, 1].mean()) - simulation.basin.lower[1]
+            self.level_time = simulation.time
         if simulation.steps == 0:
             self.symmetry = checks.Symmetry(simulation)
         if water.impulse:
@@ -186,11 +192,16 @@ class Health(OutcomeObserver, of=Config):
             share = self.momentum.unexplained_share(self.simulation, totals)
             self.report_excess("momentum from nowhere", "over_all_impulses", share, MOMENTUM_REPORTED)
         self.note_work(totals)
-        self.report_excess("volume from nowhere", "over_volume", fluid.status.swelling, SWELLING_REPORTED)
+        if fluid.status.inner > INNER_SHARE * count:
+            self.report_excess("volume from nowhere", "over_volume", fluid.status.swelling, SWELLING_REPORTED)
         if self.judges_level:
-            level = checks.level_ratio(snapshot.position, particles.spacing, basin, self.simulation.time)
+            now, top, centre = self.simulation.time, float(totals.upper[1]), float(totals.position[1]) / count
+            level = checks.level_ratio(snapshot.position, particles.spacing, basin, now)
             bound = self.config.max_level_ratio * max(self.first_level, 1.0)
-            if not level <= bound:
+            self.level_time = now if level <= bound else self.level_time
+            flight = 2.0 * sqrt(2.0 * max(top - basin.lower[1], 0.0) / -basin.gravity[1])  # up and down [s]
+            risen = centre - basin.lower[1] > self.config.max_level_ratio * self.first_height
+            if level > bound and (risen or now > self.level_time + flight):
                 high = f"its centre of mass lies {level:.3g} x as high over the bed as that of as much water at rest"
                 yield self.failure_sentence(f"the water has swollen: {high} (bound {bound:.3g})", self.suggest_cure())
         yield from self.energy_violations(totals)

@@ -143,8 +143,8 @@ class Accounts:
                 f"{dense:.0f} kg/m3, most of all around ({x:.4g}, {y:.4g}, {z:.4g}) m; "
                 "try a smaller compression (stiffer water), a smaller time step or more viscosity"
             )
-        swelling = thinner / max(inner, 1.0)
-        return Status(speed2**0.5, acceleration2**0.5, thin, dense, int(clipped), isfinite(total), swelling)
+        speed, acceleration, swelling = speed2**0.5, acceleration2**0.5, thinner / max(inner, 1.0)
+        return Status(speed, acceleration, thin, dense, int(clipped), isfinite(total), swelling, int(inner))
 
     @ti.kernel
     def copy_sums(self, to: Doubles3):

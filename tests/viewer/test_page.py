@@ -303,6 +303,11 @@ def test_a_scene_is_played_in_the_page(tmp_path):
             browser.js("document.getElementById('to-play').click()")
             browser.key(" ")
             browser.wait("oceanSim.state.paused && oceanSim.state.panel.paused")
+            ends = "[oceanSim.live.history.times[0], oceanSim.plots.sets[0].times[0], oceanSim.live.history.end]"
+            first, plotted, last = browser.js(ends)
+            browser.js("location.reload()")  # a page that opens late has the curves and the minute of one before it
+            browser.wait(f"oceanSim.state.drawn > 1 && {ends}[0] < {last} - 0.5", 60.0)
+            assert browser.js(ends) == pytest.approx([first, plotted, last], abs=0.3)
             assert browser.said == []
     finally:
         server.terminate()

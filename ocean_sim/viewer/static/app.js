@@ -114,6 +114,7 @@ const live = {
       toLive();
       begin([head]);
     } else if (head.kind === "frame") {
+      this.past(state.worlds[0]).catch(console.error);
       const now = performance.now() / 1000, last = this.queue[this.queue.length - 1];
       if (last) this.gap += 0.1 * (clamp(now - this.arrived, 0.01, 0.4) - this.gap);
       this.arrived = now;
@@ -132,6 +133,22 @@ const live = {
   },
 
   // The moment to show: a frame's length behind the newest, so that there is one on both sides.
+  // What other pages saw before this one opened, or this one before it was loaded again: for plots and for the bar that goes back.
+  async past(world) {
+    const buffer = await (await fetch(`/past${WITH}`)).arrayBuffer(), { history } = this, kept = [];
+    for (let at = 0; at < buffer.byteLength;) {
+      const { time, end } = unpack(buffer, at);
+      kept.push([time, buffer.slice(at, end)]);
+      at = end;
+    }
+    if (state.worlds[0] !== world) return;
+    const moments = kept.filter(([time]) => !(time >= history.times[0])).concat(history.times.map((time, k) => [time, history.packets[k]]));
+    history.clear();
+    for (const [time, packet] of moments) history.add(time, packet);
+    plots.begin([plots.sets[0]]);
+    history.packets.forEach((packet, k) => plots.add(0, history.times[k], unpack(packet).data.scalars));
+  },
+
   show(now) {
     const { queue } = this, world = state.worlds[0];
     if (!queue.length || !world) return false;

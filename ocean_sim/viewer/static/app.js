@@ -40,7 +40,7 @@ function begin(stills) {
   $("showSea").checked = first.sea;
   $("steering").hidden = !LIVE || !state.drives || !first.ships.some((ship) => ship.steered);
   $("rigCheck").hidden = $("ridesCheck").hidden = !still.platform;
-  plots.begin(state.worlds.map((world, k) => ({ scalars: world.still.scalars, name: START.runs?.[k]?.name || world.still.title })));
+  plots.begin(state.worlds.map((world, k) => ({ scalars: world.still.scalars, name: START.runs?.[k]?.name || world.still.title, spacing: world.still.particles && world.still.spacing })));
   const contents = [...(still.surface ? ["water"] : []), ...(still.particles ? ["particles"] : []), ...(still.surface && still.particles ? ["both"] : [])];
   if (!contents.includes(state.content)) state.content = contents[0] || "water";
   segments($("contents"), contents, () => state.content, (name) => { state.content = name; state.dirty = true; });

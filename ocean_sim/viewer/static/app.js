@@ -758,7 +758,7 @@ function draw() {
 // Of the picture, what no panel and no bar hides: its shares of width and height, and its middle from -1 to 1.
 function freeBox(n) {
   const folded = document.body.classList.contains("folded"), broad = innerWidth > 820, panel = $("panel").getBoundingClientRect();
-  const right = broad && !folded && n === 1 ? panel.left : innerWidth, bars = $("dock").lastElementChild.getBoundingClientRect();
+  const right = broad && !folded && n === 1 ? panel.left : innerWidth, bars = (!broad && $("scrubBar").offsetHeight ? $("scrubBar") : $("dock").lastElementChild).getBoundingClientRect();
   const top = $("strip").hidden ? $("top").getBoundingClientRect().bottom : broad ? 90 : $("strip").getBoundingClientRect().bottom;
   return [right / innerWidth, Math.max(bars.top - top, 60) / innerHeight, right / innerWidth - 1, 1 - (top + bars.top) / innerHeight];
 }

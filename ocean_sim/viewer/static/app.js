@@ -38,6 +38,7 @@ function begin(stills) {
   const counts = stills.map((one) => (one.particles ? `${one.particles.toLocaleString("en")} particles` : one.fluid.replaceAll("_", " ")));
   $("count").textContent = [...new Set(counts)].join("  |  ");
   $("showSea").checked = first.sea;
+  $("showSea").parentElement.hidden = still.tank;  // water goes on around no tank
   $("steering").hidden = !LIVE || !state.drives || !first.ships.some((ship) => ship.steered);
   $("rigCheck").hidden = $("ridesCheck").hidden = !still.platform;
   plots.begin(state.worlds.map((world, k) => ({ scalars: world.still.scalars, name: START.runs?.[k]?.name || world.still.title, spacing: world.still.particles && world.still.spacing })));
@@ -113,8 +114,8 @@ const live = {
       this.history.clear();
       toLive();
       begin([head]);
-    } else if (head.kind === "frame") {
       this.past(state.worlds[0]).catch(console.error);
+    } else if (head.kind === "frame") {
       const now = performance.now() / 1000, last = this.queue[this.queue.length - 1];
       if (last) this.gap += 0.1 * (clamp(now - this.arrived, 0.01, 0.4) - this.gap);
       this.arrived = now;
@@ -132,7 +133,6 @@ const live = {
     }
   },
 
-  // The moment to show: a frame's length behind the newest, so that there is one on both sides.
   // What other pages saw before this one opened, or this one before it was loaded again: for plots and for the bar that goes back.
   async past(world) {
     const buffer = await (await fetch(`/past${WITH}`)).arrayBuffer(), { history } = this, kept = [];
@@ -149,6 +149,7 @@ const live = {
     history.packets.forEach((packet, k) => plots.add(0, history.times[k], unpack(packet).data.scalars));
   },
 
+  // The moment to show: a frame's length behind the newest, so that there is one on both sides.
   show(now) {
     const { queue } = this, world = state.worlds[0];
     if (!queue.length || !world) return false;
@@ -412,7 +413,7 @@ function panel(now) {
     const drawn = now.sliders.map((s, k) => `<label class="slider">${escaped(s.label)} <output></output>` +
       `<input type="range" min="0" max="1000" data-k="${k}"><small><span>${short(s.low)}</span><span>${short(s.high)}</span></small></label>`);
     const [sea, physics] = [true, false].map((air) => drawn.filter((_, k) => /^(wind|wave)/.test(now.sliders[k].label) === air).join(""));
-    box.innerHTML = (sea || '<p class="hint">Nothing of this sea can be changed while it runs; see All keys.</p>') +
+    box.innerHTML = (sea || `<p class="hint">${physics ? "Wind and waves stay as they are while it runs." : "Nothing can be changed while it runs."} All keys restarts the scene with others.</p>`) +
       (physics && `<details><summary>Physics</summary>${physics}</details>`);
     for (const input of box.querySelectorAll("input")) {
       const s = now.sliders[input.dataset.k];

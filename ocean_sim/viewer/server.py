@@ -37,8 +37,7 @@ QUEUE_LENGTH = 256  # of commands, and of messages to one watcher
 MESSAGE_BURST, MESSAGE_RATE = 240, 120  # of one watcher, at once and in a second
 MAX_SEND_SECONDS = 30.0  # [s] for one message to a watcher, or for some progress with a file
 REASON_BYTES = 120  # of the reason of a close; its frame holds 123
-HISTORY_SECONDS, HISTORY_MOMENTS = 60.0, 600  # simulated time [s] and number of frames that a new page gets
-HISTORY_BYTES = 48_000_000  # of these frames together
+HISTORY_SECONDS, HISTORY_MOMENTS, HISTORY_BYTES = 60.0, 600, 48_000_000  # simulated [s], frames, bytes for a new page
 HELM_IDLE_SECONDS = 60.0  # [s] without a command, until another page may take the helm
 SECURITY_POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src 'self' data: blob:; "
@@ -96,8 +95,7 @@ class History:
         self.interval = 0.0  # [s] between frames, at least
 
     def add(self, time: float, frame: bytes) -> None:
-        """Keep a frame at a time [s]. Drop every second one if they become too many, or too large by their particles:
-        of 60 000 particles over a hundred moments are left."""
+        """Keep a frame of a time [s]; drop every second one if they are too many or, as with particles, too large."""
         if self.frames and time < self.frames[-1][0] + max(self.interval, 1e-6):
             return
         self.frames.append((time, frame))
@@ -205,8 +203,7 @@ class Server(AbstractContextManager["Server"]):
         self.loop.call_soon_threadsafe(self.keep_packets, still, None, 0.0)
 
     def show(self, frame: bytes, time: float) -> None:
-        """Send all pages a packet of kind `frame` at a simulated time [s]; it replaces one that a page has not yet
-        received. Pages that open later find it in the history."""
+        """Send all pages a packet of kind `frame` of a time [s]; it replaces one that a page has not yet received."""
         self.fresh = False
         self.loop.call_soon_threadsafe(self.keep_packets, None, frame, time)
 

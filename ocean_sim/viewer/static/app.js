@@ -39,6 +39,7 @@ function begin(stills) {
   $("count").textContent = [...new Set(counts)].join("  |  ");
   $("showSea").checked = first.sea;
   $("showSea").parentElement.hidden = still.tank;  // water goes on around no tank
+  $("showMirror").parentElement.hidden = !first.ships.length;
   $("steering").hidden = !LIVE || !state.drives || !first.ships.some((ship) => ship.steered);
   $("rigCheck").hidden = $("ridesCheck").hidden = !still.platform;
   plots.begin(state.worlds.map((world, k) => ({ scalars: world.still.scalars, name: START.runs?.[k]?.name || world.still.title, spacing: world.still.particles && world.still.spacing })));

@@ -299,7 +299,7 @@ function instruments() {
   }
   const regular = exact && waves.length === 1, high = regular ? 2 * waves[0][0] : reading(head, "height", "") ?? world.height;
   const stated = slid("wave period") || still.waves.peak_period || still.waves.period, period = stated || crossingPeriod();
-  if (high > 0.005 && (exact || stated || still.windSpeed || world.ships.length)) {
+  if ((regular ? high : world.height) > 0.005 && (exact || stated || still.windSpeed || world.ships.length)) {
     add(regular ? "H" : "H<sub>s</sub>", `${high.toFixed(high < 1 ? 2 : 1)} m`, regular ? "of the wave" : "now");
     if (period) add(regular ? "T" : stated ? "T<sub>p</sub>" : "T<sub>z</sub>", `${period.toFixed(1)} s`, stated ? "stated" : "at the gauge", true);
   }
@@ -412,7 +412,7 @@ function panel(now) {
   if (box.dataset.key !== key) {
     box.dataset.key = key;
     const drawn = now.sliders.map((s, k) => `<label class="slider">${escaped(s.label)} <output></output>` +
-      `<input type="range" min="0" max="1000" data-k="${k}"><small><span>${short(s.low)}</span><span>${short(s.high)}</span></small></label>`);
+      `<input type="range" min="0" max="1000" data-k="${k}"><small><span>${+s.low.toPrecision(4)}</span><span>${+s.high.toPrecision(4)}</span></small></label>`);
     const [sea, physics] = [true, false].map((air) => drawn.filter((_, k) => /^(wind|wave)/.test(now.sliders[k].label) === air).join(""));
     box.innerHTML = (sea || `<p class="hint">${physics ? "Wind and waves stay as they are while it runs." : "Nothing can be changed while it runs."} All keys restarts the scene with others.</p>`) +
       (physics && `<details><summary>Physics</summary>${physics}</details>`);

@@ -169,7 +169,7 @@ function round(raw) {
 function short(v) {
   if (!Number.isFinite(v)) return "–";
   const a = Math.abs(v);
-  return (a >= 1000 ? v.toFixed(0) : a >= 100 ? v.toFixed(1) : a >= 1 ? v.toFixed(2) : a >= 0.1 || !a ? v.toFixed(3) : v.toPrecision(2)).replace("-", "−");
+  return (a >= 1000 ? v.toFixed(0) : a >= 100 ? v.toFixed(1) : a >= 1 ? v.toFixed(2) : a >= 0.1 ? v.toFixed(3) : a ? v.toPrecision(2) : "0").replace("-", "−");
 }
 function escaped(text) {
   return String(text).replace(/[&<>"']/g, (c) => `&#${c.charCodeAt(0)};`);

@@ -483,7 +483,7 @@ def figures() -> str:
             full, fast = (f"{float(seconds):.0f} s" if seconds else "" for seconds in took.get(name, ["", ""]))
             thesis = f" In the thesis: {NUMBERS[name]}." if name in NUMBERS else ""
             picture = (
-                f"[![Figure {name}](../results/figures/{name}.jpg)](../results/figures/{name}.jpg)"
+                f"```{{image}} ../results/figures/{name}.jpg\n:alt: Figure {name}\n:target: ../_images/{name}.jpg\n```"
                 if (RESULTS / "figures" / f"{name}.jpg").is_file()
                 else ""
             )

@@ -7,7 +7,7 @@ from ocean_sim.validation.shared.case import Problem
 
 
 def problems(coarse: bool) -> list[Problem]:
-    return [gap_problem(couette_profile, "u_couette", [FINAL_SPEED, 0.0, 0.0], 0.0, coarse)]
+    return [gap_problem(couette_profile, [FINAL_SPEED, 0.0, 0.0], 0.0, coarse)]
 
 
 def couette_profile(y: np.ndarray, time: float) -> np.ndarray:

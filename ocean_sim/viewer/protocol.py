@@ -18,7 +18,8 @@ scene calls for: `height` (nx, nz) [m], `foam` (nx, nz) share of white 0 to 255,
 centre of mass [m] and quaternion w, x, y, z, `particles` (n, 3) in the box, by id, `speed` (n,) 0 to 255 for 0 to
 `fastest` [m/s], `platform` (12,) pose [m, rad] and leg lengths [m], `drops` (m, 6) [m, m/s] from the origin, in a
 replay, `scalars` (k,), see `still`; at intervals `lines` (m, 2, 3) [m] and `hues` (m, 3) of wind and basin, and `trail`
-(m, 1 + 7 ships): time [s] and poses of up to 40 s before.
+(m, 1 + 7 ships): time [s] and poses of up to 40 s before. A page that opens late finds the frames of the last minute,
+one after the other, at the address /past.
 
 The server also sends text: JSON objects with `type`: `hello`, `panel` (settings and their values), `problems`, `scene`,
 `scenes`, `keys`, `said` (a sentence), and to the page that asked `waves`: `id`, `verb`, `time` [s] and `values`, or an

@@ -37,6 +37,7 @@ QUEUE_LENGTH = 256  # of commands, and of messages to one watcher
 MESSAGE_BURST, MESSAGE_RATE = 240, 120  # of one watcher, at once and in a second
 MAX_SEND_SECONDS = 30.0  # [s] for one message to a watcher, or for some progress with a file
 REASON_BYTES = 120  # of the reason of a close; its frame holds 123
+HISTORY_SECONDS, HISTORY_MOMENTS, HISTORY_BYTES = 60.0, 600, 48_000_000  # simulated [s], frames, bytes for a new page
 HELM_IDLE_SECONDS = 60.0  # [s] without a command, until another page may take the helm
 SECURITY_POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src 'self' data: blob:; "
@@ -84,6 +85,25 @@ def is_own_failure(record: logging.LogRecord) -> bool:
     from aiohttp.http_exceptions import HttpProcessingError
 
     return not (record.exc_info and isinstance(record.exc_info[1], HttpProcessingError))
+
+
+class History:
+    """Frames of the last HISTORY_SECONDS, for pages that open late. A page keeps its own frames by the same rule."""
+
+    def __init__(self) -> None:
+        self.frames: deque[tuple[float, bytes]] = deque()  # time [s] and packet
+        self.interval = 0.0  # [s] between frames, at least
+
+    def add(self, time: float, frame: bytes) -> None:
+        """Keep a frame of a time [s]; drop every second one if they are too many or, as with particles, too large."""
+        if self.frames and time < self.frames[-1][0] + max(self.interval, 1e-6):
+            return
+        self.frames.append((time, frame))
+        while self.frames[0][0] < time - HISTORY_SECONDS:
+            self.frames.popleft()
+        if len(self.frames) > HISTORY_MOMENTS or sum(len(each) for _, each in self.frames) > HISTORY_BYTES:
+            self.frames = deque([*self.frames][::-2][::-1])
+            self.interval = (time - self.frames[0][0]) / len(self.frames)
 
 
 class Connections:
@@ -157,6 +177,7 @@ class Server(AbstractContextManager["Server"]):
         self.watchers, self.helm, self.touched = 0, 0, 0.0
         self.still: bytes | None = None
         self.frame: bytes | None = None
+        self.history = History()
         self.panel: dict[str, Any] = {}
         self.made: dict[str, asyncio.Future[bytes]] = {}  # contents by path, each built once
         self.count = self.refused = 0
@@ -179,12 +200,12 @@ class Server(AbstractContextManager["Server"]):
 
     def begin(self, still: bytes) -> None:
         """Send all pages the static part of a new simulation, a packet of kind `still`."""
-        self.loop.call_soon_threadsafe(self.keep_packets, still, None)
+        self.loop.call_soon_threadsafe(self.keep_packets, still, None, 0.0)
 
-    def show(self, frame: bytes) -> None:
-        """Send all pages a packet of kind `frame`; it replaces one that a page has not yet received."""
+    def show(self, frame: bytes, time: float) -> None:
+        """Send all pages a packet of kind `frame` of a time [s]; it replaces one that a page has not yet received."""
         self.fresh = False
-        self.loop.call_soon_threadsafe(self.keep_packets, None, frame)
+        self.loop.call_soon_threadsafe(self.keep_packets, None, frame, time)
 
     def tell(self, watcher: int | None, **message: Any) -> None:
         """Send a text message (`type` and its fields) to page number `watcher`, or all (None)."""
@@ -231,6 +252,7 @@ class Server(AbstractContextManager["Server"]):
         app = web.Application(middlewares=[guard])
         app.on_response_prepare.append(protect)
         app.router.add_get("/watch", self.serve_socket)
+        app.router.add_get("/past", self.serve_past)
         for path in self.files:
             app.router.add_get(path, self.serve_file)
         self.log = logging.getLogger("aiohttp.server.ocean_sim")
@@ -304,6 +326,12 @@ class Server(AbstractContextManager["Server"]):
             self.made.pop(request.path, None)
             raise web.HTTPNotFound(text=error.sentence) from None
         return web.Response(body=body, headers={"Content-Type": kind})
+
+    async def serve_past(self, request: "web.Request") -> Any:
+        """Response with the frames of the last minute, one after the other, for a page that opens late."""
+        from aiohttp import web
+
+        return web.Response(body=b"".join(frame for _, frame in self.history.frames))
 
     async def serve_socket(self, request: "web.Request") -> Any:
         """Exchange messages with one page until its socket closes."""
@@ -388,9 +416,13 @@ class Server(AbstractContextManager["Server"]):
             watcher.texts.append(text)
             watcher.woken.set()
 
-    def keep_packets(self, still: bytes | None, frame: bytes | None) -> None:
-        """Store the newest frame for all pages, or a new static part (`still`), which discards the frame before it."""
+    def keep_packets(self, still: bytes | None, frame: bytes | None, time: float) -> None:
+        """Store the newest frame for all pages, or a new static part (`still`), which discards the frames before it."""
         self.still, self.frame = still or self.still, frame
+        if frame is None:
+            self.history = History()
+        else:
+            self.history.add(time, frame)
         for watcher in self.all.values():
             watcher.woken.set()
 

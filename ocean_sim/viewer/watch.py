@@ -103,7 +103,7 @@ class Watch(Observer, TakesCommands):
             self.stage_costs = {name: 1e3 * self.stage_times[name] / done for name in STAGE_NAMES}
         self.stage_times.clear()
         self.mark = (now, self.simulation.time, self.simulation.steps)
-        self.server.show(self.frame())
+        self.server.show(self.frame(), self.simulation.time)
         self.seq += 1
 
     def frame(self) -> bytes:

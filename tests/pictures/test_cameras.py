@@ -1,11 +1,13 @@
 """Cameras that go with a ship: where they are is a function of the time and of where the ship has been."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from ocean_sim.pictures.stage import camera as camera_module
 from ocean_sim.pictures.stage.camera import Operator, Track, Vessel
-from ocean_sim.pictures.stage.picture import swept_box
+from ocean_sim.pictures.stage.picture import swept_box, windy_box
 
 LOWER, UPPER = np.array([-100.0, -20.0, -100.0]), np.array([100.0, 2.0, 100.0])
 LENGTH, SPEED, STEP = 15.0, 4.0, 0.05
@@ -139,6 +141,13 @@ def test_a_map_holds_all_that_a_piece_of_sea_covers_that_goes_with_its_ships():
     lower, upper = swept_box(np.array([-80.0, -30.0, -120.0]), np.array([80.0, 1.0, 120.0]), [going, moored])
     np.testing.assert_allclose(lower, [-73.0, -30.0, -142.5])
     np.testing.assert_allclose(upper, [87.0, 1.0, 127.5])
+
+
+def test_a_map_holds_the_wind_beside_a_basin_and_none_that_is_far():
+    """A gust that crosses one side by 20 m, and has come from 500 m away: of that a quarter of the basin is shown."""
+    near, far = (SimpleNamespace(wind_lines=np.array([[[a, -5.0, 0.0], [90.0, -5.0, 120.0]]])) for a in (-90.0, -500.0))
+    np.testing.assert_allclose(windy_box(LOWER, UPPER, [near]), [LOWER, [100.0, 2.0, 120.0]])
+    np.testing.assert_allclose(windy_box(LOWER, UPPER, [near, far])[0], [-150.0, -20.0, -100.0])
 
 
 def test_at_sea_the_camera_from_the_side_goes_with_a_ship_and_shows_her_length():

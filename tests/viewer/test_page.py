@@ -148,6 +148,16 @@ def test_a_replay_opens_from_a_file_and_scrubs(run, tmp_path):
             "return [plots.sets[0].rows[1][0], document.querySelector('#plots .legend').textContent]; })()"
         )
         assert turned[0] == 190.0 and turned[1].split() == ["heading", "170°", "starboard"]
+        # Water of particles at rest is a line in the middle of its plot, in millimetres; a wave fills it.
+        words = browser.js(
+            "[3e-5, 0.2].map((high) => { const { plots } = oceanSim, group = 'elevation', rows = new Set(); "
+            "plots.begin([{ scalars: [{ group, label: 'middle', unit: 'm' }], name: '', spacing: 0.05 }]); "
+            "for (let k = 0; k < 9; k++) plots.add(0, k, [high * (k % 2) - 3.6e-5]); plots.draw(0); "
+            "const { data } = plots.cards[0].canvas.getContext('2d').getImageData(60, 0, 180, 90); "  # the blue curve
+            "data.forEach((v, k) => { if (k % 4 === 2 && v > 150 && data[k - 2] < 110) rows.add(k / 720 | 0); }); "
+            "return [document.querySelector('#plots .legend').textContent, Math.max(...rows) - Math.min(...rows)]; })"
+        )
+        assert words[0][0].split() == ["middle", "0.000", "m"] and words[0][1] < 5 < 60 < words[1][1]
         # Of a live page, the last minute: at most so many moments, and so many bytes.
         kept = browser.js(
             "(() => { const kept = new oceanSim.History(); "
@@ -303,6 +313,11 @@ def test_a_scene_is_played_in_the_page(tmp_path):
             browser.js("document.getElementById('to-play').click()")
             browser.key(" ")
             browser.wait("oceanSim.state.paused && oceanSim.state.panel.paused")
+            ends = "[oceanSim.live.history.times[0], oceanSim.plots.sets[0].times[0], oceanSim.live.history.end]"
+            first, plotted, last = browser.js(ends)
+            browser.js("location.reload()")  # a page that opens late has the curves and the minute of one before it
+            browser.wait(f"oceanSim.state.drawn > 1 && {ends}[0] < {last} - 0.5", 60.0)
+            assert browser.js(ends) == pytest.approx([first, plotted, last], abs=0.3)
             assert browser.said == []
     finally:
         server.terminate()

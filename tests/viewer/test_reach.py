@@ -68,7 +68,7 @@ def opened(browser: _chromium.Page, server: Server) -> None:
     browser.go(server.address)
     browser.wait("oceanSim.state.worlds.length > 0", 120.0)
     for k in range(3):
-        server.show(frame(k))
+        server.show(frame(k), 0.05 * k)
         time.sleep(0.05)
     browser.wait("oceanSim.state.drawn > 0", 120.0)
 
@@ -159,7 +159,7 @@ def test_the_keyboard_alone_suffices(live):
         browser.key("Enter")
         assert browser.js("oceanSim.state.picking && document.activeElement.id") == "sea"
         drawn = browser.js("oceanSim.state.drawn")
-        live.show(frame(9))
+        live.show(frame(9), 0.45)
         browser.wait(f"oceanSim.state.drawn > {drawn}")
         browser.key("Enter")
         route = asked(live, browser, "route")[-1]

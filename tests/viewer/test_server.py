@@ -8,6 +8,7 @@ import sys
 import time
 import urllib.request
 from contextlib import contextmanager, suppress
+from itertools import pairwise
 from socket import SO_RCVBUF, SOL_SOCKET, create_connection, socket
 
 import pytest
@@ -61,6 +62,28 @@ def test_a_watcher_is_greeted_and_given_what_is_shown(server):
     hello, panel, still = talk(server, conversation)
     assert hello["protocol"] == 1 and hello["drives"] and panel["paused"] and still == packet("still", {})
     assert server.arrived.is_set()
+
+
+def test_a_page_that_opens_late_finds_the_last_minute_and_nothing_of_the_scene_before(server):
+    """At most so many frames and bytes, from the newest back to a minute before it [s], and evenly spread."""
+
+    async def past(session, address):
+        async with session.get(f"{address}past") as reply:
+            return await reply.read()
+
+    def times(size):
+        data = talk(server, past)
+        return [0.05 * int.from_bytes(data[k : k + 4], "little") for k in range(0, len(data), size)]
+
+    for size, fewest in ((4, 300), (400_000, 60)):
+        server.begin(packet("still", {}))
+        assert times(size) == []
+        for k in range(3000):
+            server.show(k.to_bytes(4, "little") + bytes(size - 4), 0.05 * k)
+        found = times(size)
+        assert fewest <= len(found) <= 600 and len(found) * size <= 48e6
+        assert 149.0 < found[-1] < 150.0 and 58.0 < found[-1] - found[0] <= 60.0
+        assert max(b - a for a, b in pairwise(found)) < 1.5
 
 
 @pytest.mark.parametrize("bad", ["{", b"\0\1\2", '{"do": "fly"}', "x" * 300_000])
@@ -155,7 +178,7 @@ def test_twenty_watchers_with_a_slow_one_among_them_lose_nothing(server):
         seen = []
         for k in range(count):
             entered = time.perf_counter()
-            server.show(k.to_bytes(4, "little") + bytes(200_000))
+            server.show(k.to_bytes(4, "little") + bytes(200_000), 0.05 * k)
             worst = max(worst, time.perf_counter() - entered)
             seen.append(await asyncio.gather(*map(newest, quick)))
         late = [await newest(slow)]

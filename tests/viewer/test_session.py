@@ -48,7 +48,7 @@ class Desk:
     def begin(self, still):
         self.stills.append(still)
 
-    def show(self, frame):
+    def show(self, frame, time):
         self.frames.append(frame)
 
     def orders(self):

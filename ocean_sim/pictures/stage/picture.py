@@ -29,12 +29,13 @@ SHEET_PICTURES, SHEET_SHRINKING = 6, 2  # pictures in a sheet of moments, and pi
 SHEET_COLUMNS, SHEET_GAP = 3, 6  # of a sheet, and [pixels] between its pictures
 WORDS_HEIGHT = 160  # [pixels] around a long slice: bars and the time
 MAP_CAMERAS = "top", "side"  # cameras that see the whole way of a ship that leaves the basin
+WIND_ROOM, WIND_FRAMES = 0.25, 60  # of the basin's sides: seen beyond them at most; frames whose wind is looked at
 
 
 def is_foreseeable(grid: Any, order: Order) -> bool:
     """True if every picture can be drawn while the run continues. Two kinds cannot: particles, coloured by the speeds
-    of the whole run, and cameras that show the ship's whole way or the film's time. `grid`: arrays in grid.npz."""
-    whole_way = order.camera in MAP_CAMERAS and "sea_answers" in grid
+    of the whole run, and cameras that show the way of ship or wind, or the film's time. `grid`: arrays in grid.npz."""
+    whole_way = order.camera in MAP_CAMERAS and ("sea_answers" in grid or order.wind)
     return not (order.particles or not bool(grid["has_surface"]) or order.camera == "orbit" or whole_way)
 
 
@@ -43,6 +44,12 @@ def swept_box(lower: np.ndarray, upper: np.ndarray, ways: list[np.ndarray]) -> t
     ships; `ways`: their tracks (n, 3) [m]."""
     middle = np.mean(ways, axis=0) * [1.0, 0.0, 1.0]
     return lower + middle.min(axis=0), upper + middle.max(axis=0)
+
+
+def windy_box(lower: np.ndarray, upper: np.ndarray, frames: list[Frame]) -> np.ndarray:
+    """Corners (2, 3) [m] of a box around a basin and the wind volumes of frames, at most WIND_ROOM beyond the basin."""
+    ends, room = [end for frame in frames for end in frame.wind_lines.reshape(-1, 3)], WIND_ROOM * (upper - lower)
+    return np.clip([np.min([lower, *ends], axis=0), np.max([upper, *ends], axis=0)], lower - room, upper + room)
 
 
 def fitting_size(lower: np.ndarray, upper: np.ndarray, flat: bool) -> tuple[int, int]:
@@ -85,7 +92,12 @@ class Picture:
         aim = {"eye": order.eye, "target": order.target}
         given = {"vessel": vessel, "away": away, "at_sea": at_sea, "whole": in_tank}
         camera, size = "side" if flat else order.camera, order.size or fitting_size(self.lower, self.upper, flat)
-        self.operator = Operator(camera, self.lower, self.upper, size[0] / size[1], log.span, **aim, **given)
+        lower, upper = self.lower, self.upper
+        if order.wind and camera == "top":
+            shown = [] if order.film else [log.nearest(time) for time in order.stills]
+            frames = shown or log.files[:: max(1, len(log.files) // WIND_FRAMES)]
+            lower, upper = windy_box(lower, upper, [Frame(path) for path in frames])
+        self.operator = Operator(camera, lower, upper, size[0] / size[1], log.span, **aim, **given)
         stage = self.stage = Stage(size, self.operator.at(first.time), PIXEL_SAMPLES[order.quality])
         self.plotter = stage.plotter
         middle, size = 0.5 * (self.lower + self.upper), self.upper - self.lower

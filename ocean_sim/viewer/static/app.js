@@ -38,9 +38,11 @@ function begin(stills) {
   const counts = stills.map((one) => (one.particles ? `${one.particles.toLocaleString("en")} particles` : one.fluid.replaceAll("_", " ")));
   $("count").textContent = [...new Set(counts)].join("  |  ");
   $("showSea").checked = first.sea;
+  $("showSea").parentElement.hidden = still.tank;  // water goes on around no tank
+  $("showMirror").parentElement.hidden = !first.ships.length;
   $("steering").hidden = !LIVE || !state.drives || !first.ships.some((ship) => ship.steered);
   $("rigCheck").hidden = $("ridesCheck").hidden = !still.platform;
-  plots.begin(state.worlds.map((world, k) => ({ scalars: world.still.scalars, name: START.runs?.[k]?.name || world.still.title })));
+  plots.begin(state.worlds.map((world, k) => ({ scalars: world.still.scalars, name: START.runs?.[k]?.name || world.still.title, spacing: world.still.particles && world.still.spacing })));
   const contents = [...(still.surface ? ["water"] : []), ...(still.particles ? ["particles"] : []), ...(still.surface && still.particles ? ["both"] : [])];
   if (!contents.includes(state.content)) state.content = contents[0] || "water";
   segments($("contents"), contents, () => state.content, (name) => { state.content = name; state.dirty = true; });
@@ -113,6 +115,7 @@ const live = {
       this.history.clear();
       toLive();
       begin([head]);
+      this.past(state.worlds[0]).catch(console.error);
     } else if (head.kind === "frame") {
       const now = performance.now() / 1000, last = this.queue[this.queue.length - 1];
       if (last) this.gap += 0.1 * (clamp(now - this.arrived, 0.01, 0.4) - this.gap);
@@ -129,6 +132,22 @@ const live = {
       numbers(head);
       state.dirty = true;
     }
+  },
+
+  // What other pages saw before this one opened, or this one before it was loaded again: for plots and for the bar that goes back.
+  async past(world) {
+    const buffer = await (await fetch(`/past${WITH}`)).arrayBuffer(), { history } = this, kept = [];
+    for (let at = 0; at < buffer.byteLength;) {
+      const { time, end } = unpack(buffer, at);
+      kept.push([time, buffer.slice(at, end)]);
+      at = end;
+    }
+    if (state.worlds[0] !== world) return;
+    const moments = kept.filter(([time]) => !(time >= history.times[0])).concat(history.times.map((time, k) => [time, history.packets[k]]));
+    history.clear();
+    for (const [time, packet] of moments) history.add(time, packet);
+    plots.begin([plots.sets[0]]);
+    history.packets.forEach((packet, k) => plots.add(0, history.times[k], unpack(packet).data.scalars));
   },
 
   // The moment to show: a frame's length behind the newest, so that there is one on both sides.
@@ -280,7 +299,7 @@ function instruments() {
   }
   const regular = exact && waves.length === 1, high = regular ? 2 * waves[0][0] : reading(head, "height", "") ?? world.height;
   const stated = slid("wave period") || still.waves.peak_period || still.waves.period, period = stated || crossingPeriod();
-  if (high > 0.005 && (exact || stated || still.windSpeed || world.ships.length)) {
+  if ((regular ? high : world.height) > 0.005 && (exact || stated || still.windSpeed || world.ships.length)) {
     add(regular ? "H" : "H<sub>s</sub>", `${high.toFixed(high < 1 ? 2 : 1)} m`, regular ? "of the wave" : "now");
     if (period) add(regular ? "T" : stated ? "T<sub>p</sub>" : "T<sub>z</sub>", `${period.toFixed(1)} s`, stated ? "stated" : "at the gauge", true);
   }
@@ -393,9 +412,9 @@ function panel(now) {
   if (box.dataset.key !== key) {
     box.dataset.key = key;
     const drawn = now.sliders.map((s, k) => `<label class="slider">${escaped(s.label)} <output></output>` +
-      `<input type="range" min="0" max="1000" data-k="${k}"><small><span>${short(s.low)}</span><span>${short(s.high)}</span></small></label>`);
+      `<input type="range" min="0" max="1000" data-k="${k}"><small><span>${+s.low.toPrecision(4)}</span><span>${+s.high.toPrecision(4)}</span></small></label>`);
     const [sea, physics] = [true, false].map((air) => drawn.filter((_, k) => /^(wind|wave)/.test(now.sliders[k].label) === air).join(""));
-    box.innerHTML = (sea || '<p class="hint">Nothing of this sea can be changed while it runs; see All keys.</p>') +
+    box.innerHTML = (sea || `<p class="hint">${physics ? "Wind and waves stay as they are while it runs." : "Nothing can be changed while it runs."} All keys restarts the scene with others.</p>`) +
       (physics && `<details><summary>Physics</summary>${physics}</details>`);
     for (const input of box.querySelectorAll("input")) {
       const s = now.sliders[input.dataset.k];
@@ -741,7 +760,7 @@ function draw() {
 // Of the picture, what no panel and no bar hides: its shares of width and height, and its middle from -1 to 1.
 function freeBox(n) {
   const folded = document.body.classList.contains("folded"), broad = innerWidth > 820, panel = $("panel").getBoundingClientRect();
-  const right = broad && !folded && n === 1 ? panel.left : innerWidth, bars = $("dock").lastElementChild.getBoundingClientRect();
+  const right = broad && !folded && n === 1 ? panel.left : innerWidth, bars = (!broad && $("scrubBar").offsetHeight ? $("scrubBar") : $("dock").lastElementChild).getBoundingClientRect();
   const top = $("strip").hidden ? $("top").getBoundingClientRect().bottom : broad ? 90 : $("strip").getBoundingClientRect().bottom;
   return [right / innerWidth, Math.max(bars.top - top, 60) / innerHeight, right / innerWidth - 1, 1 - (top + bars.top) / innerHeight];
 }

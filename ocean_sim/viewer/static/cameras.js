@@ -46,7 +46,7 @@ class Camera {
   eye(world, width, height, free) {
     const aspect = width / height, ship = world.ships[this.ship] || world.ships[0], pose = ship && world.poses[world.ships.indexOf(ship)];
     let mode = this.modes(world).includes(this.mode) ? this.mode : "orbit";
-    if (mode === "helm" && pose && ship.steered) return this.helm(ship, width, height);
+    if (mode === "helm" && pose && ship.steered) return this.helm(ship, width, height, free);
     const { size } = world, long = Math.max(size[0], size[2]), across = mode === "side" && !world.sea, follow = ["follow", "side"].includes(mode) && pose && !across;  // a tank is seen whole from its side
     let target = V.add(world.middleOf, [0, world.level, 0]), span = (world.sea ? 1 : 0.92) * Math.hypot(size[0], size[2] || world.ribbon);
     if (world.still.basin.flat) { span = Math.max(0.9 * size[0], -1.6 * world.bed); target[1] += 0.35 * world.bed; }
@@ -86,10 +86,10 @@ class Camera {
     };
   }
 
-  helm(ship, width, height) {
+  helm(ship, width, height, free) {
     const m = ship.pose, position = M.point(m, ship.helm), c = Math.cos(this.turn), s = Math.sin(this.turn);
     const ahead = M.turn(m, V.unit([s, -0.06 + Math.tan(this.tilt), c])), up = M.turn(m, [0, 1, 0]);
-    const angle = width < height ? HELM * 1.2 : HELM;
+    const angle = 2 * Math.atan(Math.tan(0.5 * (width < height ? HELM * 1.2 : HELM)) * Math.max(1, 0.8 / free[1]));  // the wheel is over the bars
     return {
       position, target: V.add(position, ahead), angle, width, pixels: height, view: M.look(position, V.add(position, ahead), up),
       projection: M.perspective(angle, width / height, 0.08, 30000),

@@ -12,12 +12,13 @@ async function inflated(buffer) {
   return await new Response(stream).arrayBuffer();
 }
 
-function unpack(buffer) {
-  const view = new DataView(buffer);
+// The packet that begins at a place of a buffer; `end`: where it ends.
+function unpack(buffer, begin = 0) {
+  const view = new DataView(buffer, begin);
   if (view.getUint32(0, false) !== 0x4f535031) throw new Error("this is not a packet");
   const size = view.getUint32(4, true);
-  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 8, size)));
-  let at = 8 + size;
+  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, begin + 8, size)));
+  let at = begin + 8 + size;
   head.data = {};
   head.about = {};
   for (const row of head.arrays) {
@@ -29,6 +30,7 @@ function unpack(buffer) {
     head.about[row.name] = row;
     at += Math.ceil(bytes / 4) * 4;
   }
+  head.end = at;
   return head;
 }
 

@@ -9,6 +9,8 @@ const HUES = {
   light: ["#0072b2", "#b35c00", "#00785a", "#a23c7c", "#6b5d00", "#c63f12", "#52616b"],
 };
 const KEPT = 2400;
+// Least height of a plot, by unit: what moves less is noise, and lies in its middle. Of lengths in water of particles, see `curves`.
+const LEAST = { m: 0.002, deg: 0.5, "m/s": 0.05, "%": 0.1, x: 0.05, 1: 0.05 };
 
 class Plots {
   constructor(box) {
@@ -17,9 +19,9 @@ class Plots {
     this.cards = [];
   }
 
-  // `worlds`: the scalars of each, [{scalars, name}].
+  // `worlds`: the scalars of each, and the spacing of its particles or 0 [m], [{scalars, name, spacing}].
   begin(worlds) {
-    this.sets = worlds.map(({ scalars, name }) => ({ scalars, name, times: [], rows: [] }));
+    this.sets = worlds.map(({ scalars, name, spacing }) => ({ scalars, name, spacing, times: [], rows: [] }));
     this.box.textContent = "";
     this.cards = [];
     const groups = [...new Set(worlds.flatMap((w) => w.scalars.map((s) => s.group)))];
@@ -85,7 +87,9 @@ class Plots {
     }
     if (!(to > -Infinity)) return;
     if (!lines.some(({ set }) => set.whole)) from = Math.max(from, to - 60);
-    const gap = high - low > 1e-6 ? 0.08 * (high - low) : Math.max(0.05 * Math.abs(high), 1e-3);  // rounding is no curve
+    const { unit, set: { spacing } } = lines[0], size = Math.max(Math.abs(low), Math.abs(high));
+    const least = Math.max(LEAST[unit] ?? 0.1 * size, unit === "m" ? 0.2 * spacing : 0, 1e-9), reach = Math.max(high - low, least);
+    const gap = Math.max(0.08 * reach, 0.5 * (least - high + low));
     low -= gap;
     high += gap;
     if (to <= from) to = from + 1;
@@ -93,6 +97,7 @@ class Plots {
     pen.font = "11px system-ui, sans-serif";
     pen.lineWidth = 1;
     const step = round((high - low) / 4), digits = clamp(Math.ceil(-Math.log10(step) - 1e-9), 0, 7);
+    const fine = clamp(Math.round(-Math.log10(Math.max(reach, 0.2 * size) / 100)), 0, Math.max(digits, 3));  // digits of a value in words
     pen.textAlign = "right";
     pen.textBaseline = "middle";
     for (let v = Math.ceil(low / step) * step; v <= high; v += step) {
@@ -106,9 +111,10 @@ class Plots {
     }
     pen.textBaseline = "alphabetic";
     pen.textAlign = "left";
-    pen.fillText(`${short(from)} s`, left, height - 3);
+    const parts = clamp(Math.ceil(-Math.log10((to - from) / 20)), 0, 7);
+    pen.fillText(`${from.toFixed(parts)} s`, left, height - 3);
     pen.textAlign = "right";
-    pen.fillText(`${short(to)} s`, width - 6, height - 3);
+    pen.fillText(`${to.toFixed(parts)} s`, width - 6, height - 3);
     const words = [];
     lines.forEach(({ set, k, i, label, unit }, n) => {
       const hue = hues[n % hues.length];
@@ -127,7 +133,7 @@ class Plots {
       const value = set.rows[at] ? set.rows[at][i] : NaN;
       const who = this.sets.length > 1 ? `${k + 1}: ` : "";
       const turned = (card.group === "yaw" || label.startsWith("rudder")) && Number.isFinite(value);
-      const said = turned ? sided(value) : short(Math.abs(value) < 1e-6 ? 0 : value);
+      const said = turned ? sided(value) : Number.isFinite(value) ? (+value.toFixed(fine) || 0).toFixed(fine).replace("-", "−") : "–";
       words.push(`<i style="--hue:${hue}">${who}${escaped(label)} <b>${said}</b> ${turned || unit === "1" ? "" : escaped(unit)}</i>`);
     });
     pen.setLineDash([]);
@@ -163,7 +169,7 @@ function round(raw) {
 function short(v) {
   if (!Number.isFinite(v)) return "–";
   const a = Math.abs(v);
-  return (a >= 1000 ? v.toFixed(0) : a >= 100 ? v.toFixed(1) : a >= 1 ? v.toFixed(2) : a >= 0.1 || !a ? v.toFixed(3) : v.toPrecision(2)).replace("-", "−");
+  return (a >= 1000 ? v.toFixed(0) : a >= 100 ? v.toFixed(1) : a >= 1 ? v.toFixed(2) : a >= 0.1 ? v.toFixed(3) : a ? v.toPrecision(2) : "0").replace("-", "−");
 }
 function escaped(text) {
   return String(text).replace(/[&<>"']/g, (c) => `&#${c.charCodeAt(0)};`);

@@ -421,11 +421,13 @@ def box_faults(key: str, boxes: Sequence[Box | MeshObstacle], basin: "Basin", ov
     fitting = [k for k, box in enumerate(boxes) if len(box.min) == basin.dimension]
     low = np.array([boxes[k].min for k in fitting]).reshape(-1, basin.dimension)
     up = np.array([boxes[k].max for k in fitting]).reshape(-1, basin.dimension)
+    room = np.subtract(basin.upper, basin.lower)[: basin.dimension]
     for row, k in enumerate(fitting):
         size = " x ".join(f"{side:.3g}" for side in up[row] - low[row])
         noun = "the box" if isinstance(boxes[k], Box) else f"the box around the mesh, {size} m,"
         if out := axes_beyond(boxes[k].min, boxes[k].max, basin):
-            yield (key, k), f"{noun} reaches out of the basin along {' and '.join(out)}"
+            huge = "" if isinstance(boxes[k], Box) or (up[row] - low[row] <= room).all() else "; is its `unit` right?"
+            yield (key, k), f"{noun} reaches out of the basin along {' and '.join(out)}{huge}"
         common = np.minimum(up[:row], up[row]) - np.maximum(low[:row], low[row])
         if (common.min(axis=1) > BOX_ROUNDING).any():
             yield (key, k), f"{noun} {overlap}"

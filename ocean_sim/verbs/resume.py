@@ -49,8 +49,8 @@ def resume_claimed(folder: Path, until: float | None, anyway: bool, quiet: bool)
     config = scene_of(folder, manifest, until)
     if manifest.get("outcome") == "done" and (until is None or until <= manifest["simulated_s"] * (1.0 + 1e-12)):
         facts = {key: manifest.get(key) for key in ("outcome", "steps", "simulated_s")} | {"folder": str(folder)}
-        end = f"{folder}: this run is finished, at t = {manifest['simulated_s']:.3f} s; --until continues it"
-        console.reply(facts, end)
+        more = "; --until continues it" if any(checkpoint_file.checkpoint_files(folder)) else ""
+        console.reply(facts, f"{folder}: this run is finished, at t = {manifest['simulated_s']:.3f} s{more}")
         return
     now, then = config.inputs(), manifest.get("inputs")
     if isinstance(then, dict) and (differing := [name for name in now if then.get(name) != now[name]]):
@@ -157,7 +157,7 @@ def newest_checkpoint(folder: Path, config: SceneConfig) -> checkpoint_file.Chec
         if reason:
             console.complain(f"{reason}; taking {path.name}")
         return kept
-    raise console.Refused(f"{folder}: {reason}; there is no other")
+    raise console.Refused(f"{folder}: {reason}; no other can be read")
 
 
 def check_checkpoint(

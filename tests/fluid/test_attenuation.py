@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import ocean_sim
+from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid.sph.initial_state import patch_waves
 from ocean_sim.validation import problems
 
@@ -118,3 +119,8 @@ def test_waves_that_are_coarse_or_break_are_warned_of(spacing, height, warned):
     )
     found = [one for one in config.fluid.warnings(config.preflight) if "too few" in one or "steep" in one]
     assert len(found) == len(warned) and all(part in one for part, one in zip(warned, found, strict=True))
+
+
+def test_particles_larger_than_the_depth_are_refused():
+    with pytest.raises(SceneError, match=r"fluid\.spacing: is larger than the water is deep, 1 m; .* 0\.25 m or less"):
+        ocean_sim.load({"basin": {"length": 2.0, "depth": 1.0}, "fluid": {"kind": "delta_sph", "spacing": 5.0}})

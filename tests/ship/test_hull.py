@@ -10,6 +10,7 @@ from ocean_sim.__main__ import run_command_line
 from ocean_sim.basin.solids.mesh import BadMesh
 from ocean_sim.basin.solids.packing import Lattice
 from ocean_sim.basin.solids.voxels import voxels
+from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid.sph.smoothing import WENDLAND
 from ocean_sim.parts import ALONE, named
 from ocean_sim.reading.scene import load
@@ -182,11 +183,38 @@ def test_a_bad_mesh_is_refused_with_what_is_wrong_and_where(files, capsys):
         hull_of(str(files / "hole.stl")).shape.bounds()
     assert run_command_line(["hull", str(files / "hole.stl")]) == 2
     assert "not watertight" in capsys.readouterr().err
+
     assert run_command_line(["hull", str(files / "hole.stl"), "--json"]) == 2
     answer = json.loads(capsys.readouterr().out)
     assert answer["volume_m3"] is None and "not watertight" in answer["problems"][0]
     assert run_command_line(["hull", str(files / "empty.stl")]) == 2
     assert run_command_line(["hull", "barg20"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "kept", "words"),
+    [
+        ("ball.stl", slice(0, 300), "ends after 300 bytes"),
+        ("hull.stl", slice(0, 16), "ends after 16 bytes"),
+        ("face.obj", slice(None), "a corner that is not there"),
+    ],
+)
+def test_a_mesh_file_that_is_cut_or_names_no_corner_is_told_so(tmp_path, name, kept, words):
+    ball = trimesh.creation.icosphere().export(file_type="stl")
+    (tmp_path / name).write_bytes((ball if name.endswith("stl") else b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")[kept])
+    with pytest.raises(BadMesh, match=words):
+        hull_of(str(tmp_path / name)).shape.bounds()
+
+
+def test_a_hull_denser_than_metal_is_refused():
+    with pytest.raises(SceneError, match=r"ship\.mass: .* denser than any metal"):
+        load(
+            {
+                "basin": {"depth": 20.0, "length": 80.0, "width": 80.0},
+                "fluid": "linear_waves",
+                "ship": {"kind": "yacht", "mass": 8e9},
+            }
+        )
 
 
 def test_the_command_answers_with_the_agreed_keys_and_a_picture(capsys, tmp_path):

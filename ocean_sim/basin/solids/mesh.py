@@ -22,6 +22,7 @@ ROUNDING_SHARE = 1.0e-9  # of a mesh's size, volume or area
 MIN_PANELS, GAUSS_POINTS = 64, 2  # across and along a hull, where its volume is summed over columns
 ROOM_LEVELS = 32  # at which the room that is open at the top is looked for
 OPEN_SHARE = 0.1  # of the volume: room that is open at the top, from which on it is told
+SHIP_LENGTH = 0.2, 460.0  # [m] of models and ships
 SHIP_LENGTH_OVER_BREADTH, SHIP_BREADTH_OVER_DRAUGHT, SHIP_DRAUGHT_OVER_HEIGHT = (1.2, 30.0), (0.7, 30.0), (0.04, 0.96)
 UPRIGHT_BUOYANCY = 0.49  # of the draught: least height of the centre of buoyancy of sections that do not narrow upwards
 MAX_PROBES = 64  # corners of a skin of which is asked whether others enclose them
@@ -118,8 +119,9 @@ class ClosedMesh:
         """Warnings of proportions that no ship has, at a `draught` [m]; `kb`: centre of buoyancy above the keel [m]."""
         broad, tall, long = self.size.tolist()
         odd = [
-            f"{what} is {ratio:.2g} ({low:g} to {high:g} for ships)"
+            f"{what} is {ratio:.3g} ({low:g} to {high:g} for ships)"
             for what, ratio, (low, high) in (
+                ("length [m]", long, SHIP_LENGTH),
                 ("length over breadth", long / broad, SHIP_LENGTH_OVER_BREADTH),
                 ("breadth over draught", broad / draught, SHIP_BREADTH_OVER_DRAUGHT),
                 ("draught over height", draught / tall, SHIP_DRAUGHT_OVER_HEIGHT),
@@ -218,12 +220,16 @@ def read_mesh(file: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
                     raise ValueError("its vertices do not have three coordinates")
                 mesh.merge_vertices(merge_tex=True, merge_norm=True)
     except Exception as error:
-        line = next(iter(str(error).strip().splitlines()), "") or type(error).__name__
+        missing = "a face names a corner that is not there" if isinstance(error, IndexError) else ""
+        line = missing or next(iter(str(error).strip().splitlines()), "") or type(error).__name__
         raise BadMesh(TRIANGLE_RULE.broken(file, f"cannot be read as a mesh ({line:.100})")) from None
     faces = np.array(getattr(mesh, "faces", ()), dtype=int).reshape(-1, 3)
     faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
     if len(faces) == 0:
-        raise BadMesh(TRIANGLE_RULE.broken(file, "holds no triangles"))
+        whole = 84 + 50 * int.from_bytes(data[80:84], "little")  # bytes of a binary STL, by its head
+        short = f"ends after {len(data)} bytes, where a binary STL of its size has {whole}"
+        is_cut = kind == "stl" and len(data) < whole and not data.startswith(b"solid")
+        raise BadMesh(TRIANGLE_RULE.broken(file, short if is_cut else "holds no triangles"))
     vertices = np.array(mesh.vertices, dtype=float)
     farthest = np.abs(vertices[np.unique(faces)]).max()
     if not farthest <= MAX_UNITS:

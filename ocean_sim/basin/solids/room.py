@@ -145,7 +145,7 @@ class MeshSolid(ShapedSolid):
         thin, many = self.mesh.mean_thickness / spacing, float(np.prod(self.mesh.size / spacing))
         if thin >= 1.0 / CUBES_A_SPACING and many <= MAX_CUBES:
             return ""
-        size = f"the mesh is {thin:.2g} spacings thick and the box around it {many:.3g} particles large"
+        size = f"the mesh is {thin:.2g} spacings thick, its box {many:.3g} particles large (is its `unit` right?)"
         return f"{size}; a body has {1.0 / CUBES_A_SPACING:.2g} spacings at least and {MAX_CUBES:.3g} particles at most"
 
     def net(self, spacing: float) -> Distance:

@@ -135,6 +135,10 @@ class SphConfig(WaterConfig):
     def count_problems(self, preflight: SceneFacts) -> Iterator[str]:
         """Yield a fault if there are more particles, with their neighbours, or more cells than 32 bits can count."""
         grid, most = self.untouched_sizes(preflight), self.most_particles(preflight)
+        depth, spacing = preflight.tank.depth, grid.lattice.spacing
+        if not self.fill and 0.0 < depth < spacing:
+            few = f"is larger than the water is deep, {depth:g} m"
+            yield f"{few}; water that moves takes {depth / self.ratio(preflight.tank):.2g} m or less"
         if grid.lattice.n > most:
             yield (
                 f"makes {grid.lattice.n} particles; at a support of {self.ratio(preflight.tank):g} spacings the "

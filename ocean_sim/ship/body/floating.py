@@ -48,6 +48,7 @@ SHALLOW_DRAUGHTS = 4.0  # draughts of water from which on the bed is hardly felt
 GM_TOLERANCE = 0.05  # of GM by which that of the cubes may differ from that of the hull without a warning
 MAX_LEAN = 30.0  # [deg] of trim or heel, within which a pose at rest is looked for
 STEPS_A_PERIOD = 50  # of the fastest natural motion
+HEAVIEST_MATTER = 2.3e4  # [kg/m3] osmium
 FORCE_NUMBER = 0.25  # share of a limit that the time step `courant` takes
 
 
@@ -260,6 +261,9 @@ class FloatingConfig(VesselConfig):
         except ValueError as error:
             yield ("hull",), error_sentence(error)
             return
+        if hull.matter.mass > HEAVIEST_MATTER * hull.voxels.volume:
+            what = f"a hull of {hull.voxels.volume:.3g} m3 that weighs {hull.matter.mass:.3g} kg"
+            yield ("mass",), f"{what} would be denser than any metal: is it in kg?"
         if not isinf(hull.draught) and hull.draught > basin.depth:
             yield ("hull",), f"the ship draws {hull.draught:.3g} m, the water is {basin.depth:g} m deep"
 

@@ -1,6 +1,5 @@
 """`ocean-sim serve`: a page in the browser to play with a scene, or to look at finished runs; `ocean-sim report`."""
 
-import json
 import os
 import secrets
 import sys
@@ -78,13 +77,13 @@ def scene_rows() -> list[dict[str, str]]:
 
 def live_files(title: str) -> dict[str, Any]:
     """Files of a live simulation's page by address: (content type, function that returns the content)."""
-    from ocean_sim.reading.keys import scene_schema
+    from ocean_sim.verbs.new import schema_file
     from ocean_sim.viewer.still import page_document, sky_packet
 
     return {
         "/": (HTML_TYPE, lambda: page_document(f"{title} · Ocean Sim", {"mode": "live"})),
         "/sky": (BYTES_TYPE, sky_packet),
-        "/schema": (JSON_TYPE, lambda: json.dumps(scene_schema()).encode()),
+        "/schema": (JSON_TYPE, lambda: schema_file().read_bytes()),
         **{f"/{path.name}": ("image/jpeg", path.read_bytes) for path in (library("figures") / "gallery").glob("*.jpg")},
     }
 

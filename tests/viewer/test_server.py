@@ -84,6 +84,8 @@ def test_a_page_that_opens_late_finds_the_last_minute_and_nothing_of_the_scene_b
         assert fewest <= len(found) <= 600 and len(found) * size <= 48e6
         assert 149.0 < found[-1] < 150.0 and 58.0 < found[-1] - found[0] <= 60.0
         assert max(b - a for a, b in pairwise(found)) < 1.5
+        server.show((3200).to_bytes(4, "little") + bytes(size - 4), 160.0)  # after 10 s that no page saw
+        assert times(size) == [160.0]
 
 
 @pytest.mark.parametrize("bad", ["{", b"\0\1\2", '{"do": "fly"}', "x" * 300_000])

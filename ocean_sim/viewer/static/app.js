@@ -41,6 +41,7 @@ function begin(stills) {
   $("showSea").parentElement.hidden = still.tank;  // water goes on around no tank
   $("showMirror").parentElement.hidden = !first.ships.length;
   $("steering").hidden = !LIVE || !state.drives || !first.ships.some((ship) => ship.steered);
+  $("arrows").textContent = $("steering").hidden ? "turn the view" : "steer a ship";
   $("rigCheck").hidden = $("ridesCheck").hidden = !still.platform;
   plots.begin(state.worlds.map((world, k) => ({ scalars: world.still.scalars, name: START.runs?.[k]?.name || world.still.title, spacing: world.still.particles && world.still.spacing })));
   const contents = [...(still.surface ? ["water"] : []), ...(still.particles ? ["particles"] : []), ...(still.surface && still.particles ? ["both"] : [])];
@@ -374,11 +375,9 @@ function tab(name) {
     button.tabIndex = button.id === `to-${name}` ? 0 : -1;
   }
   document.body.classList.toggle("wide", name === "scene");
+  for (const list of ["keys", "scenes"]) if (name === list && !$(list).childElementCount) $(list).innerHTML = `<p class="hint">The ${list} are on their way ...</p>`;
   if (name === "scenes") send({ do: "scenes" });
-  if (name === "keys") {
-    if (!$("keys").childElementCount) $("keys").innerHTML = '<p class="hint">The keys are on their way ...</p>';
-    send({ do: "keys" });
-  }
+  if (name === "keys") send({ do: "keys" });
   if (name === "scene") {
     send({ do: "scene" });
     if (!editor.schema) fetch(`/schema${WITH}`).then((reply) => reply.json()).then((schema) => { editor.schema = schema; }).catch(() => {});

@@ -1,4 +1,4 @@
-const WHEEL_TURN = 180 / 35;  // angle of the wheel over that of the rudder; the top of the wheel goes to port with it
+const WHEEL_TURN = 130 / 35;  // angle of the wheel over that of the rudder: less than half a turn, so that its mark tells the side
 const WAKE_SECONDS = 40;  // after which white water behind a ship is gone
 
 // One simulation as it is drawn: what never changes is made once, two moments are held, and what lies between is shown.
